@@ -1,0 +1,1 @@
+"""Rigid bodies moving in Stokes flow, resolved down to the lubrication film."""

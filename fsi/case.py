@@ -1,0 +1,158 @@
+"""The case file: what the user asks for, checked before anything is computed.
+
+`load_case` reads a TOML file into a frozen `Case` or raises `InputError` with one line that names
+the key, its value and the remedy. Lengths, times and loads are in the user's own consistent units;
+loads are EXTERNAL and per unit length in the plane.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+import tomli_w
+from pydantic import BeforeValidator, Field, ValidationError, model_validator
+
+from fsi.bodies import Array, Configuration, Motion
+from fsi.casecheck import check_case
+from fsi.domain import Domain, WallVelocity, wall_kinks, wall_pressure, wall_velocity
+from fsi.errors import InputError
+from fsi.overrides import override
+from fsi.schema import Body, Discretisation, Expected, Fluid, Output, Time
+from fsi.section import Section, explain
+from fsi.series import kinks, value_at
+from meshes.geometry import Container
+
+
+def _rows(value: Any) -> Any:
+    """A single table [expected] is one row, an empty one none."""
+    return tuple([value] if value else []) if isinstance(value, dict) else value
+
+
+class Case(Section):
+    """One problem: fluid, domain, bodies, and how to compute it."""
+
+    name: str = Field(min_length=1, description="a few words that name the case")
+    geometry: Literal["planar"] = Field(default="planar", description='"planar"')
+    fluid: Fluid = Field(description="a section [fluid] with its viscosity")
+    domain: Domain = Field(description='a section [domain] of shape "box" or "half-plane"')
+    bodies: tuple[Body, ...] = Field(default=(), description="one section [[bodies]] for each body")
+    discretisation: Discretisation = Field(
+        default_factory=Discretisation, description="a section [discretisation]"
+    )
+    time: Time | None = Field(default=None, description="a section [time] with its end")
+    output: Output = Field(default_factory=Output, description="a section [output]")
+    expected: Annotated[tuple[Expected, ...], BeforeValidator(_rows)] = Field(
+        default=(), description="one section [[expected]] for each number"
+    )
+
+    @model_validator(mode="after")
+    def _sound(self) -> Case:
+        check_case(self)
+        return self
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the bodies, in the order of every array over bodies."""
+        return tuple(body.name for body in self.bodies)
+
+    def container(self) -> Container:
+        """What encloses the fluid."""
+        return self.domain.container()
+
+    def configuration(self) -> Configuration:
+        """Where the bodies are at time 0."""
+        return Configuration(
+            np.array([body.position for body in self.bodies], dtype=float).reshape(-1, 2),
+            np.array([body.angle for body in self.bodies], dtype=float),
+            np.array([body.radius for body in self.bodies], dtype=float),
+        )
+
+    def motion(self, t: float) -> Motion:
+        """What holds and what drives the bodies at time t."""
+        held = np.array(
+            [[part != "free" for part in body.motion] for body in self.bodies], dtype=bool
+        ).reshape(-1, 3)
+        U = self._modes(lambda body: [0.0 if part == "free" else value_at(part, t) for part in body.motion])
+        F = self._modes(lambda body: [value_at(part, t) for part in body.loads])
+        return Motion(held, U, F)
+
+    def masses(self) -> Array | None:
+        """(m, m, I) of each body, 0 for those without, shape (N, 3); None when no body has inertia."""
+        if all(body.mass is None for body in self.bodies):
+            return None
+        return self._modes(lambda body: [body.mass or 0.0, body.mass or 0.0, body.moment_of_inertia or 0.0])
+
+    def _modes(self, values: Callable[[Body], Sequence[float]]) -> Array:
+        return np.array([values(body) for body in self.bodies], dtype=float).reshape(-1, 3)
+
+    def wall_velocity(self, t: float) -> dict[str, WallVelocity]:
+        """The velocity at time t on the walls where it is given."""
+        found = {name: wall_velocity(wall, t) for name, wall in self.domain.walls.items()}
+        return {name: velocity for name, velocity in found.items() if velocity is not None}
+
+    def wall_pressure(self) -> dict[str, float]:
+        """The outside pressure on the open walls."""
+        found = {name: wall_pressure(wall) for name, wall in self.domain.walls.items()}
+        return {name: pressure for name, pressure in found.items() if pressure is not None}
+
+    def knots(self) -> tuple[float, ...]:
+        """The times at which a table has a kink, increasing."""
+        times = {time for body in self.bodies for part in (*body.motion, *body.loads) for time in kinks(part)}
+        return tuple(sorted(times.union(*map(wall_kinks, self.domain.walls.values()))))
+
+    def as_toml(self) -> str:
+        """The case with every default filled in; reads back as an equal Case."""
+        return tomli_w.dumps(self.model_dump(exclude_none=True))
+
+
+def load_case(path: Path, overrides: Sequence[str] = ()) -> Case:
+    """Read a case file.
+
+    Args:
+        path: the TOML file.
+        overrides: `key=value` with a dotted key (`bodies.0.radius=2`) and a TOML value, applied in order.
+
+    Raises:
+        InputError: the file cannot be read or the case is not sound; nothing has been written.
+    """
+    data = _read(path)
+    if not data:
+        raise InputError(f"{path}: the case is empty; give at least name, [fluid] and [domain]")
+    for text in overrides:
+        override(data, text)
+    domain = data.get("domain")
+    if isinstance(domain, dict) and isinstance(domain.get("mesh"), str):
+        domain["mesh"] = str((path.parent / domain["mesh"]).resolve())
+    return parse_case(data)
+
+
+def parse_case(data: Mapping[str, Any]) -> Case:
+    """The case that nested dictionaries, lists and numbers describe. Raises InputError."""
+    try:
+        return Case.model_validate(_tuples(data))
+    except ValidationError as error:
+        raise InputError(explain(error, Case)) from None
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not TOML: {error}; correct the file there") from None
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror or error}; give the path of a case file") from None
+
+
+def _tuples(value: Any) -> Any:
+    """The same data with tuples for lists, as frozen sections want it."""
+    match value:
+        case dict():
+            return {key: _tuples(item) for key, item in value.items()}
+        case list() | tuple():
+            return tuple(map(_tuples, value))
+        case _:
+            return value

@@ -1,0 +1,161 @@
+"""What a case must satisfy beyond the types of its keys: names, room, loads, a motion that is determined.
+
+All checks concern the start; what happens later is the stepper's to watch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fsi.bodies import Array
+from fsi.errors import InputError
+from fsi.gaps import find_gaps
+from fsi.section import toml_text
+from fsi.series import is_zero
+from meshes.geometry import Box, Container
+
+if TYPE_CHECKING:
+    from fsi.case import Case
+
+# A gap is touching when it is no larger than what rounding makes of coordinates of this size.
+_ROUNDING = 8.0 * float(np.finfo(float).eps)
+_LOAD_KEYS = ("force.0", "force.1", "torque")
+
+
+def check_case(case: Case) -> None:
+    """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
+    _check_names(case)
+    _check_room(case)
+    _check_loads(case)
+    _check_inertia(case)
+    _check_flux(case)
+    _check_determined(case)
+    _check_files(case)
+    _check_time(case)
+
+
+def _check_names(case: Case) -> None:
+    walls = case.container().walls
+    for i, name in enumerate(case.names):
+        here = f"bodies.{i}.name = {toml_text(name)}"
+        if name in case.names[:i]:
+            raise InputError(
+                f"{here}: bodies.{case.names.index(name)} has the same name; give each body its own"
+            )
+        if name in walls:
+            raise InputError(f"{here}: a wall has this name; give the body another one")
+
+
+def _check_room(case: Case) -> None:
+    """No body touches a wall or another body."""
+    q, container = case.configuration(), case.container()
+    touching = _ROUNDING * container.size()
+    wall_gaps = container.distances(q.centres) - q.radii[:, None]
+    for i, w in np.argwhere(wall_gaps <= touching)[:1]:
+        raise InputError(
+            f"bodies.{i}.position = {toml_text(case.bodies[i].position)}: body {case.names[i]!r} touches or "
+            f"crosses wall {container.walls[w]!r} (gap {wall_gaps[i, w]:.6g}); move or shrink it"
+        )
+    gaps = find_gaps(q, container, reach=touching)
+    for (i, j), gap in zip(gaps.pairs[:1], gaps.pair_gaps[:1], strict=True):
+        raise InputError(
+            f"bodies.{j}.position = {toml_text(case.bodies[j].position)}: bodies {case.names[i]!r} and "
+            f"{case.names[j]!r} overlap or touch (gap {gap:.6g}); move them apart"
+        )
+
+
+def _check_loads(case: Case) -> None:
+    for i, body in enumerate(case.bodies):
+        for held, load, key in zip(body.motion, body.loads, _LOAD_KEYS, strict=True):
+            if held != "free" and not is_zero(load):
+                raise InputError(
+                    f"bodies.{i}.{key} = {toml_text(load)}: body {body.name!r} holds this component, "
+                    'so its load is a result; drop the load or make the velocity "free"'
+                )
+
+
+def _check_inertia(case: Case) -> None:
+    for i, body in enumerate(case.bodies):
+        if (body.mass is None) != (body.moment_of_inertia is None):
+            given, other = ("mass", "moment_of_inertia")[:: 1 if body.mass is not None else -1]
+            raise InputError(
+                f"bodies.{i}.{given} = {getattr(body, given)!r}: without {other}; give both or neither "
+                "(a uniform disc has moment_of_inertia = mass radius^2 / 2)"
+            )
+
+
+def _check_flux(case: Case) -> None:
+    """An incompressible fluid that is enclosed all round cannot take a net flux, at any time."""
+    if case.wall_pressure():
+        return
+    normals = _wall_normals(case.container())
+    for t in case.knots() or (0.0,):
+        outward = {
+            name: float(normals[name][:2] @ given.velocity + normals[name][2] * given.shear)
+            for name, given in case.wall_velocity(t).items()
+        }
+        worst = max(outward, key=lambda name: abs(outward[name]))
+        net = sum(outward.values())
+        if abs(net) > 1e-12 * abs(outward[worst]):
+            raise InputError(
+                f"domain.walls.{worst} = {toml_text(case.domain.walls[worst])}: the net flux out of the "
+                f'closed domain is {net:.6g} at t = {t:g}; balance the wall velocities or make a wall "open"'
+            )
+
+
+def _wall_normals(container: Container) -> dict[str, Array]:
+    """For each wall the integrals of `n_x, n_y, y n_x` over it, n the unit normal out of the fluid."""
+    if isinstance(container, Box):
+        (left, bottom), (right, top) = container.lower, container.upper
+        across, along, moment = top - bottom, right - left, (top**2 - bottom**2) / 2.0
+        rows = [(-across, 0.0, -moment), (across, 0.0, moment), (0.0, -along, 0.0), (0.0, along, 0.0)]
+    else:
+        rows = [(0.0, -container.size(), 0.0), (0.0, container.size(), 0.0)]
+    return {name: np.array(row) for name, row in zip(container.walls, rows, strict=True)}
+
+
+def _check_determined(case: Case) -> None:
+    """Some wall, held component or mass must stop every rigid motion of fluid and bodies together."""
+    if case.wall_velocity(0.0):
+        return
+    stopped = np.array(list(_stopped_modes(case))).reshape(-1, 3)
+    if np.linalg.matrix_rank(stopped) < 3:
+        free = (
+            "everything is free"
+            if not stopped.size
+            else "what is held leaves a rigid motion of all together free"
+        )
+        raise InputError(
+            f"domain.walls = {toml_text(case.domain.walls)}: no wall has a velocity and {free}, so the "
+            "motion is not determined; give a wall a velocity or hold a body"
+        )
+
+
+def _stopped_modes(case: Case) -> Iterator[tuple[float, float, float]]:
+    """The linear forms of a global rigid motion (V_x, V_y, omega) that held or heavy components fix."""
+    for body in case.bodies:
+        x, y = body.position
+        of_body = ((1.0, 0.0, -y), (0.0, 1.0, x), (0.0, 0.0, 1.0))
+        for held, form in zip(body.motion, of_body, strict=True):
+            if held != "free" or body.mass is not None:
+                yield form
+
+
+def _check_files(case: Case) -> None:
+    mesh = case.domain.mesh
+    if mesh is not None and not Path(mesh).is_file():
+        raise InputError(f"domain.mesh = {toml_text(mesh)}: no such file; give the path of a mesh file")
+
+
+def _check_time(case: Case) -> None:
+    if case.time is None:
+        return
+    end, smallest = case.time.end, case.time.smallest_step
+    if not case.bodies:
+        raise InputError(f"time.end = {end!r}: there are no bodies to move; add [[bodies]] or drop [time]")
+    if smallest >= end:
+        raise InputError(f"time.smallest_step = {smallest!r}: not below time.end = {end!r}; make it smaller")

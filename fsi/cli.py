@@ -1,0 +1,213 @@
+"""The command `fsi`.
+
+Exit codes: 0 done, 1 a defect of the program, 2 wrong input, 3 a solve, mesh or step failed,
+130 interrupted. Errors are one line on stderr. Under `mpiexec` root alone prints; see
+`parallel.last_words` for how all ranks end together.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import traceback
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+
+from fsi import parallel
+from fsi.errors import FsiError, InputError
+from meshes.errors import MeshError
+
+if TYPE_CHECKING:  # what a command needs is imported in it: `fsi --help` must be quick
+    from fsi.case import Case
+    from fsi.progress import ProgressBar
+    from fsi.run import Outcome
+    from fsi.stokes.model import StokesModel
+    from fsi.stokes.solution import StokesSolution
+
+INTERRUPTED = 130
+
+app = typer.Typer(
+    add_completion=False,
+    rich_markup_mode="markdown",
+    pretty_exceptions_enable=False,
+    help="Rigid bodies moving in Stokes flow, resolved down to the lubrication film.\n\n"
+    "Begin with: fsi check cases/disc_in_box.toml. Works under mpiexec -n 4 fsi ... as well.",
+)
+
+CaseFile = Annotated[Path, typer.Argument(metavar="CASE", help="A case file (TOML).", show_default=False)]
+RunFolder = Annotated[
+    Path, typer.Argument(metavar="RUN", help="A folder made by fsi run.", show_default=False)
+]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Change a value of the case, e.g. discretisation.degree=2, bodies.0.radius=2. May be repeated.",
+        show_default=False,
+    ),
+]
+
+
+def _load(path: Path, overrides: list[str] | None) -> Case:
+    from fsi.case import load_case
+
+    return parallel.on_root(lambda: load_case(path, overrides or ()))
+
+
+def _model(case: Case) -> StokesModel:
+    from fsi.stokes.model import StokesModel
+
+    return StokesModel(case)
+
+
+@app.command(epilog="Example: fsi check cases/two_discs.toml --set 'bodies.0.position=[-1.5, 0.0]'")
+def check(case_file: CaseFile, overrides: Overrides = None) -> None:
+    """Read a case and say what it holds: bodies, gaps, what is free or held, walls. Nothing is computed."""
+    case = _load(case_file, overrides)
+    if parallel.is_root():
+        from fsi.report import print_case
+
+        print_case(Console(), case)
+
+
+@app.command(epilog="Example: fsi mesh cases/disc_in_box.toml -o disc.vtu")
+def mesh(
+    case_file: CaseFile,
+    output: Annotated[Path, typer.Option("--output", "-o", help="The mesh file: .msh, .vtu, ...")],
+    overrides: Overrides = None,
+) -> None:
+    """Write the mesh of a case at time 0."""
+    case = _load(case_file, overrides)
+    if output.is_dir() or not os.access(output.absolute().parent, os.W_OK):
+        raise InputError(f"output = {output}: no file can be written there; give another path")
+    from meshes.convert import write_mesh
+
+    write_mesh(_model(case).mesh(case.configuration()), output, case.names)
+    if parallel.is_root():
+        typer.echo(f"wrote {output}")
+
+
+@app.command(epilog="Example: fsi solve cases/disc_in_box.toml --set discretisation.cells_per_gap=2 --json")
+def solve(
+    case_file: CaseFile,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    overrides: Overrides = None,
+) -> None:
+    """Solve a case at time 0: velocities, forces of the fluid on the bodies, checks.
+
+    In a half-plane, whose container is finite, the solve is repeated with half its radius. The change
+    of the results is the reported truncation; the error at the full radius is about a third of it.
+    """
+    from fsi.report import print_solution, solution_json
+    from fsi.truncation import halved, truncation
+
+    case = _load(case_file, overrides)
+    solution = _solve(case)
+    half = halved(case)
+    truncated = None if half is None else truncation(case, solution, _solve(half))
+    if parallel.is_root() and as_json:
+        typer.echo(json.dumps(solution_json(case, solution, truncated)))
+    elif parallel.is_root():
+        print_solution(Console(), case, solution, truncated)
+
+
+def _solve(case: Case) -> StokesSolution:
+    return _model(case)(case.configuration(), 0.0)
+
+
+@app.command(epilog="Example: fsi run cases/settling_disc.toml --output runs/settling --set time.end=20")
+def run(
+    case_file: CaseFile,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="The run folder, a new one.", show_default="runs/<case file>"),
+    ] = None,
+    overrides: Overrides = None,
+) -> None:
+    """Move the bodies in time and write a run folder: tables, ParaView series, state.
+
+    A run that was broken off, at any moment, goes on with fsi resume.
+    """
+    from fsi.progress import ProgressBar
+    from fsi.run import run_case
+
+    case = _load(case_file, overrides)
+    folder = output or Path("runs") / case_file.stem
+    with ProgressBar() as bar:
+        bar.begin(case)
+        outcome = run_case(case, folder, _model(case), bar.show)
+    _tell_end(folder, outcome, bar)
+
+
+@app.command(epilog="Example: fsi resume runs/settling_disc")
+def resume(folder: RunFolder) -> None:
+    """Continue a run from its last complete step. A finished run is left as it is."""
+    from fsi.progress import ProgressBar
+    from fsi.run import resume_run
+
+    with ProgressBar() as bar:
+
+        def model(case: Case) -> StokesModel:
+            bar.begin(case)
+            return _model(case)
+
+        outcome = resume_run(folder, model, bar.show)
+    _tell_end(folder, outcome, bar)
+
+
+def _tell_end(folder: Path, outcome: Outcome, bar: ProgressBar) -> None:
+    if not parallel.is_root():
+        return
+    if outcome.steps == 0:
+        typer.echo(f"{folder} was finished at t = {outcome.state.t:g}; nothing to do")
+    else:
+        typer.echo(
+            f"{folder}: {outcome.steps} steps to t = {outcome.state.t:g}, "
+            f"smallest gap {bar.smallest_gap:.4g} (at t = {bar.smallest_at:g}), {bar.elapsed:.0f} s"
+        )
+
+
+@app.command(epilog="Example: fsi render runs/settling_disc -o settling.png")
+def render(
+    folder: RunFolder,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="The picture.", show_default="in the run folder")
+    ] = None,
+) -> None:
+    """Draw the last fields of a run: speed, streamlines, mesh."""
+    from postprocess.render import render_run
+
+    picture = parallel.on_root(lambda: render_run(folder, output))
+    if parallel.is_root():
+        typer.echo(f"wrote {picture}")
+
+
+def main() -> int:
+    """Run the command line; returns the exit code."""
+    if not parallel.is_root():
+        sys.stdout = open(os.devnull, "w")  # noqa: PTH123, SIM115  (help and tables once, not once a rank)
+    try:
+        command = typer.main.get_command(app)
+        code = command.main(sys.argv[1:] or ["--help"], prog_name="fsi", standalone_mode=False) or 0
+        if code != INTERRUPTED:  # typer turns Ctrl-C into this exit code, and says nothing
+            return int(code)
+        return parallel.last_words("error: interrupted; a run goes on with fsi resume", INTERRUPTED)
+    except (FsiError, MeshError) as error:
+        line = " ".join(str(error).splitlines())
+        return parallel.last_words(f"error: {line}", getattr(error, "exit_code", 3))
+    except typer.TyperException as error:
+        return parallel.last_words(f"error: {_usage(error)}", 2)
+    except Exception:
+        return parallel.last_words(traceback.format_exc(), 1)
+
+
+def _usage(error: typer.TyperException) -> str:
+    """What is wrong with the command line, and where its help is."""
+    context = getattr(error, "ctx", None)
+    command = "fsi" if context is None else context.command_path
+    return f"{error.format_message().rstrip('.')}; see {command} --help"

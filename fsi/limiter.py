@@ -1,0 +1,89 @@
+"""The gap limiter: what fraction of the gaps, of bodies and walls, a displacement closes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsi.bodies import Array, Configuration
+from fsi.gaps import find_gaps
+from meshes.geometry import Container
+
+# What is predicted from the present velocity aims below the limit, so that the stages, whose
+# velocities differ a little, seldom exceed it; with the stretch of Schedule.landing it stays below 1.
+SAFETY = 0.9
+
+
+@dataclass(frozen=True, slots=True)
+class Approach:
+    """The gap that closes most, relative to itself.
+
+    loss: fraction of the gap lost on the way, 1 or more for contact, negative when it opens;
+    gap: its value before; between: the two sides, as positions in the bodies followed by the walls.
+    """
+
+    loss: float
+    gap: float
+    between: tuple[int, int]
+
+
+class GapRefusedError(Exception):
+    """A displacement closes a gap by more than the limit: the step is tried again, shorter."""
+
+    def __init__(self, approach: Approach) -> None:
+        super().__init__(approach)
+        self.approach = approach
+
+
+def _closest_pass(q: Configuration, displacement: Array, pairs: NDArray[np.intp]) -> Array:
+    """Smallest gap of the pairs (P, 2) on the straight way, shape (P,): none can jump through another."""
+    i, j = pairs[:, 0], pairs[:, 1]
+    separation = q.centres[i] - q.centres[j]
+    change = displacement[i, :2] - displacement[j, :2]
+    length2 = np.sum(change * change, axis=1)
+    nearest = -np.sum(separation * change, axis=1) / np.where(length2 > 0.0, length2, 1.0)
+    passed = separation + np.clip(nearest, 0.0, 1.0)[:, None] * change
+    return np.hypot(passed[:, 0], passed[:, 1]) - q.radii[i] - q.radii[j]
+
+
+def greatest_approach(
+    q: Configuration, container: Container, displacement: Array, gap_loss: float
+) -> Approach:
+    """The gap that loses most of itself when the bodies move straight by `displacement` (N, 3).
+
+    Neighbours count, and whatever can lose more than `gap_loss` however far apart. Containers are convex, so that the gap to a wall is smallest at an end of the way.
+    """
+    fastest = float(np.hypot(displacement[:, 0], displacement[:, 1]).max())
+    reach = max(2.0 * float(q.radii.max()), 2.0 * fastest / gap_loss)
+    gaps = find_gaps(q, container, reach)
+    wall_left = container.distances(q.centres + displacement[:, :2]) - q.radii[:, None]
+    before = np.concatenate([gaps.pair_gaps, gaps.wall_gaps.ravel()])
+    loss = 1.0 - np.concatenate([_closest_pass(q, displacement, gaps.pairs), wall_left.ravel()]) / before
+    worst = int(np.argmax(loss))
+    return Approach(float(loss[worst]), float(before[worst]), _sides(worst, gaps.pairs, gaps.wall_gaps.shape))
+
+
+def _sides(index: int, pairs: NDArray[np.intp], bodies_walls: tuple[int, ...]) -> tuple[int, int]:
+    """The two sides of an entry of the list of all pairs followed by all (body, wall), row by row."""
+    if index < len(pairs):
+        return int(pairs[index, 0]), int(pairs[index, 1])
+    bodies, walls = bodies_walls
+    body, wall = divmod(index - len(pairs), walls)
+    return body, bodies + wall
+
+
+def limited_step(
+    q: Configuration, container: Container, velocity: Array, h: float, gap_loss: float
+) -> tuple[float, Approach]:
+    """The longest step up to h in which the present velocity (N, 3) closes no gap by more than `gap_loss`.
+
+    Returns:
+        the step, and the gap that limits it (that closes most, if none does).
+    """
+    approach = greatest_approach(q, container, h * velocity, gap_loss)
+    while approach.loss > gap_loss:
+        h *= SAFETY * gap_loss / approach.loss
+        approach = greatest_approach(q, container, h * velocity, gap_loss)
+    return h, approach

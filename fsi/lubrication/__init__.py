@@ -1,0 +1,1 @@
+"""Lubrication: the exact forces at small gaps, and the laws built on them."""

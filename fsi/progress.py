@@ -1,0 +1,62 @@
+"""The progress of a run on a terminal: time, smallest gap, time left."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from types import TracebackType
+from typing import Self
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
+
+from fsi import parallel
+from fsi.case import Case
+from fsi.results import StepRecord
+
+
+class ProgressBar:
+    """A context in which `show` follows a run; silent on all ranks but root and where stderr is no terminal.
+
+    smallest_gap, smallest_at: the smallest gap seen and its time; elapsed: wall-clock seconds.
+    """
+
+    def __init__(self) -> None:
+        self.smallest_gap = math.inf
+        self.smallest_at = 0.0
+        self._began = time.monotonic()
+        self._bar = Progress(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.percentage:.0f} %"),
+            TimeRemainingColumn(),
+            console=Console(stderr=True),
+            disable=not (parallel.is_root() and sys.stderr.isatty()),
+        )
+        self._task: TaskID = self._bar.add_task("first mesh", total=None)
+
+    @property
+    def elapsed(self) -> float:
+        """Wall-clock seconds since the beginning."""
+        return time.monotonic() - self._began
+
+    def begin(self, case: Case) -> None:
+        """Take the end of time from the case."""
+        self._bar.update(self._task, total=case.time.end if case.time else None)
+
+    def show(self, record: StepRecord) -> None:
+        """Show an accepted step."""
+        if record.smallest_gap < self.smallest_gap:
+            self.smallest_gap, self.smallest_at = record.smallest_gap, record.t
+        text = f"step {record.step}  t = {record.t:.4g}  smallest gap {record.smallest_gap:.3e}"
+        self._bar.update(self._task, completed=record.t, description=text)
+
+    def __enter__(self) -> Self:
+        self._bar.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._bar.stop()

@@ -1,0 +1,137 @@
+"""What the commands show: one instant as a JSON object or as tables, and the summary of a case.
+
+Here, unlike in the arrays, a force is the one that the FLUID exerts on the body, `-F`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from fsi.case import Case
+from fsi.domain import AT_REST
+from fsi.section import toml_text
+from fsi.truncation import Solution
+
+_COMPONENTS = ("x", "y", "rotation")
+
+
+def solution_json(case: Case, solution: Solution, truncated: Mapping[str, float] | None) -> dict[str, Any]:
+    """The object that `fsi solve --json` prints; `truncation` is there where it could be measured."""
+    q = case.configuration()
+    exerted = -solution.F + 0.0  # no -0.0
+    bodies = [
+        {
+            "name": name,
+            "position": q.centres[i].tolist(),
+            "velocity": solution.U[i, :2].tolist(),
+            "angular_velocity": float(solution.U[i, 2]),
+            "force": exerted[i, :2].tolist(),
+            "torque": float(exerted[i, 2]),
+        }
+        for i, name in enumerate(case.names)
+    ]
+    found: dict[str, Any] = {
+        "name": case.name,
+        "bodies": bodies,
+        "dissipation": float(solution.dissipation),
+        "checks": {name: float(value) for name, value in solution.checks.items()},
+        "dofs": int(solution.dofs),
+        "cells": int(solution.cells),
+        "seconds": float(sum(solution.seconds.values())),
+        "seconds_by_phase": {phase: float(spent) for phase, spent in solution.seconds.items()},
+    }
+    return found if truncated is None else found | {"truncation": dict(truncated)}
+
+
+def print_solution(
+    console: Console, case: Case, solution: Solution, truncated: Mapping[str, float] | None
+) -> None:
+    """The same for a reader: a table of the bodies, then one of the checks."""
+    console.print(
+        _bodies_table(case, solution), _checks_table(solution, truncated), _cost(solution), sep="\n"
+    )
+
+
+def _bodies_table(case: Case, solution: Solution) -> Table:
+    table = Table(
+        title=case.name,
+        title_justify="left",
+        caption="forces and torques per unit length, rotation counterclockwise",
+    )
+    table.add_column("body")
+    table.add_column("component")
+    table.add_column("motion")
+    for heading in ("velocity", "force of the fluid", "the same by its traction"):
+        table.add_column(heading, justify="right")
+    held = case.motion(0.0).held
+    for i, name in enumerate(case.names):
+        for k, component in enumerate(_COMPONENTS):
+            table.add_row(
+                name if k == 0 else "",
+                component,
+                "held" if held[i, k] else "free",
+                *(
+                    f"{value + 0.0:.8g}"
+                    for value in (solution.U[i, k], -solution.F[i, k], -solution.traction_F[i, k])
+                ),
+                end_section=k == 2,
+            )
+    return table
+
+
+def _checks_table(solution: Solution, truncated: Mapping[str, float] | None) -> Table:
+    table = Table("check, relative")
+    table.add_column("value", justify="right")
+    for name, value in solution.checks.items():
+        table.add_row(name, f"{value:.1e}")
+    for name, value in (truncated or {}).items():
+        table.add_row(f"truncation: change of {name} when the radius is halved", f"{value:.1e}")
+    return table
+
+
+def _cost(solution: Solution) -> Text:
+    phases = ", ".join(f"{phase} {spent:.2f}" for phase, spent in solution.seconds.items())
+    return Text(
+        f"dissipation {solution.dissipation:.8g}; {solution.cells} cells, {solution.dofs} unknowns, "
+        f"{sum(solution.seconds.values()):.2f} CPU s ({phases})"
+    )
+
+
+def print_case(console: Console, case: Case) -> None:
+    """What a case holds: bodies with their smallest gaps, what is free or held, walls."""
+    console.print(_case_table(case), _walls_table(case), sep="\n")
+
+
+def _walls_table(case: Case) -> Table:
+    table = Table("wall", "what holds there")
+    for name, wall in case.domain.walls.items():
+        table.add_row(name, "at rest" if wall == AT_REST else toml_text(wall))
+    return table
+
+
+def _case_table(case: Case) -> Table:
+    table = Table("body", "position", "radius", "smallest gap", "to", title=case.name, title_justify="left")
+    for heading in ("x", "y", "rotation"):
+        table.add_column(heading)
+    held = case.motion(0.0).held
+    for i, body in enumerate(case.bodies):
+        gap, neighbour = _nearest(case, i)
+        position = ", ".join(f"{x:.6g}" for x in body.position)
+        motion = ("held" if is_held else "free" for is_held in held[i])
+        table.add_row(body.name, position, f"{body.radius:.6g}", f"{gap:.6g}", neighbour, *motion)
+    return table
+
+
+def _nearest(case: Case, i: int) -> tuple[float, str]:
+    """The smallest gap of body i and the name of what lies there, a body or a wall."""
+    q, container = case.configuration(), case.container()
+    to_bodies = np.hypot(*(q.centres - q.centres[i]).T) - q.radii
+    to_bodies[i] = np.inf
+    gaps = np.append(to_bodies, container.distances(q.centres[i : i + 1])) - q.radii[i]
+    return float(gaps.min()), (*case.names, *container.walls)[int(gaps.argmin())]

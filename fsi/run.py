@@ -1,0 +1,128 @@
+"""A run from its case to its folder, and the continuation of a run that was broken off."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from time import process_time
+
+from fsi.bodies import Configuration
+from fsi.case import Case, load_case
+from fsi.errors import InputError
+from fsi.gaps import find_gaps
+from fsi.provenance import launch
+from fsi.results import RunFolder, StepRecord
+from fsi.schedule import Schedule
+from fsi.schema import Time
+from fsi.schemes import AscherRuuthSpiteri, BogackiShampine
+from fsi.stepping import Model, Scheme, State, Step, Stepper
+from meshes.geometry import Container
+
+type Progress = Callable[[StepRecord], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How a launch ended: the last state, and how many steps it made; 0 if the run was finished before."""
+
+    state: State
+    steps: int
+
+
+def no_progress(record: StepRecord) -> None:
+    """Show nothing."""
+
+
+def run_case(case: Case, folder: Path, model: Model, progress: Progress = no_progress) -> Outcome:
+    """Run a case into a new folder. All ranks call it, and `progress` is called on all of them.
+
+    Raises:
+        InputError: the case has no [time] or the folder is not new; nothing has been written.
+        SolveError: the run cannot go on; the folder keeps the last good state.
+    """
+    stepper = make_stepper(case, model)
+    run = RunFolder.create(folder, case.as_toml(), launch())
+    return _drive(case, run, stepper, progress)
+
+
+def resume_run(
+    folder: Path, make_model: Callable[[Case], Model], progress: Progress = no_progress
+) -> Outcome:
+    """Continue a run after its last committed step; a finished run is left as it is.
+
+    Raises:
+        InputError: it is not the folder of a run, or files are missing in it.
+        SolveError: as in `run_case`.
+    """
+    run = RunFolder.reopen(folder)
+    case = load_case(run.case)
+    if run.checkpoint is not None and run.checkpoint.state.t >= _time(case).end:
+        return Outcome(run.checkpoint.state, 0)
+    stepper = make_stepper(case, make_model(case))
+    run.rewind(launch())
+    return _drive(case, run, stepper, progress)
+
+
+def make_stepper(case: Case, model: Model) -> Stepper:
+    """The stepper that a case asks for: with inertia if any body has a mass. Raises InputError."""
+    given = _time(case)
+    masses = case.masses()
+    scheme: Scheme = BogackiShampine() if masses is None else AscherRuuthSpiteri(masses, given.smallest_step)
+    return Stepper(
+        model=model,
+        scheme=scheme,
+        container=case.container(),
+        names=case.names,
+        schedule=Schedule(given.end, case.knots(), case.output.interval),
+        tolerance=given.tolerance,
+        gap_loss=given.gap_loss,
+        smallest_step=given.smallest_step,
+    )
+
+
+def _drive(case: Case, run: RunFolder, stepper: Stepper, progress: Progress) -> Outcome:
+    """Step from the last commit, or from the start, to the end; keep each step."""
+
+    def kept(advance: Callable[[], Step]) -> State:
+        began = process_time()
+        step = advance()
+        record = _record(step, stepper.container, process_time() - began)
+        writes = case.output.fields and stepper.schedule.is_output(record.t)
+        files = step.instant.write(run.fields, record.step) if writes else {}
+        run.keep(record, case.names, files, step.state, stepper.model.state())
+        progress(record)
+        return step.state
+
+    if run.checkpoint is None:
+        state = kept(partial(stepper.start, case.configuration(), _time(case).first_step))
+    else:
+        stepper.model.restore(run.checkpoint.model)
+        state = run.checkpoint.state
+    first = state.step
+    while state.t < stepper.schedule.end:
+        state = kept(partial(stepper.advance, state))
+    return Outcome(state, state.step - first)
+
+
+def _record(step: Step, container: Container, cpu: float) -> StepRecord:
+    """The step as the tables show it; cpu: CPU seconds of all its solves, rejected ones too."""
+    state, instant = step.state, step.instant
+    columns = {**instant.record, "cpu_step": cpu}
+    gap = _smallest_gap(state.q, container)
+    return StepRecord(state.step, state.t, step.h, gap, step.rejected, state.q, instant.U, instant.F, columns)
+
+
+def _smallest_gap(q: Configuration, container: Container) -> float:
+    """The smallest of all gaps, also where no two bodies are near each other."""
+    gaps = find_gaps(q, container)
+    if len(gaps.pairs) == 0:
+        gaps = find_gaps(q, container, reach=gaps.smallest())
+    return gaps.smallest()
+
+
+def _time(case: Case) -> Time:
+    if case.time is None:
+        raise InputError("time: missing; add a section [time] with its end, or use `fsi solve`")
+    return case.time

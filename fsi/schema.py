@@ -1,0 +1,120 @@
+"""The sections of a case file below the top: fluid, bodies, discretisation, time, output, expected rows."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from fsi.section import Section
+from fsi.series import Component, Series
+
+_LOAD = "a number or a table {times = [...], values = [...]}"
+_COMPONENT = r"(velocity|force|position)\.[xy]|angular_velocity|torque"
+_QUANTITY = rf"^(dissipation|time at gap [\d.e-]+|[\w -]+\.({_COMPONENT}))$"
+_MOTION = f'"free", {_LOAD}'
+
+
+class Fluid(Section):
+    """The fluid."""
+
+    viscosity: float = Field(gt=0.0, description="the dynamic viscosity mu, a number > 0")
+
+
+class Body(Section):
+    """A rigid disc: where it starts, what moves it, what it weighs."""
+
+    name: str = Field(pattern=r"^\w[\w -]*$", description="a name of letters, digits, blanks, - and _")
+    radius: float = Field(gt=0.0, description="the radius, a number > 0")
+    position: tuple[float, float] = Field(description="the centre [x, y] at time 0, two finite numbers")
+    angle: float = Field(default=0.0, description="the angle at time 0 in radians")
+    velocity: tuple[Component, Component] = Field(
+        default=("free", "free"), description=f"two components, each {_MOTION}"
+    )
+    angular_velocity: Component = Field(default="free", description=_MOTION)
+    force: tuple[Series, Series] = Field(default=(0.0, 0.0), description=f"two components, each {_LOAD}")
+    torque: Series = Field(default=0.0, description=_LOAD)
+    mass: float | None = Field(
+        default=None, gt=0.0, description="the mass per unit length, a number > 0, or none"
+    )
+    moment_of_inertia: float | None = Field(
+        default=None, gt=0.0, description="the moment of inertia per unit length, a number > 0, or none"
+    )
+
+    @property
+    def motion(self) -> tuple[Component, Component, Component]:
+        """What is prescribed for each mode (V_x, V_y, omega)."""
+        return (*self.velocity, self.angular_velocity)
+
+    @property
+    def loads(self) -> tuple[Series, Series, Series]:
+        """The external load on each mode (F_x, F_y, T)."""
+        return (*self.force, self.torque)
+
+
+class Discretisation(Section):
+    """The mesh and the finite elements."""
+
+    degree: int = Field(default=3, ge=2, le=4, description="the degree of the velocity, 2, 3 or 4")
+    cells_per_gap: float = Field(
+        default=1.0, gt=0.0, description="the number of cells across a gap of 0.02 radii, a number > 0"
+    )
+    cells_per_circle: int = Field(
+        default=48, ge=6, description="the number of cells around a lone body, at least 6"
+    )
+    growth: float = Field(
+        default=0.2,
+        gt=0.0,
+        le=1.0,
+        description="the cell size over the distance to the nearest body, in (0, 1]",
+    )
+    formulation: Literal["eliminated", "multiplier"] = Field(
+        default="eliminated", description='"eliminated" or "multiplier"'
+    )
+
+
+class Time(Section):
+    """How the motion is stepped."""
+
+    end: float = Field(gt=0.0, description="the time at which the run ends, a number > 0")
+    first_step: float | None = Field(default=None, gt=0.0, description="the first step to try, a number > 0")
+    smallest_step: float = Field(
+        default_factory=lambda known: 1e-9 * known.get("end", 1.0),
+        gt=0.0,
+        description="the step below which the run stops, a number > 0 (1e-9 of `end` if not given)",
+    )
+    tolerance: float = Field(
+        default=1e-4, gt=0.0, lt=1.0, description="the error of a step over the gap, in (0, 1)"
+    )
+    gap_loss: float = Field(
+        default=0.2, gt=0.0, lt=1.0, description="the part of a gap that a step may close, in (0, 1)"
+    )
+    remesh: Literal["always", "when-needed"] = Field(
+        default="always", description='"always" or "when-needed"'
+    )
+
+
+class Output(Section):
+    """What a run writes."""
+
+    interval: float | None = Field(
+        default=None, gt=0.0, description="the time between field files, a number > 0"
+    )
+    fields: bool = Field(default=True, description="true to write field files, false for tables only")
+
+
+class Expected(Section):
+    """A number that the case must give.
+
+    quantity: `dissipation`, or of a body `disc.velocity.x`, `disc.force.y` (by the fluid on the body),
+    `disc.angular_velocity`, `disc.torque`, at the end of a run `disc.position.y`; for a run also
+    `time at gap 0.1`, the first time at which the smallest gap is 0.1.
+    """
+
+    quantity: str = Field(
+        pattern=_QUANTITY,
+        description='"dissipation", "BODY.force.x" (velocity, position; y), "BODY.torque", "time at gap 0.1"',
+    )
+    value: float = Field(description="the expected number")
+    rtol: float = Field(gt=0.0, description="the relative tolerance, a number > 0")
+    source: str = Field(min_length=1, description="where the number comes from")

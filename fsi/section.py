@@ -1,0 +1,133 @@
+"""One section of a case file, and how a mistake in it becomes one line for the user.
+
+Sections are frozen pydantic models that refuse unknown keys and take no number for a word or a
+word for a number. Unions are told apart by a tag in angle brackets, so that pydantic reports the
+one alternative that was meant; the tags are dropped from the key that the user reads.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from typing import Any, get_args
+
+from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
+from pydantic_core import ErrorDetails, PydanticCustomError
+
+_LONGEST_VALUE = 60
+_COMPLAINTS = {
+    "literal_error": "not one of the choices",
+    "model_type": "not a section",
+    "dict_type": "not a section",
+    "string_pattern_mismatch": "not of that form",
+}
+_CONSEQUENCES = ("default_factory_not_called",)  # of another mistake in the same section
+
+
+class Section(BaseModel):
+    """A table of the case file: frozen, strict, finite numbers, known keys only."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _known_keys(cls, data: Any) -> Any:
+        if isinstance(data, dict):
+            for key in data:
+                refuse_unknown(key, cls.model_fields)
+        return data
+
+
+def refuse_unknown(key: str, known: Iterable[str]) -> None:
+    """Raise pydantic's error for a key that is not among the known ones; it names the nearest."""
+    known = list(known)
+    if key not in known:
+        nearest = nearest_word(key, known)
+        raise PydanticCustomError("unknown_key", "unknown key", {"key": key, "nearest": nearest})
+
+
+def nearest_word(word: str, known: Iterable[str]) -> str:
+    """The known word that looks most like `word`."""
+    return difflib.get_close_matches(word, list(known), n=1, cutoff=0.0)[0]
+
+
+def toml_text(value: object) -> str:
+    """The value as TOML would write it, on one line, shortened when long."""
+    text = _toml(value)
+    return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 4] + " ..."
+
+
+def _toml(value: object) -> str:
+    match value:
+        case bool():
+            return str(value).lower()
+        case str():
+            return '"' + value.replace("\n", "\\n") + '"'
+        case list() | tuple():
+            return "[" + ", ".join(map(_toml, value)) + "]"
+        case Section():
+            return _toml(value.model_dump(exclude_none=True))
+        case dict():
+            return "{" + ", ".join(f"{key} = {_toml(item)}" for key, item in value.items()) + "}"
+        case _:
+            return str(value)
+
+
+def explain(error: ValidationError, root: type[Section]) -> str:
+    """The first mistake as `key = value: what is wrong; what to do`, and how many others there are."""
+    found = [mistake for mistake in error.errors(include_url=False) if mistake["type"] not in _CONSEQUENCES]
+    others = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
+    return _explain_one(found[0], root) + others
+
+
+def _explain_one(mistake: ErrorDetails, root: type[Section]) -> str:
+    path, given = mistake["loc"], mistake["input"]
+    if mistake["type"] == "unknown_key":
+        key = mistake["ctx"]["key"]
+        nearest = dotted((*path, mistake["ctx"]["nearest"]))
+        return f"{dotted((*path, key))} = {toml_text(given[key])}: unknown key; use {nearest} or drop it"
+    remedy = f"give {_meaning(path, root)}"
+    if mistake["type"] == "missing":
+        return f"{dotted(path)}: missing; {remedy}"
+    return f"{dotted(path)} = {toml_text(given)}: {_complaint(mistake)}; {remedy}"
+
+
+def _complaint(mistake: ErrorDetails) -> str:
+    """Pydantic's words in those of a case file."""
+    if mistake["type"] in _COMPLAINTS:
+        return _COMPLAINTS[mistake["type"]]
+    complaint = mistake["msg"].removeprefix("Value error, ").replace("valid tuple", "list")
+    for subject in ("Input should", "Tuple should", "String should"):
+        complaint = complaint.replace(subject, "must")
+    return complaint
+
+
+def dotted(path: tuple[int | str, ...]) -> str:
+    """The key as `--set` takes it: `bodies.0.radius`."""
+    return ".".join(str(part) for part in path if not _is_tag(part)) or "case"
+
+
+def _is_tag(part: int | str) -> bool:
+    return str(part).startswith("<")
+
+
+def _meaning(path: tuple[int | str, ...], root: type[Section]) -> str:
+    """What the schema says that the key at `path` means: the description of the last field on the way."""
+    candidates: list[type[Section]] = [root]
+    meaning = "a value that is allowed there"
+    for part in path:
+        for section in candidates:
+            field = section.model_fields.get(str(part))
+            if field is not None:
+                meaning = field.description or meaning
+                candidates = list(_sections(field.annotation))
+                break
+    return meaning
+
+
+def _sections(annotation: Any) -> Iterable[type[Section]]:
+    """The section classes that an annotation mentions."""
+    if isinstance(annotation, type) and issubclass(annotation, Section):
+        yield annotation
+    for inner in get_args(annotation):
+        yield from _sections(inner)

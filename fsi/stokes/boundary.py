@@ -1,0 +1,72 @@
+"""Which velocity nodes lie on which body or wall, and where they are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from dolfinx import fem, la
+from numpy.typing import NDArray
+
+from meshes.build import FluidMesh
+from meshes.geometry import Array
+
+Nodes = NDArray[np.int32]
+
+
+@dataclass(frozen=True, slots=True)
+class BoundaryNodes:
+    """Velocity nodes of this rank, owned ones only.
+
+    body_nodes: nodes on bodies, ascending, (b,); body: the body of each, (b,); wall_nodes: of each wall by name;
+    x: coordinates of all owned velocity nodes, (n, 2).
+    """
+
+    body_nodes: Nodes
+    body: NDArray[np.int64]
+    wall_nodes: dict[str, Nodes]
+    x: Array
+
+
+def facets_with(fluid: FluidMesh, low: int, high: int) -> NDArray[np.int32]:
+    """Facets of this rank whose tag lies in [low, high]."""
+    tags = fluid.facet_tags.values
+    facets: NDArray[np.int32] = fluid.facet_tags.indices[(tags >= low) & (tags <= high)]
+    return facets
+
+
+def locate(fluid: FluidMesh, V: fem.FunctionSpace) -> BoundaryNodes:
+    """Find the velocity nodes on bodies and walls; collective.
+
+    A rank may own a node without owning a facet that holds it, so tags are summed over ranks.
+    """
+    owned = V.dofmap.index_map.size_local
+    bodies = facets_with(fluid, 1, fluid.bodies)
+    tags = fluid.facet_tags.values[np.searchsorted(fluid.facet_tags.indices, bodies)]
+    body_tag = _tag_of_nodes(fluid, V, bodies, tags)
+    body_nodes = np.flatnonzero(body_tag).astype(np.int32)
+    walls = {}
+    for wall in fluid.walls:
+        tag = fluid.wall_tag(wall)
+        facets = facets_with(fluid, tag, tag)
+        on_wall = _tag_of_nodes(fluid, V, facets, np.ones(len(facets), dtype=np.int32))
+        walls[wall] = np.flatnonzero(on_wall).astype(np.int32)
+    return BoundaryNodes(body_nodes, body_tag[body_nodes] - 1, walls, V.tabulate_dof_coordinates()[:owned, :2])
+
+
+def _tag_of_nodes(fluid: FluidMesh, V: fem.FunctionSpace, facets: Nodes, tags: NDArray[np.int32]) -> NDArray[np.int64]:
+    """The tag of each owned node in the closure of tagged facets (0 elsewhere); no node may have two tags."""
+    topology = fluid.mesh.topology
+    entities = fem.compute_integration_domains(fem.IntegralType.exterior_facet, topology, facets)
+    cells, local = entities[::2], entities[1::2]
+    closure = np.array(V.element.basix_element.entity_closure_dofs[1])
+    nodes = V.dofmap.list[cells[:, None], closure[local]]
+    # compute_integration_domains keeps the order of the facets
+    sums = []
+    for values in (tags, np.ones_like(tags)):
+        vector = la.vector(V.dofmap.index_map, 1)
+        vector.array[:] = 0.0
+        vector.array[nodes.ravel()] = np.repeat(values, nodes.shape[1])
+        vector.scatter_reverse(la.InsertMode.add)
+        sums.append(vector.array[: V.dofmap.index_map.size_local])
+    return np.rint(sums[0] / np.maximum(sums[1], 1.0)).astype(np.int64)

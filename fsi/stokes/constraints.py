@@ -1,0 +1,144 @@
+"""The constraints of the discrete Stokes system, as one prolongation P and one offset g.
+
+All unknowns x = (u, p) are written with the independent ones y = (u inside, p, free modes of U):
+
+    x = P y + g
+
+The rows of P are unit rows for free unknowns, the rigid modes `V + omega x r` at the nodes on bodies, and
+empty for given wall velocities, which stand in g together with the held modes. `rigid`, called K in the
+saddle-point system of `saddle`, is the part for all 3 N modes:  u = rigid U on the bodies, and the
+total load of any nodal reaction is  (F, T) = rigid^T lambda.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from fsi.bodies import Array, Configuration
+from fsi.stokes.boundary import BoundaryNodes
+
+MODES = 3
+NO_COLUMN = -1
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """How the rows of x = (u, p) are shared: this rank owns 2 `velocity_nodes` + `pressure_nodes` of them.
+
+    fixed: rows whose value is given (walls, the pinned pressure), local numbers; on_body: rows of nodes on bodies;
+    body: the body of each of these. `modes`: 3 N, all owned by rank 0.
+    """
+
+    comm: MPI.Comm
+    velocity_nodes: int
+    pressure_nodes: int
+    fixed: NDArray[np.int64]
+    on_body: NDArray[np.int64]
+    body: NDArray[np.int64]
+    modes: int
+
+    @property
+    def rows(self) -> int:
+        """Rows that this rank owns."""
+        return 2 * self.velocity_nodes + self.pressure_nodes
+
+    @property
+    def own_modes(self) -> int:
+        """Modes that this rank owns."""
+        return self.modes if self.comm.rank == 0 else 0
+
+
+def layout(comm: MPI.Comm, nodes: BoundaryNodes, walls: tuple[str, ...], pressure_nodes: int, pin: int | None, bodies: int) -> Layout:
+    """Rows of walls with given velocity, of bodies, and the pressure row to pin (local, on its owner only)."""
+    given = [nodes.wall_nodes[wall] for wall in walls]
+    wall_nodes = np.unique(np.concatenate([*given, np.empty(0, dtype=np.int32)])).astype(np.int64)
+    fixed = (2 * wall_nodes[:, None] + np.arange(2)).ravel()
+    if pin is not None:
+        fixed = np.append(fixed, 2 * len(nodes.x) + pin)
+    on_body = (2 * nodes.body_nodes.astype(np.int64)[:, None] + np.arange(2)).ravel()
+    return Layout(comm, len(nodes.x), pressure_nodes, fixed, on_body, np.repeat(nodes.body, 2), MODES * bodies)
+
+
+def rigid_modes(shares: Layout, nodes: BoundaryNodes, q: Configuration) -> PETSc.Mat:
+    """The matrix `rigid`: nodal velocities (rows of x) of the unit modes (V_x, V_y, omega) of every body."""
+    r = nodes.x[nodes.body_nodes] - q.centres[nodes.body]
+    # In the plane omega x r = omega (-r_y, r_x).
+    rotation = np.column_stack([-r[:, 1], r[:, 0]]).ravel()
+    component = np.tile([0, 1], len(nodes.body))
+    columns = np.column_stack([MODES * shares.body + component, MODES * shares.body + 2])
+    values = np.column_stack([np.ones(len(rotation)), rotation])
+    return _matrix(shares, (shares.own_modes, shares.modes), shares.on_body, columns, values)
+
+
+def prolongation(shares: Layout, rigid: PETSc.Mat, held: NDArray[np.bool_], eliminate_bodies: bool = True) -> PETSc.Mat:
+    """P for the given held modes, bool (N, 3).
+
+    With `eliminate_bodies` false, the nodes on bodies stay unknowns and P has no modes: this is the
+    space of the multiplier form.
+    """
+    free = np.ones(shares.rows, dtype=bool)
+    free[shares.fixed] = False
+    columns = np.full(shares.modes, NO_COLUMN, dtype=np.int64)
+    if eliminate_bodies:
+        free[shares.on_body] = False
+    own_free = int(free.sum())
+    first = shares.comm.exscan(own_free) or 0
+    if eliminate_bodies:
+        # Rank 0 owns the modes: they come after its own free unknowns.
+        free_modes = ~held.ravel()
+        root_free = shares.comm.bcast(own_free)
+        columns[free_modes] = root_free + np.arange(free_modes.sum())
+        first += int(free_modes.sum()) if shares.comm.rank > 0 else 0
+    own_columns = own_free + (int((columns != NO_COLUMN).sum()) if shares.comm.rank == 0 else 0)
+    rows = np.flatnonzero(free)
+    unit = first + np.arange(own_free)
+    if not eliminate_bodies:
+        return _matrix(shares, (own_columns, None), rows, unit[:, None], np.ones((own_free, 1)))
+    start, end = rigid.getOwnershipRange()
+    indptr, mode, value = rigid.getValuesCSR()
+    mode_row = np.repeat(np.arange(end - start), np.diff(indptr))
+    kept = columns[mode] != NO_COLUMN
+    all_rows = np.concatenate([rows, mode_row[kept]])
+    all_columns = np.concatenate([unit, columns[mode[kept]]])
+    values = np.concatenate([np.ones(own_free), value[kept]])
+    return _matrix(shares, (own_columns, None), all_rows, all_columns[:, None], values[:, None])
+
+
+def wall_offset(
+    shares: Layout, nodes: BoundaryNodes, velocities: dict[str, Array], corner_axes: dict[str, int]
+) -> Array:
+    """Given velocities of the wall nodes in an array over this rank's rows, zero elsewhere.
+
+    velocities: for each wall its velocity at its own nodes, shape (nodes, 2). Where two walls meet, each keeps
+    its normal component, so that nothing leaks through the corner of a moving lid.
+    """
+    g = np.zeros(shares.rows)
+    times_met = np.zeros(shares.velocity_nodes, dtype=int)
+    for wall, u in velocities.items():
+        node = nodes.wall_nodes[wall].astype(np.int64)
+        times_met[node] += 1
+        g[2 * node], g[2 * node + 1] = u[:, 0], u[:, 1]
+    for wall, u in velocities.items():
+        node = nodes.wall_nodes[wall].astype(np.int64)
+        corner = times_met[node] > 1
+        axis = corner_axes[wall]
+        g[2 * node[corner] + axis] = u[corner, axis]
+    return g
+
+
+def _matrix(shares: Layout, columns: tuple[int, int | None], rows: NDArray[np.int64], column: NDArray[np.int64], value: Array) -> PETSc.Mat:
+    """Sparse matrix with `value[k, :]` in row `rows[k]` at columns `column[k, :]`; rows may repeat."""
+    width = column.shape[1]
+    order = np.argsort(rows, kind="stable")
+    count = np.bincount(rows, minlength=shares.rows) * width
+    indptr = np.concatenate([[0], np.cumsum(count)]).astype(PETSc.IntType)
+    return PETSc.Mat().createAIJ(
+        size=((shares.rows, None), columns),
+        csr=(indptr, column[order].ravel().astype(PETSc.IntType), value[order].ravel()),
+        comm=shares.comm,
+    )

@@ -1,0 +1,148 @@
+"""The weak forms, each under the name that a textbook gives it.
+
+Stokes flow, with `e(u) = (grad u + grad u^T) / 2` and `sigma = 2 mu e(u) - p I`:
+
+    a(u, v) + b(v, p) = (f, v) + <t, v>      a(u, v) = int 2 mu e(u) : e(v)
+    b(u, q)           = 0                    b(v, q) = - int q div v
+
+Only the form with e(u), not grad u, gives the physical traction `sigma n`. Forms are compiled once
+for each pair of element orders, without a mesh, and bound to each new mesh: compiling costs seconds,
+binding microseconds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import meshes.backend  # noqa: F401
+import basix.ufl
+import numpy as np
+import ufl
+from dolfinx import fem
+from dolfinx.mesh import exterior_facet_indices
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from meshes.build import FluidMesh, coordinate_element
+
+CELL = fem.IntegralType.cell
+FACET = fem.IntegralType.exterior_facet
+EVERYWHERE = -1
+MARKED = 1
+
+
+def velocity_element(degree: int) -> basix.ufl._ElementBase:
+    """Continuous vector elements of the given degree; equispaced nodes, which VTK draws as they are."""
+    return basix.ufl.element("Lagrange", "triangle", degree, basix.LagrangeVariant.equispaced, shape=(2,))
+
+
+def pressure_element(degree: int) -> basix.ufl._ElementBase:
+    """Continuous scalar elements one degree below the velocity (Taylor and Hood 1973)."""
+    return basix.ufl.element("Lagrange", "triangle", degree - 1, basix.LagrangeVariant.equispaced)
+
+
+def strain_rate(u: ufl.core.expr.Expr) -> ufl.core.expr.Expr:
+    """e(u) = (grad u + grad u^T) / 2."""
+    return ufl.sym(ufl.grad(u))
+
+
+def stress(u: ufl.core.expr.Expr, p: ufl.core.expr.Expr, mu: ufl.core.expr.Expr) -> ufl.core.expr.Expr:
+    """sigma = 2 mu e(u) - p I."""
+    return 2 * mu * strain_rate(u) - p * ufl.Identity(2)
+
+
+@dataclass(frozen=True, slots=True)
+class Compiled:
+    """Compiled forms, the test and trial spaces of each ("V", "Q"), and the placeholders they were written with."""
+
+    forms: dict[str, fem.forms.CompiledForm]
+    arguments: dict[str, str]
+    coefficients: dict[str, ufl.Coefficient]
+    constants: dict[str, ufl.Constant]
+
+
+@cache
+def compile_forms(order: int, degree: int) -> Compiled:
+    """All forms for cells of the given order and velocities of the given degree.
+
+    The quadrature is exact on straight cells; on curved ones, where the integrands are rational, it adds what
+    the two factors of the cofactor matrix bring.
+    """
+    omega = ufl.Mesh(coordinate_element(order))
+    V = ufl.FunctionSpace(omega, velocity_element(degree))
+    Q = ufl.FunctionSpace(omega, pressure_element(degree))
+    u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
+    p, q = ufl.TrialFunction(Q), ufl.TestFunction(Q)
+    u_h, f_h, p_h = ufl.Coefficient(V), ufl.Coefficient(V), ufl.Coefficient(Q)
+    mu, zero, one = (ufl.Constant(omega) for _ in range(3))
+    n = ufl.FacetNormal(omega)
+    quadrature = {"quadrature_degree": 2 * (degree - 1) + 2 * (order - 1) + 1}
+    dx, ds, dS = (
+        ufl.dx(omega, metadata=quadrature),
+        ufl.ds(omega, metadata=quadrature),
+        ufl.ds(MARKED, domain=omega, metadata=quadrature),
+    )
+    e_u, e_v, e_h = strain_rate(u), strain_rate(v), strain_rate(u_h)
+    forms = {
+        "a": ("VV", 2 * mu * ufl.inner(e_u, e_v) * dx),
+        "b": ("QV", -q * ufl.div(u) * dx),
+        "b^T": ("VQ", -p * ufl.div(v) * dx),
+        # Zero, but it stores the diagonal of the pressure block: without it MUMPS gives garbage on several ranks.
+        "zero": ("QQ", zero * p * q * dx),
+        "load": ("V", ufl.inner(f_h, v) * dx),
+        "pressure weights": ("Q", q * dx),
+        "dissipation": ("", 2 * mu * ufl.inner(e_h, e_h) * dx),
+        "power of load": ("", ufl.inner(f_h, u_h) * dx),
+        "area": ("", one * dx),
+        "pressure integral": ("", p_h * dx),
+        "flux": ("", ufl.inner(u_h, n) * ds),
+        "speed on boundary": ("", ufl.sqrt(ufl.inner(u_h, u_h)) * ds),
+        "normal": ("V", ufl.inner(n, v) * dS),
+        "traction": ("V", ufl.inner(ufl.dot(stress(u_h, p_h, mu), n), v) * dS),
+        "surface mass": ("VV", ufl.inner(u, v) * dS),
+    }
+    compiled = {name: fem.compile_form(MPI.COMM_WORLD, form) for name, (_, form) in forms.items()}
+    return Compiled(
+        compiled, {name: spaces for name, (spaces, _) in forms.items()}, {"u": u_h, "f": f_h, "p": p_h}, {"mu": mu, "zero": zero, "one": one}
+    )
+
+
+class Forms:
+    """The compiled forms, bound to one mesh.
+
+    V, Q: velocity and pressure spaces; u, p, f: the functions that stand in the forms of a known flow.
+    """
+
+    def __init__(self, fluid: FluidMesh, degree: int, viscosity: float) -> None:
+        """Bind the forms to a mesh; degree of the velocity, at least the order of the cells."""
+        self._compiled = compile_forms(fluid.order, degree)
+        self.mesh = fluid.mesh
+        self.V = fem.functionspace(fluid.mesh, velocity_element(degree))
+        self.Q = fem.functionspace(fluid.mesh, pressure_element(degree))
+        self.u, self.f, self.p = fem.Function(self.V), fem.Function(self.V), fem.Function(self.Q)
+        values = {"mu": viscosity, "zero": 0.0, "one": 1.0}
+        constants = self._compiled.constants
+        self._constants = {constants[name]: fem.Constant(fluid.mesh, value) for name, value in values.items()}
+
+    def bind(self, name: str, facets: NDArray[np.int32] | None = None) -> fem.Form:
+        """The form of that name; those over marked facets need the facets."""
+        compiled = self._compiled
+        form = compiled.forms[name]
+        spaces = [self.V if letter == "V" else self.Q for letter in compiled.arguments[name]]
+        subdomains: dict[fem.IntegralType, list[tuple[int, NDArray[np.int32]]]] = {}
+        topology = self.mesh.topology
+        if facets is not None:
+            entities = fem.compute_integration_domains(FACET, topology, facets)
+            subdomains[FACET] = [(MARKED, entities)]
+        elif name in ("flux", "speed on boundary"):
+            facets = exterior_facet_indices(topology)
+            subdomains[FACET] = [(EVERYWHERE, fem.compute_integration_domains(FACET, topology, facets))]
+        else:
+            subdomains[CELL] = [(EVERYWHERE, np.arange(topology.index_map(2).size_local, dtype=np.int32))]
+        functions = {compiled.coefficients[letter]: f for letter, f in (("u", self.u), ("p", self.p), ("f", self.f))}
+        return fem.create_form(form, spaces, self.mesh, subdomains, functions, self._constants)
+
+    def integrate(self, name: str) -> float:
+        """Value of a form without arguments, over all ranks."""
+        return float(self.mesh.comm.allreduce(fem.assemble_scalar(self.bind(name))))

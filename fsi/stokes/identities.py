@@ -1,0 +1,101 @@
+"""The identities that every solution must satisfy, as relative defects.
+
+- power: dissipation = U.(F, T) + power of the walls + power of the loads
+- momentum, angular_momentum: reactions of bodies and walls and the loads sum to zero
+- balance: rigid^T lambda = (F, T) on every free mode
+- net_flux: int u.n over the whole boundary vanishes
+- residual: of the linear system
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from mpi4py import MPI
+
+from fsi.bodies import Array, Configuration
+from fsi.errors import SolveError
+from fsi.stokes.forms import Forms
+from fsi.stokes.system import NodalSolution, System, mode_equations
+
+BOUND = 1e-8
+ROUNDING_FLOOR = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Scales:
+    """What a defect is compared with. Where a flow is a rigid motion of everything, forces and dissipation are
+    rounding errors themselves; a small multiple of mu times the nodal velocities then stands in for them."""
+
+    power: float
+    force: float
+    moment: float
+
+
+def identities(
+    system: System, forms: Forms, solution: NodalSolution, F: Array, dissipation: float, viscosity: float, q: Configuration, x: Array
+) -> dict[str, float]:
+    """All relative defects; collective.
+
+    Args:
+        system: what was solved.
+        forms: bound to the mesh, their u and p set to the solution.
+        solution: nodal values and reactions.
+        F: loads rigid^T lambda of the bodies, (N, 3).
+        dissipation: int 2 mu e : e.
+        viscosity: mu.
+        q: the bodies.
+        x: coordinates of this rank's velocity nodes, (n, 2).
+    """
+    shares = system.shares
+    velocities = 2 * shares.velocity_nodes
+    given = shares.fixed[shares.fixed < velocities]
+    boundary = np.concatenate([given, shares.on_body])
+    load = system.b.copy()
+    load[boundary] += solution.reaction[boundary]
+    force = load[:velocities].reshape(-1, 2)
+    moment = x[:, 0] * force[:, 1] - x[:, 1] * force[:, 0]
+    u = solution.x[:velocities]
+    power_of_walls_and_loads = float(solution.reaction[given] @ solution.x[given] + system.b[:velocities] @ u)
+    own = [*force.sum(axis=0), moment.sum(), power_of_walls_and_loads]
+    own += [np.abs(force).sum(), np.abs(x * force[:, ::-1]).sum(), u @ u, np.abs(u).sum()]
+    sums = np.array(own)
+    shares.comm.Allreduce(MPI.IN_PLACE, sums)
+    floor = ROUNDING_FLOOR * viscosity
+    scales = Scales(max(dissipation, floor * sums[6]), max(sums[4], floor * sums[7]), max(sums[5], floor * sums[7]))
+    power = float((solution.U * F).sum()) + sums[3]
+    return {
+        "power": _relative(dissipation - power, scales.power),
+        "momentum": _relative(float(np.hypot(sums[0], sums[1])), scales.force),
+        "angular_momentum": _relative(sums[2], scales.moment),
+        "balance": _balance(system, solution.U, F, q, scales.force),
+        "net_flux": _relative(forms.integrate("flux"), forms.integrate("speed on boundary")),
+        "residual": solution.residual,
+    }
+
+
+def require(defects: dict[str, float]) -> None:
+    """Refuse a solution that violates an identity.
+
+    Raises:
+        SolveError: a defect exceeds 1e-8, or is not a number.
+    """
+    for name, defect in defects.items():
+        if not defect <= BOUND:
+            raise SolveError(f"the solution violates the identity `{name}`: relative defect {defect:.2g}, bound {BOUND:g}")
+
+
+def _balance(system: System, U: Array, F: Array, q: Configuration, force: float) -> float:
+    """Largest defect of rigid^T lambda + D U = F + D U0 over the free modes, torques divided by the radius."""
+    free = ~system.motion.held
+    D, load = mode_equations(system)
+    defect = np.zeros_like(F)
+    defect[free] = F[free] + D * U[free] - load
+    defect[:, 2] /= q.radii
+    return _relative(float(np.abs(defect).max(initial=0.0)), force)
+
+
+def _relative(defect: float, scale: float) -> float:
+    """|defect| / scale, and zero where there is nothing to compare."""
+    return 0.0 if defect == 0.0 else abs(defect) / max(scale, float(np.finfo(float).tiny))

@@ -1,0 +1,53 @@
+"""A solved instant: velocities and loads of the bodies, the flow, and the checks that it passed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from fsi.bodies import Array
+from fsi.stokes import fields
+from fsi.stokes.surface import Surface, traction
+
+
+@dataclass(frozen=True, slots=True)
+class StokesSolution:
+    """Stokes flow around the bodies at one instant.
+
+    U: velocities (V_x, V_y, omega) of the bodies, (N, 3); F: loads (F_x, F_y, T) = int sigma n, n out of the fluid,
+    from the reactions, (N, 3): in balance the external load; the fluid exerts -F on the body; traction_F: the same
+    from the traction integral of sigma_h n, less accurate, a cross-check; dissipation: int 2 mu e : e;
+    checks: relative defects of the identities; dofs: unknowns (u, p) before constraints; cells; quality: worst scaled
+    Jacobian; seconds: CPU seconds of this process by phase; flow, surface: for output.
+    """
+
+    U: Array
+    F: Array
+    traction_F: Array
+    dissipation: float
+    checks: dict[str, float]
+    dofs: int
+    cells: int
+    quality: float
+    seconds: dict[str, float]
+    flow: fields.Flow = field(repr=False)
+    surface: Surface = field(repr=False)
+
+    @property
+    def record(self) -> Mapping[str, float]:
+        """The model's columns of steps.csv: sizes, checks, then CPU seconds."""
+        sizes = {"dofs": self.dofs, "cells": self.cells, "worst_cell": self.quality, "dissipation": self.dissipation}
+        return {**sizes, **self.checks, **{f"cpu_{phase}": seconds for phase, seconds in self.seconds.items()}}
+
+    @property
+    def traction(self) -> Array:
+        """Traction sigma n at the nodes of `surface`, (n, 2), on root."""
+        return traction(self.surface)
+
+    def write(self, folder: Path, step: int) -> dict[str, list[str]]:
+        """Write this instant's VTU files; collective. Gives the file names of each series, for all ranks."""
+        return {
+            "fluid": fields.write_flow(self.flow, folder, step),
+            "surface": fields.write_surface(self.surface, self.traction, folder, step),
+        }

@@ -1,0 +1,158 @@
+"""The discrete Stokes system around rigid bodies, and its solution by elimination.
+
+Without constraints, for nodal values x = (u, p), the rows of u read
+
+    M x = b + lambda      M = [A B^T; B 0],   b = loads (f, v) and <t, v> on open walls,
+
+where lambda, the nodal reaction, is zero inside and unknown on bodies and walls. With x = P y + g
+(see `constraints`), rigid^T lambda = (F, T) for every free mode closes the system:
+
+    P^T M P y = P^T (b - M g) + (F, T)
+
+and lambda comes back as M x - b. This is EXACTLY the saddle-point system of `saddle`, with its
+multiplier and the rigid boundary values eliminated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from dolfinx import fem, la
+from dolfinx.fem.petsc import assemble_matrix
+from petsc4py import PETSc
+
+from fsi.bodies import Array, Inertia, Motion
+from fsi.stokes.constraints import MODES, Layout, prolongation
+from fsi.stokes.forms import Forms
+from fsi.stokes.linear import Factorisation
+
+
+@dataclass(frozen=True, slots=True)
+class System:
+    """Everything that a solve needs on one mesh at one instant.
+
+    M: Stokes matrix of all unknowns; rigid: rigid modes at the nodes on bodies, (rows, 3N); b: loads, g: given wall
+    velocities, arrays over this rank's rows; motion, inertia: what drives the bodies.
+    """
+
+    shares: Layout
+    M: PETSc.Mat
+    rigid: PETSc.Mat
+    b: Array
+    g: Array
+    motion: Motion
+    inertia: Inertia | None
+
+
+@dataclass(frozen=True, slots=True)
+class NodalSolution:
+    """x: values of (u, p), and reaction: lambda, arrays over this rank's rows; U: (N, 3) on all ranks;
+    residual: relative residual of the linear system."""
+
+    x: Array
+    reaction: Array
+    U: Array
+    residual: float
+
+
+def stokes_matrix(forms: Forms) -> PETSc.Mat:
+    """M = [A B^T; B 0] over all nodes, in the order of `Layout`."""
+    blocks = [[forms.bind("a"), forms.bind("b^T")], [forms.bind("b"), forms.bind("zero")]]
+    M = assemble_matrix(blocks, kind="aij")
+    M.assemble()
+    return M
+
+
+def nodal_vector(form: fem.Form) -> Array:
+    """A linear form on the velocity space, summed over ranks; this rank's rows of u."""
+    vector = fem.assemble_vector(form)
+    vector.scatter_reverse(la.InsertMode.add)
+    owned: Array = vector.array[: vector.index_map.size_local * vector.block_size].copy()
+    return owned
+
+
+def petsc_vector(like: PETSc.Mat, values: Array) -> PETSc.Vec:
+    """A vector with the row layout of a matrix and this rank's values."""
+    vector = like.createVecLeft()
+    vector.array[:] = values
+    return vector
+
+
+def load_of(system: System, nodal: Array) -> Array:
+    """(F, T) = rigid^T lambda of a nodal reaction, (N, 3), on all ranks."""
+    vector = petsc_vector(system.rigid, nodal)
+    total = system.rigid.createVecRight()
+    system.rigid.multTranspose(vector, total)
+    on_root = total.array.copy() if system.shares.comm.rank == 0 else None
+    vector.destroy()
+    total.destroy()
+    load: Array = system.shares.comm.bcast(on_root)
+    return load.reshape(-1, MODES)
+
+
+def multiply(matrix: PETSc.Mat, values: Array) -> Array:
+    """This rank's rows of a matrix times a vector given by this rank's values."""
+    x = matrix.createVecRight()
+    x.array[:] = values
+    y = matrix.createVecLeft()
+    matrix.mult(x, y)
+    result: Array = y.array.copy()
+    x.destroy()
+    y.destroy()
+    return result
+
+
+def body_velocity(system: System, U: Array) -> Array:
+    """Nodal values rigid U on this rank's rows, for modes (N, 3) known on all ranks."""
+    return multiply(system.rigid, U.ravel() if system.shares.comm.rank == 0 else np.empty(0))
+
+
+def mode_equations(system: System) -> tuple[Array, Array]:
+    """What each free mode adds to the balance `rigid^T lambda + D U = F + D U0`: D and F + D U0, (free modes,)."""
+    free = ~system.motion.held.ravel()
+    load = system.motion.F.ravel()[free]
+    if system.inertia is None:
+        return np.zeros(len(load)), load
+    D = system.inertia.D.ravel()[free]
+    return D, load + D * system.inertia.U0.ravel()[free]
+
+
+def solve_eliminated(system: System) -> NodalSolution:
+    """Solve for y, then x = P y + g and lambda = M x - b.
+
+    Raises:
+        SolveError: the system is singular, or its residual is not small.
+    """
+    shares, motion = system.shares, system.motion
+    g = system.g + body_velocity(system, motion.U)
+    P = prolongation(shares, system.rigid, motion.held)
+    reduced = system.M.ptap(P)
+    D, load = mode_equations(system)
+    own = len(load) if shares.comm.rank == 0 else 0
+    rhs = reduced.createVecLeft()
+    defect = petsc_vector(P, system.b - multiply(system.M, g))
+    P.multTranspose(defect, rhs)
+    defect.destroy()
+    first_mode = rhs.local_size - own
+    if own:
+        rhs.array[first_mode:] += load
+    _add_to_diagonal(reduced, first_mode, D[:own])
+    with Factorisation(reduced) as factors:
+        y, residual = factors.solve(rhs)
+    x = multiply(P, y.array) + g
+    free = ~motion.held
+    U = motion.U.copy()
+    U[free] = shares.comm.bcast(y.array[first_mode:].copy() if own else None) if free.any() else 0.0
+    for used in (P, reduced, rhs, y):
+        used.destroy()
+    return NodalSolution(x, multiply(system.M, x) - system.b, U, residual)
+
+
+def _add_to_diagonal(matrix: PETSc.Mat, first: int, values: Array) -> None:
+    """Add to this rank's rows from `first` on."""
+    start, _ = matrix.getOwnershipRange()
+    for k, value in enumerate(values):
+        row = start + first + k
+        matrix.setValue(row, row, value, PETSc.InsertMode.ADD_VALUES)
+    matrix.assemble()

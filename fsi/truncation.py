@@ -1,0 +1,83 @@
+"""What a solved instant tells of itself, and how far the size of its container shows in it."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+
+from fsi.bodies import Array
+from fsi.case import Case, parse_case
+from fsi.domain import HalfPlaneDomain
+from fsi.errors import InputError
+
+
+class Solution(Protocol):
+    """What a solved instant must tell."""
+
+    @property
+    def U(self) -> Array:
+        """Velocities of the bodies, shape (N, 3)."""
+
+    @property
+    def F(self) -> Array:
+        """External loads, `int sigma n`, from the reactions, shape (N, 3)."""
+
+    @property
+    def traction_F(self) -> Array:
+        """The same loads as integrals of the traction of the computed fields, less accurate, shape (N, 3)."""
+
+    @property
+    def dissipation(self) -> float:
+        """`2 mu int e:e`."""
+
+    @property
+    def checks(self) -> dict[str, float]:
+        """The identities that a solve must satisfy, relative."""
+
+    @property
+    def dofs(self) -> int:
+        """Number of unknowns."""
+
+    @property
+    def cells(self) -> int:
+        """Number of cells."""
+
+    @property
+    def seconds(self) -> dict[str, float]:
+        """CPU seconds by phase."""
+
+
+def halved(case: Case) -> Case | None:
+    """The case in a half disc of half the radius; None where there is no radius or the bodies do not fit."""
+    if not isinstance(case.domain, HalfPlaneDomain) or case.domain.mesh is not None:
+        return None
+    data: dict[str, Any] = case.model_dump(exclude_none=True)
+    data["domain"]["radius"] /= 2.0
+    try:
+        return parse_case(data)
+    except InputError:
+        return None
+
+
+def truncation(case: Case, whole: Solution, half: Solution) -> dict[str, float]:
+    """How much the results change when the radius R of the container is halved.
+
+    The effect of R decays like R^-2 or faster, so the error at R is at most about a third of this change.
+    Results are the loads on held components and the velocities of free ones; torques count over
+    the radius of the body, rotations times it.
+
+    Returns:
+        "force" and "velocity": largest |change| / largest |result|, each only if there is such a result.
+    """
+    held, radii = case.motion(0.0).held, case.configuration().radii
+    arm = np.column_stack([np.ones_like(radii), np.ones_like(radii), radii])
+    results = {
+        "force": ((whole.F / arm)[held], (half.F / arm)[held]),
+        "velocity": ((whole.U * arm)[~held], (half.U * arm)[~held]),
+    }
+    return {
+        name: float(np.abs(at_half - at_whole).max() / np.abs(at_whole).max())
+        for name, (at_whole, at_half) in results.items()
+        if np.any(at_whole)
+    }

@@ -1,0 +1,121 @@
+"""From bodies in a container to the distributed mesh of the fluid around them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import meshes.backend  # noqa: F401
+import basix.ufl
+import dolfinx
+import numpy as np
+import ufl
+from mpi4py import MPI
+
+from meshes.curved import CurvedCells, curve
+from meshes.errors import MeshError
+from meshes.geometry import Array, Container
+from meshes.quality import require_valid
+from meshes.sizing import Resolution, boundary
+from meshes.triangulate import Indices, triangulate
+
+
+@dataclass(frozen=True, slots=True)
+class FluidMesh:
+    """The fluid domain Omega_F, meshed.
+
+    mesh: curved triangles of the given order; facet_tags: body i has tag i + 1, wall k has tag N + 1 + k;
+    bodies: N; walls: names, in the order of their tags; quality: worst scaled Jacobian of all cells.
+    """
+
+    mesh: dolfinx.mesh.Mesh
+    facet_tags: dolfinx.mesh.MeshTags
+    bodies: int
+    walls: tuple[str, ...]
+    order: int
+    quality: float
+
+    def wall_tag(self, wall: str) -> int:
+        """Facet tag of a wall."""
+        return self.bodies + 1 + self.walls.index(wall)
+
+    def with_quality(self, quality: float) -> FluidMesh:
+        """The same mesh, moved, with its new quality."""
+        return replace(self, quality=quality)
+
+    def cells(self) -> int:
+        """Number of cells over all ranks."""
+        return int(self.mesh.topology.index_map(2).size_global)
+
+
+def build(
+    container: Container, centres: Array, radii: Array, resolution: Resolution, order: int, comm: MPI.Comm = MPI.COMM_WORLD
+) -> FluidMesh:
+    """Mesh the fluid around discs; collective, gmsh runs on rank 0.
+
+    Args:
+        container: what encloses the fluid.
+        centres: q_i, shape (N, 2).
+        radii: a_i, shape (N,).
+        resolution: element sizes.
+        order: of the curved cells, 1 ... 4.
+        comm: ranks that share the mesh.
+
+    Raises:
+        MeshError: gmsh fails or a cell is invalid (on all ranks).
+    """
+
+    def make() -> CurvedCells:
+        curves = boundary(container, centres, radii, resolution)
+        return curve(*triangulate(curves), curves, order)
+
+    return shared(make, container, len(radii), comm)
+
+
+def shared(make: Callable[[], CurvedCells], container: Container, bodies: int, comm: MPI.Comm) -> FluidMesh:
+    """Make cells on rank 0, check them and share them out; a MeshError of rank 0 is raised on all ranks."""
+    cells: CurvedCells | None = None
+    problem: MeshError | None = None
+    quality, order = 0.0, 0
+    if comm.rank == 0:
+        try:
+            cells = make()
+            quality, order = require_valid(cells.nodes[cells.cells], cells.order), cells.order
+        except MeshError as error:
+            problem = error
+    problem, quality, order = comm.bcast((problem, quality, order))
+    if problem is not None:
+        raise problem
+    mesh, tags = distribute(cells, order, comm)
+    return FluidMesh(mesh, tags, bodies, container.walls, order, quality)
+
+
+def coordinate_element(order: int) -> basix.ufl._ElementBase:
+    """The isoparametric element of the cells: equispaced nodes, as VTK and gmsh have them."""
+    return basix.ufl.element("Lagrange", "triangle", order, basix.LagrangeVariant.equispaced, shape=(2,))
+
+
+def distribute(cells: CurvedCells | None, order: int, comm: MPI.Comm) -> tuple[dolfinx.mesh.Mesh, dolfinx.mesh.MeshTags]:
+    """Share rank 0's cells out over the ranks (the others pass None); mesh and facet tags."""
+    nodes_per_cell = (order + 1) * (order + 2) // 2
+    topology = np.empty((0, nodes_per_cell), dtype=np.int64) if cells is None else cells.cells
+    x = np.empty((0, 2)) if cells is None else cells.nodes
+    mesh = dolfinx.mesh.create_mesh(comm, topology, ufl.Mesh(coordinate_element(order)), x)
+    edges, tags = comm.bcast(None if cells is None else (cells.edges, cells.tags))
+    return mesh, _facet_tags(mesh, edges, tags)
+
+
+def _facet_tags(mesh: dolfinx.mesh.Mesh, edges: Indices, tags: Indices) -> dolfinx.mesh.MeshTags:
+    """Tags of the boundary facets, recognised by the input numbers of their two vertices."""
+    mesh.topology.create_entities(1)
+    mesh.topology.create_connectivity(1, 2)
+    facets = dolfinx.mesh.exterior_facet_indices(mesh.topology)
+    local = dolfinx.mesh.entities_to_geometry(mesh, 1, facets)[:, :2]
+    ends = np.sort(mesh.geometry.input_global_indices[local], axis=1)
+    edges = np.sort(edges, axis=1)
+    n = int(edges.max()) + 1
+    keys = edges[:, 0] * n + edges[:, 1]
+    order = np.argsort(keys)
+    place = np.minimum(np.searchsorted(keys[order], ends[:, 0] * n + ends[:, 1]), len(keys) - 1)
+    values = np.where(keys[order][place] == ends[:, 0] * n + ends[:, 1], tags[order][place], 0).astype(np.int32)
+    return dolfinx.mesh.meshtags(mesh, 1, facets, values)

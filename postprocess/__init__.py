@@ -1,0 +1,1 @@
+"""What is made from run folders: pictures, curves, comparisons. Reads files only."""

@@ -1,0 +1,163 @@
+"""How a disc settles onto a plane, against the exact law: `python -m postprocess.settling RUN`.
+
+Prints the gap history of a run with one disc above the plane of a half-plane under a constant normal
+force, and draws it into RUN/settling.png.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.table import Table
+
+from fsi.bodies import Array
+from fsi.case import Case
+from fsi.errors import InputError
+from fsi.lubrication.exact import settling_gap
+from meshes.geometry import HalfPlane
+from postprocess.folder import read_case, read_table
+
+_ROWS = 12
+_COMPUTED, _EXACT, _ERROR = "#0072b2", "#999999", "#d55e00"  # Okabe and Ito: told apart by every eye
+
+
+@dataclass(frozen=True, slots=True)
+class Settling:
+    """Gap histories at the steps of a run, shapes (steps,), and the radius of the disc."""
+
+    time: Array
+    gap: Array
+    exact: Array
+    radius: float
+
+    @property
+    def difference(self) -> Array:
+        """Relative difference of the gap from the exact one."""
+        return self.gap / self.exact - 1.0
+
+
+def read_settling(run: Path) -> Settling:
+    """The computed and the exact gap history of a run.
+
+    Raises:
+        InputError: not a run folder, or not one disc above a plane under a constant normal force.
+    """
+    case = read_case(run)
+    force = _normal_force(case)
+    disc, table = case.bodies[0], read_table(run / "bodies.csv")
+    gap = table["y"] - disc.radius
+    start = disc.position[1] - disc.radius
+    exact = settling_gap(table["t"], start, disc.radius, case.fluid.viscosity, force)
+    return Settling(table["t"], gap, exact, disc.radius)
+
+
+def _normal_force(case: Case) -> float:
+    """The constant F_y on the only disc; InputError where the exact law does not apply."""
+    if not isinstance(case.container(), HalfPlane):
+        raise InputError('domain.shape = "box": the exact settling law needs "half-plane"')
+    if len(case.bodies) != 1:
+        raise InputError(f"bodies: there are {len(case.bodies)}; the exact settling law is that of one disc")
+    disc = case.bodies[0]
+    if disc.velocity[1] != "free":
+        raise InputError(f'bodies.0.velocity = {list(disc.velocity)}: a disc that settles has [.., "free"]')
+    sideways, force = disc.force
+    if not isinstance(force, float | int) or force == 0.0 or sideways != 0.0:
+        raise InputError(f"bodies.0.force = {list(disc.force)}: the exact law needs a constant [0.0, F_y]")
+    if disc.mass is not None:
+        raise InputError(f"bodies.0.mass = {disc.mass}: the exact settling law has no inertia; drop the mass")
+    for name, wall in case.domain.walls.items():
+        if wall != (0.0, 0.0):
+            raise InputError(f"domain.walls.{name} = {wall}: the exact settling law needs walls at rest")
+    return float(force)
+
+
+def chosen_rows(gap: Array) -> NDArray[np.intp]:
+    """Indices of at most twelve steps, evenly spread over log(gap), first and last included."""
+    wanted = np.linspace(np.log(gap[0]), np.log(gap[-1]), _ROWS)
+    return np.unique(np.abs(np.log(gap)[:, None] - wanted).argmin(axis=0))
+
+
+def as_table(history: Settling) -> Table:
+    """The history as a table, closed by the step of the largest difference."""
+    table = Table(title="disc settling onto a plane")
+    for heading in ("t", "gap", "exact gap", "relative difference"):
+        table.add_column(heading, justify="right")
+    rows = chosen_rows(history.gap)
+    worst = int(np.abs(history.difference).argmax())
+    for row in (*rows, worst):
+        table.add_row(
+            f"{history.time[row]:.6g}",
+            f"{history.gap[row]:.6e}",
+            f"{history.exact[row]:.6e}",
+            f"{history.difference[row]:+.1e}",
+            end_section=row == rows[-1],
+        )
+    table.caption = f"last line: the largest difference of all {len(history.time)} steps"
+    return table
+
+
+def plot(history: Settling, path: Path) -> None:
+    """Draw the gap, computed and exact, above the difference, into a PNG file. Raises InputError."""
+    with mpl.rc_context({"font.size": 11, "axes.spines.top": False, "axes.spines.right": False}):
+        figure = Figure(figsize=(7.0, 6.5), layout="constrained")
+        upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2.5, 1.0])
+        _draw_gap(upper, history)
+        _draw_difference(lower, history)
+        try:
+            figure.savefig(path, dpi=160)
+        except OSError as error:
+            raise InputError(f"{path}: {error.strerror}; give a run folder that can be written") from None
+
+
+def _draw_gap(axes: Axes, history: Settling) -> None:
+    """Gap over radius against time."""
+    later = history.time > 0.0
+    t = history.time[later]
+    axes.loglog(t, history.exact[later] / history.radius, color=_EXACT, lw=5, alpha=0.6, label="exact")
+    axes.loglog(t, history.gap[later] / history.radius, "o-", color=_COMPUTED, ms=3.5, lw=1, label="computed")
+    axes.set_ylabel("gap / radius")
+    axes.set_title("disc settling onto a plane under a constant force", loc="left", fontsize=12)
+    axes.legend(frameon=False)
+    axes.grid(which="major", alpha=0.3)
+
+
+def _draw_difference(axes: Axes, history: Settling) -> None:
+    """Size of the relative difference against time; open marks where the gap is too small."""
+    later = (history.time > 0.0) & (history.difference != 0.0)
+    t, size, low = history.time[later], np.abs(history.difference[later]), history.difference[later] < 0.0
+    axes.loglog(t, size, color=_ERROR, lw=1)
+    axes.loglog(t[~low], size[~low], "o", color=_ERROR, ms=3.5, label="too wide")
+    axes.loglog(t[low], size[low], "o", color=_ERROR, mfc="white", ms=3.5, label="too narrow")
+    axes.set_ylabel("relative difference")
+    axes.set_xlabel("time")
+    axes.legend(frameon=False, ncols=2)
+    axes.grid(which="major", alpha=0.3)
+
+
+def main(arguments: list[str]) -> int:
+    """Print the table and draw the plot of one run; the exit code."""
+    if len(arguments) != 1 or arguments[0] in ("-h", "--help"):
+        print(__doc__, file=sys.stderr)  # noqa: T201  (this is a program)
+        return 2
+    run = Path(arguments[0])
+    try:
+        history = read_settling(run)
+        Console().print(as_table(history))
+        plot(history, run / "settling.png")
+        Console().print(f"plot: {run / 'settling.png'}", highlight=False, soft_wrap=True)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)  # noqa: T201
+        return error.exit_code
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,100 @@
+"""The comparison with the exact settling law, on histories whose error is known."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from fsi.errors import InputError
+from fsi.lubrication.exact import settling_time
+from postprocess.settling import chosen_rows, main, read_settling
+
+Fill = Callable[[list[float], list[float]], Path]
+
+GAPS = np.geomspace(0.2, 1e-4, 40)  # the case of conftest starts at 1.2 - 1
+
+
+def exact_times(gaps: NDArray[np.float64]) -> list[float]:
+    """When the disc of the case has these gaps: mu = 1, a = 1, F_y = -1."""
+    return [float(t) for t in settling_time(gaps, 0.2, 1.0, 1.0, -1.0)]
+
+
+def test_exact_history_has_no_difference(settling_run: Fill) -> None:
+    run = settling_run(exact_times(GAPS), (1.0 + GAPS).tolist())
+    history = read_settling(run)
+    # Heights near 1 round gaps of 1e-4 to 1e-12 relative; a wrong power of the gap would show at once.
+    np.testing.assert_allclose(history.difference, 0.0, atol=5e-12)
+
+
+def test_table_and_plot(settling_run: Fill, capsys: pytest.CaptureFixture[str]) -> None:
+    wrong = np.where(np.arange(40) == 17, 1.0 + 3e-3, 1.0)
+    run = settling_run(exact_times(GAPS), (1.0 + GAPS * wrong).tolist())
+    assert main([str(run)]) == 0
+    printed = capsys.readouterr().out
+    assert "relative difference" in printed
+    worst = next(line for line in printed.splitlines() if f"{exact_times(GAPS)[17]:.6g}" in line)
+    assert "+3.0e-03" in worst
+    assert (run / "settling.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_rows_spread_over_the_logarithm_of_the_gap() -> None:
+    rows = chosen_rows(np.geomspace(1.0, 1e-4, 200))
+    assert len(rows) == 12
+    assert (rows[0], rows[-1]) == (0, 199)
+    assert np.ptp(np.diff(rows)) <= 1
+    assert list(chosen_rows(np.array([1.0, 0.5]))) == [0, 1]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("force = [0.0, -1.0]", "force = [1.0, -1.0]", "bodies.0.force = "),
+        ("force = [0.0, -1.0]", "", "bodies.0.force = "),
+        (
+            "force = [0.0, -1.0]",
+            "force = [0.0, {times = [0.0, 1.0], values = [-1.0, 0.0]}]",
+            "bodies.0.force = ",
+        ),
+        ("force = [0.0, -1.0]", "velocity = [0.0, -1.0]", "bodies.0.velocity = "),
+        ("[time]", "mass = 1.0\nmoment_of_inertia = 1.0\n[time]", "bodies.0.mass = "),
+        (
+            "[time]",
+            '[[bodies]]\nname = "second"\nradius = 0.5\nposition = [3.0, 3.0]\n[time]',
+            "bodies: there are 2",
+        ),
+        ("domain.radius = 6.0", "domain.radius = 6.0\ndomain.walls.far = {shear = 1.0}", "domain.walls.far"),
+        (
+            'domain.shape = "half-plane"\ndomain.radius = 6.0',
+            "domain.lower = [-6.0, 0.0]\ndomain.upper = [6.0, 6.0]",
+            'domain.shape = "box"',
+        ),
+    ],
+)
+def test_other_cases_are_refused_in_one_line(
+    run: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, message: str
+) -> None:
+    case = run / "case.toml"
+    assert old in case.read_text()
+    case.write_text(case.read_text().replace(old, new))
+    assert main([str(run)]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"error: {message}")
+    assert error.count("\n") == 1
+    assert not (run / "settling.png").exists()
+
+
+def test_missing_argument_shows_the_usage(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([]) == 2
+    assert "python -m postprocess.settling RUN" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [("", "no rows yet"), ("step,t,body,y\n1,2.0,disc,ab\n", "broken"), ("step,t,body,y\n1,2.0\n", "broken")],
+)
+def test_broken_tables(run: Path, text: str, message: str) -> None:
+    (run / "bodies.csv").write_text(text)
+    with pytest.raises(InputError, match=message):
+        read_settling(run)

@@ -1,0 +1,68 @@
+"""A small run with everything in it: several outputs, a kink, rejected tries; and what it leaves on disk."""
+
+from __future__ import annotations
+
+import csv
+import json
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fsi.case import Case, parse_case
+from fsi.run import Outcome, run_case
+from tests.exact_model import DiscsBesidePlane
+
+BODIES = [
+    {"name": "left", "radius": 1.0, "position": [-3.0, 2.0], "force": [1.0, -20.0]},
+    {
+        "name": "right",
+        "radius": 1.0,
+        "position": [3.0, 1.5],
+        "velocity": [{"times": [0.0, 0.35, 2.0], "values": [-1.0, 0.0, 1.0]}, 0.0],
+        "torque": 1.0,
+    },
+]
+make_model = partial(DiscsBesidePlane, noise=1e-4)
+
+
+def small_case(**sections: Any) -> Case:
+    """Two discs, some twenty steps, fields at a few of them."""
+    data = {
+        "name": "two discs",
+        "fluid": {"viscosity": 1.0},
+        "domain": {"shape": "half-plane", "radius": 100.0},
+        "bodies": BODIES,
+        "time": {"end": 1.0, "tolerance": 1e-6, "first_step": 0.5},
+        "output": {"interval": 0.25},
+    }
+    return parse_case(data | sections)
+
+
+def start(case: Case, folder: Path) -> Outcome:
+    return run_case(case, folder, make_model(case))
+
+
+def contents(folder: Path) -> dict[str, Any]:
+    """Every file of a run but its provenance; steps.csv without CPU seconds, nor its length that has them."""
+    files = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*") if path.is_file()}
+    del files["provenance.json"]
+    found: dict[str, Any] = {name: path.read_bytes() for name, path in files.items()}
+    found["steps.csv"] = [
+        {key: value for key, value in row.items() if not key.startswith("cpu_")}
+        for row in rows(folder / "steps.csv")
+    ]
+    with np.load(folder / "state.npz") as state:
+        found["state.npz"] = {key: state[key].tobytes() for key in state if key != "lengths/steps.csv"}
+    return found
+
+
+def rows(table: Path) -> list[dict[str, str]]:
+    with table.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def launches(folder: Path) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = json.loads((folder / "provenance.json").read_text())["launches"]
+    return found

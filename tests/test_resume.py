@@ -1,0 +1,189 @@
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+import traceback
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fsi.case import Case
+from fsi.errors import InputError, SolveError
+from fsi.results import StepRecord
+from fsi.run import resume_run, run_case
+from tests.small_run import contents, launches, make_model, rows, small_case, start
+
+
+@pytest.fixture(scope="module")
+def unbroken(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("runs") / "unbroken"
+    start(small_case(), folder)
+    return folder
+
+
+def test_resuming_a_finished_run_changes_nothing(unbroken: Path) -> None:
+    before = contents(unbroken)
+    assert resume_run(unbroken, make_model).steps == 0
+    assert contents(unbroken) == before
+    assert len(launches(unbroken)) == 1
+
+
+class KilledError(Exception):
+    """Instead of a signal, where the place to break off is a step."""
+
+
+def break_off(folder: Path, case: Case, step: int) -> None:
+    def progress(record: StepRecord) -> None:
+        if record.step == step:
+            raise KilledError
+
+    with pytest.raises(KilledError):
+        run_case(case, folder, make_model(case), progress)
+
+
+def test_what_comes_after_the_last_commit_is_cut_off(unbroken: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    break_off(folder, small_case(), step=4)
+    with (folder / "steps.csv").open("a") as table:
+        table.write("5,0.5")
+    (folder / "fields" / "fluid_000099_0.vtu").write_text("half a fi")
+    (folder / "state.npz.tmp").write_text("half a st")
+    (folder / "fluid.pvd").write_bytes((unbroken / "fluid.pvd").read_bytes())
+    (folder / "notes.txt").write_text("the user's own")
+    assert resume_run(folder, make_model).steps > 0
+    (folder / "notes.txt").unlink()
+    assert contents(folder) == contents(unbroken)
+    assert len(launches(folder)) == 2
+
+
+def test_lost_rows_are_noticed(tmp_path: Path) -> None:
+    break_off(tmp_path / "run", small_case(), step=4)
+    (tmp_path / "run" / "bodies.csv").write_text("step\n")
+    with pytest.raises(InputError, match=r"bodies\.csv has lost rows"):
+        resume_run(tmp_path / "run", make_model)
+
+
+def test_a_damaged_state_is_one_line(tmp_path: Path) -> None:
+    break_off(tmp_path / "run", small_case(), step=4)
+    (tmp_path / "run" / "state.npz").write_bytes(b"PK\x03\x04 nothing")
+    with pytest.raises(InputError, match=r"output = .*run"):
+        resume_run(tmp_path / "run", make_model)
+
+
+def test_a_blocked_run_keeps_its_last_good_state(tmp_path: Path) -> None:
+    driven = {"name": "disc", "radius": 1.0, "position": [0.0, 2.0], "velocity": [0.0, -1.0]}
+    case = small_case(bodies=[driven], time={"end": 2.0, "smallest_step": 1e-3})
+    with pytest.raises(SolveError, match=r"wall plane"):
+        start(case, tmp_path / "run")
+    before = contents(tmp_path / "run")
+    assert float(rows(tmp_path / "run" / "steps.csv")[-1]["t"]) > 0.99
+    with pytest.raises(SolveError, match=r"wall plane"):
+        resume_run(tmp_path / "run", make_model)
+    assert contents(tmp_path / "run") == before
+
+
+@pytest.mark.mpi
+def test_three_ranks_write_what_one_writes(unbroken: Path, tmp_path: Path) -> None:
+    """The model is the same on all ranks here; what is tested is that root alone writes."""
+    mpiexec = Path(sys.executable).with_name("mpiexec")
+    program = f"from tests.small_run import *; start(small_case(), Path({str(tmp_path / 'run')!r}))"
+    subprocess.run([mpiexec, "-n", "3", sys.executable, "-c", program], check=True, timeout=60)
+    assert contents(tmp_path / "run") == contents(unbroken)
+    assert launches(tmp_path / "run")[0]["ranks"] == 3
+
+
+def fork(action: Callable[[], object]) -> int:
+    """Run in a child process; its number."""
+    child = os.fork()
+    if child == 0:
+        code = 1
+        try:
+            action()
+            code = 0
+        except BaseException:
+            traceback.print_exc()
+        finally:
+            sys.stderr.flush()
+            os._exit(code)
+    return child
+
+
+def in_child(action: Callable[[], object], kill_at: int = 0) -> int:
+    """Run in a child that ends itself with signal 9 before its kill_at-th disk operation (0: never).
+
+    Returns:
+        the signal that ended it, 0 if it came to its end.
+    """
+
+    def armed() -> None:
+        sys.addaudithook(_Bomb(kill_at))
+        action()
+
+    status = os.waitpid(fork(armed), 0)[1]
+    assert os.waitstatus_to_exitcode(status) in (0, -signal.SIGKILL)
+    return -os.waitstatus_to_exitcode(status)
+
+
+class _Bomb:
+    """Counts what Python does to the disk, and ends the process."""
+
+    EVENTS = frozenset({"open", "os.mkdir", "os.remove", "os.rename", "os.truncate"})
+
+    def __init__(self, countdown: int) -> None:
+        self.countdown = countdown
+
+    def __call__(self, event: str, _: tuple[Any, ...]) -> None:
+        if event in self.EVENTS:
+            self.countdown -= 1
+            if self.countdown == 0:
+                os.kill(os.getpid(), signal.SIGKILL)
+
+
+def continue_run(case: Case, folder: Path) -> None:
+    """What a user does after a crash: resume if there is a folder, else run."""
+    if folder.exists():
+        resume_run(folder, make_model)
+    else:
+        start(case, folder)
+
+
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+def test_killed_before_any_disk_operation_and_resumed_equals_unbroken(tmp_path: Path) -> None:
+    """Every operation of a run in turn; the resumed run is killed at the same one, then left to finish."""
+    case = small_case(time={"end": 0.4, "tolerance": 1e-3, "first_step": 0.4})
+    start(case, tmp_path / "unbroken")
+    expected = contents(tmp_path / "unbroken")
+    killed = 0
+    for operation in range(1, 1000):
+        folder = tmp_path / str(operation)
+        action = partial(continue_run, case, folder)
+        if in_child(action, kill_at=operation) == 0:
+            break
+        killed += 1
+        in_child(action, kill_at=operation)
+        assert in_child(action) == 0
+        assert contents(folder) == expected
+    assert killed > 5 * len(expected["steps.csv"])
+
+
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+def test_killed_at_random_moments_and_resumed_equals_unbroken(unbroken: Path, tmp_path: Path) -> None:
+    """Also between and within writes, which no hook sees."""
+    case, expected = small_case(), contents(unbroken)
+    random = np.random.default_rng(0)
+    for attempt in range(10):
+        folder = tmp_path / str(attempt)
+        for _ in range(3):
+            child = fork(partial(continue_run, case, folder))
+            time.sleep(random.uniform(0.0, 0.05))
+            os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+        assert in_child(partial(continue_run, case, folder)) == 0
+        assert contents(folder) == expected

@@ -1,0 +1,71 @@
+"""The set-up's files agree with each other, and bootstrap.sh answers when asked wrongly."""
+
+import re
+import subprocess
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PIN = re.compile(r"^(?P<name>[A-Za-z0-9][\w.-]*)==(?P<version>[\w.]+)", re.MULTILINE)
+
+
+def pins(file: str) -> dict[str, str]:
+    """Names, in the canonical spelling, and their exact versions."""
+    found = PIN.finditer((ROOT / file).read_text())
+    return {re.sub(r"[-_.]+", "-", pin["name"]).lower(): pin["version"] for pin in found}
+
+
+def project() -> dict[str, object]:
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        return tomllib.load(file)
+
+
+def test_lock_holds_every_direct_dependency_at_its_version() -> None:
+    direct, locked = pins("requirements.in"), pins("requirements.lock")
+    assert direct
+    assert direct.items() <= locked.items()
+
+
+def test_lock_has_hashes_for_all_and_names_no_host() -> None:
+    text = (ROOT / "requirements.lock").read_text()
+    blocks = re.split(r"\n(?=[a-z])", text)
+    assert len(blocks) > len(pins("requirements.in"))
+    assert [b.splitlines()[0] for b in blocks if PIN.match(b) and "--hash=sha256:" not in b] == []
+    assert "://" not in text
+
+
+def test_every_declared_dependency_is_pinned() -> None:
+    table = project()["project"]
+    assert isinstance(table, dict)
+    extras = table["optional-dependencies"]
+    declared = [*table["dependencies"], *extras["stokes"], *extras["test"]]
+    names = {re.split(r"[<>=~!;\[ ]", line)[0].lower() for line in declared}
+    assert names == set(pins("requirements.in"))
+
+
+def test_every_package_of_the_tree_is_declared() -> None:
+    tool = project()["tool"]
+    assert isinstance(tool, dict)
+    tree = {
+        ".".join(file.parent.relative_to(ROOT).parts)
+        for top in ("fsi", "meshes", "postprocess")
+        for file in (ROOT / top).rglob("__init__.py")
+    }
+    assert tree == set(tool["setuptools"]["packages"])
+
+
+@pytest.mark.parametrize("package", ["fsi", "meshes", "postprocess"])
+def test_package_is_typed(package: str) -> None:
+    assert (ROOT / package / "py.typed").is_file()
+
+
+def test_bootstrap_refuses_an_unknown_command_before_it_installs() -> None:
+    done = subprocess.run([ROOT / "bootstrap.sh", "rnu"], capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr.splitlines()[-1] == "error: no such command: rnu; it is run, test or install"
+
+
+def test_bootstrap_is_valid_shell() -> None:
+    subprocess.run(["bash", "-n", ROOT / "bootstrap.sh"], check=True)
