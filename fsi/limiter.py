@@ -53,7 +53,8 @@ def greatest_approach(
 ) -> Approach:
     """The gap that loses most of itself when the bodies move straight by `displacement` (N, 3).
 
-    Neighbours count, and whatever can lose more than `gap_loss` however far apart. Containers are convex, so that the gap to a wall is smallest at an end of the way.
+    Neighbours count, and whatever can lose more than `gap_loss` however far apart. Containers are
+    convex, so that the gap to a wall is smallest at an end of the way.
     """
     fastest = float(np.hypot(displacement[:, 0], displacement[:, 1]).max())
     reach = max(2.0 * float(q.radii.max()), 2.0 * fastest / gap_loss)

@@ -169,7 +169,7 @@ class RunFolder:
                 replace(self._collection(series), collection(self._series[series]))
             kept = {self.path / entry.file for entries in self._series.values() for entry in entries}
             kept |= {self._collection(series) for series in counts}
-            for pattern in ("*.pvd", f"*{TEMPORARY}", f"{FIELDS}/*.vtu", f"{FIELDS}/*{TEMPORARY}"):
+            for pattern in ("*.pvd", f"*{TEMPORARY}", f"{FIELDS}/*.vtu", f"{FIELDS}/.*"):
                 for file in set(self.path.glob(pattern)) - kept:
                     file.unlink()
             provenance = json.loads((self.path / PROVENANCE).read_text(encoding="utf-8"))

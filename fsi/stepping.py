@@ -45,7 +45,7 @@ class Instant(Protocol):
         """The model's columns of steps.csv; `cpu_*` are CPU seconds, the others deterministic."""
 
     def write(self, folder: Path, step: int) -> dict[str, list[str]]:
-        """Write VTU files into the folder, all ranks together.
+        """Write VTU files into the folder, all ranks together; unfinished ones have names with a leading dot.
 
         Returns:
             the names of the files by series ("fluid", "surface"), the same on all ranks.

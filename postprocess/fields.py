@@ -21,6 +21,7 @@ from fsi.errors import InputError
 Indices = NDArray[np.intp]
 
 _SEGMENTS = 8  # straight pieces that stand for a curved edge
+_TRIANGLES = 2e5  # about as many a picture can show
 
 
 def read_step(run: Path, time: float | None = None) -> tuple[pv.UnstructuredGrid, float]:
@@ -57,8 +58,12 @@ def cells_within(fluid: pv.UnstructuredGrid, low: Array, high: Array) -> pv.Unst
     return fluid.extract_cells(np.flatnonzero(meets)).copy()  # all of them would share their points
 
 
-def refine(fluid: pv.UnstructuredGrid, level: int = 3) -> pv.PolyData:
-    """Small straight triangles along the curved cells, with point data `velocity`, `pressure`, `speed`."""
+def refine(fluid: pv.UnstructuredGrid) -> pv.PolyData:
+    """Small straight triangles along the curved cells, with point data `velocity`, `pressure`, `speed`.
+
+    Each level quarters the triangles; a large mesh needs fewer levels to look smooth.
+    """
+    level = int(np.clip(np.log(_TRIANGLES / fluid.n_cells) / np.log(4.0), 1, 3))
     surface = fluid.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=level)
     surface["speed"] = np.linalg.norm(surface["velocity"], axis=1)
     return surface
@@ -86,7 +91,7 @@ def stream_function(surface: pv.PolyData) -> Array:
     zero at one point of each connected part. No body may take in fluid: rigid ones do not.
     """
     triangles = surface.regular_faces
-    pairs = np.unique(np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
+    pairs = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     n = surface.n_points
     graph = coo_array((np.ones(len(pairs)), pairs.T), shape=(n, n)).tocsr()
     psi = np.full(n, np.nan)

@@ -37,7 +37,10 @@ def read_table(path: Path) -> dict[str, Array]:
 
 def read_configuration(run: Path, time: float) -> Configuration:
     """Where the bodies were at the step nearest to `time`."""
+    start = read_case(run).configuration()
+    if not len(start):
+        return start
     table = read_table(run / "bodies.csv")
     now = table["step"] == table["step"][np.argmin(np.abs(table["t"] - time))]
     centres = np.column_stack([table["x"][now], table["y"][now]])
-    return Configuration(centres, table["angle"][now], read_case(run).configuration().radii)
+    return Configuration(centres, table["angle"][now], start.radii)

@@ -89,7 +89,7 @@ class Panel:
             position_y=0.1,
             width=0.8,
             height=0.8,
-            fmt="{:.3g}",
+            fmt="{:.4g}",
             title_font_size=24,
             label_font_size=20,
         )

@@ -16,13 +16,16 @@ from meshes.geometry import Container
 from postprocess.fields import cells_within, edges, read_step, refine, stream_function
 from postprocess.folder import read_case, read_configuration
 from postprocess.opengl import require_opengl
-from postprocess.panel import INK, Panel, View
+from postprocess.panel import INK, Panel, Span, View
 
 _SIZE = 1000  # pixels of each of the two square panels
-_TITLE, _BAR = 0.07, 0.16  # height of the titles, width of the colour bars, in panels
+_TITLE, _BAR = 0.07, 0.18  # height of the titles, width of the colour bars, in panels
 _PALE = ListedColormap(colormaps["cividis"](np.linspace(0.35, 1.0, 256)))  # dark lines stay visible on it
 _STREAMLINES = 24
-_DECADES = 2.0  # range of the speeds that have a colour
+_SLOW, _DECADES = (
+    0.05,
+    4.0,
+)  # the slowest part of the area has one colour; most decades that have different ones
 _CLOSE_UP = 12.0  # width of the close-up, in gaps
 _ROOM = 1.5  # free space around the bodies, in radii of the largest
 
@@ -129,9 +132,8 @@ def _draw_flow(panel: Panel, fluid: pv.UnstructuredGrid) -> None:
     cells = _cells_in(fluid, panel.view)
     surface = refine(cells)
     surface["psi"] = stream_function(surface)
-    fastest = panel.span(surface, "speed")[1] or 1.0
-    panel.colour(surface, "speed", "viridis", (10.0**-_DECADES * fastest, fastest), log_scale=True)
-    panel.lines(edges(cells), "black", width=2, opacity=0.25)
+    panel.colour(surface, "speed", "viridis", _speeds(panel, surface), log_scale=True)
+    panel.lines(edges(cells), "black", width=2, opacity=min(0.25, 500.0 / cells.n_cells))
     levels = np.linspace(*panel.span(surface, "psi"), _STREAMLINES + 2)[1:-1]
     panel.lines(surface.contour(levels, scalars="psi"), "white", width=3, opacity=0.8)
 
@@ -142,3 +144,13 @@ def _draw_mesh(panel: Panel, fluid: pv.UnstructuredGrid) -> None:
     surface = refine(cells)
     panel.colour(surface, "pressure", _PALE, panel.span(surface, "pressure"))
     panel.lines(edges(cells), INK, width=3)
+
+
+def _speeds(panel: Panel, surface: pv.PolyData) -> Span:
+    """The speeds between which colours differ: films are far faster than the rest, walls far slower."""
+    fastest = panel.span(surface, "speed")[1] or 1.0
+    cells = surface.compute_cell_sizes(length=False, volume=False).point_data_to_cell_data()
+    order = np.argsort(cells["speed"])
+    area = np.cumsum(cells["Area"][order])
+    slow = float(cells["speed"][order][np.searchsorted(area, _SLOW * area[-1])])
+    return max(slow, 10.0**-_DECADES * fastest), fastest

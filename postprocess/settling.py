@@ -14,6 +14,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
@@ -111,6 +112,8 @@ def plot(history: Settling, path: Path) -> None:
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2.5, 1.0])
         _draw_gap(upper, history)
         _draw_difference(lower, history)
+        for axis in (upper.xaxis, upper.yaxis, lower.xaxis, lower.yaxis):
+            axis.set_minor_formatter(NullFormatter())
         try:
             figure.savefig(path, dpi=160)
         except OSError as error:

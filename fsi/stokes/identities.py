@@ -87,13 +87,16 @@ def require(defects: dict[str, float]) -> None:
 
 
 def _balance(system: System, U: Array, F: Array, q: Configuration, force: float) -> float:
-    """Largest defect of rigid^T lambda + D U = F + D U0 over the free modes, torques divided by the radius."""
+    """Largest defect of rigid^T lambda + D U = F + D U0 over the free modes, torques divided by the radius.
+
+    With inertia, D U and D U0 may cancel far above the reactions, so that the load counts as a scale too.
+    """
     free = ~system.motion.held
     D, load = mode_equations(system)
     defect = np.zeros_like(F)
     defect[free] = F[free] + D * U[free] - load
     defect[:, 2] /= q.radii
-    return _relative(float(np.abs(defect).max(initial=0.0)), force)
+    return _relative(float(np.abs(defect).max(initial=0.0)), max(force, float(np.abs(load).max(initial=0.0))))
 
 
 def _relative(defect: float, scale: float) -> float:

@@ -38,8 +38,8 @@ def test_picture_shows_flow_body_and_wall(run: Path, capfd: pytest.CaptureFixtur
     path = render_run(run)
     picture = imread(path)
     assert path == run / "flow.png"
-    assert picture.shape[:2] == (1070, 2320)
-    flow, close_up = picture[75:, :995], picture[75:, 1165:2155]
+    assert picture.shape[:2] == (1070, 2360)
+    flow, close_up = picture[75:, :995], picture[75:, 1185:2175]
     # A disc of radius 1 in a window 5 wide covers pi/25 of it, without its pointer; there is no wall in it.
     assert share(flow, BODY) == pytest.approx(np.pi / 25.0, rel=0.03)
     assert share(flow, WALL) < 1e-3

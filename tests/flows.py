@@ -1,0 +1,71 @@
+"""Small resolved problems that several tests share."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fsi.bodies import Array, Configuration, Motion
+from fsi.stokes.solution import StokesSolution
+from fsi.stokes.solve import Boundary, solve
+from meshes.build import FluidMesh, build
+from meshes.geometry import Box, Container, HalfPlane
+from meshes.sizing import Resolution
+
+BOX = Box((-8.0, 0.0), (8.0, 16.0))
+SMALL_BOX = Box((-3.0, -2.0), (3.0, 2.0))
+
+
+def discs(centres: Sequence[tuple[float, float]], radii: Sequence[float]) -> Configuration:
+    return Configuration(np.array(centres, dtype=float), np.zeros(len(radii)), np.array(radii, dtype=float))
+
+
+def disc_over_plane(gap: float) -> Configuration:
+    return discs([(0.0, 1.0 + gap)], [1.0])
+
+
+def held(*velocities: Sequence[float]) -> Motion:
+    """All modes prescribed."""
+    U = np.array(velocities, dtype=float)
+    return Motion(np.ones(U.shape, dtype=bool), U, np.zeros_like(U))
+
+
+def free(*loads: Sequence[float]) -> Motion:
+    """All modes free under given loads."""
+    F = np.array(loads, dtype=float)
+    return Motion(np.zeros(F.shape, dtype=bool), np.zeros_like(F), F)
+
+
+def at_rest(x: Array) -> Array:
+    return np.zeros_like(x)
+
+
+def shear(x: Array) -> Array:
+    """u = y e_x."""
+    return np.column_stack([x[:, 1], np.zeros(len(x))])
+
+
+def resting(container: Container) -> Boundary:
+    return Boundary({wall: at_rest for wall in container.walls}, {})
+
+
+def mesh(container: Container, q: Configuration, resolution: Resolution | None = None, order: int = 3) -> FluidMesh:
+    return build(container, q.centres, q.radii, resolution or Resolution(), order)
+
+
+def solved(
+    container: Container,
+    q: Configuration,
+    motion: Motion,
+    boundary: Boundary | None = None,
+    resolution: Resolution | None = None,
+    degree: int = 3,
+    formulation: str = "eliminated",
+) -> StokesSolution:
+    """Mesh and solve at mu = 1."""
+    fluid = mesh(container, q, resolution, degree)
+    return solve(fluid, container, q, motion, boundary or resting(container), degree=degree, formulation=formulation)
+
+
+HALF_PLANE = HalfPlane(5000.0)
