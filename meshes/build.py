@@ -17,7 +17,7 @@ from meshes.errors import MeshError
 from meshes.geometry import Array, Container
 from meshes.quality import require_valid
 from meshes.sizing import Resolution, boundary
-from meshes.triangulate import Indices, triangulate
+from meshes.triangulate import FarSize, Indices, triangulate
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,8 @@ def build(
 
     def make() -> CurvedCells:
         curves = boundary(container, centres, radii, resolution)
-        return curve(*triangulate(curves), curves, order)
+        far = FarSize(2.0 * resolution.growth, float(radii.max(initial=0.0)), container.size())
+        return curve(*triangulate(curves, far), curves, order)
 
     return shared(make, container, len(radii), comm)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 import meshes.backend  # noqa: F401
 import gmsh
@@ -69,8 +70,41 @@ def chain(curves: Sequence[Curve]) -> tuple[Array, list[Indices]]:
     return np.array(nodes), chains
 
 
-def triangulate(curves: Sequence[Curve]) -> tuple[Array, Indices, Indices, Indices]:
+@dataclass(frozen=True, slots=True)
+class FarSize:
+    """A bound on the element size far from all bodies: `slope (d - radius)` at the distance d from the nearest one.
+
+    Without it gmsh, which interpolates between distant boundaries, may leave a ring around the bodies too coarse.
+    """
+
+    slope: float
+    radius: float
+    reach: float
+
+    def apply(self, points: Sequence[int]) -> None:
+        """Make it gmsh's background size around these points, one on each body."""
+        field = gmsh.model.mesh.field
+        distance, bound = field.add("Distance"), field.add("Threshold")
+        field.setNumbers(distance, "PointsList", points)
+        near = 3.0 * self.radius
+        numbers = {
+            "InField": distance,
+            "DistMin": near,
+            "SizeMin": self.slope * (near - self.radius),
+            "DistMax": near + self.reach,
+            "SizeMax": self.slope * (near + self.reach - self.radius),
+        }
+        for name, number in numbers.items():
+            field.setNumber(bound, name, number)
+        field.setAsBackgroundMesh(bound)
+
+
+def triangulate(curves: Sequence[Curve], far: FarSize | None = None) -> tuple[Array, Indices, Indices, Indices]:
     """Triangles between the curves: the fluid lies inside the open ones and outside the closed ones.
+
+    Args:
+        curves: the boundary.
+        far: bound on the size far from the closed curves.
 
     Returns:
         vertices (n, 2); triangles (T, 3), counterclockwise; boundary edges (E, 2); their tags (E,).
@@ -80,7 +114,9 @@ def triangulate(curves: Sequence[Curve]) -> tuple[Array, Indices, Indices, Indic
     """
     nodes, chains = chain(curves)
     with gmsh_model():
-        _add_curves(nodes, curves, chains)
+        points = _add_curves(nodes, curves, chains)
+        if far is not None and points:
+            far.apply(points)
         gmsh.model.mesh.generate(2)
         vertices, triangles = _read_triangles()
     edges = np.concatenate([np.column_stack([c[:-1], c[1:]]) for c in chains])
@@ -89,8 +125,8 @@ def triangulate(curves: Sequence[Curve]) -> tuple[Array, Indices, Indices, Indic
     return vertices, triangles, edges, tags
 
 
-def _add_curves(nodes: Array, curves: Sequence[Curve], chains: Sequence[Indices]) -> None:
-    """Give gmsh the boundary: node k of ours is node k + 1 of gmsh's."""
+def _add_curves(nodes: Array, curves: Sequence[Curve], chains: Sequence[Indices]) -> list[int]:
+    """Give gmsh the boundary: node k of ours is node k + 1 of gmsh's. Gives a point on each closed curve."""
     points: dict[int, int] = {}
 
     def point(node: int) -> int:
@@ -101,7 +137,7 @@ def _add_curves(nodes: Array, curves: Sequence[Curve], chains: Sequence[Indices]
             gmsh.model.mesh.addElementsByType(tag, 15, [], [node + 1])
         return points[node]
 
-    outer, holes = [], []
+    outer, holes, starts = [], [], []
     for curve, numbers in zip(curves, chains, strict=True):
         gmsh.model.addDiscreteEntity(1, curve.tag, [point(int(numbers[0])), point(int(numbers[-1]))])
         inner = numbers[1:-1]
@@ -109,10 +145,12 @@ def _add_curves(nodes: Array, curves: Sequence[Curve], chains: Sequence[Indices]
         gmsh.model.mesh.addElementsByType(curve.tag, 1, [], np.column_stack([numbers[:-1], numbers[1:]]).ravel() + 1)
         if curve.closed:
             holes.append(gmsh.model.geo.addCurveLoop([curve.tag]))
+            starts.append(point(int(numbers[0])))
         else:
             outer.append(curve.tag)
     gmsh.model.geo.addPlaneSurface([gmsh.model.geo.addCurveLoop(outer, reorient=True), *holes])
     gmsh.model.geo.synchronize()
+    return starts
 
 
 def _read_triangles() -> tuple[Array, Indices]:
