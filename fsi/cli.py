@@ -78,15 +78,16 @@ def check(case_file: CaseFile, overrides: Overrides = None) -> None:
 @app.command(epilog="Example: fsi mesh cases/disc_in_box.toml -o disc.vtu")
 def mesh(
     case_file: CaseFile,
-    output: Annotated[Path, typer.Option("--output", "-o", help="The mesh file: .msh, .vtu, ...")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="The mesh file: .msh or .vtu")],
     overrides: Overrides = None,
 ) -> None:
     """Write the mesh of a case at time 0."""
     case = _load(case_file, overrides)
     if output.is_dir() or not os.access(output.absolute().parent, os.W_OK):
         raise InputError(f"output = {output}: no file can be written there; give another path")
-    from meshes.convert import write_mesh
+    from meshes.convert import require_suffix, write_mesh
 
+    require_suffix(output)
     write_mesh(_model(case).mesh(case.configuration()), output, case.names)
     if parallel.is_root():
         typer.echo(f"wrote {output}")

@@ -12,8 +12,6 @@ os.environ.setdefault("UCX_TLS", "self,sm,tcp")
 # Without /sys (bare containers) MPI's transports and hwloc complain on stderr, and work all the same.
 os.environ.setdefault("UCX_LOG_LEVEL", "fatal")
 os.environ.setdefault("HWLOC_HIDE_ERRORS", "2")
-# More threads slow small factorisations down and change the last bits; MPI is the way to use cores.
-os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 if importlib.util.find_spec("dolfinx_solver") is not None:
     importlib.import_module("dolfinx_solver")

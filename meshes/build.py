@@ -6,12 +6,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import meshes.backend  # noqa: F401
+
 import basix.ufl
 import dolfinx
 import numpy as np
 import ufl
 from mpi4py import MPI
 
+from meshes.aliases import Mesh
 from meshes.curved import CurvedCells, curve
 from meshes.errors import MeshError
 from meshes.geometry import Array, Container
@@ -28,7 +30,7 @@ class FluidMesh:
     bodies: N; walls: names, in the order of their tags; quality: worst scaled Jacobian of all cells.
     """
 
-    mesh: dolfinx.mesh.Mesh
+    mesh: Mesh
     facet_tags: dolfinx.mesh.MeshTags
     bodies: int
     walls: tuple[str, ...]
@@ -49,7 +51,12 @@ class FluidMesh:
 
 
 def build(
-    container: Container, centres: Array, radii: Array, resolution: Resolution, order: int, comm: MPI.Comm = MPI.COMM_WORLD
+    container: Container,
+    centres: Array,
+    radii: Array,
+    resolution: Resolution,
+    order: int,
+    comm: MPI.Intracomm = MPI.COMM_WORLD,
 ) -> FluidMesh:
     """Mesh the fluid around discs; collective, gmsh runs on rank 0.
 
@@ -73,7 +80,9 @@ def build(
     return shared(make, container, len(radii), comm)
 
 
-def shared(make: Callable[[], CurvedCells], container: Container, bodies: int, comm: MPI.Comm) -> FluidMesh:
+def shared(
+    make: Callable[[], CurvedCells], container: Container, bodies: int, comm: MPI.Intracomm
+) -> FluidMesh:
     """Make cells on rank 0, check them and share them out; a MeshError of rank 0 is raised on all ranks."""
     cells: CurvedCells | None = None
     problem: MeshError | None = None
@@ -96,7 +105,9 @@ def coordinate_element(order: int) -> basix.ufl._ElementBase:
     return basix.ufl.element("Lagrange", "triangle", order, basix.LagrangeVariant.equispaced, shape=(2,))
 
 
-def distribute(cells: CurvedCells | None, order: int, comm: MPI.Comm) -> tuple[dolfinx.mesh.Mesh, dolfinx.mesh.MeshTags]:
+def distribute(
+    cells: CurvedCells | None, order: int, comm: MPI.Intracomm
+) -> tuple[Mesh, dolfinx.mesh.MeshTags]:
     """Share rank 0's cells out over the ranks (the others pass None); mesh and facet tags."""
     nodes_per_cell = (order + 1) * (order + 2) // 2
     topology = np.empty((0, nodes_per_cell), dtype=np.int64) if cells is None else cells.cells
@@ -106,7 +117,7 @@ def distribute(cells: CurvedCells | None, order: int, comm: MPI.Comm) -> tuple[d
     return mesh, _facet_tags(mesh, edges, tags)
 
 
-def _facet_tags(mesh: dolfinx.mesh.Mesh, edges: Indices, tags: Indices) -> dolfinx.mesh.MeshTags:
+def _facet_tags(mesh: Mesh, edges: Indices, tags: Indices) -> dolfinx.mesh.MeshTags:
     """Tags of the boundary facets, recognised by the input numbers of their two vertices."""
     mesh.topology.create_entities(1)
     mesh.topology.create_connectivity(1, 2)
@@ -118,5 +129,7 @@ def _facet_tags(mesh: dolfinx.mesh.Mesh, edges: Indices, tags: Indices) -> dolfi
     keys = edges[:, 0] * n + edges[:, 1]
     order = np.argsort(keys)
     place = np.minimum(np.searchsorted(keys[order], ends[:, 0] * n + ends[:, 1]), len(keys) - 1)
-    values = np.where(keys[order][place] == ends[:, 0] * n + ends[:, 1], tags[order][place], 0).astype(np.int32)
+    values = np.where(keys[order][place] == ends[:, 0] * n + ends[:, 1], tags[order][place], 0).astype(
+        np.int32
+    )
     return dolfinx.mesh.meshtags(mesh, 1, facets, values)

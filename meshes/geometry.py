@@ -24,7 +24,7 @@ class Container(Protocol):
 
     @property
     def corner_axes(self) -> tuple[int, ...]:
-        """For each wall the axis of its normal at its corners: the velocity component that is its own there."""
+        """For each wall the axis of its normal at its corners, where that velocity component is its own."""
 
     def distances(self, x: Array) -> Array:
         """Distance of each point to each wall, shape (n, walls); positive inside."""

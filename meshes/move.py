@@ -14,6 +14,7 @@ from __future__ import annotations
 from functools import cache
 
 import meshes.backend  # noqa: F401
+
 import basix.ufl
 import numpy as np
 import ufl
@@ -28,7 +29,7 @@ from meshes.curved import reference_points
 from meshes.geometry import Array
 from meshes.quality import scaled_jacobian
 
-# A moved cell may differ from its base by at most this ratio of stretches, and must keep this scaled Jacobian.
+# A moved cell may differ from its base by this ratio of stretches at most, and keeps this scaled Jacobian.
 LARGEST_DISTORTION = 2.0
 SMALLEST_JACOBIAN = 0.2
 
@@ -55,7 +56,7 @@ class Mover:
         """Move the bodies to `centres` (N, 2), in place; collective.
 
         Returns:
-            the worst scaled Jacobian, or None (and the base mesh again) where the moved mesh is not good enough.
+            the worst scaled Jacobian, or None (and the base mesh again) if the moved mesh is not good enough.
         """
         d = self._extension(centres - self.centres)
         geometry = self.fluid.mesh.geometry
@@ -70,7 +71,9 @@ class Mover:
         """Tag of each owned vertex, 0 inside. Vertices at the corner of two walls have either's tag."""
         marker = fem.Function(self._vertices)
         for tag in range(1, self.fluid.bodies + len(self.fluid.walls) + 1):
-            marker.x.array[fem.locate_dofs_topological(self._vertices, 1, self.fluid.facet_tags.find(tag))] = tag
+            marker.x.array[
+                fem.locate_dofs_topological(self._vertices, 1, self.fluid.facet_tags.find(tag))
+            ] = tag
         owned = self._vertices.dofmap.index_map.size_local
         return np.rint(marker.x.array[:owned]).astype(np.int32)
 
@@ -83,7 +86,9 @@ class Mover:
         inverse_area.x.array[:] = 2.0 / np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
         cells = np.arange(mesh.topology.index_map(2).size_local, dtype=np.int32)
         domain = {fem.IntegralType.cell: [(-1, cells)]}
-        matrix = assemble_matrix(fem.create_form(form, [self._vertices] * 2, mesh, domain, {weight: inverse_area}, {}))
+        matrix = assemble_matrix(
+            fem.create_form(form, [self._vertices] * 2, mesh, domain, {weight: inverse_area}, {})
+        )
         matrix.assemble()
         return matrix
 
@@ -139,7 +144,11 @@ def _stiffness_form(order: int) -> tuple[fem.forms.CompiledForm, ufl.Coefficient
     space = ufl.FunctionSpace(omega, vertex_element())
     w = ufl.Coefficient(ufl.FunctionSpace(omega, cell_element()))
     d, v = ufl.TrialFunction(space), ufl.TestFunction(space)
-    form = w * ufl.inner(ufl.grad(d), ufl.grad(v)) * ufl.dx(omega, metadata={"quadrature_degree": 2 * (order - 1)})
+    form = (
+        w
+        * ufl.inner(ufl.grad(d), ufl.grad(v))
+        * ufl.dx(omega, metadata={"quadrature_degree": 2 * (order - 1)})
+    )
     return fem.compile_form(MPI.COMM_WORLD, form), w
 
 

@@ -20,7 +20,9 @@ WORST_ACCEPTED = 0.1
 
 
 def scaled_jacobian(x: Array, order: int) -> Array:
-    """Smallest over largest Jacobian determinant of each cell, a lower bound; 1 for a straight cell, <= 0 inverted.
+    """Smallest over largest Jacobian determinant of each cell, a lower bound; <= 0 for an inverted cell.
+
+    It is 1 for a straight cell.
 
     Args:
         x: nodes of the cells in the order of basix, shape (T, nodes, 2).
@@ -54,7 +56,7 @@ def require_valid(x: Array, order: int) -> float:
 
 @cache
 def _tables(order: int) -> tuple[Array, Array]:
-    """Derivatives of the nodal basis (2, q, nodes) where the determinant is sampled, and samples -> Bezier."""
+    """Derivatives of the nodal basis (2, q, nodes) at the sample points, and the matrix samples -> Bezier."""
     degree = 2 * (order - 1)
     samples = reference_points(degree) if degree else np.array([[1 / 3, 1 / 3]])
     element = basix.create_element(

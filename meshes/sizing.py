@@ -72,8 +72,10 @@ class Surfaces:
     radii: Array
 
     def to_bodies(self, x: Array, among: NDArray[np.intp] | None = None) -> Array:
-        """Distance of each point (n, 2) to the nearest surface of `among` (default: all bodies), shape (n,)."""
-        centres, radii = (self.centres, self.radii) if among is None else (self.centres[among], self.radii[among])
+        """Distance of each point (n, 2) to the nearest body of `among` (default: all), shape (n,)."""
+        centres, radii = (
+            (self.centres, self.radii) if among is None else (self.centres[among], self.radii[among])
+        )
         if len(radii) == 0:
             return np.full(len(x), np.inf)
         distances = np.hypot(x[:, None, 0] - centres[:, 0], x[:, None, 1] - centres[:, 1]) - radii
@@ -105,7 +107,9 @@ def _bodies(surfaces: Surfaces, resolution: Resolution) -> list[Curve]:
         to_near = centres[near] - centre
         foci = np.arctan2(to_near[:, 1], to_near[:, 0])
         close_walls = np.flatnonzero(wall_gaps[i] < reach[i])
-        foci = np.concatenate([foci, [_direction_to_wall(surfaces.container, centre, w) for w in close_walls]])
+        foci = np.concatenate(
+            [foci, [_direction_to_wall(surfaces.container, centre, int(w)) for w in close_walls]]
+        )
         gaps = np.concatenate([gaps, wall_gaps[i, close_walls]])
         angles = _circle_samples(foci, np.sqrt(0.5 * gaps / radius), resolution.cells_per_circle)
         x = centre + radius * np.column_stack([np.cos(angles), np.sin(angles)])
@@ -122,7 +126,9 @@ def _bodies(surfaces: Surfaces, resolution: Resolution) -> list[Curve]:
 
 def _across(gap: Array, radius: float, resolution: Resolution) -> Array:
     """Element size where the gap is `gap` and the smallest radius beside it `radius`."""
-    size: Array = np.clip(LENGTH * np.sqrt(radius * gap), SHORTEST * gap, LONGEST * gap) / resolution.cells_per_gap
+    size: Array = (
+        np.clip(LENGTH * np.sqrt(radius * gap), SHORTEST * gap, LONGEST * gap) / resolution.cells_per_gap
+    )
     return size
 
 
@@ -154,7 +160,7 @@ def _cluster(width: float, extent: float) -> Array:
 
 
 def _equidistribute(s: Array, density: Array, least: int) -> Array:
-    """Parameters that split `int density ds` over [s_0, s_end] into equal parts of at most 1, both ends included."""
+    """Parameters, with both ends of s, that split `int density ds` into equal parts of at most 1."""
     cumulative = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(s))])
     parts = max(least, int(np.ceil(cumulative[-1])))
     placed: Array = np.interp(np.linspace(0.0, cumulative[-1], parts + 1), cumulative, s)
@@ -166,7 +172,12 @@ def _walls(surfaces: Surfaces, resolution: Resolution) -> list[Curve]:
     first = len(surfaces.radii) + 1
     match surfaces.container:
         case Box(lower=(x0, y0), upper=(x1, y1)):
-            corners = {"left": ((x0, y1), (x0, y0)), "right": ((x1, y0), (x1, y1)), "bottom": ((x0, y0), (x1, y0)), "top": ((x1, y1), (x0, y1))}
+            corners = {
+                "left": ((x0, y1), (x0, y0)),
+                "right": ((x1, y0), (x1, y1)),
+                "bottom": ((x0, y0), (x1, y0)),
+                "top": ((x1, y1), (x0, y1)),
+            }
             return [
                 _segment(surfaces, resolution, first + k, np.array(corners[wall]))
                 for k, wall in enumerate(surfaces.container.walls)
@@ -185,7 +196,9 @@ def _wall_size(surfaces: Surfaces, resolution: Resolution, x: Array, longest: fl
     d = surfaces.to_bodies(x)
     h_body = 2.0 * np.pi * surfaces.radii.max() / resolution.cells_per_circle
     a = float(surfaces.radii.min())
-    return np.minimum(np.minimum(_across(d, a, resolution), np.maximum(h_body, resolution.growth * d)), longest)
+    return np.minimum(
+        np.minimum(_across(d, a, resolution), np.maximum(h_body, resolution.growth * d)), longest
+    )
 
 
 def _segment(surfaces: Surfaces, resolution: Resolution, tag: int, ends: Array) -> Curve:

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 import meshes.backend  # noqa: F401
+
 import gmsh
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +40,9 @@ def gmsh_model() -> Iterator[None]:
     except MeshError:
         raise
     except Exception as error:
-        raise MeshError(f"gmsh failed: {error}; try a finer discretisation.cells_per_gap or cells_per_circle") from error
+        raise MeshError(
+            f"gmsh failed: {error}; try a finer discretisation.cells_per_gap or cells_per_circle"
+        ) from error
     finally:
         gmsh.clear()
 
@@ -72,9 +75,10 @@ def chain(curves: Sequence[Curve]) -> tuple[Array, list[Indices]]:
 
 @dataclass(frozen=True, slots=True)
 class FarSize:
-    """A bound on the element size far from all bodies: `slope (d - radius)` at the distance d from the nearest one.
+    """A bound on the element size far from all bodies: `slope (d - radius)` at distance d from the nearest.
 
-    Without it gmsh, which interpolates between distant boundaries, may leave a ring around the bodies too coarse.
+    Without it gmsh, which interpolates between distant boundaries, may leave a ring around the bodies
+    too coarse.
     """
 
     slope: float
@@ -99,7 +103,9 @@ class FarSize:
         field.setAsBackgroundMesh(bound)
 
 
-def triangulate(curves: Sequence[Curve], far: FarSize | None = None) -> tuple[Array, Indices, Indices, Indices]:
+def triangulate(
+    curves: Sequence[Curve], far: FarSize | None = None
+) -> tuple[Array, Indices, Indices, Indices]:
     """Triangles between the curves: the fluid lies inside the open ones and outside the closed ones.
 
     Args:
@@ -141,8 +147,12 @@ def _add_curves(nodes: Array, curves: Sequence[Curve], chains: Sequence[Indices]
     for curve, numbers in zip(curves, chains, strict=True):
         gmsh.model.addDiscreteEntity(1, curve.tag, [point(int(numbers[0])), point(int(numbers[-1]))])
         inner = numbers[1:-1]
-        gmsh.model.mesh.addNodes(1, curve.tag, inner + 1, np.column_stack([nodes[inner], np.zeros(len(inner))]).ravel())
-        gmsh.model.mesh.addElementsByType(curve.tag, 1, [], np.column_stack([numbers[:-1], numbers[1:]]).ravel() + 1)
+        gmsh.model.mesh.addNodes(
+            1, curve.tag, inner + 1, np.column_stack([nodes[inner], np.zeros(len(inner))]).ravel()
+        )
+        gmsh.model.mesh.addElementsByType(
+            curve.tag, 1, [], np.column_stack([numbers[:-1], numbers[1:]]).ravel() + 1
+        )
         if curve.closed:
             holes.append(gmsh.model.geo.addCurveLoop([curve.tag]))
             starts.append(point(int(numbers[0])))
@@ -170,7 +180,9 @@ def _read_triangles() -> tuple[Array, Indices]:
 
 def _require_boundary(triangles: Indices, edges: Indices) -> None:
     """The edges that belong to one triangle must be the given ones."""
-    sides = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [0, 2]]]), axis=1)
+    sides = np.sort(
+        np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [0, 2]]]), axis=1
+    )
     found, count = np.unique(sides, axis=0, return_counts=True)
     if not np.array_equal(found[count == 1], np.unique(np.sort(edges, axis=1), axis=0)):
         raise MeshError("gmsh lost a part of the boundary; try a finer discretisation.cells_per_gap")

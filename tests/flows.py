@@ -47,10 +47,12 @@ def shear(x: Array) -> Array:
 
 
 def resting(container: Container) -> Boundary:
-    return Boundary({wall: at_rest for wall in container.walls}, {})
+    return Boundary(dict.fromkeys(container.walls, at_rest), {})
 
 
-def mesh(container: Container, q: Configuration, resolution: Resolution | None = None, order: int = 3) -> FluidMesh:
+def mesh(
+    container: Container, q: Configuration, resolution: Resolution | None = None, order: int = 3
+) -> FluidMesh:
     return build(container, q.centres, q.radii, resolution or Resolution(), order)
 
 
@@ -65,7 +67,9 @@ def solved(
 ) -> StokesSolution:
     """Mesh and solve at mu = 1."""
     fluid = mesh(container, q, resolution, degree)
-    return solve(fluid, container, q, motion, boundary or resting(container), degree=degree, formulation=formulation)
+    return solve(
+        fluid, container, q, motion, boundary or resting(container), degree=degree, formulation=formulation
+    )
 
 
 HALF_PLANE = HalfPlane(5000.0)

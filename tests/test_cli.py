@@ -89,6 +89,7 @@ def test_check_and_help_load_neither_dolfinx_nor_gmsh_nor_pyvista() -> None:
         (["check", str(CASE), "--set", "fluid.viscocity=1"], "use fluid.viscosity"),
         (["solve", str(CASE), "--json", "--set", "bodies.0.radius=nan"], "bodies.0.radius = nan"),
         (["mesh", str(CASE), "-o", "/nowhere/disc.msh"], "output = /nowhere/disc.msh"),
+        (["mesh", str(CASE), "-o", "disc.unknown"], "unknown suffix '.unknown'; give .msh or .vtu"),
         (["resume", "/nowhere"], "/nowhere"),
         (["render", "/nowhere"], "/nowhere"),
     ],

@@ -1,1 +1,1 @@
-"""The resolved model: Stokes flow around rigid bodies, by finite elements. dolfinx lives here and in `meshes`."""
+"""The resolved model: Stokes flow around rigid bodies, by finite elements (dolfinx)."""

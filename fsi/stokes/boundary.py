@@ -8,6 +8,7 @@ import numpy as np
 from dolfinx import fem, la
 from numpy.typing import NDArray
 
+from meshes.aliases import FunctionSpace
 from meshes.build import FluidMesh
 from meshes.geometry import Array
 
@@ -18,8 +19,8 @@ Nodes = NDArray[np.int32]
 class BoundaryNodes:
     """Velocity nodes of this rank, owned ones only.
 
-    body_nodes: nodes on bodies, ascending, (b,); body: the body of each, (b,); wall_nodes: of each wall by name;
-    x: coordinates of all owned velocity nodes, (n, 2).
+    body_nodes: nodes on bodies, ascending, (b,); body: the body of each, (b,);
+    wall_nodes: of each wall by name; x: coordinates of all owned velocity nodes, (n, 2).
     """
 
     body_nodes: Nodes
@@ -35,7 +36,7 @@ def facets_with(fluid: FluidMesh, low: int, high: int) -> NDArray[np.int32]:
     return facets
 
 
-def locate(fluid: FluidMesh, V: fem.FunctionSpace) -> BoundaryNodes:
+def locate(fluid: FluidMesh, V: FunctionSpace) -> BoundaryNodes:
     """Find the velocity nodes on bodies and walls; collective.
 
     A rank may own a node without owning a facet that holds it, so tags are summed over ranks.
@@ -51,10 +52,14 @@ def locate(fluid: FluidMesh, V: fem.FunctionSpace) -> BoundaryNodes:
         facets = facets_with(fluid, tag, tag)
         on_wall = _tag_of_nodes(fluid, V, facets, np.ones(len(facets), dtype=np.int32))
         walls[wall] = np.flatnonzero(on_wall).astype(np.int32)
-    return BoundaryNodes(body_nodes, body_tag[body_nodes] - 1, walls, V.tabulate_dof_coordinates()[:owned, :2])
+    return BoundaryNodes(
+        body_nodes, body_tag[body_nodes] - 1, walls, V.tabulate_dof_coordinates()[:owned, :2]
+    )
 
 
-def _tag_of_nodes(fluid: FluidMesh, V: fem.FunctionSpace, facets: Nodes, tags: NDArray[np.int32]) -> NDArray[np.int64]:
+def _tag_of_nodes(
+    fluid: FluidMesh, V: FunctionSpace, facets: Nodes, tags: NDArray[np.int32]
+) -> NDArray[np.int64]:
     """The tag of each owned node in the closure of tagged facets (0 elsewhere); no node may have two tags."""
     topology = fluid.mesh.topology
     entities = fem.compute_integration_domains(fem.IntegralType.exterior_facet, topology, facets)
@@ -69,4 +74,5 @@ def _tag_of_nodes(fluid: FluidMesh, V: fem.FunctionSpace, facets: Nodes, tags: N
         vector.array[nodes.ravel()] = np.repeat(values, nodes.shape[1])
         vector.scatter_reverse(la.InsertMode.add)
         sums.append(vector.array[: V.dofmap.index_map.size_local])
-    return np.rint(sums[0] / np.maximum(sums[1], 1.0)).astype(np.int64)
+    tag_of_nodes: NDArray[np.int64] = np.rint(sums[0] / np.maximum(sums[1], 1.0)).astype(np.int64)
+    return tag_of_nodes

@@ -30,11 +30,11 @@ NO_COLUMN = -1
 class Layout:
     """How the rows of x = (u, p) are shared: this rank owns 2 `velocity_nodes` + `pressure_nodes` of them.
 
-    fixed: rows whose value is given (walls, the pinned pressure), local numbers; on_body: rows of nodes on bodies;
-    body: the body of each of these. `modes`: 3 N, all owned by rank 0.
+    fixed: rows whose value is given (walls, the pinned pressure), local numbers; on_body: rows of nodes on
+    bodies; body: the body of each of these. `modes`: 3 N, all owned by rank 0.
     """
 
-    comm: MPI.Comm
+    comm: MPI.Intracomm
     velocity_nodes: int
     pressure_nodes: int
     fixed: NDArray[np.int64]
@@ -53,15 +53,24 @@ class Layout:
         return self.modes if self.comm.rank == 0 else 0
 
 
-def layout(comm: MPI.Comm, nodes: BoundaryNodes, walls: tuple[str, ...], pressure_nodes: int, pin: int | None, bodies: int) -> Layout:
-    """Rows of walls with given velocity, of bodies, and the pressure row to pin (local, on its owner only)."""
+def layout(
+    comm: MPI.Intracomm,
+    nodes: BoundaryNodes,
+    walls: tuple[str, ...],
+    pressure_nodes: int,
+    pin: int | None,
+    bodies: int,
+) -> Layout:
+    """Rows of walls with given velocity, of bodies, and the pressure row to pin (local, its owner's only)."""
     given = [nodes.wall_nodes[wall] for wall in walls]
     wall_nodes = np.unique(np.concatenate([*given, np.empty(0, dtype=np.int32)])).astype(np.int64)
     fixed = (2 * wall_nodes[:, None] + np.arange(2)).ravel()
     if pin is not None:
         fixed = np.append(fixed, 2 * len(nodes.x) + pin)
     on_body = (2 * nodes.body_nodes.astype(np.int64)[:, None] + np.arange(2)).ravel()
-    return Layout(comm, len(nodes.x), pressure_nodes, fixed, on_body, np.repeat(nodes.body, 2), MODES * bodies)
+    return Layout(
+        comm, len(nodes.x), pressure_nodes, fixed, on_body, np.repeat(nodes.body, 2), MODES * bodies
+    )
 
 
 def rigid_modes(shares: Layout, nodes: BoundaryNodes, q: Configuration) -> PETSc.Mat:
@@ -75,7 +84,9 @@ def rigid_modes(shares: Layout, nodes: BoundaryNodes, q: Configuration) -> PETSc
     return _matrix(shares, (shares.own_modes, shares.modes), shares.on_body, columns, values)
 
 
-def prolongation(shares: Layout, rigid: PETSc.Mat, held: NDArray[np.bool_], eliminate_bodies: bool = True) -> PETSc.Mat:
+def prolongation(
+    shares: Layout, rigid: PETSc.Mat, held: NDArray[np.bool_], eliminate_bodies: bool = True
+) -> PETSc.Mat:
     """P for the given held modes, bool (N, 3).
 
     With `eliminate_bodies` false, the nodes on bodies stay unknowns and P has no modes: this is the
@@ -114,8 +125,8 @@ def wall_offset(
 ) -> Array:
     """Given velocities of the wall nodes in an array over this rank's rows, zero elsewhere.
 
-    velocities: for each wall its velocity at its own nodes, shape (nodes, 2). Where two walls meet, each keeps
-    its normal component, so that nothing leaks through the corner of a moving lid.
+    velocities: for each wall its velocity at its own nodes, shape (nodes, 2). Where two walls meet, each
+    keeps its normal component, so that nothing leaks through the corner of a moving lid.
     """
     g = np.zeros(shares.rows)
     times_met = np.zeros(shares.velocity_nodes, dtype=int)
@@ -131,7 +142,13 @@ def wall_offset(
     return g
 
 
-def _matrix(shares: Layout, columns: tuple[int, int | None], rows: NDArray[np.int64], column: NDArray[np.int64], value: Array) -> PETSc.Mat:
+def _matrix(
+    shares: Layout,
+    columns: tuple[int, int | None],
+    rows: NDArray[np.int64],
+    column: NDArray[np.int64],
+    value: Array,
+) -> PETSc.Mat:
     """Sparse matrix with `value[k, :]` in row `rows[k]` at columns `column[k, :]`; rows may repeat."""
     width = column.shape[1]
     order = np.argsort(rows, kind="stable")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -36,12 +35,17 @@ def capture(forms: Forms) -> Flow:
     V, topology = forms.V, forms.mesh.topology
     cells = V.dofmap.list[: topology.index_map(2).size_local]
     order = vtk_order(cells.shape[1])
-    x = V.tabulate_dof_coordinates()[:, :2].copy()
-    return Flow(x, cells[:, order].astype(np.int64), forms.u.x.array.reshape(-1, 2).copy(), _pressure_at_nodes(forms, cells))
+    x: Array = V.tabulate_dof_coordinates()[:, :2].copy()
+    return Flow(
+        x,
+        cells[:, order].astype(np.int64),
+        np.array(forms.u.x.array, dtype=np.float64).reshape(-1, 2),
+        _pressure_at_nodes(forms, cells),
+    )
 
 
 def _pressure_at_nodes(forms: Forms, cells: NDArray[np.int32]) -> Array:
-    """The pressure, one degree lower, at the nodes of the velocity: exact, since the element of V holds that of Q."""
+    """The pressure at the nodes of the velocity: exact, since the element of V holds that of Q."""
     points = forms.V.element.basix_element.points
     phi = forms.Q.element.basix_element.tabulate(0, points)[0, :, :, 0]
     p = np.empty(len(forms.u.x.array) // 2)
@@ -54,32 +58,43 @@ def write_flow(flow: Flow, folder: Path, step: int) -> list[str]:
     part = "" if parallel.size() == 1 else f"_rank{parallel.rank()}"
     name = f"fluid_{step:06d}{part}.vtu"
     data = {"velocity": np.column_stack([flow.u, np.zeros(len(flow.u))]), "pressure": flow.p}
-    parallel.on_every_rank(lambda: _write(folder / name, flow.x, "VTK_LAGRANGE_TRIANGLE", flow.cells, data, {}))
+    parallel.on_every_rank(
+        lambda: _write(folder / name, flow.x, "VTK_LAGRANGE_TRIANGLE", flow.cells, data, {})
+    )
     return parallel.gather(name)
 
 
 def write_surface(surface: Surface, traction: Array, folder: Path, step: int) -> list[str]:
-    """Write `surface_<step>.vtu` on root: Lagrange curves with the traction on the fluid's side and the body's number."""
+    """Write `surface_<step>.vtu` on root: curved edges with the traction sigma n and the body's number."""
     name = f"surface_{step:06d}.vtu"
     data = {"traction": np.column_stack([traction, np.zeros(len(traction))])}
     parallel.on_root(
-        lambda: _write(folder / name, surface.x, "VTK_LAGRANGE_CURVE", surface.edges, data, {"body": [surface.body]})
+        lambda: _write(
+            folder / name, surface.x, "VTK_LAGRANGE_CURVE", surface.edges, data, {"body": [surface.body]}
+        )
     )
     return [name]
 
 
 def _write(
-    path: Path, x: Array, cell: str, cells: NDArray[np.int64], data: dict[str, Array], cell_data: dict[str, list[NDArray[np.int64]]]
+    path: Path,
+    x: Array,
+    cell: str,
+    cells: NDArray[np.int64],
+    data: dict[str, Array],
+    cell_data: dict[str, list[NDArray[np.int64]]],
 ) -> None:
     """Write a VTU file to a temporary name and rename it.
 
     Raises:
         SolveError: the disk refuses.
     """
-    mesh = meshio.Mesh(np.column_stack([x, np.zeros(len(x))]), [(cell, cells)], point_data=data, cell_data=cell_data)
+    mesh = meshio.Mesh(
+        np.column_stack([x, np.zeros(len(x))]), [(cell, cells)], point_data=data, cell_data=cell_data
+    )
     temporary = path.with_name(f".{path.name}.partial")
     try:
         meshio.write(temporary, mesh, file_format="vtu")
-        os.replace(temporary, path)
+        temporary.replace(path)
     except OSError as error:
         raise SolveError(f"cannot write {path}: {error.strerror}") from error

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import meshes.backend  # noqa: F401
+
 import basix.ufl
 import numpy as np
 import ufl
@@ -24,6 +25,7 @@ from dolfinx.mesh import exterior_facet_indices
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from meshes.aliases import Form
 from meshes.build import FluidMesh, coordinate_element
 
 CELL = fem.IntegralType.cell
@@ -44,17 +46,19 @@ def pressure_element(degree: int) -> basix.ufl._ElementBase:
 
 def strain_rate(u: ufl.core.expr.Expr) -> ufl.core.expr.Expr:
     """e(u) = (grad u + grad u^T) / 2."""
-    return ufl.sym(ufl.grad(u))
+    e: ufl.core.expr.Expr = ufl.sym(ufl.grad(u))
+    return e
 
 
 def stress(u: ufl.core.expr.Expr, p: ufl.core.expr.Expr, mu: ufl.core.expr.Expr) -> ufl.core.expr.Expr:
     """sigma = 2 mu e(u) - p I."""
-    return 2 * mu * strain_rate(u) - p * ufl.Identity(2)
+    sigma: ufl.core.expr.Expr = 2 * mu * strain_rate(u) - p * ufl.Identity(2)
+    return sigma
 
 
 @dataclass(frozen=True, slots=True)
 class Compiled:
-    """Compiled forms, the test and trial spaces of each ("V", "Q"), and the placeholders they were written with."""
+    """Compiled forms, the test and trial spaces of each ("V", "Q"), and the placeholders in them."""
 
     forms: dict[str, fem.forms.CompiledForm]
     arguments: dict[str, str]
@@ -88,7 +92,7 @@ def compile_forms(order: int, degree: int) -> Compiled:
         "a": ("VV", 2 * mu * ufl.inner(e_u, e_v) * dx),
         "b": ("QV", -q * ufl.div(u) * dx),
         "b^T": ("VQ", -p * ufl.div(v) * dx),
-        # Zero, but it stores the diagonal of the pressure block: without it MUMPS gives garbage on several ranks.
+        # Zero, but it stores the diagonal of the pressure block: without it MUMPS fails on several ranks.
         "zero": ("QQ", zero * p * q * dx),
         "load": ("V", ufl.inner(f_h, v) * dx),
         "pressure weights": ("Q", q * dx),
@@ -104,7 +108,10 @@ def compile_forms(order: int, degree: int) -> Compiled:
     }
     compiled = {name: fem.compile_form(MPI.COMM_WORLD, form) for name, (_, form) in forms.items()}
     return Compiled(
-        compiled, {name: spaces for name, (spaces, _) in forms.items()}, {"u": u_h, "f": f_h, "p": p_h}, {"mu": mu, "zero": zero, "one": one}
+        compiled,
+        {name: spaces for name, (spaces, _) in forms.items()},
+        {"u": u_h, "f": f_h, "p": p_h},
+        {"mu": mu, "zero": zero, "one": one},
     )
 
 
@@ -125,7 +132,7 @@ class Forms:
         constants = self._compiled.constants
         self._constants = {constants[name]: fem.Constant(fluid.mesh, value) for name, value in values.items()}
 
-    def bind(self, name: str, facets: NDArray[np.int32] | None = None) -> fem.Form:
+    def bind(self, name: str, facets: NDArray[np.int32] | None = None) -> Form:
         """The form of that name; those over marked facets need the facets."""
         compiled = self._compiled
         form = compiled.forms[name]
@@ -140,7 +147,9 @@ class Forms:
             subdomains[FACET] = [(EVERYWHERE, fem.compute_integration_domains(FACET, topology, facets))]
         else:
             subdomains[CELL] = [(EVERYWHERE, np.arange(topology.index_map(2).size_local, dtype=np.int32))]
-        functions = {compiled.coefficients[letter]: f for letter, f in (("u", self.u), ("p", self.p), ("f", self.f))}
+        functions = {
+            compiled.coefficients[letter]: f for letter, f in (("u", self.u), ("p", self.p), ("f", self.f))
+        }
         return fem.create_form(form, spaces, self.mesh, subdomains, functions, self._constants)
 
     def integrate(self, name: str) -> float:

@@ -25,8 +25,11 @@ ROUNDING_FLOOR = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class Scales:
-    """What a defect is compared with. Where a flow is a rigid motion of everything, forces and dissipation are
-    rounding errors themselves; a small multiple of mu times the nodal velocities then stands in for them."""
+    """What a defect is compared with.
+
+    Where a flow is a rigid motion of everything, forces and dissipation are rounding errors themselves;
+    a small multiple of mu times the nodal velocities then stands in for them.
+    """
 
     power: float
     force: float
@@ -34,7 +37,14 @@ class Scales:
 
 
 def identities(
-    system: System, forms: Forms, solution: NodalSolution, F: Array, dissipation: float, viscosity: float, q: Configuration, x: Array
+    system: System,
+    forms: Forms,
+    solution: NodalSolution,
+    F: Array,
+    dissipation: float,
+    viscosity: float,
+    q: Configuration,
+    x: Array,
 ) -> dict[str, float]:
     """All relative defects; collective.
 
@@ -63,7 +73,9 @@ def identities(
     sums = np.array(own)
     shares.comm.Allreduce(MPI.IN_PLACE, sums)
     floor = ROUNDING_FLOOR * viscosity
-    scales = Scales(max(dissipation, floor * sums[6]), max(sums[4], floor * sums[7]), max(sums[5], floor * sums[7]))
+    scales = Scales(
+        max(dissipation, floor * sums[6]), max(sums[4], floor * sums[7]), max(sums[5], floor * sums[7])
+    )
     power = float((solution.U * F).sum()) + sums[3]
     return {
         "power": _relative(dissipation - power, scales.power),
@@ -83,7 +95,9 @@ def require(defects: dict[str, float]) -> None:
     """
     for name, defect in defects.items():
         if not defect <= BOUND:
-            raise SolveError(f"the solution violates the identity `{name}`: relative defect {defect:.2g}, bound {BOUND:g}")
+            raise SolveError(
+                f"the solution violates the identity `{name}`: relative defect {defect:.2g}, bound {BOUND:g}"
+            )
 
 
 def _balance(system: System, U: Array, F: Array, q: Configuration, force: float) -> float:

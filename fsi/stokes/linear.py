@@ -42,24 +42,30 @@ class Factorisation:
             self._ksp.setUp()
             status = factor.getMumpsInfog(1)
         except PETSc.Error as error:
-            raise SolveError(f"MUMPS failed: {error}; is a body or the flow left without anything that holds it?") from error
+            raise SolveError(
+                f"MUMPS failed: {error}; is a body or the flow left without anything that holds it?"
+            ) from error
         finally:
             # These handles hold references: undestroyed they leak megabytes a step in parallel.
             factor.destroy()
             pc.destroy()
         if status < 0:
-            raise SolveError(f"MUMPS failed with INFOG(1) = {status}; is the flow left without anything that holds it?")
+            raise SolveError(
+                f"MUMPS failed with INFOG(1) = {status}; is the flow left without anything that holds it?"
+            )
 
     def __enter__(self) -> Factorisation:
         """The factorisation itself."""
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         """Free the factors."""
         self._ksp.destroy()
 
     def solve(self, b: PETSc.Vec) -> tuple[PETSc.Vec, float]:
-        """Solution of `matrix x = b` and its relative residual |b - M x| / |b|, after one step of refinement if it helps.
+        """Solution of `M x = b` and its relative residual |b - M x| / |b|, refined if that helps.
 
         Raises:
             SolveError: the residual is not below 1e-9.
@@ -84,5 +90,7 @@ class Factorisation:
         correction.destroy()
         if not relative < REFUSE_ABOVE:
             x.destroy()
-            raise SolveError(f"the linear solve left a relative residual of {relative:.2g} (bound {REFUSE_ABOVE:g})")
+            raise SolveError(
+                f"the linear solve left a relative residual of {relative:.2g} (bound {REFUSE_ABOVE:g})"
+            )
         return x, relative

@@ -15,8 +15,8 @@ from fsi.domain import WallVelocity
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import Boundary, Clock, Field, solve
 from meshes.build import FluidMesh, build
-from meshes.convert import read_mesh
 from meshes.move import Mover
+from meshes.read import read_mesh
 from meshes.sizing import Resolution
 
 

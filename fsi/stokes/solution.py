@@ -15,11 +15,12 @@ from fsi.stokes.surface import Surface, traction
 class StokesSolution:
     """Stokes flow around the bodies at one instant.
 
-    U: velocities (V_x, V_y, omega) of the bodies, (N, 3); F: loads (F_x, F_y, T) = int sigma n, n out of the fluid,
-    from the reactions, (N, 3): in balance the external load; the fluid exerts -F on the body; traction_F: the same
-    from the traction integral of sigma_h n, less accurate, a cross-check; dissipation: int 2 mu e : e;
-    checks: relative defects of the identities; dofs: unknowns (u, p) before constraints; cells; quality: worst scaled
-    Jacobian; seconds: CPU seconds of this process by phase; flow, surface: for output.
+    U: velocities (V_x, V_y, omega) of the bodies, (N, 3); F: loads (F_x, F_y, T) = int sigma n, n out of the
+    fluid, from the reactions, (N, 3): in balance the external load; the fluid exerts -F on the body;
+    traction_F: the same from the traction integral of sigma_h n, less accurate, a cross-check;
+    dissipation: int 2 mu e : e; checks: relative defects of the identities; dofs: unknowns (u, p) before
+    constraints; cells: their number; quality: worst scaled Jacobian; seconds: CPU seconds of this process
+    by phase; flow, surface: for output.
     """
 
     U: Array
@@ -37,8 +38,17 @@ class StokesSolution:
     @property
     def record(self) -> Mapping[str, float]:
         """The model's columns of steps.csv: sizes, checks, then CPU seconds."""
-        sizes = {"dofs": self.dofs, "cells": self.cells, "worst_cell": self.quality, "dissipation": self.dissipation}
-        return {**sizes, **self.checks, **{f"cpu_{phase}": seconds for phase, seconds in self.seconds.items()}}
+        sizes = {
+            "dofs": self.dofs,
+            "cells": self.cells,
+            "worst_cell": self.quality,
+            "dissipation": self.dissipation,
+        }
+        return {
+            **sizes,
+            **self.checks,
+            **{f"cpu_{phase}": seconds for phase, seconds in self.seconds.items()},
+        }
 
     @property
     def traction(self) -> Array:

@@ -33,8 +33,8 @@ FORMULATIONS: dict[str, Callable[[System], NodalSolution]] = {
 class Boundary:
     """What holds on the walls, and the body force.
 
-    velocities: u(x) of the walls with a given velocity, (n, 2) -> (n, 2); pressures: p of the open walls, where the
-    traction is sigma n = -p n; body_force: f(x), or None. Each wall is in exactly one of the two.
+    velocities: u(x) of the walls with a given velocity, (n, 2) -> (n, 2); pressures: p of the open walls,
+    where the traction is sigma n = -p n; body_force: f(x), or None. Each wall is in exactly one of the two.
     """
 
     velocities: Mapping[str, Field]
@@ -102,7 +102,9 @@ def solve(
     try:
         nodal = FORMULATIONS[formulation](system)
         clock.lap("solve")
-        return _finish(system, fluid, forms, nodes, nodal, q, viscosity, closed=not boundary.pressures, clock=clock)
+        return _finish(
+            system, fluid, forms, nodes, nodal, q, viscosity, closed=not boundary.pressures, clock=clock
+        )
     finally:
         system.M.destroy()
         system.rigid.destroy()
@@ -157,6 +159,6 @@ def _finish(
     clock.lap("checks")
     dofs = 2 * forms.V.dofmap.index_map.size_global + forms.Q.dofmap.index_map.size_global
     return StokesSolution(
-        nodal.U, F, load_of(system, integral), dissipation, checks, dofs, fluid.cells(), fluid.quality, clock.seconds,
-        flow, own_surface,
+        nodal.U, F, load_of(system, integral), dissipation, checks, dofs, fluid.cells(), fluid.quality,
+        clock.seconds, flow, own_surface,
     )  # fmt: skip

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import spsolve
 
 from fsi.bodies import Array
+from meshes.aliases import FunctionSpace
 from meshes.build import FluidMesh
 
 
@@ -24,8 +25,8 @@ from meshes.build import FluidMesh
 class Surface:
     """The bodies' surfaces as curved edges; empty on all ranks but root.
 
-    x: nodes (n, 2); edges: node numbers, (E, degree + 1), both ends first as VTK has them; body: of each edge, (E,);
-    reaction: nodal forces (n, 2) of the body on the fluid.
+    x: nodes (n, 2); edges: node numbers, (E, degree + 1), both ends first as VTK has them;
+    body: of each edge, (E,); reaction: nodal forces (n, 2) of the body on the fluid.
     """
 
     x: Array
@@ -34,7 +35,7 @@ class Surface:
     reaction: Array
 
 
-def collect(fluid: FluidMesh, V: fem.FunctionSpace, reaction: Array) -> Surface:
+def collect(fluid: FluidMesh, V: FunctionSpace, reaction: Array) -> Surface:
     """Gather the surfaces of all bodies on root; collective. reaction: this rank's rows of u."""
     tags = fluid.facet_tags
     on_body = (tags.values >= 1) & (tags.values <= fluid.bodies)
@@ -52,7 +53,9 @@ def collect(fluid: FluidMesh, V: fem.FunctionSpace, reaction: Array) -> Surface:
     node = V.dofmap.index_map.local_to_global(mine.astype(np.int32))
     parts = fluid.mesh.comm.gather((node, x, values, numbers, body))
     if parts is None:
-        return Surface(np.empty((0, 2)), np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.int64), np.empty((0, 2)))
+        return Surface(
+            np.empty((0, 2)), np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.int64), np.empty((0, 2))
+        )
     nodes, xs, reactions, edges, bodies = (np.concatenate([part[k] for part in parts]) for k in range(5))
     unique, first = np.unique(nodes, return_index=True)
     return Surface(xs[first], np.searchsorted(unique, edges), bodies, reactions[first])

@@ -26,14 +26,15 @@ from fsi.bodies import Array, Inertia, Motion
 from fsi.stokes.constraints import MODES, Layout, prolongation
 from fsi.stokes.forms import Forms
 from fsi.stokes.linear import Factorisation
+from meshes.aliases import Form
 
 
 @dataclass(frozen=True, slots=True)
 class System:
     """Everything that a solve needs on one mesh at one instant.
 
-    M: Stokes matrix of all unknowns; rigid: rigid modes at the nodes on bodies, (rows, 3N); b: loads, g: given wall
-    velocities, arrays over this rank's rows; motion, inertia: what drives the bodies.
+    M: Stokes matrix of all unknowns; rigid: rigid modes at the nodes on bodies, (rows, 3N); b: loads,
+    g: given wall velocities, arrays over this rank's rows; motion, inertia: what drives the bodies.
     """
 
     shares: Layout
@@ -47,8 +48,11 @@ class System:
 
 @dataclass(frozen=True, slots=True)
 class NodalSolution:
-    """x: values of (u, p), and reaction: lambda, arrays over this rank's rows; U: (N, 3) on all ranks;
-    residual: relative residual of the linear system."""
+    """What the linear system gives.
+
+    x: values of (u, p), and reaction: lambda, arrays over this rank's rows; U: (N, 3) on all ranks;
+    residual: relative residual of the linear system.
+    """
 
     x: Array
     reaction: Array
@@ -64,7 +68,7 @@ def stokes_matrix(forms: Forms) -> PETSc.Mat:
     return M
 
 
-def nodal_vector(form: fem.Form) -> Array:
+def nodal_vector(form: Form) -> Array:
     """A linear form on the velocity space, summed over ranks; this rank's rows of u."""
     vector = fem.assemble_vector(form)
     vector.scatter_reverse(la.InsertMode.add)
@@ -109,7 +113,7 @@ def body_velocity(system: System, U: Array) -> Array:
 
 
 def mode_equations(system: System) -> tuple[Array, Array]:
-    """What each free mode adds to the balance `rigid^T lambda + D U = F + D U0`: D and F + D U0, (free modes,)."""
+    """D and F + D U0 of the free modes, from their balance `rigid^T lambda + D U = F + D U0`."""
     free = ~system.motion.held.ravel()
     load = system.motion.F.ravel()[free]
     if system.inertia is None:

@@ -1,4 +1,6 @@
-"""Orders of convergence: a manufactured flow in L2 and H1, forces, and the two ways to get a force."""
+"""Orders of convergence: a manufactured flow in L2 and H1, the reaction force, the traction integral."""
+
+import meshes.backend  # noqa: F401
 
 import numpy as np
 import pytest
@@ -6,17 +8,98 @@ import ufl
 from dolfinx import fem
 from mpi4py import MPI
 
-from fsi.bodies import Array, Configuration, Motion
+from fsi.bodies import Array
+from fsi.stokes.forms import velocity_element
 from fsi.stokes.solve import Boundary, solve
-from fsi.stokes.surface import traction
-from meshes.curved import CurvedCells
-from meshes.geometry import Box
+from meshes.build import FluidMesh
 from meshes.sizing import Resolution
-from tests.flows import SMALL_BOX, discs, held, mesh, solved
+from tests.flows import BOX, SMALL_BOX, disc_over_plane, discs, held, resting
+from tests.nested import nested_meshes
 
-# Three orders of refinement of one structured triangulation, so that slopes are clean.
-LEVELS = (4, 8, 16)
+MU = 1.3
+SCALE = 0.01  # makes u and p of one size
+AROUND_A_DISC = discs([(0.0, 0.0)], [1.0])
 
 
-def test_nothing() -> None:
-    """Placeholder replaced below."""
+class Manufactured:
+    """u = SCALE curl(s^2 e^x), s = x^2 + y^2 - 1, which vanishes on the unit disc; p = sin 2x cos y.
+
+    psi = h e^x with h = s^2 gives laplace(psi) = G e^x, G = laplace(h) + 2 h_x + h = 16 s + 8 + 8 s x + s^2.
+    """
+
+    @staticmethod
+    def u(x: Array) -> Array:
+        X, Y = x.T
+        s, e = X**2 + Y**2 - 1, np.exp(X)
+        return SCALE * np.column_stack([4 * s * Y * e, -(4 * s * X + s**2) * e])
+
+    @staticmethod
+    def f(x: Array) -> Array:
+        X, Y = x.T
+        s, e = X**2 + Y**2 - 1, np.exp(X)
+        G = 16 * s + 8 + 8 * s * X + s**2
+        G_x = 32 * X + 8 * s + 16 * X**2 + 4 * s * X
+        laplacian = np.column_stack([(32 * Y + 16 * X * Y + 4 * s * Y) * e, -(G + G_x) * e])
+        grad_p = np.column_stack([2 * np.cos(2 * X) * np.cos(Y), -np.sin(2 * X) * np.sin(Y)])
+        return -MU * SCALE * laplacian + grad_p
+
+    @staticmethod
+    def exact(x: ufl.core.expr.Expr) -> tuple[ufl.core.expr.Expr, ufl.core.expr.Expr]:
+        s, e = x[0] ** 2 + x[1] ** 2 - 1, ufl.exp(x[0])
+        u = ufl.as_vector([4 * s * x[1] * e, -(4 * s * x[0] + s**2) * e])
+        return SCALE * u, ufl.sin(2 * x[0]) * ufl.cos(x[1])
+
+
+def errors(fluid: FluidMesh, degree: int) -> Array:
+    """1/h, and the errors |u|_L2, |grad u|_L2, |p|_L2, p up to a constant."""
+    q = AROUND_A_DISC
+    boundary = Boundary({wall: Manufactured.u for wall in SMALL_BOX.walls}, {}, Manufactured.f)
+    solution = solve(fluid, SMALL_BOX, q, held((0.0, 0.0, 0.0)), boundary, viscosity=MU, degree=degree)
+    u_h = fem.Function(fem.functionspace(fluid.mesh, velocity_element(degree)))
+    u_h.x.array[:] = solution.flow.u.ravel()
+    p_h = fem.Function(u_h.function_space.sub(0).collapse()[0])
+    p_h.x.array[:] = solution.flow.p
+    u, p = Manufactured.exact(ufl.SpatialCoordinate(fluid.mesh))
+    dx = ufl.dx(metadata={"quadrature_degree": 14})
+
+    def integral(form: ufl.Form) -> float:
+        return float(fluid.mesh.comm.allreduce(fem.assemble_scalar(fem.form(form)), op=MPI.SUM))
+
+    area = integral(fem.Constant(fluid.mesh, 1.0) * dx)
+    shift = integral((p_h - p) * dx) / area
+    e, grad_e, e_p = u_h - u, ufl.grad(u_h - u), p_h - p - shift
+    norms = [np.sqrt(integral(ufl.inner(d, d) * dx)) for d in (e, grad_e, e_p)]
+    return np.array([np.sqrt(fluid.cells()), *norms])
+
+
+def slope(x: Array, y: Array) -> float:
+    """Order by least squares on log-log axes."""
+    return float(-np.polyfit(np.log(x), np.log(y), 1)[0])
+
+
+@pytest.mark.parametrize("degree", [2, 3, 4])
+def test_manufactured_flow(degree: int) -> None:
+    """u converges at k + 1 in L2 and k in H1, p at k in L2. Cells one order lower would lose at least half an order."""
+    fluids = nested_meshes(SMALL_BOX, AROUND_A_DISC, Resolution(0.5, 12, 1.0), degree, 4)
+    table = np.array([errors(fluid, degree) for fluid in fluids])
+    orders = [slope(table[-2:, 0], table[-2:, column]) for column in (1, 2, 3)]
+    assert orders == pytest.approx([degree + 1, degree, degree], abs=0.15)
+
+
+@pytest.mark.parametrize(("degree", "least"), [(2, 3.5), (3, 5.5)])
+def test_force_of_a_disc_in_a_box(degree: int, least: float) -> None:
+    """The reaction converges at 2 k, the traction integral slower, to the same value."""
+    q = disc_over_plane(0.1)
+    solutions = [
+        solve(fluid, BOX, q, held((0.0, -1.0, 0.0)), resting(BOX), degree=degree)
+        for fluid in nested_meshes(BOX, q, Resolution(0.5, 12, 0.8), degree, 3)
+    ]
+    expected = -466.11048  # disc_in_box.json, two high-order codes to 1e-8
+    h = np.array([1.0, 2.0, 4.0])
+    error, cross = (
+        np.array([abs(F[0, 1] / expected - 1.0) for F in forces])
+        for forces in ([s.F for s in solutions], [s.traction_F for s in solutions])
+    )
+    assert slope(h, error) >= least
+    assert (cross > error).all()
+    assert slope(h, cross) >= degree - 0.5

@@ -29,7 +29,12 @@ def box_forces(resolution: Resolution, degree: int) -> dict[str, float]:
         for U in ((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
     )
     # The reference's coupling is the force of the body ON the fluid, which is F.
-    return {"F_normal": -normal[1], "F_tangential": along[0], "T_rotation": turning[2], "coupling": turning[0]}
+    return {
+        "F_normal": -normal[1],
+        "F_tangential": along[0],
+        "T_rotation": turning[2],
+        "coupling": turning[0],
+    }
 
 
 def test_disc_in_a_box_at_the_default_resolution() -> None:
@@ -49,7 +54,7 @@ def test_disc_in_a_box_at_a_fine_resolution() -> None:
 
 @pytest.mark.parametrize("gap", GAPS)
 def test_disc_beside_a_plane(gap: float) -> None:
-    """Jeffrey and Onishi 1981. The leading term of the normal force alone is 1 % off at gap 0.01, 65 % at 1."""
+    """Jeffrey and Onishi 1981. The leading normal force alone is 1 % off at gap 0.01, 65 % at 1."""
     q = disc_over_plane(gap)
     rest = Boundary({"plane": at_rest, "far": at_rest}, {})
     towards = solved(HALF_PLANE, q, held((0.0, -1.0, 0.0)), rest).F[0]
@@ -76,7 +81,7 @@ def test_free_disc_in_shear(gap: float) -> None:
 
 @pytest.mark.parametrize("gap", [1.0, 0.1, 1e-2, 1e-3])
 def test_two_equal_discs_approaching(gap: float) -> None:
-    """Bipolar closed form in the whole plane; the pair exerts no force, so a far box changes it by (a / R)^2."""
+    """Bipolar closed form in the whole plane; the pair exerts no force: a far box changes it by (a / R)^2."""
     far = Box((-1000.0, -1000.0), (1000.0, 1000.0))
     q = discs([(-1.0 - gap / 2, 0.0), (1.0 + gap / 2, 0.0)], [1.0, 1.0])
     F = solved(far, q, held((0.5, 0.0, 0.0), (-0.5, 0.0, 0.0))).F

@@ -1,0 +1,134 @@
+"""What one step of a disc over a plane costs, and how accurate it is: `python bench/step.py`.
+
+A step is one solve with its mesh, in a process that has done it before. The disc approaches the plane of
+a half-plane; the error is that of its force against the closed form of Jeffrey and Onishi 1981. P3, without
+another word, is the default. Seconds are CPU seconds, medians of five; MB is the peak of the process, some
+200 of which are libraries.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+
+from rich.console import Console
+from rich.table import Table
+
+from fsi.bodies import Configuration
+from fsi.case import Case, load_case
+from fsi.lubrication.exact import normal_resistance
+from fsi.stokes.model import StokesModel
+from fsi.stokes.solution import StokesSolution
+
+CASE = Path(__file__).parents[1] / "cases" / "disc_beside_plane.toml"
+GAPS = (0.1, 1e-2, 1e-3, 1e-4)
+PHASES = ("mesh", "setup", "assemble", "solve", "checks")
+REPEATS = 5
+# A step that closes this fraction of the gap is moved, and back; gmsh is not asked.
+MOVE = 0.05
+
+DEFAULT = "P3"
+SETTINGS: dict[str, dict[str, object]] = {
+    DEFAULT: {},
+    "P3 light": {"cells_per_circle": 24, "growth": 0.3},
+    "P3 fine": {"cells_per_circle": 80, "growth": 0.1, "cells_per_gap": 2.0},
+    "P2": {"degree": 2},
+    "P4": {"degree": 4},
+    "P4 light": {"degree": 4, "cells_per_circle": 24, "growth": 0.5},
+    "P3 multiplier": {"formulation": '"multiplier"'},
+}
+MOVED = "P3 mesh moved"
+
+
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """CPU seconds of a step, by phase and together; relative error of its force; size; peak memory in MB."""
+
+    phases: dict[str, float]
+    seconds: float
+    error: float
+    dofs: int
+    memory: float
+
+
+def disc_case(gap: float, setting: dict[str, object], remesh: str = "always") -> Case:
+    """The case file with another gap and other settings."""
+    own = [f"discretisation.{key}={value}" for key, value in setting.items()]
+    place = f"bodies.0.position=[0.0, {1.0 + gap}]"
+    return load_case(CASE, [place, "time.end=1.0", f'time.remesh="{remesh}"', *own])
+
+
+def remeshed(gap: float, setting: dict[str, object]) -> Cost:
+    """A step with a new mesh."""
+    case = disc_case(gap, setting)
+    model, q = StokesModel(case), case.configuration()
+    return measured(lambda: model(q, 0.0), gap)
+
+
+def moved(gap: float) -> Cost:
+    """A step at default settings whose mesh is that of the last one, moved to the disc's new place."""
+    case = disc_case(gap * (1.0 + MOVE), {}, "when-needed")
+    model, q = StokesModel(case), case.configuration()
+    model(q, 0.0)
+    nearer = Configuration(q.centres - [[0.0, MOVE * gap]], q.angles, q.radii)
+    return measured(lambda: model(nearer, 0.0), gap)
+
+
+def measured(step: Callable[[], StokesSolution], gap: float) -> Cost:
+    """The medians of some steps, after one that warms up."""
+    step()
+    forget_peak()
+    solutions = [step() for _ in range(REPEATS)]
+    exact = float(normal_resistance(gap, 1.0, 1.0))
+    return Cost(
+        {phase: median(s.seconds[phase] for s in solutions) for phase in PHASES},
+        median(sum(s.seconds.values()) for s in solutions),
+        abs(-solutions[0].F[0, 1] / exact - 1.0),
+        solutions[0].dofs,
+        peak_memory(),
+    )
+
+
+def forget_peak() -> None:
+    """Let the peak of this process's memory begin anew (Linux)."""
+    Path("/proc/self/clear_refs").write_text("5")
+
+
+def peak_memory() -> float:
+    """Peak of the resident memory in MB since `forget_peak`."""
+    found = re.search(r"VmHWM:\s+(\d+) kB", Path("/proc/self/status").read_text())
+    return float(found[1]) / 1000.0 if found else float("nan")
+
+
+def row(gap: float, name: str, cost: Cost, default: Cost) -> list[str]:
+    """The cells of one line of the table."""
+    return [
+        f"{gap:g}",
+        name,
+        f"{cost.dofs}",
+        f"{cost.error:.1e}",
+        *(f"{cost.phases[phase]:.3f}" for phase in PHASES),
+        f"{cost.seconds:.3f}",
+        f"{cost.seconds / default.seconds:.2f}",
+        f"{cost.memory:.0f}",
+    ]
+
+
+def main() -> None:
+    """Measure and print."""
+    table = Table(title="one warm step of a disc over a plane, CPU seconds", title_justify="left")
+    for heading in ("gap/a", "setting", "unknowns", "error", *PHASES, "step", "of P3", "MB"):
+        table.add_column(heading, justify="left" if heading == "setting" else "right", no_wrap=True)
+    for gap in GAPS:
+        costs = {name: remeshed(gap, setting) for name, setting in SETTINGS.items()}
+        costs[MOVED] = moved(gap)
+        for name, cost in costs.items():
+            table.add_row(*row(gap, name, cost, costs[DEFAULT]), end_section=name == MOVED)
+    Console(width=120).print(table)
+
+
+if __name__ == "__main__":
+    main()

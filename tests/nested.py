@@ -1,0 +1,54 @@
+"""Nested meshes: every triangle split in four, new boundary vertices put on their circles."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import meshes.backend  # noqa: F401
+
+import numpy as np
+from mpi4py import MPI
+
+from fsi.bodies import Array, Configuration
+from meshes.build import FluidMesh, shared
+from meshes.curved import curve
+from meshes.geometry import Container
+from meshes.sizing import Curve, Resolution, boundary
+from meshes.triangulate import Indices, triangulate
+
+
+def nested_meshes(
+    container: Container, q: Configuration, resolution: Resolution, order: int, levels: int
+) -> Iterator[FluidMesh]:
+    """The mesh of a resolution and its refinements, each with half the cell size."""
+    curves = boundary(container, q.centres, q.radii, resolution)
+    pieces = triangulate(curves)
+    for level in range(levels):
+        if level > 0:
+            pieces = refine(*pieces, curves)
+        now = pieces
+        yield shared(lambda now=now: curve(*now, curves, order), container, len(q), MPI.COMM_WORLD)  # type: ignore[misc]
+
+
+def refine(
+    vertices: Array, triangles: Indices, edges: Indices, tags: Indices, curves: list[Curve]
+) -> tuple[Array, Indices, Indices, Indices]:
+    """Split every triangle by the midpoints of its sides."""
+    sides = np.stack([triangles[:, [1, 2]], triangles[:, [0, 2]], triangles[:, [0, 1]]], axis=1)
+    unique, number = np.unique(np.sort(sides.reshape(-1, 2), axis=1), axis=0, return_inverse=True)
+    middle = len(vertices) + number.reshape(-1, 3)
+    midpoints = vertices[unique].mean(axis=1)
+    keys = unique @ [len(vertices), 1]
+    on = np.searchsorted(keys, np.sort(edges, axis=1) @ [len(vertices), 1])
+    for piece in curves:
+        if piece.centre is not None:
+            mine = on[tags == piece.tag]
+            from_centre = midpoints[mine] - piece.centre
+            radius = np.hypot(*(piece.nodes[0] - piece.centre))
+            midpoints[mine] = piece.centre + radius * from_centre / np.hypot(*from_centre.T)[:, None]
+    a, b, c = triangles.T
+    m, n, o = middle.T
+    split = np.concatenate([np.column_stack(t) for t in ((a, o, n), (o, b, m), (n, m, c), (m, n, o))])
+    middles = len(vertices) + on
+    halves = np.concatenate([np.column_stack([edges[:, 0], middles]), np.column_stack([middles, edges[:, 1]])])
+    return np.concatenate([vertices, midpoints]), split, halves, np.concatenate([tags, tags])
