@@ -66,7 +66,7 @@ def gather(fluid: FluidMesh) -> CurvedCells | None:
     """The whole mesh on rank 0, None elsewhere; collective."""
     mesh, tags = fluid.mesh, fluid.facet_tags
     geometry = mesh.geometry
-    cells = geometry.dofmap[: mesh.topology.index_map(2).size_local]
+    cells = geometry.dofmaps[0][: mesh.topology.index_map(2).size_local]
     owned = geometry.index_map().size_local
     numbers = geometry.index_map().local_to_global(np.arange(len(geometry.x), dtype=np.int32))
     edges = entities_to_geometry(mesh, 1, tags.indices)[:, :2]

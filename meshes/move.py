@@ -61,7 +61,7 @@ class Mover:
         d = self._extension(centres - self.centres)
         geometry = self.fluid.mesh.geometry
         linear = _linear_weights(self.fluid.order)
-        geometry.x[geometry.dofmap, :2] = self._x[geometry.dofmap] + np.einsum("nv,tvd->tnd", linear, d)
+        geometry.x[geometry.dofmaps[0], :2] = self._x[geometry.dofmaps[0]] + np.einsum("nv,tvd->tnd", linear, d)
         quality = self._quality()
         if quality is None:
             geometry.x[:, :2] = self._x
@@ -82,7 +82,7 @@ class Mover:
         mesh = self.fluid.mesh
         form, weight = _stiffness_form(self.fluid.order)
         inverse_area = fem.Function(fem.functionspace(mesh, cell_element()))
-        a, b = _sides(self._x[mesh.geometry.dofmap])
+        a, b = _sides(self._x[mesh.geometry.dofmaps[0]])
         inverse_area.x.array[:] = 2.0 / np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
         cells = np.arange(mesh.topology.index_map(2).size_local, dtype=np.int32)
         domain = {fem.IntegralType.cell: [(-1, cells)]}
@@ -117,9 +117,9 @@ class Mover:
     def _quality(self) -> float | None:
         """Worst scaled Jacobian over all ranks, None if a cell is distorted too much."""
         mesh = self.fluid.mesh
-        x = mesh.geometry.x[mesh.geometry.dofmap][:, :, :2]
+        x = mesh.geometry.x[mesh.geometry.dofmaps[0]][:, :, :2]
         worst = float(scaled_jacobian(x, self.fluid.order).min(initial=1.0))
-        before, after = (np.stack(_sides(y), axis=2) for y in (self._x[mesh.geometry.dofmap], x))
+        before, after = (np.stack(_sides(y), axis=2) for y in (self._x[mesh.geometry.dofmaps[0]], x))
         stretches = np.linalg.svd(after @ np.linalg.inv(before), compute_uv=False)
         distortion = float((stretches[:, 0] / stretches[:, 1]).max(initial=1.0))
         worst = mesh.comm.allreduce(worst, op=MPI.MIN)

@@ -20,9 +20,9 @@ WORST_ACCEPTED = 0.1
 
 
 def scaled_jacobian(x: Array, order: int) -> Array:
-    """Smallest over largest Jacobian determinant of each cell, a lower bound; <= 0 for an inverted cell.
+    """Smallest over largest Jacobian determinant of each cell, (T,): 1 for a straight cell.
 
-    It is 1 for a straight cell.
+    Where it is positive it is a lower bound, and the cell is valid; an inverted cell has it <= 0.
 
     Args:
         x: nodes of the cells in the order of basix, shape (T, nodes, 2).

@@ -11,9 +11,9 @@ where `gap(x)` is the distance from the surface point x to the nearest other sur
 where `d(x)` is the distance to the nearest body. The flow in a narrow gap is a polynomial across it and
 varies along it over the lubrication length sqrt(a gap), so that is what a cell must resolve:
 
-    h_gap(d) = 0.15 sqrt(a d) / cells_per_gap,   but within [d / 2, 4 d] / cells_per_gap.
+    h_gap(d) = 0.15 sqrt(a d) / cells_per_gap,   but within [0.35 d, 4 d] / cells_per_gap.
 
-With cells_per_gap = 1 that is one cell across a gap of 0.02 a, two across gaps above 0.1 a; in narrower
+With cells_per_gap = 1 that is one cell across a gap of 0.02 a, three across gaps above 0.2 a; in narrower
 gaps cells are longer than wide, and the error of the force still falls with the gap.
 Nodes equidistribute `int ds / h`. gmsh then extends the sizes of the boundary into the fluid.
 """
@@ -26,9 +26,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from meshes.errors import MeshError
 from meshes.geometry import Array, Box, Container, HalfPlane
 
-LENGTH, SHORTEST, LONGEST = 0.15, 0.5, 4.0
+LENGTH, SHORTEST, LONGEST = 0.15, 0.35, 4.0
 SAMPLES_PER_CLUSTER = 32
 WALL_SAMPLES = 200
 
@@ -84,7 +85,11 @@ class Surfaces:
 
 
 def boundary(container: Container, centres: Array, radii: Array, resolution: Resolution) -> list[Curve]:
-    """The nodes on every body (tags 1 ... N) and wall (tags N + 1 ..., in the container's order)."""
+    """The nodes on every body (tags 1 ... N) and wall (tags N + 1 ..., in the container's order).
+
+    Raises:
+        MeshError: a body touches another or a wall.
+    """
     surfaces = Surfaces(container, centres, radii)
     curves = _bodies(surfaces, resolution)
     return curves + _walls(surfaces, resolution)
@@ -95,7 +100,7 @@ def _bodies(surfaces: Surfaces, resolution: Resolution) -> list[Curve]:
     centres, radii = surfaces.centres, surfaces.radii
     largest = radii.max(initial=0.0)
     sizes = 2.0 * np.pi * radii / resolution.cells_per_circle
-    reach = 2.0 * resolution.cells_per_gap * sizes
+    reach = resolution.cells_per_gap * sizes / SHORTEST
     tree = cKDTree(centres)
     wall_gaps = surfaces.container.distances(centres) - radii[:, None]
     curves = []
@@ -111,6 +116,8 @@ def _bodies(surfaces: Surfaces, resolution: Resolution) -> list[Curve]:
             [foci, [_direction_to_wall(surfaces.container, centre, int(w)) for w in close_walls]]
         )
         gaps = np.concatenate([gaps, wall_gaps[i, close_walls]])
+        if gaps.min(initial=np.inf) <= 0.0:
+            raise MeshError(f"the disc at ({centre[0]:.6g}, {centre[1]:.6g}) touches a disc or wall; move it")
         angles = _circle_samples(foci, np.sqrt(0.5 * gaps / radius), resolution.cells_per_circle)
         x = centre + radius * np.column_stack([np.cos(angles), np.sin(angles)])
         distance = surfaces.to_bodies(x, near)

@@ -17,7 +17,7 @@ from tests.flows import BOX, SMALL_BOX, disc_over_plane, discs, held, resting
 from tests.nested import nested_meshes
 
 MU = 1.3
-SCALE = 0.01  # makes u and p of one size
+SCALE = 1e-4  # with a larger u, its error would show in p at u's higher order
 AROUND_A_DISC = discs([(0.0, 0.0)], [1.0])
 
 
@@ -51,7 +51,7 @@ class Manufactured:
 
 
 def errors(fluid: FluidMesh, degree: int) -> Array:
-    """1/h, and the errors |u|_L2, |grad u|_L2, |p|_L2, p up to a constant."""
+    """1/h, and the errors of u in L2 and H1, of p in L2 and H1, p up to a constant."""
     q = AROUND_A_DISC
     boundary = Boundary({wall: Manufactured.u for wall in SMALL_BOX.walls}, {}, Manufactured.f)
     solution = solve(fluid, SMALL_BOX, q, held((0.0, 0.0, 0.0)), boundary, viscosity=MU, degree=degree)
@@ -67,8 +67,8 @@ def errors(fluid: FluidMesh, degree: int) -> Array:
 
     area = integral(fem.Constant(fluid.mesh, 1.0) * dx)
     shift = integral((p_h - p) * dx) / area
-    e, grad_e, e_p = u_h - u, ufl.grad(u_h - u), p_h - p - shift
-    norms = [np.sqrt(integral(ufl.inner(d, d) * dx)) for d in (e, grad_e, e_p)]
+    e, e_p = u_h - u, p_h - p - shift
+    norms = [np.sqrt(integral(ufl.inner(d, d) * dx)) for d in (e, ufl.grad(e), e_p, ufl.grad(e_p))]
     return np.array([np.sqrt(fluid.cells()), *norms])
 
 
@@ -77,22 +77,25 @@ def slope(x: Array, y: Array) -> float:
     return float(-np.polyfit(np.log(x), np.log(y), 1)[0])
 
 
-@pytest.mark.parametrize("degree", [2, 3, 4])
-def test_manufactured_flow(degree: int) -> None:
-    """u converges at k + 1 in L2 and k in H1, p at k in L2. Cells one order lower would lose at least half an order."""
-    fluids = nested_meshes(SMALL_BOX, AROUND_A_DISC, Resolution(0.5, 12, 1.0), degree, 4)
+@pytest.mark.parametrize(("degree", "levels"), [(2, 4), (3, 4), (4, 3)])
+def test_manufactured_flow(degree: int, levels: int) -> None:
+    """u converges at k + 1 in L2 and k in H1, p one order lower; cells of lower order would lose half an order."""
+    fluids = nested_meshes(SMALL_BOX, AROUND_A_DISC, Resolution(1.0, 16, 0.7), degree, levels)
     table = np.array([errors(fluid, degree) for fluid in fluids])
-    orders = [slope(table[-2:, 0], table[-2:, column]) for column in (1, 2, 3)]
-    assert orders == pytest.approx([degree + 1, degree, degree], abs=0.15)
+    orders = [slope(table[-2:, 0], table[-2:, column]) for column in (1, 2, 3, 4)]
+    assert orders == pytest.approx([degree + 1, degree, degree, degree - 1], abs=0.15)
 
 
 @pytest.mark.parametrize(("degree", "least"), [(2, 3.5), (3, 5.5)])
 def test_force_of_a_disc_in_a_box(degree: int, least: float) -> None:
-    """The reaction converges at 2 k, the traction integral slower, to the same value."""
+    """The reaction converges at 2 k, the traction integral at k, to the same value.
+
+    Cells whose inner nodes were blended by (Lenoir's) powers instead of a polynomial lift gave 5.4 and 2.1 at k = 3.
+    """
     q = disc_over_plane(0.1)
     solutions = [
         solve(fluid, BOX, q, held((0.0, -1.0, 0.0)), resting(BOX), degree=degree)
-        for fluid in nested_meshes(BOX, q, Resolution(0.5, 12, 0.8), degree, 3)
+        for fluid in nested_meshes(BOX, q, Resolution(1.0, 12, 0.8), degree, 3)
     ]
     expected = -466.11048  # disc_in_box.json, two high-order codes to 1e-8
     h = np.array([1.0, 2.0, 4.0])
@@ -102,4 +105,4 @@ def test_force_of_a_disc_in_a_box(degree: int, least: float) -> None:
     )
     assert slope(h, error) >= least
     assert (cross > error).all()
-    assert slope(h, cross) >= degree - 0.5
+    assert slope(h, cross) >= degree - 0.25

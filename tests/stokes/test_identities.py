@@ -1,0 +1,74 @@
+"""The checks pass on every good solution, and a wrong one cannot pass."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from fsi.errors import SolveError
+from fsi.stokes.identities import BOUND, require
+from fsi.stokes.solve import Boundary, solve
+from fsi.stokes.system import NodalSolution, System, solve_eliminated
+from meshes.sizing import Resolution
+from tests.flows import BOX, at_rest, disc_over_plane, discs, free, held, mesh, resting, solved
+
+NAMES = {"power", "momentum", "angular_momentum", "balance", "net_flux", "residual"}
+
+
+@pytest.mark.parametrize("gap", [1.0, 1e-2, 1e-5])
+@pytest.mark.parametrize("degree", [2, 3, 4])
+def test_identities_hold(gap: float, degree: int) -> None:
+    solution = solved(BOX, disc_over_plane(gap), free((0.2, -1.0, 0.1)), resolution=Resolution(0.5, 16, 0.5), degree=degree)
+    assert set(solution.checks) == NAMES
+    assert max(solution.checks.values()) < BOUND
+
+
+def test_identities_hold_between_three_discs_and_moving_walls() -> None:
+    q = discs([(-1.0, 2.0), (1.05, 2.0), (0.0, 6.0)], [1.0, 1.0, 0.3])
+    lid = Boundary({**resting(BOX).velocities, "top": lambda x: np.tile([1.0, 0.0], (len(x), 1))}, {})
+    solution = solved(BOX, q, free((0.0, -1.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)), lid)
+    assert max(solution.checks.values()) < BOUND
+
+
+def spoiled(system: System, part: str) -> NodalSolution:
+    """A solution with an error of 1e-6 in one part."""
+    good = solve_eliminated(system)
+    x, reaction = good.x.copy(), good.reaction.copy()
+    if part == "velocity":
+        x[: 2 * system.shares.velocity_nodes] *= 1.0 + 1e-6
+    if part == "flux":
+        x[system.shares.fixed[0]] += 1e-6
+    if part == "reaction":
+        reaction[system.shares.on_body[0]] += 1e-6 * np.abs(reaction).sum()
+    return dataclasses.replace(good, x=x, reaction=reaction)
+
+
+@pytest.mark.parametrize(
+    ("part", "violated"), [("velocity", "power"), ("flux", "net_flux"), ("reaction", "momentum")]
+)
+def test_a_wrong_solution_is_refused(part: str, violated: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An error of 1e-6 in velocities, in a wall node or in one reaction, 100 times the bound."""
+    monkeypatch.setitem(__import__("fsi.stokes.solve", fromlist=["FORMULATIONS"]).FORMULATIONS, "eliminated", lambda s: spoiled(s, part))
+    with pytest.raises(SolveError, match="violates the identity"):
+        solved(BOX, disc_over_plane(1.0), held((0.0, -1.0, 0.0)), resolution=Resolution(0.5, 12, 0.5))
+
+
+@pytest.mark.parametrize("value", [2e-8, np.nan, np.inf])
+def test_a_defect_above_the_bound_is_named(value: float) -> None:
+    with pytest.raises(SolveError, match="power"):
+        require({"power": value})
+
+
+def test_nothing_to_hold_the_flow_is_an_error() -> None:
+    """All walls open and the disc free: the system is singular, and says so instead of giving numbers."""
+    everywhere = Boundary({}, {wall: 0.0 for wall in BOX.walls})
+    q = disc_over_plane(1.0)
+    with pytest.raises(SolveError):
+        solve(mesh(BOX, q, Resolution(0.5, 12, 0.5)), BOX, q, free((0.0, 1.0, 0.0)), everywhere)
+
+
+def test_at_rest_everything_is_zero() -> None:
+    solution = solved(BOX, disc_over_plane(1.0), free(np.zeros(3)), Boundary({w: at_rest for w in BOX.walls}, {}), Resolution(0.5, 12, 0.5))
+    assert not solution.U.any()
+    assert not solution.F.any()
+    assert max(solution.checks.values()) == 0.0
