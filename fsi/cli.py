@@ -75,22 +75,38 @@ def check(case_file: CaseFile, overrides: Overrides = None) -> None:
         print_case(Console(), case)
 
 
-@app.command(epilog="Example: fsi mesh cases/disc_in_box.toml -o disc.vtu")
+@app.command(epilog="Example: fsi mesh cases/disc_in_box.toml -o disc.vtu, or fsi mesh RUN --step 7 -o step7.msh")
 def mesh(
-    case_file: CaseFile,
+    source: Annotated[
+        Path, typer.Argument(metavar="CASE|RUN", help="A case file, or a run folder.", show_default=False)
+    ],
     output: Annotated[Path, typer.Option("--output", "-o", help="The mesh file: .msh or .vtu")],
+    step: Annotated[
+        int | None, typer.Option(help="Which step of a run.", show_default="the last with fields")
+    ] = None,
     overrides: Overrides = None,
 ) -> None:
-    """Write the mesh of a case at time 0."""
-    case = _load(case_file, overrides)
+    """Write the mesh of a case at time 0, or the one that a run used at a step."""
     if output.is_dir() or not os.access(output.absolute().parent, os.W_OK):
         raise InputError(f"output = {output}: no file can be written there; give another path")
-    from meshes.convert import require_suffix, write_mesh
+    if source.is_dir():
+        from postprocess.step_mesh import write_step_mesh
 
-    require_suffix(output)
-    write_mesh(_model(case).mesh(case.configuration()), output, case.names)
+        if overrides:
+            raise InputError(f"--set {overrides[0]}: a run is what it is; give a case file to change a value")
+        written = parallel.on_root(lambda: write_step_mesh(source, step, output))
+        message = f"wrote {output}, step {written}"
+    else:
+        from meshes.convert import require_suffix, write_mesh
+
+        if step is not None:
+            raise InputError(f"--step {step}: a case has no steps; give a run folder")
+        case = _load(source, overrides)
+        require_suffix(output)
+        write_mesh(_model(case).mesh(case.configuration()), output, case.names)
+        message = f"wrote {output}"
     if parallel.is_root():
-        typer.echo(f"wrote {output}")
+        typer.echo(message)
 
 
 @app.command(epilog="Example: fsi solve cases/disc_in_box.toml --set discretisation.cells_per_gap=2 --json")

@@ -19,7 +19,7 @@ from dolfinx.mesh import CellType, entities_to_geometry
 from numpy.typing import NDArray
 
 from meshes.build import FluidMesh
-from meshes.curved import EDGES, CurvedCells
+from meshes.curved import EDGES, CurvedCells, reference_points
 from meshes.errors import MeshFileError
 from meshes.geometry import Array
 from meshes.triangulate import Indices
@@ -44,9 +44,9 @@ def write_mesh(fluid: FluidMesh, path: Path, names: Sequence[str]) -> None:
     cells, problem = gather(fluid), None
     if cells is not None:
         try:
-            _write(cells, path, [*names, *fluid.walls])
-        except OSError as error:
-            problem = MeshFileError(f"output = {path}: {error.strerror}; give another path")
+            write_cells(cells, path, [*names, *fluid.walls])
+        except MeshFileError as error:
+            problem = error
     problem = fluid.mesh.comm.bcast(problem)
     if problem is not None:
         raise problem
@@ -77,17 +77,30 @@ def gather(fluid: FluidMesh) -> CurvedCells | None:
     return CurvedCells(x, all_cells, all_edges, values.astype(np.int64), fluid.order)
 
 
-def _write(cells: CurvedCells, path: Path, names: Sequence[str]) -> None:
-    """Write gathered cells to a temporary name and rename it."""
+def write_cells(cells: CurvedCells, path: Path, names: Sequence[str]) -> None:
+    """Write cells that are all here, to a temporary name that is then renamed.
+
+    Args:
+        cells: the mesh.
+        path: .msh (gmsh 2.2) or .vtu.
+        names: of the tags 1, 2, ...: bodies, then walls.
+
+    Raises:
+        MeshFileError: unknown suffix, or the disk refuses.
+    """
+    require_suffix(path)
     file_format, convert = FORMATS[path.suffix]
     temporary = path.with_name(f".partial-{path.name}")
-    meshio.write(temporary, convert(cells, names), file_format=file_format)
-    temporary.replace(path)
+    try:
+        meshio.write(temporary, convert(cells, names), file_format=file_format)
+        temporary.replace(path)
+    except OSError as error:
+        raise MeshFileError(f"output = {path}: {error.strerror}; give another path") from error
 
 
 def _gmsh_mesh(cells: CurvedCells, names: Sequence[str]) -> meshio.Mesh:
     """Triangles and edges in physical groups: the names, and `fluid`."""
-    triangles = cells.cells[:, _gmsh_order(cells.cells.shape[1])]
+    triangles = cells.cells[:, gmsh_order(cells.order)]
     blocks = [(TRIANGLES[cells.order - 1], triangles), (LINES[cells.order - 1], _edge_nodes(cells))]
     tags = _tags(cells, len(names))
     groups = {name: np.array([k + 1, 1]) for k, name in enumerate(names)}
@@ -126,9 +139,20 @@ def vtk_order(nodes: int) -> NDArray[np.int64]:
     return np.argsort(cpp.io.perm_vtk(CellType.triangle, nodes))
 
 
-def _gmsh_order(nodes: int) -> NDArray[np.int64]:
-    """Columns that put the nodes of triangles from the order of basix into gmsh's."""
-    return np.argsort(cpp.io.perm_gmsh(CellType.triangle, nodes))
+def gmsh_order(order: int) -> NDArray[np.int64]:
+    """Columns that put the nodes of triangles from the order of basix into gmsh's (dolfinx knows up to 3)."""
+    points = np.array(_gmsh_lattice(order)) / order
+    return np.abs(points[:, None] - reference_points(order)).sum(axis=2).argmin(axis=1)
+
+
+def _gmsh_lattice(order: int) -> list[tuple[int, int]]:
+    """Nodes in gmsh's order, in steps of 1 / order: vertices, sides 01, 12, 20, then the triangle inside."""
+    if order <= 0:
+        return [(0, 0)] if order == 0 else []
+    along = range(1, order)
+    sides = [(k, 0) for k in along] + [(order - k, k) for k in along] + [(0, order - k) for k in along]
+    inside = [(i + 1, j + 1) for i, j in _gmsh_lattice(order - 3)]
+    return [(0, 0), (order, 0), (0, order), *sides, *inside]
 
 
 def _edge_nodes(cells: CurvedCells) -> Indices:

@@ -1,8 +1,9 @@
 """Curved triangles of order k: the nodes of isoparametric cells, in NumPy.
 
-Edges on a circle follow it through their Gauss-Lobatto points; inner edges stay straight; inner nodes follow by
-a polynomial lift (Szabo and Babuska, Finite Element Analysis, 1991, section 6.1). The derivatives of order m of
-the map are then O(h^m), which the full order 2 k of the forces requires (Lenoir 1986, SIAM J. Numer. Anal. 23:562).
+Edges on a circle follow it through their Gauss-Lobatto points; inner edges stay straight; inner nodes
+follow by a polynomial lift (Szabo and Babuska, Finite Element Analysis, 1991, section 6.1). The derivatives
+of order m of the map are then O(h^m), which the full order 2 k of the forces requires (Lenoir 1986, SIAM J.
+Numer. Anal. 23:562).
 """
 
 from __future__ import annotations
@@ -72,7 +73,7 @@ def curve(
         cells[:, 3 + e * per_side : 3 + (e + 1) * per_side] = first + side_numbers[:, e, None] * per_side + k
 
     inner = X[3 + 3 * per_side :]
-    inner_nodes = _inner_nodes(vertices[triangles], inner, sides, side_numbers, bend, order)
+    inner_nodes = _inner_nodes(vertices[triangles], inner, sides, side_numbers, bend)
     first += per_side * len(unique)
     cells[:, 3 + 3 * per_side :] = first + np.arange(inner_nodes[..., 0].size).reshape(len(triangles), -1)
     nodes = np.concatenate([vertices, side_nodes.reshape(-1, 2), inner_nodes.reshape(-1, 2)])
@@ -80,9 +81,9 @@ def curve(
 
 
 class _Bend:
-    """How far each side bends from its chord: on a circle, the polynomial of the cells' order through the
-    Gauss-Lobatto points of the arc.
+    """How far each side bends from its chord.
 
+    On a circle it follows the polynomial of the cells' order through the Gauss-Lobatto points of the arc.
     With equispaced points of the arc the area, and with it every force, would converge at order 4 only for
     order 3; with Gauss-Lobatto points the order is 2 k.
     """
@@ -125,7 +126,7 @@ class _Bend:
         return arc - (a[:, None] * (1 - t) + b[:, None] * t)
 
     def __call__(self, sides: Indices, t: Array) -> Array:
-        """The polynomial's distance from the chord of sides (s,) at fractions t (s, m) from the lower vertex, (s, m, 2)."""
+        """Polynomial minus chord of sides (s,) at fractions t (s, m) from the lower vertex, (s, m, 2)."""
         offset = np.zeros((*t.shape, 2))
         rows = self.row[sides]
         curved = np.flatnonzero(rows >= 0)
@@ -137,13 +138,11 @@ class _Bend:
         return offset
 
 
-def _inner_nodes(
-    corners: Array, inner: Array, sides: Indices, side_numbers: Indices, bend: _Bend, order: int
-) -> Array:
+def _inner_nodes(corners: Array, inner: Array, sides: Indices, side_numbers: Indices, bend: _Bend) -> Array:
     """Inner nodes (T, m, 2): the straight place plus the lift of each side's bend into the cell.
 
-    The bend is s (1 - s) c(s) with polynomials c; its lift  l_i l_j c((1 + l_j - l_i) / 2)  in barycentric coordinates
-    is a polynomial of the same degree, equal to it on the side and zero on the two others.
+    The bend is s (1 - s) c(s) with polynomials c; its lift  l_i l_j c((1 + l_j - l_i) / 2)  in barycentric
+    coordinates is a polynomial of the same degree, equal to it on the side and zero on the two others.
     """
     barycentric = np.column_stack([1 - inner.sum(axis=1), inner])
     x: Array = np.einsum("mv,tvd->tmd", barycentric, corners)

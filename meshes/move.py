@@ -61,7 +61,9 @@ class Mover:
         d = self._extension(centres - self.centres)
         geometry = self.fluid.mesh.geometry
         linear = _linear_weights(self.fluid.order)
-        geometry.x[geometry.dofmaps[0], :2] = self._x[geometry.dofmaps[0]] + np.einsum("nv,tvd->tnd", linear, d)
+        geometry.x[geometry.dofmaps[0], :2] = self._x[geometry.dofmaps[0]] + np.einsum(
+            "nv,tvd->tnd", linear, d
+        )
         quality = self._quality()
         if quality is None:
             geometry.x[:, :2] = self._x

@@ -11,12 +11,10 @@ import meshes.backend  # noqa: F401
 
 import meshio
 import numpy as np
-from dolfinx import cpp
-from dolfinx.mesh import CellType
 from mpi4py import MPI
 
 from meshes.build import FluidMesh, shared
-from meshes.convert import LINES, TRIANGLES
+from meshes.convert import LINES, TRIANGLES, gmsh_order
 from meshes.curved import CurvedCells, curve, reference_points
 from meshes.errors import MeshFileError
 from meshes.geometry import Array, Container, HalfPlane
@@ -74,7 +72,7 @@ def _cells(
     used, numbers = np.unique(triangles, return_inverse=True)
     renumber = np.full(len(mesh.points), -1)
     renumber[used] = np.arange(len(used))
-    triangles = numbers.reshape(triangles.shape)[:, cpp.io.perm_gmsh(CellType.triangle, triangles.shape[1])]
+    triangles = numbers.reshape(triangles.shape)[:, np.argsort(gmsh_order(own_order))]
     nodes, edges = mesh.points[used, :2], renumber[edges]
     _require_boundary(triangles[:, :3], edges)
     _require_places(nodes[edges], tags, names, container, centres, radii)

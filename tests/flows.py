@@ -25,13 +25,13 @@ def disc_over_plane(gap: float) -> Configuration:
     return discs([(0.0, 1.0 + gap)], [1.0])
 
 
-def held(*velocities: Sequence[float]) -> Motion:
+def held(*velocities: Sequence[float] | Array) -> Motion:
     """All modes prescribed."""
     U = np.array(velocities, dtype=float)
     return Motion(np.ones(U.shape, dtype=bool), U, np.zeros_like(U))
 
 
-def free(*loads: Sequence[float]) -> Motion:
+def free(*loads: Sequence[float] | Array) -> Motion:
     """All modes free under given loads."""
     F = np.array(loads, dtype=float)
     return Motion(np.zeros(F.shape, dtype=bool), np.zeros_like(F), F)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 import meshes.backend  # noqa: F401
 
@@ -26,8 +27,8 @@ def nested_meshes(
     for level in range(levels):
         if level > 0:
             pieces = refine(*pieces, curves)
-        now = pieces
-        yield shared(lambda now=now: curve(*now, curves, order), container, len(q), MPI.COMM_WORLD)  # type: ignore[misc]
+        cells = partial(curve, *pieces, curves, order)
+        yield shared(cells, container, len(q), MPI.COMM_WORLD)
 
 
 def refine(
@@ -50,5 +51,7 @@ def refine(
     m, n, o = middle.T
     split = np.concatenate([np.column_stack(t) for t in ((a, o, n), (o, b, m), (n, m, c), (m, n, o))])
     middles = len(vertices) + on
-    halves = np.concatenate([np.column_stack([edges[:, 0], middles]), np.column_stack([middles, edges[:, 1]])])
+    halves = np.concatenate(
+        [np.column_stack([edges[:, 0], middles]), np.column_stack([middles, edges[:, 1]])]
+    )
     return np.concatenate([vertices, midpoints]), split, halves, np.concatenate([tags, tags])

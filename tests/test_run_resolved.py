@@ -1,4 +1,4 @@
-"""Runs of the resolved model through the command line: killed and resumed, on ranks, read back, with inertia."""
+"""Runs of the resolved model by the command line: killed and resumed, on ranks, read back, with inertia."""
 
 from __future__ import annotations
 

@@ -60,7 +60,7 @@ def test_memory_is_flat_after_the_first_steps(ranks: int, tmp_path: Path) -> Non
     """In processes of their own, where no memory that other tests gave back can hide a leak."""
     mpiexec = Path(sys.executable).with_name("mpiexec")
     program = f"from tests.stokes.test_memory import report; report({str(tmp_path)!r})"
-    command = [mpiexec, "-n", str(ranks), sys.executable, "-c", program]
+    command = [str(mpiexec), "-n", str(ranks), sys.executable, "-c", program]
     done = subprocess.run(command, check=True, timeout=280, capture_output=True, text=True)
     for memory in json.loads(done.stdout):
         assert len(memory) == STEPS

@@ -1,0 +1,34 @@
+"""Write the mesh of one step of a run to a file of its own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from fsi.errors import InputError
+from postprocess.folder import read_case, read_configuration, read_table
+
+
+def write_step_mesh(run: Path, step: int | None, output: Path) -> int:
+    """Write the mesh that a run used at a step (default: the last with fields), with its tags; gives the step.
+
+    Raises:
+        InputError: the run has no fields of that step.
+        MeshFileError: the suffix is unknown, or a file cannot be read or written.
+    """
+    from meshes.convert import require_suffix, write_cells
+    from meshes.recover import recover
+
+    require_suffix(output)
+    case = read_case(run)
+    written = sorted({int(path.stem.split("_")[1]) for path in (run / "fields").glob("fluid_*.vtu")})
+    if not written:
+        raise InputError(f"run = {run}: has written no fields; set output.fields = true and run it again")
+    step = written[-1] if step is None else step
+    if step not in written:
+        raise InputError(f"step = {step}: has no fields; steps {written[0]} ... {written[-1]} have, those in {run / 'fluid.pvd'}")
+    steps = read_table(run / "steps.csv")
+    q = read_configuration(run, float(steps["t"][steps["step"] == step][0]))
+    parts = sorted((run / "fields").glob(f"fluid_{step:06d}*.vtu"))
+    container = case.container()
+    write_cells(recover(parts, container, q.centres, q.radii), output, [*case.names, *container.walls])
+    return step

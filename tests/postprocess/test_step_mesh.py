@@ -1,0 +1,66 @@
+"""The mesh of a step, back from its field files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fsi.case import parse_case
+from fsi.errors import InputError
+from fsi.run import run_case
+from fsi.stokes.model import StokesModel
+from meshes.errors import MeshFileError
+from meshes.read import read_mesh
+from postprocess.folder import read_configuration, read_table
+from postprocess.step_mesh import write_step_mesh
+from tests.flows import resting
+
+CASE = {
+    "name": "two discs",
+    "fluid": {"viscosity": 1.0},
+    "domain": {"lower": [-3.0, 0.0], "upper": [3.0, 5.0]},
+    "bodies": [
+        {"name": "large", "radius": 1.0, "position": [0.0, 1.3], "force": [0.0, -12.0]},
+        {"name": "small", "radius": 0.5, "position": [1.0, 2.9], "force": [0.0, -2.0]},
+    ],
+    "discretisation": {"cells_per_circle": 20, "cells_per_gap": 0.5, "growth": 0.5},
+    "time": {"end": 0.3, "remesh": "when-needed"},
+}
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    case = parse_case(CASE)
+    folder = tmp_path_factory.mktemp("runs") / "run"
+    run_case(case, folder, StokesModel(case))
+    return folder
+
+
+def test_the_mesh_of_a_step_gives_its_velocities_again(run: Path, tmp_path: Path) -> None:
+    """A moved mesh, from VTU to .msh and back: velocities to 1e-12, where a mesh made anew would differ by 1e-4."""
+    from fsi.stokes.solve import solve
+
+    case = parse_case(CASE)
+    step = write_step_mesh(run, None, tmp_path / "step.msh")
+    table = read_table(run / "steps.csv")
+    q = read_configuration(run, float(table["t"][table["step"] == step][0]))
+    container = case.container()
+    fluid = read_mesh(tmp_path / "step.msh", case.names, container, q.centres, q.radii, 3)
+    U = solve(fluid, container, q, case.motion(0.3), resting(container)).U
+    bodies = read_table(run / "bodies.csv")
+    now = bodies["step"] == step
+    assert step == table["step"][-1]
+    np.testing.assert_allclose(U[:, 1], bodies["V_y"][now], rtol=1e-12)
+    np.testing.assert_allclose(U[:, 2], bodies["omega"][now], atol=1e-12)
+
+
+def test_what_cannot_be_written_says_so(run: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="step = 99: has no fields"):
+        write_step_mesh(run, 99, tmp_path / "x.msh")
+    with pytest.raises(MeshFileError, match="unknown suffix"):
+        write_step_mesh(run, 0, tmp_path / "x.stl")
+    with pytest.raises(InputError, match="there is no case.toml"):
+        write_step_mesh(tmp_path, 0, tmp_path / "x.msh")
+    assert not list(tmp_path.iterdir())
