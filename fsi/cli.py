@@ -75,7 +75,7 @@ def check(case_file: CaseFile, overrides: Overrides = None) -> None:
         print_case(Console(), case)
 
 
-@app.command(epilog="Example: fsi mesh cases/disc_in_box.toml -o disc.vtu, or fsi mesh RUN --step 7 -o step7.msh")
+@app.command(epilog="Example: fsi mesh cases/disc_in_box.toml -o disc.vtu, or fsi mesh RUN --step 7 -o 7.msh")
 def mesh(
     source: Annotated[
         Path, typer.Argument(metavar="CASE|RUN", help="A case file, or a run folder.", show_default=False)

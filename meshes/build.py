@@ -18,28 +18,36 @@ from meshes.curved import CurvedCells, curve
 from meshes.errors import MeshError
 from meshes.geometry import Array, Container
 from meshes.quality import require_valid
-from meshes.sizing import Resolution, boundary
+from meshes.sizing import Resolution
 from meshes.triangulate import FarSize, Indices, triangulate
+from meshes.walls import boundary
 
 
 @dataclass(frozen=True, slots=True)
 class FluidMesh:
     """The fluid domain Omega_F, meshed.
 
-    mesh: curved triangles of the given order; facet_tags: body i has tag i + 1, wall k has tag N + 1 + k;
-    bodies: N; walls: names, in the order of their tags; quality: worst scaled Jacobian of all cells.
+    mesh: curved triangles of the given order; facet_tags: body i has tag i + 1, wall k has tag N + 1 + k, the axis the
+    tag after the last wall's; bodies: N; walls: names, in the order of their tags; axisymmetric: points are (r, z);
+    quality: worst scaled Jacobian of all cells.
     """
 
     mesh: Mesh
     facet_tags: dolfinx.mesh.MeshTags
     bodies: int
     walls: tuple[str, ...]
+    axisymmetric: bool
     order: int
     quality: float
 
     def wall_tag(self, wall: str) -> int:
         """Facet tag of a wall."""
         return self.bodies + 1 + self.walls.index(wall)
+
+    @property
+    def axis_tag(self) -> int:
+        """Facet tag of the axis."""
+        return self.bodies + 1 + len(self.walls)
 
     def with_quality(self, quality: float) -> FluidMesh:
         """The same mesh, moved, with its new quality."""
@@ -74,7 +82,7 @@ def build(
 
     def make() -> CurvedCells:
         curves = boundary(container, centres, radii, resolution)
-        far = FarSize(2.0 * resolution.growth, float(radii.max(initial=0.0)), container.size())
+        far = FarSize(len(radii), 2.0 * resolution.growth, float(radii.max(initial=0.0)), container.size())
         return curve(*triangulate(curves, far), curves, order)
 
     return shared(make, container, len(radii), comm)
@@ -97,7 +105,7 @@ def shared(
     if problem is not None:
         raise problem
     mesh, tags = distribute(cells, order, comm)
-    return FluidMesh(mesh, tags, bodies, container.walls, order, quality)
+    return FluidMesh(mesh, tags, bodies, container.walls, container.axisymmetric, order, quality)
 
 
 def coordinate_element(order: int) -> basix.ufl._ElementBase:

@@ -2,6 +2,9 @@
 
 A container knows its walls by name, how far a point lies from each of them, and nothing of
 meshes or physics. Lengths are in the user's unit; points are arrays of shape (n, 2).
+
+An axisymmetric container is a meridian half-plane: points are (r, z) with r >= 0, and the side r = 0 is the
+axis, which is no wall.
 """
 
 from __future__ import annotations
@@ -19,12 +22,16 @@ class Container(Protocol):
     """What encloses the fluid."""
 
     @property
+    def axisymmetric(self) -> bool:
+        """True where points are (r, z)."""
+
+    @property
     def walls(self) -> tuple[str, ...]:
         """Names of the walls, in the order of every array over walls."""
 
     @property
     def corner_axes(self) -> tuple[int, ...]:
-        """For each wall the axis of its normal at its corners, where that velocity component is its own."""
+        """For each wall the axis of its normal at its corners: the velocity component that is its own there."""
 
     def distances(self, x: Array) -> Array:
         """Distance of each point to each wall, shape (n, walls); positive inside."""
@@ -32,36 +39,46 @@ class Container(Protocol):
     def size(self) -> float:
         """A length that no distance inside exceeds."""
 
+    def axis(self) -> tuple[float, float]:
+        """Lowest and highest z of an axisymmetric container on its axis."""
+
 
 @dataclass(frozen=True, slots=True)
 class Box:
     """Rectangle [lower, upper] with walls left, right, bottom, top.
 
-    A channel is a long box whose left and right ends are open.
+    A channel is a long box whose left and right ends are open. Axisymmetric, it is a cylinder: lower[0] is 0 and
+    there is no wall left.
     """
 
     lower: tuple[float, float]
     upper: tuple[float, float]
+    axisymmetric: bool = False
 
     @property
     def walls(self) -> tuple[str, ...]:
         """Names of the walls."""
-        return ("left", "right", "bottom", "top")
+        return ("right", "bottom", "top") if self.axisymmetric else ("left", "right", "bottom", "top")
 
     @property
     def corner_axes(self) -> tuple[int, ...]:
         """x for left and right, y for bottom and top."""
-        return (0, 0, 1, 1)
+        return (0, 1, 1) if self.axisymmetric else (0, 0, 1, 1)
 
     def distances(self, x: Array) -> Array:
-        """Distance of each point (n, 2) to left, right, bottom, top, shape (n, 4)."""
+        """Distance of each point (n, 2) to the walls, shape (n, walls)."""
         low = x - np.asarray(self.lower)
         high = np.asarray(self.upper) - x
-        return np.column_stack([low[:, 0], high[:, 0], low[:, 1], high[:, 1]])
+        all_four = np.column_stack([low[:, 0], high[:, 0], low[:, 1], high[:, 1]])
+        return all_four[:, 1:] if self.axisymmetric else all_four
 
     def size(self) -> float:
         """Length of the diagonal."""
         return float(np.hypot(*np.subtract(self.upper, self.lower)))
+
+    def axis(self) -> tuple[float, float]:
+        """From the bottom to the top."""
+        return self.lower[1], self.upper[1]
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,10 +86,12 @@ class HalfPlane:
     """Half disc y > 0, |x| < radius, that stands for the half-plane above the wall `plane` (y = 0).
 
     The arc `far` carries the flow at infinity, at rest if not given. What the finite radius
-    changes (the truncation) decays like (a / radius)^2 and is reported by `fsi solve`.
+    changes (the truncation) decays like (a / radius)^2 or faster and is reported by `fsi solve`.
+    Axisymmetric, it is a half ball.
     """
 
     radius: float
+    axisymmetric: bool = False
 
     @property
     def walls(self) -> tuple[str, ...]:
@@ -91,3 +110,40 @@ class HalfPlane:
     def size(self) -> float:
         """Diameter of the half disc."""
         return 2.0 * self.radius
+
+    def axis(self) -> tuple[float, float]:
+        """From the plane to the top of the arc."""
+        return 0.0, self.radius
+
+
+@dataclass(frozen=True, slots=True)
+class Round:
+    """Disc |x| < radius with the one wall `far`; axisymmetric, a ball.
+
+    A small one is a round container; a large one stands for unbounded fluid.
+    """
+
+    radius: float
+    axisymmetric: bool = False
+
+    @property
+    def walls(self) -> tuple[str, ...]:
+        """Names of the walls."""
+        return ("far",)
+
+    @property
+    def corner_axes(self) -> tuple[int, ...]:
+        """It has no corners."""
+        return (0,)
+
+    def distances(self, x: Array) -> Array:
+        """Distance of each point (n, 2) to the arc, shape (n, 1)."""
+        return (self.radius - np.hypot(x[:, 0], x[:, 1]))[:, None]
+
+    def size(self) -> float:
+        """Diameter."""
+        return 2.0 * self.radius
+
+    def axis(self) -> tuple[float, float]:
+        """From the lowest to the highest point."""
+        return -self.radius, self.radius

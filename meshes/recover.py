@@ -1,6 +1,7 @@
 """The mesh of any step of a run, back from its field files.
 
-The files hold the curved cells, of one rank each; the tags of the boundary follow from where bodies and walls were.
+The files hold the curved cells, of one rank each; the tags of the boundary follow from where bodies and
+walls were.
 """
 
 from __future__ import annotations
@@ -90,6 +91,6 @@ def _tags(ends: Array, container: Container, centres: Array, radii: Array) -> In
     if not tags.all():
         lost = ends[np.flatnonzero(tags == 0)[0]].mean(axis=0)
         raise MeshFileError(
-            f"the boundary at ({lost[0]:.6g}, {lost[1]:.6g}) is on no body or wall; is this another run's file?"
+            f"the boundary at ({lost[0]:.6g}, {lost[1]:.6g}) is on no body or wall; is it another run's file?"
         )
     return tags

@@ -81,6 +81,7 @@ class FarSize:
     too coarse.
     """
 
+    bodies: int
     slope: float
     radius: float
     reach: float
@@ -110,7 +111,7 @@ def triangulate(
 
     Args:
         curves: the boundary.
-        far: bound on the size far from the closed curves.
+        far: bound on the size far from the bodies, whose curves come first.
 
     Returns:
         vertices (n, 2); triangles (T, 3), counterclockwise; boundary edges (E, 2); their tags (E,).
@@ -121,8 +122,8 @@ def triangulate(
     nodes, chains = chain(curves)
     with gmsh_model():
         points = _add_curves(nodes, curves, chains)
-        if far is not None and points:
-            far.apply(points)
+        if far is not None and far.bodies:
+            far.apply(points[: far.bodies])
         gmsh.model.mesh.generate(2)
         vertices, triangles = _read_triangles()
     edges = np.concatenate([np.column_stack([c[:-1], c[1:]]) for c in chains])
@@ -132,7 +133,7 @@ def triangulate(
 
 
 def _add_curves(nodes: Array, curves: Sequence[Curve], chains: Sequence[Indices]) -> list[int]:
-    """Give gmsh the boundary: node k of ours is node k + 1 of gmsh's. Gives a point on each closed curve."""
+    """Give gmsh the boundary: node k of ours is node k + 1 of gmsh's. Gives a point on each curve."""
     points: dict[int, int] = {}
 
     def point(node: int) -> int:
@@ -144,20 +145,20 @@ def _add_curves(nodes: Array, curves: Sequence[Curve], chains: Sequence[Indices]
         return points[node]
 
     outer, holes, starts = [], [], []
-    for curve, numbers in zip(curves, chains, strict=True):
-        gmsh.model.addDiscreteEntity(1, curve.tag, [point(int(numbers[0])), point(int(numbers[-1]))])
+    for number, (curve, numbers) in enumerate(zip(curves, chains, strict=True), start=1):
+        starts.append(point(int(numbers[0])))
+        gmsh.model.addDiscreteEntity(1, number, [starts[-1], point(int(numbers[-1]))])
         inner = numbers[1:-1]
         gmsh.model.mesh.addNodes(
-            1, curve.tag, inner + 1, np.column_stack([nodes[inner], np.zeros(len(inner))]).ravel()
+            1, number, inner + 1, np.column_stack([nodes[inner], np.zeros(len(inner))]).ravel()
         )
         gmsh.model.mesh.addElementsByType(
-            curve.tag, 1, [], np.column_stack([numbers[:-1], numbers[1:]]).ravel() + 1
+            number, 1, [], np.column_stack([numbers[:-1], numbers[1:]]).ravel() + 1
         )
         if curve.closed:
-            holes.append(gmsh.model.geo.addCurveLoop([curve.tag]))
-            starts.append(point(int(numbers[0])))
+            holes.append(gmsh.model.geo.addCurveLoop([number]))
         else:
-            outer.append(curve.tag)
+            outer.append(number)
     gmsh.model.geo.addPlaneSurface([gmsh.model.geo.addCurveLoop(outer, reorient=True), *holes])
     gmsh.model.geo.synchronize()
     return starts

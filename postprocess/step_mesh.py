@@ -9,7 +9,7 @@ from postprocess.folder import read_case, read_configuration, read_table
 
 
 def write_step_mesh(run: Path, step: int | None, output: Path) -> int:
-    """Write the mesh that a run used at a step (default: the last with fields), with its tags; gives the step.
+    """Write the mesh of a run at a step (default: the last with fields), with its tags; gives the step.
 
     Raises:
         InputError: the run has no fields of that step.
@@ -25,7 +25,10 @@ def write_step_mesh(run: Path, step: int | None, output: Path) -> int:
         raise InputError(f"run = {run}: has written no fields; set output.fields = true and run it again")
     step = written[-1] if step is None else step
     if step not in written:
-        raise InputError(f"step = {step}: has no fields; steps {written[0]} ... {written[-1]} have, those in {run / 'fluid.pvd'}")
+        raise InputError(
+            f"step = {step}: has no fields; give one of those in {run / 'fluid.pvd'},"
+            f" {written[0]} ... {written[-1]}"
+        )
     steps = read_table(run / "steps.csv")
     q = read_configuration(run, float(steps["t"][steps["step"] == step][0]))
     parts = sorted((run / "fields").glob(f"fluid_{step:06d}*.vtu"))

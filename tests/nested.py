@@ -14,8 +14,9 @@ from fsi.bodies import Array, Configuration
 from meshes.build import FluidMesh, shared
 from meshes.curved import curve
 from meshes.geometry import Container
-from meshes.sizing import Curve, Resolution, boundary
+from meshes.sizing import Curve, Resolution
 from meshes.triangulate import Indices, triangulate
+from meshes.walls import boundary
 
 
 def nested_meshes(

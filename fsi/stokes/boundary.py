@@ -20,12 +20,13 @@ class BoundaryNodes:
     """Velocity nodes of this rank, owned ones only.
 
     body_nodes: nodes on bodies, ascending, (b,); body: the body of each, (b,);
-    wall_nodes: of each wall by name; x: coordinates of all owned velocity nodes, (n, 2).
+    wall_nodes: of each wall by name; axis: on the axis of an axisymmetric mesh; x: coordinates of all owned velocity nodes, (n, 2).
     """
 
     body_nodes: Nodes
     body: NDArray[np.int64]
     wall_nodes: dict[str, Nodes]
+    axis: Nodes
     x: Array
 
 
@@ -46,14 +47,17 @@ def locate(fluid: FluidMesh, V: FunctionSpace) -> BoundaryNodes:
     tags = fluid.facet_tags.values[np.searchsorted(fluid.facet_tags.indices, bodies)]
     body_tag = _tag_of_nodes(fluid, V, bodies, tags)
     body_nodes = np.flatnonzero(body_tag).astype(np.int32)
-    walls = {}
-    for wall in fluid.walls:
-        tag = fluid.wall_tag(wall)
-        facets = facets_with(fluid, tag, tag)
-        on_wall = _tag_of_nodes(fluid, V, facets, np.ones(len(facets), dtype=np.int32))
-        walls[wall] = np.flatnonzero(on_wall).astype(np.int32)
-    return BoundaryNodes(
-        body_nodes, body_tag[body_nodes] - 1, walls, V.tabulate_dof_coordinates()[:owned, :2]
+    walls = {wall: _nodes_with(fluid, V, fluid.wall_tag(wall)) for wall in fluid.walls}
+    axis = _nodes_with(fluid, V, fluid.axis_tag)
+    x = V.tabulate_dof_coordinates()[:owned, :2]
+    return BoundaryNodes(body_nodes, body_tag[body_nodes] - 1, walls, axis, x)
+
+
+def _nodes_with(fluid: FluidMesh, V: FunctionSpace, tag: int) -> Nodes:
+    """Owned nodes on facets with one tag."""
+    facets = facets_with(fluid, tag, tag)
+    return np.flatnonzero(_tag_of_nodes(fluid, V, facets, np.ones(len(facets), dtype=np.int32))).astype(
+        np.int32
     )
 
 

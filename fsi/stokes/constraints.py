@@ -21,6 +21,7 @@ from petsc4py import PETSc
 
 from fsi.bodies import Array, Configuration
 from fsi.stokes.boundary import BoundaryNodes
+from meshes.build import FluidMesh
 
 MODES = 3
 NO_COLUMN = -1
@@ -31,7 +32,8 @@ class Layout:
     """How the rows of x = (u, p) are shared: this rank owns 2 `velocity_nodes` + `pressure_nodes` of them.
 
     fixed: rows whose value is given (walls, the pinned pressure), local numbers; on_body: rows of nodes on
-    bodies; body: the body of each of these. `modes`: 3 N, all owned by rank 0.
+    bodies; body: the body of each of these; modes: 3 N, all owned by rank 0; axisymmetric: u_r = 0 on the axis, and
+    V_z is a body's only mode.
     """
 
     comm: MPI.Intracomm
@@ -41,6 +43,7 @@ class Layout:
     on_body: NDArray[np.int64]
     body: NDArray[np.int64]
     modes: int
+    axisymmetric: bool
 
     @property
     def rows(self) -> int:
@@ -59,27 +62,38 @@ def layout(
     walls: tuple[str, ...],
     pressure_nodes: int,
     pin: int | None,
-    bodies: int,
+    fluid: FluidMesh,
 ) -> Layout:
-    """Rows of walls with given velocity, of bodies, and the pressure row to pin (local, its owner's only)."""
+    """Rows of walls with given velocity, of the axis, of bodies, and the pressure row to pin (local, its owner's only)."""
     given = [nodes.wall_nodes[wall] for wall in walls]
     wall_nodes = np.unique(np.concatenate([*given, np.empty(0, dtype=np.int32)])).astype(np.int64)
-    fixed = (2 * wall_nodes[:, None] + np.arange(2)).ravel()
+    axis = 2 * nodes.axis.astype(np.int64)
+    fixed = np.union1d((2 * wall_nodes[:, None] + np.arange(2)).ravel(), axis)
     if pin is not None:
         fixed = np.append(fixed, 2 * len(nodes.x) + pin)
     on_body = (2 * nodes.body_nodes.astype(np.int64)[:, None] + np.arange(2)).ravel()
+    body = np.repeat(nodes.body, 2)
+    off_axis = ~np.isin(on_body, axis)
     return Layout(
-        comm, len(nodes.x), pressure_nodes, fixed, on_body, np.repeat(nodes.body, 2), MODES * bodies
-    )
+        comm, len(nodes.x), pressure_nodes, fixed, on_body[off_axis], body[off_axis], MODES * fluid.bodies,
+        fluid.axisymmetric,
+    )  # fmt: skip
 
 
 def rigid_modes(shares: Layout, nodes: BoundaryNodes, q: Configuration) -> PETSc.Mat:
-    """The matrix `rigid`: nodal velocities (rows of x) of the unit modes (V_x, V_y, omega) of every body."""
-    r = nodes.x[nodes.body_nodes] - q.centres[nodes.body]
-    # In the plane omega x r = omega (-r_y, r_x).
-    rotation = np.column_stack([-r[:, 1], r[:, 0]]).ravel()
-    component = np.tile([0, 1], len(nodes.body))
-    columns = np.column_stack([MODES * shares.body + component, MODES * shares.body + 2])
+    """The matrix `rigid`: nodal velocities (rows of x) of the unit modes (V_x, V_y, omega) of every body.
+
+    In the plane omega x r = omega (-r_y, r_x). With an axis the modes V_x and omega are empty.
+    """
+    node, component = np.divmod(shares.on_body, 2)
+    translation = MODES * shares.body + component
+    r = nodes.x[node] - q.centres[shares.body]
+    rotation = np.where(component == 0, -r[:, 1], r[:, 0])
+    if shares.axisymmetric:
+        along = component == 1
+        columns, values = translation[along, None], np.ones((int(along.sum()), 1))
+        return _matrix(shares, (shares.own_modes, shares.modes), shares.on_body[along], columns, values)
+    columns = np.column_stack([translation, MODES * shares.body + 2])
     values = np.column_stack([np.ones(len(rotation)), rotation])
     return _matrix(shares, (shares.own_modes, shares.modes), shares.on_body, columns, values)
 
@@ -139,6 +153,7 @@ def wall_offset(
         corner = times_met[node] > 1
         axis = corner_axes[wall]
         g[2 * node[corner] + axis] = u[corner, axis]
+    g[2 * nodes.axis.astype(np.int64)] = 0.0
     return g
 
 

@@ -33,6 +33,8 @@ FACET = fem.IntegralType.exterior_facet
 EVERYWHERE = -1
 MARKED = 1
 
+type Expr = ufl.core.expr.Expr
+
 
 def velocity_element(degree: int) -> basix.ufl._ElementBase:
     """Continuous vector elements of the given degree; equispaced nodes, which VTK draws as they are."""
@@ -44,16 +46,41 @@ def pressure_element(degree: int) -> basix.ufl._ElementBase:
     return basix.ufl.element("Lagrange", "triangle", degree - 1, basix.LagrangeVariant.equispaced)
 
 
-def strain_rate(u: ufl.core.expr.Expr) -> ufl.core.expr.Expr:
-    """e(u) = (grad u + grad u^T) / 2."""
-    e: ufl.core.expr.Expr = ufl.sym(ufl.grad(u))
-    return e
+@dataclass(frozen=True, slots=True)
+class Coordinates:
+    """The differential operators of plane (x, y) or axisymmetric (r, z, theta) coordinates.
 
+    Axisymmetric flow without swirl has the hoop strain u_r / r as its third diagonal component, and integrals carry the
+    circumference 2 pi r.
+    """
 
-def stress(u: ufl.core.expr.Expr, p: ufl.core.expr.Expr, mu: ufl.core.expr.Expr) -> ufl.core.expr.Expr:
-    """sigma = 2 mu e(u) - p I."""
-    sigma: ufl.core.expr.Expr = 2 * mu * strain_rate(u) - p * ufl.Identity(2)
-    return sigma
+    omega: ufl.Mesh
+    axisymmetric: bool
+
+    @property
+    def weight(self) -> Expr:
+        """What a surface element of the plane of computation stands for: 1, or 2 pi r."""
+        r = ufl.SpatialCoordinate(self.omega)[0]
+        return 2 * ufl.pi * r if self.axisymmetric else ufl.as_ufl(1)
+
+    def hoop(self, u: Expr) -> Expr:
+        """u_r / r."""
+        return u[0] / ufl.SpatialCoordinate(self.omega)[0]
+
+    def strain_rate(self, u: Expr) -> Expr:
+        """e(u) = (grad u + grad u^T) / 2."""
+        e = ufl.sym(ufl.grad(u))
+        if not self.axisymmetric:
+            return e
+        return ufl.as_matrix([[e[0, 0], e[0, 1], 0], [e[1, 0], e[1, 1], 0], [0, 0, self.hoop(u)]])
+
+    def div(self, u: Expr) -> Expr:
+        """div u = tr e(u)."""
+        return ufl.div(u) + self.hoop(u) if self.axisymmetric else ufl.div(u)
+
+    def traction(self, u: Expr, p: Expr, mu: Expr, n: Expr) -> Expr:
+        """sigma n with sigma = 2 mu e(u) - p I; n lies in the plane of computation."""
+        return 2 * mu * ufl.dot(ufl.sym(ufl.grad(u)), n) - p * n
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,11 +94,11 @@ class Compiled:
 
 
 @cache
-def compile_forms(order: int, degree: int) -> Compiled:
+def compile_forms(order: int, degree: int, axisymmetric: bool) -> Compiled:
     """All forms for cells of the given order and velocities of the given degree.
 
-    The quadrature is exact on straight cells; on curved ones, where the integrands are rational, it adds what
-    the two factors of the cofactor matrix bring.
+    The quadrature is exact on straight cells in the plane; on curved ones, where the integrands are rational, it
+    adds what the two factors of the cofactor matrix bring, and the degree of r where integrals carry it.
     """
     omega = ufl.Mesh(coordinate_element(order))
     V = ufl.FunctionSpace(omega, velocity_element(degree))
@@ -81,30 +108,33 @@ def compile_forms(order: int, degree: int) -> Compiled:
     u_h, f_h, p_h = ufl.Coefficient(V), ufl.Coefficient(V), ufl.Coefficient(Q)
     mu, zero, one = (ufl.Constant(omega) for _ in range(3))
     n = ufl.FacetNormal(omega)
-    quadrature = {"quadrature_degree": 2 * (degree - 1) + 2 * (order - 1) + 1}
+    space = Coordinates(omega, axisymmetric)
+    exact_up_to = 2 * (degree - 1) + 2 * (order - 1) + 1 + (order if axisymmetric else 0)
+    quadrature = {"quadrature_degree": exact_up_to}
+    w = space.weight
     dx, ds, dS = (
         ufl.dx(omega, metadata=quadrature),
         ufl.ds(omega, metadata=quadrature),
         ufl.ds(MARKED, domain=omega, metadata=quadrature),
     )
-    e_u, e_v, e_h = strain_rate(u), strain_rate(v), strain_rate(u_h)
+    e_u, e_v, e_h = space.strain_rate(u), space.strain_rate(v), space.strain_rate(u_h)
     forms = {
-        "a": ("VV", 2 * mu * ufl.inner(e_u, e_v) * dx),
-        "b": ("QV", -q * ufl.div(u) * dx),
-        "b^T": ("VQ", -p * ufl.div(v) * dx),
+        "a": ("VV", 2 * mu * ufl.inner(e_u, e_v) * w * dx),
+        "b": ("QV", -q * space.div(u) * w * dx),
+        "b^T": ("VQ", -p * space.div(v) * w * dx),
         # Zero, but it stores the diagonal of the pressure block: without it MUMPS fails on several ranks.
-        "zero": ("QQ", zero * p * q * dx),
-        "load": ("V", ufl.inner(f_h, v) * dx),
-        "pressure weights": ("Q", q * dx),
-        "dissipation": ("", 2 * mu * ufl.inner(e_h, e_h) * dx),
-        "power of load": ("", ufl.inner(f_h, u_h) * dx),
-        "area": ("", one * dx),
-        "pressure integral": ("", p_h * dx),
-        "flux": ("", ufl.inner(u_h, n) * ds),
-        "speed on boundary": ("", ufl.sqrt(ufl.inner(u_h, u_h)) * ds),
-        "normal": ("V", ufl.inner(n, v) * dS),
-        "traction": ("V", ufl.inner(ufl.dot(stress(u_h, p_h, mu), n), v) * dS),
-        "surface mass": ("VV", ufl.inner(u, v) * dS),
+        "zero": ("QQ", zero * p * q * w * dx),
+        "load": ("V", ufl.inner(f_h, v) * w * dx),
+        "pressure weights": ("Q", q * w * dx),
+        "dissipation": ("", 2 * mu * ufl.inner(e_h, e_h) * w * dx),
+        "power of load": ("", ufl.inner(f_h, u_h) * w * dx),
+        "area": ("", one * w * dx),
+        "pressure integral": ("", p_h * w * dx),
+        "flux": ("", ufl.inner(u_h, n) * w * ds),
+        "speed on boundary": ("", ufl.sqrt(ufl.inner(u_h, u_h)) * w * ds),
+        "normal": ("V", ufl.inner(n, v) * w * dS),
+        "traction": ("V", ufl.inner(space.traction(u_h, p_h, mu, n), v) * w * dS),
+        "surface mass": ("VV", ufl.inner(u, v) * w * dS),
     }
     compiled = {name: fem.compile_form(MPI.COMM_WORLD, form) for name, (_, form) in forms.items()}
     return Compiled(
@@ -123,7 +153,7 @@ class Forms:
 
     def __init__(self, fluid: FluidMesh, degree: int, viscosity: float) -> None:
         """Bind the forms to a mesh; degree of the velocity, at least the order of the cells."""
-        self._compiled = compile_forms(fluid.order, degree)
+        self._compiled = compile_forms(fluid.order, degree, fluid.axisymmetric)
         self.mesh = fluid.mesh
         self.V = fem.functionspace(fluid.mesh, velocity_element(degree))
         self.Q = fem.functionspace(fluid.mesh, pressure_element(degree))

@@ -92,7 +92,7 @@ def solve(
     nodes = locate(fluid, forms.V)
     pin = None if boundary.pressures else _pinned_pressure(forms)
     pressure_nodes = forms.Q.dofmap.index_map.size_local
-    shares = layout(fluid.mesh.comm, nodes, tuple(boundary.velocities), pressure_nodes, pin, len(q))
+    shares = layout(fluid.mesh.comm, nodes, tuple(boundary.velocities), pressure_nodes, pin, fluid)
     at_walls = {wall: u(nodes.x[nodes.wall_nodes[wall]]) for wall, u in boundary.velocities.items()}
     g = wall_offset(shares, nodes, at_walls, dict(zip(container.walls, container.corner_axes, strict=True)))
     b = _loads(fluid, forms, boundary, shares.rows)

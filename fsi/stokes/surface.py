@@ -26,13 +26,15 @@ class Surface:
     """The bodies' surfaces as curved edges; empty on all ranks but root.
 
     x: nodes (n, 2); edges: node numbers, (E, degree + 1), both ends first as VTK has them;
-    body: of each edge, (E,); reaction: nodal forces (n, 2) of the body on the fluid.
+    body: of each edge, (E,); reaction: nodal forces (n, 2) of the body on the fluid, with an axis of whole circles;
+    axisymmetric: x are (r, z).
     """
 
     x: Array
     edges: NDArray[np.int64]
     body: NDArray[np.int64]
     reaction: Array
+    axisymmetric: bool
 
 
 def collect(fluid: FluidMesh, V: FunctionSpace, reaction: Array) -> Surface:
@@ -53,12 +55,11 @@ def collect(fluid: FluidMesh, V: FunctionSpace, reaction: Array) -> Surface:
     node = V.dofmap.index_map.local_to_global(mine.astype(np.int32))
     parts = fluid.mesh.comm.gather((node, x, values, numbers, body))
     if parts is None:
-        return Surface(
-            np.empty((0, 2)), np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.int64), np.empty((0, 2))
-        )
+        none, nothing = np.empty((0, 2)), np.empty(0, dtype=np.int64)
+        return Surface(none, nothing.reshape(0, 2), nothing, none, fluid.axisymmetric)
     nodes, xs, reactions, edges, bodies = (np.concatenate([part[k] for part in parts]) for k in range(5))
     unique, first = np.unique(nodes, return_index=True)
-    return Surface(xs[first], np.searchsorted(unique, edges), bodies, reactions[first])
+    return Surface(xs[first], np.searchsorted(unique, edges), bodies, reactions[first], fluid.axisymmetric)
 
 
 def traction(surface: Surface) -> Array:
@@ -73,6 +74,8 @@ def traction(surface: Surface) -> Array:
     phi, dphi = element.tabulate(1, points)[:, :, :, 0]
     tangent = np.einsum("qn,end->eqd", dphi, surface.x[surface.edges])
     length = weights * np.hypot(tangent[..., 0], tangent[..., 1])
+    if surface.axisymmetric:
+        length *= 2.0 * np.pi * (surface.x[surface.edges, 0] @ phi.T)
     masses = np.einsum("eq,qi,qj->eij", length, phi, phi)
     rows = np.repeat(surface.edges, degree + 1, axis=1).ravel()
     columns = np.tile(surface.edges, (1, degree + 1)).ravel()

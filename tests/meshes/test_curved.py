@@ -6,7 +6,8 @@ import pytest
 
 from fsi.bodies import Array
 from meshes.curved import EDGES, CurvedCells, curve, reference_points
-from meshes.sizing import Resolution, boundary
+from meshes.sizing import Resolution
+from meshes.walls import boundary
 from meshes.triangulate import triangulate
 from tests.flows import SMALL_BOX, discs
 

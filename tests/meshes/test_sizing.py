@@ -5,7 +5,8 @@ import pytest
 
 from fsi.bodies import Array, Configuration
 from meshes.geometry import Container
-from meshes.sizing import Curve, Resolution, boundary
+from meshes.sizing import Curve, Resolution
+from meshes.walls import boundary
 from tests.flows import BOX, HALF_PLANE, disc_over_plane, discs
 
 COARSE = Resolution(1.0, 24, 0.5)

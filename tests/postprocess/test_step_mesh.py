@@ -39,7 +39,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_mesh_of_a_step_gives_its_velocities_again(run: Path, tmp_path: Path) -> None:
-    """A moved mesh, from VTU to .msh and back: velocities to 1e-12, where a mesh made anew would differ by 1e-4."""
+    """A moved mesh, from VTU to .msh and back: velocities to 1e-12; a mesh made anew would differ by 1e-4."""
     from fsi.stokes.solve import solve
 
     case = parse_case(CASE)
@@ -61,6 +61,6 @@ def test_what_cannot_be_written_says_so(run: Path, tmp_path: Path) -> None:
         write_step_mesh(run, 99, tmp_path / "x.msh")
     with pytest.raises(MeshFileError, match="unknown suffix"):
         write_step_mesh(run, 0, tmp_path / "x.stl")
-    with pytest.raises(InputError, match="there is no case.toml"):
+    with pytest.raises(InputError, match=r"there is no case\.toml"):
         write_step_mesh(tmp_path, 0, tmp_path / "x.msh")
     assert not list(tmp_path.iterdir())

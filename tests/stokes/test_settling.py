@@ -1,4 +1,4 @@
-"""A disc settles onto a plane, remeshed at every stage, against the exact time law (reference/settling.json)."""
+"""A disc settles onto a plane, remeshed at every stage, against the exact law in reference/settling.json."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from fsi.stokes.model import StokesModel
 from postprocess.folder import read_table
 
 ROOT = Path(__file__).parents[2]
-TAU = {float(s): tau for s, tau in json.loads((ROOT / "tests/reference/settling.json").read_text())["disc"]["tau"].items()}
+SETTLING = json.loads((ROOT / "tests/reference/settling.json").read_text())
+TAU = {float(s): tau for s, tau in SETTLING["disc"]["tau"].items()}
 COARSE = ("discretisation.cells_per_circle=28", "discretisation.growth=0.3")
 
 
@@ -33,7 +34,7 @@ def time_at(gap: float, t: np.ndarray, gaps: np.ndarray) -> float:
 
 @pytest.mark.parametrize("remesh", ["always", "when-needed"])
 def test_settling_times(remesh: str, tmp_path: Path) -> None:
-    """Within 1e-3 at q/a = 0.5, 0.1 and 0.01; the leading term of lubrication alone would be 10 % to 40 % early."""
+    """Within 1e-3 at q/a = 0.5, 0.1 and 0.01; the leading term of lubrication alone is 10 to 40 % early."""
     t, gaps = gap_history(tmp_path / "run", "time.end=21.5", f'time.remesh="{remesh}"', *COARSE)
     for gap, tau in TAU.items():
         # Near q = a the interpolation between steps is the larger error.
@@ -42,7 +43,7 @@ def test_settling_times(remesh: str, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_it_never_touches(tmp_path: Path) -> None:
-    """Down to q/a = 1e-4 the gap stays positive and within 1e-3 of tau -> 3 / sqrt(2 s) + 0.13588 (exact to 1e-5 there)."""
+    """Down to q/a = 1e-4 the gap stays positive and within 1e-3 of tau -> 3 / sqrt(2 s) + 0.13588."""
     t, gaps = gap_history(tmp_path / "run")
     assert gaps[-1] < 1e-4
     assert (gaps > 0).all()

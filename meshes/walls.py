@@ -1,0 +1,122 @@
+"""The whole boundary: nodes on the bodies, on the walls of the container, and on the axis of an axisymmetric one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from meshes.geometry import Array, Box, Container, HalfPlane, Round
+from meshes.sizing import Curve, Resolution, Surfaces, across, bodies, cluster, equidistribute
+
+WALL_SAMPLES = 200
+
+
+def boundary(container: Container, centres: Array, radii: Array, resolution: Resolution) -> list[Curve]:
+    """All curves: bodies (tags 1 ... N), walls (N + 1 ...), and the axis with the last tag.
+
+    Raises:
+        MeshError: a body touches another or a wall.
+    """
+    surfaces = Surfaces(container, centres, radii)
+    curves = bodies(surfaces, resolution) + walls(surfaces, resolution)
+    return curves + axis(surfaces, resolution) if container.axisymmetric else curves
+
+
+def walls(surfaces: Surfaces, resolution: Resolution) -> list[Curve]:
+    """The container's walls with tags N + 1, ... in its order; a wall may have several pieces."""
+    first = len(surfaces.radii) + 1
+    match surfaces.container:
+        case Box(lower=(x0, y0), upper=(x1, y1)):
+            ends = {
+                "left": ((x0, y1), (x0, y0)),
+                "right": ((x1, y0), (x1, y1)),
+                "bottom": ((x0, y0), (x1, y0)),
+                "top": ((x1, y1), (x0, y1)),
+            }
+            return [
+                _segment(surfaces, resolution, first + k, np.array(ends[wall]))
+                for k, wall in enumerate(surfaces.container.walls)
+            ]
+        case HalfPlane(radius=radius, axisymmetric=half):
+            plane = _segment(
+                surfaces, resolution, first, np.array([[0.0 if half else -radius, 0.0], [radius, 0.0]])
+            )
+            return [plane, _arc(surfaces, resolution, first + 1, radius, 0.0, 0.5 * np.pi if half else np.pi)]
+        case Round(radius=radius, axisymmetric=half):
+            pieces = [(-0.5, 0.5)] if half else [(-0.5, 0.5), (0.5, 1.5)]
+            return [_arc(surfaces, resolution, first, radius, a * np.pi, b * np.pi) for a, b in pieces]
+        case other:
+            raise TypeError(f"no mesh for the container {other!r}")
+
+
+def axis(surfaces: Surfaces, resolution: Resolution) -> list[Curve]:
+    """The pieces of the axis r = 0 between the bodies, with the tag after the last wall's."""
+    container, order = surfaces.container, np.argsort(surfaces.centres[:, 1])
+    tag = len(surfaces.radii) + 1 + len(container.walls)
+    low, high = container.axis()
+    bottoms = [*(surfaces.centres[order, 1] - surfaces.radii[order]), high]
+    tops = [low, *(surfaces.centres[order, 1] + surfaces.radii[order])]
+    pieces = []
+    for start, end in zip(tops, bottoms, strict=True):
+        z = start + (end - start) * 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, WALL_SAMPLES)))
+        h = _axis_size(surfaces, resolution, z, end - start)
+        z = equidistribute(z, 1.0 / h, least=1)
+        z[[0, -1]] = start, end
+        pieces.append(Curve(tag, np.column_stack([np.zeros_like(z), z]), closed=False, centre=None))
+    return pieces
+
+
+def _axis_size(surfaces: Surfaces, resolution: Resolution, z: Array, gap: float) -> Array:
+    """Element size at points of a piece of the axis, of the given length: the gap there."""
+    if len(surfaces.radii) == 0:
+        return np.full(len(z), 0.1 * gap)
+    d = surfaces.to_bodies(np.column_stack([np.zeros_like(z), z]))
+    h_body = 2.0 * np.pi * surfaces.radii.max() / resolution.cells_per_circle
+    in_gap = across(np.full(len(z), gap), float(surfaces.radii.min()), resolution)
+    return np.minimum(in_gap, np.maximum(h_body, resolution.growth * d))
+
+
+def _wall_size(surfaces: Surfaces, resolution: Resolution, x: Array, longest: float) -> Array:
+    """Element size at points of a wall."""
+    if len(surfaces.radii) == 0:
+        return np.full(len(x), longest)
+    d = surfaces.to_bodies(x)
+    h_body = 2.0 * np.pi * surfaces.radii.max() / resolution.cells_per_circle
+    a = float(surfaces.radii.min())
+    return np.minimum(
+        np.minimum(across(d, a, resolution), np.maximum(h_body, resolution.growth * d)), longest
+    )
+
+
+def _segment(surfaces: Surfaces, resolution: Resolution, tag: int, ends: Array) -> Curve:
+    """A straight wall from ends[0] to ends[1]."""
+    length = float(np.hypot(*(ends[1] - ends[0])))
+    along = (ends[1] - ends[0]) / length
+    normal = np.array([-along[1], along[0]])
+    samples = [np.linspace(0.0, length, WALL_SAMPLES)]
+    for centre, radius in zip(surfaces.centres, surfaces.radii, strict=True):
+        foot, height = (centre - ends[0]) @ along, abs((centre - ends[0]) @ normal)
+        samples.append(foot + cluster(np.sqrt(0.5 * (height - radius) * radius), max(length, height)))
+    s = np.unique(np.clip(np.concatenate(samples), 0.0, length))
+    h = _wall_size(surfaces, resolution, ends[0] + s[:, None] * along, 0.25 * length)
+    s = equidistribute(s, 1.0 / h, least=4)
+    nodes = ends[0] + s[:, None] * along
+    nodes[[0, -1]] = ends
+    return Curve(tag, nodes, closed=False, centre=None)
+
+
+def _arc(
+    surfaces: Surfaces, resolution: Resolution, tag: int, radius: float, start: float, end: float
+) -> Curve:
+    """An arc around the origin between two angles, multiples of pi / 2."""
+    angles = np.linspace(start, end, WALL_SAMPLES)
+    for direction in np.arctan2(surfaces.centres[:, 1], surfaces.centres[:, 0]):
+        offsets = direction + cluster(1e-3, np.pi)
+        angles = np.concatenate([angles, offsets, offsets + 2.0 * np.pi])
+    angles = np.unique(np.clip(angles, start, end))
+    x = radius * np.column_stack([np.cos(angles), np.sin(angles)])
+    h = _wall_size(surfaces, resolution, x, 0.5 * radius)
+    angles = equidistribute(angles, radius / h, least=8)
+    nodes = radius * np.column_stack([np.cos(angles), np.sin(angles)])
+    # Exactly on the axes, where other curves begin.
+    nodes[[0, -1]] = radius * np.round([[np.cos(a), np.sin(a)] for a in (start, end)])
+    return Curve(tag, nodes, closed=False, centre=np.zeros(2))
