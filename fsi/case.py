@@ -14,6 +14,7 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 import tomli_w
+from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from fsi.bodies import Array, Configuration, Motion
@@ -36,9 +37,11 @@ class Case(Section):
     """One problem: fluid, domain, bodies, and how to compute it."""
 
     name: str = Field(min_length=1, description="a few words that name the case")
-    geometry: Literal["planar"] = Field(default="planar", description='"planar"')
+    geometry: Literal["planar", "axisymmetric"] = Field(
+        default="planar", description='"planar" or "axisymmetric"'
+    )
     fluid: Fluid = Field(description="a section [fluid] with its viscosity")
-    domain: Domain = Field(description='a section [domain] of shape "box" or "half-plane"')
+    domain: Domain = Field(description='a section [domain] of shape "box", "half-plane" or "round"')
     bodies: tuple[Body, ...] = Field(default=(), description="one section [[bodies]] for each body")
     discretisation: Discretisation = Field(
         default_factory=Discretisation, description="a section [discretisation]"
@@ -49,6 +52,15 @@ class Case(Section):
         default=(), description="one section [[expected]] for each number"
     )
 
+    @model_validator(mode="before")
+    @classmethod
+    def _tell_the_domain(cls, data: Any) -> Any:
+        """The domain's walls depend on the geometry."""
+        if isinstance(data, dict) and isinstance(data.get("domain"), dict):
+            axisymmetric = data.get("geometry") == "axisymmetric"
+            return data | {"domain": data["domain"] | {"<axisymmetric>": axisymmetric}}
+        return data
+
     @model_validator(mode="after")
     def _sound(self) -> Case:
         check_case(self)
@@ -58,6 +70,16 @@ class Case(Section):
     def names(self) -> tuple[str, ...]:
         """Names of the bodies, in the order of every array over bodies."""
         return tuple(body.name for body in self.bodies)
+
+    @property
+    def axisymmetric(self) -> bool:
+        """True where positions are (r, z)."""
+        return self.geometry == "axisymmetric"
+
+    @property
+    def modes(self) -> NDArray[np.bool_]:
+        """Which of (V_x, V_y, omega) a body has: all of them, or with an axis V_z alone, which stands second."""
+        return np.array([False, True, False]) if self.axisymmetric else np.ones(3, dtype=bool)
 
     def container(self) -> Container:
         """What encloses the fluid."""
@@ -78,6 +100,7 @@ class Case(Section):
         ).reshape(-1, 3)
         U = self._modes(lambda body: [0.0 if part == "free" else value_at(part, t) for part in body.motion])
         F = self._modes(lambda body: [value_at(part, t) for part in body.loads])
+        held |= ~self.modes
         return Motion(held, U, F)
 
     def masses(self) -> Array | None:

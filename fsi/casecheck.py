@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fsi.bodies import Array
+from fsi.domain import BoxDomain, Shear
 from fsi.errors import InputError
 from fsi.gaps import find_gaps
 from fsi.section import toml_text
-from fsi.series import is_zero
-from meshes.geometry import Box, Container
+from fsi.series import Component, is_zero
+from meshes.geometry import Box, Container, HalfPlane, boundary_names
 
 if TYPE_CHECKING:
     from fsi.case import Case
@@ -29,6 +30,8 @@ _LOAD_KEYS = ("force.0", "force.1", "torque")
 def check_case(case: Case) -> None:
     """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
     _check_names(case)
+    if case.axisymmetric:
+        _check_axis(case)
     _check_room(case)
     _check_loads(case)
     _check_inertia(case)
@@ -39,7 +42,7 @@ def check_case(case: Case) -> None:
 
 
 def _check_names(case: Case) -> None:
-    walls = case.container().walls
+    walls = boundary_names(case.container())
     for i, name in enumerate(case.names):
         here = f"bodies.{i}.name = {toml_text(name)}"
         if name in case.names[:i]:
@@ -68,6 +71,39 @@ def _check_room(case: Case) -> None:
         )
 
 
+def _check_axis(case: Case) -> None:
+    """Spheres and walls respect the axis: nothing pushes or moves them off it."""
+    if isinstance(case.domain, BoxDomain) and case.domain.lower[0] != 0.0:
+        raise InputError(
+            f"domain.lower = {toml_text(case.domain.lower)}: an axisymmetric domain begins on the axis; give [0.0, z]"
+        )
+    for i, body in enumerate(case.bodies):
+        off_axis = {
+            "position": body.position if body.position[0] != 0.0 else None,
+            "velocity": body.velocity if not _nothing(body.velocity[0]) else None,
+            "angular_velocity": body.angular_velocity if not _nothing(body.angular_velocity) else None,
+            "force": body.force if not _nothing(body.force[0]) else None,
+            "torque": body.torque if not _nothing(body.torque) else None,
+            "moment_of_inertia": body.moment_of_inertia,
+        }
+        for key, value in off_axis.items():
+            if value is not None:
+                raise InputError(
+                    f"bodies.{i}.{key} = {toml_text(value)}: a sphere on the axis has only its motion along z; give "
+                    "[0.0, z] for pairs and drop what turns it"
+                )
+    for name, wall in case.domain.walls.items():
+        if isinstance(wall, Shear) or (name != "right" and isinstance(wall, tuple) and not is_zero(wall[0])):
+            raise InputError(
+                f"domain.walls.{name} = {toml_text(wall)}: is not symmetric about the axis; give [0.0, u_z]"
+            )
+
+
+def _nothing(component: Component) -> bool:
+    """Free, or at rest."""
+    return component == "free" or is_zero(component)
+
+
 def _check_loads(case: Case) -> None:
     for i, body in enumerate(case.bodies):
         for held, load, key in zip(body.motion, body.loads, _LOAD_KEYS, strict=True):
@@ -80,7 +116,7 @@ def _check_loads(case: Case) -> None:
 
 def _check_inertia(case: Case) -> None:
     for i, body in enumerate(case.bodies):
-        if (body.mass is None) != (body.moment_of_inertia is None):
+        if not case.axisymmetric and (body.mass is None) != (body.moment_of_inertia is None):
             given, other = ("mass", "moment_of_inertia")[:: 1 if body.mass is not None else -1]
             raise InputError(
                 f"bodies.{i}.{given} = {getattr(body, given)!r}: without {other}; give both or neither "
@@ -109,12 +145,30 @@ def _check_flux(case: Case) -> None:
 
 def _wall_normals(container: Container) -> dict[str, Array]:
     """For each wall the integrals of `n_x, n_y, y n_x` over it, n the unit normal out of the fluid."""
+    if container.axisymmetric:
+        return _wall_normals_around_axis(container)
     if isinstance(container, Box):
         (left, bottom), (right, top) = container.lower, container.upper
         across, along, moment = top - bottom, right - left, (top**2 - bottom**2) / 2.0
         rows = [(-across, 0.0, -moment), (across, 0.0, moment), (0.0, -along, 0.0), (0.0, along, 0.0)]
-    else:
+    elif isinstance(container, HalfPlane):
         rows = [(0.0, -container.size(), 0.0), (0.0, container.size(), 0.0)]
+    else:
+        rows = [(0.0, 0.0, 0.0)]
+    return {name: np.array(row) for name, row in zip(container.walls, rows, strict=True)}
+
+
+def _wall_normals_around_axis(container: Container) -> dict[str, Array]:
+    """The same with an axis: integrals of `n_r, n_z, 0` over surfaces of revolution."""
+    across = np.pi * (0.5 * container.size()) ** 2
+    if isinstance(container, Box):
+        (_, bottom), (radius, top) = container.lower, container.upper
+        across = np.pi * radius**2
+        rows = [(2.0 * np.pi * radius * (top - bottom), 0.0, 0.0), (0.0, -across, 0.0), (0.0, across, 0.0)]
+    elif isinstance(container, HalfPlane):
+        rows = [(0.0, -across, 0.0), (0.0, across, 0.0)]
+    else:
+        rows = [(0.0, 0.0, 0.0)]
     return {name: np.array(row) for name, row in zip(container.walls, rows, strict=True)}
 
 
@@ -122,8 +176,8 @@ def _check_determined(case: Case) -> None:
     """Some wall, held component or mass must stop every rigid motion of fluid and bodies together."""
     if case.wall_velocity(0.0):
         return
-    stopped = np.array(list(_stopped_modes(case))).reshape(-1, 3)
-    if np.linalg.matrix_rank(stopped) < 3:
+    stopped = np.array(list(_stopped_modes(case))).reshape(-1, 3)[:, case.modes]
+    if np.linalg.matrix_rank(stopped) < case.modes.sum():
         free = (
             "everything is free"
             if not stopped.size

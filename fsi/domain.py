@@ -11,7 +11,7 @@ from pydantic import Discriminator, Field, Tag, field_validator
 from fsi.bodies import Array
 from fsi.section import Section, nearest_word, refuse_unknown
 from fsi.series import Series, kinks, value_at
-from meshes.geometry import Box, Container, HalfPlane
+from meshes.geometry import Box, Container, HalfPlane, Round
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,9 +59,14 @@ Wall = Annotated[
 AT_REST: tuple[float, float] = (0.0, 0.0)
 
 
+_SHAPES = '"box", "half-plane" or "round"'
+
+
 class _Walled(Section):
     """What all domains have: a condition at every wall, and perhaps the user's own mesh of the shape."""
 
+    # Put here by the case, which knows its geometry; the brackets keep it out of the user's reach.
+    axisymmetric: bool = Field(default=False, alias="<axisymmetric>", exclude=True)
     walls: dict[str, Wall] = Field(
         default={},
         validate_default=True,
@@ -70,6 +75,16 @@ class _Walled(Section):
     mesh: str | None = Field(
         default=None, description="the path of a mesh file of this shape, seen from the case file's folder"
     )
+
+    @field_validator("walls")
+    @classmethod
+    def _complete(cls, walls: dict[str, Wall], info: Any) -> dict[str, Wall]:
+        return _all_walls(walls, cls.wall_names(info.data["axisymmetric"]))
+
+    @classmethod
+    def wall_names(cls, axisymmetric: bool) -> tuple[str, ...]:
+        """Names of the walls of this shape."""
+        raise NotImplementedError
 
     def container(self) -> Container:
         """The geometry."""
@@ -86,16 +101,16 @@ def _all_walls(given: dict[str, Wall], names: tuple[str, ...]) -> dict[str, Wall
 class BoxDomain(_Walled):
     """The rectangle [lower, upper] with the walls left, right, bottom, top."""
 
-    shape: Literal["box"] = Field(default="box", description='"box" or "half-plane"')
+    shape: Literal["box"] = Field(default="box", description=_SHAPES)
     lower: tuple[float, float] = Field(description="the lower left corner [x, y], left of and below `upper`")
     upper: tuple[float, float] = Field(
         description="the upper right corner [x, y], right of and above `lower`"
     )
 
-    @field_validator("walls")
     @classmethod
-    def _complete(cls, walls: dict[str, Wall]) -> dict[str, Wall]:
-        return _all_walls(walls, Box(AT_REST, AT_REST).walls)
+    def wall_names(cls, axisymmetric: bool) -> tuple[str, ...]:
+        """left, right, bottom, top; a cylinder has no left."""
+        return Box(AT_REST, AT_REST, axisymmetric).walls
 
     @field_validator("upper")
     @classmethod
@@ -107,25 +122,41 @@ class BoxDomain(_Walled):
 
     def container(self) -> Container:
         """The geometry."""
-        return Box(self.lower, self.upper)
+        return Box(self.lower, self.upper, self.axisymmetric)
 
 
 class HalfPlaneDomain(_Walled):
-    """The half disc y > 0 of large radius that stands for the half-plane, with the walls plane and far."""
+    """The half disc y > 0 (half ball z > 0) of large radius that stands for the half-plane (half-space)."""
 
-    shape: Literal["half-plane"] = Field(description='"box" or "half-plane"')
+    shape: Literal["half-plane"] = Field(description=_SHAPES)
     radius: float = Field(
         gt=0.0, description="the radius of the half disc, a number > 0, some 100 body radii"
     )
 
-    @field_validator("walls")
     @classmethod
-    def _complete(cls, walls: dict[str, Wall]) -> dict[str, Wall]:
-        return _all_walls(walls, HalfPlane(1.0).walls)
+    def wall_names(cls, axisymmetric: bool) -> tuple[str, ...]:
+        """plane and far."""
+        return HalfPlane(1.0, axisymmetric).walls
 
     def container(self) -> Container:
         """The geometry."""
-        return HalfPlane(self.radius)
+        return HalfPlane(self.radius, self.axisymmetric)
+
+
+class RoundDomain(_Walled):
+    """The disc or ball of given radius around the origin; a large one stands for unbounded fluid."""
+
+    shape: Literal["round"] = Field(description=_SHAPES)
+    radius: float = Field(gt=0.0, description="the radius of the container, a number > 0")
+
+    @classmethod
+    def wall_names(cls, axisymmetric: bool) -> tuple[str, ...]:
+        """far."""
+        return Round(1.0, axisymmetric).walls
+
+    def container(self) -> Container:
+        """The geometry."""
+        return Round(self.radius, self.axisymmetric)
 
 
 def _domain_kind(value: Any) -> str:
@@ -133,13 +164,15 @@ def _domain_kind(value: Any) -> str:
     if not isinstance(value, dict):
         return f"<{getattr(value, 'shape', 'box')}>"
     shape = value.get("shape", "box")
-    if shape not in ("box", "half-plane"):
+    if shape not in ("box", "half-plane", "round"):
         shape = "half-plane" if "radius" in value else "box"
     return f"<{shape}>"
 
 
 Domain = Annotated[
-    Annotated[BoxDomain, Tag("<box>")] | Annotated[HalfPlaneDomain, Tag("<half-plane>")],
+    Annotated[BoxDomain, Tag("<box>")]
+    | Annotated[HalfPlaneDomain, Tag("<half-plane>")]
+    | Annotated[RoundDomain, Tag("<round>")],
     Discriminator(_domain_kind),
 ]
 

@@ -18,7 +18,10 @@ from fsi.domain import AT_REST
 from fsi.section import toml_text
 from fsi.truncation import Solution
 
-_COMPONENTS = ("x", "y", "rotation")
+
+def _components(case: Case) -> tuple[str, str, str]:
+    """What the modes are called."""
+    return ("r", "z", "rotation") if case.axisymmetric else ("x", "y", "rotation")
 
 
 def solution_json(case: Case, solution: Solution, truncated: Mapping[str, float] | None) -> dict[str, Any]:
@@ -62,7 +65,7 @@ def _bodies_table(case: Case, solution: Solution) -> Table:
     table = Table(
         title=case.name,
         title_justify="left",
-        caption="forces and torques per unit length, rotation counterclockwise",
+        caption="" if case.axisymmetric else "forces and torques per unit length, rotation counterclockwise",
     )
     table.add_column("body")
     table.add_column("component")
@@ -71,16 +74,17 @@ def _bodies_table(case: Case, solution: Solution) -> Table:
         table.add_column(heading, justify="right")
     held = case.motion(0.0).held
     for i, name in enumerate(case.names):
-        for k, component in enumerate(_COMPONENTS):
+        modes = np.flatnonzero(case.modes)
+        for k in modes:
             table.add_row(
-                name if k == 0 else "",
-                component,
+                name if k == modes[0] else "",
+                _components(case)[k],
                 "held" if held[i, k] else "free",
                 *(
                     f"{value + 0.0:.8g}"
                     for value in (solution.U[i, k], -solution.F[i, k], -solution.traction_F[i, k])
                 ),
-                end_section=k == 2,
+                end_section=bool(k == modes[-1]),
             )
     return table
 
@@ -117,13 +121,13 @@ def _walls_table(case: Case) -> Table:
 
 def _case_table(case: Case) -> Table:
     table = Table("body", "position", "radius", "smallest gap", "to", title=case.name, title_justify="left")
-    for heading in ("x", "y", "rotation"):
-        table.add_column(heading)
+    for k in np.flatnonzero(case.modes):
+        table.add_column(_components(case)[k])
     held = case.motion(0.0).held
     for i, body in enumerate(case.bodies):
         gap, neighbour = _nearest(case, i)
         position = ", ".join(f"{x:.6g}" for x in body.position)
-        motion = ("held" if is_held else "free" for is_held in held[i])
+        motion = ("held" if is_held else "free" for is_held in held[i, case.modes])
         table.add_row(body.name, position, f"{body.radius:.6g}", f"{gap:.6g}", neighbour, *motion)
     return table
 

@@ -34,7 +34,8 @@ class Section(BaseModel):
     def _known_keys(cls, data: Any) -> Any:
         if isinstance(data, dict):
             for key in data:
-                refuse_unknown(key, cls.model_fields)
+                if not _is_tag(key):
+                    refuse_unknown(key, cls.model_fields)
         return data
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from fsi.bodies import Array
 from fsi.case import Case, parse_case
-from fsi.domain import HalfPlaneDomain
+from fsi.domain import BoxDomain
 from fsi.errors import InputError
 
 
@@ -49,8 +49,8 @@ class Solution(Protocol):
 
 
 def halved(case: Case) -> Case | None:
-    """The case in a half disc of half the radius; None where there is no radius or the bodies do not fit."""
-    if not isinstance(case.domain, HalfPlaneDomain) or case.domain.mesh is not None:
+    """The case in a container of half the radius; None where there is no radius or the bodies do not fit."""
+    if isinstance(case.domain, BoxDomain) or case.domain.mesh is not None:
         return None
     data: dict[str, Any] = case.model_dump(exclude_none=True)
     data["domain"]["radius"] /= 2.0
@@ -63,8 +63,8 @@ def halved(case: Case) -> Case | None:
 def truncation(case: Case, whole: Solution, half: Solution) -> dict[str, float]:
     """How much the results change when the radius R of the container is halved.
 
-    The effect of R decays like R^-2 or faster, so the error at R is at most about a third of this change.
-    Results are the loads on held components and the velocities of free ones; torques count over
+    The effect of R decays like R^-1 (a net force in a ball) or faster, so the error at R is at most this change; with
+    a plane it decays like R^-2 or faster, and the error is at most a third of it. Results are the loads on held components and the velocities of free ones; torques count over
     the radius of the body, rotations times it.
 
     Returns:

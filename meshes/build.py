@@ -45,6 +45,11 @@ class FluidMesh:
         return self.bodies + 1 + self.walls.index(wall)
 
     @property
+    def boundary_names(self) -> tuple[str, ...]:
+        """Names of the walls, and of the axis, in the order of their tags."""
+        return (*self.walls, "axis") if self.axisymmetric else self.walls
+
+    @property
     def axis_tag(self) -> int:
         """Facet tag of the axis."""
         return self.bodies + 1 + len(self.walls)

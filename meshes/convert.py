@@ -44,7 +44,7 @@ def write_mesh(fluid: FluidMesh, path: Path, names: Sequence[str]) -> None:
     cells, problem = gather(fluid), None
     if cells is not None:
         try:
-            write_cells(cells, path, [*names, *fluid.walls])
+            write_cells(cells, path, [*names, *fluid.boundary_names])
         except MeshFileError as error:
             problem = error
     problem = fluid.mesh.comm.bcast(problem)

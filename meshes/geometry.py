@@ -43,6 +43,17 @@ class Container(Protocol):
         """Lowest and highest z of an axisymmetric container on its axis."""
 
 
+def boundary_names(container: Container) -> tuple[str, ...]:
+    """Names of the walls, and `axis` last where there is one: the order of the tags after the bodies'."""
+    return (*container.walls, "axis") if container.axisymmetric else container.walls
+
+
+def boundary_distances(container: Container, x: Array) -> Array:
+    """Distance of each point (n, 2) to each of `boundary_names`."""
+    to_walls = container.distances(x)
+    return np.column_stack([to_walls, x[:, 0]]) if container.axisymmetric else to_walls
+
+
 @dataclass(frozen=True, slots=True)
 class Box:
     """Rectangle [lower, upper] with walls left, right, bottom, top.

@@ -17,7 +17,7 @@ from meshes.build import FluidMesh, shared
 from meshes.convert import LINES, TRIANGLES, gmsh_order
 from meshes.curved import CurvedCells, curve, reference_points
 from meshes.errors import MeshFileError
-from meshes.geometry import Array, Container, HalfPlane
+from meshes.geometry import Array, Container, boundary_distances, boundary_names
 from meshes.sizing import Curve
 from meshes.triangulate import Indices
 
@@ -41,7 +41,9 @@ def read_mesh(
 
     def read() -> CurvedCells:
         try:
-            return _cells(_read_gmsh(path), [*names, *container.walls], container, centres, radii, order)
+            return _cells(
+                _read_gmsh(path), [*names, *boundary_names(container)], container, centres, radii, order
+            )
         except MeshFileError as error:
             raise MeshFileError(f"domain.mesh = {path}: {error}") from error
 
@@ -67,6 +69,10 @@ def _cells(
             f"has {len(kinds)} kinds of triangles; make the fluid a physical surface, of order 1 to 4"
         )
     own_order = kinds[0] + 1
+    if own_order > order:
+        raise MeshFileError(
+            f"has triangles of order {own_order}; give discretisation.degree = {own_order} or more"
+        )
     triangles = mesh.cells_dict[TRIANGLES[own_order - 1]].astype(np.int64)
     edges, tags = _tagged_edges(mesh, LINES[own_order - 1], names)
     used, numbers = np.unique(triangles, return_inverse=True)
@@ -80,8 +86,8 @@ def _cells(
     if own_order > 1:
         return CurvedCells(nodes, triangles, edges, tags, own_order)
     circles = [Curve(i + 1, np.empty((0, 2)), closed=True, centre=centre) for i, centre in enumerate(centres)]
-    if isinstance(container, HalfPlane):
-        circles.append(Curve(len(names), np.empty((0, 2)), closed=False, centre=np.zeros(2)))
+    if "far" in names:
+        circles.append(Curve(names.index("far") + 1, np.empty((0, 2)), closed=False, centre=np.zeros(2)))
     return curve(nodes, triangles, edges, tags, circles, order)
 
 
@@ -122,7 +128,7 @@ def _require_places(
         if k < len(radii):
             away, scale = np.hypot(*(x - centres[k]).T) - radii[k], radii[k]
         else:
-            away, scale = container.distances(x)[:, k - len(radii)], container.size()
+            away, scale = boundary_distances(container, x)[:, k - len(radii)], container.size()
         worst = float(np.abs(away).max())
         if worst > MISPLACED * scale:
             raise MeshFileError(f"{name} lies up to {worst:.3g} off its place; correct the case or the mesh")

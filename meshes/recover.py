@@ -19,7 +19,7 @@ from scipy.spatial import cKDTree
 
 from meshes.curved import CurvedCells
 from meshes.errors import MeshFileError
-from meshes.geometry import Array, Container
+from meshes.geometry import Array, Container, boundary_distances
 from meshes.triangulate import Indices
 
 # Ranks share nodes to rounding; ends of a boundary edge lie on their body or wall nearly so.
@@ -84,7 +84,7 @@ def _tags(ends: Array, container: Container, centres: Array, radii: Array) -> In
         near = np.array(middles.query_ball_point(centre, radius * (1.0 + ON_SURFACE)), dtype=np.intp)
         away = np.abs(np.hypot(*np.moveaxis(ends[near] - centre, 2, 0)) - radius).max(axis=1, initial=0.0)
         tags[near[away < ON_SURFACE * radius]] = i + 1
-    to_walls = np.abs(np.stack([container.distances(ends[:, k]) for k in range(2)])).max(axis=0)
+    to_walls = np.abs(np.stack([boundary_distances(container, ends[:, k]) for k in range(2)])).max(axis=0)
     wall = to_walls.argmin(axis=1)
     on_wall = (tags == 0) & (to_walls.min(axis=1) < ON_SURFACE * container.size())
     tags[on_wall] = len(radii) + 1 + wall[on_wall]

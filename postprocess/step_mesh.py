@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from fsi.errors import InputError
+from meshes.geometry import boundary_names
 from postprocess.folder import read_case, read_configuration, read_table
 
 
@@ -33,5 +34,7 @@ def write_step_mesh(run: Path, step: int | None, output: Path) -> int:
     q = read_configuration(run, float(steps["t"][steps["step"] == step][0]))
     parts = sorted((run / "fields").glob(f"fluid_{step:06d}*.vtu"))
     container = case.container()
-    write_cells(recover(parts, container, q.centres, q.radii), output, [*case.names, *container.walls])
+    write_cells(
+        recover(parts, container, q.centres, q.radii), output, [*case.names, *boundary_names(container)]
+    )
     return step

@@ -25,7 +25,7 @@ def test_the_resolved_case_reads_back_equal(path: Path, tmp_path: Path) -> None:
     resolved.write_text(case.as_toml())
     assert load_case(resolved) == case
     assert {"degree", "cells_per_gap", "growth"} <= set(tomllib.loads(case.as_toml())["discretisation"])
-    assert case.expected
+    assert case.expected or "No number is known" in path.read_text()
 
 
 _numbers = st.floats(-1e6, 1e6)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -88,6 +89,28 @@ def solve(
         SolveError: singular system, large residual, or an identity violated.
     """
     clock = clock or Clock()
+    given = assembled(fluid, container, q, motion, boundary, viscosity, degree, inertia, clock)
+    with given as (system, forms, nodes):
+        nodal = FORMULATIONS[formulation](system)
+        clock.lap("solve")
+        return _finish(
+            system, fluid, forms, nodes, nodal, q, viscosity, closed=not boundary.pressures, clock=clock
+        )
+
+
+@contextmanager
+def assembled(
+    fluid: FluidMesh,
+    container: Container,
+    q: Configuration,
+    motion: Motion,
+    boundary: Boundary,
+    viscosity: float,
+    degree: int,
+    inertia: Inertia | None,
+    clock: Clock,
+) -> Iterator[tuple[System, Forms, BoundaryNodes]]:
+    """The assembled system of `solve`, with the same arguments; collective."""
     forms = Forms(fluid, degree, viscosity)
     nodes = locate(fluid, forms.V)
     pin = None if boundary.pressures else _pinned_pressure(forms)
@@ -100,11 +123,7 @@ def solve(
     system = System(shares, stokes_matrix(forms), rigid_modes(shares, nodes, q), b, g, motion, inertia)
     clock.lap("assemble")
     try:
-        nodal = FORMULATIONS[formulation](system)
-        clock.lap("solve")
-        return _finish(
-            system, fluid, forms, nodes, nodal, q, viscosity, closed=not boundary.pressures, clock=clock
-        )
+        yield system, forms, nodes
     finally:
         system.M.destroy()
         system.rigid.destroy()

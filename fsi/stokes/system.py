@@ -15,6 +15,8 @@ multiplier and the rigid boundary values eliminated.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -128,29 +130,54 @@ def solve_eliminated(system: System) -> NodalSolution:
     Raises:
         SolveError: the system is singular, or its residual is not small.
     """
-    shares, motion = system.shares, system.motion
-    g = system.g + body_velocity(system, motion.U)
-    P = prolongation(shares, system.rigid, motion.held)
+    with factorised(system) as response:
+        return response(system.motion.U)
+
+
+@contextmanager
+def factorised(system: System) -> Iterator[Callable[[Array], NodalSolution]]:
+    """Factorise P^T M P once: gives the solution for any velocities (N, 3) of the held modes; collective.
+
+    Raises:
+        SolveError: the system is singular, or the residual of a solution is not small.
+    """
+    P = prolongation(system.shares, system.rigid, system.motion.held)
     reduced = system.M.ptap(P)
-    D, load = mode_equations(system)
-    own = len(load) if shares.comm.rank == 0 else 0
-    rhs = reduced.createVecLeft()
+    own = _own_modes(system)
+    D, _ = mode_equations(system)
+    _add_to_diagonal(reduced, reduced.getLocalSize()[0] - own, D[:own])
+    try:
+        with Factorisation(reduced) as factors:
+            yield lambda U: _respond(system, P, factors, U)
+    finally:
+        P.destroy()
+        reduced.destroy()
+
+
+def _respond(system: System, P: PETSc.Mat, factors: Factorisation, held_U: Array) -> NodalSolution:
+    """The solution with velocities held_U (N, 3) of the held modes, zero on the free ones."""
+    shares, free = system.shares, ~system.motion.held
+    g = system.g + body_velocity(system, held_U)
+    own = _own_modes(system)
+    rhs = factors.matrix.createVecLeft()
+    first_mode = rhs.local_size - own
     defect = petsc_vector(P, system.b - multiply(system.M, g))
     P.multTranspose(defect, rhs)
     defect.destroy()
-    first_mode = rhs.local_size - own
     if own:
-        rhs.array[first_mode:] += load
-    _add_to_diagonal(reduced, first_mode, D[:own])
-    with Factorisation(reduced) as factors:
-        y, residual = factors.solve(rhs)
+        rhs.array[first_mode:] += mode_equations(system)[1]
+    y, residual = factors.solve(rhs)
     x = multiply(P, y.array) + g
-    free = ~motion.held
-    U = motion.U.copy()
+    U = held_U.copy()
     U[free] = shares.comm.bcast(y.array[first_mode:].copy() if own else None) if free.any() else 0.0
-    for used in (P, reduced, rhs, y):
-        used.destroy()
+    rhs.destroy()
+    y.destroy()
     return NodalSolution(x, multiply(system.M, x) - system.b, U, residual)
+
+
+def _own_modes(system: System) -> int:
+    """Free modes among this rank's unknowns y: all on rank 0, where they come last."""
+    return int((~system.motion.held).sum()) if system.shares.comm.rank == 0 else 0
 
 
 def _add_to_diagonal(matrix: PETSc.Mat, first: int, values: Array) -> None:

@@ -7,8 +7,8 @@ import pytest
 from fsi.bodies import Array
 from meshes.curved import EDGES, CurvedCells, curve, reference_points
 from meshes.sizing import Resolution
-from meshes.walls import boundary
 from meshes.triangulate import triangulate
+from meshes.walls import boundary
 from tests.flows import SMALL_BOX, discs
 
 Q = discs([(-1.2, 0.1), (1.1, -0.2)], [1.0, 0.6])

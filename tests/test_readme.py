@@ -1,0 +1,26 @@
+"""The case file that the README shows, and the files that it names."""
+
+import re
+import tomllib
+from pathlib import Path
+
+from fsi.case import parse_case
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text()
+
+
+def test_the_example_is_a_case() -> None:
+    """Every key in it is known, and these sections are complete."""
+    example = re.search(r"```toml\n(.*?)```", README, re.DOTALL)
+    assert example is not None
+    case = parse_case(tomllib.loads(example[1]))
+    given = case.model_dump(exclude_unset=True)
+    for section in ("fluid", "discretisation", "time", "output"):
+        assert set(type(getattr(case, section)).model_fields) == set(given[section]), section
+
+
+def test_the_files_that_it_names_exist() -> None:
+    named = re.findall(r"\b(?:cases|tests|bench|docs|fsi|meshes)/[\w/]+\.\w+", README)
+    assert len(named) > 20
+    assert [name for name in named if not (ROOT / name).is_file()] == []
