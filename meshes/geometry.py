@@ -31,7 +31,7 @@ class Container(Protocol):
 
     @property
     def corner_axes(self) -> tuple[int, ...]:
-        """For each wall the axis of its normal at its corners: the velocity component that is its own there."""
+        """For each wall the axis of its normal at its corners: that velocity component is its own there."""
 
     def distances(self, x: Array) -> Array:
         """Distance of each point to each wall, shape (n, walls); positive inside."""
@@ -58,8 +58,8 @@ def boundary_distances(container: Container, x: Array) -> Array:
 class Box:
     """Rectangle [lower, upper] with walls left, right, bottom, top.
 
-    A channel is a long box whose left and right ends are open. Axisymmetric, it is a cylinder: lower[0] is 0 and
-    there is no wall left.
+    A channel is a long box whose left and right ends are open. Axisymmetric, it is a cylinder: lower[0] is 0
+    and there is no wall left.
     """
 
     lower: tuple[float, float]

@@ -20,17 +20,18 @@ Nodes equidistribute `int ds / h`. gmsh then extends the sizes of the boundary i
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from meshes.errors import MeshError
 from meshes.geometry import Array, Container
 
 LENGTH, SHORTEST, LONGEST = 0.15, 0.35, 4.0
-SAMPLES_PER_CLUSTER = 32
+NEIGHBOURS = 16
+MOST_HALVINGS = 60
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,103 +65,106 @@ class Curve:
 class Surfaces:
     """The bodies and the container, and how far a point is from them.
 
-    centres (N, 2), radii (N,); a point's nearest bodies are found by a tree over the centres.
+    centres (N, 2), radii (N,), tree: over the centres.
     """
 
     container: Container
     centres: Array
     radii: Array
+    tree: cKDTree
 
-    def to_bodies(self, x: Array, among: NDArray[np.intp] | None = None) -> Array:
-        """Distance of each point (n, 2) to the nearest body of `among` (default: all), shape (n,)."""
-        centres, radii = (
-            (self.centres, self.radii) if among is None else (self.centres[among], self.radii[among])
-        )
-        if len(radii) == 0:
+    def to_bodies(self, x: Array) -> Array:
+        """Distance of each point (n, 2) to the nearest body, shape (n,); infinite without bodies."""
+        if len(self.radii) == 0:
             return np.full(len(x), np.inf)
-        distances = np.hypot(x[:, None, 0] - centres[:, 0], x[:, None, 1] - centres[:, 1]) - radii
-        nearest: Array = distances.min(axis=1)
+        k = min(len(self.radii), NEIGHBOURS)
+        away, body = self.tree.query(x, k=[*range(1, k + 1)])
+        nearest: Array = (away - self.radii[body]).min(axis=1)
+        # A body beyond the k nearest centres can only be nearer if it is larger.
+        unsure = np.flatnonzero(away[:, -1] - self.radii.max() < nearest) if k < len(self.radii) else []
+        for point in unsure:
+            nearest[point] = (np.hypot(*(x[point] - self.centres).T) - self.radii).min()
         return nearest
 
 
 def bodies(surfaces: Surfaces, resolution: Resolution) -> list[Curve]:
-    """The curve around each body, with tags 1, ..., N: closed, or from pole to pole where the container is axisymmetric.
+    """The curve around each body, with tags 1, ..., N: closed, or with an axis from pole to pole.
 
     Raises:
         MeshError: a body touches another or a wall.
     """
-    centres, radii = surfaces.centres, surfaces.radii
-    largest = radii.max(initial=0.0)
-    sizes = 2.0 * np.pi * radii / resolution.cells_per_circle
-    reach = resolution.cells_per_gap * sizes / SHORTEST
-    tree = cKDTree(centres)
-    wall_gaps = surfaces.container.distances(centres) - radii[:, None]
-    half = surfaces.container.axisymmetric
-    curves = []
-    for i, (centre, radius) in enumerate(zip(centres, radii, strict=True)):
-        near = np.asarray(tree.query_ball_point(centre, radius + largest + reach[i]), dtype=np.intp)
-        near = near[near != i]
-        gaps = np.hypot(*(centres[near] - centre).T) - radii[near] - radius
-        near, gaps = near[gaps < reach[i]], gaps[gaps < reach[i]]
-        to_near = centres[near] - centre
-        foci = np.arctan2(to_near[:, 1], to_near[:, 0])
-        close_walls = np.flatnonzero(wall_gaps[i] < reach[i])
-        foci = np.concatenate(
-            [foci, [_direction_to_wall(surfaces.container, centre, int(w)) for w in close_walls]]
-        )
-        gaps = np.concatenate([gaps, wall_gaps[i, close_walls]])
-        if gaps.min(initial=np.inf) <= 0.0:
-            raise MeshError(f"the disc at ({centre[0]:.6g}, {centre[1]:.6g}) touches a disc or wall; move it")
-        angles = _circle_samples(foci, np.sqrt(0.5 * gaps / radius), resolution.cells_per_circle, half)
-        x = centre + radius * np.column_stack([np.cos(angles), np.sin(angles)])
-        distance = surfaces.to_bodies(x, near)
-        if len(close_walls):
-            distance = np.minimum(distance, surfaces.container.distances(x)[:, close_walls].min(axis=1))
-        smallest = min(radius, float(radii[near].min(initial=np.inf)))
-        h = np.minimum(across(distance, smallest, resolution), sizes[i])
-        angles = equidistribute(angles, radius / h, least=8)
-        nodes = centre + radius * np.column_stack([np.cos(angles), np.sin(angles)])
-        if half:
-            nodes[[0, -1]] = [[0.0, centre[1] - radius], [0.0, centre[1] + radius]]
-        curves.append(Curve(i + 1, nodes if half else nodes[:-1], closed=not half, centre=centre))
-    return curves
+    return [_body(surfaces, resolution, i) for i in range(len(surfaces.radii))]
+
+
+def _body(surfaces: Surfaces, resolution: Resolution, i: int) -> Curve:
+    """The nodes around body i; a closed curve starts where its cells are smallest."""
+    centre, radius, half = surfaces.centres[i], surfaces.radii[i], surfaces.container.axisymmetric
+
+    def at(s: Array) -> Array:
+        return centre + radius * np.column_stack([np.cos(s / radius), np.sin(s / radius)])
+
+    size = _size_around(surfaces, resolution, i)
+    start, length = (-0.5 * np.pi * radius, np.pi * radius) if half else (0.0, 2.0 * np.pi * radius)
+    s, h = resolve(lambda s: size(at(s)), start, start + length, resolution.cells_per_circle)
+    if half:
+        nodes = at(equidistribute(s, 1.0 / h, least=8))
+        nodes[[0, -1]] = [[0.0, centre[1] - radius], [0.0, centre[1] + radius]]
+        return Curve(i + 1, nodes, closed=False, centre=centre)
+    first = int(np.argmin(h))
+    s, h = (
+        np.concatenate([s[first:], s[1 : first + 1] + length]),
+        np.concatenate([h[first:], h[1 : first + 1]]),
+    )
+    return Curve(i + 1, at(equidistribute(s, 1.0 / h, least=8))[:-1], closed=True, centre=centre)
+
+
+def _size_around(surfaces: Surfaces, resolution: Resolution, i: int) -> Callable[[Array], Array]:
+    """The element size on body i as a function of the point; only near bodies and walls are looked at."""
+    centre, radius, radii, container = (
+        surfaces.centres[i],
+        surfaces.radii[i],
+        surfaces.radii,
+        surfaces.container,
+    )
+    h_body = 2.0 * np.pi * radius / resolution.cells_per_circle
+    reach = resolution.cells_per_gap * h_body / SHORTEST
+    near = np.asarray(surfaces.tree.query_ball_point(centre, radius + radii.max() + reach), dtype=np.intp)
+    gaps = np.hypot(*(surfaces.centres[near] - centre).T) - radii[near] - radius
+    near, gaps = near[(near != i) & (gaps < reach)], gaps[(near != i) & (gaps < reach)]
+    wall_gaps = container.distances(centre[None])[0] - radius
+    walls = np.flatnonzero(wall_gaps < reach)
+    if min(gaps.min(initial=np.inf), wall_gaps.min()) <= 0.0:
+        raise MeshError(f"the disc at ({centre[0]:.6g}, {centre[1]:.6g}) touches a disc or wall; move it")
+    smallest = min(radius, float(radii[near].min(initial=np.inf)))
+
+    def size(x: Array) -> Array:
+        to_near = np.hypot(*np.moveaxis(x[:, None] - surfaces.centres[near], 2, 0)) - radii[near]
+        distance = np.column_stack([to_near, container.distances(x)[:, walls]]).min(axis=1, initial=np.inf)
+        return np.minimum(across(distance, smallest, resolution), h_body)
+
+    return size
 
 
 def across(gap: Array, radius: float, resolution: Resolution) -> Array:
     """Element size where the gap is `gap` and the smallest radius beside it `radius`."""
-    size: Array = (
-        np.clip(LENGTH * np.sqrt(radius * gap), SHORTEST * gap, LONGEST * gap) / resolution.cells_per_gap
-    )
-    return size
+    size: Array = np.clip(LENGTH * np.sqrt(radius * gap), SHORTEST * gap, LONGEST * gap)
+    return size / resolution.cells_per_gap
 
 
-def _direction_to_wall(container: Container, centre: Array, wall: int) -> float:
-    """Angle of the direction from a centre towards a wall: down the slope of the distance."""
-    step = 1e-6 * container.size()
-    shifted = centre + step * np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
-    d = container.distances(shifted)[:, wall]
-    return float(np.arctan2(d[3] - d[2], d[1] - d[0]))
+def resolve(size: Callable[[Array], Array], start: float, end: float, pieces: int) -> tuple[Array, Array]:
+    """Places s along a curve, and the element sizes there, so close that none is missed.
 
-
-def _circle_samples(foci: Array, widths: Array, cells: int, half: bool) -> Array:
-    """Angles that resolve a size function with minima of the given angular widths at the foci.
-
-    Around the whole circle the first angle is the sharpest minimum (so that a node stands there) and the last is one
-    turn further; the half circle goes from pole to pole.
+    Intervals are halved until they are no longer than half the element size at both their ends.
     """
-    start = -0.5 * np.pi if half else foci[np.argmin(widths)] if len(foci) else 0.0
-    turn = np.pi if half else 2.0 * np.pi
-    samples = [start + np.linspace(0.0, turn, 4 * cells + 1)]
-    samples += [focus + cluster(width, np.pi) for focus, width in zip(foci, widths, strict=True)]
-    offsets = np.mod(np.concatenate(samples) - start, 2.0 * np.pi)
-    return start + np.concatenate([np.unique(np.append(offsets[offsets < turn], 0.0)), [turn]])
-
-
-def cluster(width: float, extent: float) -> Array:
-    """Offsets in [-extent, extent], spaced evenly within `width` of zero and geometrically beyond."""
-    u = np.linspace(0.0, np.arcsinh(extent / width), SAMPLES_PER_CLUSTER)
-    half = width * np.sinh(u)
-    return np.concatenate([-half[:0:-1], half])
+    s = np.linspace(start, end, pieces + 1)
+    h = size(s)
+    for _ in range(MOST_HALVINGS):
+        long = np.flatnonzero(np.diff(s) > 0.5 * np.minimum(h[:-1], h[1:]))
+        if len(long) == 0:
+            return s, h
+        middle = 0.5 * (s[long] + s[long + 1])
+        s, h = np.insert(s, long + 1, middle), np.insert(h, long + 1, size(middle))
+    raise MeshError(f"element sizes down to {h.min():.3g} cannot be resolved; is a gap that small meant?")
 
 
 def equidistribute(s: Array, density: Array, least: int) -> Array:

@@ -1,13 +1,14 @@
-"""The whole boundary: nodes on the bodies, on the walls of the container, and on the axis of an axisymmetric one."""
+"""The whole boundary: nodes on the bodies, on the walls of the container, and on the axis if there is one."""
 
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from meshes.geometry import Array, Box, Container, HalfPlane, Round
-from meshes.sizing import Curve, Resolution, Surfaces, across, bodies, cluster, equidistribute
+from meshes.sizing import Curve, Resolution, Surfaces, across, bodies, equidistribute, resolve
 
-WALL_SAMPLES = 200
+PIECES = 64  # to begin with
 
 
 def boundary(container: Container, centres: Array, radii: Array, resolution: Resolution) -> list[Curve]:
@@ -16,7 +17,7 @@ def boundary(container: Container, centres: Array, radii: Array, resolution: Res
     Raises:
         MeshError: a body touches another or a wall.
     """
-    surfaces = Surfaces(container, centres, radii)
+    surfaces = Surfaces(container, centres, radii, cKDTree(centres))
     curves = bodies(surfaces, resolution) + walls(surfaces, resolution)
     return curves + axis(surfaces, resolution) if container.axisymmetric else curves
 
@@ -57,8 +58,9 @@ def axis(surfaces: Surfaces, resolution: Resolution) -> list[Curve]:
     tops = [low, *(surfaces.centres[order, 1] + surfaces.radii[order])]
     pieces = []
     for start, end in zip(tops, bottoms, strict=True):
-        z = start + (end - start) * 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, WALL_SAMPLES)))
-        h = _axis_size(surfaces, resolution, z, end - start)
+        z, h = resolve(
+            lambda z, gap=end - start: _axis_size(surfaces, resolution, z, gap), start, end, PIECES
+        )
         z = equidistribute(z, 1.0 / h, least=1)
         z[[0, -1]] = start, end
         pieces.append(Curve(tag, np.column_stack([np.zeros_like(z), z]), closed=False, centre=None))
@@ -91,13 +93,12 @@ def _segment(surfaces: Surfaces, resolution: Resolution, tag: int, ends: Array) 
     """A straight wall from ends[0] to ends[1]."""
     length = float(np.hypot(*(ends[1] - ends[0])))
     along = (ends[1] - ends[0]) / length
-    normal = np.array([-along[1], along[0]])
-    samples = [np.linspace(0.0, length, WALL_SAMPLES)]
-    for centre, radius in zip(surfaces.centres, surfaces.radii, strict=True):
-        foot, height = (centre - ends[0]) @ along, abs((centre - ends[0]) @ normal)
-        samples.append(foot + cluster(np.sqrt(0.5 * (height - radius) * radius), max(length, height)))
-    s = np.unique(np.clip(np.concatenate(samples), 0.0, length))
-    h = _wall_size(surfaces, resolution, ends[0] + s[:, None] * along, 0.25 * length)
+    s, h = resolve(
+        lambda s: _wall_size(surfaces, resolution, ends[0] + s[:, None] * along, 0.25 * length),
+        0.0,
+        length,
+        PIECES,
+    )
     s = equidistribute(s, 1.0 / h, least=4)
     nodes = ends[0] + s[:, None] * along
     nodes[[0, -1]] = ends
@@ -108,15 +109,14 @@ def _arc(
     surfaces: Surfaces, resolution: Resolution, tag: int, radius: float, start: float, end: float
 ) -> Curve:
     """An arc around the origin between two angles, multiples of pi / 2."""
-    angles = np.linspace(start, end, WALL_SAMPLES)
-    for direction in np.arctan2(surfaces.centres[:, 1], surfaces.centres[:, 0]):
-        offsets = direction + cluster(1e-3, np.pi)
-        angles = np.concatenate([angles, offsets, offsets + 2.0 * np.pi])
-    angles = np.unique(np.clip(angles, start, end))
-    x = radius * np.column_stack([np.cos(angles), np.sin(angles)])
-    h = _wall_size(surfaces, resolution, x, 0.5 * radius)
-    angles = equidistribute(angles, radius / h, least=8)
-    nodes = radius * np.column_stack([np.cos(angles), np.sin(angles)])
+
+    def at(s: Array) -> Array:
+        return radius * np.column_stack([np.cos(s / radius), np.sin(s / radius)])
+
+    s, h = resolve(
+        lambda s: _wall_size(surfaces, resolution, at(s), 0.5 * radius), start * radius, end * radius, PIECES
+    )
+    nodes = at(equidistribute(s, 1.0 / h, least=8))
     # Exactly on the axes, where other curves begin.
     nodes[[0, -1]] = radius * np.round([[np.cos(a), np.sin(a)] for a in (start, end)])
     return Curve(tag, nodes, closed=False, centre=np.zeros(2))

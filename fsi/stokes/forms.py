@@ -61,26 +61,30 @@ class Coordinates:
     def weight(self) -> Expr:
         """What a surface element of the plane of computation stands for: 1, or 2 pi r."""
         r = ufl.SpatialCoordinate(self.omega)[0]
-        return 2 * ufl.pi * r if self.axisymmetric else ufl.as_ufl(1)
+        weight: Expr = 2 * ufl.pi * r if self.axisymmetric else ufl.as_ufl(1)
+        return weight
 
     def hoop(self, u: Expr) -> Expr:
         """u_r / r."""
-        return u[0] / ufl.SpatialCoordinate(self.omega)[0]
+        hoop: Expr = u[0] / ufl.SpatialCoordinate(self.omega)[0]
+        return hoop
 
     def strain_rate(self, u: Expr) -> Expr:
         """e(u) = (grad u + grad u^T) / 2."""
-        e = ufl.sym(ufl.grad(u))
-        if not self.axisymmetric:
-            return e
-        return ufl.as_matrix([[e[0, 0], e[0, 1], 0], [e[1, 0], e[1, 1], 0], [0, 0, self.hoop(u)]])
+        e: Expr = ufl.sym(ufl.grad(u))
+        if self.axisymmetric:
+            e = ufl.as_matrix([[e[0, 0], e[0, 1], 0], [e[1, 0], e[1, 1], 0], [0, 0, self.hoop(u)]])
+        return e
 
     def div(self, u: Expr) -> Expr:
         """div u = tr e(u)."""
-        return ufl.div(u) + self.hoop(u) if self.axisymmetric else ufl.div(u)
+        div: Expr = ufl.div(u) + self.hoop(u) if self.axisymmetric else ufl.div(u)
+        return div
 
     def traction(self, u: Expr, p: Expr, mu: Expr, n: Expr) -> Expr:
         """sigma n with sigma = 2 mu e(u) - p I; n lies in the plane of computation."""
-        return 2 * mu * ufl.dot(ufl.sym(ufl.grad(u)), n) - p * n
+        t: Expr = 2 * mu * ufl.dot(ufl.sym(ufl.grad(u)), n) - p * n
+        return t
 
 
 @dataclass(frozen=True, slots=True)

@@ -155,15 +155,21 @@ def _loads(fluid: FluidMesh, forms: Forms, boundary: Boundary, rows: int) -> Arr
     return b
 
 
+def fill(forms: Forms, x: Array) -> None:
+    """Set u and p of the forms to nodal values, this rank's rows."""
+    velocities = 2 * forms.V.dofmap.index_map.size_local
+    for function, values in ((forms.u, x[:velocities]), (forms.p, x[velocities:])):
+        function.x.array[: len(values)] = values
+        function.x.scatter_forward()
+
+
 def _finish(
     system: System, fluid: FluidMesh, forms: Forms, nodes: BoundaryNodes, nodal: NodalSolution,
     q: Configuration, viscosity: float, *, closed: bool, clock: Clock,
 ) -> StokesSolution:  # fmt: skip
     """Everything that follows from the nodal values."""
     velocities = 2 * system.shares.velocity_nodes
-    for function, values in ((forms.u, nodal.x[:velocities]), (forms.p, nodal.x[velocities:])):
-        function.x.array[: len(values)] = values
-        function.x.scatter_forward()
+    fill(forms, nodal.x)
     if closed:
         forms.p.x.array[:] -= forms.integrate("pressure integral") / forms.integrate("area")
     F = load_of(system, nodal.reaction)

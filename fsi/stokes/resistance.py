@@ -1,0 +1,131 @@
+"""Resistance problem: the loads of every unit motion of rigid bodies, by one factorisation.
+
+All modes are held and the walls rest, so that x_j = P y_j + rigid e_j for the motion of mode j alone, and
+
+    P^T M P y_j = - P^T M rigid e_j,    R e_j = rigid^T lambda_j,    lambda_j = M x_j
+
+with one matrix P^T M P for all modes (see `system`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+from mpi4py import MPI
+
+from fsi.bodies import Array, Configuration, Motion
+from fsi.case import Case
+from fsi.resistance import (
+    Resistance,
+    axial_modes,
+    inverse,
+    planar_modes,
+    positive_eigenvalues,
+    symmetrised,
+)
+from fsi.stokes.boundary import BoundaryNodes
+from fsi.stokes.forms import Forms
+from fsi.stokes.identities import identities, require
+from fsi.stokes.model import StokesModel
+from fsi.stokes.solve import Boundary, Clock, assembled, fill
+from fsi.stokes.system import NodalSolution, System, factorised, load_of, multiply
+from meshes.build import FluidMesh
+from meshes.geometry import Container
+
+AXIAL_MODE = 1
+
+
+def case_resistance(case: Case) -> Resistance:
+    """R of the bodies of a case at time 0, between its walls at rest; open walls are open without pressure.
+
+    Raises:
+        MeshError: no valid mesh can be made.
+        SolveError: a solve fails, or violates an identity.
+    """
+    clock = Clock()
+    q = case.configuration()
+    fluid = StokesModel(case).mesh(q)
+    clock.lap("mesh")
+    return solve_resistance(
+        fluid,
+        case.container(),
+        q,
+        case.names,
+        open_walls=case.wall_pressure(),
+        viscosity=case.fluid.viscosity,
+        degree=case.discretisation.degree,
+        clock=clock,
+    )
+
+
+def solve_resistance(
+    fluid: FluidMesh,
+    container: Container,
+    q: Configuration,
+    names: Sequence[str],
+    *,
+    open_walls: Collection[str] = (),
+    viscosity: float = 1.0,
+    degree: int = 3,
+    clock: Clock | None = None,
+) -> Resistance:
+    """R of the bodies at q; collective.
+
+    Args:
+        fluid: mesh of the fluid around the bodies at q.
+        container: what encloses the fluid.
+        q: the bodies.
+        names: of the bodies, for the labels.
+        open_walls: walls without traction; all others are at rest.
+        viscosity: mu.
+        degree: of the velocity, at least the order of the mesh.
+        clock: takes the CPU seconds by phase; may have some already.
+
+    Raises:
+        SolveError: singular system, large residual, or an identity violated.
+    """
+    clock = clock or Clock()
+    everywhere = np.ones((len(q), 3))
+    all_held = Motion(everywhere.astype(bool), 0.0 * everywhere, 0.0 * everywhere)
+    walls = {wall: np.zeros_like for wall in container.walls if wall not in open_walls}
+    boundary = Boundary(walls, dict.fromkeys(open_walls, 0.0))
+    modes = (axial_modes if fluid.axisymmetric else planar_modes)(names, q.radii, viscosity)
+    units = np.eye(everywhere.size)[AXIAL_MODE::3] if fluid.axisymmetric else np.eye(everywhere.size)
+    columns, worst = [], dict[str, float]()
+    given = assembled(fluid, container, q, all_held, boundary, viscosity, degree, None, clock)
+    with given as (system, forms, nodes), factorised(system) as response:
+        clock.lap("factorise")
+        for unit in units:
+            nodal = response(unit.reshape(-1, 3))
+            clock.lap("solve")
+            F = load_of(system, nodal.reaction)
+            defects = _defects(system, forms, nodes, nodal, F, viscosity, q)
+            worst = {name: max(defect, worst.get(name, 0.0)) for name, defect in defects.items()}
+            columns.append(units @ F.ravel())
+            clock.lap("checks")
+        dofs = 2 * forms.V.dofmap.index_map.size_global + forms.Q.dofmap.index_map.size_global
+    require(worst)
+    R, asymmetry = symmetrised(np.column_stack(columns), modes.scale)
+    eigenvalues = positive_eigenvalues(R, modes.scale, resting=bool(walls))
+    mobility = inverse(R) if walls else None
+    checks = worst | {"reciprocity": asymmetry}
+    return Resistance(modes, R, mobility, eigenvalues, checks, dofs, fluid.cells(), clock.seconds)
+
+
+def _defects(
+    system: System, forms: Forms, nodes: BoundaryNodes, nodal: NodalSolution, F: Array, viscosity: float,
+    q: Configuration,
+) -> dict[str, float]:  # fmt: skip
+    """What one unit motion violates of the identities, but for the balance of free modes: there are none."""
+    fill(forms, nodal.x)
+    defects = identities(system, forms, nodal, F, _dissipation(system, nodal.x), viscosity, q, nodes.x)
+    del defects["balance"]
+    return defects
+
+
+def _dissipation(system: System, x: Array) -> float:
+    """u^T A u, which is int 2 mu e : e, from the matrix at hand."""
+    u = x.copy()
+    u[2 * system.shares.velocity_nodes :] = 0.0
+    return float(system.shares.comm.allreduce(u @ multiply(system.M, u), op=MPI.SUM))
