@@ -78,7 +78,7 @@ class Case(Section):
 
     @property
     def modes(self) -> NDArray[np.bool_]:
-        """Which of (V_x, V_y, omega) a body has: all of them, or with an axis V_z alone, which stands second."""
+        """Which of (V_x, V_y, omega) a body has: all, or with an axis V_z alone, which stands second."""
         return np.array([False, True, False]) if self.axisymmetric else np.ones(3, dtype=bool)
 
     def container(self) -> Container:

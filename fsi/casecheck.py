@@ -75,7 +75,8 @@ def _check_axis(case: Case) -> None:
     """Spheres and walls respect the axis: nothing pushes or moves them off it."""
     if isinstance(case.domain, BoxDomain) and case.domain.lower[0] != 0.0:
         raise InputError(
-            f"domain.lower = {toml_text(case.domain.lower)}: an axisymmetric domain begins on the axis; give [0.0, z]"
+            f"domain.lower = {toml_text(case.domain.lower)}: an axisymmetric domain begins on the axis;"
+            " give [0.0, z]"
         )
     for i, body in enumerate(case.bodies):
         off_axis = {
@@ -89,8 +90,8 @@ def _check_axis(case: Case) -> None:
         for key, value in off_axis.items():
             if value is not None:
                 raise InputError(
-                    f"bodies.{i}.{key} = {toml_text(value)}: a sphere on the axis has only its motion along z; give "
-                    "[0.0, z] for pairs and drop what turns it"
+                    f"bodies.{i}.{key} = {toml_text(value)}: a sphere on the axis moves only along z;"
+                    " give [0.0, z] for pairs and drop what turns it"
                 )
     for name, wall in case.domain.walls.items():
         if isinstance(wall, Shear) or (name != "right" and isinstance(wall, tuple) and not is_zero(wall[0])):

@@ -26,7 +26,6 @@ if TYPE_CHECKING:  # what a command needs is imported in it: `fsi --help` must b
     from fsi.progress import ProgressBar
     from fsi.run import Outcome
     from fsi.stokes.model import StokesModel
-    from fsi.stokes.solution import StokesSolution
 
 INTERRUPTED = 130
 
@@ -59,6 +58,11 @@ def _load(path: Path, overrides: list[str] | None) -> Case:
     return parallel.on_root(lambda: load_case(path, overrides or ()))
 
 
+def _require_writable(output: Path) -> None:
+    if output.is_dir() or not os.access(output.absolute().parent, os.W_OK):
+        raise InputError(f"output = {output}: no file can be written there; give another path")
+
+
 def _model(case: Case) -> StokesModel:
     from fsi.stokes.model import StokesModel
 
@@ -87,8 +91,7 @@ def mesh(
     overrides: Overrides = None,
 ) -> None:
     """Write the mesh of a case at time 0, or the one that a run used at a step."""
-    if output.is_dir() or not os.access(output.absolute().parent, os.W_OK):
-        raise InputError(f"output = {output}: no file can be written there; give another path")
+    _require_writable(output)
     if source.is_dir():
         from postprocess.step_mesh import write_step_mesh
 
@@ -115,26 +118,28 @@ def solve(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
     overrides: Overrides = None,
 ) -> None:
-    """Solve a case at time 0: velocities, forces of the fluid on the bodies, checks.
+    """Solve a case at time 0: velocities, forces of the fluid on the bodies with their errors, checks.
 
-    In a half-plane, whose container is finite, the solve is repeated with half its radius. The change
-    of the results is the reported truncation; the error at the full radius is about a third of it.
+    The errors bound what the mesh and the elements do, estimated with one degree more. A case with
+    discretisation.tolerance is refined until the largest, relative, is below it.
+
+    A half-plane or a round container may stand for an infinite one: the solve is repeated with half its radius.
+    The change of the results is the reported truncation, and the error at the full radius is less.
     """
     from fsi.report import print_solution, solution_json
+    from fsi.stokes.refine import solve_with_errors
     from fsi.truncation import halved, truncation
 
-    case = _load(case_file, overrides)
-    solution = _solve(case)
+    solved = solve_with_errors(_load(case_file, overrides))
+    case, solution, errors = solved.case, solved.solution, solved.errors
     half = halved(case)
-    truncated = None if half is None else truncation(case, solution, _solve(half))
+    truncated = None
+    if half is not None:
+        truncated = truncation(case, solution, _model(half)(half.configuration(), 0.0))
     if parallel.is_root() and as_json:
-        typer.echo(json.dumps(solution_json(case, solution, truncated)))
+        typer.echo(json.dumps(solution_json(case, solution, errors, truncated)))
     elif parallel.is_root():
-        print_solution(Console(), case, solution, truncated)
-
-
-def _solve(case: Case) -> StokesSolution:
-    return _model(case)(case.configuration(), 0.0)
+        print_solution(Console(), case, solution, errors, truncated)
 
 
 @app.command(epilog="Example: fsi run cases/settling_disc.toml --output runs/settling --set time.end=20")
@@ -202,6 +207,51 @@ def render(
     picture = parallel.on_root(lambda: render_run(folder, output))
     if parallel.is_root():
         typer.echo(f"wrote {picture}")
+
+
+@app.command(epilog="Example: fsi resistance cases/two_discs.toml -o two_discs.npz")
+def resistance(
+    case_file: CaseFile,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help="A .json or .npz file for R and its inverse, .csv for R.",
+            show_default=False,
+        ),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    overrides: Overrides = None,
+) -> None:
+    """Compute the resistance matrix R of all bodies, F = R U, and its inverse, the mobility.
+
+    F are the external loads that unit motions of the bodies need at time 0 between walls at rest, or open
+    where the case has them open; its velocities of walls, its motions and loads of bodies are ignored. In a
+    container of given radius the change of R with half that radius is reported, as by fsi solve.
+    """
+    from fsi.report_resistance import print_resistance, require_format, resistance_json, write_resistance
+    from fsi.resistance import difference
+    from fsi.truncation import halved
+
+    if output is not None:
+        _require_writable(output)
+        require_format(output)
+    case = _load(case_file, overrides)
+    if not case.bodies:
+        raise InputError("bodies: there are none; a resistance matrix needs at least one [[bodies]]")
+    from fsi.stokes.resistance import case_resistance
+
+    found = case_resistance(case)
+    half = halved(case)
+    truncation = None if half is None else difference(found.R, case_resistance(half).R, found.modes.scale)
+    data = resistance_json(case.name, found, truncation)
+    if output is not None:
+        parallel.on_root(lambda: write_resistance(output, data))
+    if parallel.is_root() and as_json:
+        typer.echo(json.dumps(data))
+    elif parallel.is_root():
+        print_resistance(Console(), case.name, found, truncation)
 
 
 def main() -> int:

@@ -13,6 +13,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from fsi.accuracy import ErrorEstimate
 from fsi.case import Case
 from fsi.domain import AT_REST
 from fsi.section import toml_text
@@ -24,7 +25,9 @@ def _components(case: Case) -> tuple[str, str, str]:
     return ("r", "z", "rotation") if case.axisymmetric else ("x", "y", "rotation")
 
 
-def solution_json(case: Case, solution: Solution, truncated: Mapping[str, float] | None) -> dict[str, Any]:
+def solution_json(
+    case: Case, solution: Solution, errors: ErrorEstimate, truncated: Mapping[str, float] | None
+) -> dict[str, Any]:
     """The object that `fsi solve --json` prints; `truncation` is there where it could be measured."""
     q = case.configuration()
     exerted = -solution.F + 0.0  # no -0.0
@@ -36,6 +39,10 @@ def solution_json(case: Case, solution: Solution, truncated: Mapping[str, float]
             "angular_velocity": float(solution.U[i, 2]),
             "force": exerted[i, :2].tolist(),
             "torque": float(exerted[i, 2]),
+            "velocity_error": errors.U[i, :2].tolist(),
+            "angular_velocity_error": float(errors.U[i, 2]),
+            "force_error": errors.F[i, :2].tolist(),
+            "torque_error": float(errors.F[i, 2]),
         }
         for i, name in enumerate(case.names)
     ]
@@ -44,6 +51,7 @@ def solution_json(case: Case, solution: Solution, truncated: Mapping[str, float]
         "bodies": bodies,
         "dissipation": float(solution.dissipation),
         "checks": {name: float(value) for name, value in solution.checks.items()},
+        "discretisation": case.discretisation.model_dump(exclude_none=True),
         "dofs": int(solution.dofs),
         "cells": int(solution.cells),
         "seconds": float(sum(solution.seconds.values())),
@@ -53,15 +61,22 @@ def solution_json(case: Case, solution: Solution, truncated: Mapping[str, float]
 
 
 def print_solution(
-    console: Console, case: Case, solution: Solution, truncated: Mapping[str, float] | None
+    console: Console,
+    case: Case,
+    solution: Solution,
+    errors: ErrorEstimate,
+    truncated: Mapping[str, float] | None,
 ) -> None:
     """The same for a reader: a table of the bodies, then one of the checks."""
     console.print(
-        _bodies_table(case, solution), _checks_table(solution, truncated), _cost(solution), sep="\n"
+        _bodies_table(case, solution, errors),
+        _checks_table(solution, truncated),
+        _cost(case, solution),
+        sep="\n",
     )
 
 
-def _bodies_table(case: Case, solution: Solution) -> Table:
+def _bodies_table(case: Case, solution: Solution, errors: ErrorEstimate) -> Table:
     table = Table(
         title=case.name,
         title_justify="left",
@@ -70,7 +85,7 @@ def _bodies_table(case: Case, solution: Solution) -> Table:
     table.add_column("body")
     table.add_column("component")
     table.add_column("motion")
-    for heading in ("velocity", "force of the fluid", "the same by its traction"):
+    for heading in ("velocity", "±", "force of the fluid", "±", "the same by its traction"):
         table.add_column(heading, justify="right")
     held = case.motion(0.0).held
     for i, name in enumerate(case.names):
@@ -80,10 +95,11 @@ def _bodies_table(case: Case, solution: Solution) -> Table:
                 name if k == modes[0] else "",
                 _components(case)[k],
                 "held" if held[i, k] else "free",
-                *(
-                    f"{value + 0.0:.8g}"
-                    for value in (solution.U[i, k], -solution.F[i, k], -solution.traction_F[i, k])
-                ),
+                f"{solution.U[i, k]:.8g}",
+                "" if held[i, k] else f"{errors.U[i, k]:.0e}",
+                f"{0.0 - solution.F[i, k]:.8g}",
+                f"{errors.F[i, k]:.0e}" if held[i, k] else "",
+                f"{0.0 - solution.traction_F[i, k]:.8g}",
                 end_section=bool(k == modes[-1]),
             )
     return table
@@ -99,9 +115,12 @@ def _checks_table(solution: Solution, truncated: Mapping[str, float] | None) -> 
     return table
 
 
-def _cost(solution: Solution) -> Text:
+def _cost(case: Case, solution: Solution) -> Text:
     phases = ", ".join(f"{phase} {spent:.2f}" for phase, spent in solution.seconds.items())
+    given = case.discretisation
     return Text(
+        f"degree {given.degree}, cells_per_gap {given.cells_per_gap:.4g}, "
+        f"cells_per_circle {given.cells_per_circle}, growth {given.growth:.4g}; "
         f"dissipation {solution.dissipation:.8g}; {solution.cells} cells, {solution.dofs} unknowns, "
         f"{sum(solution.seconds.values()):.2f} CPU s ({phases})"
     )

@@ -40,8 +40,8 @@ class Resistance:
 
     R: symmetric, shape (n, n); mobility: its inverse, U = mobility F, None where no wall is at rest and R is
     singular; eigenvalues: of R made dimensionless, increasing, (n,); checks: worst relative defects of the
-    identities over all columns, and `reciprocity`, the asymmetry before R was made symmetric; dofs, cells: size
-    of the mesh; seconds: CPU seconds of this process by phase.
+    identities over all columns, and `reciprocity`, the asymmetry before R was made symmetric; dofs, cells:
+    size of the mesh; seconds: CPU seconds of this process by phase.
     """
 
     modes: Modes

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -68,6 +68,11 @@ def resume_run(
 def make_stepper(case: Case, model: Model) -> Stepper:
     """The stepper that a case asks for: with inertia if any body has a mass. Raises InputError."""
     given = _time(case)
+    if case.discretisation.tolerance is not None:
+        raise InputError(
+            f"discretisation.tolerance = {case.discretisation.tolerance:g}: only `fsi solve` refines to it; "
+            "drop it, and set output.error_estimates = true to see the error of each step"
+        )
     masses = case.masses()
     scheme: Scheme = BogackiShampine() if masses is None else AscherRuuthSpiteri(masses, given.smallest_step)
     return Stepper(
@@ -88,7 +93,9 @@ def _drive(case: Case, run: RunFolder, stepper: Stepper, progress: Progress) -> 
     def kept(advance: Callable[[], Step]) -> State:
         began = process_time()
         step = advance()
-        record = _record(step, stepper.container, process_time() - began)
+        q, t = step.state.q, step.state.t
+        errors = stepper.model.errors(q, t, step.instant) if case.output.error_estimates else {}
+        record = _record(step, errors, stepper.container, process_time() - began)
         writes = case.output.fields and stepper.schedule.is_output(record.t)
         files = step.instant.write(run.fields, record.step) if writes else {}
         run.keep(record, case.names, files, step.state, stepper.model.state())
@@ -106,10 +113,10 @@ def _drive(case: Case, run: RunFolder, stepper: Stepper, progress: Progress) -> 
     return Outcome(state, state.step - first)
 
 
-def _record(step: Step, container: Container, cpu: float) -> StepRecord:
+def _record(step: Step, errors: Mapping[str, float], container: Container, cpu: float) -> StepRecord:
     """The step as the tables show it; cpu: CPU seconds of all its solves, rejected ones too."""
     state, instant = step.state, step.instant
-    columns = {**instant.record, "cpu_step": cpu}
+    columns = {**instant.record, **errors, "cpu_step": cpu}
     gap = _smallest_gap(state.q, container)
     return StepRecord(state.step, state.t, step.h, gap, step.rejected, state.q, instant.U, instant.F, columns)
 

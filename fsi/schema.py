@@ -57,7 +57,7 @@ class Discretisation(Section):
 
     degree: int = Field(default=3, ge=2, le=4, description="the degree of the velocity, 2, 3 or 4")
     cells_per_gap: float = Field(
-        default=1.0, gt=0.0, description="the number of cells across a gap of 0.02 radii, a number > 0"
+        default=1.0, gt=0.0, description="the number of cells across a gap of 0.012 radii, a number > 0"
     )
     cells_per_circle: int = Field(
         default=48, ge=6, description="the number of cells around a lone body, at least 6"
@@ -67,6 +67,12 @@ class Discretisation(Section):
         gt=0.0,
         le=1.0,
         description="the cell size over the distance to the nearest body, in (0, 1]",
+    )
+    tolerance: float | None = Field(
+        default=None,
+        gt=0.0,
+        lt=1.0,
+        description="the estimated relative error to which `fsi solve` refines the mesh, in (0, 1), or none",
     )
     formulation: Literal["eliminated", "multiplier"] = Field(
         default="eliminated", description='"eliminated" or "multiplier"'
@@ -101,6 +107,9 @@ class Output(Section):
         default=None, gt=0.0, description="the time between field files, a number > 0"
     )
     fields: bool = Field(default=True, description="true to write field files, false for tables only")
+    error_estimates: bool = Field(
+        default=False, description="true to estimate the discretisation error of each step, false not to"
+    )
 
 
 class Expected(Section):

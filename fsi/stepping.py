@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from fsi.bodies import Array, Configuration, Inertia
 from fsi.errors import SolveError
-from fsi.gaps import find_gaps
+from fsi.gaps import find_gaps, pair_gaps
 from fsi.limiter import Approach, GapRefusedError, greatest_approach, limited_step
 from fsi.schedule import Schedule
 from meshes.geometry import Container
@@ -57,6 +57,9 @@ class Model(Protocol):
 
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> Instant:
         """The instant at configuration q and time t, with the load `F - D (U - U0)` if inertia is given."""
+
+    def errors(self, q: Configuration, t: float, instant: Instant) -> Mapping[str, float]:
+        """Columns of steps.csv with the estimated errors of an instant that this model gave."""
 
     def state(self) -> dict[str, NDArray[Any]]:
         """What must be restored so that a resumed run repeats an unbroken one bit by bit (root's is kept)."""
@@ -124,6 +127,9 @@ class _Guarded:
             raise GapRefusedError(approach)
         return self.model(q, t, inertia)
 
+    def errors(self, q: Configuration, t: float, instant: Instant) -> Mapping[str, float]:
+        return self.model.errors(q, t, instant)
+
     def state(self) -> dict[str, NDArray[Any]]:
         return self.model.state()
 
@@ -187,10 +193,27 @@ class Stepper:
         return _Guarded(self.model, start, self.container, self.gap_loss)
 
     def _norm(self, q: Configuration, displacement: Array) -> float:
-        """Largest displacement (N, 3) of a body relative to what is tolerated: accepted up to 1."""
-        scale = np.minimum(q.radii, find_gaps(q, self.container).smallest_of_each())
-        length = np.hypot(displacement[:, 0], displacement[:, 1])
-        return float(np.maximum(length / scale, np.abs(displacement[:, 2])).max()) / self.tolerance
+        """Largest error that displacements (N, 3) make, relative to what is tolerated: accepted up to 1.
+
+        Each displacement counts over the radius, each angle in radians, and each gap's change over the gap,
+        which is what lubrication feels; bodies that are close and move together are not held to their gap.
+        """
+        of_bodies = np.hypot(displacement[:, 0], displacement[:, 1]) / q.radii
+        errors = [of_bodies, np.abs(displacement[:, 2]), self._gap_changes(q, displacement)]
+        return float(max(e.max(initial=0.0) for e in errors)) / self.tolerance
+
+    def _gap_changes(self, q: Configuration, displacement: Array) -> Array:
+        """|gap'| / gap of all near pairs and walls, for gaps that change at the rate of the displacements."""
+        gaps = find_gaps(q, self.container)
+        furthest = float(np.hypot(displacement[:, 0], displacement[:, 1]).max(initial=0.0))
+        if furthest == 0.0:
+            return np.zeros(1)
+        small = 1e-3 * min(gaps.smallest(), float(q.radii.min())) / furthest
+        moved = q.moved(small * displacement)
+        walls = self.container.distances(moved.centres) - q.radii[:, None]
+        of_pairs = (pair_gaps(moved, gaps.pairs) - gaps.pair_gaps) / gaps.pair_gaps
+        of_walls = (walls - gaps.wall_gaps) / gaps.wall_gaps
+        return np.abs(np.concatenate([of_pairs, of_walls.ravel()])) / small
 
     def _first_step(self, q: Configuration, U: Array) -> float:
         """The step whose error is the tolerance if it is the cube of the displacement, both relative."""

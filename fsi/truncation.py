@@ -6,6 +6,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from fsi.accuracy import ErrorEstimate, relative_change
 from fsi.bodies import Array
 from fsi.case import Case, parse_case
 from fsi.domain import BoxDomain
@@ -63,21 +64,13 @@ def halved(case: Case) -> Case | None:
 def truncation(case: Case, whole: Solution, half: Solution) -> dict[str, float]:
     """How much the results change when the radius R of the container is halved.
 
-    The effect of R decays like R^-1 (a net force in a ball) or faster, so the error at R is at most this change; with
-    a plane it decays like R^-2 or faster, and the error is at most a third of it. Results are the loads on held components and the velocities of free ones; torques count over
-    the radius of the body, rotations times it.
+    The effect of R decays like R^-1 (a net force in a ball) or faster, so the error at R is at most this
+    change; with a plane it decays like R^-2 or faster, and the error is at most a third of it. Results are
+    the loads on held components and the velocities of free ones; torques count over the radius of the body,
+    rotations times it.
 
     Returns:
         "force" and "velocity": largest |change| / largest |result|, each only if there is such a result.
     """
-    held, radii = case.motion(0.0).held, case.configuration().radii
-    arm = np.column_stack([np.ones_like(radii), np.ones_like(radii), radii])
-    results = {
-        "force": ((whole.F / arm)[held], (half.F / arm)[held]),
-        "velocity": ((whole.U * arm)[~held], (half.U * arm)[~held]),
-    }
-    return {
-        name: float(np.abs(at_half - at_whole).max() / np.abs(at_whole).max())
-        for name, (at_whole, at_half) in results.items()
-        if np.any(at_whole)
-    }
+    change = ErrorEstimate(np.abs(half.U - whole.U), np.abs(half.F - whole.F))
+    return relative_change(whole, change, case.motion(0.0).held, case.configuration().radii)

@@ -11,9 +11,9 @@ where `gap(x)` is the distance from the surface point x to the nearest other sur
 where `d(x)` is the distance to the nearest body. The flow in a narrow gap is a polynomial across it and
 varies along it over the lubrication length sqrt(a gap), so that is what a cell must resolve:
 
-    h_gap(d) = 0.15 sqrt(a d) / cells_per_gap,   but within [0.35 d, 4 d] / cells_per_gap.
+    h_gap(d) = 0.11 sqrt(a d) / cells_per_gap,   but within [0.3 d, 4 d] / cells_per_gap.
 
-With cells_per_gap = 1 that is one cell across a gap of 0.02 a, three across gaps above 0.2 a; in narrower
+With cells_per_gap = 1 that is one cell across a gap of 0.012 a, three across gaps above 0.13 a; in narrower
 gaps cells are longer than wide, and the error of the force still falls with the gap.
 Nodes equidistribute `int ds / h`. gmsh then extends the sizes of the boundary into the fluid.
 """
@@ -29,7 +29,7 @@ from scipy.spatial import cKDTree
 from meshes.errors import MeshError
 from meshes.geometry import Array, Container
 
-LENGTH, SHORTEST, LONGEST = 0.15, 0.35, 4.0
+LENGTH, SHORTEST, LONGEST = 0.11, 0.3, 4.0
 NEIGHBOURS = 16
 MOST_HALVINGS = 60
 
@@ -38,7 +38,7 @@ MOST_HALVINGS = 60
 class Resolution:
     """How fine a mesh is.
 
-    cells_per_gap: elements across a gap of 0.02 radii; cells_per_circle: elements around an isolated body;
+    cells_per_gap: elements across a gap of 0.012 radii; cells_per_circle: elements around an isolated body;
     growth: element size over the distance to the nearest body, far from all bodies.
     """
 
@@ -81,8 +81,8 @@ class Surfaces:
         away, body = self.tree.query(x, k=[*range(1, k + 1)])
         nearest: Array = (away - self.radii[body]).min(axis=1)
         # A body beyond the k nearest centres can only be nearer if it is larger.
-        unsure = np.flatnonzero(away[:, -1] - self.radii.max() < nearest) if k < len(self.radii) else []
-        for point in unsure:
+        unsure = (away[:, -1] - self.radii.max() < nearest) & (k < len(self.radii))
+        for point in np.flatnonzero(unsure):
             nearest[point] = (np.hypot(*(x[point] - self.centres).T) - self.radii).min()
         return nearest
 
@@ -97,29 +97,34 @@ def bodies(surfaces: Surfaces, resolution: Resolution) -> list[Curve]:
 
 
 def _body(surfaces: Surfaces, resolution: Resolution, i: int) -> Curve:
-    """The nodes around body i; a closed curve starts where its cells are smallest."""
-    centre, radius, half = surfaces.centres[i], surfaces.radii[i], surfaces.container.axisymmetric
+    """The nodes around body i.
+
+    A closed curve starts where its gap is narrowest, so that a node stands there.
+    """
+    centre, radius, half = surfaces.centres[i], float(surfaces.radii[i]), surfaces.container.axisymmetric
 
     def at(s: Array) -> Array:
-        return centre + radius * np.column_stack([np.cos(s / radius), np.sin(s / radius)])
+        x: Array = centre + radius * np.column_stack([np.cos(s / radius), np.sin(s / radius)])
+        return x
 
-    size = _size_around(surfaces, resolution, i)
-    start, length = (-0.5 * np.pi * radius, np.pi * radius) if half else (0.0, 2.0 * np.pi * radius)
-    s, h = resolve(lambda s: size(at(s)), start, start + length, resolution.cells_per_circle)
-    if half:
-        nodes = at(equidistribute(s, 1.0 / h, least=8))
-        nodes[[0, -1]] = [[0.0, centre[1] - radius], [0.0, centre[1] + radius]]
-        return Curve(i + 1, nodes, closed=False, centre=centre)
-    first = int(np.argmin(h))
-    s, h = (
-        np.concatenate([s[first:], s[1 : first + 1] + length]),
-        np.concatenate([h[first:], h[1 : first + 1]]),
+    size, narrowest = _size_around(surfaces, resolution, i)
+    start, length = (-0.5 * np.pi, np.pi) if half else (narrowest, 2.0 * np.pi)
+    s, h = resolve(
+        lambda s: size(at(s)), start * radius, (start + length) * radius, resolution.cells_per_circle
     )
-    return Curve(i + 1, at(equidistribute(s, 1.0 / h, least=8))[:-1], closed=True, centre=centre)
+    nodes = at(equidistribute(s, 1.0 / h, least=8))
+    if half:
+        nodes[[0, -1]] = [[0.0, centre[1] - radius], [0.0, centre[1] + radius]]
+    return Curve(i + 1, nodes if half else nodes[:-1], closed=not half, centre=centre)
 
 
-def _size_around(surfaces: Surfaces, resolution: Resolution, i: int) -> Callable[[Array], Array]:
-    """The element size on body i as a function of the point; only near bodies and walls are looked at."""
+def _size_around(
+    surfaces: Surfaces, resolution: Resolution, i: int
+) -> tuple[Callable[[Array], Array], float]:
+    """The element size on body i as a function of the point.
+
+    From what is near; and where its gap is narrowest.
+    """
     centre, radius, radii, container = (
         surfaces.centres[i],
         surfaces.radii[i],
@@ -133,22 +138,34 @@ def _size_around(surfaces: Surfaces, resolution: Resolution, i: int) -> Callable
     near, gaps = near[(near != i) & (gaps < reach)], gaps[(near != i) & (gaps < reach)]
     wall_gaps = container.distances(centre[None])[0] - radius
     walls = np.flatnonzero(wall_gaps < reach)
-    if min(gaps.min(initial=np.inf), wall_gaps.min()) <= 0.0:
+    gaps = np.concatenate([gaps, wall_gaps[walls]])
+    if gaps.min(initial=np.inf) <= 0.0:
         raise MeshError(f"the disc at ({centre[0]:.6g}, {centre[1]:.6g}) touches a disc or wall; move it")
-    smallest = min(radius, float(radii[near].min(initial=np.inf)))
+    towards = np.concatenate([surfaces.centres[near] - centre, _to_walls(container, centre)[walls]])
+    narrowest = float(np.arctan2(*towards[np.argmin(gaps), ::-1])) if len(gaps) else 0.0
+    smallest = min(float(radius), float(radii[near].min(initial=np.inf)))
 
     def size(x: Array) -> Array:
         to_near = np.hypot(*np.moveaxis(x[:, None] - surfaces.centres[near], 2, 0)) - radii[near]
         distance = np.column_stack([to_near, container.distances(x)[:, walls]]).min(axis=1, initial=np.inf)
-        return np.minimum(across(distance, smallest, resolution), h_body)
+        of_gap: Array = np.minimum(across(distance, smallest, resolution), h_body)
+        return of_gap
 
-    return size
+    return size, narrowest
+
+
+def _to_walls(container: Container, x: Array) -> Array:
+    """Directions from a point to the walls, (walls, 2): down the slopes of their distances."""
+    step = 1e-6 * container.size()
+    d = container.distances(x + step * np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]))
+    return np.column_stack([d[1] - d[0], d[3] - d[2]])
 
 
 def across(gap: Array, radius: float, resolution: Resolution) -> Array:
     """Element size where the gap is `gap` and the smallest radius beside it `radius`."""
     size: Array = np.clip(LENGTH * np.sqrt(radius * gap), SHORTEST * gap, LONGEST * gap)
-    return size / resolution.cells_per_gap
+    size /= resolution.cells_per_gap
+    return size
 
 
 def resolve(size: Callable[[Array], Array], start: float, end: float, pieces: int) -> tuple[Array, Array]:
@@ -170,6 +187,6 @@ def resolve(size: Callable[[Array], Array], start: float, end: float, pieces: in
 def equidistribute(s: Array, density: Array, least: int) -> Array:
     """Parameters, with both ends of s, that split `int density ds` into equal parts of at most 1."""
     cumulative = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(s))])
-    parts = max(least, int(np.ceil(cumulative[-1])))
+    parts = max(least, int(np.ceil(cumulative[-1] - 1e-6)))
     placed: Array = np.interp(np.linspace(0.0, cumulative[-1], parts + 1), cumulative, s)
     return placed

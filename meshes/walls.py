@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -58,16 +60,14 @@ def axis(surfaces: Surfaces, resolution: Resolution) -> list[Curve]:
     tops = [low, *(surfaces.centres[order, 1] + surfaces.radii[order])]
     pieces = []
     for start, end in zip(tops, bottoms, strict=True):
-        z, h = resolve(
-            lambda z, gap=end - start: _axis_size(surfaces, resolution, z, gap), start, end, PIECES
-        )
+        z, h = resolve(partial(_axis_size, surfaces, resolution, end - start), start, end, PIECES)
         z = equidistribute(z, 1.0 / h, least=1)
         z[[0, -1]] = start, end
         pieces.append(Curve(tag, np.column_stack([np.zeros_like(z), z]), closed=False, centre=None))
     return pieces
 
 
-def _axis_size(surfaces: Surfaces, resolution: Resolution, z: Array, gap: float) -> Array:
+def _axis_size(surfaces: Surfaces, resolution: Resolution, gap: float, z: Array) -> Array:
     """Element size at points of a piece of the axis, of the given length: the gap there."""
     if len(surfaces.radii) == 0:
         return np.full(len(z), 0.1 * gap)

@@ -46,10 +46,13 @@ def complaint(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatc
 def test_help_lists_the_commands() -> None:
     done = fsi("--help")
     assert done.returncode == 0
-    assert all(command in done.stdout for command in ("check", "mesh", "solve", "run", "resume", "render"))
+    assert all(
+        command in done.stdout
+        for command in ("check", "mesh", "solve", "run", "resume", "render", "resistance")
+    )
 
 
-@pytest.mark.parametrize("command", ["check", "mesh", "solve", "run", "resume", "render"])
+@pytest.mark.parametrize("command", ["check", "mesh", "solve", "run", "resume", "render", "resistance"])
 def test_each_command_has_an_example(
     command: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -90,6 +93,9 @@ def test_check_and_help_load_neither_dolfinx_nor_gmsh_nor_pyvista() -> None:
         (["solve", str(CASE), "--json", "--set", "bodies.0.radius=nan"], "bodies.0.radius = nan"),
         (["mesh", str(CASE), "-o", "/nowhere/disc.msh"], "output = /nowhere/disc.msh"),
         (["mesh", str(CASE), "-o", "disc.unknown"], "unknown suffix '.unknown'; give .msh or .vtu"),
+        (["resistance", str(CASE), "-o", "/nowhere/disc.npz"], "output = /nowhere/disc.npz"),
+        (["resistance", str(CASE), "-o", "disc.txt"], "unknown suffix '.txt'; give .json, .csv, .npz"),
+        (["resistance", str(CASE), "--set", "bodies=[]"], "at least one [[bodies]]"),
         (["resume", "/nowhere"], "/nowhere"),
         (["render", "/nowhere"], "/nowhere"),
     ],

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from fsi.bodies import Array, Configuration, Inertia
 from fsi.schemes import AscherRuuthSpiteri, BogackiShampine
-from fsi.stepping import Model, Scheme, State
+from fsi.stepping import Instant, Model, Scheme, State
 from tests.exact_model import DiscsBesidePlane, ExactInstant, settling_case
 
 
@@ -29,6 +29,9 @@ class Field:
     ) -> ExactInstant:
         U = self.velocity(q, t)
         return ExactInstant(U, U)
+
+    def errors(self, q: Configuration, t: float, instant: Instant) -> Mapping[str, float]:  # noqa: ARG002
+        return {}
 
     def state(self) -> dict[str, NDArray[Any]]:
         return {}

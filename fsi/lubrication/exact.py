@@ -32,17 +32,17 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
 
 def normal_resistance(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -> Array:
     """F_y / V_y of a disc moving along the normal of the plane: `4 pi mu / (al - tanh al)`, no torque."""
-    return 4.0 * np.pi * np.asarray(viscosity) / _less_tanh(_plane_angle(_ratio(gap, radius)))
+    return 4.0 * np.pi * np.asarray(viscosity) / less_tanh(_plane_angle(gap_ratio(gap, radius)))
 
 
 def parallel_resistance(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -> Array:
     """F_x / V_x of a disc moving along the plane without rotating: `4 pi mu / al`, no torque."""
-    return 4.0 * np.pi * np.asarray(viscosity) / _plane_angle(_ratio(gap, radius))
+    return 4.0 * np.pi * np.asarray(viscosity) / _plane_angle(gap_ratio(gap, radius))
 
 
 def rotation_resistance(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -> Array:
     """T / omega of a disc turning in place: `4 pi mu a^2 coth al`, no force."""
-    tanh = np.tanh(_plane_angle(_ratio(gap, radius)))
+    tanh = np.tanh(_plane_angle(gap_ratio(gap, radius)))
     return 4.0 * np.pi * np.asarray(viscosity) * np.square(radius) / tanh
 
 
@@ -54,7 +54,7 @@ def held_in_shear(
     `F_x = -4 pi mu gamma a sinh al / al`: the flow pushes along +x. `T = 2 pi mu gamma a^2` at every gap: the
     flow turns the disc clockwise.
     """
-    s = _ratio(gap, radius)
+    s = gap_ratio(gap, radius)
     stress = np.asarray(viscosity) * np.asarray(shear_rate)
     force = -4.0 * np.pi * stress * np.asarray(radius) * _sinh(s) / _plane_angle(s)
     torque = 2.0 * np.pi * stress * np.square(radius) * np.ones_like(s)
@@ -66,7 +66,7 @@ def free_in_shear(gap: ArrayLike, radius: ArrayLike, shear_rate: ArrayLike) -> t
 
     `V_x = gamma a sinh al`, `omega = -(gamma / 2) tanh al`: the disc rolls clockwise.
     """
-    s = _ratio(gap, radius)
+    s = gap_ratio(gap, radius)
     rate = np.asarray(shear_rate)
     return rate * np.asarray(radius) * _sinh(s), -0.5 * rate * _sinh(s) / (1.0 + s)
 
@@ -77,17 +77,17 @@ def pair_resistance(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -> 
     `4 pi mu / (L - tanh L)`: discs approaching at speed V (each at V/2) need opposite forces of this times V.
     The plane has no other walls; without net force the flow decays at infinity.
     """
-    return 4.0 * np.pi * np.asarray(viscosity) / _less_tanh(_pair_angle(_ratio(gap, radius)))
+    return 4.0 * np.pi * np.asarray(viscosity) / less_tanh(_pair_angle(gap_ratio(gap, radius)))
 
 
 def plane_lubrication(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -> Array:
     """Leading term of `normal_resistance` at small gaps: `3 sqrt2 pi mu s^(-3/2)`; it lacks 21 s / 20."""
-    return 3.0 * sqrt(2.0) * np.pi * np.asarray(viscosity) * _ratio(gap, radius) ** -1.5
+    return 3.0 * sqrt(2.0) * np.pi * np.asarray(viscosity) * gap_ratio(gap, radius) ** -1.5
 
 
 def pair_lubrication(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -> Array:
     """Leading term of `pair_resistance` at small gaps: `(3 pi / 2) mu s^(-3/2)`; it lacks 69 s / 40."""
-    return 1.5 * np.pi * np.asarray(viscosity) * _ratio(gap, radius) ** -1.5
+    return 1.5 * np.pi * np.asarray(viscosity) * gap_ratio(gap, radius) ** -1.5
 
 
 def settling_time(
@@ -98,7 +98,7 @@ def settling_time(
     `q' = F_y (al - tanh al) / (4 pi mu)`. A force towards the plane (F_y < 0) never closes the gap:
     `t ~ 12 pi mu a / (|F_y| sqrt(2 s))`. Negative where the disc was at `gap` before it was at `start`.
     """
-    al, al0 = _plane_angle(_ratio(gap, radius)), _plane_angle(_ratio(start, radius))
+    al, al0 = _plane_angle(gap_ratio(gap, radius)), _plane_angle(gap_ratio(start, radius))
     return _rise_time(al, al0) * _time_unit(radius, viscosity, force)
 
 
@@ -111,11 +111,11 @@ def settling_gap(
     converges without overshoot. Such an x follows from the speed `al - tanh al < 2 sinh(al/2) = sqrt(2 s)`.
     """
     rise = np.asarray(time) / _time_unit(radius, viscosity, force)
-    s0, rise = np.broadcast_arrays(_ratio(start, radius), rise)
+    s0, rise = np.broadcast_arrays(gap_ratio(start, radius), rise)
     al0 = _plane_angle(s0)
     al = _plane_angle(np.square(np.sqrt(s0) + np.maximum(rise, 0.0) / np.sqrt(2.0)))
     for _ in range(100):
-        step = (_rise_time(al, al0) - rise) * _less_tanh(al) / (np.square(al) * np.sinh(al))
+        step = (_rise_time(al, al0) - rise) * less_tanh(al) / (np.square(al) * np.sinh(al))
         al = al / (1.0 + al * step)
         if np.all(np.abs(al * step) < 1e-15):
             break
@@ -123,7 +123,7 @@ def settling_gap(
     return gap
 
 
-def _ratio(gap: ArrayLike, radius: ArrayLike) -> Array:
+def gap_ratio(gap: ArrayLike, radius: ArrayLike) -> Array:
     """The ratio s = q/a; raises ValueError where it is not positive."""
     s = np.asarray(gap, dtype=np.float64) / np.asarray(radius, dtype=np.float64)
     if not np.all(s > 0.0):
@@ -146,7 +146,7 @@ def _sinh(s: Array) -> Array:
     return np.sqrt(s * (2.0 + s))
 
 
-def _less_tanh(al: Array) -> Array:
+def less_tanh(al: Array) -> Array:
     """Gives al - tanh al > 0; where that cancels, (al cosh al - sinh al) / cosh al by its series."""
     small = np.minimum(al, 1.0)
     series = small * np.polynomial.polynomial.polyval(np.square(small), _FILM_SERIES) / np.cosh(small)
@@ -167,6 +167,6 @@ def _rise_time(al: Array, al0: Array) -> Array:
     """
     half = 0.5 * (al - al0)
     t = (0.5 * (al + al0))[..., None] + half[..., None] * _NODES
-    regular = np.sinh(t) / _less_tanh(t) - 3.0 / np.square(t)
+    regular = np.sinh(t) / less_tanh(t) - 3.0 / np.square(t)
     time: Array = (al - al0) * (3.0 / (al * al0) + 0.5 * regular @ _WEIGHTS)
     return time

@@ -3,9 +3,9 @@
 The bispherical series of two spheres fall off like e^(-(2n+1) al), al ~ sqrt(2 q/a): at q/a = 1e-8 some 2e5
 modes count. But a term hardly changes from one large n to the next, so the modes are taken in blocks
 n .. 2n - 1 of doubling length, and each block is summed like an integral: by Gauss's rule for SUMS, whose
-nodes are the zeros of Gram's polynomials (orthogonal over the integers 1 .. N, also called discrete
-Chebyshev polynomials: G. Szego, "Orthogonal Polynomials", section 2.8). With 24 nodes a block the sum is exact
-to rounding, and it costs 24 terms more each time the gap is four times smaller.
+nodes are the zeros of Gram's polynomials (orthogonal over the integers 1 .. N, also called discrete Chebyshev
+polynomials: G. Szego, "Orthogonal Polynomials", section 2.8). With 24 nodes a block the sum is exact to
+rounding, and it costs 24 terms more each time the gap is four times smaller.
 """
 
 from __future__ import annotations

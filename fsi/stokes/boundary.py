@@ -20,7 +20,8 @@ class BoundaryNodes:
     """Velocity nodes of this rank, owned ones only.
 
     body_nodes: nodes on bodies, ascending, (b,); body: the body of each, (b,);
-    wall_nodes: of each wall by name; axis: on the axis of an axisymmetric mesh; x: coordinates of all owned velocity nodes, (n, 2).
+    wall_nodes: of each wall by name; axis: on the axis of an axisymmetric mesh; x: coordinates of all owned
+    velocity nodes, (n, 2).
     """
 
     body_nodes: Nodes

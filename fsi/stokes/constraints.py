@@ -32,8 +32,8 @@ class Layout:
     """How the rows of x = (u, p) are shared: this rank owns 2 `velocity_nodes` + `pressure_nodes` of them.
 
     fixed: rows whose value is given (walls, the pinned pressure), local numbers; on_body: rows of nodes on
-    bodies; body: the body of each of these; modes: 3 N, all owned by rank 0; axisymmetric: u_r = 0 on the axis, and
-    V_z is a body's only mode.
+    bodies; body: the body of each of these; modes: 3 N, all owned by rank 0; axisymmetric: u_r = 0 on the
+    axis, and V_z is a body's only mode.
     """
 
     comm: MPI.Intracomm
@@ -64,7 +64,10 @@ def layout(
     pin: int | None,
     fluid: FluidMesh,
 ) -> Layout:
-    """Rows of walls with given velocity, of the axis, of bodies, and the pressure row to pin (local, its owner's only)."""
+    """Rows of walls with given velocity.
+
+    Of the axis, of bodies, and the pressure row to pin (local, its owner's only).
+    """
     given = [nodes.wall_nodes[wall] for wall in walls]
     wall_nodes = np.unique(np.concatenate([*given, np.empty(0, dtype=np.int32)])).astype(np.int64)
     axis = 2 * nodes.axis.astype(np.int64)

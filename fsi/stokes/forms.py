@@ -50,8 +50,8 @@ def pressure_element(degree: int) -> basix.ufl._ElementBase:
 class Coordinates:
     """The differential operators of plane (x, y) or axisymmetric (r, z, theta) coordinates.
 
-    Axisymmetric flow without swirl has the hoop strain u_r / r as its third diagonal component, and integrals carry the
-    circumference 2 pi r.
+    Axisymmetric flow without swirl has the hoop strain u_r / r as its third diagonal component, and integrals
+    carry the circumference 2 pi r.
     """
 
     omega: ufl.Mesh
@@ -101,8 +101,8 @@ class Compiled:
 def compile_forms(order: int, degree: int, axisymmetric: bool) -> Compiled:
     """All forms for cells of the given order and velocities of the given degree.
 
-    The quadrature is exact on straight cells in the plane; on curved ones, where the integrands are rational, it
-    adds what the two factors of the cofactor matrix bring, and the degree of r where integrals carry it.
+    The quadrature is exact on straight cells in the plane; on curved ones, where the integrands are rational,
+    it adds what the two factors of the cofactor matrix bring, and the degree of r where integrals carry it.
     """
     omega = ufl.Mesh(coordinate_element(order))
     V = ufl.FunctionSpace(omega, velocity_element(degree))

@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies import Array, Configuration, Inertia
+from fsi.bodies import Array, Configuration, Inertia, Motion
 from fsi.case import Case
 from fsi.domain import WallVelocity
+from fsi.stepping import Instant
+from fsi.stokes.error import error_columns
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import Boundary, Clock, Field, solve
 from meshes.build import FluidMesh, build
@@ -42,23 +44,42 @@ class StokesModel:
         clock = Clock()
         fluid = self._moved(q) if self._moving else self.mesh(q)
         clock.lap("mesh")
-        given = self.case.discretisation
+        degree = self.case.discretisation.degree
+        return self._solve(fluid, q, t, self.case.motion(t), degree, inertia, clock)
+
+    def enriched(self, q: Configuration, t: float, motion: Motion) -> StokesSolution:
+        """The flow with elements and curved cells of one degree more, on a new mesh of the same triangles.
+
+        Raises:
+            MeshError, SolveError: as for the flow itself.
+        """
+        degree, clock = self.case.discretisation.degree + 1, Clock()
+        return self._solve(self.mesh(q, degree), q, t, motion, degree, None, clock)
+
+    def errors(self, q: Configuration, t: float, instant: Instant) -> dict[str, float]:
+        """Columns of steps.csv with the estimated errors of an instant of this model; collective."""
+        return error_columns(self, q, t, instant)
+
+    def _solve(
+        self, fluid: FluidMesh, q: Configuration, t: float, motion: Motion, degree: int,
+        inertia: Inertia | None, clock: Clock,
+    ) -> StokesSolution:  # fmt: skip
         return solve(
             fluid,
             self.container,
             q,
-            self.case.motion(t),
+            motion,
             self._boundary(t),
             viscosity=self.case.fluid.viscosity,
-            degree=given.degree,
-            formulation=given.formulation,
+            degree=degree,
+            formulation=self.case.discretisation.formulation,
             inertia=inertia,
             clock=clock,
         )
 
-    def mesh(self, q: Configuration) -> FluidMesh:
-        """A new mesh around the bodies at q, or the user's own."""
-        order = self.case.discretisation.degree
+    def mesh(self, q: Configuration, order: int | None = None) -> FluidMesh:
+        """A new mesh around the bodies at q, or the user's own; of the order of the case if not given."""
+        order = order or self.case.discretisation.degree
         if self.case.domain.mesh is not None:
             path = Path(self.case.domain.mesh)
             return read_mesh(path, self.case.names, self.container, q.centres, q.radii, order)

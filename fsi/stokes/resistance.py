@@ -10,6 +10,7 @@ with one matrix P^T M P for all modes (see `system`).
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from itertools import batched
 
 import numpy as np
 from mpi4py import MPI
@@ -34,6 +35,8 @@ from meshes.build import FluidMesh
 from meshes.geometry import Container
 
 AXIAL_MODE = 1
+# Right-hand sides solved at once: more are hardly faster, and each takes as much memory as the unknowns.
+BLOCK = 32
 
 
 def case_resistance(case: Case) -> Resistance:
@@ -94,16 +97,16 @@ def solve_resistance(
     units = np.eye(everywhere.size)[AXIAL_MODE::3] if fluid.axisymmetric else np.eye(everywhere.size)
     columns, worst = [], dict[str, float]()
     given = assembled(fluid, container, q, all_held, boundary, viscosity, degree, None, clock)
-    with given as (system, forms, nodes), factorised(system) as response:
+    with given as (system, forms, nodes), factorised(system) as responses:
         clock.lap("factorise")
-        for unit in units:
-            nodal = response(unit.reshape(-1, 3))
-            clock.lap("solve")
-            F = load_of(system, nodal.reaction)
-            defects = _defects(system, forms, nodes, nodal, F, viscosity, q)
-            worst = {name: max(defect, worst.get(name, 0.0)) for name, defect in defects.items()}
-            columns.append(units @ F.ravel())
-            clock.lap("checks")
+        for block in batched(units, BLOCK):
+            for nodal in responses(np.reshape(block, (-1, len(q), 3))):
+                clock.lap("solve")
+                F = load_of(system, nodal.reaction)
+                defects = _defects(system, forms, nodes, nodal, F, viscosity, q)
+                worst = {name: max(defect, worst.get(name, 0.0)) for name, defect in defects.items()}
+                columns.append(units @ F.ravel())
+                clock.lap("checks")
         dofs = 2 * forms.V.dofmap.index_map.size_global + forms.Q.dofmap.index_map.size_global
     require(worst)
     R, asymmetry = symmetrised(np.column_stack(columns), modes.scale)

@@ -21,7 +21,14 @@ from petsc4py import PETSc
 from fsi.bodies import Array
 from fsi.stokes.constraints import prolongation
 from fsi.stokes.linear import Factorisation
-from fsi.stokes.system import NodalSolution, System, body_velocity, mode_equations, multiply, petsc_vector
+from fsi.stokes.system import (
+    NodalSolution,
+    System,
+    body_velocity,
+    mode_equations,
+    multiply,
+    multiply_transpose,
+)
 
 Index = NDArray[np.int64]
 
@@ -61,25 +68,20 @@ def solve_multiplier(system: System) -> NodalSolution:
     matrix.setPreallocationCOO(rows.astype(PETSc.IntType), columns.astype(PETSc.IntType))
     matrix.setValuesCOO(values)
 
-    rhs = matrix.createVecLeft()
-    defect = petsc_vector(S, system.b - multiply(system.M, system.g))
-    reduced = flow.createVecLeft()
-    S.multTranspose(defect, reduced)
-    rhs.array[:own_flow] = reduced.array
-    rhs.array[own_flow : own_flow + own_multipliers] = -body_velocity(system, system.motion.U)[shares.on_body]
-    if own_modes:
-        rhs.array[own_flow + own_multipliers :] = load
+    loads = multiply_transpose(S, system.b - multiply(system.M, system.g))
+    no_slip = -body_velocity(system, system.motion.U)[shares.on_body]
+    rhs = np.concatenate([loads, no_slip, load[:own_modes]])
     with Factorisation(matrix) as factors:
-        solution, residual = factors.solve(rhs)
-    x = multiply(S, solution.array[:own_flow]) + system.g
+        solution, residual = (found[..., 0] for found in factors.solve(rhs[:, None]))
+    x = multiply(S, solution[:own_flow]) + system.g
     reaction = np.zeros(shares.rows)
-    reaction[shares.on_body] = solution.array[own_flow : own_flow + own_multipliers]
+    reaction[shares.on_body] = solution[own_flow : own_flow + own_multipliers]
     reaction = _with_walls(system, x, reaction)
     U = system.motion.U.copy()
-    U.ravel()[free] = shares.comm.bcast(solution.array[own_flow + own_multipliers :].copy())
-    for used in (S, flow, matrix, rhs, defect, reduced, solution):
+    U.ravel()[free] = shares.comm.bcast(solution[own_flow + own_multipliers :].copy())
+    for used in (S, flow, matrix):
         used.destroy()
-    return NodalSolution(x, reaction, U, residual)
+    return NodalSolution(x, reaction, U, float(residual))
 
 
 def _with_walls(system: System, x: Array, reaction: Array) -> Array:

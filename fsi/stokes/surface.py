@@ -26,8 +26,8 @@ class Surface:
     """The bodies' surfaces as curved edges; empty on all ranks but root.
 
     x: nodes (n, 2); edges: node numbers, (E, degree + 1), both ends first as VTK has them;
-    body: of each edge, (E,); reaction: nodal forces (n, 2) of the body on the fluid, with an axis of whole circles;
-    axisymmetric: x are (r, z).
+    body: of each edge, (E,); reaction: nodal forces (n, 2) of the body on the fluid, with an axis of whole
+    circles; axisymmetric: x are (r, z).
     """
 
     x: Array

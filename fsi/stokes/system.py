@@ -78,35 +78,34 @@ def nodal_vector(form: Form) -> Array:
     return owned
 
 
-def petsc_vector(like: PETSc.Mat, values: Array) -> PETSc.Vec:
-    """A vector with the row layout of a matrix and this rank's values."""
-    vector = like.createVecLeft()
-    vector.array[:] = values
-    return vector
+def multiply(matrix: PETSc.Mat, values: Array) -> Array:
+    """This rank's rows of a matrix times a vector given by this rank's values."""
+    x, y = matrix.createVecs()
+    x.array[:] = values
+    matrix.mult(x, y)
+    return _taken(y, x)
+
+
+def multiply_transpose(matrix: PETSc.Mat, values: Array) -> Array:
+    """This rank's rows of a transposed matrix times a vector given by this rank's values."""
+    x, y = matrix.createVecs()
+    y.array[:] = values
+    matrix.multTranspose(y, x)
+    return _taken(x, y)
+
+
+def _taken(vector: PETSc.Vec, used: PETSc.Vec) -> Array:
+    """The values of a vector; both are destroyed."""
+    values: Array = vector.array.copy()
+    vector.destroy()
+    used.destroy()
+    return values
 
 
 def load_of(system: System, nodal: Array) -> Array:
     """(F, T) = rigid^T lambda of a nodal reaction, (N, 3), on all ranks."""
-    vector = petsc_vector(system.rigid, nodal)
-    total = system.rigid.createVecRight()
-    system.rigid.multTranspose(vector, total)
-    on_root = total.array.copy() if system.shares.comm.rank == 0 else None
-    vector.destroy()
-    total.destroy()
-    load: Array = system.shares.comm.bcast(on_root)
+    load: Array = system.shares.comm.bcast(multiply_transpose(system.rigid, nodal))
     return load.reshape(-1, MODES)
-
-
-def multiply(matrix: PETSc.Mat, values: Array) -> Array:
-    """This rank's rows of a matrix times a vector given by this rank's values."""
-    x = matrix.createVecRight()
-    x.array[:] = values
-    y = matrix.createVecLeft()
-    matrix.mult(x, y)
-    result: Array = y.array.copy()
-    x.destroy()
-    y.destroy()
-    return result
 
 
 def body_velocity(system: System, U: Array) -> Array:
@@ -130,13 +129,13 @@ def solve_eliminated(system: System) -> NodalSolution:
     Raises:
         SolveError: the system is singular, or its residual is not small.
     """
-    with factorised(system) as response:
-        return response(system.motion.U)
+    with factorised(system) as responses:
+        return next(responses(system.motion.U[None]))
 
 
 @contextmanager
-def factorised(system: System) -> Iterator[Callable[[Array], NodalSolution]]:
-    """Factorise P^T M P once: gives the solution for any velocities (N, 3) of the held modes; collective.
+def factorised(system: System) -> Iterator[Callable[[Array], Iterator[NodalSolution]]]:
+    """Factorise P^T M P once: gives the solutions for any velocities (k, N, 3) of the held modes; collective.
 
     Raises:
         SolveError: the system is singular, or the residual of a solution is not small.
@@ -154,25 +153,19 @@ def factorised(system: System) -> Iterator[Callable[[Array], NodalSolution]]:
         reduced.destroy()
 
 
-def _respond(system: System, P: PETSc.Mat, factors: Factorisation, held_U: Array) -> NodalSolution:
-    """The solution with velocities held_U (N, 3) of the held modes, zero on the free ones."""
-    shares, free = system.shares, ~system.motion.held
-    g = system.g + body_velocity(system, held_U)
-    own = _own_modes(system)
-    rhs = factors.matrix.createVecLeft()
-    first_mode = rhs.local_size - own
-    defect = petsc_vector(P, system.b - multiply(system.M, g))
-    P.multTranspose(defect, rhs)
-    defect.destroy()
-    if own:
-        rhs.array[first_mode:] += mode_equations(system)[1]
-    y, residual = factors.solve(rhs)
-    x = multiply(P, y.array) + g
-    U = held_U.copy()
-    U[free] = shares.comm.bcast(y.array[first_mode:].copy() if own else None) if free.any() else 0.0
-    rhs.destroy()
-    y.destroy()
-    return NodalSolution(x, multiply(system.M, x) - system.b, U, residual)
+def _respond(system: System, P: PETSc.Mat, factors: Factorisation, held_U: Array) -> Iterator[NodalSolution]:
+    """The solutions with velocities held_U (k, N, 3) of the held modes, zero on the free ones."""
+    free, own = ~system.motion.held, _own_modes(system)
+    g = [system.g + body_velocity(system, U) for U in held_U]
+    rhs = np.column_stack([multiply_transpose(P, system.b - multiply(system.M, offset)) for offset in g])
+    first_mode = len(rhs) - own
+    rhs[first_mode:] += mode_equations(system)[1][:own, None]
+    solutions, residuals = factors.solve(rhs)
+    for U, offset, y, residual in zip(held_U, g, solutions.T, residuals, strict=True):
+        x = multiply(P, y) + offset
+        moved = U.copy()
+        moved[free] = system.shares.comm.bcast(y[first_mode:])
+        yield NodalSolution(x, multiply(system.M, x) - system.b, moved, float(residual))
 
 
 def _own_modes(system: System) -> int:

@@ -1,0 +1,64 @@
+"""How accurate U and F of an instant are: bounds of their errors, and the one number that sums them up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsi.bodies import Array
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorEstimate:
+    """Estimated errors, absolute and >= 0: of U where it is free, of F where U is held; else 0. Shapes (N, 3)."""
+
+    U: Array
+    F: Array
+
+
+class Results(Protocol):
+    """What a model computes."""
+
+    @property
+    def U(self) -> Array:
+        """Velocities of the bodies, shape (N, 3)."""
+
+    @property
+    def F(self) -> Array:
+        """External loads `int sigma n`, shape (N, 3)."""
+
+
+def arms(radii: Array) -> Array:
+    """(1, 1, a) of each body, shape (N, 3): torques count over it, rotations times it."""
+    return np.column_stack([np.ones_like(radii), np.ones_like(radii), radii])
+
+
+def relative_change(
+    results: Results, change: Results, held: NDArray[np.bool_], radii: Array
+) -> dict[str, float]:
+    """A change of the results over the largest result.
+
+    Results are the loads on held components and the velocities of free ones.
+
+    Args:
+        results: U and F.
+        change: their changes or errors, of any sign.
+        held: which velocities are prescribed, shape (N, 3).
+        radii: a_i, shape (N,).
+
+    Returns:
+        "force" and "velocity": largest |change| / largest |result|, each only if there is such a result.
+    """
+    arm = arms(radii)
+    pairs = {
+        "force": ((results.F / arm)[held], (change.F / arm)[held]),
+        "velocity": ((results.U * arm)[~held], (change.U * arm)[~held]),
+    }
+    return {
+        name: float(np.abs(changed).max() / np.abs(values).max())
+        for name, (values, changed) in pairs.items()
+        if np.any(values)
+    }

@@ -1,0 +1,105 @@
+"""Solve to a tolerance: refine where the estimated error says that it matters.
+
+Three sizes make a mesh: along the gaps, around the bodies, and the growth away from them. Each round
+divides every one of them in turn by STEP, and keeps the change that lowers the estimate most; sizes that help
+are also tried all together.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil
+
+from fsi.accuracy import ErrorEstimate, relative_change
+from fsi.case import Case
+from fsi.errors import SolveError
+from fsi.schema import Discretisation
+from fsi.stokes.error import estimate_errors
+from fsi.stokes.model import StokesModel
+from fsi.stokes.solution import StokesSolution
+
+STEP = 1.5
+HELPS = 0.9  # a size helps if it lowers the estimate below this part of it
+ROUNDS = 8
+MOST_UNKNOWNS = 400_000
+HIGHEST_DEGREE = 4
+SIZES = ("cells_per_gap", "cells_per_circle", "growth")
+
+
+@dataclass(frozen=True, slots=True)
+class Solved:
+    """A case with the sizes that were used, its solution, its errors, and the largest one, relative."""
+
+    case: Case
+    solution: StokesSolution
+    errors: ErrorEstimate
+    error: float
+
+
+def solve_with_errors(case: Case) -> Solved:
+    """The solution of a case at time 0 with its estimated errors, refined to its tolerance if it has one.
+
+    Raises:
+        MeshError, SolveError: as `StokesModel`; or the tolerance is not reached.
+    """
+    best = _solved(case)
+    tolerance = case.discretisation.tolerance
+    if tolerance is None:
+        return best
+    for _ in range(ROUNDS):
+        if best.error <= tolerance or best.solution.dofs > MOST_UNKNOWNS:
+            break
+        better = _refined(best)
+        if better.error >= best.error:
+            break
+        best = better
+    if best.error > tolerance:
+        raise _missed(best, tolerance)
+    return best
+
+
+def _solved(case: Case) -> Solved:
+    model, q = StokesModel(case), case.configuration()
+    solution = model(q, 0.0)
+    errors = estimate_errors(model, q, 0.0, solution)
+    found = relative_change(solution, errors, case.motion(0.0).held, q.radii)
+    return Solved(case, solution, errors, max(found.values(), default=0.0))
+
+
+def _refined(solved: Solved) -> Solved:
+    """The best of the meshes one step finer; all three sizes at once where no single one helps."""
+    each = {size: _solved(_finer(solved.case, (size,))) for size in SIZES}
+    helpful = tuple(size for size, trial in each.items() if trial.error < HELPS * solved.error)
+    trials = list(each.values())
+    if len(helpful) != 1:
+        trials.append(_solved(_finer(solved.case, helpful or SIZES)))
+    return min(trials, key=lambda trial: trial.error)
+
+
+def _finer(case: Case, sizes: tuple[str, ...]) -> Case:
+    """The case with some of its sizes one step finer."""
+    given = case.discretisation
+    finer = {
+        "cells_per_gap": STEP * given.cells_per_gap,
+        "cells_per_circle": ceil(STEP * given.cells_per_circle),
+        "growth": given.growth / STEP,
+    }
+    changed = given.model_copy(update={size: finer[size] for size in sizes})
+    return case.model_copy(update={"discretisation": changed})
+
+
+def _missed(best: Solved, tolerance: float) -> SolveError:
+    given = best.case.discretisation
+    if best.solution.dofs > MOST_UNKNOWNS:
+        limit = f"{best.solution.dofs} unknowns are the most that is tried"
+    else:
+        limit = "a finer mesh does not lower it enough"
+    remedy = "raise it" if given.degree == HIGHEST_DEGREE else f"raise it, or degree above {given.degree}"
+    return SolveError(
+        f"discretisation.tolerance = {tolerance:g}: the estimated error came down to {best.error:.1e} with "
+        f"{_text(given)}, and {limit}; {remedy}"
+    )
+
+
+def _text(given: Discretisation) -> str:
+    return ", ".join(f"{size} = {getattr(given, size):.4g}" for size in SIZES)

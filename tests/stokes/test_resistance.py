@@ -1,0 +1,179 @@
+"""Resistance matrices: against direct solves, exact solutions, and on several ranks."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fsi.bodies import Array, Configuration
+from fsi.lubrication import exact
+from fsi.resistance import Resistance, difference
+from fsi.stokes.resistance import solve_resistance
+from fsi.stokes.solve import Boundary, solve
+from meshes.build import FluidMesh
+from meshes.geometry import Box, Container, Round
+from meshes.sizing import Resolution
+from tests.flows import (
+    HALF_PLANE,
+    SMALL_BOX,
+    at_rest,
+    disc_over_plane,
+    discs,
+    free,
+    held,
+    mesh,
+    resting,
+)
+
+MU = 0.7
+THREE = discs([(-1.8, -0.6), (-0.2, 0.3), (1.6, -0.4)], [0.8, 0.6, 1.0])
+NAMES = ("first", "middle", "last")
+OPEN = Boundary({"bottom": at_rest}, {"left": 0.0, "right": 0.0, "top": 0.0})
+
+
+@pytest.fixture(scope="module")
+def fluid() -> FluidMesh:
+    return mesh(SMALL_BOX, THREE, Resolution(0.7, 20, 0.4))
+
+
+@pytest.fixture(scope="module")
+def three(fluid: FluidMesh) -> Resistance:
+    return solve_resistance(fluid, SMALL_BOX, THREE, NAMES, viscosity=MU)
+
+
+def at_default(container: Container, q: Configuration, names: tuple[str, ...]) -> Resistance:
+    """At mu = 1."""
+    return solve_resistance(mesh(container, q), container, q, names)
+
+
+def all_together(q: Configuration, V: tuple[float, float], omega: float) -> Array:
+    """Velocities (N, 3) of bodies that move as one rigid body around the origin."""
+    x, y = q.centres.T
+    return np.column_stack([V[0] - omega * y, V[1] + omega * x, np.full(len(q), omega)])
+
+
+def test_labels(three: Resistance) -> None:
+    assert three.modes.velocities[:4] == ("first.V_x", "first.V_y", "first.omega", "middle.V_x")
+    assert three.modes.loads[-3:] == ("last.F_x", "last.F_y", "last.T")
+
+
+def test_symmetric_positive_and_all_identities(three: Resistance) -> None:
+    assert three.R.shape == (9, 9)
+    assert_allclose(three.R, three.R.T, rtol=0, atol=0)
+    assert three.eigenvalues[0] > 1.0
+    assert set(three.checks) == {
+        "power", "momentum", "angular_momentum", "net_flux", "residual", "reciprocity",
+    }  # fmt: skip
+    assert max(three.checks.values()) < 1e-11
+
+
+@pytest.mark.parametrize("boundary", [resting(SMALL_BOX), OPEN], ids=["closed", "open"])
+def test_columns_are_direct_solves(fluid: FluidMesh, boundary: Boundary) -> None:
+    """To 1e-12 of the largest possible entry; open walls stay open."""
+    found = solve_resistance(
+        fluid, SMALL_BOX, THREE, NAMES, open_walls=tuple(boundary.pressures), viscosity=MU
+    )
+    direct = np.column_stack(
+        [
+            solve(fluid, SMALL_BOX, THREE, held(*unit.reshape(3, 3)), boundary, viscosity=MU).F.ravel()
+            for unit in np.eye(9)
+        ]
+    )
+    assert difference(found.R, direct, found.modes.scale) < 1e-12
+
+
+def test_dissipation_of_a_common_rigid_motion(fluid: FluidMesh, three: Resistance) -> None:
+    """U.R.U = 2 mu int e:e; without the couplings between the bodies it is 2.3 times as much."""
+    U = all_together(THREE, (0.4, -0.3), 0.8)
+    direct = solve(fluid, SMALL_BOX, THREE, held(*U), resting(SMALL_BOX), viscosity=MU)
+    assert U.ravel() @ three.R @ U.ravel() == pytest.approx(direct.dissipation, rel=1e-11)
+    alone = sum(u @ three.R[k : k + 3, k : k + 3] @ u for u, k in zip(U, (0, 3, 6), strict=True))
+    assert alone > 2.0 * direct.dissipation
+
+
+def test_mobility_moves_free_bodies(fluid: FluidMesh, three: Resistance) -> None:
+    F = np.array([[0.0, -1.0, 0.2], [0.5, 0.0, 0.0], [0.0, 0.3, -0.4]])
+    U = solve(fluid, SMALL_BOX, THREE, free(*F), resting(SMALL_BOX), viscosity=MU).U
+    assert three.mobility is not None
+    assert_allclose((three.mobility @ F.ravel()).reshape(3, 3), U, rtol=0, atol=1e-11 * np.abs(U).max())
+
+
+@pytest.mark.parametrize("gap", [1.0, 0.1, 1e-3])
+def test_disc_beside_a_plane(gap: float) -> None:
+    """Jeffrey and Onishi 1981: a diagonal matrix. The leading normal force alone is 10 % off at gap 0.1."""
+    found = at_default(HALF_PLANE, disc_over_plane(gap), ("disc",))
+    laws = (exact.parallel_resistance, exact.normal_resistance, exact.rotation_resistance)
+    expected = np.diag([float(law(gap, 1.0, 1.0)) for law in laws])
+    assert difference(found.R, expected, found.modes.scale) < 1e-4
+
+
+@pytest.mark.parametrize("gap", [1.0, 1e-2])
+def test_two_discs_far_from_walls(gap: float) -> None:
+    """The pair's closed form along the line of centres; R_11 alone gives twice as much at a small gap."""
+    q = discs([(-1.0 - gap / 2, 0.0), (1.0 + gap / 2, 0.0)], [1.0, 1.0])
+    R = at_default(Box((-1000.0, -1000.0), (1000.0, 1000.0)), q, ("a", "b")).R
+    expected = float(exact.pair_resistance(gap, 1.0, 1.0))
+    assert 0.5 * (R[0, 0] - R[0, 3]) == pytest.approx(expected, rel=1e-4)
+    assert R[0, 3] == R[3, 0]
+    # Mirrored in the x axis, F_x stays and the others change sign; in the y axis the bodies change places.
+    assert np.abs(R[np.ix_([0, 3], [1, 2, 4, 5])]).max() < 1e-4 * R[0, 0]
+    mirror = np.kron([[0.0, 1.0], [1.0, 0.0]], np.diag([-1.0, 1.0, -1.0]))
+    assert_allclose(mirror @ R @ mirror, R, rtol=0, atol=1e-5 * R[0, 0])
+
+
+def test_two_spheres_have_one_mode_each() -> None:
+    """Maude 1961 at gap 0.1 a: half the difference of R_11 and R_12 is the drag of an approach."""
+    rows = json.loads((Path(__file__).parents[1] / "reference" / "two_spheres.json").read_text())["rows"]
+    expected = next(row["approach"] for row in rows if row["gap_over_a"] == 0.1)
+    found = at_default(Round(500.0, axisymmetric=True), discs([(0, -1.05), (0, 1.05)], [1, 1]), ("a", "b"))
+    assert found.modes.velocities == ("a.V_z", "b.V_z")
+    assert found.modes.loads == ("a.F_z", "b.F_z")
+    assert (found.R[0, 0] - found.R[0, 1]) / (6.0 * np.pi) == pytest.approx(expected, rel=1e-5)
+    assert found.checks["reciprocity"] < 1e-9
+
+
+def test_without_a_wall_at_rest_there_is_no_mobility(fluid: FluidMesh) -> None:
+    """Rigid motions of everything need no load; all other motions do."""
+    found = solve_resistance(fluid, SMALL_BOX, THREE, NAMES, open_walls=SMALL_BOX.walls)
+    assert found.mobility is None
+    for V, omega in (((1.0, 0.0), 0.0), ((0.0, 1.0), 0.0), ((0.0, 0.0), 1.0)):
+        load = found.R @ all_together(THREE, V, omega).ravel()
+        assert np.abs(load).max() < 1e-9 * found.eigenvalues[-1]
+    assert found.eigenvalues[3] > 1.0
+
+
+def on_ranks(ranks: int, case: Path) -> Any:
+    """The object that `fsi resistance --json` prints."""
+    mpiexec = Path(sys.executable).with_name("mpiexec")
+    command = [str(mpiexec), "-n", str(ranks), sys.executable, "-m", "fsi", "resistance", str(case), "--json"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+@pytest.mark.mpi
+def test_ranks_agree(tmp_path: Path) -> None:
+    """To 1e-9, the mobility too; a node that one rank forgot would show at 1e-3."""
+    case = tmp_path / "case.toml"
+    bodies = "".join(
+        f'[[bodies]]\nname = "{name}"\nradius = {a}\nposition = [{x}, {y}]\n'
+        for name, a, (x, y) in zip(NAMES, THREE.radii, THREE.centres, strict=True)
+    )
+    case.write_text(
+        f'name = "three"\n{bodies}[fluid]\nviscosity = {MU}\n'
+        "[domain]\nlower = [-3.0, -2.0]\nupper = [3.0, 2.0]\nwalls.left = 'open'\nwalls.top = [1.0, 0.0]\n"
+    )
+    one, two, three = (on_ranks(ranks, case) for ranks in (1, 2, 3))
+    for other in (two, three):
+        for matrix in ("resistance", "mobility"):
+            expected = np.array(one[matrix])
+            assert_allclose(other[matrix], expected, rtol=0, atol=1e-9 * np.abs(expected).max())
+        assert other["dofs"] == one["dofs"]
+        assert max(other["checks"].values()) < 1e-9
