@@ -84,10 +84,19 @@ def edges(fluid: pv.UnstructuredGrid) -> pv.PolyData:
     return pv.PolyData(points, lines=np.insert(lines, 0, lines.shape[1], axis=1).ravel())
 
 
-def stream_function(surface: pv.PolyData) -> Array:
-    """The function psi with u = (d psi / dy, -d psi / dx), shape (n,).
+def mirrored(fluid: pv.UnstructuredGrid) -> pv.UnstructuredGrid:
+    """An axisymmetric flow on both sides of its axis: r becomes -r, and u_r becomes -u_r."""
+    other = fluid.copy()
+    other.points[:, 0] *= -1.0
+    other["velocity"][:, 0] *= -1.0
+    return pv.merge([fluid, other], merge_points=False)
 
-    Each edge carries the flux `u_x dy - u_y dx` from end to end; psi sums them along a tree of edges, from
+
+def stream_function(surface: pv.PolyData, w: Array) -> Array:
+    """The function psi with w = (d psi / dy, -d psi / dx) for a field w without divergence, (n, 3); shape (n,).
+
+    That is w = u in the plane, and w = r u with an axis (Stokes's stream function).
+    Each edge carries the flux `w_x dy - w_y dx` from end to end; psi sums them along a tree of edges, from
     zero at one point of each connected part. No body may take in fluid: rigid ones do not.
     """
     triangles = surface.regular_faces
@@ -99,15 +108,14 @@ def stream_function(surface: pv.PolyData) -> Array:
         if np.isnan(psi[root]):
             psi[root] = 0.0
             reached, parent = breadth_first_order(graph, root, directed=False)
-            _sum_fluxes(psi, reached[1:], parent, surface)
+            _sum_fluxes(psi, reached[1:], parent, surface.points, w)
     return psi
 
 
-def _sum_fluxes(psi: Array, children: Indices, parent: Indices, surface: pv.PolyData) -> None:
+def _sum_fluxes(psi: Array, children: Indices, parent: Indices, x: Array, w: Array) -> None:
     """Fill in psi at nodes whose parents come before them, from the roots on."""
     parents = parent[children]
-    x, u = surface.points, surface["velocity"]
-    step, mean = (x[children] - x[parents]).astype(float), 0.5 * (u[children] + u[parents])
+    step, mean = (x[children] - x[parents]).astype(float), 0.5 * (w[children] + w[parents])
     flux = mean[:, 0] * step[:, 1] - mean[:, 1] * step[:, 0]
     for child, origin, rise in zip(children, parents, flux, strict=True):
         psi[child] = psi[origin] + rise

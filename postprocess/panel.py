@@ -109,8 +109,8 @@ class Panel:
         corners = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]])
         self.lines(pv.lines_from_points(self.view.local(corners)), "#d55e00", width=5, layer=4)
 
-    def bodies(self, q: Configuration) -> None:
-        """Draw the discs, each with a radius that turns with it."""
+    def bodies(self, q: Configuration, turning: bool) -> None:
+        """Draw the discs, each with a radius that turns with it where they can turn."""
         if not len(q):
             return
         turn = np.linspace(0.0, 2.0 * np.pi, _DISC_SIDES, endpoint=False)
@@ -120,6 +120,8 @@ class Panel:
         discs = pv.PolyData(self.view.local(rims).reshape(-1, 3), faces=_counted(faces))
         self.plotter.subplot(1, self.column)
         self.plotter.add_mesh(discs.translate((0.0, 0.0, _LAYER)), color=_BODY, lighting=False)
+        if not turning:
+            return
         pointers = 0.8 * q.radii[:, None] * np.column_stack([np.cos(q.angles), np.sin(q.angles)])
         ends = self.view.local(np.stack([q.centres, q.centres + pointers], axis=1)).reshape(-1, 3)
         self.lines(pv.PolyData(ends, lines=_counted(np.arange(len(ends)).reshape(-1, 2))), INK, width=4)

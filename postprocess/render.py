@@ -13,7 +13,7 @@ from fsi.bodies import Configuration
 from fsi.errors import InputError
 from fsi.gaps import find_gaps
 from meshes.geometry import Container
-from postprocess.fields import cells_within, edges, read_step, refine, stream_function
+from postprocess.fields import cells_within, edges, mirrored, read_step, refine, stream_function
 from postprocess.folder import read_case, read_configuration
 from postprocess.opengl import require_opengl
 from postprocess.panel import INK, Panel, Span, View
@@ -51,17 +51,19 @@ def render_run(run: Path, output: Path | None = None, time: float | None = None)
     fluid, t = read_step(run, time)
     q = read_configuration(run, t)
     require_opengl()
+    if case.axisymmetric:
+        fluid = mirrored(fluid)
     view = around_bodies(q, fluid)
     close_up = narrowest_gap(q, case.container(), view)
     plotter = _plotter()
     flow, mesh = Panel(plotter, 0, view), Panel(plotter, 2, close_up)
     flow.title(f"{case.name},  t = {t:.6g}:  speed and streamlines")
-    _draw_flow(flow, fluid)
+    _draw_flow(flow, fluid, case.axisymmetric)
     flow.frame(close_up)
     mesh.title(f"narrowest gap {find_gaps(q, case.container()).smallest():.3g}:  pressure and mesh")
     _draw_mesh(mesh, fluid)
     for panel in (flow, mesh):
-        panel.bodies(q)
+        panel.bodies(q, turning=not case.axisymmetric)
         panel.finish()
     try:
         plotter.screenshot(output)
@@ -121,17 +123,19 @@ def _plotter() -> pv.Plotter:
 
 
 def _cells_in(fluid: pv.UnstructuredGrid, view: View) -> pv.UnstructuredGrid:
-    """The cells that a window shows, in its coordinates."""
+    """The cells that a window shows, in its coordinates; `r` keeps the first of their own."""
     cells = cells_within(fluid, view.low, view.high)
+    cells["r"] = cells.points[:, 0].copy()
     cells.points = view.local(cells.points)
     return cells
 
 
-def _draw_flow(panel: Panel, fluid: pv.UnstructuredGrid) -> None:
+def _draw_flow(panel: Panel, fluid: pv.UnstructuredGrid, axisymmetric: bool) -> None:
     """Speed in colours, streamlines as level lines of the stream function: the closer, the faster."""
     cells = _cells_in(fluid, panel.view)
     surface = refine(cells)
-    surface["psi"] = stream_function(surface)
+    u = surface["velocity"]
+    surface["psi"] = stream_function(surface, surface["r"][:, None] * u if axisymmetric else u)
     panel.colour(surface, "speed", "viridis", _speeds(panel, surface), log_scale=True)
     panel.lines(edges(cells), "black", width=2, opacity=min(0.25, 500.0 / cells.n_cells))
     levels = np.linspace(*panel.span(surface, "psi"), _STREAMLINES + 2)[1:-1]
