@@ -13,7 +13,7 @@ from fsi.bodies import Array
 
 @dataclass(frozen=True, slots=True)
 class ErrorEstimate:
-    """Estimated errors, absolute and >= 0: of U where it is free, of F where U is held; else 0. Shapes (N, 3)."""
+    """Estimated errors, absolute: of U where it is free, of F where U is held; else 0. Shapes (N, 3)."""
 
     U: Array
     F: Array

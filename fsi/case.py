@@ -22,7 +22,7 @@ from fsi.casecheck import check_case
 from fsi.domain import Domain, WallVelocity, wall_kinks, wall_pressure, wall_velocity
 from fsi.errors import InputError
 from fsi.overrides import override
-from fsi.schema import Body, Discretisation, Expected, Fluid, Output, Time
+from fsi.schema import Body, Discretisation, Expected, Fluid, Output, Sweep, Time
 from fsi.section import Section, explain
 from fsi.series import kinks, value_at
 from meshes.geometry import Container
@@ -50,6 +50,9 @@ class Case(Section):
     output: Output = Field(default_factory=Output, description="a section [output]")
     expected: Annotated[tuple[Expected, ...], BeforeValidator(_rows)] = Field(
         default=(), description="one section [[expected]] for each number"
+    )
+    sweep: Sweep | None = Field(
+        default=None, description="a section [sweep] with key and values, for `fsi validate`"
     )
 
     @model_validator(mode="before")

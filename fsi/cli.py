@@ -1,7 +1,7 @@
 """The command `fsi`.
 
 Exit codes: 0 done, 1 a defect of the program, 2 wrong input, 3 a solve, mesh or step failed,
-130 interrupted. Errors are one line on stderr. Under `mpiexec` root alone prints; see
+4 a validation failed, 130 interrupted. Errors are one line on stderr. Under `mpiexec` root alone prints; see
 `parallel.last_words` for how all ranks end together.
 """
 
@@ -123,8 +123,8 @@ def solve(
     The errors bound what the mesh and the elements do, estimated with one degree more. A case with
     discretisation.tolerance is refined until the largest, relative, is below it.
 
-    A half-plane or a round container may stand for an infinite one: the solve is repeated with half its radius.
-    The change of the results is the reported truncation, and the error at the full radius is less.
+    A half-plane or a round container may stand for an infinite one: the solve is repeated with half its
+    radius. The change of the results is the reported truncation, and the error at the full radius is less.
     """
     from fsi.report import print_solution, solution_json
     from fsi.stokes.refine import solve_with_errors
@@ -252,6 +252,29 @@ def resistance(
         typer.echo(json.dumps(data))
     elif parallel.is_root():
         print_resistance(Console(), case.name, found, truncation)
+
+
+@app.command(epilog="Example: fsi validate two_discs concentric_sphere")
+def validate(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="NAME...", help="Validation cases.", show_default="all of them"),
+    ] = None,
+    cases: Annotated[
+        Path,
+        typer.Option(help="The folder of the case files.", show_default="cases/validation of the checkout"),
+    ] = Path(__file__).parents[1] / "cases" / "validation",
+    output: Annotated[Path, typer.Option("--output", "-o", help="A new folder for the results.")] = Path(
+        "runs/validation"
+    ),
+) -> None:
+    """Compare resolved forces, velocities and times with exact ones, and error bars with true errors.
+
+    Prints a table, and writes it as JSON, CSV and a plot. Exit code 4 if a value lies outside its tolerance.
+    """
+    from fsi.validate import validate_cases
+
+    validate_cases(cases, names or (), output, Console())
 
 
 def main() -> int:

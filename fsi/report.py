@@ -85,8 +85,8 @@ def _bodies_table(case: Case, solution: Solution, errors: ErrorEstimate) -> Tabl
     table.add_column("body")
     table.add_column("component")
     table.add_column("motion")
-    for heading in ("velocity", "±", "force of the fluid", "±", "the same by its traction"):
-        table.add_column(heading, justify="right")
+    for heading in ("velocity", "±", "force of the fluid", "±", "by its traction"):
+        table.add_column(heading, justify="right", overflow="fold")
     held = case.motion(0.0).held
     for i, name in enumerate(case.names):
         modes = np.flatnonzero(case.modes)

@@ -54,7 +54,7 @@ def print_resistance(console: Console, name: str, found: Resistance, truncation:
     if len(found.R) > LARGEST_TABLE:
         console.print(Text(f"{name}: {len(found.R)} modes; --output and --json give the matrices"))
     else:
-        console.print(Text(f"{name}: resistance, F = R U; F is external, the fluid exerts -F"))
+        console.print(Text(f"{name}: resistance R, F = R U, F external"))
         console.print(_matrix(loads, velocities, found.R))
         if found.mobility is not None:
             console.print(Text("mobility, U = R^-1 F"), _matrix(velocities, loads, found.mobility), sep="\n")

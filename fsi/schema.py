@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, field_validator, model_validator
 
-from fsi.section import Section
+from fsi.references import REFERENCES
+from fsi.section import Section, nearest_word
 from fsi.series import Component, Series
 
 _LOAD = "a number or a table {times = [...], values = [...]}"
-_COMPONENT = r"(velocity|force|position)\.[xy]|angular_velocity|torque"
+_COMPONENT = r"(velocity|force|position)\.[xyrz]|angular_velocity|torque"
 _QUANTITY = rf"^(dissipation|time at gap [\d.e-]+|[\w -]+\.({_COMPONENT}))$"
 _MOTION = f'"free", {_LOAD}'
 
@@ -113,7 +114,7 @@ class Output(Section):
 
 
 class Expected(Section):
-    """A number that the case must give.
+    """A number that the case must give: a value, or the name of an exact result in `fsi.references`.
 
     quantity: `dissipation`, or of a body `disc.velocity.x`, `disc.force.y` (by the fluid on the body),
     `disc.angular_velocity`, `disc.torque`, at the end of a run `disc.position.y`; for a run also
@@ -124,6 +125,29 @@ class Expected(Section):
         pattern=_QUANTITY,
         description='"dissipation", "BODY.force.x" (velocity, position; y), "BODY.torque", "time at gap 0.1"',
     )
-    value: float = Field(description="the expected number")
+    value: float | None = Field(default=None, description="the expected number, or give `exact`")
+    exact: str | None = Field(default=None, description=f"one of {', '.join(REFERENCES)}, or give `value`")
     rtol: float = Field(gt=0.0, description="the relative tolerance, a number > 0")
     source: str = Field(min_length=1, description="where the number comes from")
+
+    @field_validator("exact")
+    @classmethod
+    def _known(cls, exact: str | None) -> str | None:
+        if exact is not None and exact not in REFERENCES:
+            raise ValueError(f"no such exact result; the nearest is {nearest_word(exact, REFERENCES)!r}")
+        return exact
+
+    @model_validator(mode="after")
+    def _one_of_them(self) -> Expected:
+        if (self.value is None) == (self.exact is None):
+            raise ValueError("needs either a value or the name of an exact result")
+        return self
+
+
+class Sweep(Section):
+    """For `fsi validate`: the same case with one number changed, for each of several values."""
+
+    key: str = Field(
+        pattern=r"^[\w.-]+$", description='the dotted key of a number, like "bodies.0.position.1"'
+    )
+    values: tuple[float, ...] = Field(min_length=1, description="the values of that key, at least one")

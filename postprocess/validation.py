@@ -1,4 +1,4 @@
-"""Draw the rows of `fsi validate`: resolved forces on the exact curve and its asymptotes, all errors below."""
+"""Draw the rows of `fsi validate`: resolved forces on the exact curve and asymptotes, all errors below."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from fsi.report_validation import SPHERE, TERMS
 from fsi.validation import Row
 
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")  # Okabe and Ito: told apart by every eye
+_SPACE = 2  # between the rows of two cases
 _FLOOR = 1e-14  # where a true error of zero is drawn
 
 
@@ -55,7 +56,9 @@ def _draw_sphere(axes: Axes, rows: Sequence[Row]) -> None:
 
 def _draw_errors(axes: Axes, rows: Sequence[Row]) -> None:
     """True errors of all rows, with bars from a tenth of the estimate to the estimate."""
-    place = np.arange(len(rows))
+    names = [row.case for row in rows]
+    begins = np.array([k == 0 or names[k] != names[k - 1] for k in range(len(names))])
+    place = np.arange(len(rows)) + _SPACE * np.cumsum(begins)
     bar = np.array([row.error_bar for row in rows])
     axes.vlines(place, 0.1 * bar, bar, color=_COLOURS[0], lw=3, alpha=0.5, label="estimate, down to a tenth")
     axes.plot(
@@ -63,9 +66,9 @@ def _draw_errors(axes: Axes, rows: Sequence[Row]) -> None:
     )
     axes.plot(place, [row.rtol for row in rows], "_", color="black", label="tolerance")
     axes.set_yscale("log")
-    names = [row.case for row in rows]
-    first = [k for k in place if k == 0 or names[k] != names[k - 1]]
-    axes.set_xticks(first, [names[k] for k in first], rotation=45, ha="right", fontsize=8)
+    axes.set_xticks(
+        place[begins], [names[k] for k in np.flatnonzero(begins)], rotation=45, ha="right", fontsize=8
+    )
     axes.set_ylabel("relative error")
     axes.legend(frameon=False, ncols=3)
     axes.grid(axis="y", which="major", alpha=0.3)

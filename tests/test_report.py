@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from fsi.accuracy import ErrorEstimate
 from fsi.bodies import Array
 from fsi.case import Case, load_case
 from fsi.report import print_solution, solution_json
@@ -33,6 +34,9 @@ class Solved:
         return self.F + 1.0
 
 
+ERRORS = ErrorEstimate(U=np.array([[0.0, 0.0, 2e-7]]), F=np.array([[1e-6, 3e-3, 0.0]]))
+
+
 @pytest.fixture
 def case() -> Case:
     return load_case(
@@ -42,7 +46,7 @@ def case() -> Case:
 
 def test_the_force_is_that_of_the_fluid_on_the_body(case: Case) -> None:
     solution = Solved(U=np.array([[0.0, -1.0, 0.5]]), F=np.array([[0.0, -466.0, 0.0]]))
-    found = json.loads(json.dumps(solution_json(case, solution, {"force": 1e-6})))
+    found = json.loads(json.dumps(solution_json(case, solution, ERRORS, {"force": 1e-6})))
     assert found == {
         "name": "disc beside a plane",
         "bodies": [
@@ -53,10 +57,21 @@ def test_the_force_is_that_of_the_fluid_on_the_body(case: Case) -> None:
                 "angular_velocity": 0.5,
                 "force": [0.0, 466.0],
                 "torque": 0.0,
+                "velocity_error": [0.0, 0.0],
+                "angular_velocity_error": 2e-7,
+                "force_error": [1e-6, 3e-3],
+                "torque_error": 0.0,
             }
         ],
         "dissipation": 7.0,
         "checks": {"power": 1e-13},
+        "discretisation": {
+            "degree": 3,
+            "cells_per_gap": 1.0,
+            "cells_per_circle": 48,
+            "growth": 0.2,
+            "formulation": "eliminated",
+        },
         "dofs": 120,
         "cells": 30,
         "seconds": 0.75,
@@ -70,10 +85,11 @@ def test_the_table_shows_reaction_traction_and_checks(case: Case) -> None:
     solution = Solved(U=np.array([[0.0, -1.0, 0.5]]), F=np.array([[0.0, -466.0, 0.0]]))
     with console.capture() as printed:
         console.quiet = False
-        print_solution(console, case, solution, {"force": 2e-6})
+        print_solution(console, case, solution, ERRORS, {"force": 2e-6})
     text = printed.get()
     assert all(
-        word in text for word in ("466", "465", "power", "1.0e-13", "truncation", "2.0e-06", "120 unknowns")
+        word in text
+        for word in ("466", "465", "power", "1.0e-13", "truncation", "2.0e-06", "120 unknowns", "3e-03")
     )
 
 

@@ -7,10 +7,10 @@ sphere's translation and rotation are coupled:
 
     F_x = A V + B omega,   T = B V + C omega       A, B, C: parallel_, coupling_, rotation_resistance
 
-Arguments may be arrays; arrays broadcast. Gaps must be at least 1e-10 a (2e6 modes take seconds there); others
-raise ValueError. Relative error measured for gaps from 1e-6 to 10 radii: 1e-13 for A and C, 1e-12 for the
-force and 1e-11 for the torque in shear, 1e-10 for B. Far away B falls off like (a/h)^4 and is a difference of
-numbers that do not: up to 100 radii its absolute error is 1e-14 of 8 pi mu a^2.
+Arguments may be arrays; arrays broadcast. Gaps must be at least 1e-10 a (2e6 modes take seconds there);
+others raise ValueError. Relative error, measured for gaps from 1e-6 to 10 radii: 1e-13 for A and C, 1e-12 for
+the force and 1e-11 for the torque in shear, 1e-10 for B. Far away B falls off like (a/h)^4, as a
+difference of numbers that do not: up to 100 radii its absolute error is 1e-14 of 8 pi mu a^2.
 
 The solution on the sphere xi = al of bispherical coordinates, cosh al = 1 + s, is due to M. E. O'Neill,
 Mathematika 11 (1964) 67, and W. R. Dean and M. E. O'Neill, Mathematika 10 (1963) 13; the asymptotics to
@@ -108,15 +108,15 @@ def _moment(radius: ArrayLike, viscosity: ArrayLike, power: int) -> Array:
     return moment
 
 
-def _factors(gap: ArrayLike, radius: ArrayLike) -> Array:
-    """The five factors of `_solve`, shape (5, ...). Raises ValueError where the gap is too small."""
+def _factors(gap: ArrayLike, radius: ArrayLike) -> tuple[Array, ...]:
+    """The five factors of `_solve`. Raises ValueError where the gap is too small."""
     s = gap_ratio(gap, radius)
     if not np.all(s >= _SMALLEST):
         raise ValueError(
             f"gap / radius = {np.min(s)}: need at least {_SMALLEST}; use the expansions below it"
         )
-    factors: Array = np.stack([_solve(float(x)) for x in s.ravel()], axis=-1).reshape(5, *s.shape)
-    return factors
+    factors = np.array([_solve(float(x)) for x in s.ravel()]).T
+    return tuple(factor.reshape(s.shape) for factor in factors)
 
 
 def _solve(s: float) -> Array:

@@ -26,6 +26,7 @@ from fsi.resistance import (
     symmetrised,
 )
 from fsi.stokes.boundary import BoundaryNodes
+from fsi.stokes.constraints import MODES
 from fsi.stokes.forms import Forms
 from fsi.stokes.identities import identities, require
 from fsi.stokes.model import StokesModel
@@ -89,18 +90,20 @@ def solve_resistance(
         SolveError: singular system, large residual, or an identity violated.
     """
     clock = clock or Clock()
-    everywhere = np.ones((len(q), 3))
-    all_held = Motion(everywhere.astype(bool), 0.0 * everywhere, 0.0 * everywhere)
+    rest = np.zeros((len(q), MODES))
+    all_held = Motion(np.ones(rest.shape, dtype=bool), rest, rest)
     walls = {wall: np.zeros_like for wall in container.walls if wall not in open_walls}
     boundary = Boundary(walls, dict.fromkeys(open_walls, 0.0))
-    modes = (axial_modes if fluid.axisymmetric else planar_modes)(names, q.radii, viscosity)
-    units = np.eye(everywhere.size)[AXIAL_MODE::3] if fluid.axisymmetric else np.eye(everywhere.size)
+    units = np.eye(rest.size)
+    modes = planar_modes(names, q.radii, viscosity)
+    if fluid.axisymmetric:
+        units, modes = units[AXIAL_MODE::MODES], axial_modes(names, q.radii, viscosity)
     columns, worst = [], dict[str, float]()
     given = assembled(fluid, container, q, all_held, boundary, viscosity, degree, None, clock)
     with given as (system, forms, nodes), factorised(system) as responses:
         clock.lap("factorise")
         for block in batched(units, BLOCK):
-            for nodal in responses(np.reshape(block, (-1, len(q), 3))):
+            for nodal in responses(np.reshape(block, (-1, *rest.shape))):
                 clock.lap("solve")
                 F = load_of(system, nodal.reaction)
                 defects = _defects(system, forms, nodes, nodal, F, viscosity, q)

@@ -1,0 +1,130 @@
+"""Error bars bracket the true error and are close to it; a tolerance is reached, or refused."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fsi.case import Case, load_case
+from fsi.errors import InputError, SolveError
+from fsi.lubrication import exact, spheres
+from fsi.run import make_stepper, resume_run, run_case
+from fsi.stokes.error import ROUNDING, estimate_errors
+from fsi.stokes.model import StokesModel
+from fsi.stokes.refine import solve_with_errors
+
+CASES = Path(__file__).parents[2] / "cases"
+
+
+def beside_plane(gap: float, *overrides: str) -> Case:
+    return load_case(
+        CASES / "disc_beside_plane.toml", [f"bodies.0.position=[0.0, {1.0 + gap!r}]", *overrides]
+    )
+
+
+@pytest.mark.parametrize("degree", [2, 3, 4])
+@pytest.mark.parametrize("gap", [1.0, 1e-2, 1e-4])
+def test_the_bar_of_a_disc_is_between_the_true_error_and_twice_it(gap: float, degree: int) -> None:
+    """The truncation at R = 1e5 a is below 1e-9; without SAFETY the bar would be 1 to 3 % too small."""
+    solved = solve_with_errors(beside_plane(gap, f"discretisation.degree={degree}", "domain.radius=1e5"))
+    true = abs(-solved.solution.F[0, 1] / exact.normal_resistance(gap, 1.0, 1.0) - 1.0)
+    bar = solved.errors.F[0, 1] / abs(solved.solution.F[0, 1])
+    assert true < bar < 2.0 * true
+
+
+def test_the_bar_of_a_sphere() -> None:
+    case = load_case(CASES / "validation/sphere_wall_normal.toml")
+    solved = solve_with_errors(case)
+    R = float(spheres.normal_resistance(case.bodies[0].position[1] - 1.0, 1.0, 1.0))
+    true = abs(-solved.solution.F[0, 1] - R)
+    assert true < solved.errors.F[0, 1] < 2.0 * true
+    assert solved.errors.F[0, 0] == solved.errors.F[0, 2] == 0.0  # no such modes
+
+
+def test_the_bar_of_a_free_velocity() -> None:
+    solved = solve_with_errors(load_case(CASES / "free_disc_in_shear.toml", ["domain.radius=1e5"]))
+    velocity, _ = exact.free_in_shear(0.1, 1.0, 1.0)
+    true = abs(solved.solution.U[0, 0] - velocity)
+    assert true < solved.errors.U[0, 0] < 2.0 * true
+    assert not solved.errors.F.any()  # the loads are given
+
+
+def test_errors_are_those_of_results_and_never_below_rounding() -> None:
+    case = load_case(CASES / "disc_in_box.toml", ["discretisation.degree=2"])
+    model, q = StokesModel(case), case.configuration()
+    better = model.enriched(q, 0.0, case.motion(0.0))
+    errors = estimate_errors(model, q, 0.0, better)
+    assert not errors.U.any()
+    np.testing.assert_allclose(errors.F[0], ROUNDING * np.abs(better.F).max(), rtol=1e-12)
+
+
+def test_a_tolerance_refines_until_it_is_reached() -> None:
+    """A coarse mesh is ten times off the tolerance; the result must then be as accurate as it says."""
+    coarse = ("discretisation.cells_per_circle=12", "discretisation.growth=0.8", "discretisation.degree=2")
+    plain = solve_with_errors(beside_plane(0.1, *coarse))
+    refined = solve_with_errors(beside_plane(0.1, *coarse, "discretisation.tolerance=1e-4"))
+    assert plain.error > 1e-3
+    assert refined.error <= 1e-4
+    assert refined.solution.cells > plain.solution.cells
+    assert refined.case.discretisation.cells_per_gap > 1.0
+    true = abs(-refined.solution.F[0, 1] / exact.normal_resistance(0.1, 1.0, 1.0) - 1.0)
+    assert true <= 1e-4
+
+
+def test_a_tolerance_out_of_reach_says_what_was_reached(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("fsi.stokes.refine.MOST_UNKNOWNS", 5000)
+    case = load_case(CASES / "disc_in_box.toml", ["discretisation.degree=2", "discretisation.tolerance=1e-9"])
+    with pytest.raises(SolveError, match=r"tolerance = 1e-09: the estimated error came down to .* unknowns"):
+        solve_with_errors(case)
+
+
+def test_a_run_refuses_a_tolerance_of_the_mesh() -> None:
+    case = load_case(CASES / "settling_disc.toml", ["discretisation.tolerance=1e-4"])
+    with pytest.raises(InputError, match="only `fsi solve` refines"):
+        make_stepper(case, StokesModel(case))
+
+
+COARSE = (
+    "discretisation.cells_per_circle=12", "discretisation.growth=0.8", "domain.radius=100.0",
+    "output.fields=false", "output.error_estimates=true", "time.tolerance=1e-2", "time.gap_loss=0.5",
+)  # fmt: skip
+
+
+def columns(folder: Path) -> list[dict[str, str]]:
+    with (folder / "steps.csv").open(newline="") as file:
+        return [
+            {key: value for key, value in row.items() if not key.startswith("cpu_")}
+            for row in csv.DictReader(file)
+        ]
+
+
+@pytest.mark.parametrize("remesh", ["always", "when-needed"])
+def test_a_run_records_errors_and_resumes_with_the_same(remesh: str, tmp_path: Path) -> None:
+    case = load_case(CASES / "settling_disc.toml", [*COARSE, "time.end=3.0", f'time.remesh="{remesh}"'])
+    run_case(case, tmp_path / "whole", StokesModel(case))
+
+    class StoppedError(Exception):
+        pass
+
+    def stop(record: object) -> None:
+        if record.step == 2:  # type: ignore[attr-defined]
+            raise StoppedError
+
+    with pytest.raises(StoppedError):
+        run_case(case, tmp_path / "broken", StokesModel(case), stop)
+    resume_run(tmp_path / "broken", StokesModel)
+    whole = columns(tmp_path / "whole")
+    assert columns(tmp_path / "broken") == whole
+    assert all(1e-6 < float(row["err_U"]) < 0.1 and float(row["err_F"]) == 0.0 for row in whole)
+
+
+def test_a_body_with_mass_has_the_error_of_its_force(tmp_path: Path) -> None:
+    mass = ("bodies.0.mass=1.0", "bodies.0.moment_of_inertia=0.5", "time.end=0.3")
+    case = load_case(CASES / "settling_disc.toml", [*COARSE, *mass])
+    run_case(case, tmp_path / "run", StokesModel(case))
+    last = columns(tmp_path / "run")[-1]
+    assert float(last["err_U"]) == 0.0
+    assert 1e-6 < float(last["err_F"]) < 0.1
