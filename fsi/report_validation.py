@@ -4,19 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
 from fsi.lubrication.spheres import normal_resistance, plane_expansion
 from fsi.validation import Row
 
+WIDTH = 100  # below it the numbers would be folded
 SPHERE = "sphere_wall_normal"
 TERMS = {1: "leading", 2: "two-term", 3: "three-term"}
 
 
 def print_rows(console: Console, rows: Sequence[Row]) -> None:
     """The table of all rows, the sphere's, and what they come to."""
+    console.width = max(console.width, WIDTH)
     console.print(_table(rows))
+    for case in dict.fromkeys(row.case for row in rows):
+        console.print(*dict.fromkeys(f"{case}: {row.source}" for row in rows if row.case == case), sep="\n")
+    for row in rows:
+        if row.failure:
+            console.print(f"{row.case}: {row.failure}", style="red")
     records = sphere_records(rows)
     if records:
         console.print(_sphere_table(records))
@@ -68,37 +76,25 @@ def _sphere_table(records: Sequence[dict[str, float | str | bool | None]]) -> Ta
 
 
 def _table(rows: Sequence[Row]) -> Table:
-    table = Table(title="validation; errors are relative to the reference")
-    for heading in (
-        "case",
-        "gap/a",
-        "quantity",
-        "resolved",
-        "± est.",
-        "reference",
-        "true",
-        "rtol",
-        "",
-        "source",
-    ):
-        right = heading not in ("case", "quantity", "", "source")
-        table.add_column(heading, justify="right" if right else "left", overflow="fold")
+    table = Table(title="validation; errors are relative to the reference", box=SIMPLE_HEAD, padding=(0, 1))
+    for heading in ("case, quantity", "gap/a", "resolved", "± est.", "reference", "true", "rtol", ""):
+        right = heading not in ("case, quantity", "")
+        table.add_column(heading, justify="right" if right else "left", no_wrap=True)
     previous = ""
     for row in rows:
-        new = row.case != previous
-        if new and previous:
-            table.add_section()
-        previous = row.case
+        if row.case != previous:
+            if previous:
+                table.add_section()
+            table.add_row(f"[bold]{row.case}[/]")
+            previous = row.case
         table.add_row(
-            row.case if new else "",
+            f"  {row.quantity}",
             f"{row.gap:.6g}",
-            row.quantity,
-            f"{row.value:.11g}",
+            f"{row.value:.10g}",
             f"{row.error_bar:.1e}",
-            f"{row.reference:.11g}",
+            f"{row.reference:.10g}",
             f"{row.true_error:.1e}" if row.true_error > row.digits else f"< {row.digits:.0e}",
             f"{row.rtol:.0e}",
             "[green]ok[/]" if row.passed else "[red]FAIL[/]",
-            row.failure or (row.source if new else ""),
         )
     return table

@@ -22,6 +22,9 @@ from meshes.sizing import Resolution
 from meshes.triangulate import FarSize, Indices, triangulate
 from meshes.walls import boundary
 
+# How much faster sizes may grow in the fluid than along the walls.
+SLOPE = 2.0
+
 
 @dataclass(frozen=True, slots=True)
 class FluidMesh:
@@ -87,7 +90,9 @@ def build(
 
     def make() -> CurvedCells:
         curves = boundary(container, centres, radii, resolution)
-        far = FarSize(len(radii), 2.0 * resolution.growth, float(radii.max(initial=0.0)), container.size())
+        largest = float(radii.max(initial=0.0))
+        h_body = 2.0 * np.pi * largest / resolution.cells_per_circle
+        far = FarSize(len(radii), h_body, SLOPE * resolution.growth, container.size())
         return curve(*triangulate(curves, far), curves, order)
 
     return shared(make, container, len(radii), comm)

@@ -20,6 +20,7 @@ from meshes.errors import MeshError
 from meshes.geometry import Array
 from meshes.sizing import Curve
 
+SAMPLES = 20  # of a body's curve, where distances are measured from
 DELAUNAY = 5  # grades better than the frontal algorithm in large containers
 
 Indices = NDArray[np.int64]
@@ -75,29 +76,29 @@ def chain(curves: Sequence[Curve]) -> tuple[Array, list[Indices]]:
 
 @dataclass(frozen=True, slots=True)
 class FarSize:
-    """A bound on the element size far from all bodies: `slope (d - radius)` at distance d from the nearest.
+    """A bound on the element size in the fluid: `smallest + slope d` at the distance d from the nearest body.
 
-    Without it gmsh, which interpolates between distant boundaries, may leave a ring around the bodies
-    too coarse.
+    Without it gmsh, which interpolates between distant boundaries, leaves the surroundings of bodies too
+    coarse. bodies: how many, their curves come first; reach: a length that no distance exceeds.
     """
 
     bodies: int
+    smallest: float
     slope: float
-    radius: float
     reach: float
 
-    def apply(self, points: Sequence[int]) -> None:
-        """Make it gmsh's background size around these points, one on each body."""
+    def apply(self) -> None:
+        """Make it gmsh's background size."""
         field = gmsh.model.mesh.field
         distance, bound = field.add("Distance"), field.add("Threshold")
-        field.setNumbers(distance, "PointsList", points)
-        near = 3.0 * self.radius
+        field.setNumbers(distance, "CurvesList", list(range(1, self.bodies + 1)))
+        field.setNumber(distance, "Sampling", SAMPLES)
         numbers = {
             "InField": distance,
-            "DistMin": near,
-            "SizeMin": self.slope * (near - self.radius),
-            "DistMax": near + self.reach,
-            "SizeMax": self.slope * (near + self.reach - self.radius),
+            "DistMin": 0.0,
+            "SizeMin": self.smallest,
+            "DistMax": self.reach,
+            "SizeMax": self.smallest + self.slope * self.reach,
         }
         for name, number in numbers.items():
             field.setNumber(bound, name, number)
@@ -121,9 +122,9 @@ def triangulate(
     """
     nodes, chains = chain(curves)
     with gmsh_model():
-        points = _add_curves(nodes, curves, chains)
+        _add_curves(nodes, curves, chains)
         if far is not None and far.bodies:
-            far.apply(points[: far.bodies])
+            far.apply()
         gmsh.model.mesh.generate(2)
         vertices, triangles = _read_triangles()
     edges = np.concatenate([np.column_stack([c[:-1], c[1:]]) for c in chains])
@@ -132,8 +133,8 @@ def triangulate(
     return vertices, triangles, edges, tags
 
 
-def _add_curves(nodes: Array, curves: Sequence[Curve], chains: Sequence[Indices]) -> list[int]:
-    """Give gmsh the boundary: node k of ours is node k + 1 of gmsh's. Gives a point on each curve."""
+def _add_curves(nodes: Array, curves: Sequence[Curve], chains: Sequence[Indices]) -> None:
+    """Give gmsh the boundary: node k of ours is node k + 1 of gmsh's."""
     points: dict[int, int] = {}
 
     def point(node: int) -> int:
@@ -144,10 +145,9 @@ def _add_curves(nodes: Array, curves: Sequence[Curve], chains: Sequence[Indices]
             gmsh.model.mesh.addElementsByType(tag, 15, [], [node + 1])
         return points[node]
 
-    outer, holes, starts = [], [], []
+    outer, holes = [], []
     for number, (curve, numbers) in enumerate(zip(curves, chains, strict=True), start=1):
-        starts.append(point(int(numbers[0])))
-        gmsh.model.addDiscreteEntity(1, number, [starts[-1], point(int(numbers[-1]))])
+        gmsh.model.addDiscreteEntity(1, number, [point(int(numbers[0])), point(int(numbers[-1]))])
         inner = numbers[1:-1]
         gmsh.model.mesh.addNodes(
             1, number, inner + 1, np.column_stack([nodes[inner], np.zeros(len(inner))]).ravel()
@@ -161,7 +161,6 @@ def _add_curves(nodes: Array, curves: Sequence[Curve], chains: Sequence[Indices]
             outer.append(number)
     gmsh.model.geo.addPlaneSurface([gmsh.model.geo.addCurveLoop(outer, reorient=True), *holes])
     gmsh.model.geo.synchronize()
-    return starts
 
 
 def _read_triangles() -> tuple[Array, Indices]:

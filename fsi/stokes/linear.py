@@ -11,6 +11,9 @@ from petsc4py import PETSc
 from fsi.bodies import Array
 from fsi.errors import SolveError
 
+# Percent beyond MUMPS's estimate: many delayed pivots may need the second.
+WORKSPACES = (30, 500)
+TOO_LITTLE_WORKSPACE = (-8, -9)
 REFINE_ABOVE = 1e-14
 REFUSE_ABOVE = 1e-9
 
@@ -30,27 +33,11 @@ class Factorisation:
         """
         self.matrix = matrix
         matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        self._ksp = PETSc.KSP().create(matrix.comm)
-        self._ksp.setOperators(matrix)
-        self._ksp.setType(PETSc.KSP.Type.PREONLY)
-        pc = self._ksp.getPC()
-        pc.setType(PETSc.PC.Type.CHOLESKY)
-        pc.setFactorSolverType("mumps")
-        pc.setFactorSetUpSolverType()
-        factor = pc.getFactorMatrix()
-        factor.setMumpsIcntl(7, 0)
-        factor.setMumpsIcntl(12, 1)
-        try:
-            self._ksp.setUp()
-            status = factor.getMumpsInfog(1)
-        except PETSc.Error as error:
-            raise SolveError(
-                f"MUMPS failed: {error}; is a body or the flow left without anything that holds it?"
-            ) from error
-        finally:
-            # These handles hold references: undestroyed they leak megabytes a step in parallel.
-            factor.destroy()
-            pc.destroy()
+        for percent in WORKSPACES:
+            self._ksp, status = _factorised(matrix, percent)
+            if status not in TOO_LITTLE_WORKSPACE:
+                break
+            self._ksp.destroy()
         if status < 0:
             raise SolveError(
                 f"MUMPS failed with INFOG(1) = {status}; is the flow left without anything that holds it?"
@@ -129,3 +116,29 @@ class Factorisation:
         self.matrix.comm.tompi4py().Allreduce(MPI.IN_PLACE, squares)
         norms: Array = np.sqrt(squares)
         return norms
+
+
+def _factorised(matrix: PETSc.Mat, workspace: int) -> tuple[PETSc.KSP, int]:
+    """A solver with the factors in it and MUMPS's status; workspace: more than estimated, in percent."""
+    ksp = PETSc.KSP().create(matrix.comm)
+    ksp.setOperators(matrix)
+    ksp.setType(PETSc.KSP.Type.PREONLY)
+    pc = ksp.getPC()
+    pc.setType(PETSc.PC.Type.CHOLESKY)
+    pc.setFactorSolverType("mumps")
+    pc.setFactorSetUpSolverType()
+    factor = pc.getFactorMatrix()
+    for option, value in ((7, 0), (12, 1), (14, workspace)):
+        factor.setMumpsIcntl(option, value)
+    try:
+        ksp.setUp()
+        status = int(factor.getMumpsInfog(1))
+    except PETSc.Error as error:
+        raise SolveError(
+            f"MUMPS failed: {error}; is a body or the flow left without anything that holds it?"
+        ) from error
+    finally:
+        # These handles hold references: undestroyed they leak megabytes a step in parallel.
+        factor.destroy()
+        pc.destroy()
+    return ksp, status

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fsi.errors import InputError
-from postprocess.fields import cells_within, edges, nodes, mirrored, read_step, refine, stream_function
+from postprocess.fields import cells_within, edges, mirrored, nodes, read_step, refine, stream_function
 
 RADIUS, HEIGHT, FAR, CELLS = 1.0, 1.2, 6.0, 2 * 24 * 5
 
@@ -52,7 +52,10 @@ def test_stream_function_with_its_sign(run: Path) -> None:
 
 
 def test_stream_function_of_a_uniform_stream_along_an_axis(run: Path) -> None:
-    """u = e_z has Stokes's stream function -r^2 / 2, also beyond the axis; the plane one, -x, is odd there."""
+    """u = e_z has Stokes's stream function -r^2 / 2.
+
+    Also beyond the axis; the plane one, -x, is odd there.
+    """
     surface = refine(mirrored(read_step(run, 0.0)[0]))
     w = np.zeros((surface.n_points, 3))
     w[:, 1] = surface.points[:, 0]
