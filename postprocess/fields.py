@@ -93,8 +93,7 @@ def mirrored(fluid: pv.UnstructuredGrid) -> pv.UnstructuredGrid:
 
 
 def stream_function(surface: pv.PolyData, w: Array) -> Array:
-    """The function psi with w = (d psi / dy, -d psi / dx) for a field w without divergence, (n, 3); shape
-    (n,).
+    """The function psi, (n,), with w = (d psi / dy, -d psi / dx) for w, (n, 3), without divergence.
 
     That is w = u in the plane, and w = r u with an axis (Stokes's stream function).
     Each edge carries the flux `w_x dy - w_y dx` from end to end; psi sums them along a tree of edges, from
