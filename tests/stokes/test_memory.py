@@ -16,8 +16,8 @@ from fsi.case import parse_case
 from fsi.stokes.model import StokesModel
 
 STEPS, WARM, WINDOW = 300, 20, 40
-# 20 kB a step between medians over windows, since a single step varies by 8 MB with its mesh. Known to leak where
-# not freed: gmsh's model, 0.1 MB for this mesh, and PETSc's handles, 5.6 MB a step on two ranks.
+# 20 kB a step between medians over windows, since a single step varies by 8 MB with its mesh. Known to leak
+# where not freed: gmsh's model, 0.1 MB for this mesh, and PETSc's handles, 5.6 MB a step on two ranks.
 ALLOWED = 5e6
 
 
