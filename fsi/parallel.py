@@ -34,19 +34,6 @@ def is_root() -> bool:
     return rank() == 0
 
 
-def broadcast[T](value: T) -> T:
-    """Root's value on every rank."""
-    if size() == 1:
-        return value
-    shared: T = _comm.bcast(value, root=0)
-    return shared
-
-
-def largest(value: float) -> float:
-    """The largest of all ranks' values."""
-    return value if size() == 1 else float(_comm.allreduce(value, op=MPI.MAX))
-
-
 def on_root[T](action: Callable[[], T]) -> T:
     """Run `action` on root alone, give its result to all ranks, raise its error on all ranks."""
     if size() == 1:

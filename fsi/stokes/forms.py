@@ -131,14 +131,12 @@ def compile_forms(order: int, degree: int, axisymmetric: bool) -> Compiled:
         "load": ("V", ufl.inner(f_h, v) * w * dx),
         "pressure weights": ("Q", q * w * dx),
         "dissipation": ("", 2 * mu * ufl.inner(e_h, e_h) * w * dx),
-        "power of load": ("", ufl.inner(f_h, u_h) * w * dx),
         "area": ("", one * w * dx),
         "pressure integral": ("", p_h * w * dx),
         "flux": ("", ufl.inner(u_h, n) * w * ds),
         "speed on boundary": ("", ufl.sqrt(ufl.inner(u_h, u_h)) * w * ds),
         "normal": ("V", ufl.inner(n, v) * w * dS),
         "traction": ("V", ufl.inner(space.traction(u_h, p_h, mu, n), v) * w * dS),
-        "surface mass": ("VV", ufl.inner(u, v) * w * dS),
     }
     compiled = {name: fem.compile_form(MPI.COMM_WORLD, form) for name, (_, form) in forms.items()}
     return Compiled(
