@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from fsi import cli
 from fsi.cli import main
 from tests.exact_model import DiscsBesidePlane
 
@@ -118,7 +117,7 @@ def test_ctrl_c_is_one_line_and_exit_code_130(
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli, "_load", interrupt)
+    monkeypatch.setattr("fsi.case.load_case", interrupt)
     monkeypatch.setattr(sys, "argv", ["fsi", "check", str(CASE)])
     monkeypatch.setattr(sys, "__stderr__", sys.stderr)
     assert main() == 130
@@ -153,7 +152,8 @@ def test_an_error_on_one_rank_ends_all_with_one_message(error: str) -> None:
         import sys
         import meshes.backend
         from mpi4py import MPI
-        from fsi import cli, parallel
+        from fsi import parallel
+        from fsi.cli import check, main
         from fsi.errors import InputError
 
         def load(path, overrides):
@@ -161,9 +161,9 @@ def test_an_error_on_one_rank_ends_all_with_one_message(error: str) -> None:
                 raise {error}("the radius is wrong here")
             MPI.COMM_WORLD.Barrier()  # waits for ever
 
-        cli._load = load
+        check.load = load
         sys.argv = ["fsi", "check", "case.toml"]
-        sys.exit(cli.main())
+        sys.exit(main())
     """
     done = ranks(3, "-c", textwrap.dedent(script))
     assert done.returncode == (2 if error == "InputError" else 1)
@@ -173,7 +173,7 @@ def test_an_error_on_one_rank_ends_all_with_one_message(error: str) -> None:
 @pytest.fixture
 def exact(monkeypatch: pytest.MonkeyPatch) -> None:
     """The closed form of a disc beside a plane in place of the resolved model."""
-    monkeypatch.setattr(cli, "_model", DiscsBesidePlane)
+    monkeypatch.setattr("fsi.models.make_model", DiscsBesidePlane)
 
 
 def typed(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, *arguments: str) -> str:

@@ -1,0 +1,43 @@
+"""What several commands take: a case, changes of it, a run folder, a file to write."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fsi import parallel
+from fsi.errors import InputError
+
+if TYPE_CHECKING:  # what a command needs is imported in it: `fsi --help` must be quick
+    from fsi.case import Case
+
+CaseFile = Annotated[Path, typer.Argument(metavar="CASE", help="A case file (TOML).", show_default=False)]
+RunFolder = Annotated[
+    Path, typer.Argument(metavar="RUN", help="A folder made by fsi run.", show_default=False)
+]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Change a value of the case, e.g. discretisation.degree=2, bodies.0.radius=2. May be repeated.",
+        show_default=False,
+    ),
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+
+
+def load(path: Path, overrides: list[str] | None) -> Case:
+    """The case of a file, with changes; all ranks."""
+    from fsi.case import load_case
+
+    return parallel.on_root(lambda: load_case(path, overrides or ()))
+
+
+def require_writable(output: Path) -> None:
+    """Raise InputError if no file can be written there."""
+    if output.is_dir() or not os.access(output.absolute().parent, os.W_OK):
+        raise InputError(f"output = {output}: no file can be written there; give another path")

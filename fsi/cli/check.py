@@ -1,0 +1,19 @@
+"""`fsi check`: what a case holds."""
+
+from __future__ import annotations
+
+from rich.console import Console
+
+from fsi import parallel
+from fsi.cli.arguments import CaseFile, Overrides, load
+
+EXAMPLE = "Example: fsi check cases/two_discs.toml --set 'bodies.0.position=[-1.5, 0.0]'"
+
+
+def check(case_file: CaseFile, overrides: Overrides = None) -> None:
+    """Read a case and say what it holds: bodies, gaps, what is free or held, walls. Nothing is computed."""
+    case = load(case_file, overrides)
+    if parallel.is_root():
+        from fsi.report import print_case
+
+        print_case(Console(), case)

@@ -1,0 +1,64 @@
+"""The command line as a whole.
+
+Exit codes: 0 done, 1 a defect of the program, 2 wrong input, 3 a solve, mesh or step failed,
+4 a validation failed, 130 interrupted. Errors are one line on stderr. Under `mpiexec` root alone prints; see
+`parallel.last_words` for how all ranks end together.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import traceback
+
+import typer
+
+from fsi import parallel
+from fsi.cli import check, mesh, render, resistance, run, solve, validate
+from fsi.errors import FsiError
+from meshes.errors import MeshError
+
+INTERRUPTED = 130
+
+app = typer.Typer(
+    add_completion=False,
+    rich_markup_mode="markdown",
+    pretty_exceptions_enable=False,
+    help="Rigid bodies moving in Stokes flow, resolved down to the lubrication film.\n\n"
+    "Begin with: fsi check cases/disc_in_box.toml. Works under mpiexec -n 4 fsi ... as well.",
+)
+
+app.command(epilog=check.EXAMPLE)(check.check)
+app.command(epilog=mesh.EXAMPLE)(mesh.mesh)
+app.command(epilog=solve.EXAMPLE)(solve.solve)
+app.command(epilog=run.EXAMPLE)(run.run)
+app.command(epilog=run.RESUME_EXAMPLE)(run.resume)
+app.command(epilog=render.EXAMPLE)(render.render)
+app.command(epilog=resistance.EXAMPLE)(resistance.resistance)
+app.command(epilog=validate.EXAMPLE)(validate.validate)
+
+
+def main() -> int:
+    """Run the command line; returns the exit code."""
+    if not parallel.is_root():
+        sys.stdout = open(os.devnull, "w")  # noqa: PTH123, SIM115  (help and tables once, not once a rank)
+    try:
+        command = typer.main.get_command(app)
+        code = command.main(sys.argv[1:] or ["--help"], prog_name="fsi", standalone_mode=False) or 0
+        if code != INTERRUPTED:  # typer turns Ctrl-C into this exit code, and says nothing
+            return int(code)
+        return parallel.last_words("error: interrupted; a run goes on with fsi resume", INTERRUPTED)
+    except (FsiError, MeshError) as error:
+        line = " ".join(str(error).splitlines())
+        return parallel.last_words(f"error: {line}", getattr(error, "exit_code", 3))
+    except typer.TyperException as error:
+        return parallel.last_words(f"error: {_usage(error)}", 2)
+    except Exception:
+        return parallel.last_words(traceback.format_exc(), 1)
+
+
+def _usage(error: typer.TyperException) -> str:
+    """What is wrong with the command line, and where its help is."""
+    context = getattr(error, "ctx", None)
+    command = "fsi" if context is None else context.command_path
+    return f"{error.format_message().rstrip('.')}; see {command} --help"

@@ -1,0 +1,47 @@
+"""`fsi mesh`: write a mesh."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fsi import parallel
+from fsi.cli.arguments import Overrides, load, require_writable
+from fsi.errors import InputError
+
+EXAMPLE = "Example: fsi mesh cases/disc_in_box.toml -o disc.vtu, or fsi mesh RUN --step 7 -o 7.msh"
+
+
+def mesh(
+    source: Annotated[
+        Path, typer.Argument(metavar="CASE|RUN", help="A case file, or a run folder.", show_default=False)
+    ],
+    output: Annotated[Path, typer.Option("--output", "-o", help="The mesh file: .msh or .vtu")],
+    step: Annotated[
+        int | None, typer.Option(help="Which step of a run.", show_default="the last with fields")
+    ] = None,
+    overrides: Overrides = None,
+) -> None:
+    """Write the mesh of a case at time 0, or the one that a run used at a step."""
+    require_writable(output)
+    if source.is_dir():
+        from postprocess.step_mesh import write_step_mesh
+
+        if overrides:
+            raise InputError(f"--set {overrides[0]}: a run is what it is; give a case file to change a value")
+        written = parallel.on_root(lambda: write_step_mesh(source, step, output))
+        message = f"wrote {output}, step {written}"
+    else:
+        from fsi.stokes.model import StokesModel
+        from meshes.convert import require_suffix, write_mesh
+
+        if step is not None:
+            raise InputError(f"--step {step}: a case has no steps; give a run folder")
+        case = load(source, overrides)
+        require_suffix(output)
+        write_mesh(StokesModel(case).mesh(case.configuration()), output, case.names)
+        message = f"wrote {output}"
+    if parallel.is_root():
+        typer.echo(message)

@@ -1,0 +1,60 @@
+"""`fsi resistance`: the resistance matrix and its inverse."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from fsi import parallel
+from fsi.cli.arguments import AsJson, CaseFile, Overrides, load, require_writable
+from fsi.errors import InputError
+
+EXAMPLE = "Example: fsi resistance cases/two_discs.toml -o two_discs.npz"
+
+
+def resistance(
+    case_file: CaseFile,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help="A .json or .npz file for R and its inverse, .csv for R.",
+            show_default=False,
+        ),
+    ] = None,
+    as_json: AsJson = False,
+    overrides: Overrides = None,
+) -> None:
+    """Compute the resistance matrix R of all bodies, F = R U, and its inverse, the mobility.
+
+    F are the external loads that unit motions of the bodies need at time 0 between walls at rest, or open
+    where the case has them open; its velocities of walls, its motions and loads of bodies are ignored. In a
+    container of given radius the change of R with half that radius is reported, as by fsi solve.
+    """
+    from fsi.report_resistance import print_resistance, require_format, resistance_json, write_resistance
+    from fsi.resistance import difference
+    from fsi.truncation import halved
+
+    if output is not None:
+        require_writable(output)
+        require_format(output)
+    case = load(case_file, overrides)
+    if not case.bodies:
+        raise InputError("bodies: there are none; a resistance matrix needs at least one [[bodies]]")
+    from fsi.stokes.resistance import case_resistance
+
+    found = case_resistance(case)
+    half = halved(case)
+    truncation = None if half is None else difference(found.R, case_resistance(half).R, found.modes.scale)
+    data = resistance_json(case.name, found, truncation)
+    if output is not None:
+        parallel.on_root(lambda: write_resistance(output, data))
+    if parallel.is_root() and as_json:
+        typer.echo(json.dumps(data))
+    elif parallel.is_root():
+        print_resistance(Console(), case.name, found, truncation)

@@ -1,0 +1,72 @@
+"""`fsi run` and `fsi resume`: motion in time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fsi import parallel
+from fsi.cli.arguments import CaseFile, Overrides, RunFolder, load
+
+if TYPE_CHECKING:
+    from fsi.case import Case
+    from fsi.progress import ProgressBar
+    from fsi.run import Outcome
+    from fsi.stepping import Model
+
+EXAMPLE = "Example: fsi run cases/settling_disc.toml --output runs/settling --set time.end=20"
+RESUME_EXAMPLE = "Example: fsi resume runs/settling_disc"
+
+
+def run(
+    case_file: CaseFile,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="The run folder, a new one.", show_default="runs/<case file>"),
+    ] = None,
+    overrides: Overrides = None,
+) -> None:
+    """Move the bodies in time and write a run folder: tables, ParaView series, state.
+
+    A run that was broken off, at any moment, goes on with fsi resume.
+    """
+    from fsi.models import make_model
+    from fsi.progress import ProgressBar
+    from fsi.run import run_case
+
+    case = load(case_file, overrides)
+    folder = output or Path("runs") / case_file.stem
+    with ProgressBar() as bar:
+        bar.begin(case)
+        outcome = run_case(case, folder, make_model(case), bar.show)
+    _tell_end(folder, outcome, bar)
+
+
+def resume(folder: RunFolder) -> None:
+    """Continue a run from its last complete step. A finished run is left as it is."""
+    from fsi.models import make_model
+    from fsi.progress import ProgressBar
+    from fsi.run import resume_run
+
+    with ProgressBar() as bar:
+
+        def model(case: Case) -> Model:
+            bar.begin(case)
+            return make_model(case)
+
+        outcome = resume_run(folder, model, bar.show)
+    _tell_end(folder, outcome, bar)
+
+
+def _tell_end(folder: Path, outcome: Outcome, bar: ProgressBar) -> None:
+    if not parallel.is_root():
+        return
+    if outcome.steps == 0:
+        typer.echo(f"{folder} was finished at t = {outcome.state.t:g}; nothing to do")
+    else:
+        typer.echo(
+            f"{folder}: {outcome.steps} steps to t = {outcome.state.t:g}, "
+            f"smallest gap {bar.smallest_gap:.4g} (at t = {bar.smallest_at:g}), {bar.elapsed:.0f} s"
+        )

@@ -1,0 +1,33 @@
+"""`fsi validate`: resolved against exact."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+EXAMPLE = "Example: fsi validate two_discs concentric_sphere"
+
+
+def validate(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="NAME...", help="Validation cases.", show_default="all of them"),
+    ] = None,
+    cases: Annotated[
+        Path,
+        typer.Option(help="The folder of the case files.", show_default="cases/validation of the checkout"),
+    ] = Path(__file__).parents[2] / "cases" / "validation",
+    output: Annotated[Path, typer.Option("--output", "-o", help="A new folder for the results.")] = Path(
+        "runs/validation"
+    ),
+) -> None:
+    """Compare resolved forces, velocities and times with exact ones, and error bars with true errors.
+
+    Prints a table, and writes it as JSON, CSV and a plot. Exit code 4 if a value lies outside its tolerance.
+    """
+    from fsi.validate import validate_cases
+
+    validate_cases(cases, names or (), output, Console())
