@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from math import comb
 
 import meshes.backend  # noqa: F401
 
@@ -14,11 +15,12 @@ import ufl
 from mpi4py import MPI
 
 from meshes.aliases import Mesh
-from meshes.curved import CurvedCells, curve
+from meshes.curved import SIMPLEX, CurvedCells, curve
 from meshes.errors import MeshError
 from meshes.geometry import Array, Container
 from meshes.quality import require_valid
 from meshes.sizing import Resolution
+from meshes.tetrahedra import fill
 from meshes.triangulate import FarSize, Indices, triangulate
 from meshes.walls import boundary
 
@@ -30,7 +32,7 @@ SLOPE = 2.0
 class FluidMesh:
     """The fluid domain Omega_F, meshed.
 
-    mesh: curved triangles of the given order; facet_tags: body i has tag i + 1, wall k has tag N + 1 + k, the
+    mesh: curved triangles, in space tetrahedra, of the given order; facet_tags: body i has tag i + 1, wall k has tag N + 1 + k, the
     axis the tag after the last wall's; bodies: N; walls: names, in the order of their tags; axisymmetric:
     points are (r, z); quality: worst scaled Jacobian of all cells.
     """
@@ -61,9 +63,14 @@ class FluidMesh:
         """The same mesh, moved, with its new quality."""
         return replace(self, quality=quality)
 
+    @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space."""
+        return int(self.mesh.topology.dim)
+
     def cells(self) -> int:
         """Number of cells over all ranks."""
-        return int(self.mesh.topology.index_map(2).size_global)
+        return int(self.mesh.topology.index_map(self.dimension).size_global)
 
 
 def build(
@@ -74,11 +81,11 @@ def build(
     order: int,
     comm: MPI.Intracomm = MPI.COMM_WORLD,
 ) -> FluidMesh:
-    """Mesh the fluid around discs; collective, gmsh runs on rank 0.
+    """Mesh the fluid around discs, or spheres in space; collective, gmsh runs on rank 0.
 
     Args:
         container: what encloses the fluid.
-        centres: q_i, shape (N, 2).
+        centres: q_i, shape (N, dimension).
         radii: a_i, shape (N,).
         resolution: element sizes.
         order: of the curved cells, 1 ... 4.
@@ -89,6 +96,8 @@ def build(
     """
 
     def make() -> CurvedCells:
+        if container.dimension == 3:
+            return fill(container, centres, radii, resolution, order)
         curves = boundary(container, centres, radii, resolution)
         largest = float(radii.max(initial=0.0))
         h_body = 2.0 * np.pi * largest / resolution.cells_per_circle
@@ -114,40 +123,41 @@ def shared(
     problem, quality, order = comm.bcast((problem, quality, order))
     if problem is not None:
         raise problem
-    mesh, tags = distribute(cells, order, comm)
+    mesh, tags = distribute(cells, order, comm, container.dimension)
     return FluidMesh(mesh, tags, bodies, container.walls, container.axisymmetric, order, quality)
 
 
-def coordinate_element(order: int) -> basix.ufl._ElementBase:
+def coordinate_element(order: int, dimension: int = 2) -> basix.ufl._ElementBase:
     """The isoparametric element of the cells: equispaced nodes, as VTK and gmsh have them."""
-    return basix.ufl.element("Lagrange", "triangle", order, basix.LagrangeVariant.equispaced, shape=(2,))
+    return basix.ufl.element(
+        "Lagrange", SIMPLEX[dimension], order, basix.LagrangeVariant.equispaced, shape=(dimension,)
+    )
 
 
 def distribute(
-    cells: CurvedCells | None, order: int, comm: MPI.Intracomm
+    cells: CurvedCells | None, order: int, comm: MPI.Intracomm, dimension: int = 2
 ) -> tuple[Mesh, dolfinx.mesh.MeshTags]:
     """Share rank 0's cells out over the ranks (the others pass None); mesh and facet tags."""
-    nodes_per_cell = (order + 1) * (order + 2) // 2
+    nodes_per_cell = comb(order + dimension, dimension)
     topology = np.empty((0, nodes_per_cell), dtype=np.int64) if cells is None else cells.cells
-    x = np.empty((0, 2)) if cells is None else cells.nodes
-    mesh = dolfinx.mesh.create_mesh(comm, topology, ufl.Mesh(coordinate_element(order)), x)
+    x = np.empty((0, dimension)) if cells is None else cells.nodes
+    mesh = dolfinx.mesh.create_mesh(comm, topology, ufl.Mesh(coordinate_element(order, dimension)), x)
     edges, tags = comm.bcast(None if cells is None else (cells.edges, cells.tags))
     return mesh, _facet_tags(mesh, edges, tags)
 
 
 def _facet_tags(mesh: Mesh, edges: Indices, tags: Indices) -> dolfinx.mesh.MeshTags:
-    """Tags of the boundary facets, recognised by the input numbers of their two vertices."""
-    mesh.topology.create_entities(1)
-    mesh.topology.create_connectivity(1, 2)
+    """Tags of the boundary facets, recognised by the input numbers of their vertices."""
+    dimension = mesh.topology.dim
+    mesh.topology.create_entities(dimension - 1)
+    mesh.topology.create_connectivity(dimension - 1, dimension)
     facets = dolfinx.mesh.exterior_facet_indices(mesh.topology)
-    local = dolfinx.mesh.entities_to_geometry(mesh, 1, facets)[:, :2]
-    ends = np.sort(mesh.geometry.input_global_indices[local], axis=1)
-    edges = np.sort(edges, axis=1)
+    local = dolfinx.mesh.entities_to_geometry(mesh, dimension - 1, facets)[:, :dimension]
     n = int(edges.max()) + 1
-    keys = edges[:, 0] * n + edges[:, 1]
+    ends = np.sort(mesh.geometry.input_global_indices[local], axis=1)
+    radix = n ** np.arange(dimension)[::-1]
+    keys, wanted = np.sort(edges, axis=1) @ radix, ends @ radix
     order = np.argsort(keys)
-    place = np.minimum(np.searchsorted(keys[order], ends[:, 0] * n + ends[:, 1]), len(keys) - 1)
-    values = np.where(keys[order][place] == ends[:, 0] * n + ends[:, 1], tags[order][place], 0).astype(
-        np.int32
-    )
-    return dolfinx.mesh.meshtags(mesh, 1, facets, values)
+    place = np.minimum(np.searchsorted(keys[order], wanted), len(keys) - 1)
+    values = np.where(keys[order][place] == wanted, tags[order][place], 0).astype(np.int32)
+    return dolfinx.mesh.meshtags(mesh, dimension - 1, facets, values)

@@ -18,6 +18,7 @@ from meshes.geometry import Array
 from meshes.sizing import Curve
 from meshes.triangulate import Indices
 
+SIMPLEX = {2: basix.CellType.triangle, 3: basix.CellType.tetrahedron}  # by dimension
 EDGES = ((1, 2), (0, 2), (0, 1))  # local vertices of the local edges, as in basix
 
 
@@ -27,6 +28,7 @@ class CurvedCells:
 
     nodes: (n, 2), vertices first; cells: node numbers in the order of basix, (T, (k+1)(k+2)/2);
     edges: vertices of the boundary edges, (E, 2); tags: of these edges, (E,).
+    In space: nodes (n, 3); cells (T, (k+1)(k+2)(k+3)/6) are tetrahedra; `edges` are triangles, (E, 3).
     """
 
     nodes: Array
@@ -36,10 +38,10 @@ class CurvedCells:
     order: int
 
 
-def reference_points(order: int) -> Array:
-    """Equispaced nodes of the reference triangle in the order of basix, shape (nodes, 2)."""
+def reference_points(order: int, dimension: int = 2) -> Array:
+    """Equispaced nodes of the reference simplex in the order of basix, shape (nodes, dimension)."""
     element = basix.create_element(
-        basix.ElementFamily.P, basix.CellType.triangle, order, basix.LagrangeVariant.equispaced
+        basix.ElementFamily.P, SIMPLEX[dimension], order, basix.LagrangeVariant.equispaced
     )
     points: Array = element.points
     return points

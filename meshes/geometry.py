@@ -1,7 +1,8 @@
 """The containers that hold fluid and bodies, as plain NumPy geometry.
 
 A container knows its walls by name, how far a point lies from each of them, and nothing of
-meshes or physics. Lengths are in the user's unit; points are arrays of shape (n, 2).
+meshes or physics. Lengths are in the user's unit; points are arrays of shape (n, 2), in space (n, 3) with z
+upwards.
 
 An axisymmetric container is a meridian half-plane: points are (r, z) with r >= 0, and the side r = 0 is the
 axis, which is no wall.
@@ -22,6 +23,10 @@ class Container(Protocol):
     """What encloses the fluid."""
 
     @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space: the number of coordinates of a point."""
+
+    @property
     def axisymmetric(self) -> bool:
         """True where points are (r, z)."""
 
@@ -34,7 +39,7 @@ class Container(Protocol):
         """For each wall the axis of its normal at its corners: that velocity component is its own there."""
 
     def distances(self, x: Array) -> Array:
-        """Distance of each point to each wall, shape (n, walls); positive inside."""
+        """Distance of each point (n, dimension) to each wall, shape (n, walls); positive inside."""
 
     def size(self) -> float:
         """A length that no distance inside exceeds."""
@@ -54,38 +59,54 @@ def boundary_distances(container: Container, x: Array) -> Array:
     return np.column_stack([to_walls, x[:, 0]]) if container.axisymmetric else to_walls
 
 
+def lengths(x: Array) -> Array:
+    """Euclidean length of each vector, shape (n, dimension) -> (n,)."""
+    length: Array = np.hypot.reduce(x, axis=1)
+    return length
+
+
 @dataclass(frozen=True, slots=True)
 class Box:
-    """Rectangle [lower, upper] with walls left, right, bottom, top.
+    """Rectangle [lower, upper] with walls left, right, bottom, top; in space also front and back.
 
+    In space left and right are the ends in x, front and back in y, bottom and top in z.
     A channel is a long box whose left and right ends are open. Axisymmetric, it is a cylinder: lower[0] is 0
     and there is no wall left.
     """
 
-    lower: tuple[float, float]
-    upper: tuple[float, float]
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
     axisymmetric: bool = False
+
+    @property
+    def dimension(self) -> int:
+        """Of its corners."""
+        return len(self.lower)
 
     @property
     def walls(self) -> tuple[str, ...]:
         """Names of the walls."""
+        if self.dimension == 3:
+            return ("left", "right", "front", "back", "bottom", "top")
         return ("right", "bottom", "top") if self.axisymmetric else ("left", "right", "bottom", "top")
 
     @property
     def corner_axes(self) -> tuple[int, ...]:
-        """x for left and right, y for bottom and top."""
+        """The axis across each wall: x for left and right, and so on."""
+        if self.dimension == 3:
+            return (0, 0, 1, 1, 2, 2)
         return (0, 1, 1) if self.axisymmetric else (0, 0, 1, 1)
 
     def distances(self, x: Array) -> Array:
-        """Distance of each point (n, 2) to the walls, shape (n, walls)."""
+        """Distance of each point (n, dimension) to the walls, shape (n, walls)."""
         low = x - np.asarray(self.lower)
         high = np.asarray(self.upper) - x
-        all_four = np.column_stack([low[:, 0], high[:, 0], low[:, 1], high[:, 1]])
-        return all_four[:, 1:] if self.axisymmetric else all_four
+        to_all = np.stack([low, high], axis=2).reshape(len(x), -1)
+        return to_all[:, 1:] if self.axisymmetric else to_all
 
     def size(self) -> float:
         """Length of the diagonal."""
-        return float(np.hypot(*np.subtract(self.upper, self.lower)))
+        return float(np.hypot.reduce(np.subtract(self.upper, self.lower)))
 
     def axis(self) -> tuple[float, float]:
         """From the bottom to the top."""
@@ -98,11 +119,12 @@ class HalfPlane:
 
     The arc `far` carries the flow at infinity, at rest if not given. What the finite radius
     changes (the truncation) decays like (a / radius)^2 or faster and is reported by `fsi solve`.
-    Axisymmetric, it is a half ball.
+    Axisymmetric, or with dimension = 3 and z for y, it is a half ball.
     """
 
     radius: float
     axisymmetric: bool = False
+    dimension: int = 2
 
     @property
     def walls(self) -> tuple[str, ...]:
@@ -111,12 +133,12 @@ class HalfPlane:
 
     @property
     def corner_axes(self) -> tuple[int, ...]:
-        """y for the plane, x for the arc where it meets the plane."""
-        return (1, 0)
+        """The last axis for the plane, x for the arc where it meets the plane."""
+        return (self.dimension - 1, 0)
 
     def distances(self, x: Array) -> Array:
-        """Distance of each point (n, 2) to the plane and to the arc, shape (n, 2)."""
-        return np.column_stack([x[:, 1], self.radius - np.hypot(x[:, 0], x[:, 1])])
+        """Distance of each point (n, dimension) to the plane and to the arc, shape (n, 2)."""
+        return np.column_stack([x[:, -1], self.radius - lengths(x)])
 
     def size(self) -> float:
         """Diameter of the half disc."""
@@ -129,13 +151,14 @@ class HalfPlane:
 
 @dataclass(frozen=True, slots=True)
 class Round:
-    """Disc |x| < radius with the one wall `far`; axisymmetric, a ball.
+    """Disc |x| < radius with the one wall `far`; axisymmetric, or with dimension = 3, a ball.
 
     A small one is a round container; a large one stands for unbounded fluid.
     """
 
     radius: float
     axisymmetric: bool = False
+    dimension: int = 2
 
     @property
     def walls(self) -> tuple[str, ...]:
@@ -148,8 +171,8 @@ class Round:
         return (0,)
 
     def distances(self, x: Array) -> Array:
-        """Distance of each point (n, 2) to the arc, shape (n, 1)."""
-        return (self.radius - np.hypot(x[:, 0], x[:, 1]))[:, None]
+        """Distance of each point (n, dimension) to the arc, shape (n, 1)."""
+        return (self.radius - lengths(x))[:, None]
 
     def size(self) -> float:
         """Diameter."""
