@@ -1,88 +1,210 @@
-"""gmsh fills the fluid around spheres with tetrahedra."""
+"""Tetrahedra in the fluid around spheres: gmsh fills it but for the plugs of narrow gaps."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import meshes.backend  # noqa: F401
 
 import gmsh
 import numpy as np
 from scipy.spatial import cKDTree
 
-import meshes.backend  # noqa: F401
 from meshes.curved import CurvedCells
 from meshes.curved_tets import Sphere, curve_tets
 from meshes.errors import MeshError
 from meshes.geometry import Array, Box, Container, HalfPlane, Round, lengths
+from meshes.plugs import Plug, choose, find_gaps, pattern, prisms
 from meshes.sizing import Resolution
+from meshes.spacing import Spacing
 from meshes.triangulate import Indices, gmsh_model
 
-LENGTH, SHORTEST, LONGEST = 0.3, 0.3, 4.0
+OVERLAP = 0.25  # how far a plug's cylinder enters either surface, in radii of the smaller body
+ON_CURVE = 1e-5  # of a plug's radius: where gmsh's intersections lie
+TRIANGLE, TETRAHEDRON = 2, 4  # as gmsh calls them
 
 
-class Size:
-    def __init__(self, container, centres, radii, resolution):
-        self.c, self.x, self.a, self.r = container, centres, radii, resolution
-        self.h_body = 2*np.pi*radii/resolution.cells_per_circle
+@dataclass(frozen=True, slots=True)
+class Tetrahedra:
+    """Straight cells: vertices (n, 3), tets (T, 4); facets (F, 3) of the boundary with their tags (F,)."""
 
-    def __call__(self, p):
-        if len(self.a) == 0:
-            return 0.1*self.c.size()
-        d = np.sqrt(((p - self.x)**2).sum(axis=1)) - self.a
-        far = float((self.h_body + self.r.growth*np.maximum(d, 0)).min())
-        w = float(self.c.distances(p[None]).min())
-        i = d.argmin(); b1 = d[i]; a = self.a[i]
-        other = w
-        if len(d) > 1:
-            j = np.argpartition(d, 1)[1]
-            if d[j] < w:
-                other = d[j]; a = min(a, self.a[j])
-        gap = max(b1 + other, 1e-12)
-        h = min(max(min(LENGTH*np.sqrt(a*gap), LONGEST*gap), SHORTEST*gap)/self.r.cells_per_gap, far)
-        return float(h)
+    vertices: Array
+    tets: Indices
+    facets: Indices
+    tags: Indices
 
 
-def fill(container: Container, centres: Array, radii: Array, resolution: Resolution, order: int) -> CurvedCells:
-    n = len(radii)
-    spheres = {i + 1: Sphere(centres[i], float(radii[i])) for i in range(n)}
-    if isinstance(container, (HalfPlane, Round)):
-        spheres[n + len(container.walls)] = Sphere(np.zeros(3), container.radius)
-    size = Size(container, centres, radii, resolution)
-    with gmsh_model():
-        occ = gmsh.model.occ
-        match container:
-            case Box(lower=lo, upper=up):
-                outer = occ.addBox(*lo, *np.subtract(up, lo))
-            case HalfPlane(radius=R):
-                outer = occ.addSphere(0, 0, 0, R, angle1=0.0)
-            case Round(radius=R):
-                outer = occ.addSphere(0, 0, 0, R)
-        out = [(3, outer)]
-        if n:
-            out, _ = occ.cut(out, [(3, occ.addSphere(*c, a)) for c, a in zip(centres, radii)])
-        occ.synchronize()
-        gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
-        gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
-        gmsh.option.setNumber("Mesh.Optimize", 1)
-        gmsh.option.setNumber("Mesh.OptimizeNetgen", 1)
-        gmsh.model.mesh.setSizeCallback(lambda dim, tag, x, y, z, lc: size(np.array([x, y, z])))
-        gmsh.model.mesh.generate(3)
-        gmsh.model.mesh.removeSizeCallback()
-        gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 1)
-        gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 1)
-        gmsh.option.setNumber("Mesh.OptimizeNetgen", 0)
-        ids, xyz, _ = gmsh.model.mesh.getNodes()
-        o = np.argsort(ids)
-        vertices = xyz.reshape(-1, 3)[o]
-        tets = np.searchsorted(ids[o], gmsh.model.mesh.getElementsByType(4)[1]).astype(np.int64).reshape(-1, 4)
-        tri = np.searchsorted(ids[o], gmsh.model.mesh.getElementsByType(2)[1]).astype(np.int64).reshape(-1, 3)
-    used, tets = np.unique(tets, return_inverse=True)
-    tets = tets.reshape(-1, 4)
-    tri = np.searchsorted(used, tri)
-    vertices = vertices[used]
-    away = np.column_stack([*(np.abs(lengths(vertices - c) - a) for c, a in zip(centres, radii)), np.abs(container.distances(vertices))])
-    tags = away[tri].max(axis=1).argmin(axis=1) + 1
-    assert away[tri].max(axis=1).min(axis=1).max() < 1e-6*container.size()
+def fill(
+    container: Container, centres: Array, radii: Array, resolution: Resolution, order: int
+) -> CurvedCells:
+    """Curved cells of the fluid around spheres; arguments as for `meshes.build.build`.
+
+    Raises:
+        MeshError: spheres touch, or gmsh fails.
+    """
+    spacing = Spacing(container, centres, radii, resolution)
+    plugs = choose(find_gaps(spacing), spacing)
+    spheres = {i + 1: Sphere(centre, float(radii[i])) for i, centre in enumerate(centres)}
+    if isinstance(container, HalfPlane | Round):
+        spheres[len(radii) + len(container.walls)] = Sphere(np.zeros(3), container.radius)
+    cells = _outside(spacing, plugs)
     for tag, sphere in spheres.items():
-        on = np.unique(tri[tags == tag]); vertices[on] = sphere.project(vertices[on])
-    a, b, c, d = (vertices[tets[:, k]] for k in range(4))
-    flip = np.einsum("td,td->t", np.cross(b - a, c - a), d - a) < 0
-    tets[flip] = tets[flip][:, [0, 2, 1, 3]]
-    return curve_tets(vertices, tets, tri, tags, spheres, order)
+        on = np.unique(cells.facets[cells.tags == tag])
+        cells.vertices[on] = sphere.project(cells.vertices[on])
+    for plug in plugs:
+        cells = _plugged(cells, plug, spacing)
+    _require_boundary(cells)
+    return curve_tets(cells.vertices, _upright(cells), cells.facets, cells.tags, spheres, order)
+
+
+def _outside(spacing: Spacing, plugs: Sequence[Plug]) -> Tetrahedra:
+    """gmsh's cells of the fluid outside the plugs; the sides of the plugs have the tag 0."""
+    with gmsh_model():
+        _add_fluid(spacing, plugs)
+        sides = [face for plug in plugs for face in _structure(plug)]
+        for name, value in {
+            "Mesh.MeshSizeExtendFromBoundary": 0,
+            "Mesh.MeshSizeFromPoints": 0,
+            "Mesh.OptimizeNetgen": 1,
+        }.items():
+            gmsh.option.setNumber(name, value)
+        gmsh.model.mesh.setSizeCallback(lambda _d, _t, x, y, z, _lc: spacing.at(np.array([x, y, z])))
+        try:
+            gmsh.model.mesh.generate(3)
+        finally:
+            gmsh.model.mesh.removeSizeCallback()
+        return _read(spacing, sides)
+
+
+def _add_fluid(spacing: Spacing, plugs: Sequence[Plug]) -> None:
+    """The container without the bodies and the cylinders of the plugs."""
+    occ = gmsh.model.occ
+    match spacing.container:
+        case Box(lower=lower, upper=upper):
+            whole = occ.addBox(*lower, *np.subtract(upper, lower))
+        case HalfPlane(radius=radius):
+            whole = occ.addSphere(0.0, 0.0, 0.0, radius, angle1=0.0)
+        case Round(radius=radius):
+            whole = occ.addSphere(0.0, 0.0, 0.0, radius)
+        case other:
+            raise TypeError(f"no mesh for the container {other!r}")
+    holes = [(3, occ.addSphere(*x, a)) for x, a in zip(spacing.centres, spacing.radii, strict=True)]
+    holes += [(3, _add_cylinder(plug)) for plug in plugs]
+    if holes:
+        occ.cut([(3, whole)], holes)
+    occ.synchronize()
+
+
+def _add_cylinder(plug: Plug) -> int:
+    """The cylinder of a plug, its side in four quarters as gmsh's structured surfaces have four corners."""
+    occ, gap = gmsh.model.occ, plug.gap
+    below, above = (float(height) for height in gap.heights(plug.rho))
+    overlap = OVERLAP * gap.smallest
+    foot = gap.centre + (below - overlap) * gap.along
+    quarters = [0.5 * np.pi * k for k in range(5)]
+    arcs = [
+        occ.addCircle(*foot, plug.rho, -1, start, end, list(gap.along), list(gap.frame()[0]))
+        for start, end in zip(quarters[:-1], quarters[1:], strict=True)
+    ]
+    disc = occ.addPlaneSurface([occ.addCurveLoop(arcs)])
+    occ.synchronize()
+    solid = occ.extrude([(2, disc)], *((above - below + 2.0 * overlap) * gap.along))
+    return next(tag for dimension, tag in solid if dimension == 3)
+
+
+def _structure(plug: Plug) -> list[int]:
+    """One row of triangles on the side of a plug; returns the faces of the side."""
+    gap, segments = plug.gap, {}
+    heights = [float(height) for height in gap.heights(plug.rho)]
+    for _, curve in gmsh.model.getEntities(1):
+        (low,), (high,) = gmsh.model.getParametrizationBounds(1, curve)
+        x = gmsh.model.getValue(1, curve, [low, 0.5 * (low + high), high]).reshape(3, 3) - gap.centre
+        z = x @ gap.along
+        from_axis = lengths(x - z[:, None] * gap.along)
+        if np.abs(from_axis - plug.rho).max() > ON_CURVE * plug.rho:
+            continue
+        if min(abs(z[1] - height) for height in heights) < ON_CURVE * plug.rho:
+            segments[curve] = plug.rim // 4
+        elif heights[0] < z[1] < heights[1]:
+            segments[curve] = 1
+    for curve, number in segments.items():
+        gmsh.model.mesh.setTransfiniteCurve(curve, number + 1)
+    sides = []
+    for _, face in gmsh.model.getEntities(2):
+        around = {abs(curve) for _, curve in gmsh.model.getBoundary([(2, face)], oriented=False)}
+        if around <= set(segments) and 1 in {segments[curve] for curve in around}:
+            gmsh.model.mesh.setTransfiniteSurface(face)
+            sides.append(face)
+    if len(sides) != 4:
+        place = ", ".join(f"{c:.6g}" for c in gap.middle())
+        raise MeshError(f"the gap at ({place}) has no room for its elements; raise discretisation.cells_per_gap")
+    return sides
+
+
+def _read(spacing: Spacing, sides: Sequence[int]) -> Tetrahedra:
+    """gmsh's cells; each surface has the tag of the body or wall that its nodes lie on."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    order = np.argsort(tags)
+    used, tets = np.unique(gmsh.model.mesh.getElementsByType(TETRAHEDRON)[1], return_inverse=True)
+    if len(used) == 0:
+        raise MeshError("gmsh made no tetrahedra; do two surfaces cross?")
+    vertices = coordinates.reshape(-1, 3)[order][np.searchsorted(tags[order], used)]
+    to_bodies = [lengths(vertices - x) - a for x, a in zip(spacing.centres, spacing.radii, strict=True)]
+    away = np.abs(np.column_stack([*to_bodies, spacing.container.distances(vertices)]))
+    facets, values = [], []
+    for _, face in gmsh.model.getEntities(2):
+        corners = gmsh.model.mesh.getElementsByType(TRIANGLE, face)[1]
+        mine = np.searchsorted(used, corners).astype(np.int64).reshape(-1, 3)
+        tag = 0 if face in sides else int(away[mine.ravel()].max(axis=0).argmin()) + 1
+        facets.append(mine)
+        values.append(np.full(len(mine), tag))
+    return Tetrahedra(
+        vertices, tets.reshape(-1, 4).astype(np.int64), np.concatenate(facets), np.concatenate(values)
+    )
+
+
+def _plugged(cells: Tetrahedra, plug: Plug, spacing: Spacing) -> Tetrahedra:
+    """With the prisms of a plug; its side is no boundary any more."""
+    y, triangles = pattern(plug, spacing)
+    inner, n = len(y) - plug.rim, len(cells.vertices)
+    places = [plug.gap.places(y, side) for side in range(2)]
+    on_side = np.unique(cells.facets[cells.tags == 0])
+    tree = cKDTree(cells.vertices[on_side])
+    layers, vertices = [], [cells.vertices]
+    for side in range(2):
+        distance, rim = tree.query(places[side][inner:])
+        if distance.max() > ON_CURVE * plug.rho:
+            raise MeshError("gmsh moved the rim of a gap; try another discretisation.cells_per_gap")
+        layers.append(np.concatenate([n + side * inner + np.arange(inner), on_side[rim]]))
+        vertices.append(places[side][:inner])
+    below, above = layers
+    rim_places = np.arange(inner, len(y))
+    u, v = np.sort([rim_places, np.roll(rim_places, -1)], axis=0)
+    sides = {tuple(sorted(facet)) for facet in cells.facets[cells.tags == 0].tolist()}
+    forwards = [tuple(sorted((below[i], below[j], above[j]))) in sides for i, j in zip(u, v, strict=True)]
+    backwards = np.column_stack([u, v])[~np.array(forwards)]
+    mine = np.isin(cells.facets, np.concatenate([below[inner:], above[inner:]])).all(axis=1) & (cells.tags == 0)
+    return Tetrahedra(
+        np.concatenate(vertices),
+        np.concatenate([cells.tets, prisms(triangles, below, above, backwards)]),
+        np.concatenate([cells.facets[~mine], below[triangles], above[triangles]]),
+        np.concatenate([cells.tags[~mine], *(np.full(len(triangles), tag) for tag in plug.gap.tags)]),
+    )
+
+
+def _require_boundary(cells: Tetrahedra) -> None:
+    """The facets that belong to one cell must be the tagged ones."""
+    sides = np.sort(cells.tets[:, [0, 1, 2, 0, 1, 3, 0, 2, 3, 1, 2, 3]].reshape(-1, 3), axis=1)
+    radix = len(cells.vertices) ** np.arange(3)[::-1]
+    found, count = np.unique(sides @ radix, return_counts=True)
+    tagged = np.sort(np.sort(cells.facets, axis=1) @ radix)
+    if count.max() > 2 or not np.array_equal(found[count == 1], tagged):
+        raise MeshError("gmsh lost a part of the boundary; try a finer discretisation.cells_per_gap")
+
+
+def _upright(cells: Tetrahedra) -> Indices:
+    """The cells, those with a negative volume mirrored."""
+    a, b, c, d = (cells.vertices[cells.tets[:, k]] for k in range(4))
+    mirrored = np.einsum("td,td->t", np.cross(b - a, c - a), d - a) < 0.0
+    return np.where(mirrored[:, None], cells.tets[:, [0, 2, 1, 3]], cells.tets)

@@ -31,6 +31,7 @@ def gmsh_model() -> Iterator[None]:
     """A fresh, silent, deterministic gmsh model, cleared afterwards (or it leaks 200 kB a mesh)."""
     if not gmsh.isInitialized():
         gmsh.initialize(interruptible=False)
+    gmsh.option.restoreDefaults()
     gmsh.option.setNumber("General.Terminal", 0)
     gmsh.option.setNumber("General.NumThreads", 1)  # with two, meshes differ from run to run
     gmsh.option.setNumber("Mesh.Renumber", 0)  # keeps the numbers of the boundary nodes
