@@ -13,7 +13,7 @@ from fsi.bodies import Array
 
 @dataclass(frozen=True, slots=True)
 class ErrorEstimate:
-    """Estimated errors, absolute: of U where it is free, of F where U is held; else 0. Shapes (N, 3)."""
+    """Estimated errors, absolute: of U where it is free, of F where U is held; else 0. Shapes (N, M)."""
 
     U: Array
     F: Array
@@ -24,20 +24,15 @@ class Results(Protocol):
 
     @property
     def U(self) -> Array:
-        """Velocities of the bodies, shape (N, 3)."""
+        """Velocities of the bodies, shape (N, M)."""
 
     @property
     def F(self) -> Array:
-        """External loads `int sigma n`, shape (N, 3)."""
-
-
-def arms(radii: Array) -> Array:
-    """(1, 1, a) of each body, shape (N, 3): torques count over it, rotations times it."""
-    return np.column_stack([np.ones_like(radii), np.ones_like(radii), radii])
+        """External loads `int sigma n`, shape (N, M)."""
 
 
 def relative_change(
-    results: Results, change: Results, held: NDArray[np.bool_], radii: Array
+    results: Results, change: Results, held: NDArray[np.bool_], arm: Array
 ) -> dict[str, float]:
     """A change of the results over the largest result.
 
@@ -46,13 +41,12 @@ def relative_change(
     Args:
         results: U and F.
         change: their changes or errors, of any sign.
-        held: which velocities are prescribed, shape (N, 3).
-        radii: a_i, shape (N,).
+        held: which velocities are prescribed, shape (N, M).
+        arm: 1 for translations, the radius for rotations, shape (N, M).
 
     Returns:
         "force" and "velocity": largest |change| / largest |result|, each only if there is such a result.
     """
-    arm = arms(radii)
     pairs = {
         "force": ((results.F / arm)[held], (change.F / arm)[held]),
         "velocity": ((results.U * arm)[~held], (change.U * arm)[~held]),

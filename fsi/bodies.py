@@ -1,8 +1,13 @@
 """Rigid bodies: where they are, what moves or holds them.
 
-Planar bodies are discs. Their modes, the columns of every array over modes, are
-`(V_x, V_y, omega)`; the conjugate loads are `(F_x, F_y, T)`. `omega` and `T` are positive
-counterclockwise. F and T are the EXTERNAL force and torque (per unit length in the plane).
+Bodies are discs in the plane (d = 2), spheres on an axis (also d = 2, points (r, z)) or spheres in space
+(d = 3). Their modes, the columns of every array over modes, are
+
+    d = 2   (V_x, V_y, omega)                              with loads (F_x, F_y, T)
+    d = 3   (V_x, V_y, V_z, omega_x, omega_y, omega_z)     with loads (F_x, F_y, F_z, T_x, T_y, T_z)
+
+d translations and d (d - 1) / 2 rotations, together M. In the plane omega and T are positive
+counterclockwise. F and T are the EXTERNAL force and torque (in the plane per unit length).
 """
 
 from __future__ import annotations
@@ -11,40 +16,89 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
 
-PLANAR_MODES = ("V_x", "V_y", "omega")
+MODES = {2: ("V_x", "V_y", "omega"), 3: ("V_x", "V_y", "V_z", "omega_x", "omega_y", "omega_z")}
+LOADS = {2: ("F_x", "F_y", "T"), 3: ("F_x", "F_y", "F_z", "T_x", "T_y", "T_z")}
+PLACES = {2: ("x", "y", "angle"), 3: ("x", "y", "z", "angle_x", "angle_y", "angle_z")}
+
+
+def arms(radii: Array, dimension: int) -> Array:
+    """1 for translations, a for rotations, (N, M): torques count over it, rotations times it."""
+    rotations = len(MODES[dimension]) - dimension
+    return np.repeat(np.column_stack([np.ones_like(radii), radii]), [dimension, rotations], axis=1)
+
+
+def rigid_motion(r: Array) -> Array:
+    """The velocity `V + omega x r` at points r (..., d), and omega, for each unit motion: (..., M, M).
+
+    Rows are components of (velocity, rotation), columns the modes about the origin.
+    """
+    d = r.shape[-1]
+    M = len(MODES[d])
+    rows = np.zeros((*r.shape[:-1], M, M))
+    rows[..., range(M), range(M)] = 1.0
+    if d == 2:
+        rows[..., 0, 2], rows[..., 1, 2] = -r[..., 1], r[..., 0]
+        return rows
+    for i in range(3):  # omega x r, component i: omega_j r_k - omega_k r_j
+        j, k = (i + 1) % 3, (i + 2) % 3
+        rows[..., i, 3 + j], rows[..., i, 3 + k] = r[..., k], -r[..., j]
+    return rows
 
 
 @dataclass(frozen=True, slots=True)
 class Configuration:
     """Where the bodies are.
 
-    centres: q_i, shape (N, 2); angles: rotation of each body since the start, radians, shape (N,);
-    radii: a_i > 0, shape (N,).
+    centres: q_i, shape (N, d); angles: rotation of each body since the start, in the plane radians,
+    shape (N,), in space a rotation vector, its length the angle, shape (N, 3); radii: a_i > 0, shape (N,).
     """
 
     centres: Array
     angles: Array
     radii: Array
 
+    @classmethod
+    def unturned(cls, centres: Array, radii: Array) -> Configuration:
+        """Bodies that have not turned yet."""
+        return cls(centres, np.zeros(len(radii) if centres.shape[1] == 2 else (len(radii), 3)), radii)
+
     def __len__(self) -> int:
         """Number of bodies N."""
         return len(self.radii)
 
+    @property
+    def dimension(self) -> int:
+        """d, 2 or 3."""
+        return int(self.centres.shape[1])
+
+    @property
+    def arms(self) -> Array:
+        """1 for translations, a for rotations, (N, M)."""
+        return arms(self.radii, self.dimension)
+
     def moved(self, displacement: Array) -> Configuration:
-        """The configuration after displacements (N, 3) along the modes (x, y, angle)."""
-        return Configuration(self.centres + displacement[:, :2], self.angles + displacement[:, 2], self.radii)
+        """The configuration after displacements (N, M) along the modes; rotations in space are composed."""
+        d = self.dimension
+        centres = self.centres + displacement[:, :d]
+        if d == 2:
+            return Configuration(centres, self.angles + displacement[:, 2], self.radii)
+        if len(self) == 0:
+            return self
+        turned = Rotation.from_rotvec(displacement[:, d:]) * Rotation.from_rotvec(self.angles)
+        return Configuration(centres, turned.as_rotvec(), self.radii)
 
 
 @dataclass(frozen=True, slots=True)
 class Motion:
     """What drives the bodies at one instant.
 
-    held: which modes are prescribed, bool, shape (N, 3);
+    held: which modes are prescribed, bool, shape (N, M);
     U: their prescribed velocities (0 where free); F: the external loads on the free modes
-    (0 where held, where the load is a result). Shapes (N, 3).
+    (0 where held, where the load is a result). Shapes (N, M).
     """
 
     held: NDArray[np.bool_]
@@ -56,8 +110,8 @@ class Motion:
 class Inertia:
     """Inertia of the bodies in an implicit step: the load on each mode becomes `F - D (U - U0)`.
 
-    D: mass over the step's own time, `m / (gamma h)` and `I / (gamma h)`, shape (N, 3), >= 0;
-    U0: the velocity that inertia alone would give, shape (N, 3).
+    D: mass over the step's own time, `m / (gamma h)` and `I / (gamma h)`, shape (N, M), >= 0;
+    U0: the velocity that inertia alone would give, shape (N, M).
     """
 
     D: Array

@@ -10,17 +10,18 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import numpy as np
 import tomli_w
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
-from fsi.bodies import Array, Configuration, Motion
+from fsi.bodies import MODES, Array, Configuration, Motion
 from fsi.casecheck import check_case
 from fsi.domain import Domain, WallVelocity, wall_kinks, wall_pressure, wall_velocity
 from fsi.errors import InputError
+from fsi.geometry import GEOMETRY, Geometry, dimension_of
 from fsi.overrides import override
 from fsi.schema import Body, Discretisation, Expected, Fluid, Output, Sweep, Time
 from fsi.section import Section, explain
@@ -37,9 +38,7 @@ class Case(Section):
     """One problem: fluid, domain, bodies, and how to compute it."""
 
     name: str = Field(min_length=1, description="a few words that name the case")
-    geometry: Literal["planar", "axisymmetric"] = Field(
-        default="planar", description='"planar" or "axisymmetric"'
-    )
+    geometry: Geometry = Field(default="planar", description='"planar", "axisymmetric" or "spatial"')
     fluid: Fluid = Field(description="a section [fluid] with its viscosity")
     domain: Domain = Field(description='a section [domain] of shape "box", "half-plane" or "round"')
     bodies: tuple[Body, ...] = Field(default=(), description="one section [[bodies]] for each body")
@@ -57,12 +56,17 @@ class Case(Section):
 
     @model_validator(mode="before")
     @classmethod
-    def _tell_the_domain(cls, data: Any) -> Any:
-        """The domain's walls depend on the geometry."""
-        if isinstance(data, dict) and isinstance(data.get("domain"), dict):
-            axisymmetric = data.get("geometry") == "axisymmetric"
-            return data | {"domain": data["domain"] | {"<axisymmetric>": axisymmetric}}
-        return data
+    def _tell_the_geometry(cls, data: Any) -> Any:
+        """The walls of the domain and the vectors of the bodies depend on the geometry."""
+        if not isinstance(data, dict) or data.get("geometry") not in ("axisymmetric", "spatial"):
+            return data
+        told = {GEOMETRY: data["geometry"]}
+        sections = dict(data)
+        if isinstance(data.get("domain"), dict):
+            sections["domain"] = data["domain"] | told
+        if isinstance(data.get("bodies"), tuple):
+            sections["bodies"] = tuple(b | told if isinstance(b, dict) else b for b in data["bodies"])
+        return sections
 
     @model_validator(mode="after")
     def _sound(self) -> Case:
@@ -80,9 +84,15 @@ class Case(Section):
         return self.geometry == "axisymmetric"
 
     @property
+    def dimension(self) -> int:
+        """d: how many coordinates a point has."""
+        return dimension_of(self.geometry)
+
+    @property
     def modes(self) -> NDArray[np.bool_]:
-        """Which of (V_x, V_y, omega) a body has: all, or with an axis V_z alone, which stands second."""
-        return np.array([False, True, False]) if self.axisymmetric else np.ones(3, dtype=bool)
+        """Which of its M modes a body has: all, or with an axis V_z alone, which stands second."""
+        found = np.ones(len(MODES[self.dimension]), dtype=bool)
+        return np.array([False, True, False]) if self.axisymmetric else found
 
     def container(self) -> Container:
         """What encloses the fluid."""
@@ -90,34 +100,36 @@ class Case(Section):
 
     def configuration(self) -> Configuration:
         """Where the bodies are at time 0."""
-        return Configuration(
-            np.array([body.position for body in self.bodies], dtype=float).reshape(-1, 2),
-            np.array([body.angle for body in self.bodies], dtype=float),
+        q = Configuration.unturned(
+            np.array([body.position for body in self.bodies], dtype=float).reshape(-1, self.dimension),
             np.array([body.radius for body in self.bodies], dtype=float),
         )
+        angles = np.array([body.angle for body in self.bodies], dtype=float)
+        return Configuration(q.centres, angles.reshape(q.angles.shape), q.radii)
 
     def motion(self, t: float) -> Motion:
         """What holds and what drives the bodies at time t."""
         held = np.array(
             [[part != "free" for part in body.motion] for body in self.bodies], dtype=bool
-        ).reshape(-1, 3)
+        ).reshape(-1, len(self.modes))
         U = self._modes(lambda body: [0.0 if part == "free" else value_at(part, t) for part in body.motion])
         F = self._modes(lambda body: [value_at(part, t) for part in body.loads])
         held |= ~self.modes
         return Motion(held, U, F)
 
     def masses(self) -> Array | None:
-        """(m, m, I) of each body, 0 for those without, shape (N, 3); None when no body has inertia."""
+        """m or I of each mode, 0 for bodies without, shape (N, M); None when no body has inertia."""
         if all(body.mass is None for body in self.bodies):
             return None
-        return self._modes(lambda body: [body.mass or 0.0, body.mass or 0.0, body.moment_of_inertia or 0.0])
+        d, M = self.dimension, len(self.modes)
+        return self._modes(lambda body: d * [body.mass or 0.0] + (M - d) * [body.moment_of_inertia or 0.0])
 
     def _modes(self, values: Callable[[Body], Sequence[float]]) -> Array:
-        return np.array([values(body) for body in self.bodies], dtype=float).reshape(-1, 3)
+        return np.array([values(body) for body in self.bodies], dtype=float).reshape(-1, len(self.modes))
 
     def wall_velocity(self, t: float) -> dict[str, WallVelocity]:
         """The velocity at time t on the walls where it is given."""
-        found = {name: wall_velocity(wall, t) for name, wall in self.domain.walls.items()}
+        found = {name: wall_velocity(wall, t, self.dimension) for name, wall in self.domain.walls.items()}
         return {name: velocity for name, velocity in found.items() if velocity is not None}
 
     def wall_pressure(self) -> dict[str, float]:

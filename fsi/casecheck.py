@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fsi.bodies import Array
+from fsi.bodies import Array, rigid_motion
 from fsi.domain import BoxDomain, Shear
 from fsi.errors import InputError
 from fsi.gaps import find_gaps
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
 # A gap is touching when it is no larger than what rounding makes of coordinates of this size.
 _ROUNDING = 8.0 * float(np.finfo(float).eps)
-_LOAD_KEYS = ("force.0", "force.1", "torque")
 
 
 def check_case(case: Case) -> None:
@@ -82,9 +81,9 @@ def _check_axis(case: Case) -> None:
         off_axis = {
             "position": body.position if body.position[0] != 0.0 else None,
             "velocity": body.velocity if not _nothing(body.velocity[0]) else None,
-            "angular_velocity": body.angular_velocity if not _nothing(body.angular_velocity) else None,
+            "angular_velocity": body.angular_velocity if not _nothing(body.motion[2]) else None,
             "force": body.force if not _nothing(body.force[0]) else None,
-            "torque": body.torque if not _nothing(body.torque) else None,
+            "torque": body.torque if not _nothing(body.loads[2]) else None,
             "moment_of_inertia": body.moment_of_inertia,
         }
         for key, value in off_axis.items():
@@ -107,7 +106,7 @@ def _nothing(component: Component) -> bool:
 
 def _check_loads(case: Case) -> None:
     for i, body in enumerate(case.bodies):
-        for held, load, key in zip(body.motion, body.loads, _LOAD_KEYS, strict=True):
+        for held, load, key in zip(body.motion, body.loads, body.keys, strict=True):
             if held != "free" and not is_zero(load):
                 raise InputError(
                     f"bodies.{i}.{key} = {toml_text(load)}: body {body.name!r} holds this component, "
@@ -121,7 +120,7 @@ def _check_inertia(case: Case) -> None:
             given, other = ("mass", "moment_of_inertia")[:: 1 if body.mass is not None else -1]
             raise InputError(
                 f"bodies.{i}.{given} = {getattr(body, given)!r}: without {other}; give both or neither "
-                "(a uniform disc has moment_of_inertia = mass radius^2 / 2)"
+                "(a uniform disc has moment_of_inertia = mass radius^2 / 2, a sphere 2/5 of it)"
             )
 
 
@@ -132,7 +131,7 @@ def _check_flux(case: Case) -> None:
     normals = _wall_normals(case.container())
     for t in case.knots() or (0.0,):
         outward = {
-            name: float(normals[name][:2] @ given.velocity + normals[name][2] * given.shear)
+            name: float(normals[name][:-1] @ given.velocity + normals[name][-1] * given.shear)
             for name, given in case.wall_velocity(t).items()
         }
         worst = max(outward, key=lambda name: abs(outward[name]))
@@ -145,7 +144,12 @@ def _check_flux(case: Case) -> None:
 
 
 def _wall_normals(container: Container) -> dict[str, Array]:
-    """For each wall the integrals of `n_x, n_y, y n_x` over it, n the unit normal out of the fluid."""
+    """For each wall the integrals of `n_x, n_y, y n_x` over it, n the unit normal out of the fluid.
+
+    In space of `n_x, n_y, n_z, z n_x`.
+    """
+    if container.dimension == 3:
+        return _wall_normals_in_space(container)
     if container.axisymmetric:
         return _wall_normals_around_axis(container)
     if isinstance(container, Box):
@@ -157,6 +161,23 @@ def _wall_normals(container: Container) -> dict[str, Array]:
     else:
         rows = [(0.0, 0.0, 0.0)]
     return {name: np.array(row) for name, row in zip(container.walls, rows, strict=True)}
+
+
+def _wall_normals_in_space(container: Container) -> dict[str, Array]:
+    if isinstance(container, Box):
+        sides = np.subtract(container.upper, container.lower)
+        areas = sides.prod() / sides
+        rows = np.zeros((6, 4))
+        for axis in range(3):
+            rows[2 * axis, axis], rows[2 * axis + 1, axis] = -areas[axis], areas[axis]
+        middle = 0.5 * (container.lower[2] + container.upper[2])
+        rows[:2, 3] = middle * rows[:2, 0]
+    elif isinstance(container, HalfPlane):
+        across = np.pi * (0.5 * container.size()) ** 2
+        rows = np.array([(0.0, 0.0, -across, 0.0), (0.0, 0.0, across, 0.0)])
+    else:
+        rows = np.zeros((1, 4))
+    return dict(zip(container.walls, rows, strict=True))
 
 
 def _wall_normals_around_axis(container: Container) -> dict[str, Array]:
@@ -177,7 +198,7 @@ def _check_determined(case: Case) -> None:
     """Some wall, held component or mass must stop every rigid motion of fluid and bodies together."""
     if case.wall_velocity(0.0):
         return
-    stopped = np.array(list(_stopped_modes(case))).reshape(-1, 3)[:, case.modes]
+    stopped = np.array(list(_stopped_modes(case))).reshape(-1, len(case.modes))[:, case.modes]
     if np.linalg.matrix_rank(stopped) < case.modes.sum():
         free = (
             "everything is free"
@@ -190,11 +211,10 @@ def _check_determined(case: Case) -> None:
         )
 
 
-def _stopped_modes(case: Case) -> Iterator[tuple[float, float, float]]:
-    """The linear forms of a global rigid motion (V_x, V_y, omega) that held or heavy components fix."""
+def _stopped_modes(case: Case) -> Iterator[Array]:
+    """The linear forms of a global rigid motion, (M,), that held or heavy components fix."""
     for body in case.bodies:
-        x, y = body.position
-        of_body = ((1.0, 0.0, -y), (0.0, 1.0, x), (0.0, 0.0, 1.0))
+        of_body = rigid_motion(np.array(body.position))
         for held, form in zip(body.motion, of_body, strict=True):
             if held != "free" or body.mass is not None:
                 yield form

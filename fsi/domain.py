@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Discriminator, Field, Tag, field_validator
 
 from fsi.bodies import Array
+from fsi.geometry import Geometry, dimension_of, require_components
 from fsi.section import Section, nearest_word, refuse_unknown
 from fsi.series import Series, kinks, value_at
 from meshes.geometry import Box, Container, HalfPlane, Round
@@ -16,7 +17,10 @@ from meshes.geometry import Box, Container, HalfPlane, Round
 
 @dataclass(frozen=True, slots=True)
 class WallVelocity:
-    """The velocity of the fluid at a wall, `u(x, y) = velocity + shear y e_x`; velocity has shape (2,)."""
+    """The velocity of the fluid at a wall, `u = velocity + shear h e_x`; velocity has shape (d,).
+
+    h is the last coordinate, y in the plane and z in space.
+    """
 
     velocity: Array
     shear: float
@@ -29,9 +33,9 @@ class Pressure(Section):
 
 
 class Shear(Section):
-    """A wall on which the fluid has the shear flow `u = shear y e_x`."""
+    """A wall on which the fluid has the shear flow `u = shear y e_x`, in space `shear z e_x`."""
 
-    shear: float = Field(description="the shear rate of the flow shear y e_x at the wall, a number")
+    shear: float = Field(description="the shear rate of the flow u_x = shear y (in space shear z), a number")
 
 
 def _wall_kind(value: Any) -> str:
@@ -50,14 +54,11 @@ def _wall_kind(value: Any) -> str:
 
 Wall = Annotated[
     Annotated[Literal["open"], Tag("<word>")]
-    | Annotated[tuple[Series, Series], Tag("<velocity>")]
+    | Annotated[tuple[Series, ...], Tag("<velocity>")]
     | Annotated[Pressure, Tag("<pressure>")]
     | Annotated[Shear, Tag("<shear>")],
     Discriminator(_wall_kind),
 ]
-
-AT_REST: tuple[float, float] = (0.0, 0.0)
-
 
 _SHAPES = '"box", "half-plane" or "round"'
 
@@ -65,12 +66,12 @@ _SHAPES = '"box", "half-plane" or "round"'
 class _Walled(Section):
     """What all domains have: a condition at every wall, and perhaps the user's own mesh of the shape."""
 
-    # Put here by the case, which knows its geometry; the brackets keep it out of the user's reach.
-    axisymmetric: bool = Field(default=False, alias="<axisymmetric>", exclude=True)
+    geometry: Geometry = Field(default="planar", alias="<geometry>", exclude=True)
     walls: dict[str, Wall] = Field(
         default={},
         validate_default=True,
-        description='for each wall its velocity [u_x, u_y], "open", {pressure = p} or {shear = rate}',
+        description='for each wall its velocity [u_x, u_y] (in space [u_x, u_y, u_z]), "open", '
+        "{pressure = p} or {shear = rate}",
     )
     mesh: str | None = Field(
         default=None, description="the path of a mesh file of this shape, seen from the case file's folder"
@@ -79,10 +80,11 @@ class _Walled(Section):
     @field_validator("walls")
     @classmethod
     def _complete(cls, walls: dict[str, Wall], info: Any) -> dict[str, Wall]:
-        return _all_walls(walls, cls.wall_names(info.data["axisymmetric"]))
+        geometry: Geometry = info.data["geometry"]
+        return _all_walls(walls, cls.wall_names(geometry), dimension_of(geometry))
 
     @classmethod
-    def wall_names(cls, axisymmetric: bool) -> tuple[str, ...]:
+    def wall_names(cls, geometry: Geometry) -> tuple[str, ...]:
         """Names of the walls of this shape."""
         raise NotImplementedError
 
@@ -91,38 +93,48 @@ class _Walled(Section):
         raise NotImplementedError
 
 
-def _all_walls(given: dict[str, Wall], names: tuple[str, ...]) -> dict[str, Wall]:
+def _all_walls(given: dict[str, Wall], names: tuple[str, ...], dimension: int) -> dict[str, Wall]:
     """The conditions of all walls in the container's order, at rest where none is given."""
-    for name in given:
+    for name, wall in given.items():
         refuse_unknown(name, names)
-    return {name: given.get(name, AT_REST) for name in names}
+        if isinstance(wall, tuple):
+            require_components(wall, dimension, f"the velocity of {name}")
+    return {name: given.get(name, (0.0,) * dimension) for name in names}
 
 
 class BoxDomain(_Walled):
-    """The rectangle [lower, upper] with the walls left, right, bottom, top."""
+    """The rectangle [lower, upper] with the walls left, right, bottom, top; in space also front, back."""
 
     shape: Literal["box"] = Field(default="box", description=_SHAPES)
-    lower: tuple[float, float] = Field(description="the lower left corner [x, y], left of and below `upper`")
-    upper: tuple[float, float] = Field(
-        description="the upper right corner [x, y], right of and above `lower`"
+    lower: tuple[float, ...] = Field(
+        description="the lower left corner [x, y] (in space [x, y, z]), left of and below `upper`"
+    )
+    upper: tuple[float, ...] = Field(
+        description="the upper right corner [x, y] (in space [x, y, z]), right of and above `lower`"
     )
 
     @classmethod
-    def wall_names(cls, axisymmetric: bool) -> tuple[str, ...]:
-        """left, right, bottom, top; a cylinder has no left."""
-        return Box(AT_REST, AT_REST, axisymmetric).walls
+    def wall_names(cls, geometry: Geometry) -> tuple[str, ...]:
+        """left, right, front, back, bottom, top; no front and back in the plane, a cylinder has no left."""
+        corner = (0.0,) * dimension_of(geometry)
+        return Box(corner, corner, geometry == "axisymmetric").walls
+
+    @field_validator("lower", "upper")
+    @classmethod
+    def _all_components(cls, corner: tuple[float, ...], info: Any) -> tuple[float, ...]:
+        return require_components(corner, dimension_of(info.data["geometry"]), "a corner")
 
     @field_validator("upper")
     @classmethod
-    def _right_way_round(cls, upper: tuple[float, float], info: Any) -> tuple[float, float]:
-        lower = info.data.get("lower", (-np.inf, -np.inf))
-        if not (lower[0] < upper[0] and lower[1] < upper[1]):
+    def _right_way_round(cls, upper: tuple[float, ...], info: Any) -> tuple[float, ...]:
+        lower = info.data.get("lower", (-np.inf,) * len(upper))
+        if not all(low < high for low, high in zip(lower, upper, strict=True)):
             raise ValueError(f"does not lie to the right of and above lower = {list(lower)}")
         return upper
 
     def container(self) -> Container:
         """The geometry."""
-        return Box(self.lower, self.upper, self.axisymmetric)
+        return Box(self.lower, self.upper, self.geometry == "axisymmetric")
 
 
 class HalfPlaneDomain(_Walled):
@@ -134,13 +146,13 @@ class HalfPlaneDomain(_Walled):
     )
 
     @classmethod
-    def wall_names(cls, axisymmetric: bool) -> tuple[str, ...]:
+    def wall_names(cls, geometry: Geometry) -> tuple[str, ...]:
         """plane and far."""
-        return HalfPlane(1.0, axisymmetric).walls
+        return HalfPlane(1.0, dimension=dimension_of(geometry)).walls
 
     def container(self) -> Container:
         """The geometry."""
-        return HalfPlane(self.radius, self.axisymmetric)
+        return HalfPlane(self.radius, self.geometry == "axisymmetric", dimension_of(self.geometry))
 
 
 class RoundDomain(_Walled):
@@ -150,13 +162,13 @@ class RoundDomain(_Walled):
     radius: float = Field(gt=0.0, description="the radius of the container, a number > 0")
 
     @classmethod
-    def wall_names(cls, axisymmetric: bool) -> tuple[str, ...]:
+    def wall_names(cls, geometry: Geometry) -> tuple[str, ...]:
         """far."""
-        return Round(1.0, axisymmetric).walls
+        return Round(1.0, dimension=dimension_of(geometry)).walls
 
     def container(self) -> Container:
         """The geometry."""
-        return Round(self.radius, self.axisymmetric)
+        return Round(self.radius, self.geometry == "axisymmetric", dimension_of(self.geometry))
 
 
 def _domain_kind(value: Any) -> str:
@@ -177,13 +189,13 @@ Domain = Annotated[
 ]
 
 
-def wall_velocity(wall: Wall, t: float) -> WallVelocity | None:
+def wall_velocity(wall: Wall, t: float, dimension: int) -> WallVelocity | None:
     """The velocity that holds at a wall at time t; None where the traction is given instead."""
     match wall:
         case tuple():
             return WallVelocity(np.array([value_at(component, t) for component in wall]), 0.0)
         case Shear():
-            return WallVelocity(np.zeros(2), wall.shear)
+            return WallVelocity(np.zeros(dimension), wall.shear)
         case _:
             return None
 

@@ -40,7 +40,7 @@ def pair_gaps(q: Configuration, pairs: NDArray[np.intp]) -> Array:
     """Gaps `|q_i - q_j| - a_i - a_j` of the given pairs (P, 2), shape (P,)."""
     i, j = pairs[:, 0], pairs[:, 1]
     separation = q.centres[i] - q.centres[j]
-    return np.hypot(separation[:, 0], separation[:, 1]) - q.radii[i] - q.radii[j]
+    return np.linalg.norm(separation, axis=1) - q.radii[i] - q.radii[j]
 
 
 def find_gaps(q: Configuration, container: Container, reach: float | None = None) -> Gaps:

@@ -41,25 +41,26 @@ def _closest_pass(q: Configuration, displacement: Array, pairs: NDArray[np.intp]
     """Smallest gap of the pairs (P, 2) on the straight way, shape (P,): none can jump through another."""
     i, j = pairs[:, 0], pairs[:, 1]
     separation = q.centres[i] - q.centres[j]
-    change = displacement[i, :2] - displacement[j, :2]
+    change = displacement[i] - displacement[j]
     length2 = np.sum(change * change, axis=1)
     nearest = -np.sum(separation * change, axis=1) / np.where(length2 > 0.0, length2, 1.0)
     passed = separation + np.clip(nearest, 0.0, 1.0)[:, None] * change
-    return np.hypot(passed[:, 0], passed[:, 1]) - q.radii[i] - q.radii[j]
+    return np.linalg.norm(passed, axis=1) - q.radii[i] - q.radii[j]
 
 
 def greatest_approach(
     q: Configuration, container: Container, displacement: Array, gap_loss: float
 ) -> Approach:
-    """The gap that loses most of itself when the bodies move straight by `displacement` (N, 3).
+    """The gap that loses most of itself when the bodies move straight by `displacement` (N, d or M).
 
     Neighbours count, and whatever can lose more than `gap_loss` however far apart. Containers are
     convex, so that the gap to a wall is smallest at an end of the way.
     """
-    fastest = float(np.hypot(displacement[:, 0], displacement[:, 1]).max())
+    displacement = displacement[:, : q.dimension]
+    fastest = float(np.linalg.norm(displacement, axis=1).max())
     reach = max(2.0 * float(q.radii.max()), 2.0 * fastest / gap_loss)
     gaps = find_gaps(q, container, reach)
-    wall_left = container.distances(q.centres + displacement[:, :2]) - q.radii[:, None]
+    wall_left = container.distances(q.centres + displacement) - q.radii[:, None]
     before = np.concatenate([gaps.pair_gaps, gaps.wall_gaps.ravel()])
     loss = 1.0 - np.concatenate([_closest_pass(q, displacement, gaps.pairs), wall_left.ravel()]) / before
     worst = int(np.argmax(loss))
@@ -78,7 +79,7 @@ def _sides(index: int, pairs: NDArray[np.intp], bodies_walls: tuple[int, ...]) -
 def limited_step(
     q: Configuration, container: Container, velocity: Array, h: float, gap_loss: float
 ) -> tuple[float, Approach]:
-    """The longest step up to h in which the present velocity (N, 3) closes no gap by more than `gap_loss`.
+    """The longest step up to h in which the present velocity (N, M) closes no gap by more than `gap_loss`.
 
     Returns:
         the step, and the gap that limits it (that closes most, if none does).

@@ -20,21 +20,24 @@ TIME_AT_GAP = "time at gap "
 type Reference = Callable[[Case, str], float]
 
 
-def component(quantity: str) -> tuple[str, int]:
-    """The body and the mode (0, 1, 2) of a quantity like `disc.force.y`, `ball.force.z` or `disc.torque`."""
-    body, *parts = quantity.split(".")
-    return body, {"x": 0, "r": 0, "y": 1, "z": 1}.get(parts[-1], 2)
+def component(case: Case, quantity: str) -> tuple[str, int]:
+    """The body and the mode of a quantity like `disc.force.y`, `ball.force.z` or `disc.torque`."""
+    body, kind, *axis = quantity.split(".")
+    if case.dimension == 2:
+        return body, {"x": 0, "r": 0, "y": 1, "z": 1}[axis[0]] if axis else 2
+    turning = 3 if kind in ("angular_velocity", "torque") else 0
+    return body, turning + "xyz".index(axis[0])
 
 
 def _beside_plane(case: Case) -> tuple[float, float, float]:
-    """Gap, radius and viscosity of the first body beside the plane y = 0."""
+    """Gap, radius and viscosity of the first body beside the plane y = 0 (in space z = 0)."""
     body = case.bodies[0]
-    return body.position[1] - body.radius, body.radius, case.fluid.viscosity
+    return body.position[-1] - body.radius, body.radius, case.fluid.viscosity
 
 
 def sphere_wall_normal(case: Case, quantity: str) -> float:
     """A sphere moving along the normal of a plane (Brenner 1961)."""
-    _, mode = component(quantity)
+    _, mode = component(case, quantity)
     return -float(spheres.normal_resistance(*_beside_plane(case))) * float(case.motion(0.0).U[0, mode])
 
 
@@ -44,13 +47,13 @@ def two_spheres(case: Case, quantity: str) -> float:
     gap = abs(second.position[1] - first.position[1]) - first.radius - second.radius
     U = case.motion(0.0).U[:, 1]
     forces = spheres.line_forces(gap, first.radius, second.radius, case.fluid.viscosity, U[0], U[1])
-    body, _ = component(quantity)
+    body, _ = component(case, quantity)
     return -float(forces[case.names.index(body)])
 
 
 def concentric_sphere(case: Case, quantity: str) -> float:
     """A sphere at the centre of a spherical container (Cunningham 1910)."""
-    _, mode = component(quantity)
+    _, mode = component(case, quantity)
     body, outer = case.bodies[0], 0.5 * case.container().size()
     R = spheres.concentric_resistance(outer - body.radius, body.radius, case.fluid.viscosity)
     return -float(R) * float(case.motion(0.0).U[0, mode])
@@ -59,7 +62,7 @@ def concentric_sphere(case: Case, quantity: str) -> float:
 def disc_beside_plane(case: Case, quantity: str) -> float:
     """A disc moving along, towards or turning beside a plane (Jeffrey and Onishi 1981)."""
     laws = (exact.parallel_resistance, exact.normal_resistance, exact.rotation_resistance)
-    _, mode = component(quantity)
+    _, mode = component(case, quantity)
     return -float(laws[mode](*_beside_plane(case))) * float(case.motion(0.0).U[0, mode])
 
 
@@ -67,13 +70,13 @@ def disc_in_shear(case: Case, quantity: str) -> float:
     """A free disc in the shear flow u = y e_x beside a plane (Jeffrey and Onishi 1981)."""
     gap, radius, _ = _beside_plane(case)
     velocity, omega = exact.free_in_shear(gap, radius, case.wall_velocity(0.0)["far"].shear)
-    _, mode = component(quantity)
+    _, mode = component(case, quantity)
     return float((velocity, 0.0, omega)[mode])
 
 
 def two_discs(case: Case, quantity: str) -> float:
     """Two equal discs approaching along their line of centres, which is an axis of coordinates."""
-    body, mode = component(quantity)
+    body, mode = component(case, quantity)
     i = case.names.index(body)
     first, second = case.bodies
     gap = abs(second.position[mode] - first.position[mode]) - first.radius - second.radius

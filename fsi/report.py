@@ -14,14 +14,16 @@ from rich.table import Table
 from rich.text import Text
 
 from fsi.accuracy import ErrorEstimate
+from fsi.bodies import Array
 from fsi.case import Case
-from fsi.domain import AT_REST
 from fsi.section import toml_text
 from fsi.truncation import Solution
 
 
-def _components(case: Case) -> tuple[str, str, str]:
+def _components(case: Case) -> tuple[str, ...]:
     """What the modes are called."""
+    if case.dimension == 3:
+        return ("x", "y", "z", "rotation x", "rotation y", "rotation z")
     return ("r", "z", "rotation") if case.axisymmetric else ("x", "y", "rotation")
 
 
@@ -29,20 +31,20 @@ def solution_json(
     case: Case, solution: Solution, errors: ErrorEstimate, truncated: Mapping[str, float] | None
 ) -> dict[str, Any]:
     """The object that `fsi solve --json` prints; `truncation` is there where it could be measured."""
-    q = case.configuration()
+    q, d = case.configuration(), case.dimension
     exerted = -solution.F + 0.0  # no -0.0
     bodies = [
         {
             "name": name,
             "position": q.centres[i].tolist(),
-            "velocity": solution.U[i, :2].tolist(),
-            "angular_velocity": float(solution.U[i, 2]),
-            "force": exerted[i, :2].tolist(),
-            "torque": float(exerted[i, 2]),
-            "velocity_error": errors.U[i, :2].tolist(),
-            "angular_velocity_error": float(errors.U[i, 2]),
-            "force_error": errors.F[i, :2].tolist(),
-            "torque_error": float(errors.F[i, 2]),
+            "velocity": solution.U[i, :d].tolist(),
+            "angular_velocity": _turning(solution.U[i, d:]),
+            "force": exerted[i, :d].tolist(),
+            "torque": _turning(exerted[i, d:]),
+            "velocity_error": errors.U[i, :d].tolist(),
+            "angular_velocity_error": _turning(errors.U[i, d:]),
+            "force_error": errors.F[i, :d].tolist(),
+            "torque_error": _turning(errors.F[i, d:]),
         }
         for i, name in enumerate(case.names)
     ]
@@ -58,6 +60,11 @@ def solution_json(
         "seconds_by_phase": {phase: float(spent) for phase, spent in solution.seconds.items()},
     }
     return found if truncated is None else found | {"truncation": dict(truncated)}
+
+
+def _turning(components: Array) -> float | list[float]:
+    """A number in the plane, a list of three in space."""
+    return float(components[0]) if len(components) == 1 else components.tolist()
 
 
 def print_solution(
@@ -80,7 +87,9 @@ def _bodies_table(case: Case, solution: Solution, errors: ErrorEstimate) -> Tabl
     table = Table(
         title=case.name,
         title_justify="left",
-        caption="" if case.axisymmetric else "forces and torques per unit length, rotation counterclockwise",
+        caption="forces and torques per unit length, rotation counterclockwise"
+        if case.geometry == "planar"
+        else "",
     )
     table.add_column("body")
     table.add_column("component")
@@ -134,7 +143,7 @@ def print_case(console: Console, case: Case) -> None:
 def _walls_table(case: Case) -> Table:
     table = Table("wall", "what holds there")
     for name, wall in case.domain.walls.items():
-        table.add_row(name, "at rest" if wall == AT_REST else toml_text(wall))
+        table.add_row(name, "at rest" if wall == (0.0,) * case.dimension else toml_text(wall))
     return table
 
 
@@ -154,7 +163,7 @@ def _case_table(case: Case) -> Table:
 def _nearest(case: Case, i: int) -> tuple[float, str]:
     """The smallest gap of body i and the name of what lies there, a body or a wall."""
     q, container = case.configuration(), case.container()
-    to_bodies = np.hypot(*(q.centres - q.centres[i]).T) - q.radii
+    to_bodies = np.linalg.norm(q.centres - q.centres[i], axis=1) - q.radii
     to_bodies[i] = np.inf
     gaps = np.append(to_bodies, container.distances(q.centres[i : i + 1])) - q.radii[i]
     return float(gaps.min()), (*case.names, *container.walls)[int(gaps.argmin())]

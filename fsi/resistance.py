@@ -1,8 +1,9 @@
 """The grand resistance matrix R of rigid bodies, F = R U, its inverse, and what it must satisfy.
 
 U stacks the velocities (V_x, V_y, omega) of every body, F their loads (F_x, F_y, T); with an axis V_z and F_z
-alone. F are the EXTERNAL loads that the motion needs in fluid between resting walls; the fluid exerts
--F. R is symmetric (Lorentz reciprocity), and positive unless everything can move rigidly at no cost.
+alone, in space all six. F are the EXTERNAL loads that the motion needs in fluid between resting walls; the
+fluid exerts -F. R is symmetric (Lorentz reciprocity), and positive unless everything can move rigidly at no
+cost.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from fsi.bodies import PLANAR_MODES, Array
+from fsi.bodies import LOADS, MODES, Array, arms
 from fsi.errors import SolveError
 
 BOUND = 1e-9
@@ -26,7 +27,7 @@ class Modes:
     """The modes of all bodies, in the order of rows and columns.
 
     velocities, loads: their labels, "disc.V_x" and "disc.F_x"; scale: s with R_ij / (s_i s_j) dimensionless,
-    sqrt(mu) for a translation in the plane, a sqrt(mu) for a rotation, sqrt(mu a) along an axis, shape (n,).
+    sqrt(mu) for a translation in the plane, a sqrt(mu) for a rotation, both times sqrt(a) for spheres, (n,).
     """
 
     velocities: tuple[str, ...]
@@ -54,10 +55,12 @@ class Resistance:
     seconds: dict[str, float]
 
 
-def planar_modes(names: Sequence[str], radii: Array, viscosity: float) -> Modes:
-    """V_x, V_y and omega of every body."""
-    scale = np.sqrt(viscosity) * np.column_stack([np.ones_like(radii), np.ones_like(radii), radii])
-    return Modes(_labels(names, PLANAR_MODES), _labels(names, ("F_x", "F_y", "T")), scale.ravel())
+def all_modes(names: Sequence[str], radii: Array, viscosity: float, dimension: int) -> Modes:
+    """All M modes of every body."""
+    scale = np.sqrt(viscosity) * arms(radii, dimension)
+    if dimension == 3:
+        scale *= np.sqrt(radii)[:, None]
+    return Modes(_labels(names, MODES[dimension]), _labels(names, LOADS[dimension]), scale.ravel())
 
 
 def axial_modes(names: Sequence[str], radii: Array, viscosity: float) -> Modes:

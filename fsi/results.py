@@ -31,7 +31,7 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies import Array, Configuration
+from fsi.bodies import LOADS, MODES, PLACES, Array, Configuration
 from fsi.checkpoint import TEMPORARY, Checkpoint, read_checkpoint, replace, write_checkpoint
 from fsi.errors import FsiError, InputError, SolveError
 from fsi.parallel import on_root
@@ -41,14 +41,13 @@ from fsi.stepping import State
 CASE, PROVENANCE, STATE, FIELDS = "case.toml", "provenance.json", "state.npz", "fields"
 STEPS, BODIES = "steps.csv", "bodies.csv"
 STEP_COLUMNS = ("step", "t", "h", "smallest_gap", "rejected")
-BODY_COLUMNS = ("step", "t", "body", "x", "y", "angle", "V_x", "V_y", "omega", "F_x", "F_y", "T")
 
 
 @dataclass(frozen=True, slots=True)
 class StepRecord:
     """One accepted step as the tables show it; step 0, of length 0, is the start.
 
-    rejected: how many tries came before; U, F: velocities and external loads, shape (N, 3);
+    rejected: how many tries came before; U, F: velocities and external loads, shape (N, M);
     columns: the further columns of steps.csv.
     """
 
@@ -139,7 +138,7 @@ class RunFolder:
     ) -> None:
         with _disk(self.path, SolveError, f"make it writable and `fsi resume {self.path}`"):
             self._append(STEPS, *_step_table(record))
-            self._append(BODIES, BODY_COLUMNS, _body_rows(record, names))
+            self._append(BODIES, *_body_table(record, names))
             for series, added in files.items():
                 entries = self._series.setdefault(series, [])
                 entries += [Entry(record.t, part, f"{FIELDS}/{name}") for part, name in enumerate(added)]
@@ -218,9 +217,12 @@ def _step_table(record: StepRecord) -> tuple[list[str], list[list[object]]]:
     return [*STEP_COLUMNS, *columns], [own + [_plain(value) for value in columns.values()]]
 
 
-def _body_rows(record: StepRecord, names: Sequence[str]) -> list[list[object]]:
+def _body_table(record: StepRecord, names: Sequence[str]) -> tuple[list[str], list[list[object]]]:
+    """Header and rows of bodies.csv."""
+    d = record.q.dimension
     numbers = np.column_stack([record.q.centres, record.q.angles, record.U, record.F])
-    return [[record.step, record.t, name, *row] for name, row in zip(names, numbers.tolist(), strict=True)]
+    rows = [[record.step, record.t, name, *row] for name, row in zip(names, numbers.tolist(), strict=True)]
+    return ["step", "t", "body", *PLACES[d], *MODES[d], *LOADS[d]], rows
 
 
 def _plain(value: float) -> float:

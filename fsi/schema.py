@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import Field, field_validator, model_validator
 
+from fsi.geometry import Geometry, dimension_of, require_components
 from fsi.references import REFERENCES
 from fsi.section import Section, nearest_word
-from fsi.series import Component, Series
+from fsi.series import Angle, Component, Series, Spin, Torque
 
+FREE: Literal["free"] = "free"
 _LOAD = "a number or a table {times = [...], values = [...]}"
-_COMPONENT = r"(velocity|force|position)\.[xyrz]|angular_velocity|torque"
+_COMPONENT = r"(velocity|force|position|angular_velocity|torque)\.[xyrz]|angular_velocity|torque"
 _QUANTITY = rf"^(dissipation|time at gap [\d.e-]+|[\w -]+\.({_COMPONENT}))$"
 _MOTION = f'"free", {_LOAD}'
 
@@ -23,18 +25,36 @@ class Fluid(Section):
 
 
 class Body(Section):
-    """A rigid disc: where it starts, what moves it, what it weighs."""
+    """A rigid disc or sphere: where it starts, what moves it, what it weighs.
+
+    In space what turns (angle, angular_velocity, torque) is a vector of three.
+    """
+
+    geometry: Geometry = Field(default="planar", alias="<geometry>", exclude=True)
 
     name: str = Field(pattern=r"^\w[\w -]*$", description="a name of letters, digits, blanks, - and _")
     radius: float = Field(gt=0.0, description="the radius, a number > 0")
-    position: tuple[float, float] = Field(description="the centre [x, y] at time 0, two finite numbers")
-    angle: float = Field(default=0.0, description="the angle at time 0 in radians")
-    velocity: tuple[Component, Component] = Field(
-        default=("free", "free"), description=f"two components, each {_MOTION}"
+    position: tuple[float, ...] = Field(
+        description="the centre [x, y] (in space [x, y, z]) at time 0, finite numbers"
     )
-    angular_velocity: Component = Field(default="free", description=_MOTION)
-    force: tuple[Series, Series] = Field(default=(0.0, 0.0), description=f"two components, each {_LOAD}")
-    torque: Series = Field(default=0.0, description=_LOAD)
+    angle: Angle = Field(
+        default_factory=lambda known: _turning(known, 0.0),
+        description="the angle at time 0 in radians (in space a rotation vector)",
+    )
+    velocity: tuple[Component, ...] = Field(
+        default_factory=lambda known: (FREE,) * _dimension(known),
+        description=f"two components (in space three), each {_MOTION}",
+    )
+    angular_velocity: Spin = Field(
+        default_factory=lambda known: _turning(known, FREE), description=f"(in space three times) {_MOTION}"
+    )
+    force: tuple[Series, ...] = Field(
+        default_factory=lambda known: (0.0,) * _dimension(known),
+        description=f"two components (in space three), each {_LOAD}",
+    )
+    torque: Torque = Field(
+        default_factory=lambda known: _turning(known, 0.0), description=f"(in space three times) {_LOAD}"
+    )
     mass: float | None = Field(
         default=None, gt=0.0, description="the mass per unit length, a number > 0, or none"
     )
@@ -42,15 +62,46 @@ class Body(Section):
         default=None, gt=0.0, description="the moment of inertia per unit length, a number > 0, or none"
     )
 
-    @property
-    def motion(self) -> tuple[Component, Component, Component]:
-        """What is prescribed for each mode (V_x, V_y, omega)."""
-        return (*self.velocity, self.angular_velocity)
+    @field_validator("position", "velocity", "force")
+    @classmethod
+    def _all_components[T](cls, vector: tuple[T, ...], info: Any) -> tuple[T, ...]:
+        return require_components(vector, dimension_of(info.data["geometry"]), "a vector")
+
+    @field_validator("angle", "angular_velocity", "torque")
+    @classmethod
+    def _turns_in_its_dimension(cls, turning: Any, info: Any) -> Any:
+        spatial, vector = info.data["geometry"] == "spatial", isinstance(turning, tuple)
+        if spatial and vector:
+            return require_components(turning, 3, "a vector")
+        if spatial != vector:
+            raise ValueError("must be a vector of three in space" if spatial else "must not be a vector")
+        return turning
 
     @property
-    def loads(self) -> tuple[Series, Series, Series]:
-        """The external load on each mode (F_x, F_y, T)."""
-        return (*self.force, self.torque)
+    def motion(self) -> tuple[Component, ...]:
+        """What is prescribed for each mode, (M,)."""
+        turning = self.angular_velocity
+        return (*self.velocity, *(turning if isinstance(turning, tuple) else (turning,)))
+
+    @property
+    def loads(self) -> tuple[Series, ...]:
+        """The external load on each mode, (M,)."""
+        turning = self.torque
+        return (*self.force, *(turning if isinstance(turning, tuple) else (turning,)))
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The keys of the loads on each mode: `force.0`, ..., `torque` (in space `torque.2`), (M,)."""
+        turning = ["torque"] if self.geometry != "spatial" else [f"torque.{k}" for k in range(3)]
+        return (*(f"force.{k}" for k in range(len(self.force))), *turning)
+
+
+def _dimension(known: dict[str, Any]) -> int:
+    return dimension_of(known.get("geometry", "planar"))
+
+
+def _turning[T](known: dict[str, Any], value: T) -> T | tuple[T, ...]:
+    return (value,) * 3 if known.get("geometry") == "spatial" else value
 
 
 class Discretisation(Section):

@@ -52,6 +52,25 @@ Component = Annotated[
 ]
 
 
+def _turning_kind(value: Any) -> str:
+    return "<vector>" if isinstance(value, list | tuple) else "<scalar>"
+
+
+# What turns a body: a scalar in the plane, a vector in space.
+Angle = Annotated[
+    Annotated[float, Tag("<scalar>")] | Annotated[tuple[float, ...], Tag("<vector>")],
+    Discriminator(_turning_kind),
+]
+Torque = Annotated[
+    Annotated[Series, Tag("<scalar>")] | Annotated[tuple[Series, ...], Tag("<vector>")],
+    Discriminator(_turning_kind),
+]
+Spin = Annotated[
+    Annotated[Component, Tag("<scalar>")] | Annotated[tuple[Component, ...], Tag("<vector>")],
+    Discriminator(_turning_kind),
+]
+
+
 def value_at(series: float | Table, t: float) -> float:
     """The value at time t."""
     if isinstance(series, Table):

@@ -34,11 +34,11 @@ class Instant(Protocol):
 
     @property
     def U(self) -> Array:
-        """Velocities of the bodies, shape (N, 3)."""
+        """Velocities of the bodies, shape (N, M)."""
 
     @property
     def F(self) -> Array:
-        """`int sigma n` over each body: the external load in balance, shape (N, 3)."""
+        """`int sigma n` over each body: the external load in balance, shape (N, M)."""
 
     @property
     def record(self) -> Mapping[str, float]:
@@ -72,7 +72,7 @@ class Model(Protocol):
 class State:
     """All that the next step depends on.
 
-    t: time; step: its number; U: velocities at (q, t), shape (N, 3); h: the next step to try.
+    t: time; step: its number; U: velocities at (q, t), shape (N, M); h: the next step to try.
     """
 
     t: float
@@ -84,7 +84,7 @@ class State:
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """One step of a scheme: where it ends, the instant there, estimated error of the displacement (N, 3)."""
+    """One step of a scheme: where it ends, the instant there, estimated error of the displacement (N, M)."""
 
     q: Configuration
     instant: Instant
@@ -121,7 +121,7 @@ class _Guarded:
     gap_loss: float
 
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> Instant:
-        displacement = np.column_stack([q.centres - self.start.centres, q.angles - self.start.angles])
+        displacement = q.centres - self.start.centres
         approach = greatest_approach(self.start, self.container, displacement, self.gap_loss)
         if not approach.loss <= self.gap_loss:  # also where it is not a number
             raise GapRefusedError(approach)
@@ -193,19 +193,20 @@ class Stepper:
         return _Guarded(self.model, start, self.container, self.gap_loss)
 
     def _norm(self, q: Configuration, displacement: Array) -> float:
-        """Largest error that displacements (N, 3) make, relative to what is tolerated: accepted up to 1.
+        """Largest error that displacements (N, M) make, relative to what is tolerated: accepted up to 1.
 
         Each displacement counts over the radius, each angle in radians, and each gap's change over the gap,
         which is what lubrication feels; bodies that are close and move together are not held to their gap.
         """
-        of_bodies = np.hypot(displacement[:, 0], displacement[:, 1]) / q.radii
-        errors = [of_bodies, np.abs(displacement[:, 2]), self._gap_changes(q, displacement)]
+        d = q.dimension
+        of_bodies = np.linalg.norm(displacement[:, :d], axis=1) / q.radii
+        errors = [of_bodies, np.abs(displacement[:, d:]), self._gap_changes(q, displacement)]
         return float(max(e.max(initial=0.0) for e in errors)) / self.tolerance
 
     def _gap_changes(self, q: Configuration, displacement: Array) -> Array:
         """|gap'| / gap of all near pairs and walls, for gaps that change at the rate of the displacements."""
         gaps = find_gaps(q, self.container)
-        furthest = float(np.hypot(displacement[:, 0], displacement[:, 1]).max(initial=0.0))
+        furthest = float(np.linalg.norm(displacement[:, : q.dimension], axis=1).max(initial=0.0))
         if furthest == 0.0:
             return np.zeros(1)
         small = 1e-3 * min(gaps.smallest(), float(q.radii.min())) / furthest

@@ -18,15 +18,15 @@ class Solution(Protocol):
 
     @property
     def U(self) -> Array:
-        """Velocities of the bodies, shape (N, 3)."""
+        """Velocities of the bodies, shape (N, M)."""
 
     @property
     def F(self) -> Array:
-        """External loads, `int sigma n`, from the reactions, shape (N, 3)."""
+        """External loads, `int sigma n`, from the reactions, shape (N, M)."""
 
     @property
     def traction_F(self) -> Array:
-        """The same loads as integrals of the traction of the computed fields, less accurate, shape (N, 3)."""
+        """The same loads as integrals of the traction of the computed fields, less accurate, shape (N, M)."""
 
     @property
     def dissipation(self) -> float:
@@ -73,4 +73,4 @@ def truncation(case: Case, whole: Solution, half: Solution) -> dict[str, float]:
         "force" and "velocity": largest |change| / largest |result|, each only if there is such a result.
     """
     change = ErrorEstimate(np.abs(half.U - whole.U), np.abs(half.F - whole.F))
-    return relative_change(whole, change, case.motion(0.0).held, case.configuration().radii)
+    return relative_change(whole, change, case.motion(0.0).held, case.configuration().arms)

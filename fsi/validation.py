@@ -123,7 +123,7 @@ def reference(case: Case, row: Expected) -> tuple[float, float]:
 
 def computed(case: Case, results: Results, quantity: str) -> float:
     """The value of `disc.force.y`, by the fluid on the body, or `disc.velocity.x`, `disc.torque`, ..."""
-    body, mode = component(quantity)
+    body, mode = component(case, quantity)
     values = results.U if "velocity" in quantity else -results.F
     return float(values[case.names.index(body), mode])
 

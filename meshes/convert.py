@@ -24,6 +24,7 @@ from meshes.errors import MeshFileError
 from meshes.geometry import Array
 from meshes.triangulate import Indices
 
+VTK_CELLS = {1: CellType.interval, 2: CellType.triangle, 3: CellType.tetrahedron}
 # Names that meshio gives to triangles and edges of order 1 ... 4, nodes in gmsh's order.
 TRIANGLES = ("triangle", "triangle6", "triangle10", "triangle15")
 LINES = ("line", "line3", "line4", "line5")
@@ -134,9 +135,9 @@ def _tags(cells: CurvedCells, groups: int) -> list[Indices]:
     return [np.full(len(cells.cells), groups + 1), cells.tags]
 
 
-def vtk_order(nodes: int) -> NDArray[np.int64]:
-    """Columns that put the nodes of triangles from the order of basix into VTK's."""
-    return np.argsort(cpp.io.perm_vtk(CellType.triangle, nodes))
+def vtk_order(nodes: int, dimension: int = 2) -> NDArray[np.int64]:
+    """Columns that put the nodes of simplices of that dimension from the order of basix into VTK's."""
+    return np.argsort(cpp.io.perm_vtk(VTK_CELLS[dimension], nodes))
 
 
 def gmsh_order(order: int) -> NDArray[np.int64]:

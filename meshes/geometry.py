@@ -101,7 +101,7 @@ class Box:
         """Distance of each point (n, dimension) to the walls, shape (n, walls)."""
         low = x - np.asarray(self.lower)
         high = np.asarray(self.upper) - x
-        to_all = np.stack([low, high], axis=2).reshape(len(x), -1)
+        to_all = np.stack([low, high], axis=2).reshape(len(x), 2 * self.dimension)
         return to_all[:, 1:] if self.axisymmetric else to_all
 
     def size(self) -> float:

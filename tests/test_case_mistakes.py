@@ -37,7 +37,7 @@ BAD = [
     ("discretisation.formulation", "saddle", ['"eliminated" or "multiplier"']),
     ("geometry", "spherical", ["planar"]),
     ("domain.lower", [9.0, 0.0], ["domain.upper"]),
-    ("domain.upper", [8.0], ["missing"]),
+    ("domain.upper", [8.0], ["has 1 components where this geometry has 2"]),
     ("domain.upper", [8.0, math.inf], ["finite"]),
     ("domain.radius", 1.0, ["unknown key"]),
     ("domain.shape", "disc", ['"disc"', 'give "box", "half-plane" or "round"']),

@@ -17,16 +17,16 @@ from fsi.errors import InputError, SolveError
 from fsi.report_resistance import print_resistance, require_format, resistance_json, write_resistance
 from fsi.resistance import (
     Resistance,
+    all_modes,
     axial_modes,
     difference,
     inverse,
-    planar_modes,
     positive_eigenvalues,
     symmetrised,
 )
 
 RADII = np.array([0.5, 2.0])
-MODES = planar_modes(("small", "large"), RADII, 3.0)
+MODES = all_modes(("small", "large"), RADII, 3.0, 2)
 SPD = np.array([[4.0, 1.0, 0.5], [1.0, 3.0, -1.0], [0.5, -1.0, 2.0]])
 ONES = np.ones(3)
 
@@ -34,7 +34,7 @@ ONES = np.ones(3)
 def of_one_disc(mobility: Array | None) -> Resistance:
     eigenvalues = np.array([1.25, 2.0, 5.5])
     return Resistance(
-        planar_modes(("disc",), ONES[:1], 1.0), SPD, mobility, eigenvalues, {"power": 1e-13}, 120, 30,
+        all_modes(("disc",), ONES[:1], 1.0, 2), SPD, mobility, eigenvalues, {"power": 1e-13}, 120, 30,
         {"mesh": 0.25, "solve": 0.5},
     )  # fmt: skip
 
@@ -52,7 +52,7 @@ def test_units_of_length_change_no_check() -> None:
     R = np.kron(np.eye(2), SPD) + 0.1
     R[0, 5] += 1e-10
     to_mm = np.tile([1.0, 1.0, 1e3], 2)
-    in_mm = planar_modes(("small", "large"), 1e3 * RADII, 3.0)
+    in_mm = all_modes(("small", "large"), 1e3 * RADII, 3.0, 2)
     symmetric, asymmetry = symmetrised(R, MODES.scale)
     other, same = symmetrised(R * np.outer(to_mm, to_mm), in_mm.scale)
     assert same == pytest.approx(asymmetry, rel=1e-5)

@@ -21,7 +21,7 @@ class BoundaryNodes:
 
     body_nodes: nodes on bodies, ascending, (b,); body: the body of each, (b,);
     wall_nodes: of each wall by name; axis: on the axis of an axisymmetric mesh; x: coordinates of all owned
-    velocity nodes, (n, 2).
+    velocity nodes, (n, d).
     """
 
     body_nodes: Nodes
@@ -50,7 +50,7 @@ def locate(fluid: FluidMesh, V: FunctionSpace) -> BoundaryNodes:
     body_nodes = np.flatnonzero(body_tag).astype(np.int32)
     walls = {wall: _nodes_with(fluid, V, fluid.wall_tag(wall)) for wall in fluid.walls}
     axis = _nodes_with(fluid, V, fluid.axis_tag)
-    x = V.tabulate_dof_coordinates()[:owned, :2]
+    x = V.tabulate_dof_coordinates()[:owned, : fluid.dimension]
     return BoundaryNodes(body_nodes, body_tag[body_nodes] - 1, walls, axis, x)
 
 
@@ -69,7 +69,7 @@ def _tag_of_nodes(
     topology = fluid.mesh.topology
     entities = fem.compute_integration_domains(fem.IntegralType.exterior_facet, topology, facets)
     cells, local = entities[::2], entities[1::2]
-    closure = np.array(V.element.basix_element.entity_closure_dofs[1])
+    closure = np.array(V.element.basix_element.entity_closure_dofs[fluid.dimension - 1])
     nodes = V.dofmap.list[cells[:, None], closure[local]]
     # compute_integration_domains keeps the order of the facets
     sums = []

@@ -6,8 +6,8 @@ All unknowns x = (u, p) are written with the independent ones y = (u inside, p, 
 
 The rows of P are unit rows for free unknowns, the rigid modes `V + omega x r` at the nodes on bodies, and
 empty for given wall velocities, which stand in g together with the held modes. `rigid`, called K in the
-saddle-point system of `saddle`, is the part for all 3 N modes:  u = rigid U on the bodies, and the
-total load of any nodal reaction is  (F, T) = rigid^T lambda.
+saddle-point system of `saddle`, is the part for all M N modes, M of each body:  u = rigid U on the
+bodies, and the total load of any nodal reaction is  (F, T) = rigid^T lambda.
 """
 
 from __future__ import annotations
@@ -19,24 +19,26 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fsi.bodies import Array, Configuration
+from fsi.bodies import MODES, Array, Configuration, rigid_motion
 from fsi.stokes.boundary import BoundaryNodes
 from meshes.build import FluidMesh
 
-MODES = 3
 NO_COLUMN = -1
+# For each component of the velocity the modes that give it: its translation, rotations about the other axes.
+ACTING = {2: ((0, 2), (1, 2)), 3: ((0, 4, 5), (1, 5, 3), (2, 3, 4))}
 
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """How the rows of x = (u, p) are shared: this rank owns 2 `velocity_nodes` + `pressure_nodes` of them.
+    """How the rows of x = (u, p) are shared: this rank owns d `velocity_nodes` + `pressure_nodes` of them.
 
     fixed: rows whose value is given (walls, the pinned pressure), local numbers; on_body: rows of nodes on
-    bodies; body: the body of each of these; modes: 3 N, all owned by rank 0; axisymmetric: u_r = 0 on the
-    axis, and V_z is a body's only mode.
+    bodies; body: the body of each of these; modes: M N, all owned by rank 0; dimension: d, components of the
+    velocity; axisymmetric: u_r = 0 on the axis, and V_z is a body's only mode.
     """
 
     comm: MPI.Intracomm
+    dimension: int
     velocity_nodes: int
     pressure_nodes: int
     fixed: NDArray[np.int64]
@@ -48,7 +50,17 @@ class Layout:
     @property
     def rows(self) -> int:
         """Rows that this rank owns."""
-        return 2 * self.velocity_nodes + self.pressure_nodes
+        return self.velocities + self.pressure_nodes
+
+    @property
+    def velocities(self) -> int:
+        """Rows of u that this rank owns."""
+        return self.dimension * self.velocity_nodes
+
+    @property
+    def modes_of_each(self) -> int:
+        """M, modes of each body."""
+        return len(MODES[self.dimension])
 
     @property
     def own_modes(self) -> int:
@@ -70,41 +82,41 @@ def layout(
     """
     given = [nodes.wall_nodes[wall] for wall in walls]
     wall_nodes = np.unique(np.concatenate([*given, np.empty(0, dtype=np.int32)])).astype(np.int64)
-    axis = 2 * nodes.axis.astype(np.int64)
-    fixed = np.union1d((2 * wall_nodes[:, None] + np.arange(2)).ravel(), axis)
+    d = fluid.dimension
+    axis = d * nodes.axis.astype(np.int64)
+    fixed = np.union1d((d * wall_nodes[:, None] + np.arange(d)).ravel(), axis)
     if pin is not None:
-        fixed = np.append(fixed, 2 * len(nodes.x) + pin)
-    on_body = (2 * nodes.body_nodes.astype(np.int64)[:, None] + np.arange(2)).ravel()
-    body = np.repeat(nodes.body, 2)
+        fixed = np.append(fixed, d * len(nodes.x) + pin)
+    on_body = (d * nodes.body_nodes.astype(np.int64)[:, None] + np.arange(d)).ravel()
+    body = np.repeat(nodes.body, d)
     off_axis = ~np.isin(on_body, axis)
     return Layout(
-        comm, len(nodes.x), pressure_nodes, fixed, on_body[off_axis], body[off_axis], MODES * fluid.bodies,
-        fluid.axisymmetric,
+        comm, d, len(nodes.x), pressure_nodes, fixed, on_body[off_axis], body[off_axis],
+        len(MODES[d]) * fluid.bodies, fluid.axisymmetric,
     )  # fmt: skip
 
 
 def rigid_modes(shares: Layout, nodes: BoundaryNodes, q: Configuration) -> PETSc.Mat:
-    """The matrix `rigid`: nodal velocities (rows of x) of the unit modes (V_x, V_y, omega) of every body.
+    """The matrix `rigid`: nodal velocities (rows of x) of the unit modes of every body, `V + omega x r`.
 
-    In the plane omega x r = omega (-r_y, r_x). With an axis the modes V_x and omega are empty.
+    With an axis the modes V_x and omega are empty.
     """
-    node, component = np.divmod(shares.on_body, 2)
-    translation = MODES * shares.body + component
+    node, component = np.divmod(shares.on_body, shares.dimension)
+    acting = np.array(ACTING[shares.dimension])[component]
     r = nodes.x[node] - q.centres[shares.body]
-    rotation = np.where(component == 0, -r[:, 1], r[:, 0])
+    values = np.take_along_axis(rigid_motion(r)[np.arange(len(r)), component], acting, axis=1)
+    columns = shares.modes_of_each * shares.body[:, None] + acting
+    rows = shares.on_body
     if shares.axisymmetric:
         along = component == 1
-        columns, values = translation[along, None], np.ones((int(along.sum()), 1))
-        return _matrix(shares, (shares.own_modes, shares.modes), shares.on_body[along], columns, values)
-    columns = np.column_stack([translation, MODES * shares.body + 2])
-    values = np.column_stack([np.ones(len(rotation)), rotation])
-    return _matrix(shares, (shares.own_modes, shares.modes), shares.on_body, columns, values)
+        rows, columns, values = rows[along], columns[along, :1], values[along, :1]
+    return _matrix(shares, (shares.own_modes, shares.modes), rows, columns, values)
 
 
 def prolongation(
     shares: Layout, rigid: PETSc.Mat, held: NDArray[np.bool_], eliminate_bodies: bool = True
 ) -> PETSc.Mat:
-    """P for the given held modes, bool (N, 3).
+    """P for the given held modes, bool (N, M).
 
     With `eliminate_bodies` false, the nodes on bodies stay unknowns and P has no modes: this is the
     space of the multiplier form.
@@ -142,21 +154,23 @@ def wall_offset(
 ) -> Array:
     """Given velocities of the wall nodes in an array over this rank's rows, zero elsewhere.
 
-    velocities: for each wall its velocity at its own nodes, shape (nodes, 2). Where two walls meet, each
+    velocities: for each wall its velocity at its own nodes, shape (nodes, d). Where walls meet, each
     keeps its normal component, so that nothing leaks through the corner of a moving lid.
     """
+    d = shares.dimension
     g = np.zeros(shares.rows)
+    u_of_nodes = g[: shares.velocities].reshape(-1, d)
     times_met = np.zeros(shares.velocity_nodes, dtype=int)
     for wall, u in velocities.items():
         node = nodes.wall_nodes[wall].astype(np.int64)
         times_met[node] += 1
-        g[2 * node], g[2 * node + 1] = u[:, 0], u[:, 1]
+        u_of_nodes[node] = u
     for wall, u in velocities.items():
         node = nodes.wall_nodes[wall].astype(np.int64)
         corner = times_met[node] > 1
         axis = corner_axes[wall]
-        g[2 * node[corner] + axis] = u[corner, axis]
-    g[2 * nodes.axis.astype(np.int64)] = 0.0
+        u_of_nodes[node[corner], axis] = u[corner, axis]
+    u_of_nodes[nodes.axis, 0] = 0.0
     return g
 
 

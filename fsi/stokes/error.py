@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.accuracy import ErrorEstimate, Results, arms, relative_change
+from fsi.accuracy import ErrorEstimate, Results, relative_change
 from fsi.bodies import Array, Configuration, Motion
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def estimate_errors(
     """
     motion = motion or model.case.motion(t)
     better = model.enriched(q, t, motion)
-    exists, arm = model.case.modes, arms(q.radii)
+    exists, arm = model.case.modes, q.arms
 
     def bound(values: Array, reference: Array, arm: Array, computed: NDArray[np.bool_]) -> Array:
         rounding = ROUNDING * arm * np.abs(values / arm).max(initial=0.0)
@@ -70,5 +70,5 @@ def error_columns(model: StokesModel, q: Configuration, t: float, instant: Resul
         held = motion.held | (masses > 0.0)
         motion = Motion(held, np.where(held, instant.U, 0.0), np.where(held, 0.0, motion.F))
     errors = estimate_errors(model, q, t, instant, motion)
-    found = relative_change(instant, errors, motion.held, q.radii)
+    found = relative_change(instant, errors, motion.held, q.arms)
     return {"err_U": found.get("velocity", 0.0), "err_F": found.get("force", 0.0)}

@@ -16,12 +16,14 @@ from fsi.stokes.forms import Forms
 from fsi.stokes.surface import Surface
 from meshes.convert import vtk_order
 
+CELLS = {1: "VTK_LAGRANGE_CURVE", 2: "VTK_LAGRANGE_TRIANGLE", 3: "VTK_LAGRANGE_TETRAHEDRON"}
+
 
 @dataclass(frozen=True, slots=True)
 class Flow:
-    """This rank's cells as VTK draws them: Lagrange triangles whose nodes carry velocity and pressure.
+    """This rank's cells: Lagrange triangles or tetrahedra whose nodes carry velocity and pressure.
 
-    x: (n, 2); cells: node numbers in VTK's order, (T, nodes); u: (n, 2); p: (n,).
+    x: (n, d); cells: node numbers in the order of basix, (T, nodes); u: (n, d); p: (n,).
     """
 
     x: Array
@@ -30,16 +32,21 @@ class Flow:
     p: Array
 
 
+def in_space(vectors: Array) -> Array:
+    """Vectors (n, d) with a third component, zero in the plane, (n, 3)."""
+    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
+
+
 def capture(forms: Forms) -> Flow:
     """Copy the flow that stands in `forms`, with the mesh as it is now."""
     V, topology = forms.V, forms.mesh.topology
-    cells = V.dofmap.list[: topology.index_map(2).size_local]
-    order = vtk_order(cells.shape[1])
-    x: Array = V.tabulate_dof_coordinates()[:, :2].copy()
+    d = topology.dim
+    cells = V.dofmap.list[: topology.index_map(d).size_local]
+    x: Array = V.tabulate_dof_coordinates()[:, :d].copy()
     return Flow(
         x,
-        cells[:, order].astype(np.int64),
-        np.array(forms.u.x.array, dtype=np.float64).reshape(-1, 2),
+        cells.astype(np.int64),
+        np.array(forms.u.x.array, dtype=np.float64).reshape(-1, d),
         _pressure_at_nodes(forms, cells),
     )
 
@@ -48,7 +55,7 @@ def _pressure_at_nodes(forms: Forms, cells: NDArray[np.int32]) -> Array:
     """The pressure at the nodes of the velocity: exact, since the element of V holds that of Q."""
     points = forms.V.element.basix_element.points
     phi = forms.Q.element.basix_element.tabulate(0, points)[0, :, :, 0]
-    p = np.empty(len(forms.u.x.array) // 2)
+    p = np.empty(len(forms.u.x.array) // forms.mesh.topology.dim)
     p[cells] = forms.p.x.array[forms.Q.dofmap.list[: len(cells)]] @ phi.T
     return p
 
@@ -57,41 +64,34 @@ def write_flow(flow: Flow, folder: Path, step: int) -> list[str]:
     """Write `fluid_<step>.vtu`, on several ranks one file each; names of all ranks' files."""
     part = "" if parallel.size() == 1 else f"_rank{parallel.rank()}"
     name = f"fluid_{step:06d}{part}.vtu"
-    data = {"velocity": np.column_stack([flow.u, np.zeros(len(flow.u))]), "pressure": flow.p}
-    parallel.on_every_rank(
-        lambda: _write(folder / name, flow.x, "VTK_LAGRANGE_TRIANGLE", flow.cells, data, {})
-    )
+    data = {"velocity": in_space(flow.u), "pressure": flow.p}
+    parallel.on_every_rank(lambda: _write(folder / name, flow.x, flow.x.shape[1], flow.cells, data, {}))
     return parallel.gather(name)
 
 
 def write_surface(surface: Surface, traction: Array, folder: Path, step: int) -> list[str]:
-    """Write `surface_<step>.vtu` on root: curved edges with the traction sigma n and the body's number."""
+    """Write `surface_<step>.vtu` on root: curved facets with the traction sigma n and the body's number."""
     name = f"surface_{step:06d}.vtu"
-    data = {"traction": np.column_stack([traction, np.zeros(len(traction))])}
-    parallel.on_root(
-        lambda: _write(
-            folder / name, surface.x, "VTK_LAGRANGE_CURVE", surface.edges, data, {"body": [surface.body]}
-        )
-    )
+    d, data, of_cells = surface.x.shape[1], {"traction": in_space(traction)}, {"body": [surface.body]}
+    parallel.on_root(lambda: _write(folder / name, surface.x, d - 1, surface.facets, data, of_cells))
     return [name]
 
 
 def _write(
     path: Path,
     x: Array,
-    cell: str,
+    dimension: int,
     cells: NDArray[np.int64],
     data: dict[str, Array],
     cell_data: dict[str, list[NDArray[np.int64]]],
 ) -> None:
-    """Write a VTU file to a temporary name and rename it.
+    """Write a VTU file of cells of that dimension to a temporary name and rename it.
 
     Raises:
         SolveError: the disk refuses.
     """
-    mesh = meshio.Mesh(
-        np.column_stack([x, np.zeros(len(x))]), [(cell, cells)], point_data=data, cell_data=cell_data
-    )
+    blocks = [(CELLS[dimension], cells[:, vtk_order(cells.shape[1], dimension)])]
+    mesh = meshio.Mesh(in_space(x), blocks, point_data=data, cell_data=cell_data)
     temporary = path.with_name(f".{path.name}.partial")
     try:
         meshio.write(temporary, mesh, file_format="vtu")

@@ -32,23 +32,26 @@ CELL = fem.IntegralType.cell
 FACET = fem.IntegralType.exterior_facet
 EVERYWHERE = -1
 MARKED = 1
+SIMPLEX = {2: "triangle", 3: "tetrahedron"}
 
 type Expr = ufl.core.expr.Expr
 
 
-def velocity_element(degree: int) -> basix.ufl._ElementBase:
+def velocity_element(degree: int, dimension: int) -> basix.ufl._ElementBase:
     """Continuous vector elements of the given degree; equispaced nodes, which VTK draws as they are."""
-    return basix.ufl.element("Lagrange", "triangle", degree, basix.LagrangeVariant.equispaced, shape=(2,))
+    return basix.ufl.element(
+        "Lagrange", SIMPLEX[dimension], degree, basix.LagrangeVariant.equispaced, shape=(dimension,)
+    )
 
 
-def pressure_element(degree: int) -> basix.ufl._ElementBase:
+def pressure_element(degree: int, dimension: int) -> basix.ufl._ElementBase:
     """Continuous scalar elements one degree below the velocity (Taylor and Hood 1973)."""
-    return basix.ufl.element("Lagrange", "triangle", degree - 1, basix.LagrangeVariant.equispaced)
+    return basix.ufl.element("Lagrange", SIMPLEX[dimension], degree - 1, basix.LagrangeVariant.equispaced)
 
 
 @dataclass(frozen=True, slots=True)
 class Coordinates:
-    """The differential operators of plane (x, y) or axisymmetric (r, z, theta) coordinates.
+    """The differential operators of Cartesian or axisymmetric (r, z, theta) coordinates.
 
     Axisymmetric flow without swirl has the hoop strain u_r / r as its third diagonal component, and integrals
     carry the circumference 2 pi r.
@@ -59,7 +62,7 @@ class Coordinates:
 
     @property
     def weight(self) -> Expr:
-        """What a surface element of the plane of computation stands for: 1, or 2 pi r."""
+        """What an element of the domain of computation stands for: 1, or 2 pi r."""
         r = ufl.SpatialCoordinate(self.omega)[0]
         weight: Expr = 2 * ufl.pi * r if self.axisymmetric else ufl.as_ufl(1)
         return weight
@@ -98,15 +101,15 @@ class Compiled:
 
 
 @cache
-def compile_forms(order: int, degree: int, axisymmetric: bool) -> Compiled:
+def compile_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -> Compiled:
     """All forms for cells of the given order and velocities of the given degree.
 
     The quadrature is exact on straight cells in the plane; on curved ones, where the integrands are rational,
     it adds what the two factors of the cofactor matrix bring, and the degree of r where integrals carry it.
     """
-    omega = ufl.Mesh(coordinate_element(order))
-    V = ufl.FunctionSpace(omega, velocity_element(degree))
-    Q = ufl.FunctionSpace(omega, pressure_element(degree))
+    omega = ufl.Mesh(coordinate_element(order, dimension))
+    V = ufl.FunctionSpace(omega, velocity_element(degree, dimension))
+    Q = ufl.FunctionSpace(omega, pressure_element(degree, dimension))
     u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
     p, q = ufl.TrialFunction(Q), ufl.TestFunction(Q)
     u_h, f_h, p_h = ufl.Coefficient(V), ufl.Coefficient(V), ufl.Coefficient(Q)
@@ -155,14 +158,25 @@ class Forms:
 
     def __init__(self, fluid: FluidMesh, degree: int, viscosity: float) -> None:
         """Bind the forms to a mesh; degree of the velocity, at least the order of the cells."""
-        self._compiled = compile_forms(fluid.order, degree, fluid.axisymmetric)
+        self._compiled = compile_forms(fluid.order, degree, fluid.dimension, fluid.axisymmetric)
         self.mesh = fluid.mesh
-        self.V = fem.functionspace(fluid.mesh, velocity_element(degree))
-        self.Q = fem.functionspace(fluid.mesh, pressure_element(degree))
+        self.V = fem.functionspace(fluid.mesh, velocity_element(degree, fluid.dimension))
+        self.Q = fem.functionspace(fluid.mesh, pressure_element(degree, fluid.dimension))
         self.u, self.f, self.p = fem.Function(self.V), fem.Function(self.V), fem.Function(self.Q)
         values = {"mu": viscosity, "zero": 0.0, "one": 1.0}
         constants = self._compiled.constants
         self._constants = {constants[name]: fem.Constant(fluid.mesh, value) for name, value in values.items()}
+
+    @property
+    def velocities(self) -> int:
+        """Unknowns of u that this rank owns."""
+        return int(self.V.dofmap.index_map.size_local * self.V.dofmap.index_map_bs)
+
+    @property
+    def dofs(self) -> int:
+        """Unknowns (u, p) of all ranks, before constraints."""
+        V, Q = self.V.dofmap, self.Q.dofmap
+        return int(V.index_map.size_global * V.index_map_bs + Q.index_map.size_global)
 
     def bind(self, name: str, facets: NDArray[np.int32] | None = None) -> Form:
         """The form of that name; those over marked facets need the facets."""
@@ -178,7 +192,9 @@ class Forms:
             facets = exterior_facet_indices(topology)
             subdomains[FACET] = [(EVERYWHERE, fem.compute_integration_domains(FACET, topology, facets))]
         else:
-            subdomains[CELL] = [(EVERYWHERE, np.arange(topology.index_map(2).size_local, dtype=np.int32))]
+            subdomains[CELL] = [
+                (EVERYWHERE, np.arange(topology.index_map(topology.dim).size_local, dtype=np.int32))
+            ]
         functions = {
             compiled.coefficients[letter]: f for letter, f in (("u", self.u), ("p", self.p), ("f", self.f))
         }

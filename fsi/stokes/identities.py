@@ -52,37 +52,38 @@ def identities(
         system: what was solved.
         forms: bound to the mesh, their u and p set to the solution.
         solution: nodal values and reactions.
-        F: loads rigid^T lambda of the bodies, (N, 3).
+        F: loads rigid^T lambda of the bodies, (N, M).
         dissipation: int 2 mu e : e.
         viscosity: mu.
         q: the bodies.
-        x: coordinates of this rank's velocity nodes, (n, 2).
+        x: coordinates of this rank's velocity nodes, (n, d).
     """
     shares = system.shares
-    velocities = 2 * shares.velocity_nodes
+    velocities, d = shares.velocities, shares.dimension
     given = shares.fixed[shares.fixed < velocities]
     boundary = np.concatenate([given, shares.on_body])
     load = system.b.copy()
     load[boundary] += solution.reaction[boundary]
-    force = load[:velocities].reshape(-1, 2)
-    moment = x[:, 0] * force[:, 1] - x[:, 1] * force[:, 0]
+    force = load[:velocities].reshape(-1, d)
+    moment = np.cross(x, force) if d == 3 else x[:, :1] * force[:, 1:] - x[:, 1:] * force[:, :1]
     if system.shares.axisymmetric:
         force[:, 0] = moment[:] = 0.0  # these balance by symmetry around the axis
     u = solution.x[:velocities]
     power_of_walls_and_loads = float(solution.reaction[given] @ solution.x[given] + system.b[:velocities] @ u)
-    own = [*force.sum(axis=0), moment.sum(), power_of_walls_and_loads]
-    own += [np.abs(force).sum(), np.abs(x * force[:, ::-1]).sum(), u @ u, np.abs(u).sum()]
-    sums = np.array(own)
+    lever = np.linalg.norm(x, axis=1) * np.linalg.norm(force, axis=1)
+    own = [power_of_walls_and_loads, np.abs(force).sum(), lever.sum(), u @ u, np.abs(u).sum()]
+    sums = np.array([*own, *force.sum(axis=0), *moment.sum(axis=0)])
     shares.comm.Allreduce(MPI.IN_PLACE, sums)
+    (given_power, all_forces, all_moments, u_u, all_u), force_sum, moment_sum = np.split(sums, [5, 5 + d])
     floor = ROUNDING_FLOOR * viscosity
     scales = Scales(
-        max(dissipation, floor * sums[6]), max(sums[4], floor * sums[7]), max(sums[5], floor * sums[7])
+        max(dissipation, floor * u_u), max(all_forces, floor * all_u), max(all_moments, floor * all_u)
     )
-    power = float((solution.U * F).sum()) + sums[3]
+    power = float((solution.U * F).sum()) + given_power
     return {
         "power": _relative(dissipation - power, scales.power),
-        "momentum": _relative(float(np.hypot(sums[0], sums[1])), scales.force),
-        "angular_momentum": _relative(sums[2], scales.moment),
+        "momentum": _relative(float(np.linalg.norm(force_sum)), scales.force),
+        "angular_momentum": _relative(float(np.linalg.norm(moment_sum)), scales.moment),
         "balance": _balance(system, solution.U, F, q, scales.force),
         "net_flux": _relative(forms.integrate("flux"), forms.integrate("speed on boundary")),
         "residual": solution.residual,
@@ -111,7 +112,7 @@ def _balance(system: System, U: Array, F: Array, q: Configuration, force: float)
     D, load = mode_equations(system)
     defect = np.zeros_like(F)
     defect[free] = F[free] + D * U[free] - load
-    defect[:, 2] /= q.radii
+    defect /= q.arms
     return _relative(float(np.abs(defect).max(initial=0.0)), max(force, float(np.abs(load).max(initial=0.0))))
 
 

@@ -94,7 +94,7 @@ class StokesModel:
         if self._moving and "meshed_centres" in state:
             centres = state["meshed_centres"]
             radii = self.case.configuration().radii
-            self._remesh(Configuration(centres, np.zeros(len(centres)), radii))
+            self._remesh(Configuration.unturned(centres, radii))
 
     def _moved(self, q: Configuration) -> FluidMesh:
         """The mesh in use, moved to q, or a new one where it would be too distorted."""
@@ -117,9 +117,11 @@ class StokesModel:
 
 
 def _field(given: WallVelocity) -> Field:
-    """u(x) = velocity + shear y e_x, points (n, 2) -> (n, 2)."""
+    """u(x) = velocity + shear h e_x with the last coordinate h, points (n, d) -> (n, d)."""
 
     def u(x: Array) -> Array:
-        return given.velocity + np.column_stack([given.shear * x[:, 1], np.zeros(len(x))])
+        values = np.tile(given.velocity, (len(x), 1))
+        values[:, 0] += given.shear * x[:, -1]
+        return values
 
     return u

@@ -62,7 +62,7 @@ def _solved(case: Case) -> Solved:
     model, q = StokesModel(case), case.configuration()
     solution = model(q, 0.0)
     errors = estimate_errors(model, q, 0.0, solution)
-    found = relative_change(solution, errors, case.motion(0.0).held, q.radii)
+    found = relative_change(solution, errors, case.motion(0.0).held, q.arms)
     return Solved(case, solution, errors, max(found.values(), default=0.0))
 
 

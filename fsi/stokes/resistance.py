@@ -19,14 +19,13 @@ from fsi.bodies import Array, Configuration, Motion
 from fsi.case import Case
 from fsi.resistance import (
     Resistance,
+    all_modes,
     axial_modes,
     inverse,
-    planar_modes,
     positive_eigenvalues,
     symmetrised,
 )
 from fsi.stokes.boundary import BoundaryNodes
-from fsi.stokes.constraints import MODES
 from fsi.stokes.forms import Forms
 from fsi.stokes.identities import identities, require
 from fsi.stokes.model import StokesModel
@@ -90,14 +89,14 @@ def solve_resistance(
         SolveError: singular system, large residual, or an identity violated.
     """
     clock = clock or Clock()
-    rest = np.zeros((len(q), MODES))
+    rest = np.zeros_like(q.arms)
     all_held = Motion(np.ones(rest.shape, dtype=bool), rest, rest)
     walls = {wall: np.zeros_like for wall in container.walls if wall not in open_walls}
     boundary = Boundary(walls, dict.fromkeys(open_walls, 0.0))
     units = np.eye(rest.size)
-    modes = planar_modes(names, q.radii, viscosity)
+    modes = all_modes(names, q.radii, viscosity, q.dimension)
     if fluid.axisymmetric:
-        units, modes = units[AXIAL_MODE::MODES], axial_modes(names, q.radii, viscosity)
+        units, modes = units[AXIAL_MODE :: rest.shape[1]], axial_modes(names, q.radii, viscosity)
     columns, worst = [], dict[str, float]()
     given = assembled(fluid, container, q, all_held, boundary, viscosity, degree, None, clock)
     with given as (system, forms, nodes), factorised(system) as responses:
@@ -110,7 +109,7 @@ def solve_resistance(
                 worst = {name: max(defect, worst.get(name, 0.0)) for name, defect in defects.items()}
                 columns.append(units @ F.ravel())
                 clock.lap("checks")
-        dofs = 2 * forms.V.dofmap.index_map.size_global + forms.Q.dofmap.index_map.size_global
+        dofs = forms.dofs
     require(worst)
     R, asymmetry = symmetrised(np.column_stack(columns), modes.scale)
     eigenvalues = positive_eigenvalues(R, modes.scale, resting=bool(walls))
@@ -133,5 +132,5 @@ def _defects(
 def _dissipation(system: System, x: Array) -> float:
     """u^T A u, which is int 2 mu e : e, from the matrix at hand."""
     u = x.copy()
-    u[2 * system.shares.velocity_nodes :] = 0.0
+    u[system.shares.velocities :] = 0.0
     return float(system.shares.comm.allreduce(u @ multiply(system.M, u), op=MPI.SUM))

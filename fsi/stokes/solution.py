@@ -15,8 +15,8 @@ from fsi.stokes.surface import Surface, traction
 class StokesSolution:
     """Stokes flow around the bodies at one instant.
 
-    U: velocities (V_x, V_y, omega) of the bodies, (N, 3); F: loads (F_x, F_y, T) = int sigma n, n out of the
-    fluid, from the reactions, (N, 3): in balance the external load; the fluid exerts -F on the body;
+    U: velocities of the bodies, (N, M); F: loads = int sigma n, n out of the
+    fluid, from the reactions, (N, M): in balance the external load; the fluid exerts -F on the body;
     traction_F: the same from the traction integral of sigma_h n, less accurate, a cross-check;
     dissipation: int 2 mu e : e; checks: relative defects of the identities; dofs: unknowns (u, p) before
     constraints; cells: their number; quality: worst scaled Jacobian; seconds: CPU seconds of this process
@@ -52,7 +52,7 @@ class StokesSolution:
 
     @property
     def traction(self) -> Array:
-        """Traction sigma n at the nodes of `surface`, (n, 2), on root."""
+        """Traction sigma n at the nodes of `surface`, (n, d), on root."""
         return traction(self.surface)
 
     def write(self, folder: Path, step: int) -> dict[str, list[str]]:

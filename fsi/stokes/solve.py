@@ -34,7 +34,7 @@ FORMULATIONS: dict[str, Callable[[System], NodalSolution]] = {
 class Boundary:
     """What holds on the walls, and the body force.
 
-    velocities: u(x) of the walls with a given velocity, (n, 2) -> (n, 2); pressures: p of the open walls,
+    velocities: u(x) of the walls with a given velocity, (n, d) -> (n, d); pressures: p of the open walls,
     where the traction is sigma n = -p n; body_force: f(x), or None. Each wall is in exactly one of the two.
     """
 
@@ -144,10 +144,10 @@ def _pinned_pressure(forms: Forms) -> int | None:
 def _loads(fluid: FluidMesh, forms: Forms, boundary: Boundary, rows: int) -> Array:
     """Nodal loads b: (f, v) and, on open walls, <t, v> with t = -p n; this rank's rows."""
     b = np.zeros(rows)
-    velocities = 2 * forms.V.dofmap.index_map.size_local
+    velocities = forms.velocities
     if boundary.body_force is not None:
         f = boundary.body_force
-        forms.f.interpolate(lambda x: f(x[:2].T).T)
+        forms.f.interpolate(lambda x: f(x[: fluid.dimension].T).T)
         b[:velocities] += nodal_vector(forms.bind("load"))
     for wall, pressure in boundary.pressures.items():
         tag = fluid.wall_tag(wall)
@@ -157,7 +157,7 @@ def _loads(fluid: FluidMesh, forms: Forms, boundary: Boundary, rows: int) -> Arr
 
 def fill(forms: Forms, x: Array) -> None:
     """Set u and p of the forms to nodal values, this rank's rows."""
-    velocities = 2 * forms.V.dofmap.index_map.size_local
+    velocities = forms.velocities
     for function, values in ((forms.u, x[:velocities]), (forms.p, x[velocities:])):
         function.x.array[: len(values)] = values
         function.x.scatter_forward()
@@ -168,7 +168,7 @@ def _finish(
     q: Configuration, viscosity: float, *, closed: bool, clock: Clock,
 ) -> StokesSolution:  # fmt: skip
     """Everything that follows from the nodal values."""
-    velocities = 2 * system.shares.velocity_nodes
+    velocities = system.shares.velocities
     fill(forms, nodal.x)
     if closed:
         forms.p.x.array[:] -= forms.integrate("pressure integral") / forms.integrate("area")
@@ -182,8 +182,7 @@ def _finish(
     own_surface = surface.collect(fluid, forms.V, nodal.reaction[:velocities])
     flow = fields.capture(forms)
     clock.lap("checks")
-    dofs = 2 * forms.V.dofmap.index_map.size_global + forms.Q.dofmap.index_map.size_global
     return StokesSolution(
-        nodal.U, F, load_of(system, integral), dissipation, checks, dofs, fluid.cells(), fluid.quality,
+        nodal.U, F, load_of(system, integral), dissipation, checks, forms.dofs, fluid.cells(), fluid.quality,
         clock.seconds, flow, own_surface,
     )  # fmt: skip

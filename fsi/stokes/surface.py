@@ -20,18 +20,21 @@ from fsi.bodies import Array
 from meshes.aliases import FunctionSpace
 from meshes.build import FluidMesh
 
+FACET = {2: basix.CellType.interval, 3: basix.CellType.triangle}
+
 
 @dataclass(frozen=True, slots=True)
 class Surface:
-    """The bodies' surfaces as curved edges; empty on all ranks but root.
+    """The bodies' surfaces as curved facets, edges or in space triangles; empty on all ranks but root.
 
-    x: nodes (n, 2); edges: node numbers, (E, degree + 1), both ends first as VTK has them;
-    body: of each edge, (E,); reaction: nodal forces (n, 2) of the body on the fluid, with an axis of whole
+    x: nodes (n, d); facets: node numbers in the order of basix, (E, nodes); degree: of the facets;
+    body: of each facet, (E,); reaction: nodal forces (n, d) of the body on the fluid, with an axis of whole
     circles; axisymmetric: x are (r, z).
     """
 
     x: Array
-    edges: NDArray[np.int64]
+    facets: NDArray[np.int64]
+    degree: int
     body: NDArray[np.int64]
     reaction: Array
     axisymmetric: bool
@@ -43,42 +46,44 @@ def collect(fluid: FluidMesh, V: FunctionSpace, reaction: Array) -> Surface:
     on_body = (tags.values >= 1) & (tags.values <= fluid.bodies)
     facets, body = tags.indices[on_body], tags.values[on_body] - 1
     entities = fem.compute_integration_domains(fem.IntegralType.exterior_facet, fluid.mesh.topology, facets)
-    closure = np.array(V.element.basix_element.entity_closure_dofs[1])
+    d, degree = fluid.dimension, V.element.basix_element.degree
+    closure = np.array(V.element.basix_element.entity_closure_dofs[d - 1])
     local = V.dofmap.list[entities[::2][:, None], closure[entities[1::2]]]
     numbers = V.dofmap.index_map.local_to_global(local.ravel().astype(np.int32)).reshape(local.shape)
     mine = np.unique(local)
     lambda_h = fem.Function(V)
     lambda_h.x.array[: len(reaction)] = reaction
     lambda_h.x.scatter_forward()
-    values = lambda_h.x.array.reshape(-1, 2)[mine]
-    x = V.tabulate_dof_coordinates()[mine, :2]
+    values = lambda_h.x.array.reshape(-1, d)[mine]
+    x = V.tabulate_dof_coordinates()[mine, :d]
     node = V.dofmap.index_map.local_to_global(mine.astype(np.int32))
     parts = fluid.mesh.comm.gather((node, x, values, numbers, body))
     if parts is None:
-        none, nothing = np.empty((0, 2)), np.empty(0, dtype=np.int64)
-        return Surface(none, nothing.reshape(0, 2), nothing, none, fluid.axisymmetric)
-    nodes, xs, reactions, edges, bodies = (np.concatenate([part[k] for part in parts]) for k in range(5))
+        none, nothing = np.empty((0, d)), np.empty(0, dtype=np.int64)
+        return Surface(none, nothing.reshape(0, d), degree, nothing, none, fluid.axisymmetric)
+    nodes, xs, reactions, numbers, bodies = (np.concatenate([part[k] for part in parts]) for k in range(5))
     unique, first = np.unique(nodes, return_index=True)
-    return Surface(xs[first], np.searchsorted(unique, edges), bodies, reactions[first], fluid.axisymmetric)
+    of_facets = np.searchsorted(unique, numbers)
+    return Surface(xs[first], of_facets, degree, bodies, reactions[first], fluid.axisymmetric)
 
 
 def traction(surface: Surface) -> Array:
-    """Traction sigma n at the surface nodes (n, 2), n out of the fluid: solve the surface mass matrix."""
-    if len(surface.edges) == 0:
-        return np.empty((0, 2))
-    degree = surface.edges.shape[1] - 1
+    """Traction sigma n at the surface nodes (n, d), n out of the fluid: solve the surface mass matrix."""
+    facets, d = surface.facets, surface.x.shape[1]
+    if len(facets) == 0:
+        return np.empty((0, d))
     element = basix.create_element(
-        basix.ElementFamily.P, basix.CellType.interval, degree, basix.LagrangeVariant.equispaced
+        basix.ElementFamily.P, FACET[d], surface.degree, basix.LagrangeVariant.equispaced
     )
-    points, weights = basix.make_quadrature(basix.CellType.interval, 3 * degree)
-    phi, dphi = element.tabulate(1, points)[:, :, :, 0]
-    tangent = np.einsum("qn,end->eqd", dphi, surface.x[surface.edges])
-    length = weights * np.hypot(tangent[..., 0], tangent[..., 1])
+    points, weights = basix.make_quadrature(FACET[d], 3 * surface.degree)
+    phi, *dphi = element.tabulate(1, points)[:, :, :, 0]
+    tangents = [np.einsum("qn,end->eqd", along, surface.x[facets]) for along in dphi]
+    area = weights * np.linalg.norm(tangents[0] if d == 2 else np.cross(*tangents), axis=2)
     if surface.axisymmetric:
-        length *= 2.0 * np.pi * (surface.x[surface.edges, 0] @ phi.T)
-    masses = np.einsum("eq,qi,qj->eij", length, phi, phi)
-    rows = np.repeat(surface.edges, degree + 1, axis=1).ravel()
-    columns = np.tile(surface.edges, (1, degree + 1)).ravel()
+        area *= 2.0 * np.pi * (surface.x[facets, 0] @ phi.T)
+    masses = np.einsum("eq,qi,qj->eij", area, phi, phi)
+    rows = np.repeat(facets, facets.shape[1], axis=1).ravel()
+    columns = np.tile(facets, (1, facets.shape[1])).ravel()
     mass = sp.csc_matrix((masses.ravel(), (rows, columns)))
     t: Array = spsolve(mass, surface.reaction)
-    return t.reshape(-1, 2)
+    return t.reshape(-1, d)

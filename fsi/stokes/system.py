@@ -25,7 +25,7 @@ from dolfinx.fem.petsc import assemble_matrix
 from petsc4py import PETSc
 
 from fsi.bodies import Array, Inertia, Motion
-from fsi.stokes.constraints import MODES, Layout, prolongation
+from fsi.stokes.constraints import Layout, prolongation
 from fsi.stokes.forms import Forms
 from fsi.stokes.linear import Factorisation
 from meshes.aliases import Form
@@ -35,7 +35,7 @@ from meshes.aliases import Form
 class System:
     """Everything that a solve needs on one mesh at one instant.
 
-    M: Stokes matrix of all unknowns; rigid: rigid modes at the nodes on bodies, (rows, 3N); b: loads,
+    M: Stokes matrix of all unknowns; rigid: rigid modes at the nodes on bodies, (rows, M N); b: loads,
     g: given wall velocities, arrays over this rank's rows; motion, inertia: what drives the bodies.
     """
 
@@ -52,7 +52,7 @@ class System:
 class NodalSolution:
     """What the linear system gives.
 
-    x: values of (u, p), and reaction: lambda, arrays over this rank's rows; U: (N, 3) on all ranks;
+    x: values of (u, p), and reaction: lambda, arrays over this rank's rows; U: (N, M) on all ranks;
     residual: relative residual of the linear system.
     """
 
@@ -103,13 +103,13 @@ def _taken(vector: PETSc.Vec, used: PETSc.Vec) -> Array:
 
 
 def load_of(system: System, nodal: Array) -> Array:
-    """(F, T) = rigid^T lambda of a nodal reaction, (N, 3), on all ranks."""
+    """(F, T) = rigid^T lambda of a nodal reaction, (N, M), on all ranks."""
     load: Array = system.shares.comm.bcast(multiply_transpose(system.rigid, nodal))
-    return load.reshape(-1, MODES)
+    return load.reshape(-1, system.shares.modes_of_each)
 
 
 def body_velocity(system: System, U: Array) -> Array:
-    """Nodal values rigid U on this rank's rows, for modes (N, 3) known on all ranks."""
+    """Nodal values rigid U on this rank's rows, for modes (N, M) known on all ranks."""
     return multiply(system.rigid, U.ravel() if system.shares.comm.rank == 0 else np.empty(0))
 
 
@@ -135,7 +135,7 @@ def solve_eliminated(system: System) -> NodalSolution:
 
 @contextmanager
 def factorised(system: System) -> Iterator[Callable[[Array], Iterator[NodalSolution]]]:
-    """Factorise P^T M P once: gives the solutions for any velocities (k, N, 3) of the held modes; collective.
+    """Factorise P^T M P once: gives the solutions for any velocities (k, N, M) of the held modes; collective.
 
     Raises:
         SolveError: the system is singular, or the residual of a solution is not small.
@@ -154,7 +154,7 @@ def factorised(system: System) -> Iterator[Callable[[Array], Iterator[NodalSolut
 
 
 def _respond(system: System, P: PETSc.Mat, factors: Factorisation, held_U: Array) -> Iterator[NodalSolution]:
-    """The solutions with velocities held_U (k, N, 3) of the held modes, zero on the free ones."""
+    """The solutions with velocities held_U (k, N, M) of the held modes, zero on the free ones."""
     free, own = ~system.motion.held, _own_modes(system)
     g = [system.g + body_velocity(system, U) for U in held_U]
     rhs = np.column_stack([multiply_transpose(P, system.b - multiply(system.M, offset)) for offset in g])

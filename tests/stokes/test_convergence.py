@@ -56,7 +56,7 @@ def errors(fluid: FluidMesh, degree: int) -> Array:
     q = AROUND_A_DISC
     boundary = Boundary(dict.fromkeys(SMALL_BOX.walls, Manufactured.u), {}, Manufactured.f)
     solution = solve(fluid, SMALL_BOX, q, held((0.0, 0.0, 0.0)), boundary, viscosity=MU, degree=degree)
-    u_h = fem.Function(fem.functionspace(fluid.mesh, velocity_element(degree)))
+    u_h = fem.Function(fem.functionspace(fluid.mesh, velocity_element(degree, 2)))
     u_h.x.array[:] = solution.flow.u.ravel()
     p_h = fem.Function(u_h.function_space.sub(0).collapse()[0])
     p_h.x.array[:] = solution.flow.p
