@@ -32,9 +32,9 @@ SLOPE = 2.0
 class FluidMesh:
     """The fluid domain Omega_F, meshed.
 
-    mesh: curved triangles, in space tetrahedra, of the given order; facet_tags: body i has tag i + 1, wall k has tag N + 1 + k, the
-    axis the tag after the last wall's; bodies: N; walls: names, in the order of their tags; axisymmetric:
-    points are (r, z); quality: worst scaled Jacobian of all cells.
+    mesh: curved triangles, in space tetrahedra, of the given order; facet_tags: body i has tag i + 1, wall k
+    has tag N + 1 + k, the axis the tag after the last wall's; bodies: N; walls: names, in the order of their
+    tags; axisymmetric: points are (r, z); quality: worst scaled Jacobian of all cells.
     """
 
     mesh: Mesh

@@ -1,6 +1,7 @@
 """Write the mesh of any step, through meshio.
 
-A file has curved triangles and the tagged edges of bodies and walls. In .msh files the tags are physical
+A file has curved triangles and the tagged edges of bodies and walls; in space curved tetrahedra and tagged
+triangles. In .msh files the tags are physical
 groups that bear the names of the bodies and walls, as `meshes.read` wants them; in .vtu files they are the
 cell data `tag`.
 """
@@ -19,15 +20,18 @@ from dolfinx.mesh import CellType, entities_to_geometry
 from numpy.typing import NDArray
 
 from meshes.build import FluidMesh
-from meshes.curved import EDGES, CurvedCells, reference_points
+from meshes.curved import CurvedCells, reference_points
 from meshes.errors import MeshFileError
 from meshes.geometry import Array
 from meshes.triangulate import Indices
 
 VTK_CELLS = {1: CellType.interval, 2: CellType.triangle, 3: CellType.tetrahedron}
-# Names that meshio gives to triangles and edges of order 1 ... 4, nodes in gmsh's order.
-TRIANGLES = ("triangle", "triangle6", "triangle10", "triangle15")
+# Names that meshio gives to cells of order 1 ... 4, nodes in gmsh's order.
 LINES = ("line", "line3", "line4", "line5")
+TRIANGLES = ("triangle", "triangle6", "triangle10", "triangle15")
+TETRAHEDRA = ("tetra", "tetra10", "tetra20", "tetra35")
+SIMPLICES = (LINES, TRIANGLES, TETRAHEDRA)  # of dimension 1, 2, 3
+VTK_SIMPLICES = ("VTK_LAGRANGE_CURVE", "VTK_LAGRANGE_TRIANGLE", "VTK_LAGRANGE_TETRAHEDRON")
 
 
 def write_mesh(fluid: FluidMesh, path: Path, names: Sequence[str]) -> None:
@@ -65,13 +69,13 @@ def require_suffix(path: Path) -> None:
 
 def gather(fluid: FluidMesh) -> CurvedCells | None:
     """The whole mesh on rank 0, None elsewhere; collective."""
-    mesh, tags = fluid.mesh, fluid.facet_tags
+    mesh, tags, d = fluid.mesh, fluid.facet_tags, fluid.dimension
     geometry = mesh.geometry
-    cells = geometry.dofmaps[0][: mesh.topology.index_map(2).size_local]
+    cells = geometry.dofmaps[0][: mesh.topology.index_map(d).size_local]
     owned = geometry.index_map().size_local
     numbers = geometry.index_map().local_to_global(np.arange(len(geometry.x), dtype=np.int32))
-    edges = entities_to_geometry(mesh, 1, tags.indices)[:, :2]
-    parts = mesh.comm.gather((geometry.x[:owned, :2], numbers[cells], numbers[edges], tags.values))
+    edges = entities_to_geometry(mesh, d - 1, tags.indices)[:, :d]
+    parts = mesh.comm.gather((geometry.x[:owned, :d], numbers[cells], numbers[edges], tags.values))
     if parts is None:
         return None
     x, all_cells, all_edges, values = (np.concatenate([part[k] for part in parts]) for k in range(4))
@@ -100,20 +104,26 @@ def write_cells(cells: CurvedCells, path: Path, names: Sequence[str]) -> None:
 
 
 def _gmsh_mesh(cells: CurvedCells, names: Sequence[str]) -> meshio.Mesh:
-    """Triangles and edges in physical groups: the names, and `fluid`."""
-    triangles = cells.cells[:, gmsh_order(cells.order)]
-    blocks = [(TRIANGLES[cells.order - 1], triangles), (LINES[cells.order - 1], _edge_nodes(cells))]
+    """Cells and tagged facets in physical groups: the names, and `fluid`."""
+    d, order = cells.nodes.shape[1], cells.order
+    inside, facets = cells.cells[:, gmsh_order(order, d)], _facet_nodes(cells)
+    if d == 3:
+        facets = facets[:, gmsh_order(order, 2)]
+    blocks = [(SIMPLICES[d - 1][order - 1], inside), (SIMPLICES[d - 2][order - 1], facets)]
     tags = _tags(cells, len(names))
-    groups = {name: np.array([k + 1, 1]) for k, name in enumerate(names)}
-    groups["fluid"] = np.array([len(names) + 1, 2])
+    groups = {name: np.array([k + 1, d - 1]) for k, name in enumerate(names)}
+    groups["fluid"] = np.array([len(names) + 1, d])
     cell_data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
     return meshio.Mesh(_in_space(cells.nodes), blocks, cell_data=cell_data, field_data=groups)
 
 
 def _vtu_mesh(cells: CurvedCells, names: Sequence[str]) -> meshio.Mesh:
-    """Lagrange triangles and curves with the cell data `tag`."""
-    triangles = cells.cells[:, vtk_order(cells.cells.shape[1])]
-    blocks = [("VTK_LAGRANGE_TRIANGLE", triangles), ("VTK_LAGRANGE_CURVE", _edge_nodes(cells))]
+    """Lagrange cells and facets with the cell data `tag`."""
+    d = cells.nodes.shape[1]
+    inside, facets = cells.cells[:, vtk_order(cells.cells.shape[1], d)], _facet_nodes(cells)
+    if d == 3:
+        facets = facets[:, vtk_order(facets.shape[1], 2)]
+    blocks = [(VTK_SIMPLICES[d - 1], inside), (VTK_SIMPLICES[d - 2], facets)]
     return meshio.Mesh(_in_space(cells.nodes), blocks, cell_data={"tag": _tags(cells, len(names))})
 
 
@@ -126,12 +136,12 @@ FORMATS: dict[str, tuple[str, Callable[[CurvedCells, Sequence[str]], meshio.Mesh
 
 
 def _in_space(x: Array) -> Array:
-    """Points with z = 0."""
-    return np.column_stack([x, np.zeros(len(x))])
+    """Points with three coordinates, z = 0 in the plane."""
+    return np.column_stack([x, np.zeros((len(x), 3 - x.shape[1]))])
 
 
 def _tags(cells: CurvedCells, groups: int) -> list[Indices]:
-    """Tags of the triangles, all the same, and of the edges."""
+    """Tags of the cells, all the same, and of the facets."""
     return [np.full(len(cells.cells), groups + 1), cells.tags]
 
 
@@ -140,10 +150,11 @@ def vtk_order(nodes: int, dimension: int = 2) -> NDArray[np.int64]:
     return np.argsort(cpp.io.perm_vtk(VTK_CELLS[dimension], nodes))
 
 
-def gmsh_order(order: int) -> NDArray[np.int64]:
-    """Columns that put the nodes of triangles from the order of basix into gmsh's (dolfinx knows up to 3)."""
-    points = np.array(_gmsh_lattice(order)) / order
-    return np.abs(points[:, None] - reference_points(order)).sum(axis=2).argmin(axis=1)
+def gmsh_order(order: int, dimension: int = 2) -> NDArray[np.int64]:
+    """Columns that put the nodes of simplices from the order of basix into gmsh's (dolfinx knows up to 3)."""
+    lattice = _gmsh_lattice(order) if dimension == 2 else _gmsh_lattice_in_space(order)
+    points = np.array(lattice) / order
+    return np.abs(points[:, None] - reference_points(order, dimension)).sum(axis=2).argmin(axis=1)
 
 
 def _gmsh_lattice(order: int) -> list[tuple[int, int]]:
@@ -156,14 +167,41 @@ def _gmsh_lattice(order: int) -> list[tuple[int, int]]:
     return [(0, 0), (order, 0), (0, order), *sides, *inside]
 
 
-def _edge_nodes(cells: CurvedCells) -> Indices:
-    """All nodes of the tagged edges, ends first, (E, order + 1)."""
-    inner = cells.order - 1
-    columns = [[i, j, *range(3 + e * inner, 3 + (e + 1) * inner)] for e, (i, j) in enumerate(EDGES)]
-    sides = cells.cells[:, columns].reshape(-1, cells.order + 1)
-    n = len(cells.nodes)
-    keys = np.sort(sides[:, :2], axis=1) @ [n, 1]
+def _gmsh_lattice_in_space(order: int) -> list[tuple[int, ...]]:
+    """The same of a tetrahedron: vertices, edges, faces, then the tetrahedron inside (a point of order 4)."""
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    points = [order * corner for corner in corners]
+    for i, j in ((0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1)):
+        points += [(order - k) * corners[i] + k * corners[j] for k in range(1, order)]
+    for i, j, k in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (3, 1, 2)):
+        for a, b in _gmsh_lattice(order - 3):
+            points.append((order - 2 - a - b) * corners[i] + (a + 1) * corners[j] + (b + 1) * corners[k])
+    if order == 4:
+        points.append(np.ones(3, dtype=int))
+    return [tuple(int(c) for c in point) for point in points]
+
+
+def _facet_nodes(cells: CurvedCells) -> Indices:
+    """All nodes of the tagged facets in the order of basix, (F, nodes); edges have their ends first."""
+    d = cells.nodes.shape[1]
+    columns = facet_columns(cells.order, d)
+    sides = cells.cells[:, columns].reshape(-1, columns.shape[1])
+    radix = len(cells.nodes) ** np.arange(d)[::-1]
+    keys = np.sort(sides[:, :d], axis=1) @ radix
     order = np.argsort(keys)
-    wanted = np.sort(cells.edges, axis=1) @ [n, 1]
-    edges: Indices = sides[order[np.searchsorted(keys[order], wanted)]]
-    return edges
+    wanted = np.sort(cells.edges, axis=1) @ radix
+    facets: Indices = sides[order[np.searchsorted(keys[order], wanted)]]
+    return facets
+
+
+def facet_columns(order: int, dimension: int) -> Indices:
+    """Columns of the nodes of each facet of a cell, in the order of basix, (facets, nodes)."""
+    X = reference_points(order, dimension)
+    corners = np.concatenate([np.zeros((1, dimension)), np.eye(dimension)])
+    line = np.array([0.0, 1.0, *np.arange(1, order) / order])[:, None]
+    Y = line if dimension == 2 else reference_points(order)
+    weights = np.column_stack([1.0 - Y.sum(axis=1), Y])
+    facets = [np.delete(np.arange(dimension + 1), k) for k in range(dimension + 1)]
+    places = np.array([weights @ corners[facet] for facet in facets])
+    columns: Indices = np.abs(places[:, :, None] - X).sum(axis=3).argmin(axis=2)
+    return columns

@@ -120,7 +120,8 @@ def _edge_bends(ends: Array, sphere: Sphere, order: int) -> Array:
     """Phi minus chord at the inner Gauss-Lobatto points of edges (E, 2, 3), shape (E, order - 1, 3)."""
     t = _along(order).points[2:]
     chord = ends[:, :1] * (1.0 - t) + ends[:, 1:] * t
-    return sphere.project(chord) - chord
+    bends: Array = sphere.project(chord) - chord
+    return bends
 
 
 def _edge_lift(barycentric: Array, order: int) -> Array:
@@ -157,7 +158,7 @@ def _face_bends(corners: Array, edge_bends: Array, edges: Indices, sphere: Spher
     inner = _barycentric(reference_points(order)[3 * order :])
     straight = np.einsum("nv,fvd->fnd", inner, corners)
     bend = sphere.project(straight) - without_bubbles(inner)
-    coefficients = np.linalg.inv(_bubbles(inner, order)) @ bend
+    coefficients: Array = np.linalg.inv(_bubbles(inner, order)) @ bend
 
     points, weights = basix.make_quadrature(basix.CellType.triangle, 2 * order + 2)
     l = _barycentric(points)  # noqa: E741

@@ -54,7 +54,7 @@ def boundary_names(container: Container) -> tuple[str, ...]:
 
 
 def boundary_distances(container: Container, x: Array) -> Array:
-    """Distance of each point (n, 2) to each of `boundary_names`."""
+    """Distance of each point (n, dimension) to each of `boundary_names`."""
     to_walls = container.distances(x)
     return np.column_stack([to_walls, x[:, 0]]) if container.axisymmetric else to_walls
 

@@ -15,7 +15,6 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.spatial import Delaunay
 
-from meshes.errors import MeshError
 from meshes.geometry import Array, Box, HalfPlane, lengths
 from meshes.sizing import equidistribute
 from meshes.spacing import Spacing
@@ -32,9 +31,9 @@ SAMPLES = 400
 class Gap:
     """A body and the surface that faces it, another body or a wall, both round about the axis `along`.
 
-    tags: of the two surfaces; centre, radius: of the body; along: unit vector towards the other surface, whose
-    height above the centre is `height + bend sqrt(curvature_radius^2 - rho^2)` at the distance rho from the
-    axis; bend: 0 for a flat wall; smallest: radius of the smaller body.
+    tags: of the two surfaces; centre, radius: of the body; along: unit vector towards the other surface,
+    whose height above the centre is `height + bend sqrt(curvature_radius^2 - rho^2)` at the distance rho from
+    the axis; bend: 0 for a flat wall; smallest: radius of the smaller body.
     """
 
     tags: tuple[int, int]
@@ -91,35 +90,33 @@ def find_gaps(spacing: Spacing) -> list[Gap]:
     Raises:
         MeshError: a sphere touches another or a wall.
     """
-    centres, radii, walls = spacing.centres, spacing.radii, spacing.container.walls
-    to_walls = spacing.container.distances(centres)
     gaps = []
-    for i, (centre, a) in enumerate(zip(centres, radii, strict=True)):
-        away = lengths(centres - centre)
-        between = away - radii - a
-        between[i] = np.inf
-        if min(between.min(), (to_walls[i] - a).min()) <= 0.0:
-            place = ", ".join(f"{c:.6g}" for c in centre)
-            raise MeshError(f"the sphere at ({place}) touches a sphere or wall; move it")
-        for j in np.flatnonzero(between[i + 1 :] < radii[i + 1 :] + a) + i + 1:
-            along, b = (centres[j] - centre) / away[j], float(radii[j])
-            tags = (i + 1, int(j) + 1)
-            gaps.append(Gap(tags, centre, float(a), along, float(away[j]), -1.0, b, min(float(a), b)))
-        for k in np.flatnonzero(to_walls[i] - a < a):
-            gaps.append(_to_wall(spacing, i, int(k), float(to_walls[i, k]), len(radii) + 1 + int(k)))
+    for near in spacing.near():
+        i, wall = near.body, near.other - len(spacing.radii)
+        if wall >= 0:
+            gaps.append(_to_wall(spacing, i, wall))
+            continue
+        apart = spacing.centres[near.other] - spacing.centres[i]
+        distance = float(np.linalg.norm(apart))
+        a, b = float(spacing.radii[i]), float(spacing.radii[near.other])
+        tags = (i + 1, near.other + 1)
+        gaps.append(Gap(tags, spacing.centres[i], a, apart / distance, distance, -1.0, b, near.smallest))
     return [gap for gap in gaps if gap.width(0.0) < spacing.in_gap(gap.width(0.0), gap.smallest)]
 
 
-def _to_wall(spacing: Spacing, i: int, k: int, distance: float, tag: int) -> Gap:
+def _to_wall(spacing: Spacing, i: int, k: int) -> Gap:
     """The gap between body i and wall k."""
     centre, a, container = spacing.centres[i], float(spacing.radii[i]), spacing.container
-    if isinstance(container, Box) or (isinstance(container, HalfPlane) and k == 0):
-        axis = k // 2 if isinstance(container, Box) else 2
-        along = np.eye(3)[axis] * (1.0 if isinstance(container, Box) and k % 2 else -1.0)
-        return Gap((i + 1, tag), centre, a, along, distance, 0.0, a, a)
+    distance = float(container.distances(centre[None])[0, k])
+    tags = (i + 1, len(spacing.radii) + 1 + k)
+    if isinstance(container, Box):
+        along = np.eye(3)[k // 2] * (1.0 if k % 2 else -1.0)
+        return Gap(tags, centre, a, along, distance, 0.0, a, a)
+    if isinstance(container, HalfPlane) and k == 0:
+        return Gap(tags, centre, a, np.array([0.0, 0.0, -1.0]), distance, 0.0, a, a)
     off = float(np.linalg.norm(centre))
     along = centre / off if off > 0.0 else np.array([0.0, 0.0, 1.0])
-    return Gap((i + 1, tag), centre, a, along, -off, 1.0, off + distance, a)
+    return Gap(tags, centre, a, along, -off, 1.0, off + distance, a)
 
 
 def choose(gaps: Sequence[Gap], spacing: Spacing) -> list[Plug]:

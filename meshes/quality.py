@@ -14,7 +14,7 @@ import basix
 import numpy as np
 
 from meshes.curved import SIMPLEX, reference_points
-from meshes.errors import MeshError
+from meshes.errors import MeshError, at
 from meshes.geometry import Array
 
 WORST_ACCEPTED = 0.1
@@ -29,16 +29,25 @@ def scaled_jacobian(x: Array, order: int) -> Array:
         x: nodes of the cells in the order of basix, shape (T, nodes, dimension).
         order: of the cells.
     """
-    dimension = x.shape[2]
-    derivatives, to_bezier = _tables(order, dimension)
-    J = np.einsum("aqn,tnd->tqda", derivatives, x, optimize=dimension == 3)
-    determinant = J[..., 0, 0] * J[..., 1, 1] - J[..., 0, 1] * J[..., 1, 0]
-    if dimension == 3:
-        determinant = np.linalg.det(J)
-    bezier = determinant @ to_bezier.T
+    derivatives, to_bezier = _tables(order, x.shape[2])
+    J = np.einsum("aqn,tnd->tqda", derivatives, x, optimize=x.shape[2] == 3)
+    bezier = determinant(J) @ to_bezier.T
     largest = np.abs(bezier).max(axis=1)
     ratio: Array = bezier.min(axis=1) / np.maximum(largest, np.finfo(float).tiny)
     return ratio
+
+
+def determinant(J: Array) -> Array:
+    """Determinants of matrices (..., dimension, dimension)."""
+    if J.shape[-1] == 2:
+        area: Array = J[..., 0, 0] * J[..., 1, 1] - J[..., 0, 1] * J[..., 1, 0]
+        return area
+    volume: Array = (
+        J[..., 0, 0] * (J[..., 1, 1] * J[..., 2, 2] - J[..., 1, 2] * J[..., 2, 1])
+        - J[..., 0, 1] * (J[..., 1, 0] * J[..., 2, 2] - J[..., 1, 2] * J[..., 2, 0])
+        + J[..., 0, 2] * (J[..., 1, 0] * J[..., 2, 1] - J[..., 1, 1] * J[..., 2, 0])
+    )
+    return volume
 
 
 def require_valid(x: Array, order: int) -> float:
@@ -52,7 +61,7 @@ def require_valid(x: Array, order: int) -> float:
     if not quality[worst] > WORST_ACCEPTED:
         place = x[worst].mean(axis=0)
         raise MeshError(
-            f"the cell at ({', '.join(f'{c:.6g}' for c in place)}) has scaled Jacobian {quality[worst]:.3g},"
+            f"the cell at {at(place)} has scaled Jacobian {quality[worst]:.3g},"
             f" at most {WORST_ACCEPTED:g} is refused; raise discretisation.cells_per_circle or cells_per_gap"
         )
     return float(quality[worst])

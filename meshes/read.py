@@ -41,6 +41,8 @@ def read_mesh(
 
     def read() -> CurvedCells:
         try:
+            if container.dimension == 3:
+                raise MeshFileError("is a mesh in space, which cannot be read; leave domain.mesh out")
             return _cells(
                 _read_gmsh(path), [*names, *boundary_names(container)], container, centres, radii, order
             )

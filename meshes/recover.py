@@ -7,18 +7,18 @@ walls were.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import comb
 from pathlib import Path
 
 import meshes.backend  # noqa: F401
 
 import meshio
 import numpy as np
-from dolfinx import cpp
-from dolfinx.mesh import CellType
 from scipy.spatial import cKDTree
 
+from meshes.convert import VTK_SIMPLICES, vtk_order
 from meshes.curved import CurvedCells
-from meshes.errors import MeshFileError
+from meshes.errors import MeshFileError, at
 from meshes.geometry import Array, Container, boundary_distances
 from meshes.triangulate import Indices
 
@@ -33,27 +33,26 @@ def recover(parts: Sequence[Path], container: Container, centres: Array, radii: 
     Args:
         parts: the VTU files of all ranks.
         container: what encloses the fluid.
-        centres: q_i at that step, shape (N, 2).
+        centres: q_i at that step, shape (N, dimension).
         radii: a_i, shape (N,).
 
     Raises:
         MeshFileError: a file cannot be read, or its boundary is not that of these bodies and walls.
     """
-    pieces, first = [], 0
+    pieces, first, d = [], 0, container.dimension
     try:
         for part in parts:
             mesh = meshio.read(part)
-            pieces.append(
-                (mesh.points[:, :2], mesh.cells_dict["VTK_LAGRANGE_TRIANGLE"].astype(np.int64) + first)
-            )
+            simplices = mesh.cells_dict[VTK_SIMPLICES[d - 1]].astype(np.int64)
+            pieces.append((mesh.points[:, :d], simplices + first))
             first += len(mesh.points)
     except (OSError, meshio.ReadError, KeyError) as error:
         raise MeshFileError(f"{part}: cannot be read ({error}); mend the run with `fsi resume`") from None
     x, cells = (np.concatenate([piece[k] for piece in pieces]) for k in range(2))
     x, cells = _merged(x, cells, SAME_NODE * container.size())
-    cells = cells[:, cpp.io.perm_vtk(CellType.triangle, cells.shape[1])]
-    order = round((np.sqrt(8.0 * cells.shape[1] + 1.0) - 3.0) / 2.0)
-    edges = _boundary_edges(cells[:, :3])
+    cells = cells[:, np.argsort(vtk_order(cells.shape[1], d))]
+    order = next(k for k in range(1, cells.shape[1]) if comb(k + d, d) == cells.shape[1])
+    edges = _boundary_facets(cells[:, : d + 1])
     return CurvedCells(x, cells, edges, _tags(x[edges], container, centres, radii), order)
 
 
@@ -66,31 +65,30 @@ def _merged(x: Array, cells: Indices, distance: float) -> tuple[Array, Indices]:
     return x[kept], number[cells]
 
 
-def _boundary_edges(triangles: Indices) -> Indices:
-    """Sides that belong to one triangle only, (E, 2)."""
+def _boundary_facets(simplices: Indices) -> Indices:
+    """Sides that belong to one cell only, (E, dimension)."""
     sides = np.sort(
-        np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [0, 2]]]), axis=1
+        np.concatenate([np.delete(simplices, k, axis=1) for k in range(simplices.shape[1])]), axis=1
     )
     unique, count = np.unique(sides, axis=0, return_counts=True)
-    edges: Indices = unique[count == 1]
-    return edges
+    facets: Indices = unique[count == 1]
+    return facets
 
 
 def _tags(ends: Array, container: Container, centres: Array, radii: Array) -> Indices:
-    """The body or wall that both ends of each edge (E, 2, 2) lie on."""
+    """The body or wall that all corners of each facet (E, d, d) lie on."""
     tags = np.zeros(len(ends), dtype=np.int64)
     middles = cKDTree(ends.mean(axis=1))
     for i, (centre, radius) in enumerate(zip(centres, radii, strict=True)):
         near = np.array(middles.query_ball_point(centre, radius * (1.0 + ON_SURFACE)), dtype=np.intp)
-        away = np.abs(np.hypot(*np.moveaxis(ends[near] - centre, 2, 0)) - radius).max(axis=1, initial=0.0)
+        away = np.abs(np.hypot.reduce(ends[near] - centre, axis=2) - radius).max(axis=1, initial=0.0)
         tags[near[away < ON_SURFACE * radius]] = i + 1
-    to_walls = np.abs(np.stack([boundary_distances(container, ends[:, k]) for k in range(2)])).max(axis=0)
+    corners = np.moveaxis(ends, 1, 0)
+    to_walls = np.abs(np.stack([boundary_distances(container, x) for x in corners])).max(axis=0)
     wall = to_walls.argmin(axis=1)
     on_wall = (tags == 0) & (to_walls.min(axis=1) < ON_SURFACE * container.size())
     tags[on_wall] = len(radii) + 1 + wall[on_wall]
     if not tags.all():
         lost = ends[np.flatnonzero(tags == 0)[0]].mean(axis=0)
-        raise MeshFileError(
-            f"the boundary at ({lost[0]:.6g}, {lost[1]:.6g}) is on no body or wall; is it another run's file?"
-        )
+        raise MeshFileError(f"the boundary at {at(lost)} is on no body or wall; is it another run's file?")
     return tags

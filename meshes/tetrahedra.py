@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import meshes.backend  # noqa: F401
 
@@ -13,7 +14,7 @@ from scipy.spatial import cKDTree
 
 from meshes.curved import CurvedCells
 from meshes.curved_tets import Sphere, curve_tets
-from meshes.errors import MeshError
+from meshes.errors import MeshError, at
 from meshes.geometry import Array, Box, Container, HalfPlane, Round, lengths
 from meshes.plugs import Plug, choose, find_gaps, pattern, prisms
 from meshes.sizing import Resolution
@@ -69,11 +70,8 @@ def _outside(spacing: Spacing, plugs: Sequence[Plug]) -> Tetrahedra:
             "Mesh.OptimizeNetgen": 1,
         }.items():
             gmsh.option.setNumber(name, value)
-        gmsh.model.mesh.setSizeCallback(lambda _d, _t, x, y, z, _lc: spacing.at(np.array([x, y, z])))
-        try:
-            gmsh.model.mesh.generate(3)
-        finally:
-            gmsh.model.mesh.removeSizeCallback()
+        spacing.apply()
+        gmsh.model.mesh.generate(3)
         return _read(spacing, sides)
 
 
@@ -105,12 +103,12 @@ def _add_cylinder(plug: Plug) -> int:
     quarters = [0.5 * np.pi * k for k in range(5)]
     arcs = [
         occ.addCircle(*foot, plug.rho, -1, start, end, list(gap.along), list(gap.frame()[0]))
-        for start, end in zip(quarters[:-1], quarters[1:], strict=True)
+        for start, end in pairwise(quarters)
     ]
     disc = occ.addPlaneSurface([occ.addCurveLoop(arcs)])
     occ.synchronize()
     solid = occ.extrude([(2, disc)], *((above - below + 2.0 * overlap) * gap.along))
-    return next(tag for dimension, tag in solid if dimension == 3)
+    return next(int(tag) for dimension, tag in solid if dimension == 3)
 
 
 def _structure(plug: Plug) -> list[int]:
@@ -137,8 +135,8 @@ def _structure(plug: Plug) -> list[int]:
             gmsh.model.mesh.setTransfiniteSurface(face)
             sides.append(face)
     if len(sides) != 4:
-        place = ", ".join(f"{c:.6g}" for c in gap.middle())
-        raise MeshError(f"the gap at ({place}) has no room for its elements; raise discretisation.cells_per_gap")
+        where = at(gap.middle())
+        raise MeshError(f"the gap at {where} has no room for its cells; raise discretisation.cells_per_gap")
     return sides
 
 
@@ -184,7 +182,8 @@ def _plugged(cells: Tetrahedra, plug: Plug, spacing: Spacing) -> Tetrahedra:
     sides = {tuple(sorted(facet)) for facet in cells.facets[cells.tags == 0].tolist()}
     forwards = [tuple(sorted((below[i], below[j], above[j]))) in sides for i, j in zip(u, v, strict=True)]
     backwards = np.column_stack([u, v])[~np.array(forwards)]
-    mine = np.isin(cells.facets, np.concatenate([below[inner:], above[inner:]])).all(axis=1) & (cells.tags == 0)
+    on_rims = np.isin(cells.facets, np.concatenate([below[inner:], above[inner:]])).all(axis=1)
+    mine = on_rims & (cells.tags == 0)
     return Tetrahedra(
         np.concatenate(vertices),
         np.concatenate([cells.tets, prisms(triangles, below, above, backwards)]),
