@@ -6,7 +6,7 @@ Let p(X) be the straight place of a point of a facet on a sphere of radius a aro
 
 its place on the sphere. Edges follow Phi through their Gauss-Lobatto points. A facet's inner nodes have the
 tangential place of Phi; their radial place makes the moments of |x - c| - a with polynomials of degree
-k - 3 vanish, so that order 3, like order 2, has volumes (and forces) of order 2 k. The bend `x - p` goes on
+k - 3, over solid angles, vanish, so that order 3, like order 2, has volumes and forces of order 2 k. The bend `x - p` goes on
 into the cells by polynomials of degree k in the barycentric coordinates l (Szabo and Babuska, Finite
 Element Analysis, 1991, section 6.1):
 
@@ -150,7 +150,7 @@ def _face_bends(corners: Array, edge_bends: Array, edges: Indices, sphere: Spher
     """Coefficients (F, m, 3) of `_bubbles` for facets with the corners (F, 3, 3) and edges (F, 3)."""
 
     def without_bubbles(l: Array) -> Array:  # noqa: E741
-        x = np.einsum("nv,fvd->fnd", l, corners)
+        x: Array = np.einsum("nv,fvd->fnd", l, corners)
         for e, ij in enumerate(combinations(range(3), 2)):
             x += np.einsum("nm,fmd->fnd", _edge_lift(l[:, ij], order), edge_bends[edges[:, e]])
         return x
@@ -162,14 +162,17 @@ def _face_bends(corners: Array, edge_bends: Array, edges: Indices, sphere: Spher
 
     points, weights = basix.make_quadrature(basix.CellType.triangle, 2 * order + 2)
     l = _barycentric(points)  # noqa: E741
-    moments, bubbles = _moments(l, order) * weights[:, None], _bubbles(l, order)
-    to_coefficients = np.linalg.solve(moments.T @ bubbles, moments.T)
+    # The solid angle that a piece of the facet is seen under from the centre.
+    away = np.linalg.norm(np.einsum("nv,fvd->fnd", l, corners) - sphere.centre, axis=2)
+    moments = np.einsum("ni,n,fn->fin", _moments(l, order), weights, away**-3.0)
+    bubbles = _bubbles(l, order)
     x = without_bubbles(l)
     normal = corners.mean(axis=1) - sphere.centre
     normal /= np.linalg.norm(normal, axis=1)[:, None]
     for _ in range(NEWTON_STEPS):
         off = np.linalg.norm(x + bubbles @ coefficients - sphere.centre, axis=2) - sphere.radius
-        coefficients -= (off @ to_coefficients.T)[:, :, None] * normal[:, None]
+        amount = np.linalg.solve(moments @ bubbles, moments @ off[:, :, None])
+        coefficients -= amount * normal[:, None]
     return coefficients
 
 

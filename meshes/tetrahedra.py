@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
+from math import ceil
 
 import meshes.backend  # noqa: F401
 
@@ -17,12 +18,14 @@ from meshes.curved_tets import Sphere, curve_tets
 from meshes.errors import MeshError, at
 from meshes.geometry import Array, Box, Container, HalfPlane, Round, lengths
 from meshes.plugs import Plug, choose, find_gaps, pattern, prisms
+from meshes.quality import WORST_ACCEPTED, scaled_jacobian
 from meshes.sizing import Resolution
 from meshes.spacing import Spacing
 from meshes.triangulate import Indices, gmsh_model
 
 OVERLAP = 0.25  # how far a plug's cylinder enters either surface, in radii of the smaller body
 ON_CURVE = 1e-5  # of a plug's radius: where gmsh's intersections lie
+FINER = (1.0, 1.25, 1.6)  # times cells_per_circle, until all cells are valid
 TRIANGLE, TETRAHEDRON = 2, 4  # as gmsh calls them
 
 
@@ -41,12 +44,25 @@ def fill(
 ) -> CurvedCells:
     """Curved cells of the fluid around spheres; arguments as for `meshes.build.build`.
 
+    A cell that lies flat on a sphere can turn over when it is curved; then all is meshed again with smaller
+    elements on the spheres.
+
     Raises:
         MeshError: spheres touch, or gmsh fails.
     """
-    spacing = Spacing(container, centres, radii, resolution)
+    for factor in FINER:
+        finer = replace(resolution, cells_per_circle=ceil(factor * resolution.cells_per_circle))
+        cells = _fill(Spacing(container, centres, radii, finer), order)
+        if scaled_jacobian(cells.nodes[cells.cells], order).min() > WORST_ACCEPTED:
+            break
+    return cells
+
+
+def _fill(spacing: Spacing, order: int) -> CurvedCells:
+    """The cells of these sizes, valid or not."""
+    radii, container = spacing.radii, spacing.container
     plugs = choose(find_gaps(spacing), spacing)
-    spheres = {i + 1: Sphere(centre, float(radii[i])) for i, centre in enumerate(centres)}
+    spheres = {i + 1: Sphere(centre, float(radii[i])) for i, centre in enumerate(spacing.centres)}
     if isinstance(container, HalfPlane | Round):
         spheres[len(radii) + len(container.walls)] = Sphere(np.zeros(3), container.radius)
     cells = _outside(spacing, plugs)
@@ -68,6 +84,7 @@ def _outside(spacing: Spacing, plugs: Sequence[Plug]) -> Tetrahedra:
             "Mesh.MeshSizeExtendFromBoundary": 0,
             "Mesh.MeshSizeFromPoints": 0,
             "Mesh.OptimizeNetgen": 1,
+            "Mesh.OptimizeThreshold": 0.5,
         }.items():
             gmsh.option.setNumber(name, value)
         spacing.apply()
