@@ -106,7 +106,9 @@ def write_cells(cells: CurvedCells, path: Path, names: Sequence[str]) -> None:
 def _gmsh_mesh(cells: CurvedCells, names: Sequence[str]) -> meshio.Mesh:
     """Cells and tagged facets in physical groups: the names, and `fluid`."""
     d, order = cells.nodes.shape[1], cells.order
-    inside, facets = cells.cells[:, gmsh_order(order, d)], _facet_nodes(cells)
+    # meshio takes this one kind in VTK's order and turns it itself.
+    columns = vtk_order(10, 3) if (d, order) == (3, 2) else gmsh_order(order, d)
+    inside, facets = cells.cells[:, columns], _facet_nodes(cells)
     if d == 3:
         facets = facets[:, gmsh_order(order, 2)]
     blocks = [(SIMPLICES[d - 1][order - 1], inside), (SIMPLICES[d - 2][order - 1], facets)]

@@ -6,9 +6,9 @@ Let p(X) be the straight place of a point of a facet on a sphere of radius a aro
 
 its place on the sphere. Edges follow Phi through their Gauss-Lobatto points. A facet's inner nodes have the
 tangential place of Phi; their radial place makes the moments of |x - c| - a with polynomials of degree
-k - 3, over solid angles, vanish, so that order 3, like order 2, has volumes and forces of order 2 k. The bend `x - p` goes on
-into the cells by polynomials of degree k in the barycentric coordinates l (Szabo and Babuska, Finite
-Element Analysis, 1991, section 6.1):
+k - 3, over solid angles, vanish, so that order 3, like order 2, has volumes and forces of order 2 k.
+The bend `x - p` goes on into the cells by polynomials of degree k in the barycentric coordinates l (Szabo
+and Babuska, Finite Element Analysis, 1991, section 6.1):
 
     edge ij:   l_i l_j c((1 + l_j - l_i) / 2),       facet ijk:   l_i l_j l_k (c_i l_i + ...),
 
