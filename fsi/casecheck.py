@@ -31,6 +31,7 @@ def check_case(case: Case) -> None:
     _check_names(case)
     if case.axisymmetric:
         _check_axis(case)
+    _check_solver(case)
     _check_room(case)
     _check_loads(case)
     _check_inertia(case)
@@ -50,6 +51,16 @@ def _check_names(case: Case) -> None:
             )
         if name in walls:
             raise InputError(f"{here}: a wall has this name; give the body another one")
+
+
+def _check_solver(case: Case) -> None:
+    """The iterative solver is for the eliminated form in space."""
+    given = case.discretisation
+    if given.solver == "iterative" and (case.dimension == 2 or given.formulation == "multiplier"):
+        raise InputError(
+            'discretisation.solver = "iterative": is for geometry = "spatial" and formulation = '
+            '"eliminated"; drop it or give "direct"'
+        )
 
 
 def _check_room(case: Case) -> None:

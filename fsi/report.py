@@ -56,10 +56,16 @@ def solution_json(
         "discretisation": case.discretisation.model_dump(exclude_none=True),
         "dofs": int(solution.dofs),
         "cells": int(solution.cells),
+        "solver": _solver(solution),
         "seconds": float(sum(solution.seconds.values())),
         "seconds_by_phase": {phase: float(spent) for phase, spent in solution.seconds.items()},
     }
     return found if truncated is None else found | {"truncation": dict(truncated)}
+
+
+def _solver(solution: Solution) -> str:
+    """Which linear solver was used."""
+    return f"FGMRES with {solution.iterations} iterations" if solution.iterations else "direct solver"
 
 
 def _turning(components: Array) -> float | list[float]:
@@ -131,6 +137,7 @@ def _cost(case: Case, solution: Solution) -> Text:
         f"degree {given.degree}, cells_per_gap {given.cells_per_gap:.4g}, "
         f"cells_per_circle {given.cells_per_circle}, growth {given.growth:.4g}; "
         f"dissipation {solution.dissipation:.8g}; {solution.cells} cells, {solution.dofs} unknowns, "
+        f"{_solver(solution)}, "
         f"{sum(solution.seconds.values()):.2f} CPU s ({phases})"
     )
 

@@ -129,6 +129,9 @@ class Discretisation(Section):
     formulation: Literal["eliminated", "multiplier"] = Field(
         default="eliminated", description='"eliminated" or "multiplier"'
     )
+    solver: Literal["automatic", "direct", "iterative"] = Field(
+        default="automatic", description='"automatic", "direct" or, in space, "iterative"'
+    )
 
 
 class Time(Section):

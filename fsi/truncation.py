@@ -45,6 +45,10 @@ class Solution(Protocol):
         """Number of cells."""
 
     @property
+    def iterations(self) -> int:
+        """Of the linear solver; 0 of the direct one."""
+
+    @property
     def seconds(self) -> dict[str, float]:
         """CPU seconds by phase."""
 

@@ -25,6 +25,7 @@ class Solved:
     F: Array
     dissipation: float = 7.0
     dofs: int = 120
+    iterations: int = 0
     cells: int = 30
     checks: dict[str, float] = field(default_factory=lambda: {"power": 1e-13})
     seconds: dict[str, float] = field(default_factory=lambda: {"mesh": 0.25, "solve": 0.5})
@@ -71,9 +72,11 @@ def test_the_force_is_that_of_the_fluid_on_the_body(case: Case) -> None:
             "cells_per_circle": 48,
             "growth": 0.2,
             "formulation": "eliminated",
+            "solver": "automatic",
         },
         "dofs": 120,
         "cells": 30,
+        "solver": "direct solver",
         "seconds": 0.75,
         "seconds_by_phase": {"mesh": 0.25, "solve": 0.5},
         "truncation": {"force": 1e-6},

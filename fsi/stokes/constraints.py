@@ -114,9 +114,9 @@ def rigid_modes(shares: Layout, nodes: BoundaryNodes, q: Configuration) -> PETSc
 
 
 def prolongation(
-    shares: Layout, rigid: PETSc.Mat, held: NDArray[np.bool_], eliminate_bodies: bool = True
+    shares: Layout, rigid: PETSc.Mat, kept: NDArray[np.bool_], eliminate_bodies: bool = True
 ) -> PETSc.Mat:
-    """P for the given held modes, bool (N, M).
+    """P with the modes that are kept as unknowns, bool (M N,).
 
     With `eliminate_bodies` false, the nodes on bodies stay unknowns and P has no modes: this is the
     space of the multiplier form.
@@ -130,10 +130,9 @@ def prolongation(
     first = shares.comm.exscan(own_free) or 0
     if eliminate_bodies:
         # Rank 0 owns the modes: they come after its own free unknowns.
-        free_modes = ~held.ravel()
         root_free = shares.comm.bcast(own_free)
-        columns[free_modes] = root_free + np.arange(free_modes.sum())
-        first += int(free_modes.sum()) if shares.comm.rank > 0 else 0
+        columns[kept] = root_free + np.arange(kept.sum())
+        first += int(kept.sum()) if shares.comm.rank > 0 else 0
     own_columns = own_free + (int((columns != NO_COLUMN).sum()) if shares.comm.rank == 0 else 0)
     rows = np.flatnonzero(free)
     unit = first + np.arange(own_free)
@@ -142,10 +141,10 @@ def prolongation(
     start, end = rigid.getOwnershipRange()
     indptr, mode, value = rigid.getValuesCSR()
     mode_row = np.repeat(np.arange(end - start), np.diff(indptr))
-    kept = columns[mode] != NO_COLUMN
-    all_rows = np.concatenate([rows, mode_row[kept]])
-    all_columns = np.concatenate([unit, columns[mode[kept]]])
-    values = np.concatenate([np.ones(own_free), value[kept]])
+    used = columns[mode] != NO_COLUMN
+    all_rows = np.concatenate([rows, mode_row[used]])
+    all_columns = np.concatenate([unit, columns[mode[used]]])
+    values = np.concatenate([np.ones(own_free), value[used]])
     return _matrix(shares, (own_columns, None), all_rows, all_columns[:, None], values[:, None])
 
 

@@ -131,6 +131,7 @@ def compile_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -
         "b^T": ("VQ", -p * space.div(v) * w * dx),
         # Zero, but it stores the diagonal of the pressure block: without it MUMPS fails on several ranks.
         "zero": ("QQ", zero * p * q * w * dx),
+        "pressure mass": ("QQ", p * q / mu * w * dx),
         "load": ("V", ufl.inner(f_h, v) * w * dx),
         "pressure weights": ("Q", q * w * dx),
         "dissipation": ("", 2 * mu * ufl.inner(e_h, e_h) * w * dx),

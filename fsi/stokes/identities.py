@@ -111,7 +111,8 @@ def _balance(system: System, U: Array, F: Array, q: Configuration, force: float)
     free = ~system.motion.held
     D, load = mode_equations(system)
     defect = np.zeros_like(F)
-    defect[free] = F[free] + D * U[free] - load
+    D, load = D.reshape(F.shape), load.reshape(F.shape)
+    defect[free] = (F + D * U - load)[free]
     defect /= q.arms
     return _relative(float(np.abs(defect).max(initial=0.0)), max(force, float(np.abs(load).max(initial=0.0))))
 

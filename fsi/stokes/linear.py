@@ -31,7 +31,7 @@ class Factorisation:
         Raises:
             SolveError: the matrix is singular or MUMPS fails.
         """
-        self.matrix = matrix
+        self.matrix, self.iterations = matrix, 0
         matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         for percent in WORKSPACES:
             self._ksp, status = _factorised(matrix, percent)

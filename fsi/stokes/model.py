@@ -73,6 +73,7 @@ class StokesModel:
             viscosity=self.case.fluid.viscosity,
             degree=degree,
             formulation=self.case.discretisation.formulation,
+            solver=self.case.discretisation.solver,
             inertia=inertia,
             clock=clock,
         )

@@ -58,6 +58,7 @@ def case_resistance(case: Case) -> Resistance:
         open_walls=case.wall_pressure(),
         viscosity=case.fluid.viscosity,
         degree=case.discretisation.degree,
+        solver=case.discretisation.solver,
         clock=clock,
     )
 
@@ -71,6 +72,7 @@ def solve_resistance(
     open_walls: Collection[str] = (),
     viscosity: float = 1.0,
     degree: int = 3,
+    solver: str = "automatic",
     clock: Clock | None = None,
 ) -> Resistance:
     """R of the bodies at q; collective.
@@ -83,6 +85,7 @@ def solve_resistance(
         open_walls: walls without traction; all others are at rest.
         viscosity: mu.
         degree: of the velocity, at least the order of the mesh.
+        solver: "direct", "iterative" (in space), or "automatic" by size.
         clock: takes the CPU seconds by phase; may have some already.
 
     Raises:
@@ -98,7 +101,7 @@ def solve_resistance(
     if fluid.axisymmetric:
         units, modes = units[AXIAL_MODE :: rest.shape[1]], axial_modes(names, q.radii, viscosity)
     columns, worst = [], dict[str, float]()
-    given = assembled(fluid, container, q, all_held, boundary, viscosity, degree, None, clock)
+    given = assembled(fluid, container, q, all_held, boundary, viscosity, degree, None, clock, solver)
     with given as (system, forms, nodes), factorised(system) as responses:
         clock.lap("factorise")
         for block in batched(units, BLOCK):

@@ -40,7 +40,7 @@ def solve_multiplier(system: System) -> NodalSolution:
         SolveError: the system is singular, or its residual is not small.
     """
     shares, held = system.shares, system.motion.held
-    S = prolongation(shares, system.rigid, held, eliminate_bodies=False)
+    S = prolongation(shares, system.rigid, system.kept, eliminate_bodies=False)
     flow = system.M.ptap(S)
     # Rows of each rank: its unknowns (u, p), its multipliers, and on rank 0 the free modes.
     own_flow, own_multipliers = flow.getLocalSize()[0], len(shares.on_body)
@@ -54,7 +54,7 @@ def solve_multiplier(system: System) -> NodalSolution:
     mode_column[free] = root_mode + np.arange(len(free))
 
     multiplier = first + own_flow + np.arange(own_multipliers)
-    D, load = mode_equations(system)
+    D, load = (values[free] for values in mode_equations(system))
     triplets = [
         _renumbered(flow, starts),
         *_symmetric(*_trace(S, shares.on_body, starts, multiplier)),

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from fsi.bodies import Array
+from fsi.bodies import MODES, Array
 from fsi.stokes import fields
 from fsi.stokes.surface import Surface, traction
 
@@ -15,12 +15,12 @@ from fsi.stokes.surface import Surface, traction
 class StokesSolution:
     """Stokes flow around the bodies at one instant.
 
-    U: velocities of the bodies, (N, M); F: loads = int sigma n, n out of the
-    fluid, from the reactions, (N, M): in balance the external load; the fluid exerts -F on the body;
-    traction_F: the same from the traction integral of sigma_h n, less accurate, a cross-check;
-    dissipation: int 2 mu e : e; checks: relative defects of the identities; dofs: unknowns (u, p) before
-    constraints; cells: their number; quality: worst scaled Jacobian; seconds: CPU seconds of this process
-    by phase; flow, surface: for output.
+    U: velocities of the bodies, (N, M); F: loads = int sigma n, n out of the fluid, from the reactions,
+    (N, M): in balance the external load; the fluid exerts -F on the body; traction_F: the same from the
+    traction integral of sigma_h n, less accurate, a cross-check; dissipation: int 2 mu e : e; checks: relative
+    defects of the identities; dofs: unknowns (u, p) before constraints; cells: their number; iterations: of
+    the linear solver, 0 of the direct one; quality: worst scaled Jacobian; seconds: CPU seconds of this
+    process by phase; flow, surface: for output.
     """
 
     U: Array
@@ -30,6 +30,7 @@ class StokesSolution:
     checks: dict[str, float]
     dofs: int
     cells: int
+    iterations: int
     quality: float
     seconds: dict[str, float]
     flow: fields.Flow = field(repr=False)
@@ -44,6 +45,8 @@ class StokesSolution:
             "worst_cell": self.quality,
             "dissipation": self.dissipation,
         }
+        if self.U.shape[1] == len(MODES[3]):
+            sizes["iterations"] = self.iterations
         return {
             **sizes,
             **self.checks,

@@ -18,11 +18,22 @@ from fsi.stokes.forms import Forms
 from fsi.stokes.identities import identities, require
 from fsi.stokes.saddle import solve_multiplier
 from fsi.stokes.solution import StokesSolution
-from fsi.stokes.system import NodalSolution, System, load_of, nodal_vector, solve_eliminated, stokes_matrix
+from fsi.stokes.system import (
+    NodalSolution,
+    System,
+    load_of,
+    nodal_vector,
+    pressure_mass,
+    solve_eliminated,
+    stokes_matrix,
+)
 from meshes.build import FluidMesh
 from meshes.geometry import Container
 
 Field = Callable[[Array], Array]
+
+# Beyond, in space, the factors of the direct solver cost more time and memory than the iterations.
+MOST_DIRECT = 40_000
 
 FORMULATIONS: dict[str, Callable[[System], NodalSolution]] = {
     "eliminated": solve_eliminated,
@@ -68,6 +79,7 @@ def solve(
     viscosity: float = 1.0,
     degree: int = 3,
     formulation: str = "eliminated",
+    solver: str = "automatic",
     inertia: Inertia | None = None,
     clock: Clock | None = None,
 ) -> StokesSolution:
@@ -82,6 +94,7 @@ def solve(
         viscosity: mu.
         degree: of the velocity, at least the order of the mesh; the pressure has one less.
         formulation: "eliminated" (P^T M P) or "multiplier" (the saddle-point system); they agree to rounding.
+        solver: of the eliminated form, "direct", "iterative" (in space), or "automatic" by size.
         inertia: of an implicit step; none: quasi-static.
         clock: takes the CPU seconds by phase; may have some already.
 
@@ -89,7 +102,9 @@ def solve(
         SolveError: singular system, large residual, or an identity violated.
     """
     clock = clock or Clock()
-    given = assembled(fluid, container, q, motion, boundary, viscosity, degree, inertia, clock)
+    if formulation == "multiplier":
+        solver = "direct"
+    given = assembled(fluid, container, q, motion, boundary, viscosity, degree, inertia, clock, solver)
     with given as (system, forms, nodes):
         nodal = FORMULATIONS[formulation](system)
         clock.lap("solve")
@@ -109,24 +124,40 @@ def assembled(
     degree: int,
     inertia: Inertia | None,
     clock: Clock,
+    solver: str = "automatic",
 ) -> Iterator[tuple[System, Forms, BoundaryNodes]]:
     """The assembled system of `solve`, with the same arguments; collective."""
     forms = Forms(fluid, degree, viscosity)
     nodes = locate(fluid, forms.V)
-    pin = None if boundary.pressures else _pinned_pressure(forms)
+    closed = not boundary.pressures
+    iterative = is_iterative(solver, forms)
+    pin = _pinned_pressure(forms) if closed and not iterative else None
     pressure_nodes = forms.Q.dofmap.index_map.size_local
     shares = layout(fluid.mesh.comm, nodes, tuple(boundary.velocities), pressure_nodes, pin, fluid)
     at_walls = {wall: u(nodes.x[nodes.wall_nodes[wall]]) for wall, u in boundary.velocities.items()}
     g = wall_offset(shares, nodes, at_walls, dict(zip(container.walls, container.corner_axes, strict=True)))
     b = _loads(fluid, forms, boundary, shares.rows)
     clock.lap("setup")
-    system = System(shares, stokes_matrix(forms), rigid_modes(shares, nodes, q), b, g, motion, inertia)
+    mass = pressure_mass(forms) if iterative else None
+    system = System(
+        shares, stokes_matrix(forms), rigid_modes(shares, nodes, q), b, g, q, motion, inertia, nodes.x, mass,
+        closed,
+    )  # fmt: skip
     clock.lap("assemble")
     try:
         yield system, forms, nodes
     finally:
         system.M.destroy()
         system.rigid.destroy()
+        if system.mass is not None:
+            system.mass.destroy()
+
+
+def is_iterative(solver: str, forms: Forms) -> bool:
+    """Whether a system is solved iteratively: as the user says, else large ones in space."""
+    if solver == "automatic":
+        return forms.mesh.topology.dim == 3 and forms.dofs > MOST_DIRECT
+    return solver == "iterative"
 
 
 def _pinned_pressure(forms: Forms) -> int | None:
@@ -183,6 +214,6 @@ def _finish(
     flow = fields.capture(forms)
     clock.lap("checks")
     return StokesSolution(
-        nodal.U, F, load_of(system, integral), dissipation, checks, forms.dofs, fluid.cells(), fluid.quality,
-        clock.seconds, flow, own_surface,
+        nodal.U, F, load_of(system, integral), dissipation, checks, forms.dofs, fluid.cells(),
+        nodal.iterations, fluid.quality, clock.seconds, flow, own_surface,
     )  # fmt: skip

@@ -11,6 +11,9 @@ where lambda, the nodal reaction, is zero inside and unknown on bodies and walls
 
 and lambda comes back as M x - b. This is EXACTLY the saddle-point system of `saddle`, with its
 multiplier and the rigid boundary values eliminated.
+
+The direct solver leaves held modes out of y; the iterative one, which wants whole bodies, keeps all modes in
+y and sets the held ones to zero.
 """
 
 from __future__ import annotations
@@ -22,11 +25,13 @@ from dataclasses import dataclass
 import numpy as np
 from dolfinx import fem, la
 from dolfinx.fem.petsc import assemble_matrix
+from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fsi.bodies import Array, Inertia, Motion
+from fsi.bodies import Array, Configuration, Inertia, Motion, rigid_motion
 from fsi.stokes.constraints import Layout, prolongation
 from fsi.stokes.forms import Forms
+from fsi.stokes.iterative import Blocks, Iteration
 from fsi.stokes.linear import Factorisation
 from meshes.aliases import Form
 
@@ -36,7 +41,9 @@ class System:
     """Everything that a solve needs on one mesh at one instant.
 
     M: Stokes matrix of all unknowns; rigid: rigid modes at the nodes on bodies, (rows, M N); b: loads,
-    g: given wall velocities, arrays over this rank's rows; motion, inertia: what drives the bodies.
+    g: given wall velocities, arrays over this rank's rows; q: the bodies; motion, inertia: what drives them;
+    x: coordinates of this rank's velocity nodes, (n, d); mass: of the pressure / mu for the iterative solver,
+    None for the direct one; closed: no wall is open.
     """
 
     shares: Layout
@@ -44,8 +51,23 @@ class System:
     rigid: PETSc.Mat
     b: Array
     g: Array
+    q: Configuration
     motion: Motion
     inertia: Inertia | None
+    x: Array
+    mass: PETSc.Mat | None
+    closed: bool
+
+    @property
+    def kept(self) -> NDArray[np.bool_]:
+        """The modes that stand in y, (M N,)."""
+        held = self.motion.held.ravel()
+        return ~held if self.mass is None else np.ones_like(held)
+
+    @property
+    def own_kept(self) -> int:
+        """How many modes stand in this rank's part of y: all on rank 0, where they come last."""
+        return int(self.kept.sum()) if self.shares.comm.rank == 0 else 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,13 +75,14 @@ class NodalSolution:
     """What the linear system gives.
 
     x: values of (u, p), and reaction: lambda, arrays over this rank's rows; U: (N, M) on all ranks;
-    residual: relative residual of the linear system.
+    residual: relative residual of the linear system; iterations: most of them, 0 by the direct solver.
     """
 
     x: Array
     reaction: Array
     U: Array
     residual: float
+    iterations: int = 0
 
 
 def stokes_matrix(forms: Forms) -> PETSc.Mat:
@@ -68,6 +91,13 @@ def stokes_matrix(forms: Forms) -> PETSc.Mat:
     M = assemble_matrix(blocks, kind="aij")
     M.assemble()
     return M
+
+
+def pressure_mass(forms: Forms) -> PETSc.Mat:
+    """The mass matrix of the pressure over mu."""
+    mass = assemble_matrix(forms.bind("pressure mass"))
+    mass.assemble()
+    return mass
 
 
 def nodal_vector(form: Form) -> Array:
@@ -114,13 +144,13 @@ def body_velocity(system: System, U: Array) -> Array:
 
 
 def mode_equations(system: System) -> tuple[Array, Array]:
-    """D and F + D U0 of the free modes, from their balance `rigid^T lambda + D U = F + D U0`."""
+    """D and F + D U0 of all modes, (M N,), of the balance `rigid^T lambda + D U = F + D U0`; 0 if held."""
     free = ~system.motion.held.ravel()
-    load = system.motion.F.ravel()[free]
+    load = system.motion.F.ravel() * free
     if system.inertia is None:
         return np.zeros(len(load)), load
-    D = system.inertia.D.ravel()[free]
-    return D, load + D * system.inertia.U0.ravel()[free]
+    D = system.inertia.D.ravel() * free
+    return D, load + D * system.inertia.U0.ravel()
 
 
 def solve_eliminated(system: System) -> NodalSolution:
@@ -137,40 +167,66 @@ def solve_eliminated(system: System) -> NodalSolution:
 def factorised(system: System) -> Iterator[Callable[[Array], Iterator[NodalSolution]]]:
     """Factorise P^T M P once: gives the solutions for any velocities (k, N, M) of the held modes; collective.
 
+    Or set up the iterative solver once.
+
     Raises:
         SolveError: the system is singular, or the residual of a solution is not small.
     """
-    P = prolongation(system.shares, system.rigid, system.motion.held)
+    P = prolongation(system.shares, system.rigid, system.kept)
     reduced = system.M.ptap(P)
-    own = _own_modes(system)
+    own = system.own_kept
+    first_mode = reduced.getLocalSize()[0] - own
     D, _ = mode_equations(system)
-    _add_to_diagonal(reduced, reduced.getLocalSize()[0] - own, D[:own])
+    _add_to_diagonal(reduced, first_mode, D[system.kept][:own])
     try:
-        with Factorisation(reduced) as factors:
-            yield lambda U: _respond(system, P, factors, U)
+        with _solver(system, reduced, first_mode) as solver:
+            yield lambda U: _respond(system, P, solver, U)
     finally:
         P.destroy()
         reduced.destroy()
 
 
-def _respond(system: System, P: PETSc.Mat, factors: Factorisation, held_U: Array) -> Iterator[NodalSolution]:
+def _solver(system: System, reduced: PETSc.Mat, first_mode: int) -> Factorisation | Iteration:
+    """The direct solver, or where the system has a mass matrix the iterative one."""
+    if system.mass is None:
+        return Factorisation(reduced)
+    shares, start = system.shares, reduced.getOwnershipRange()[0]
+    held = np.flatnonzero(system.motion.held.ravel())[: system.own_kept]
+    reduced.zeroRowsColumns((start + first_mode + held).astype(PETSc.IntType), diag=1.0)
+    free = np.ones(shares.velocities, dtype=bool)
+    free[shares.fixed[shares.fixed < shares.velocities]] = False
+    free[shares.on_body] = False
+    pressures = shares.pressure_nodes
+    modes = np.arange(first_mode, first_mode + system.own_kept)
+    of_nodes = rigid_motion(system.x)[:, : shares.dimension].reshape(shares.velocities, -1)[free]
+    of_bodies = rigid_motion(system.q.centres).reshape(shares.modes, -1)[: system.own_kept]
+    blocks = Blocks(
+        u=start + np.concatenate([np.arange(first_mode - pressures), modes]),
+        p=start + np.arange(first_mode - pressures, first_mode),
+        rigid=np.concatenate([of_nodes, of_bodies]),
+        mass=system.mass,
+        closed=system.closed,
+    )
+    return Iteration(reduced, blocks)
+
+
+def _respond(
+    system: System, P: PETSc.Mat, solver: Factorisation | Iteration, held_U: Array
+) -> Iterator[NodalSolution]:
     """The solutions with velocities held_U (k, N, M) of the held modes, zero on the free ones."""
-    free, own = ~system.motion.held, _own_modes(system)
+    free, kept, own = ~system.motion.held, system.kept, system.own_kept
     g = [system.g + body_velocity(system, U) for U in held_U]
     rhs = np.column_stack([multiply_transpose(P, system.b - multiply(system.M, offset)) for offset in g])
     first_mode = len(rhs) - own
-    rhs[first_mode:] += mode_equations(system)[1][:own, None]
-    solutions, residuals = factors.solve(rhs)
+    rhs[first_mode:] += mode_equations(system)[1][kept][:own, None]
+    rhs[first_mode:][~free.ravel()[kept][:own]] = 0.0
+    solutions, residuals = solver.solve(rhs)
     for U, offset, y, residual in zip(held_U, g, solutions.T, residuals, strict=True):
         x = multiply(P, y) + offset
         moved = U.copy()
-        moved[free] = system.shares.comm.bcast(y[first_mode:])
-        yield NodalSolution(x, multiply(system.M, x) - system.b, moved, float(residual))
-
-
-def _own_modes(system: System) -> int:
-    """Free modes among this rank's unknowns y: all on rank 0, where they come last."""
-    return int((~system.motion.held).sum()) if system.shares.comm.rank == 0 else 0
+        moved[free] = system.shares.comm.bcast(y[first_mode:])[free.ravel()[kept]]
+        reaction = multiply(system.M, x) - system.b
+        yield NodalSolution(x, reaction, moved, float(residual), solver.iterations)
 
 
 def _add_to_diagonal(matrix: PETSc.Mat, first: int, values: Array) -> None:
