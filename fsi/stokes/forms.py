@@ -116,7 +116,7 @@ def compile_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -
     mu, zero, one = (ufl.Constant(omega) for _ in range(3))
     n = ufl.FacetNormal(omega)
     space = Coordinates(omega, axisymmetric)
-    exact_up_to = 2 * (degree - 1) + 2 * (order - 1) + 1 + (order if axisymmetric else 0)
+    exact_up_to = 2 * (degree - 1) + (2 if dimension == 3 else 2 * (order - 1) + 1 + order * axisymmetric)
     quadrature = {"quadrature_degree": exact_up_to}
     w = space.weight
     dx, ds, dS = (

@@ -33,7 +33,7 @@ from meshes.geometry import Container
 Field = Callable[[Array], Array]
 
 # Beyond, in space, the factors of the direct solver cost more time and memory than the iterations.
-MOST_DIRECT = 40_000
+MOST_DIRECT = 20_000
 
 FORMULATIONS: dict[str, Callable[[System], NodalSolution]] = {
     "eliminated": solve_eliminated,
