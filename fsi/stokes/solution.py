@@ -18,9 +18,9 @@ class StokesSolution:
     U: velocities of the bodies, (N, M); F: loads = int sigma n, n out of the fluid, from the reactions,
     (N, M): in balance the external load; the fluid exerts -F on the body; traction_F: the same from the
     traction integral of sigma_h n, less accurate, a cross-check; dissipation: int 2 mu e : e; checks: the
-    relative defects of the identities; dofs: unknowns (u, p) before constraints; cells: their number; iterations: of
-    the linear solver, 0 of the direct one; quality: worst scaled Jacobian; seconds: CPU seconds of this
-    process by phase; flow, surface: for output.
+    relative defects of the identities; dofs: unknowns (u, p) before constraints; cells: their number;
+    iterations: of the linear solver, 0 of the direct one; quality: worst scaled Jacobian; seconds: CPU
+    seconds of this process by phase; flow, surface: for output.
     """
 
     U: Array
