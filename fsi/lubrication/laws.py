@@ -1,0 +1,193 @@
+"""Lubrication laws: the resistance kappa = F/U of a pair whose gap d changes at the speed U, F against it.
+
+A pair of bodies of radii a and b enters by its reduced radius a_r = a b/(a + b), a wall by b = inf, a_r = a.
+Stokes flow has no length but these, so that for one ratio b/a
+
+    kappa(d, a_r) = mu a_r^n K(s),   s = d/a_r,   n = 1 for spheres, 0 for discs (per unit length)
+
+with a dimensionless profile K: a series, a table, or a closed form. At small gaps K
+tends to 6 pi/s for spheres and to 3 sqrt2 pi s^(-3/2) for discs, whatever b/a is. A law also has the
+antiderivative of kappa in d, the `ln d` or `-2 d^(-1/2)` of the distance equation; its constant is the law's.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fsi.errors import InputError
+
+Array = NDArray[np.float64]
+
+
+class RangeError(InputError, ValueError):
+    """A law was asked for a gap outside its range."""
+
+
+class LubricationLaw(Protocol):
+    """What the reduced models need to know of a pair; gaps d > 0 and reduced radii broadcast."""
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """The smallest and largest d/a_r for which the law holds."""
+
+    def kappa(self, d: ArrayLike, radius: ArrayLike) -> Array:
+        """The resistance F/U at the gap d of a pair of this reduced radius. Raises RangeError."""
+
+    def integral(self, d: ArrayLike, radius: ArrayLike) -> Array:
+        """An antiderivative of kappa in d: increasing, the same for all d of one radius. Raises RangeError."""
+
+
+class Profile(Protocol):
+    """The dimensionless K(s) of one geometry."""
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """The smallest and largest s for which it holds."""
+
+    def value(self, s: Array) -> Array:
+        """K(s); beyond the range a continuation of it."""
+
+    def integral(self, s: Array) -> Array:
+        """An antiderivative of K in s."""
+
+
+@dataclass(frozen=True, slots=True)
+class ScaledLaw:
+    """The law kappa = mu a_r^n K(d/a_r).
+
+    profile: K; viscosity: mu; exponent: n; extrapolate: whether gaps outside the range of the profile are
+    allowed. Raises RangeError where they are not, and for gaps that are not positive in any case.
+    """
+
+    profile: Profile
+    viscosity: float
+    exponent: int
+    extrapolate: bool = False
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """The smallest and largest d/a_r for which the law holds."""
+        return self.profile.range
+
+    def kappa(self, d: ArrayLike, radius: ArrayLike) -> Array:
+        """mu a_r^n K(d/a_r)."""
+        a, s = self._ratio(d, radius)
+        kappa: Array = self.viscosity * a**self.exponent * self.profile.value(s)
+        return kappa
+
+    def integral(self, d: ArrayLike, radius: ArrayLike) -> Array:
+        """mu a_r^(n+1) times the antiderivative of K."""
+        a, s = self._ratio(d, radius)
+        integral: Array = self.viscosity * a ** (self.exponent + 1) * self.profile.integral(s)
+        return integral
+
+    def _ratio(self, d: ArrayLike, radius: ArrayLike) -> tuple[Array, Array]:
+        a = np.asarray(radius, dtype=np.float64)
+        s = np.asarray(d, dtype=np.float64) / a
+        smallest, largest = (0.0, np.inf) if self.extrapolate else self.range
+        outside = ~((s > 0.0) & (s >= smallest) & (s <= largest))
+        if np.any(outside):
+            raise RangeError(
+                f"gap / reduced radius = {s[outside].flat[0]:.6g}: the lubrication law holds from "
+                f"{self.range[0]:.6g} to {self.range[1]:.6g}; keep gaps positive and in this range, "
+                "or ask for extrapolation"
+            )
+        return a, s
+
+
+@dataclass(frozen=True, slots=True)
+class CutLaw:
+    """A law less its value at the gap d_c, and zero beyond: far drag, present elsewhere, is not counted twice.
+
+    law: any law; cut: d_c > 0, a length. kappa is continuous, and never negative if that of `law` decreases.
+    The integral is that from d_c.
+    """
+
+    law: LubricationLaw
+    cut: float
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """The smallest d/a_r is that of the law; every larger one will do."""
+        return self.law.range[0], np.inf
+
+    def kappa(self, d: ArrayLike, radius: ArrayLike) -> Array:
+        """kappa(d) - kappa(d_c) for d < d_c, else 0."""
+        near = np.minimum(d, self.cut)
+        return self.law.kappa(near, radius) - self.law.kappa(self.cut, radius)
+
+    def integral(self, d: ArrayLike, radius: ArrayLike) -> Array:
+        """The integral of `kappa` from d_c to d, so 0 beyond d_c."""
+        near = np.minimum(d, self.cut)
+        constant = self.law.kappa(self.cut, radius) * (near - self.cut)
+        integral: Array = self.law.integral(near, radius) - self.law.integral(self.cut, radius) - constant
+        return integral
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """One term of a series: s^power, or s^power ln(1/s)."""
+
+    power: float
+    log: bool = False
+
+    def value(self, s: Array) -> Array:
+        """The term at s, shape of s."""
+        power: Array = s**self.power
+        return -power * np.log(s) if self.log else power
+
+    def integral(self, s: Array) -> Array:
+        """Its antiderivative: ln s of 1/s, s^(p+1)/(p+1) of s^p, s^(p+1)/(p+1) (ln(1/s) + 1/(p+1)) with ln."""
+        p = self.power + 1.0
+        if p == 0.0:
+            log = np.log(s)
+            return -0.5 * log**2 if self.log else log
+        integral: Array = s**p / p
+        return integral * (1.0 / p - np.log(s)) if self.log else integral
+
+    def __str__(self) -> str:
+        power = "" if self.power == 0.0 else "s" if self.power == 1.0 else f"s^{self.power:g}"
+        return " ".join(part for part in (power, "ln(1/s)" if self.log else "") if part) or "1"
+
+
+@dataclass(frozen=True, slots=True)
+class Series:
+    """K(s) = sum_k c_k phi_k(s).
+
+    terms: phi_k; coefficients: c_k, as many; range: where it holds; all s > 0 if not given.
+    """
+
+    terms: tuple[Term, ...]
+    coefficients: tuple[float, ...]
+    range: tuple[float, float] = (0.0, np.inf)
+
+    FORM: ClassVar[str] = "series"
+
+    def value(self, s: Array) -> Array:
+        """K(s)."""
+        parts = [c * term.value(s) for c, term in zip(self.coefficients, self.terms, strict=True)]
+        return np.sum(parts, axis=0)
+
+    def integral(self, s: Array) -> Array:
+        """The sum of the antiderivatives of the terms."""
+        parts = [c * term.integral(s) for c, term in zip(self.coefficients, self.terms, strict=True)]
+        return np.sum(parts, axis=0)
+
+
+def slides_law(coefficient: float) -> ScaledLaw:
+    """kappa = coefficient/d for every pair, the `mu/d` of A. Lefebvre and B. Maury: no radius enters."""
+    return ScaledLaw(Series((Term(-1.0),), (1.0,)), coefficient, -1)
+
+
+def leading_sphere_law(viscosity: float) -> ScaledLaw:
+    """kappa = 6 pi mu a_r^2/d: of a sphere and a plane 6 pi mu a^2/d, of equal spheres (3/2) pi mu a^2/d."""
+    return ScaledLaw(Series((Term(-1.0),), (6.0 * np.pi,)), viscosity, 1)
+
+
+def leading_disc_law(viscosity: float) -> ScaledLaw:
+    """kappa = 3 sqrt2 pi mu (a_r/d)^(3/2): of equal discs (3/2) pi mu (a/d)^(3/2)."""
+    return ScaledLaw(Series((Term(-1.5),), (3.0 * np.sqrt(2.0) * np.pi,)), viscosity, 0)
