@@ -38,7 +38,7 @@ class LubricationLaw(Protocol):
         """The resistance F/U at the gap d of a pair of this reduced radius. Raises RangeError."""
 
     def integral(self, d: ArrayLike, radius: ArrayLike) -> Array:
-        """An antiderivative of kappa in d: increasing, the same for all d of one radius. Raises RangeError."""
+        """An antiderivative of kappa in d, increasing. Raises RangeError."""
 
 
 class Profile(Protocol):
@@ -101,7 +101,7 @@ class ScaledLaw:
 
 @dataclass(frozen=True, slots=True)
 class CutLaw:
-    """A law less its value at the gap d_c, and zero beyond: far drag, present elsewhere, is not counted twice.
+    """A law less its value at the gap d_c, and zero beyond, so that far drag is not counted twice.
 
     law: any law; cut: d_c > 0, a length. kappa is continuous, and never negative if that of `law` decreases.
     The integral is that from d_c.
@@ -116,7 +116,7 @@ class CutLaw:
         return self.law.range[0], np.inf
 
     def kappa(self, d: ArrayLike, radius: ArrayLike) -> Array:
-        """kappa(d) - kappa(d_c) for d < d_c, else 0."""
+        """The law at d less the law at d_c where d < d_c, else 0."""
         near = np.minimum(d, self.cut)
         return self.law.kappa(near, radius) - self.law.kappa(self.cut, radius)
 
@@ -141,7 +141,7 @@ class Term:
         return -power * np.log(s) if self.log else power
 
     def integral(self, s: Array) -> Array:
-        """Its antiderivative: ln s of 1/s, s^(p+1)/(p+1) of s^p, s^(p+1)/(p+1) (ln(1/s) + 1/(p+1)) with ln."""
+        """ln s of 1/s, s^(p+1)/(p+1) of s^p, s^(p+1)/(p+1) (ln(1/s) + 1/(p+1)) of s^p ln(1/s)."""
         p = self.power + 1.0
         if p == 0.0:
             log = np.log(s)
