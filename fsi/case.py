@@ -23,8 +23,8 @@ from fsi.domain import Domain, WallVelocity, wall_kinks, wall_pressure, wall_vel
 from fsi.errors import InputError
 from fsi.geometry import GEOMETRY, Geometry, dimension_of
 from fsi.overrides import override
-from fsi.schema import Body, Discretisation, Expected, Fluid, Output, Sweep, Time
-from fsi.section import Section, explain
+from fsi.schema import Body, Calibration, Discretisation, Expected, Fluid, Output, Sweep, Time
+from fsi.section import Section, explain, tuples
 from fsi.series import kinks, value_at
 from meshes.geometry import Container
 
@@ -52,6 +52,10 @@ class Case(Section):
     )
     sweep: Sweep | None = Field(
         default=None, description="a section [sweep] with key and values, for `fsi validate`"
+    )
+
+    calibration: Calibration | None = Field(
+        default=None, description="a section [calibration] with pair and range, for `fsi calibrate`"
     )
 
     @model_validator(mode="before")
@@ -171,7 +175,7 @@ def load_case(path: Path, overrides: Sequence[str] = ()) -> Case:
 def parse_case(data: Mapping[str, Any]) -> Case:
     """The case that nested dictionaries, lists and numbers describe. Raises InputError."""
     try:
-        return Case.model_validate(_tuples(data))
+        return Case.model_validate(tuples(data))
     except ValidationError as error:
         raise InputError(explain(error, Case)) from None
 
@@ -183,14 +187,3 @@ def _read(path: Path) -> dict[str, Any]:
         raise InputError(f"{path}: not TOML: {error}; correct the file there") from None
     except OSError as error:
         raise InputError(f"{path}: {error.strerror or error}; give the path of a case file") from None
-
-
-def _tuples(value: Any) -> Any:
-    """The same data with tuples for lists, as frozen sections want it."""
-    match value:
-        case dict():
-            return {key: _tuples(item) for key, item in value.items()}
-        case list() | tuple():
-            return tuple(map(_tuples, value))
-        case _:
-            return value

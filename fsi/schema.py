@@ -205,3 +205,35 @@ class Sweep(Section):
         pattern=r"^[\w.-]+$", description='the dotted key of a number, like "bodies.0.position.1"'
     )
     values: tuple[float, ...] = Field(min_length=1, description="the values of that key, at least one")
+
+
+class Calibration(Section):
+    """For `fsi calibrate`: which resistance is sampled, at which gaps, and what becomes of it."""
+
+    pair: tuple[str, str] = Field(
+        description='two names, ["ball", "plane"]: a body, and a body or plane wall'
+    )
+    mode: Literal["squeeze", "shear", "rotation"] = Field(
+        default="squeeze", description='"squeeze", or beside a wall also "shear" or "rotation"'
+    )
+    range: tuple[float, float] = Field(description="the smallest and the largest gap, increasing numbers > 0")
+    samples: int = Field(
+        default=20, ge=6, description="the number of gaps in the range, at least 6, equal in the logarithm"
+    )
+    held_out: int = Field(
+        default=4, ge=0, description="the number of gaps between these that test the law, at least 0"
+    )
+    form: Literal["series", "table"] = Field(default="series", description='"series" or "table"')
+
+    @field_validator("range")
+    @classmethod
+    def _increasing(cls, range: tuple[float, float]) -> tuple[float, float]:  # noqa: A002
+        if not 0.0 < range[0] < range[1]:
+            raise ValueError("is not a range of positive gaps")
+        return range
+
+    @model_validator(mode="after")
+    def _between_samples(self) -> Calibration:
+        if self.held_out >= self.samples:
+            raise ValueError(f"has {self.samples} samples and as many between them at most one fewer")
+        return self

@@ -52,6 +52,17 @@ def nearest_word(word: str, known: Iterable[str]) -> str:
     return difflib.get_close_matches(word, list(known), n=1, cutoff=0.0)[0]
 
 
+def tuples(value: Any) -> Any:
+    """The same data with tuples for lists, as frozen sections want it."""
+    match value:
+        case dict():
+            return {key: tuples(item) for key, item in value.items()}
+        case list() | tuple():
+            return tuple(map(tuples, value))
+        case _:
+            return value
+
+
 def toml_text(value: object) -> str:
     """The value as TOML would write it, on one line, shortened when long."""
     text = _toml(value)

@@ -1,10 +1,10 @@
-"""Exact Stokes forces on discs beside a plane and on two equal discs, per unit length.
+"""Exact Stokes forces on discs beside a plane and on two discs, per unit length.
 
 The plane is y = 0 with the fluid above it. `gap` is the distance q from surface to surface, `radius`
 is a, `viscosity` is mu, `s = q/a`. Bipolar coordinates bring in
 
     cosh al = 1 + s           a disc and a plane
-    cosh L  = d^2/(2 a^2) - 1   two equal discs, centre distance d = 2 a + q
+    cosh L  = 1 + q/a + q/b + q^2/(2 a b)   two discs of radii a and b
 
 Signs are those of the whole project: y and V_y away from the plane, omega and T counterclockwise, F and
 T the EXTERNAL load that the motion needs (the fluid exerts the opposite). Every argument may be an
@@ -72,12 +72,21 @@ def free_in_shear(gap: ArrayLike, radius: ArrayLike, shear_rate: ArrayLike) -> t
 
 
 def pair_resistance(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -> Array:
-    """Force on each of two equal discs over their RELATIVE speed along the line of centres.
+    """`relative_resistance` of equal discs, each moving at half the relative speed."""
+    return relative_resistance(gap, radius, radius, viscosity)
 
-    `4 pi mu / (L - tanh L)`: discs approaching at speed V (each at V/2) need opposite forces of this times V.
-    The plane has no other walls; without net force the flow decays at infinity.
+
+def relative_resistance(gap: ArrayLike, radius: ArrayLike, other: ArrayLike, viscosity: ArrayLike) -> Array:
+    """Force on each of two discs over their RELATIVE speed along the line of centres, `4 pi mu/(L - tanh L)`.
+
+    The forces are opposite: the plane has no other walls, and without net force the flow decays at infinity.
+    The stream function over c/(cosh xi - cos eta) is f(xi) sin eta, f = A cosh 2 xi + B sinh 2 xi + C xi + D,
+    with f' = 0 and f the velocity on both discs. Such f may be shifted in xi, so that only the distance L
+    of the discs in xi matters: f = k (xi - sinh 2 xi / (2 cosh L)) from -L/2 to L/2, F = 4 pi mu k. A disc of
+    infinite radius is the plane.
     """
-    return 4.0 * np.pi * np.asarray(viscosity) / less_tanh(_pair_angle(gap_ratio(gap, radius)))
+    s, t = gap_ratio(gap, radius), np.asarray(gap, dtype=np.float64) / np.asarray(other, dtype=np.float64)
+    return 4.0 * np.pi * np.asarray(viscosity) / less_tanh(_plane_angle(s + t + 0.5 * s * t))
 
 
 def plane_lubrication(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -> Array:
@@ -134,11 +143,6 @@ def gap_ratio(gap: ArrayLike, radius: ArrayLike) -> Array:
 def _plane_angle(s: Array) -> Array:
     """The angle al with cosh al = 1 + s, from `2 sinh^2(al/2) = s`."""
     return 2.0 * np.arcsinh(np.sqrt(0.5 * s))
-
-
-def _pair_angle(s: Array) -> Array:
-    """The angle L with cosh L = d^2/(2 a^2) - 1, from `cosh(L/2) = d/(2 a) = 1 + s/2`."""
-    return 2.0 * _plane_angle(0.5 * s)
 
 
 def _sinh(s: Array) -> Array:

@@ -37,6 +37,17 @@ def pair_resistance(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -> 
     return force
 
 
+def relative_resistance(gap: ArrayLike, radius: ArrayLike, other: ArrayLike, viscosity: ArrayLike) -> Array:
+    """Force on each of two spheres over their RELATIVE speed along the line of centres, without net force.
+
+    `-R_12 + C_1 C_2/(C_1 + C_2)`, C_i the force on sphere i when both move as one body: opposite forces need
+    `C_1 V_1 + C_2 V_2 = 0`.
+    """
+    alone, other_alone = line_forces(gap, radius, other, viscosity, 1.0, 1.0)
+    cross, _ = line_forces(gap, radius, other, viscosity, 0.0, 1.0)
+    return alone * other_alone / (alone + other_alone) - cross
+
+
 def line_forces(
     gap: ArrayLike,
     radius: ArrayLike,

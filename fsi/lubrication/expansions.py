@@ -1,0 +1,100 @@
+"""The expansions at small gaps of the resistances K(s), s = d/a_r, their bases and exact coefficients.
+
+The pair is two spheres or two discs of radii a, b; `ratio` is b/a, infinite for a plane; a_r = a b/(a + b).
+K is the resistance over mu a_r^n (see `fsi.lubrication.laws`), n that of `EXPONENTS`.
+
+    squeeze, spheres   K = c1/s + c2 ln(1/s) + c3 + c4 s ln(1/s) + c5 s + ...
+    squeeze, discs     K = c1 s^(-3/2) + c2 s^(-1/2) + c4 s^(1/2) + ..., a constant c3 = 0
+    shear, rotation    of a disc K = c1 s^(-1/2) + c3 s^(1/2) + ..., a constant c2 = 0,
+                       of a sphere K = c1 ln(1/s) + c2 + c3 s ln(1/s) + ...
+
+Squeeze is relative motion along the line of centres without net force; shear is translation along a plane
+without rotation, and rotation is turning in place beside it.
+
+Sources: D. J. Jeffrey and Y. Onishi, J. Fluid Mech. 139 (1984) 261 for squeezed spheres (g_1, g_2, g_3);
+A. J. Goldman, R. G. Cox and H. Brenner, Chem. Eng. Sci. 22 (1967) 637 for a sphere along a plane; for discs
+the closed forms of `fsi.lubrication.exact`. Tests compare all of them with the exact functions.
+"""
+
+from __future__ import annotations
+
+from math import inf, pi, sqrt
+from typing import Literal
+
+from fsi.lubrication.laws import Term
+
+type Shape = Literal["spheres", "discs"]
+type Mode = Literal["squeeze", "shear", "rotation"]
+
+SHAPES: tuple[Shape, ...] = ("spheres", "discs")
+MODES: tuple[Mode, ...] = ("squeeze", "shear", "rotation")
+
+_HIGHEST = 4  # power of the last terms; at s = 1, where the first left out counts most, samples tell of it
+
+EXPONENTS: dict[tuple[Shape, Mode], int] = {
+    ("spheres", "squeeze"): 1,
+    ("spheres", "shear"): 1,
+    ("spheres", "rotation"): 3,
+    ("discs", "squeeze"): 0,
+    ("discs", "shear"): 0,
+    ("discs", "rotation"): 2,
+}
+
+
+def basis(shape: Shape, mode: Mode) -> tuple[Term, ...]:
+    """The terms that a fit may use, in the order of their size at small s.
+
+    Those of discs include a constant, which the exact expansion has not: a finite container may add one.
+    """
+    if shape == "discs":
+        singular = (-1.5, -0.5) if mode == "squeeze" else (-0.5,)
+        return tuple(Term(power) for power in (*singular, 0.0, *(k + 0.5 for k in range(_HIGHEST + 1))))
+    regular = tuple(Term(float(k), log) for k in range(_HIGHEST + 1) for log in (True, False))
+    return (Term(-1.0), *regular) if mode == "squeeze" else regular
+
+
+def coefficients(shape: Shape, mode: Mode, ratio: float) -> dict[Term, float]:
+    """The coefficients that are known in closed form; of shear and rotation only beside a plane."""
+    if mode == "squeeze":
+        return _squeezed_spheres(ratio) if shape == "spheres" else _squeezed_discs(ratio)
+    if ratio != inf:
+        return {}
+    if shape == "discs":
+        return _disc_along_plane() if mode == "shear" else _disc_turning()
+    log, constant, later = (8 / 15, 0.954294, 64 / 375) if mode == "shear" else (2 / 5, 0.370893, 66 / 125)
+    unit = 6.0 * pi if mode == "shear" else 8.0 * pi
+    return {Term(0.0, True): unit * log, Term(0.0): unit * constant, Term(1.0, True): unit * later}
+
+
+def _squeezed_spheres(ratio: float) -> dict[Term, float]:
+    """6 pi (1/s + g2 ln(1/s) + ... + g3 s ln(1/s)); with k = a b/(a + b)^2 instead of the ratio."""
+    k = _overlap(ratio)
+    g2 = (1.0 + 5.0 * k) / 5.0  # (1 + 7 l + l^2) / (5 (1 + l)^2)
+    g3 = (1.0 + 14.0 * k - 59.0 * k**2) / 21.0  # (1 + 18 l - 29 l^2 + 18 l^3 + l^4) / (21 (1 + l)^4)
+    known = {Term(-1.0): 1.0, Term(0.0, True): g2, Term(1.0, True): g3}
+    if ratio == inf:
+        known[Term(0.0)] = 0.97127993103572
+    elif ratio == 1.0:
+        known[Term(0.0)] = 1.34558019978 + 0.45 * 0.6931471805599453  # ln(1/s) counts d/(a/2) here, not d/a
+    return {term: 6.0 * pi * value for term, value in known.items()}
+
+
+def _squeezed_discs(ratio: float) -> dict[Term, float]:
+    """4 pi/(L - tanh L) with cosh L = 1 + s + k s^2/2, k = a b/(a + b)^2."""
+    k, unit = _overlap(ratio), 3.0 * sqrt(2.0) * pi
+    return {Term(-1.5): unit, Term(-0.5): unit * (21.0 / 20.0 - 0.75 * k), Term(0.0): 0.0}
+
+
+def _disc_along_plane() -> dict[Term, float]:
+    """4 pi/al with cosh al = 1 + s."""
+    return {Term(-0.5): 2.0 * sqrt(2.0) * pi, Term(0.0): 0.0, Term(0.5): sqrt(2.0) * pi / 6.0}
+
+
+def _disc_turning() -> dict[Term, float]:
+    """4 pi coth al with cosh al = 1 + s."""
+    return {Term(-0.5): 2.0 * sqrt(2.0) * pi, Term(0.0): 0.0, Term(0.5): 1.5 * sqrt(2.0) * pi}
+
+
+def _overlap(ratio: float) -> float:
+    """a b/(a + b)^2, from 0 beside a plane to 1/4 of equal bodies."""
+    return 0.0 if ratio == inf else ratio / (1.0 + ratio) ** 2

@@ -1,0 +1,139 @@
+"""A lubrication law from samples of a resistance: least squares with the errors of samples and of the model.
+
+Samples K_i at s_i have error bars b_i, and the exact K is the series sum_k c_k phi_k(s) of its geometry,
+which a fit must break off. So the coefficients of the first terms are free, and those of later terms are
+unknown numbers of natural size: normal, of mean 0 and standard deviation |c1| (in all expansions known, in
+`fsi.lubrication.expansions`, they are of the size of c1 or below). They are estimated with the others,
+and what is not known of them is the error of the model, which so enters every confidence interval:
+
+    min over c   (K - Phi c)^T C^-1 (K - Phi c) + sum over later k (c_k/c1)^2
+    C = diag(b^2) + b b^T
+
+C counts every bar twice, as independent and as common to all samples: meshes of one kind may err to the same
+side at every gap. Bars count as standard deviations; those of resolved forces are bounds, so it is cautious.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cholesky, solve_triangular
+from scipy.stats import chi2
+
+from fsi.lubrication.laws import Series, Term
+
+Array = NDArray[np.float64]
+
+CONFIDENCE = 1.959963984540054  # standard deviations of a 95 % interval
+CONSISTENT = 0.05  # smallest probability of so large a chi^2 at which a fit is believed
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """A fitted series.
+
+    terms, free: its terms, the first `free` without prior; coefficients, covariance: c of shape (k,), (k, k);
+    used: which samples, shape (n,); residuals: (K - fit)/b of all samples, (n,); chi2, dof: of the used ones.
+    exponent, exponent_error: the leading power of s where it is fitted too, and its standard deviation; nan
+    where the leading term is no power.
+    """
+
+    terms: tuple[Term, ...]
+    free: int
+    coefficients: Array
+    covariance: Array
+    range: tuple[float, float]
+    used: NDArray[np.bool_]
+    residuals: Array
+    chi2: float
+    dof: int
+    exponent: float
+    exponent_error: float
+
+    @property
+    def series(self) -> Series:
+        """The profile K(s)."""
+        return Series(self.terms, tuple(self.coefficients.tolist()), self.range)
+
+    @property
+    def intervals(self) -> Array:
+        """Half widths of the 95 % intervals of the coefficients, shape (k,)."""
+        return CONFIDENCE * np.sqrt(np.diag(self.covariance))
+
+    def band(self, s: Array) -> Array:
+        """Half width of the 95 % interval of K(s), shape of s."""
+        return band(self.terms, self.covariance, s)
+
+
+def band(terms: tuple[Term, ...], covariance: Array, s: Array) -> Array:
+    """Half width of the 95 % interval of sum_k c_k phi_k(s), shape of s."""
+    phi = design(terms, s)
+    width: Array = CONFIDENCE * np.sqrt(np.einsum("...k,kl,...l->...", phi, covariance, phi))
+    return width
+
+
+def design(terms: tuple[Term, ...], s: Array) -> Array:
+    """phi_k(s), shape (..., k)."""
+    return np.stack([term.value(s) for term in terms], axis=-1)
+
+
+def fit_series(s: Array, K: Array, bars: Array, terms: tuple[Term, ...], free: int = 3) -> Fit:
+    """Fit the series to the samples of the smallest gaps, to as many as agree with it.
+
+    The farthest samples are dropped until chi^2 is believable, down to one more than free coefficients.
+
+    Args:
+        s: gaps over the reduced radius, increasing, shape (n,), n > free.
+        K: samples of the profile, positive, (n,).
+        bars: their errors, positive, (n,).
+        terms: of the series, in the order of their size at small s.
+        free: how many of them have no prior.
+
+    Raises:
+        ValueError: too few samples, or not in order.
+    """
+    if len(s) <= free or np.any(np.diff(s) <= 0.0):
+        raise ValueError(f"{len(s)} samples: a fit needs more than {free}, at increasing gaps")
+    for n in range(len(s), free, -1):
+        # |c1| is known well enough by the first sample
+        widths = np.full(len(terms) - free, abs(K[0] / terms[0].value(s[:1])[0]))
+        c, covariance, misfit = _solve(design(terms, s[:n]), K[:n], bars[:n], widths)
+        if chi2.sf(misfit, n - free) >= CONSISTENT:
+            break
+    exponent, error = _leading_exponent(s[:n], K[:n], bars[:n], terms, widths)
+    return Fit(
+        terms, free, c, covariance, (float(s[0]), float(s[n - 1])), np.arange(len(s)) < n,
+        (K - design(terms, s) @ c) / bars, misfit, n - free, exponent, error,
+    )  # fmt: skip
+
+
+def _solve(phi: Array, K: Array, bars: Array, widths: Array) -> tuple[Array, Array, float]:
+    """Coefficients, their covariance, and the minimum; `widths` belong to the last columns of phi."""
+    root = cholesky(np.diag(bars**2) + np.outer(bars, bars), lower=True)
+    data = solve_triangular(root, np.column_stack([phi, K]), lower=True)
+    prior = np.hstack([np.zeros((len(widths), phi.shape[1] - len(widths))), np.diag(1.0 / widths)])
+    matrix, right = np.vstack([data[:, :-1], prior]), np.append(data[:, -1], np.zeros(len(widths)))
+    size = np.linalg.norm(matrix, axis=0)  # columns of one size: the terms themselves span many decades
+    Q, R = np.linalg.qr(matrix / size)
+    c = solve_triangular(R, Q.T @ right)
+    inverse = solve_triangular(R, np.eye(len(size))) / size[:, None]
+    return c / size, inverse @ inverse.T, float(np.sum((matrix / size @ c - right) ** 2))
+
+
+def _leading_exponent(
+    s: Array, K: Array, bars: Array, terms: tuple[Term, ...], widths: Array
+) -> tuple[float, float]:
+    """The power p of c1 s^p + the other terms, and its standard deviation, by Gauss's and Newton's method."""
+    if terms[0].log:
+        return float("nan"), float("nan")
+    p = terms[0].power
+    for _ in range(50):
+        leading = Term(p).value(s)
+        phi = np.column_stack([leading, leading * np.log(s), design(terms[1:], s)])
+        c, covariance, _ = _solve(phi, K, bars, widths)
+        p += c[1] / c[0]
+        if abs(c[1] / c[0]) < 1e-13:
+            break
+    return float(p), float(np.sqrt(covariance[1, 1]) / abs(c[0]))
