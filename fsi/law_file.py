@@ -13,8 +13,8 @@
     covariance = [[...], ...]  # of the coefficients
     [source]                   # free: case, samples, chi2, versions ...
 
-The other forms are "table" (section [table] with s and K), and without section and range "exact", "leading" and
-"slides", which is viscosity/d.
+The other forms are "table" (section [table] with s and K), and without section and range "exact", "leading"
+and "slides", which is viscosity/d.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from fsi.bodies import Array
 from fsi.checkpoint import replace
 from fsi.errors import InputError
 from fsi.lubrication.exact_laws import exact_law
-from fsi.lubrication.expansions import EXPONENTS, Mode, Shape
+from fsi.lubrication.expansions import EXPONENTS
 from fsi.lubrication.fitting import band
 from fsi.lubrication.laws import ScaledLaw, Series, Term, leading_disc_law, leading_sphere_law, slides_law
 from fsi.lubrication.tables import Table

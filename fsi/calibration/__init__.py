@@ -1,0 +1,1 @@
+"""Calibration: resolved resistances of a pair at many gaps, and the lubrication law fitted to them."""

@@ -1,0 +1,199 @@
+"""The pair of bodies that a calibration case samples: its geometry, and the case at any gap.
+
+Beside a wall the body moves at unit speed, along the normal (squeeze) or along the wall (shear), or turns at
+unit rate, and the resistance is the load of that motion. Two bodies are pushed along their line of centres by
+opposite unit forces, free otherwise, and the resistance is one over the speed at which their gap changes: so
+no net force is felt far away. Loads, motions, masses and velocities in the case do not count.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+from typing import Any
+
+import numpy as np
+
+from fsi.accuracy import Results
+from fsi.bodies import Array
+from fsi.case import Case, parse_case
+from fsi.errors import InputError
+from fsi.lubrication.expansions import Shape
+from fsi.schema import Calibration
+from fsi.section import toml_text
+from fsi.series import is_zero
+
+_FLAT = (
+    1e-9  # a wall is plane if a body moved along its normal finds it as far away as it should, so relative
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """A body and a plane wall, or two bodies.
+
+    case: with its [calibration]; first: index of the body that moves; second: of the other, None for a
+    wall; normal: unit vector from the other to the first, shape (d,); gap: between them in the case.
+    """
+
+    case: Case
+    first: int
+    second: int | None
+    normal: Array
+    gap: float
+
+    @property
+    def plan(self) -> Calibration:
+        """The section [calibration]."""
+        assert self.case.calibration is not None  # by `pair_of`
+        return self.case.calibration
+
+    @property
+    def shape(self) -> Shape:
+        """What the bodies are."""
+        return "discs" if self.case.geometry == "planar" else "spheres"
+
+    @property
+    def ratio(self) -> float:
+        """The larger radius over the smaller, infinite beside a wall."""
+        if self.second is None:
+            return inf
+        radii = self.case.configuration().radii
+        return float(max(radii) / min(radii))
+
+    @property
+    def reduced_radius(self) -> float:
+        """a_r = a b/(a + b), beside a wall a."""
+        radii = self.case.configuration().radii
+        return float(1.0 / np.sum(1.0 / radii))
+
+    def at(self, gap: float) -> Case:
+        """The case at this gap, with the motion that its resistance belongs to, and nothing else.
+
+        Raises:
+            InputError: the bodies have no room there.
+        """
+        centre = self.case.configuration().centres[self.first] + (gap - self.gap) * self.normal
+        data: dict[str, Any] = self.case.model_dump(
+            exclude_none=True, exclude={"calibration", "time", "output", "expected", "sweep"}
+        )
+        data["bodies"] = list(data["bodies"])
+        for i, body in enumerate(data["bodies"]):
+            given = {key: body[key] for key in ("name", "radius", "position")}
+            data["bodies"][i] = given | self._motion(i)
+        data["bodies"][self.first]["position"] = tuple(centre.tolist())
+        try:
+            return parse_case(data)
+        except InputError as error:
+            raise InputError(
+                f"calibration.range: at the gap {gap:g} the case is not sound: {error}"
+            ) from None
+
+    def resistance(self, results: Results, errors: Results) -> tuple[float, float]:
+        """F/U, and its error, from U and F of the case at a gap and their errors."""
+        if self.second is None:
+            direction = self._unit_motion()
+            return float(results.F[self.first] @ direction), float(errors.F[self.first] @ np.abs(direction))
+        d = len(self.normal)
+        speed = (results.U[self.first] - results.U[self.second])[:d] @ self.normal
+        error = (errors.U[self.first] + errors.U[self.second])[:d] @ np.abs(self.normal)
+        return float(1.0 / speed), float(error / speed**2)
+
+    def _motion(self, i: int) -> dict[str, Any]:
+        """Keys of body i."""
+        if self.second is not None:
+            sign = 1.0 if i == self.first else -1.0
+            return {"force": tuple((sign * self.normal).tolist())}
+        d, motion = len(self.normal), self._unit_motion().tolist()
+        turning = motion[d:]
+        return {
+            "velocity": tuple(motion[:d]),
+            "angular_velocity": turning[0] if len(turning) == 1 else tuple(turning),
+        }
+
+    def _unit_motion(self) -> Array:
+        """The unit motion beside a wall, along the modes of a body."""
+        d = len(self.normal)
+        tangent = np.roll(self.normal, 1)  # of a normal along an axis of coordinates
+        motion = np.zeros(len(self.case.modes))
+        if self.plan.mode == "rotation":
+            motion[d:] = 1.0 if d == 2 else np.cross(self.normal, tangent)
+        else:
+            motion[:d] = self.normal if self.plan.mode == "squeeze" else tangent
+        return motion
+
+
+def pair_of(case: Case) -> Pair:
+    """The pair that a case wants calibrated.
+
+    Raises:
+        InputError: there is no section [calibration], or it does not fit the case.
+    """
+    plan = case.calibration
+    if plan is None:
+        raise InputError("calibration: missing; give a section [calibration] with pair and range")
+    here = f"calibration.pair = {toml_text(plan.pair)}"
+    if plan.pair[0] not in case.names:
+        raise InputError(f"{here}: no body is named {plan.pair[0]!r}; the bodies are {toml_text(case.names)}")
+    first = case.names.index(plan.pair[0])
+    if plan.pair[1] in case.names and plan.pair[1] != plan.pair[0]:
+        pair = _two_bodies(case, first, case.names.index(plan.pair[1]))
+    elif plan.pair[1] in case.container().walls:
+        pair = _beside_wall(case, first, plan.pair[1])
+    else:
+        others = [*(name for name in case.names if name != plan.pair[0]), *case.container().walls]
+        raise InputError(
+            f"{here}: {plan.pair[1]!r} is no other body and no wall; use one of {toml_text(others)}"
+        )
+    if len(case.bodies) != (1 if pair.second is None else 2):
+        raise InputError(
+            f"{here}: the case has {len(case.bodies)} bodies; drop those that are not of the pair"
+        )
+    _check_mode(pair)
+    _check_surroundings(case)
+    for gap in plan.range:
+        pair.at(gap)
+    return pair
+
+
+def _two_bodies(case: Case, first: int, second: int) -> Pair:
+    q = case.configuration()
+    apart = q.centres[first] - q.centres[second]
+    distance = float(np.linalg.norm(apart))
+    return Pair(case, first, second, apart / distance, distance - float(q.radii[first] + q.radii[second]))
+
+
+def _beside_wall(case: Case, first: int, wall: str) -> Pair:
+    """The normal of the wall points to where moving along it increases the distance as much."""
+    container, q = case.container(), case.configuration()
+    k = container.walls.index(wall)
+    axis = container.corner_axes[k]
+    normal = np.zeros(q.centres.shape[1])
+    normal[axis] = 1.0
+    step, centre = float(q.radii[first]), q.centres[first]
+    before, after = container.distances(np.stack([centre, centre + step * normal]))[:, k]
+    if abs(abs(after - before) - step) > _FLAT * step:
+        raise InputError(f"calibration.pair.1 = {toml_text(wall)}: this wall is not plane; give one that is")
+    return Pair(case, first, None, np.sign(after - before) * normal, float(before) - step)
+
+
+def _check_mode(pair: Pair) -> None:
+    mode = pair.plan.mode
+    if mode != "squeeze" and (pair.second is not None or pair.case.geometry == "axisymmetric"):
+        raise InputError(
+            f"calibration.mode = {toml_text(mode)}: needs a body beside a wall, and no axis of symmetry; "
+            'give "squeeze"'
+        )
+
+
+def _check_surroundings(case: Case) -> None:
+    """Walls at rest or open, and a mesh that can be made for any gap."""
+    for name, wall in case.domain.walls.items():
+        if not (wall == "open" or (isinstance(wall, tuple) and all(map(is_zero, wall)))):
+            raise InputError(
+                f"domain.walls.{name} = {toml_text(wall)}: a resistance needs walls at rest; drop it"
+            )
+    if case.domain.mesh is not None:
+        raise InputError(
+            f"domain.mesh = {toml_text(case.domain.mesh)}: a mesh has one gap, a calibration many; drop it"
+        )

@@ -1,0 +1,91 @@
+"""All samples of a calibration, several at a time, none twice."""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+
+from fsi import parallel
+from fsi.calibration.pair import Pair, pair_of
+from fsi.calibration.samples import Sample, keep_sample, key_of, planned_gaps, read_sample
+from fsi.case import parse_case
+from fsi.errors import FsiError, SolveError
+from meshes.errors import MeshError
+
+type Task = tuple[float, bool, str]  # gap, held out, key
+
+
+def take_samples(pair: Pair, cache: Path, workers: int, show: Callable[[int, int], None]) -> list[Sample]:
+    """The samples that the case asks for, in increasing gaps; collective.
+
+    Each is kept as soon as it is there, so that a killed calibration goes on where it was.
+
+    Args:
+        pair: what is sampled.
+        cache: folder of all samples ever computed.
+        workers: local processes; on several ranks they work together on one sample after the other instead.
+        show: is told how many samples there are of how many.
+
+    Raises:
+        SolveError: some samples failed; the message names the first. All others are in the cache.
+    """
+    tasks = [(gap, held_out, key_of(pair, gap)) for gap, held_out in planned_gaps(pair)]
+    found = parallel.on_root(lambda: _cached(tasks, cache))
+    missing = [task for task in tasks if task[2] not in found]
+    failures: list[str] = []
+    show(len(found), len(tasks))
+    for key, sample, failure in _computed(pair, missing, cache, workers):
+        if sample is None:
+            failures.append(failure)
+        else:
+            found[key] = sample
+        show(len(found) + len(failures), len(tasks))
+    if failures:
+        raise SolveError(
+            f"{len(failures)} of {len(tasks)} samples failed, first {failures[0]}; the others are kept"
+        )
+    return sorted(found.values(), key=lambda sample: sample.gap)
+
+
+def _cached(tasks: list[Task], cache: Path) -> dict[str, Sample]:
+    cache.mkdir(parents=True, exist_ok=True)
+    samples = {key: read_sample(cache, key, held_out=held_out) for _, held_out, key in tasks}
+    return {key: sample for key, sample in samples.items() if sample is not None}
+
+
+def _computed(
+    pair: Pair, tasks: list[Task], cache: Path, workers: int
+) -> Iterator[tuple[str, Sample | None, str]]:
+    """(key, sample, why there is none) of each task, as they come."""
+    if parallel.size() > 1 or workers == 1 or len(tasks) < 2:
+        yield from (_compute(pair, task, cache) for task in tasks)
+        return
+    case = pair.case.model_dump(exclude_none=True)
+    # Started afresh: a fork would share the parent's MPI.
+    fresh = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(min(workers, len(tasks)), mp_context=fresh) as pool:
+        try:
+            running = [pool.submit(_compute_case, case, task, cache) for task in tasks]
+            yield from (done.result() for done in as_completed(running))
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _compute_case(case: dict[str, object], task: Task, cache: Path) -> tuple[str, Sample | None, str]:
+    """`_compute` in another process."""
+    return _compute(pair_of(parse_case(case)), task, cache)
+
+
+def _compute(pair: Pair, task: Task, cache: Path) -> tuple[str, Sample | None, str]:
+    from fsi.stokes.sample import resolved_sample
+
+    gap, held_out, key = task
+    try:
+        sample = resolved_sample(pair, gap, held_out=held_out)
+    except (FsiError, MeshError) as error:
+        return key, None, f"at the gap {gap:.6g}: {error}"
+    parallel.on_root(lambda: keep_sample(cache, key, sample))
+    return key, sample, ""
