@@ -1,10 +1,12 @@
-"""The progress of a run on a terminal: time, smallest gap, time left."""
+"""Progress on a terminal: of a run its time, smallest gap and time left; of other things their number."""
 
 from __future__ import annotations
 
 import math
 import sys
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import TracebackType
 from typing import Self
 
@@ -14,6 +16,28 @@ from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemaining
 from fsi import parallel
 from fsi.case import Case
 from fsi.results import StepRecord
+
+
+@contextmanager
+def counting(what: str) -> Iterator[Callable[[int, int], None]]:
+    """Yields `show(there, all)`, which shows how many there are of what is counted."""
+    with _new_bar() as bar:
+        task = bar.add_task(what, total=None)
+        yield lambda there, total: bar.update(
+            task, completed=there, total=total, description=f"{there} of {total} {what}"
+        )
+
+
+def _new_bar() -> Progress:
+    """A bar that is silent on all ranks but root and where stderr is no terminal."""
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.percentage:.0f} %"),
+        TimeRemainingColumn(),
+        console=Console(stderr=True),
+        disable=not (parallel.is_root() and sys.stderr.isatty()),
+    )
 
 
 class ProgressBar:
@@ -26,14 +50,7 @@ class ProgressBar:
         self.smallest_gap = math.inf
         self.smallest_at = 0.0
         self._began = time.monotonic()
-        self._bar = Progress(
-            TextColumn("{task.description}"),
-            BarColumn(),
-            TextColumn("{task.percentage:.0f} %"),
-            TimeRemainingColumn(),
-            console=Console(stderr=True),
-            disable=not (parallel.is_root() and sys.stderr.isatty()),
-        )
+        self._bar = _new_bar()
         self._task: TaskID = self._bar.add_task("first mesh", total=None)
 
     @property

@@ -56,13 +56,13 @@ def test_meshes_know_nothing_of_the_solver() -> None:
 
 
 def test_the_solver_knows_nothing_of_pictures() -> None:
-    found = sources("fsi", "fsi/cli", "fsi/stokes", "fsi/lubrication")
+    found = sources("fsi", "fsi/calibration", "fsi/cli", "fsi/stokes", "fsi/lubrication")
     assert {path.name: bad for path, names in found if (bad := begins(names, "postprocess"))} == {}
 
 
 def test_heavy_packages_live_in_two_places() -> None:
     """Only fsi/stokes and meshes import them; `parallel` alone asks for MPI, where there is one."""
-    found = sources("fsi", "fsi/cli", "fsi/lubrication", "postprocess")
+    found = sources("fsi", "fsi/calibration", "fsi/cli", "fsi/lubrication", "postprocess")
     bad = {path.name: names & HEAVY for path, names in found if names & HEAVY}
     assert bad == {}
 
@@ -78,7 +78,7 @@ def test_what_is_not_resolved_runs_without_the_heavy_packages() -> None:
     """Import every module outside fsi/stokes and meshes, and check a case, with those packages hidden."""
     files = [
         path
-        for folder in ("fsi", "fsi/cli", "fsi/lubrication", "postprocess")
+        for folder in ("fsi", "fsi/calibration", "fsi/cli", "fsi/lubrication", "postprocess")
         for path in (ROOT / folder).glob("*.py")
     ]
     modules = sorted(".".join(path.relative_to(ROOT).with_suffix("").parts) for path in files)

@@ -14,7 +14,7 @@ import traceback
 import typer
 
 from fsi import parallel
-from fsi.cli import check, mesh, render, resistance, run, solve, validate
+from fsi.cli import calibrate, check, mesh, render, resistance, run, solve, validate
 from fsi.errors import FsiError
 from meshes.errors import MeshError
 
@@ -36,6 +36,7 @@ app.command(epilog=run.RESUME_EXAMPLE)(run.resume)
 app.command(epilog=render.EXAMPLE)(render.render)
 app.command(epilog=resistance.EXAMPLE)(resistance.resistance)
 app.command(epilog=validate.EXAMPLE)(validate.validate)
+app.command(epilog=calibrate.EXAMPLE)(calibrate.calibrate)
 
 
 def main() -> int:

@@ -1,0 +1,141 @@
+"""What a calibration finds: a law, its coefficients against theory, its error against samples held out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any
+
+import numpy as np
+
+from fsi.bodies import Array
+from fsi.calibration.pair import Pair
+from fsi.calibration.samples import Sample, Samples, as_arrays
+from fsi.errors import SolveError
+from fsi.law_file import LawFile, SeriesSection, TableSection
+from fsi.lubrication.expansions import EXPONENTS, basis, coefficients
+from fsi.lubrication.fitting import Fit, fit_series
+from fsi.provenance import launch
+
+
+@dataclass(frozen=True, slots=True)
+class Coefficient:
+    """One coefficient c_k of kappa/(mu a_r^n), without dimension.
+
+    term: phi_k in s = d/a_r; value, interval: c_k and half its 95 % interval; theory: exact, or None.
+    """
+
+    term: str
+    value: float
+    interval: float
+    theory: float | None
+
+    @property
+    def difference(self) -> float | None:
+        """Relative to theory, or to 1 where that is zero."""
+        return None if self.theory is None else (self.value - self.theory) / (abs(self.theory) or 1.0)
+
+    @property
+    def inside(self) -> bool | None:
+        """Whether the theory lies in the interval."""
+        return None if self.theory is None else abs(self.value - self.theory) <= self.interval
+
+
+@dataclass(frozen=True, slots=True)
+class HeldOut:
+    """Samples that were held out, and at their gaps the law and half its 95 % interval, shapes (n,)."""
+
+    samples: Samples
+    law: Array
+    band: Array
+
+    @property
+    def passed(self) -> bool:
+        """Whether law and samples differ by no more than the errors that both state."""
+        return bool(np.all(np.abs(self.law - self.samples.kappa) <= self.band + self.samples.bars))
+
+
+@dataclass(frozen=True, slots=True)
+class Calibration:
+    """Samples and what has been made of them; fit, coefficients and test are None or empty for a table."""
+
+    pair: Pair
+    samples: list[Sample]
+    law: LawFile
+    fit: Fit | None
+    coefficients: list[Coefficient]
+    test: HeldOut | None
+
+
+def calibration(pair: Pair, samples: list[Sample], case: str) -> Calibration:
+    """The law that the case asks for.
+
+    Args:
+        pair: what was sampled.
+        samples: of it.
+        case: name of the case file, for the law's source.
+
+    Raises:
+        SolveError: the samples do not decrease with the gap.
+    """
+    taken, a = as_arrays(samples, held_out=False), pair.reduced_radius
+    unit = pair.case.fluid.viscosity * a ** EXPONENTS[pair.shape, pair.plan.mode]
+    s, K, bars = taken.d / a, taken.kappa / unit, taken.bars / unit
+    if np.any(K <= 0.0) or np.any(np.diff(K) >= 0.0):
+        raise SolveError("the sampled resistances do not decrease with the gap; refine the discretisation")
+    common: dict[str, Any] = {
+        "form": pair.plan.form,
+        "shape": pair.shape,
+        "mode": pair.plan.mode,
+        "ratio": None if pair.second is None else pair.ratio,
+        "viscosity": pair.case.fluid.viscosity,
+        "source": _source(pair, case, samples),
+    }
+    if pair.plan.form == "table":
+        table = TableSection(s=tuple(s.tolist()), K=tuple(K.tolist()))
+        return Calibration(pair, samples, LawFile(**common, table=table), None, [], None)
+    fit = fit_series(s, K, bars, basis(pair.shape, pair.plan.mode))
+    common["source"] |= {"chi2": fit.chi2, "degrees_of_freedom": fit.dof, "used": int(fit.used.sum())}
+    law = LawFile(**common, range=fit.range, series=_section(fit))
+    return Calibration(pair, samples, law, fit, _compared(pair, fit), _tested(pair, samples, law))
+
+
+def _section(fit: Fit) -> SeriesSection:
+    return SeriesSection(
+        powers=tuple(term.power for term in fit.terms),
+        logs=tuple(term.log for term in fit.terms),
+        coefficients=tuple(fit.coefficients.tolist()),
+        covariance=tuple(map(tuple, fit.covariance.tolist())),
+    )
+
+
+def _source(pair: Pair, case: str, samples: list[Sample]) -> dict[str, Any]:
+    here = launch()
+    return {
+        "case": case,
+        "name": pair.case.name,
+        "samples": sum(not one.held_out for one in samples),
+        "fitted": datetime.now(UTC).isoformat(timespec="seconds"),
+        "git": here["git"] or "",
+        "packages": here["packages"],
+    }
+
+
+def _compared(pair: Pair, fit: Fit) -> list[Coefficient]:
+    known = coefficients(pair.shape, pair.plan.mode, pair.ratio)
+    values = zip(fit.terms, fit.coefficients.tolist(), fit.intervals.tolist(), strict=True)
+    return [Coefficient(str(term), value, width, known.get(term)) for term, value, width in values]
+
+
+def _tested(pair: Pair, samples: list[Sample], law: LawFile) -> HeldOut | None:
+    """The held-out samples within the law's range."""
+    held = as_arrays(samples, held_out=True)
+    smallest, largest = law.law().range
+    s = held.d / pair.reduced_radius
+    inside = (s >= smallest) & (s <= largest)
+    if not np.any(inside):
+        return None
+    held = Samples(held.d[inside], held.kappa[inside], held.bars[inside])
+    band = law.error(held.d, pair.reduced_radius)
+    assert band is not None  # of a series
+    return HeldOut(held, law.law().kappa(held.d, pair.reduced_radius), band)

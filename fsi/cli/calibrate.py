@@ -1,0 +1,51 @@
+"""`fsi calibrate`: from resolved forces to a lubrication law."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from fsi import parallel
+from fsi.cli.arguments import CaseFile, Overrides, load
+
+EXAMPLE = "Example: fsi calibrate cases/calibration/equal_discs.toml --workers 2"
+
+
+def calibrate(
+    case_file: CaseFile,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", help="The folder of the law.", show_default="runs/calibration/<case file>"
+        ),
+    ] = None,
+    cache: Annotated[Path, typer.Option(help="The folder of all samples ever computed, of any case.")] = Path(
+        "runs/calibration/samples"
+    ),
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Local processes.", show_default="one for each CPU")
+    ] = None,
+    overrides: Overrides = None,
+) -> None:
+    """Sample the resolved resistance of a pair over its gap and fit a lubrication law to it.
+
+    The section [calibration] of the case says which pair, which motion, which gaps. Writes the law
+    (law.toml), the samples with their error bars and a plot. A sample is kept as soon as it is there and
+    never computed again: a command that was killed goes on when it is given again.
+    """
+    from fsi.calibrate import calibrate_case
+    from fsi.progress import counting
+
+    case = load(case_file, overrides)
+    folder = output or Path("runs") / "calibration" / case_file.stem
+    with counting("samples") as show:
+        found = calibrate_case(case, case_file.name, folder, cache, workers or os.cpu_count() or 1, show)
+    if parallel.is_root():
+        from fsi.calibration.report import print_calibration
+
+        print_calibration(Console(), found)
+        typer.echo(f"wrote {folder}: law.toml, samples.csv, calibration.json, calibration.png")
