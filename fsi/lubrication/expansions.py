@@ -70,7 +70,7 @@ def _squeezed_spheres(ratio: float) -> dict[Term, float]:
     """6 pi (1/s + g2 ln(1/s) + ... + g3 s ln(1/s)); with k = a b/(a + b)^2 instead of the ratio."""
     k = _overlap(ratio)
     g2 = (1.0 + 5.0 * k) / 5.0  # (1 + 7 l + l^2) / (5 (1 + l)^2)
-    g3 = (1.0 + 14.0 * k - 59.0 * k**2) / 21.0  # (1 + 18 l - 29 l^2 + 18 l^3 + l^4) / (21 (1 + l)^4)
+    g3 = (1.0 + 14.0 * k - 63.0 * k**2) / 21.0  # (1 + 18 l - 29 l^2 + 18 l^3 + l^4) / (21 (1 + l)^4)
     known = {Term(-1.0): 1.0, Term(0.0, True): g2, Term(1.0, True): g3}
     if ratio == inf:
         known[Term(0.0)] = 0.97127993103572

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
+from scipy.optimize import minimize_scalar
 from scipy.stats import chi2
 
 from fsi.lubrication.laws import Series, Term
@@ -125,15 +126,19 @@ def _solve(phi: Array, K: Array, bars: Array, widths: Array) -> tuple[Array, Arr
 def _leading_exponent(
     s: Array, K: Array, bars: Array, terms: tuple[Term, ...], widths: Array
 ) -> tuple[float, float]:
-    """The power p of c1 s^p + the other terms, and its standard deviation, by Gauss's and Newton's method."""
+    """The power p for which c1 s^p + the other terms fit best, and its standard deviation."""
     if terms[0].log:
         return float("nan"), float("nan")
-    p = terms[0].power
-    for _ in range(50):
-        leading = Term(p).value(s)
-        phi = np.column_stack([leading, leading * np.log(s), design(terms[1:], s)])
-        c, covariance, _ = _solve(phi, K, bars, widths)
-        p += c[1] / c[0]
-        if abs(c[1] / c[0]) < 1e-13:
-            break
-    return float(p), float(np.sqrt(covariance[1, 1]) / abs(c[0]))
+    others = design(terms[1:], s)
+
+    def misfit(p: float) -> float:
+        return _solve(np.column_stack([s**p, others]), K, bars, widths)[2]
+
+    expected = terms[0].power
+    found = minimize_scalar(
+        misfit, bounds=(expected - 0.5, expected + 0.5), method="bounded", options={"xatol": 1e-10}
+    )
+    p = float(found.x)
+    # c1 s^(p + e) = c1 s^p + c1 e s^p ln s: the second coefficient has the variance of c1 e
+    c, covariance, _ = _solve(np.column_stack([s**p, s**p * np.log(s), others]), K, bars, widths)
+    return p, float(np.sqrt(covariance[1, 1]) / abs(c[0]))

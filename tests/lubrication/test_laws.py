@@ -1,0 +1,171 @@
+"""Laws: their leading terms, integrals, dimensions, ranges, the cut, and the interpolated exact ones."""
+
+from __future__ import annotations
+
+from math import inf, pi, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+
+from fsi.errors import InputError
+from fsi.lubrication import exact, spheres
+from fsi.lubrication.exact_laws import exact_law, exact_resistance, expansion_law
+from fsi.lubrication.expansions import SHAPES, Shape
+from fsi.lubrication.laws import (
+    CutLaw,
+    LubricationLaw,
+    RangeError,
+    ScaledLaw,
+    Series,
+    Term,
+    leading_disc_law,
+    leading_sphere_law,
+    slides_law,
+)
+from fsi.lubrication.tables import Table
+
+MU = 0.7
+RATIOS = (1.0, 2.5, inf)
+gaps = st.floats(-6.0, -1.0).map(lambda exponent: 10.0**exponent)
+radii = st.floats(0.2, 5.0)
+
+
+def sampled_law() -> ScaledLaw:
+    """A monotone table of a few exact values."""
+    s = np.geomspace(1e-7, 10.0, 30)
+    return ScaledLaw(Table(s, exact_resistance("spheres", "squeeze", s, 1.0)), MU, 1)
+
+
+LAWS: dict[str, LubricationLaw] = {
+    "slides": slides_law(MU),
+    "leading spheres": leading_sphere_law(MU),
+    "leading discs": leading_disc_law(MU),
+    "exact spheres": exact_law("spheres", 2.5, MU),
+    "exact discs": exact_law("discs", 2.5, MU),
+    "expansion": ScaledLaw(Series((Term(-1.0), Term(0.0, True), Term(1.0, True)), (3.0, 2.0, 1.0)), MU, 1),
+    "table": sampled_law(),
+    "cut": CutLaw(leading_disc_law(MU), 0.05),
+}
+
+
+def test_leading_laws_are_those_of_the_textbook() -> None:
+    """Theory of the four pairs, from the radii of the bodies; a forgotten 2^(3/2) or 4 would show."""
+    d, a, b = np.array([1e-4, 1e-2]), 2.0, 0.5
+    reduced = a * b / (a + b)
+    sphere, disc = leading_sphere_law(MU), leading_disc_law(MU)
+    assert_allclose(sphere.kappa(d, a), 6.0 * pi * MU * a**2 / d)
+    assert_allclose(sphere.kappa(d, a / 2.0), 1.5 * pi * MU * a**2 / d)
+    assert_allclose(sphere.kappa(d, reduced), spheres.line_lubrication(d, a, b, MU))
+    assert_allclose(disc.kappa(d, a), 3.0 * sqrt(2.0) * pi * MU * (a / d) ** 1.5)
+    assert_allclose(disc.kappa(d, a / 2.0), 1.5 * pi * MU * (a / d) ** 1.5)
+    assert_allclose(disc.integral(d, a), -6.0 * sqrt(2.0) * pi * MU * a**1.5 * d**-0.5)
+    assert_allclose(slides_law(MU).kappa(d, a), MU / d)
+    assert_allclose(np.diff(slides_law(MU).integral(d, a)), MU * np.diff(np.log(d)))
+
+
+@pytest.mark.parametrize("name", LAWS)
+@given(d=gaps, a=radii)
+def test_the_integral_is_that_of_kappa(name: str, d: float, a: float) -> None:
+    """Gauss's rule from d to 1.3 d: of degree 15, good to 1e-9 on every law; the cut ends the interval."""
+    law, end = LAWS[name], 1.3 * d
+    if name == "cut" and d < 0.05 < end:
+        end = 0.05
+    x, w = np.polynomial.legendre.leggauss(8)
+    inside = 0.5 * (d + end) + 0.5 * (end - d) * x
+    expected = 0.5 * (end - d) * w @ law.kappa(inside, a)
+    found = law.integral(end, a) - law.integral(d, a)
+    scale = float(np.abs(law.integral(end, a)))  # the difference may cancel its first digits
+    rtol = 1e-6 if name == "table" else 1e-8  # a cubic has jumps in its second derivative
+    assert_allclose(found, expected, rtol=rtol, atol=1e-13 * scale)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("ratio", RATIOS)
+def test_exact_laws_are_exact_between_their_points(shape: Shape, ratio: float) -> None:
+    s = np.exp(np.random.default_rng(1).uniform(np.log(1e-9), np.log(100.0), 100))
+    a, b = (2.0, inf) if ratio == inf else (2.0, 2.0 * ratio)
+    reduced = a if ratio == inf else a * b / (a + b)
+    law = exact_law(shape, ratio, MU)
+    if shape == "discs":
+        expected = exact.relative_resistance(s * reduced, a, b, MU)
+    elif ratio == inf:
+        expected = spheres.normal_resistance(s * reduced, a, MU)
+    else:
+        expected = spheres.relative_resistance(s * reduced, a, b, MU)
+    assert_allclose(law.kappa(s * reduced, reduced), expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_exact_laws_go_on_as_their_leading_terms(shape: Shape) -> None:
+    """At 1e-12 the next term is below 1e-10; the slope at the last point is known to 1e-8."""
+    leading = leading_sphere_law(MU) if shape == "spheres" else leading_disc_law(MU)
+    law = exact_law(shape, 1.0, MU, extrapolate=True)
+    d = np.array([1e-14, 1e-12, 3e-12])
+    assert_allclose(law.kappa(d, 1.0), leading.kappa(d, 1.0), rtol=2e-7)
+    assert_allclose(np.diff(law.integral(d, 1.0)), np.diff(leading.integral(d, 1.0)), rtol=2e-7)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("ratio", RATIOS)
+def test_expansions_are_what_they_claim(shape: Shape, ratio: float) -> None:
+    law = expansion_law(shape, ratio, MU)
+    for s, off in ((0.1, 2e-3), (1e-2, 5e-5), (1e-3, 5e-7)):
+        assert_allclose(law.kappa(s, 1.0), MU * exact_resistance(shape, "squeeze", s, ratio), rtol=off)
+    with pytest.raises(RangeError):
+        law.kappa(0.11, 1.0)
+
+
+def test_a_table_takes_its_points_and_stays_between_them() -> None:
+    s = np.geomspace(1e-7, 10.0, 30)
+    K = exact_resistance("discs", "squeeze", s, 1.0)
+    table = Table(s, K)
+    assert_allclose(table.value(s), K, rtol=1e-13)
+    fine = np.geomspace(*table.range, 500)
+    assert np.all(np.diff(table.value(fine)) < 0.0)
+    assert_allclose(table.value(fine), exact_resistance("discs", "squeeze", fine, 1.0), rtol=5e-3)
+
+
+def test_a_law_is_not_asked_for_what_it_does_not_know() -> None:
+    law = sampled_law()
+    with pytest.raises(RangeError, match="radius = 20: the lubrication law holds from 1e-07 to 10"):
+        law.kappa([0.1, 40.0], 2.0)
+    with pytest.raises(InputError):  # so that the command line ends with exit code 2
+        law.integral(1e-9, 2.0)
+    beyond = ScaledLaw(law.profile, MU, 1, extrapolate=True)
+    assert 0.0 < float(beyond.kappa(40.0, 2.0)) < float(law.kappa(20.0, 2.0))
+
+
+@pytest.mark.parametrize("gap", [0.0, -1e-3, np.nan])
+@pytest.mark.parametrize("name", LAWS)
+def test_no_law_for_a_gap_that_is_not_positive(name: str, gap: float) -> None:
+    with pytest.raises(ValueError, match="keep gaps positive"):
+        LAWS[name].kappa(gap, 1.0)
+    with pytest.raises(ValueError, match="keep gaps positive"):
+        ScaledLaw(Series((Term(-1.0),), (1.0,)), 1.0, 1, extrapolate=True).integral(gap, 1.0)
+
+
+@given(d=gaps, a=radii, size=st.floats(0.1, 10.0))
+def test_a_cut_law_falls_to_zero_at_the_cut_and_stays_there(d: float, a: float, size: float) -> None:
+    law = leading_sphere_law(MU)
+    cut = CutLaw(law, size)
+    assert not np.any(cut.kappa([size, 2.0 * size], a))
+    assert not np.any(cut.integral([size, 9.0 * size], a))
+    assert_allclose(cut.kappa(d * size, a), law.kappa(d * size, a) - law.kappa(size, a), rtol=1e-12)
+    assert float(cut.integral(d * size, a)) < 0.0
+
+
+def test_a_cut_law_asks_nothing_beyond_the_cut() -> None:
+    """A law known up to 10 reduced radii serves any distance, once cut within them."""
+    cut = CutLaw(sampled_law(), 3.0)
+    assert cut.range == (1e-7, inf)
+    assert float(cut.kappa(1e6, 1.0)) == 0.0
+
+
+def test_arrays_of_gaps_and_radii_broadcast() -> None:
+    d, a = np.array([[0.01], [0.02]]), np.array([1.0, 2.0, 3.0])
+    for law in LAWS.values():
+        assert law.kappa(d, a).shape == law.integral(d, a).shape == (2, 3)
+        assert_allclose(law.kappa(d, a)[1, 2], law.kappa(0.02, 3.0))
