@@ -51,7 +51,9 @@ def test_help_lists_the_commands() -> None:
     )
 
 
-@pytest.mark.parametrize("command", ["check", "mesh", "solve", "run", "resume", "render", "resistance"])
+@pytest.mark.parametrize(
+    "command", ["check", "mesh", "solve", "run", "resume", "render", "resistance", "calibrate"]
+)
 def test_each_command_has_an_example(
     command: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

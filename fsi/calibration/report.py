@@ -88,12 +88,13 @@ def print_calibration(console: Console, found: Calibration) -> None:
     exponent = EXPONENTS[pair.shape, pair.plan.mode]
     console.print(
         f"{pair.case.name}: {pair.plan.mode} of {pair.shape}, kappa = mu a_r^{exponent} sum c phi(s), "
-        f"s = d/a_r, a_r = {a:g}"
+        f"s = d/a_r, a_r = {a:g}",
+        soft_wrap=True,
     )
     if found.coefficients:
         console.print(_table(found))
     for line in lines(found):
-        console.print(line)
+        console.print(line, soft_wrap=True)
 
 
 def _table(found: Calibration) -> Table:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
+import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing.connection import wait
 from pathlib import Path
 
 from fsi import parallel
@@ -65,13 +68,25 @@ def _computed(
     case = pair.case.model_dump(exclude_none=True)
     # Started afresh: a fork would share the parent's MPI.
     fresh = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(workers, len(tasks)), mp_context=fresh) as pool:
+    with ProcessPoolExecutor(min(workers, len(tasks)), fresh, _leave_with_parent) as pool:
         try:
             running = [pool.submit(_compute_case, case, task, cache) for task in tasks]
             yield from (done.result() for done in as_completed(running))
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
+
+
+def _leave_with_parent() -> None:
+    """Let this process end when its parent does, even killed; it would wait for work for ever."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None  # it is a worker
+
+    def watch() -> None:
+        wait([parent.sentinel])
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 def _compute_case(case: dict[str, object], task: Task, cache: Path) -> tuple[str, Sample | None, str]:

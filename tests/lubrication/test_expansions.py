@@ -15,7 +15,7 @@ from fsi.lubrication.fitting import design
 
 CASES: list[tuple[Shape, Mode, float]] = [
     *((shape, "squeeze", ratio) for shape in SHAPES for ratio in (1.0, 2.0, 7.0, inf)),
-    *((shape, mode, inf) for shape in SHAPES for mode in ("shear", "rotation")),  # type: ignore[misc]
+    *((shape, mode, inf) for shape in SHAPES for mode in ("shear", "rotation")),
 ]
 
 

@@ -59,7 +59,7 @@ def test_intervals_cover_the_exact_coefficients(shape: Shape, mode: Mode, ratio:
 
 @pytest.mark.parametrize(("shape", "mode", "ratio"), CASES)
 def test_the_band_holds_between_the_samples(shape: Shape, mode: Mode, ratio: float) -> None:
-    held = []
+    held: list[bool] = []
     x = np.geomspace(1e-4, 1.0, 50)
     exact = exact_resistance(shape, mode, x, ratio)
     for seed in range(20):

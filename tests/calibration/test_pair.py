@@ -1,0 +1,137 @@
+"""Which pair a case calibrates, the case at a gap, and the resistance read from results."""
+
+from __future__ import annotations
+
+from math import inf
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fsi.accuracy import ErrorEstimate
+from fsi.calibration.pair import pair_of
+from fsi.case import load_case, parse_case
+from fsi.errors import InputError
+
+CASES = Path(__file__).parents[2] / "cases" / "calibration"
+
+
+def case_data(**more: Any) -> dict[str, Any]:
+    """A disc beside the left wall of a box."""
+    return {
+        "name": "disc",
+        "fluid": {"viscosity": 1.0},
+        "domain": {"shape": "box", "lower": [-5.0, -5.0], "upper": [5.0, 5.0]},
+        "bodies": [{"name": "disc", "radius": 0.5, "position": [-4.0, 1.0]}],
+        "calibration": {"pair": ["disc", "left"], "range": [1e-3, 0.1]},
+    } | more
+
+
+def two(**more: Any) -> dict[str, Any]:
+    """Two discs on an inclined line."""
+    bodies = [
+        {"name": "small", "radius": 0.5, "position": [0.0, 0.0], "mass": 1.0, "moment_of_inertia": 1.0},
+        {"name": "large", "radius": 1.0, "position": [1.2, 1.6], "force": [3.0, 0.0]},
+    ]
+    return case_data(bodies=bodies, calibration={"pair": ["small", "large"], "range": [1e-3, 0.1]} | more)
+
+
+@pytest.mark.parametrize(
+    ("wall", "place"),
+    [("left", (-4.45, 1.0)), ("right", (4.45, 1.0)), ("top", (-4.0, 4.45)), ("bottom", (-4.0, -4.45))],
+)
+def test_a_body_moves_along_the_normal_of_its_wall(wall: str, place: tuple[float, float]) -> None:
+    pair = pair_of(parse_case(case_data(calibration={"pair": ["disc", wall], "range": [1e-3, 0.1]})))
+    assert_allclose(pair.at(0.05).configuration().centres[0], place, rtol=1e-14)
+    assert (pair.ratio, pair.reduced_radius) == (inf, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("mode", "U"), [("squeeze", (1.0, 0.0, 0.0)), ("shear", (0.0, 1.0, 0.0)), ("rotation", (0.0, 0.0, 1.0))]
+)
+def test_beside_a_wall_the_motion_is_prescribed(mode: str, U: tuple[float, ...]) -> None:
+    """And the resistance is its own load, whatever the others are; the error never cancels."""
+    plan = {"pair": ["disc", "left"], "range": [1e-3, 0.1], "mode": mode}
+    pair = pair_of(parse_case(case_data(calibration=plan)))
+    motion = pair.at(0.05).motion(0.0)
+    assert np.all(motion.held)
+    assert_allclose(motion.U, [U])
+    F = 7.0 * np.array([U]) + 100.0 * (np.array([U]) == 0.0)
+    errors = ErrorEstimate(np.zeros((1, 3)), 0.1 * np.abs(F))
+    assert pair.resistance(ErrorEstimate(np.array([U]), F), errors) == pytest.approx((7.0, 0.7))
+
+
+def test_two_bodies_are_pushed_along_their_line_of_centres() -> None:
+    pair = pair_of(parse_case(two()))
+    case = pair.at(0.05)
+    assert_allclose(
+        case.configuration().centres, [[1.2 - 0.6 * 1.55, 1.6 - 0.8 * 1.55], [1.2, 1.6]], rtol=1e-14
+    )
+    motion = case.motion(0.0)
+    assert not np.any(motion.held)
+    assert_allclose(motion.F, [[-0.6, -0.8, 0.0], [0.6, 0.8, 0.0]])
+    assert case.masses() is None
+    assert pair.ratio == 2.0
+    assert pair.reduced_radius == pytest.approx(1.0 / 3.0)
+
+
+def test_the_resistance_of_two_bodies_is_one_over_their_speed() -> None:
+    """Speed 2e-3 along the line, errors of 1e-5 each: half a per cent, once for each body."""
+    pair = pair_of(parse_case(two()))
+    normal = np.array([-0.6, -0.8, 0.0])
+    U = np.array([1.5e-3 * normal, -0.5e-3 * normal]) + np.array([0.0, 0.0, 9.0])  # turning does not count
+    errors = np.array([1e-5 * np.abs(normal), 1e-5 * np.abs(normal)])
+    kappa, error = pair.resistance(ErrorEstimate(U, 0.0 * U), ErrorEstimate(errors, 0.0 * U))
+    assert kappa == pytest.approx(500.0)
+    assert error == pytest.approx(2e-5 / (2e-3) ** 2)
+
+
+@pytest.mark.parametrize("path", sorted(CASES.glob("*.toml")), ids=lambda path: path.stem)
+def test_the_shipped_cases_are_sound(path: Path) -> None:
+    pair = pair_of(load_case(path))
+    assert pair.shape == ("spheres" if "sphere" in path.stem else "discs")
+    assert (pair.ratio == inf) is ("wall" in path.stem)
+    q = pair.at(1e-3).configuration()
+    if pair.second is not None:
+        assert np.linalg.norm(q.centres[0] - q.centres[1]) - q.radii.sum() == pytest.approx(1e-3, rel=1e-12)
+
+
+PLAN = {"pair": ["disc", "left"], "range": [1e-3, 0.1]}
+MOVING = {"shape": "box", "lower": [-5.0, -5.0], "upper": [5.0, 5.0], "walls": {"top": [1.0, 0.0]}}
+ROUND = {
+    "domain": {"shape": "half-plane", "radius": 9.0},
+    "bodies": [{"name": "disc", "radius": 0.5, "position": [0.0, 2.0]}],
+}
+
+
+def planned(**plan: Any) -> dict[str, Any]:
+    return case_data(calibration=PLAN | plan)
+
+
+@pytest.mark.parametrize(
+    ("data", "complaint"),
+    [
+        (planned(pair=["disk", "left"]), r"no body is named 'disk'; the bodies are \[\"disc\"\]"),
+        (planned(pair=["disc", "disc"]), "'disc' is no other body and no wall; use one of"),
+        (planned(range=[0.1, 1e-3]), "calibration.range = .* is not a range of positive gaps"),
+        (planned(range=[1e-3, 20.0]), "at the gap 20 the case is not sound: .*crosses wall"),
+        (planned(samples=6, held_out=6), "as many between them at most one fewer"),
+        (planned(mode="sheer"), 'calibration.mode = "sheer": not one of the choices'),
+        (two(mode="shear"), 'calibration.mode = "shear": needs a body beside a wall'),
+        (two(pair=["small", "left"]), "the case has 2 bodies; drop those"),
+        (planned(pair=["disc", "far"]) | ROUND, "this wall is not plane"),
+        (planned() | {"domain": MOVING}, "domain.walls.top = .* needs walls at rest"),
+    ],
+)
+def test_mistakes(data: dict[str, Any], complaint: str) -> None:
+    with pytest.raises(InputError, match=complaint):
+        pair_of(parse_case(data))
+
+
+def test_a_case_without_the_section() -> None:
+    data = case_data()
+    del data["calibration"]
+    with pytest.raises(InputError, match="calibration: missing; give a section"):
+        pair_of(parse_case(data))

@@ -1,0 +1,168 @@
+"""Samples, exact instead of resolved: computed once, kept at once, and the law that comes of them."""
+
+from __future__ import annotations
+
+import json
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import fsi.stokes.sample
+from fsi.calibrate import calibrate_case
+from fsi.calibration.pair import Pair, pair_of
+from fsi.calibration.samples import Sample, key_of, planned_gaps
+from fsi.calibration.sampling import take_samples
+from fsi.case import Case, load_case
+from fsi.errors import InputError, SolveError
+from fsi.law_file import load_law
+from fsi.lubrication import exact
+
+CASE = Path(__file__).parents[2] / "cases" / "calibration" / "disc_wall.toml"
+SMALL = ("calibration.samples=8", "calibration.held_out=2", "calibration.range=[1e-3, 0.5]")
+
+
+class ExactModel:
+    """Stands for `resolved_sample`: the exact force, 1e-7 off, and what it was asked for."""
+
+    def __init__(self) -> None:
+        self.asked: list[float] = []
+        self.fails: set[int] = set()
+
+    def __call__(self, pair: Pair, gap: float, *, held_out: bool) -> Sample:
+        self.asked.append(gap)
+        if len(self.asked) in self.fails:
+            raise SolveError("singular")
+        kappa = float(exact.normal_resistance(gap, pair.reduced_radius, pair.case.fluid.viscosity))
+        return Sample(gap, held_out, kappa * (1.0 + 1e-7), 1e-6 * kappa, 0.0, 1000, 1e-12, 0.1)
+
+
+@pytest.fixture
+def model(monkeypatch: pytest.MonkeyPatch) -> ExactModel:
+    stand_in = ExactModel()
+    monkeypatch.setattr(fsi.stokes.sample, "resolved_sample", stand_in)
+    return stand_in
+
+
+def small_case(*changes: str) -> Case:
+    return load_case(CASE, (*SMALL, *changes))
+
+
+def silent(there: int, total: int) -> None:
+    assert 0 <= there <= total
+
+
+def test_the_gaps_are_the_range_and_middles() -> None:
+    gaps = planned_gaps(pair_of(small_case()))
+    taken = [gap for gap, held_out in gaps if not held_out]
+    assert_allclose(taken, np.geomspace(1e-3, 0.5, 8))
+    assert_allclose(
+        [gap for gap, held_out in gaps if held_out],
+        [(taken[0] * taken[1]) ** 0.5, (taken[6] * taken[7]) ** 0.5],
+    )
+    assert not any(held_out for _, held_out in planned_gaps(pair_of(small_case("calibration.held_out=0"))))
+
+
+def test_no_sample_is_computed_twice(model: ExactModel, tmp_path: Path) -> None:
+    """Neither in the same calibration nor in one that shares gaps with it."""
+    first = take_samples(pair_of(small_case()), tmp_path, 1, silent)
+    assert len(model.asked) == len(first) == 10
+    assert take_samples(pair_of(small_case()), tmp_path, 1, silent) == first
+    assert len(model.asked) == 10
+    take_samples(
+        pair_of(small_case("calibration.held_out=3", "calibration.form=table", "name=other")),
+        tmp_path,
+        1,
+        silent,
+    )
+    assert len(model.asked) == 11
+
+
+CHANGES = ("fluid.viscosity=2", "calibration.mode=shear", "discretisation.degree=2", "domain.radius=99.0")
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_what_changes_a_sample_changes_its_key(change: str) -> None:
+    assert key_of(pair_of(small_case()), 0.1) != key_of(pair_of(small_case(change)), 0.1)
+
+
+@pytest.mark.parametrize(
+    "change", ["bodies.0.position=[0.0, 3.0]", "bodies.0.force=[0.0, 5.0]", "time={end = 1.0}"]
+)
+def test_what_does_not_change_a_sample_does_not(change: str) -> None:
+    """0.5 and 0.25 are exact in binary, so that the body comes to the same place."""
+    assert key_of(pair_of(small_case()), 0.25) == key_of(pair_of(small_case(change)), 0.25)
+
+
+def test_other_code_is_another_sample(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = key_of(pair_of(small_case()), 0.1)
+    monkeypatch.setattr(metadata, "version", lambda name: f"{name} 9")
+    assert key_of(pair_of(small_case()), 0.1) != before
+
+
+def test_a_sample_that_fails_costs_no_other(model: ExactModel, tmp_path: Path) -> None:
+    model.fails = {3, 5}
+    with pytest.raises(
+        SolveError, match=r"2 of 10 samples failed, first at the gap .*: singular; the others"
+    ):
+        take_samples(pair_of(small_case()), tmp_path, 1, silent)
+    assert len(model.asked) == 10
+    model.fails = set()
+    assert len(take_samples(pair_of(small_case()), tmp_path, 1, silent)) == 10
+    assert len(model.asked) == 12
+
+
+def test_a_broken_off_calibration_goes_on(model: ExactModel, tmp_path: Path) -> None:
+    """Ctrl-C between samples; what was there is not computed again."""
+
+    def interrupt(there: int, total: int) -> None:  # noqa: ARG001
+        if there == 4:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        take_samples(pair_of(small_case()), tmp_path, 1, interrupt)
+    assert len(model.asked) == 4
+    take_samples(pair_of(small_case()), tmp_path, 1, silent)
+    assert len(set(model.asked)) == len(model.asked) == 10
+
+
+def test_the_folder_of_a_law(model: ExactModel, tmp_path: Path) -> None:  # noqa: ARG001
+    out = tmp_path / "out"
+    found = calibrate_case(small_case(), "disc.toml", out, tmp_path / "cache", 1, silent)
+    assert {path.name for path in out.iterdir()} == {
+        "law.toml",
+        "samples.csv",
+        "calibration.json",
+        "calibration.png",
+    }
+    law = load_law(out / "law.toml")
+    d = np.geomspace(1e-3, 0.5, 40)
+    assert_allclose(law.kappa(d, 1.0), exact.normal_resistance(d, 1.0, 1.0), rtol=1e-4)
+    data: dict[str, Any] = json.loads((out / "calibration.json").read_text())
+    assert data["held_out_passed"] is True
+    assert data["coefficients"][0]["inside"] is True
+    assert abs(data["coefficients"][0]["difference"]) < 1e-4
+    assert abs(data["exponent"] + 1.5) < 1e-4
+    assert len(data["samples"]) == 10
+    assert found.law.source["case"] == "disc.toml"
+    calibrate_case(small_case(), "disc.toml", out, tmp_path / "cache", 1, silent)  # replaces its own folder
+
+
+def test_a_table_is_an_alternative(model: ExactModel, tmp_path: Path) -> None:  # noqa: ARG001
+    found = calibrate_case(
+        small_case("calibration.form=table"), "disc.toml", tmp_path / "out", tmp_path / "cache", 1, silent
+    )
+    taken = [sample for sample in found.samples if not sample.held_out]
+    law = load_law(tmp_path / "out" / "law.toml")
+    assert_allclose(law.kappa([one.gap for one in taken], 1.0), [one.kappa for one in taken], rtol=1e-13)
+    assert (found.fit, found.test, found.coefficients) == (None, None, [])
+
+
+def test_a_folder_of_something_else_is_left_alone(model: ExactModel, tmp_path: Path) -> None:
+    (tmp_path / "mine.txt").write_text("mine")
+    with pytest.raises(InputError, match="exists and is no calibration; give another folder"):
+        calibrate_case(small_case(), "disc.toml", tmp_path, tmp_path / "cache", 1, silent)
+    assert model.asked == []
