@@ -109,9 +109,8 @@ def _draw_rest(axes: Axes, law: LawFile, data: dict[str, Any], d: Array, exact: 
     axes.axhline(0.0, color="black", lw=0.6)
     axes.set_xscale("log")
     # Linear within the errors of most samples, logarithmic beyond: the band opens up at the last gaps.
-    axes.set_yscale(
-        "symlog", linthresh=float(np.median([row["error"] / row["kappa"] for row in data["samples"]]))
-    )
+    typical = float(np.median([row["error"] / row["kappa"] for row in data["samples"]]))
+    axes.set_yscale("symlog", linthresh=10.0 ** np.ceil(np.log10(typical)))
     axes.set_xlabel("gap d")
     axes.set_ylabel("relative to the law, less 1")
     axes.legend(frameon=False, ncols=2, fontsize=9)

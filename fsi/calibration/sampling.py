@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -73,12 +74,16 @@ def _computed(
             running = [pool.submit(_compute_case, case, task, cache) for task in tasks]
             yield from (done.result() for done in as_completed(running))
         except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
+            pool.shutdown(cancel_futures=True)
             raise
 
 
 def _leave_with_parent() -> None:
-    """Let this process end when its parent does, even killed; it would wait for work for ever."""
+    """Let this process end when its parent does, even killed: it would wait for work for ever.
+
+    Ctrl-C is left to the parent.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     assert parent is not None  # it is a worker
 

@@ -19,6 +19,7 @@ from fsi.errors import FsiError
 from meshes.errors import MeshError
 
 INTERRUPTED = 130
+GOES_ON = "a run goes on with fsi resume, a calibration when repeated"
 
 app = typer.Typer(
     add_completion=False,
@@ -48,7 +49,7 @@ def main() -> int:
         code = command.main(sys.argv[1:] or ["--help"], prog_name="fsi", standalone_mode=False) or 0
         if code != INTERRUPTED:  # typer turns Ctrl-C into this exit code, and says nothing
             return int(code)
-        return parallel.last_words("error: interrupted; a run goes on with fsi resume", INTERRUPTED)
+        return parallel.last_words(f"error: interrupted; {GOES_ON}", INTERRUPTED)
     except (FsiError, MeshError) as error:
         line = " ".join(str(error).splitlines())
         return parallel.last_words(f"error: {line}", getattr(error, "exit_code", 3))

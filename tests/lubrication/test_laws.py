@@ -77,7 +77,8 @@ def test_the_integral_is_that_of_kappa(name: str, d: float, a: float) -> None:
     inside = 0.5 * (d + end) + 0.5 * (end - d) * x
     expected = 0.5 * (end - d) * w @ law.kappa(inside, a)
     found = law.integral(end, a) - law.integral(d, a)
-    scale = float(np.abs(law.integral(end, a)))  # the difference may cancel its first digits
+    uncut = law.law if isinstance(law, CutLaw) else law
+    scale = float(np.abs(uncut.integral(end, a)))  # the difference may cancel its first digits
     rtol = 1e-6 if name == "table" else 1e-8  # a cubic has jumps in its second derivative
     assert_allclose(found, expected, rtol=rtol, atol=1e-13 * scale)
 
