@@ -13,7 +13,7 @@ antiderivative of kappa in d, the `ln d` or `-2 d^(-1/2)` of the distance equati
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -164,8 +164,6 @@ class Series:
     terms: tuple[Term, ...]
     coefficients: tuple[float, ...]
     range: tuple[float, float] = (0.0, np.inf)
-
-    FORM: ClassVar[str] = "series"
 
     def value(self, s: Array) -> Array:
         """K(s)."""
