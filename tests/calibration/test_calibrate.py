@@ -1,4 +1,4 @@
-"""`fsi calibrate` with resolved forces: a small one killed, one on two ranks, and (slow) all shipped."""
+"""`fsi calibrate` with resolved forces: a small one killed; slow, one on two ranks and all shipped."""
 
 from __future__ import annotations
 
@@ -72,6 +72,7 @@ def exact_discs() -> LubricationLaw:
     return exact_law("discs", 2.0, 1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.mpi
 @needs_mpi
 def test_two_ranks_work_on_one_sample_together(tmp_path: Path) -> None:
