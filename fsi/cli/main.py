@@ -14,7 +14,16 @@ import traceback
 import typer
 
 from fsi import parallel
-from fsi.cli import calibrate, check, mesh, render, resistance, run, solve, validate
+from fsi.cli import (
+    calibrate,
+    check,
+    mesh,
+    render,
+    resistance,
+    run,
+    solve,
+    validate,
+)
 from fsi.errors import FsiError
 from meshes.errors import MeshError
 
