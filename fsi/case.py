@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from fsi.bodies import MODES, Array, Configuration, Motion
+from fsi.bodyfile import with_bodies
 from fsi.casecheck import check_case
 from fsi.domain import Domain, WallVelocity, wall_kinks, wall_pressure, wall_velocity
 from fsi.errors import InputError
@@ -42,6 +43,14 @@ class Case(Section):
     fluid: Fluid = Field(description="a section [fluid] with its viscosity")
     domain: Domain = Field(description='a section [domain] of shape "box", "half-plane" or "round"')
     bodies: tuple[Body, ...] = Field(default=(), description="one section [[bodies]] for each body")
+    # The next two are None in a sound case: what they give is in `bodies`, so that a case stands alone.
+    bodies_from: str | None = Field(
+        default=None,
+        description="the path of a .json or .csv file of bodies, seen from the case file's folder",
+    )
+    body_defaults: dict[str, Any] | None = Field(
+        default=None, description="a section [body_defaults] with keys of [[bodies]] for all that lack them"
+    )
     discretisation: Discretisation = Field(
         default_factory=Discretisation, description="a section [discretisation]"
     )
@@ -71,6 +80,12 @@ class Case(Section):
         if isinstance(data.get("bodies"), tuple):
             sections["bodies"] = tuple(b | told if isinstance(b, dict) else b for b in data["bodies"])
         return sections
+
+    @model_validator(mode="before")
+    @classmethod
+    def _list_the_bodies(cls, data: Any) -> Any:
+        """Those of a file stand after those of the case itself."""
+        return with_bodies(data, tuple(Body.model_fields)) if isinstance(data, dict) else data
 
     @model_validator(mode="after")
     def _sound(self) -> Case:
@@ -169,6 +184,8 @@ def load_case(path: Path, overrides: Sequence[str] = ()) -> Case:
     domain = data.get("domain")
     if isinstance(domain, dict) and isinstance(domain.get("mesh"), str):
         domain["mesh"] = str((path.parent / domain["mesh"]).resolve())
+    if isinstance(data.get("bodies_from"), str):
+        data["bodies_from"] = str((path.parent / data["bodies_from"]).resolve())
     return parse_case(data)
 
 
