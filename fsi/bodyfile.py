@@ -5,9 +5,9 @@ A CSV file has a header with the columns
     name, radius, x, y, z, angle
 
 in any order; `name` (disc0001, disc0002, ...), `z` (only in space) and `angle` (0) may be left out. A JSON
-file is an object whose list `bodies` has objects with the same keys. Beside it may stand `lower` and `upper`, the
-corners of the box that the bodies were placed in, and anything that describes them. A JSON object with
-`centers` ([[x, y], ...]), one `radius` and the sides `L` and `H` of the box is understood as well.
+file is an object whose list `bodies` has objects with the same keys. Beside it may stand `lower` and
+`upper`, the corners of the bodies' box, and anything that describes them. A JSON object
+with `centers` ([[x, y], ...]), one `radius` and the sides `L` and `H` of the box is understood as well.
 """
 
 from __future__ import annotations

@@ -24,6 +24,7 @@ from fsi.cli import (
     solve,
     validate,
 )
+from fsi.cli import check, mesh, pack, render, resistance, run, solve, validate
 from fsi.errors import FsiError
 from meshes.errors import MeshError
 
@@ -40,6 +41,7 @@ app = typer.Typer(
 
 app.command(epilog=check.EXAMPLE)(check.check)
 app.command(epilog=mesh.EXAMPLE)(mesh.mesh)
+app.command(epilog=pack.EXAMPLE)(pack.pack)
 app.command(epilog=solve.EXAMPLE)(solve.solve)
 app.command(epilog=run.EXAMPLE)(run.run)
 app.command(epilog=run.RESUME_EXAMPLE)(run.resume)

@@ -1,0 +1,176 @@
+"""`fsi pack`: arrange discs or spheres in a cell."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import typer
+
+from fsi import parallel
+from fsi.cli.arguments import require_writable
+from fsi.errors import InputError
+
+if TYPE_CHECKING:
+    from fsi.configurations.arrangement import Arrangement
+    from fsi.configurations.kinds import Wanted
+
+EXAMPLE = "Example: fsi pack random --number 50 --area-fraction 0.4 --gap 0.02 --seed 1 -o random.json"
+
+Kind = Literal["random", "square", "hexagonal", "rows", "chains", "columns"]
+CellKind = Literal["channel", "periodic", "box"]
+Sizes = Literal["equal", "bidisperse", "lognormal"]
+
+# What an option is if it is not given; None in the command line says that it was not.
+_DEFAULTS: dict[str, Any] = {
+    "aspect": 1.0, "seed": 1, "sizes": "equal", "spread": {"equal": 0.0, "bidisperse": 1.4, "lognormal": 0.2},
+    "dimension": 2, "rows": None, "length": None, "angle": None,
+}  # fmt: skip
+
+
+def pack(
+    kind: Annotated[Kind, typer.Argument(help="How the bodies are arranged.", show_default=False)],
+    output: Annotated[Path, typer.Option("--output", "-o", help="The file of bodies: .json")],
+    number: Annotated[int, typer.Option("--number", "-n", min=1, help="How many bodies.")] = 50,
+    area_fraction: Annotated[
+        float, typer.Option(help="The part of the cell that the bodies fill (in space, of the volume).")
+    ] = 0.4,
+    radius: Annotated[float, typer.Option(help="The mean radius.")] = 1.0,
+    gap: Annotated[
+        float | None,
+        typer.Option(help="The smallest gap, between bodies and to walls.", show_default="0.02 radii"),
+    ] = None,
+    cell: Annotated[
+        CellKind,
+        typer.Option(help="Walls above and below only, none at all, or all round; periodic sides elsewhere."),
+    ] = "channel",
+    seed: Annotated[int | None, typer.Option(min=0, help="Of random.", show_default="1")] = None,
+    aspect: Annotated[
+        float | None, typer.Option(help="Of random: length over height of the cell.", show_default="1")
+    ] = None,
+    sizes: Annotated[Sizes | None, typer.Option(help="Of random: the radii.", show_default="equal")] = None,
+    spread: Annotated[
+        float | None,
+        typer.Option(
+            help="Of random: large over small radius (bidisperse), deviation over mean radius (lognormal).",
+            show_default="1.4, 0.2",
+        ),
+    ] = None,
+    dimension: Annotated[
+        int | None,
+        typer.Option(min=2, max=3, help="Of random: 2 for discs, 3 for spheres.", show_default="2"),
+    ] = None,
+    rows: Annotated[
+        int | None,
+        typer.Option(
+            min=1, help="Of arrays and rows; layers of chains.", show_default="square cell; 1 layer"
+        ),
+    ] = None,
+    length: Annotated[
+        int | None,
+        typer.Option(
+            min=1, help="Discs in each chain or column.", show_default="4; square root of the number"
+        ),
+    ] = None,
+    angle: Annotated[
+        float | None,
+        typer.Option(help="Of chains and columns: degrees from the flow.", show_default="135; 90"),
+    ] = None,
+    picture: Annotated[
+        Path | None, typer.Option(help="The picture.", show_default="beside the file, .png")
+    ] = None,
+) -> None:
+    """Arrange bodies at an area fraction: at random, in arrays, rows, oblique chains or wall-to-wall columns.
+
+    The file is one that a case takes by `bodies_from`; it is drawn as well. The cell begins at the origin,
+    and the area fraction determines its size. Random is the equilibrium fluid of hard bodies.
+    """
+    given = {"seed": seed, "aspect": aspect, "sizes": sizes, "spread": spread, "dimension": dimension,
+             "rows": rows, "length": length, "angle": angle}  # fmt: skip
+    if output.suffix != ".json":
+        raise InputError(f"output = {output}: ends in {output.suffix or 'nothing'}; give a .json file")
+    drawn = picture or output.with_suffix(".png")
+    for path in (output, drawn):
+        require_writable(path)
+    wanted = _wanted(kind, number, area_fraction, radius, gap, cell, given)
+    parallel.on_root(lambda: _make(kind, wanted, output, drawn))
+
+
+def _wanted(
+    kind: Kind,
+    number: int,
+    fraction: float,
+    radius: float,
+    gap: float | None,
+    cell: str,
+    given: dict[str, Any],
+) -> Wanted:
+    """All values, checked. Raises InputError."""
+    from fsi.configurations.kinds import OPTIONS, Wanted
+
+    for option, value in given.items():
+        if value is not None and option not in OPTIONS[kind]:
+            takes = ", ".join(f"--{name}" for name in OPTIONS[kind])
+            raise InputError(f"--{option} {value}: {kind} has no such option; drop it ({kind} takes {takes})")
+    gap = 0.02 * radius if gap is None else gap
+    filled = _DEFAULTS | {option: value for option, value in given.items() if value is not None}
+    if given["spread"] is None:
+        filled["spread"] = _DEFAULTS["spread"][filled["sizes"]]
+    elif filled["sizes"] == "equal":
+        raise InputError(
+            f"--spread {given['spread']:g}: the radii are equal; give --sizes bidisperse or lognormal"
+        )
+    filled |= _shape(kind, number, filled)
+    smallest_spread = 1.0 if filled["sizes"] == "bidisperse" else 0.0
+    for name, value, least in (
+        ("area-fraction", fraction, 0.0), ("radius", radius, 0.0), ("gap", gap, 0.0),
+        ("aspect", filled["aspect"], 0.0), ("spread", filled["spread"], smallest_spread),
+    ):  # fmt: skip
+        if not least <= value < float("inf") or (value == 0.0 and name not in ("gap", "spread")):
+            raise InputError(f"--{name} {value:g}: out of range; give a number above {least:g}")
+    if fraction >= 1.0:
+        raise InputError(f"--area-fraction {fraction:g}: bodies cannot fill all; give a number below 1")
+    return Wanted(number=number, fraction=fraction, radius=radius, gap=gap, cell=cell, **filled)
+
+
+def _shape(kind: Kind, number: int, filled: dict[str, Any]) -> dict[str, Any]:
+    """Rows, length and angle where they are not given."""
+    divisors = [k for k in range(1, number + 1) if number % k == 0]
+    middle = min(divisors, key=lambda k: abs(k - number**0.5))
+    rows = filled["rows"] or (1 if kind == "chains" else middle)
+    length = filled["length"] or (4 if kind == "chains" else middle)
+    angle = filled["angle"] if filled["angle"] is not None else (135.0 if kind == "chains" else 90.0)
+    return {"rows": rows, "length": length, "angle": angle}
+
+
+def _make(kind: Kind, wanted: Wanted, output: Path, drawn: Path) -> None:
+    from fsi.configurations.kinds import OPTIONS, arrange, write_arrangement
+    from postprocess.arrangement import draw_arrangement
+
+    arrangement = arrange(kind, wanted)
+    described = {
+        "kind": kind,
+        "area_fraction": arrangement.fraction(),
+        "gap": wanted.gap,
+        **{option: getattr(wanted, option) for option in OPTIONS[kind]},
+    }
+    write_arrangement(arrangement, output, described)
+    draw_arrangement(arrangement, drawn)
+    _tell(arrangement, output, drawn)
+
+
+def _tell(arrangement: Arrangement, output: Path, drawn: Path) -> None:
+    """What was made, and the [domain] that it fits in."""
+    upper = ", ".join(repr(side) for side in arrangement.cell.sides)
+    lower = ", ".join("0.0" for _ in arrangement.cell.sides)
+    periodic = ", ".join(
+        f'"{axis}"' for axis, so in zip("xyz", arrangement.cell.periodic, strict=False) if so
+    )
+    gaps = f"smallest gap {arrangement.smallest_gap():.4g}"
+    if arrangement.cell.walled.size:
+        gaps += f", to a wall {arrangement.smallest_wall_gap():.4g}"
+    typer.echo(f"{len(arrangement.radii)} bodies, area fraction {arrangement.fraction():.6g}, {gaps}")
+    typer.echo(f"domain.lower = [{lower}]\ndomain.upper = [{upper}]")
+    if periodic:
+        typer.echo(f"domain.periodic = [{periodic}]")
+    typer.echo(f"wrote {output} and {drawn}")

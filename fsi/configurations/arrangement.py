@@ -1,0 +1,114 @@
+"""A cell, periodic along some of its axes and walled across the others, and bodies in it.
+
+Lengths are in the user's unit; `d` is 2 for discs and 3 for spheres. Images across periodic sides count like
+any other body: `separation` is the vector to the nearest image.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import cKDTree
+
+Array = NDArray[np.float64]
+
+
+def volumes(radii: ArrayLike, dimension: int) -> Array:
+    """Areas pi a^2 of discs, or volumes 4 pi a^3 / 3 of spheres."""
+    factor = {2: pi, 3: 4.0 * pi / 3.0}[dimension]
+    volumes: Array = factor * np.asarray(radii, dtype=np.float64) ** dimension
+    return volumes
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """The box from the origin to `sides`.
+
+    sides: d lengths > 0; periodic: for each axis whether it is; walls stand across the others.
+    """
+
+    sides: tuple[float, ...]
+    periodic: tuple[bool, ...]
+
+    @property
+    def dimension(self) -> int:
+        """2 or 3."""
+        return len(self.sides)
+
+    @property
+    def walled(self) -> NDArray[np.intp]:
+        """The axes with walls across them."""
+        return np.flatnonzero(~np.array(self.periodic))
+
+    @property
+    def volume(self) -> float:
+        """Area in the plane, volume in space."""
+        return float(np.prod(self.sides))
+
+    def wrapped(self, x: Array) -> Array:
+        """The points (n, d) with their periodic coordinates in [0, side)."""
+        sides = np.array(self.sides)
+        inside = np.where(self.periodic, x - sides * np.floor(x / sides), x)
+        return np.where(np.logical_and(self.periodic, inside >= sides), 0.0, inside)  # x = -1e-17 rounds up
+
+    def separation(self, x: Array, y: Array) -> Array:
+        """The vectors (n, d) from points y to the nearest images of points x."""
+        sides = np.array(self.sides)
+        between = x - y
+        return between - np.where(self.periodic, sides * np.round(between / sides), 0.0)
+
+    def near_pairs(self, x: Array, reach: float) -> NDArray[np.intp]:
+        """Pairs (i, j), i < j, of points (n, d) no further apart than `reach`, sorted, shape (P, 2)."""
+        tree = cKDTree(self.wrapped(x), boxsize=np.where(self.periodic, self.sides, 0.0))
+        pairs = np.sort(tree.query_pairs(reach, output_type="ndarray").astype(np.intp), axis=1)
+        order = np.lexsort((pairs[:, 1], pairs[:, 0]))
+        sorted_pairs: NDArray[np.intp] = pairs[order]
+        return sorted_pairs
+
+    def wall_distances(self, x: Array) -> Array:
+        """Distance of points (n, d) to the walls, two for each walled axis, shape (n, walls)."""
+        across = x[:, self.walled]
+        return np.concatenate([across, np.array(self.sides)[self.walled] - across], axis=1)
+
+
+@dataclass(frozen=True, slots=True)
+class Arrangement:
+    """Bodies in a cell.
+
+    centres: shape (N, d), periodic coordinates in [0, side); radii: shape (N,).
+    """
+
+    cell: Cell
+    centres: Array
+    radii: Array
+
+    def fraction(self) -> float:
+        """The area fraction phi (volume fraction in space)."""
+        return float(volumes(self.radii, self.cell.dimension).sum() / self.cell.volume)
+
+    def smallest_gap(self) -> float:
+        """The smallest gap between bodies, their images included; infinite for one body between walls."""
+        largest = float(self.radii.max())
+        periodic_sides = np.array(self.cell.sides)[np.array(self.cell.periodic)]
+        own_image = float(np.min(periodic_sides, initial=np.inf)) - 2.0 * largest
+        reach = 4.0 * largest
+        while True:
+            pairs = self.cell.near_pairs(self.centres, reach)
+            gaps = self._gaps(pairs)
+            smallest = min(own_image, float(gaps.min(initial=np.inf)))
+            if smallest <= reach - 2.0 * largest or reach > 2.0 * sum(self.cell.sides):
+                return smallest
+            reach *= 2.0
+
+    def smallest_wall_gap(self) -> float:
+        """The smallest gap between bodies and walls; infinite without walls."""
+        return float((self.cell.wall_distances(self.centres) - self.radii[:, None]).min(initial=np.inf))
+
+    def _gaps(self, pairs: NDArray[np.intp]) -> Array:
+        i, j = pairs[:, 0], pairs[:, 1]
+        between = self.cell.separation(self.centres[i], self.centres[j])
+        gaps: Array = np.linalg.norm(between, axis=1) - self.radii[i] - self.radii[j]
+        return gaps
