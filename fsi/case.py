@@ -22,6 +22,8 @@ from fsi.bodyfile import with_bodies
 from fsi.casecheck import check_case
 from fsi.domain import Domain, WallVelocity, wall_kinks, wall_pressure, wall_velocity
 from fsi.errors import InputError
+from fsi.forcelaws import Force
+from fsi.forces import external_forces
 from fsi.geometry import GEOMETRY, Geometry, dimension_of
 from fsi.overrides import override
 from fsi.schema import Body, Calibration, Discretisation, Expected, Fluid, Output, Sweep, Time
@@ -50,6 +52,9 @@ class Case(Section):
     )
     body_defaults: dict[str, Any] | None = Field(
         default=None, description="a section [body_defaults] with keys of [[bodies]] for all that lack them"
+    )
+    forces: tuple[Force, ...] = Field(
+        default=(), description="one section [[forces]] for gravity and each law of force between bodies"
     )
     discretisation: Discretisation = Field(
         default_factory=Discretisation, description="a section [discretisation]"
@@ -127,7 +132,7 @@ class Case(Section):
         return Configuration(q.centres, angles.reshape(q.angles.shape), q.radii)
 
     def motion(self, t: float) -> Motion:
-        """What holds and what drives the bodies at time t."""
+        """What holds the bodies, and their own loads, at time t; `forces` are not in it."""
         held = np.array(
             [[part != "free" for part in body.motion] for body in self.bodies], dtype=bool
         ).reshape(-1, len(self.modes))
@@ -135,6 +140,17 @@ class Case(Section):
         F = self._modes(lambda body: [value_at(part, t) for part in body.loads])
         held |= ~self.modes
         return Motion(held, U, F)
+
+    def motion_at(self, q: Configuration, t: float) -> Motion:
+        """What holds and drives the bodies at q and time t, with the `forces` on free components."""
+        own = self.motion(t)
+        if not self.forces:
+            return own
+        masses = np.array([body.mass or 0.0 for body in self.bodies])
+        spheres = self.geometry != "planar"
+        F = np.zeros_like(own.F)
+        F[:, : self.dimension] = external_forces(self.forces, q, self.container(), masses, spheres)
+        return Motion(own.held, own.U, own.F + np.where(own.held, 0.0, F))
 
     def masses(self) -> Array | None:
         """m or I of each mode, 0 for bodies without, shape (N, M); None when no body has inertia."""

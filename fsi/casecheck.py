@@ -14,6 +14,7 @@ import numpy as np
 from fsi.bodies import Array, rigid_motion
 from fsi.domain import BoxDomain, Shear
 from fsi.errors import InputError
+from fsi.forcelaws import Gravity
 from fsi.gaps import find_gaps
 from fsi.section import toml_text
 from fsi.series import Component, is_zero
@@ -35,6 +36,7 @@ def check_case(case: Case) -> None:
     _check_room(case)
     _check_loads(case)
     _check_inertia(case)
+    _check_forces(case)
     _check_flux(case)
     _check_determined(case)
     _check_files(case)
@@ -133,6 +135,20 @@ def _check_inertia(case: Case) -> None:
                 f"bodies.{i}.{given} = {getattr(body, given)!r}: without {other}; give both or neither "
                 "(a uniform disc has moment_of_inertia = mass radius^2 / 2, a sphere 2/5 of it)"
             )
+
+
+def _check_forces(case: Case) -> None:
+    """Gravity has the dimension of the case and something to act on; nothing pulls a body onto the axis."""
+    for k, force in enumerate(case.forces):
+        if not isinstance(force, Gravity):
+            continue
+        here = f"forces.{k}.acceleration = {toml_text(force.acceleration)}"
+        if len(force.acceleration) != case.dimension:
+            raise InputError(f"{here}: has {len(force.acceleration)} components; give {case.dimension}")
+        if case.axisymmetric and force.acceleration[0] != 0.0:
+            raise InputError(f"{here}: is not along the axis; give [0.0, g_z]")
+        if force.density_difference is None and all(body.mass is None for body in case.bodies):
+            raise InputError(f"{here}: no body has a mass; give density_difference, or bodies a mass")
 
 
 def _check_flux(case: Case) -> None:

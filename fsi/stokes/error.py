@@ -45,7 +45,7 @@ def estimate_errors(
         MeshError: no valid mesh can be made with one order more.
         SolveError: the solve with one degree more fails.
     """
-    motion = motion or model.case.motion(t)
+    motion = motion or model.case.motion_at(q, t)
     better = model.enriched(q, t, motion)
     exists, arm = model.case.modes, q.arms
 
@@ -65,7 +65,7 @@ def error_columns(model: StokesModel, q: Configuration, t: float, instant: Resul
     this velocity.
     """
     case = model.case
-    motion, masses = case.motion(t), case.masses()
+    motion, masses = case.motion_at(q, t), case.masses()
     if masses is not None:
         held = motion.held | (masses > 0.0)
         motion = Motion(held, np.where(held, instant.U, 0.0), np.where(held, 0.0, motion.F))

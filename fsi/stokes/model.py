@@ -45,7 +45,7 @@ class StokesModel:
         fluid = self._moved(q) if self._moving else self.mesh(q)
         clock.lap("mesh")
         degree = self.case.discretisation.degree
-        return self._solve(fluid, q, t, self.case.motion(t), degree, inertia, clock)
+        return self._solve(fluid, q, t, self.case.motion_at(q, t), degree, inertia, clock)
 
     def enriched(self, q: Configuration, t: float, motion: Motion) -> StokesSolution:
         """The flow with elements and curved cells of one degree more, on a new mesh of the same triangles.
