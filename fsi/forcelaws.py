@@ -16,7 +16,7 @@ _LAWS = '"exponential", "power" or "table"'
 
 
 class Gravity(Section):
-    """A weight: `F = m g`, or `F = (difference of densities) V g`, V the area of a disc or volume of a sphere.
+    """A weight: `F = m g`, or `F = (difference of densities) V g`, V the area of a disc or volume of a ball.
 
     With masses the buoyancy is not taken off.
     """

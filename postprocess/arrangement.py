@@ -13,6 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
+from fsi.bodies import Configuration
+from fsi.case import Case
 from fsi.configurations.arrangement import Arrangement, Array, Cell
 from fsi.errors import InputError
 
@@ -23,11 +25,8 @@ _LONGEST_SIDE = 8.0  # of the figure, inches
 
 def draw_arrangement(arrangement: Arrangement, path: Path) -> None:
     """Draw into a PNG file; spheres are seen along y. Raises InputError where it cannot be written."""
-    width, height = arrangement.cell.sides[0], arrangement.cell.sides[-1]
-    scale = _LONGEST_SIDE / max(width, height)
-    size = (max(scale * width, 2.5) + 0.3, max(scale * height, 1.5) + 0.7)
     with mpl.rc_context({"font.size": 10}):
-        figure = Figure(figsize=size, layout="constrained")
+        figure = Figure(figsize=figure_size(arrangement.cell), layout="constrained")
         axes = figure.subplots()
         draw_bodies(axes, arrangement)
         links = close_links(arrangement)
@@ -39,19 +38,33 @@ def draw_arrangement(arrangement: Arrangement, path: Path) -> None:
             raise InputError(f"picture = {path}: {error}; give a .png that can be written") from None
 
 
-def draw_bodies(axes: Axes, arrangement: Arrangement, colours: Array | None = None) -> PatchCollection:
-    """The bodies and their images in the frame of the cell; returns those in the cell.
+def figure_size(cell: Cell) -> tuple[float, float]:
+    """Inches, with room for a title."""
+    width, height = cell.sides[0], cell.sides[-1]
+    scale = _LONGEST_SIDE / max(width, height)
+    return max(scale * width, 2.5) + 0.3, max(scale * height, 1.5) + 0.7
 
-    colours: a number for each body, shown by the colour map of the collection; all alike if not given.
-    """
+
+def arrangement_of(case: Case, q: Configuration) -> Arrangement:
+    """The bodies of a case at q, from the lower corner of its box. Raises InputError for other shapes."""
+    given = case.domain.model_dump()
+    if "lower" not in given or "upper" not in given:
+        raise InputError(f'domain.shape = "{given["shape"]}": only bodies in a box can be drawn')
+    lower, sides = np.array(given["lower"]), np.subtract(given["upper"], given["lower"])
+    cell = Cell(
+        tuple(sides.tolist()), tuple(axis in given.get("periodic", ()) for axis in "xyz"[: len(sides)])
+    )
+    return Arrangement(cell, cell.wrapped(q.centres - lower), q.radii)
+
+
+def draw_bodies(axes: Axes, arrangement: Arrangement) -> None:
+    """The bodies and their images in the frame of the cell."""
     cell = arrangement.cell
     centres, radii = arrangement.centres[:, [0, -1]], arrangement.radii
     depth = arrangement.centres[:, 1] if cell.dimension == 3 else np.zeros(len(radii))
     order = np.argsort(-depth, kind="stable")
     here = [Circle((x, y), a) for (x, y), a in zip(centres[order], radii[order], strict=True)]
     bodies = PatchCollection(here, facecolors=_BODY, edgecolors=_EDGE, linewidths=0.7, zorder=2)
-    if colours is not None:
-        bodies.set_array(colours[order])
     axes.add_collection(bodies)
     images = PatchCollection(
         list(_images(cell, centres, radii)),
@@ -62,7 +75,6 @@ def draw_bodies(axes: Axes, arrangement: Arrangement, colours: Array | None = No
     )
     axes.add_collection(images)
     _draw_frame(axes, cell)
-    return bodies
 
 
 def close_links(arrangement: Arrangement, close: float = CLOSE) -> NDArray[np.float64]:

@@ -1,0 +1,107 @@
+"""Chains of close discs, and what lubrication dissipates in them."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fsi.case import parse_case
+from fsi.errors import InputError
+from postprocess.chains import main, read_chains
+
+HEADER = "step,t,body,x,y,angle,V_x,V_y,omega,F_x,F_y,T\n"
+# A chain from wall to wall (a, b, c), a pair (d, e) and a lone disc; V_y closes or opens gaps.
+DISCS: list[tuple[str, float, float, float, float]] = [
+    ("a", 1.0, -3.0, 1.02, 0.5), ("b", 1.0, -3.0, 3.05, -0.5), ("c", 0.5, -3.0, 4.59, -0.5),
+    ("d", 1.0, 2.0, 2.5, 0.0), ("e", 1.0, 4.06, 2.5, 0.0), ("f", 0.5, 7.0, 2.5, 0.0),
+]  # fmt: skip
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Path:
+    """A run folder of two steps by hand: at the second nothing moves."""
+    bodies: list[dict[str, Any]] = [{"name": n, "radius": a, "position": [x, y]} for n, a, x, y, _ in DISCS]
+    domain = {"lower": [-8.0, 0.0], "upper": [8.0, 5.1], "walls": {"top": [1.0, 0.0]}}
+    case = parse_case(
+        {"name": "t", "fluid": {"viscosity": 2.0}, "domain": domain, "bodies": bodies, "time": {"end": 1.0}}
+    )
+    (tmp_path / "case.toml").write_text(case.as_toml())
+    (tmp_path / "steps.csv").write_text("step,t,dissipation\n0,0.0,50000.0\n1,1.0,1.0\n")
+    rows = [
+        f"{s},{s}.0,{n},{x},{y},0,0,{V if s == 0 else 0.0},0,0,0,0\n"
+        for s in (0, 1)
+        for n, _, x, y, V in DISCS
+    ]
+    (tmp_path / "bodies.csv").write_text(HEADER + "".join(rows))
+    return tmp_path
+
+
+def test_chains_and_their_dissipation_by_hand(run: Path) -> None:
+    found = read_chains(run)
+    assert (found.step, found.t) == (0, 0.0)  # that which dissipates most
+    chain, pair = found.chains
+    assert (chain.bodies, pair.bodies) == ((0, 1, 2), (3, 4))
+    assert [found.case.container().walls[k] for k in chain.walls] == ["bottom", "top"]
+    assert chain.smallest_gap == pytest.approx(0.01)
+    # a leaves the bottom and c the top at 1/2, a and b (equal) approach at 1, b and c move together
+    to_walls = 3 * math.sqrt(2) * math.pi * 2.0 * (0.02**-1.5 + (0.5 / 0.01) ** 1.5) * 0.5**2
+    equal = 1.5 * math.pi * 2.0 * 0.03**-1.5
+    assert chain.dissipation == pytest.approx(to_walls + equal, rel=1e-9)
+    assert pair.dissipation == 0.0
+
+
+def test_unequal_discs_have_their_reduced_radius(run: Path) -> None:
+    """b and c, of radii 1 and 1/2: a = 1/3; each gap by itself in the list of links."""
+    links = read_chains(run, 0).links
+    k = [tuple(end) for end in links.ends.tolist()].index((1, 2))
+    assert links.gaps[k] == pytest.approx(0.04)
+    assert links.rates[k] == 0.0
+    table = (run / "bodies.csv").read_text().replace("c,-3.0,4.59,0,0,-0.5", "c,-3.0,4.59,0,0,0.5")
+    (run / "bodies.csv").write_text(table)
+    links = read_chains(run, 0).links
+    kappa = 3 * math.sqrt(2) * math.pi * 2.0 * (1 / 3 / 0.04) ** 1.5
+    assert links.dissipation[k] == pytest.approx(kappa * 1.0**2, rel=1e-9)
+
+
+def test_more_room_makes_longer_links(run: Path) -> None:
+    """Gaps below 0.03 of the mean radius 5/6 are only those to the walls."""
+    assert {chain.bodies for chain in read_chains(run, 1, close=0.03).chains} == {(0,), (2,)}
+    assert {chain.bodies for chain in read_chains(run, 1).chains} == {(0, 1, 2), (3, 4)}
+
+
+def test_the_table_and_the_picture(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([str(run), "0"]) == 0
+    said = capsys.readouterr().out
+    assert "step 0" in said
+    assert "a, b, c" in said
+    assert (run / "chains.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(("step", "part"), [("7", "the run has the steps 0 to 1"), ("x", "not a number")])
+def test_mistakes(run: Path, capsys: pytest.CaptureFixture[str], step: str, part: str) -> None:
+    assert main([str(run), step]) == 2
+    assert part in capsys.readouterr().err
+
+
+def test_the_model_must_be_resolved(run: Path) -> None:
+    (run / "steps.csv").write_text("step,t\n0,0.0\n")
+    with pytest.raises(InputError, match="no column dissipation"):
+        read_chains(run)
+
+
+def test_rates_are_slopes_of_gaps(run: Path) -> None:
+    found = read_chains(run, 0)
+    h = 1e-6
+    V = np.array([[0.0, disc[4]] for disc in DISCS])
+    for (i, j), gap, rate in zip(found.links.ends.tolist(), found.links.gaps, found.links.rates, strict=True):
+        x = found.q.centres + h * V
+        a = found.q.radii
+        if j < len(DISCS):
+            moved = float(np.linalg.norm(x[i] - x[j])) - a[i] - a[j]
+        else:
+            moved = float(found.case.container().distances(x)[i, j - len(DISCS)]) - a[i]
+        assert (moved - gap) / h == pytest.approx(rate, abs=1e-6)

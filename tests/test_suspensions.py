@@ -1,0 +1,33 @@
+"""The four suspensions of cases/suspensions: one area fraction, one smallest gap, four arrangements."""
+
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fsi.bodyfile import read_bodies
+from fsi.case import load_case
+from fsi.configurations.arrangement import Arrangement, Cell
+
+FOLDER = Path(__file__).parents[1] / "cases" / "suspensions"
+NAMES = ("rows", "random", "oblique_chains", "columns")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_their_bodies(name: str) -> None:
+    file = read_bodies(FOLDER / f"{name}.json")
+    assert file.sides is not None
+    centres = np.array([body["position"] for body in file.bodies])
+    radii = np.array([body["radius"] for body in file.bodies])
+    found = Arrangement(Cell(file.sides, (True, False)), centres, radii)
+    assert len(radii) == 40
+    assert found.fraction() == pytest.approx(0.4, rel=1e-12)
+    assert found.smallest_gap() >= 0.02 - 1e-12
+    assert found.smallest_wall_gap() >= 0.02 - 1e-12
+
+
+@pytest.mark.skipif(importlib.util.find_spec("meshes.lattice") is None, reason="no periodic containers yet")
+@pytest.mark.parametrize("name", NAMES)
+def test_they_are_cases(name: str) -> None:
+    assert len(load_case(FOLDER / f"{name}.toml").bodies) == 40
