@@ -19,7 +19,6 @@ from scipy.sparse.csgraph import connected_components
 
 from fsi.bodies import Array, Configuration
 from fsi.case import Case
-from fsi.domain import wall_velocity
 from fsi.forces import separations
 from fsi.gaps import find_gaps
 from fsi.lubrication.exact import plane_lubrication
@@ -81,8 +80,10 @@ def find_links(case: Case, q: Configuration, V: Array, t: float, reach: float) -
 
 def _wall_velocities(case: Case, t: float) -> Array:
     """Of each wall, (walls, 2); a shear flow on it is left out, as only what is normal counts."""
-    found = [wall_velocity(wall, t, 2) for wall in case.domain.walls.values()]
-    return np.array([np.zeros(2) if one is None else one.velocity for one in found]).reshape(-1, 2)
+    given = case.wall_velocity(t)
+    rest = np.zeros(2)
+    found = [given[wall].velocity if wall in given else rest for wall in case.container().walls]
+    return np.array(found).reshape(-1, 2)
 
 
 def find_chains(links: Links, bodies: int) -> tuple[Chain, ...]:
