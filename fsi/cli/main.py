@@ -18,13 +18,13 @@ from fsi.cli import (
     calibrate,
     check,
     mesh,
+    pack,
     render,
     resistance,
     run,
     solve,
     validate,
 )
-from fsi.cli import check, mesh, pack, render, resistance, run, solve, validate
 from fsi.errors import FsiError
 from meshes.errors import MeshError
 
