@@ -23,6 +23,7 @@ from meshes.build import FluidMesh
 from meshes.curved import CurvedCells, reference_points
 from meshes.errors import MeshFileError
 from meshes.geometry import Array
+from meshes.lagrange import lattice
 from meshes.triangulate import Indices
 
 VTK_CELLS = {1: CellType.interval, 2: CellType.triangle, 3: CellType.tetrahedron}
@@ -154,19 +155,8 @@ def vtk_order(nodes: int, dimension: int = 2) -> NDArray[np.int64]:
 
 def gmsh_order(order: int, dimension: int = 2) -> NDArray[np.int64]:
     """Columns that put the nodes of simplices from the order of basix into gmsh's (dolfinx knows up to 3)."""
-    lattice = _gmsh_lattice(order) if dimension == 2 else _gmsh_lattice_in_space(order)
-    points = np.array(lattice) / order
+    points = np.array(lattice(order) if dimension == 2 else _gmsh_lattice_in_space(order)) / order
     return np.abs(points[:, None] - reference_points(order, dimension)).sum(axis=2).argmin(axis=1)
-
-
-def _gmsh_lattice(order: int) -> list[tuple[int, int]]:
-    """Nodes in gmsh's order, in steps of 1 / order: vertices, sides 01, 12, 20, then the triangle inside."""
-    if order <= 0:
-        return [(0, 0)] if order == 0 else []
-    along = range(1, order)
-    sides = [(k, 0) for k in along] + [(order - k, k) for k in along] + [(0, order - k) for k in along]
-    inside = [(i + 1, j + 1) for i, j in _gmsh_lattice(order - 3)]
-    return [(0, 0), (order, 0), (0, order), *sides, *inside]
 
 
 def _gmsh_lattice_in_space(order: int) -> list[tuple[int, ...]]:
@@ -176,7 +166,7 @@ def _gmsh_lattice_in_space(order: int) -> list[tuple[int, ...]]:
     for i, j in ((0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1)):
         points += [(order - k) * corners[i] + k * corners[j] for k in range(1, order)]
     for i, j, k in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (3, 1, 2)):
-        for a, b in _gmsh_lattice(order - 3):
+        for a, b in lattice(order - 3):
             points.append((order - 2 - a - b) * corners[i] + (a + 1) * corners[j] + (b + 1) * corners[k])
     if order == 4:
         points.append(np.ones(3, dtype=int))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -27,6 +28,7 @@ Overrides = Annotated[
         show_default=False,
     ),
 ]
+Step = Annotated[int | None, typer.Option(help="Which step.", show_default="the last with fields")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 
 
@@ -41,3 +43,14 @@ def require_writable(output: Path) -> None:
     """Raise InputError if no file can be written there."""
     if output.is_dir() or not os.access(output.absolute().parent, os.W_OK):
         raise InputError(f"output = {output}: no file can be written there; give another path")
+
+
+def numbers(option: str, text: str, count: int) -> list[float]:
+    """So many finite numbers with commas between them. Raises InputError."""
+    try:
+        found = [float(word) for word in text.split(",")]
+    except ValueError:
+        found = []
+    if len(found) != count or not all(map(math.isfinite, found)):
+        raise InputError(f"{option} {text}: give {count} numbers with commas between them, without blanks")
+    return found

@@ -25,6 +25,7 @@ from fsi.cli import (
     solve,
     validate,
 )
+from fsi.cli import check, mesh, probe, render, resistance, run, solve, validate
 from fsi.errors import FsiError
 from meshes.errors import MeshError
 
@@ -46,6 +47,7 @@ app.command(epilog=solve.EXAMPLE)(solve.solve)
 app.command(epilog=run.EXAMPLE)(run.run)
 app.command(epilog=run.RESUME_EXAMPLE)(run.resume)
 app.command(epilog=render.EXAMPLE)(render.render)
+app.command(epilog=probe.EXAMPLE)(probe.probe)
 app.command(epilog=resistance.EXAMPLE)(resistance.resistance)
 app.command(epilog=validate.EXAMPLE)(validate.validate)
 app.command(epilog=calibrate.EXAMPLE)(calibrate.calibrate)

@@ -7,12 +7,14 @@ from pathlib import Path
 
 import meshio
 import numpy as np
+from dolfinx.common import IndexMap
 from numpy.typing import NDArray
 
 from fsi import parallel
 from fsi.bodies import Array
 from fsi.errors import SolveError
 from fsi.stokes.forms import Forms
+from fsi.stokes.gradients import nodal_rates
 from fsi.stokes.surface import Surface
 from meshes.convert import vtk_order
 
@@ -23,13 +25,17 @@ CELLS = {1: "VTK_LAGRANGE_CURVE", 2: "VTK_LAGRANGE_TRIANGLE", 3: "VTK_LAGRANGE_T
 class Flow:
     """This rank's cells: Lagrange triangles or tetrahedra whose nodes carry velocity and pressure.
 
-    x: (n, d); cells: node numbers in the order of basix, (T, nodes); u: (n, d); p: (n,).
+    x: (n, d); cells: node numbers in the order of basix, (T, nodes); u: (n, d); p: (n,); degree: of the cells;
+    nodes: which of them other ranks have too; axisymmetric: x are (r, z).
     """
 
     x: Array
     cells: NDArray[np.int64]
     u: Array
     p: Array
+    degree: int
+    nodes: IndexMap
+    axisymmetric: bool
 
 
 def in_space(vectors: Array) -> Array:
@@ -48,6 +54,9 @@ def capture(forms: Forms) -> Flow:
         cells.astype(np.int64),
         np.array(forms.u.x.array, dtype=np.float64).reshape(-1, d),
         _pressure_at_nodes(forms, cells),
+        V.element.basix_element.degree,
+        V.dofmap.index_map,
+        forms.axisymmetric,
     )
 
 
@@ -61,10 +70,13 @@ def _pressure_at_nodes(forms: Forms, cells: NDArray[np.int32]) -> Array:
 
 
 def write_flow(flow: Flow, folder: Path, step: int) -> list[str]:
-    """Write `fluid_<step>.vtu`, on several ranks one file each; names of all ranks' files."""
+    """Write `fluid_<step>.vtu`, on several ranks one file each; names of all ranks' files.
+
+    u and p are the finite element's own values at its nodes; vorticity and strain rate are nodal means.
+    """
     part = "" if parallel.size() == 1 else f"_rank{parallel.rank()}"
     name = f"fluid_{step:06d}{part}.vtu"
-    data = {"velocity": in_space(flow.u), "pressure": flow.p}
+    data = {"velocity": in_space(flow.u), "pressure": flow.p, **nodal_rates(flow)}
     parallel.on_every_rank(lambda: _write(folder / name, flow.x, flow.x.shape[1], flow.cells, data, {}))
     return parallel.gather(name)
 

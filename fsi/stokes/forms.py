@@ -161,6 +161,7 @@ class Forms:
         """Bind the forms to a mesh; degree of the velocity, at least the order of the cells."""
         self._compiled = compile_forms(fluid.order, degree, fluid.dimension, fluid.axisymmetric)
         self.mesh = fluid.mesh
+        self.axisymmetric = fluid.axisymmetric
         self.V = fem.functionspace(fluid.mesh, velocity_element(degree, fluid.dimension))
         self.Q = fem.functionspace(fluid.mesh, pressure_element(degree, fluid.dimension))
         self.u, self.f, self.p = fem.Function(self.V), fem.Function(self.V), fem.Function(self.Q)

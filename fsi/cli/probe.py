@@ -1,0 +1,67 @@
+"""`fsi probe`: values of the flow at points."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fsi import parallel
+from fsi.cli.arguments import RunFolder, Step, numbers, require_writable
+from fsi.errors import InputError
+
+EXAMPLE = "Example: fsi probe runs/settling_disc --line 0,0,3,0.5 --count 7 --step 20 -o line.csv"
+
+
+def probe(
+    folder: RunFolder,
+    line: Annotated[
+        str | None,
+        typer.Option(metavar="X,Y,X,Y", help="Along a line, from end to end.", show_default=False),
+    ] = None,
+    plane: Annotated[
+        str | None,
+        typer.Option(
+            metavar="X,Y,X,Y", help="On a grid over a rectangle, corner to corner.", show_default=False
+        ),
+    ] = None,
+    points: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="At the points of a CSV file, x,y.", show_default=False),
+    ] = None,
+    count: Annotated[int, typer.Option(min=2, help="Points along the line, or a side of the grid.")] = 11,
+    step: Step = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="A CSV file.", show_default="the terminal")
+    ] = None,
+) -> None:
+    """Print velocity, pressure, vorticity and strain rate at points, as CSV, exact.
+
+    The values are the finite element's own. `where` names the body that holds a point, or says `outside`.
+    Bodies of axisymmetric runs lie on the axis r = 0: x, y are r, z.
+    """
+    from postprocess.probe import on_line, on_plane, read_points, write_values
+    from postprocess.probe import probe as values_at
+    from postprocess.run import open_run
+
+    if sum(given is not None for given in (line, plane, points)) != 1:
+        raise InputError("probe: give exactly one of --line, --plane and --points")
+    if output is not None:
+        require_writable(output)
+    if points is not None:
+        x = read_points(points)
+    elif line is not None:
+        ends = numbers("--line", line, 4)
+        x = on_line(ends[:2], ends[2:], count)
+    else:
+        corners = numbers("--plane", plane or "", 4)
+        x = on_plane(corners[:2], corners[2:], count)
+    table = parallel.on_root(lambda: values_at(open_run(folder), x, step))
+    if not parallel.is_root():
+        return
+    if output is None:
+        typer.echo(table.to_csv(index=False), nl=False)
+    else:
+        write_values(table, output)
+        typer.echo(f"wrote {output}, {len(table)} points, {(table['where'] == 'fluid').sum()} in the fluid")

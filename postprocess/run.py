@@ -1,0 +1,196 @@
+"""A run as Python sees it: its case, tables as pandas frames, fields as pyvista grids.
+
+    run = fsi.open_run("runs/settling_discs")
+    run.steps, run.bodies                       # the tables; run.table(NAME) for NAME.csv
+    for step, t in run.times.items():
+        fluid = run.mesh(step)                  # curved cells with velocity, pressure, vorticity, strain_rate
+
+A run that is still going on, or that was killed, can be opened too: it then ends at its last complete step.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pyvista as pv
+from scipy.spatial import cKDTree
+
+from fsi.bodies import Configuration
+from fsi.case import Case
+from fsi.checkpoint import Checkpoint, read_checkpoint
+from fsi.errors import InputError
+from fsi.pvd import Entry, read_collection
+from postprocess.folder import read_case
+
+_SAME_NODE = 1e-13  # of the size of the domain: ranks agree on the nodes that they share to rounding
+
+
+def open_run(path: Path | str) -> Run:
+    """Open the folder of a run, without changing anything in it.
+
+    Raises:
+        InputError: it is not a run folder.
+    """
+    path = Path(path)
+    return Run(path, read_case(path))
+
+
+@dataclass(frozen=True)
+class Run:
+    """An open run folder. What the tables and series held when they were first asked for is kept.
+
+    path: the folder; case: the resolved case.
+    """
+
+    path: Path
+    case: Case
+
+    @cached_property
+    def steps(self) -> pd.DataFrame:
+        """steps.csv, a row for each step. Raises InputError, as does `bodies`."""
+        return self.table("steps")
+
+    @cached_property
+    def bodies(self) -> pd.DataFrame:
+        """bodies.csv, a row for each step and body."""
+        return self.table("bodies")
+
+    def table(self, name: str) -> pd.DataFrame:
+        """The complete rows of the table `name`.csv. Raises InputError: there is none, or it has no rows."""
+        path = self.path / f"{name}.csv"
+        try:
+            text = path.read_bytes()
+        except OSError as error:
+            raise InputError(f"{path}: {error.strerror}; give a folder that `fsi run` has written") from None
+        length = self._commit.lengths.get(path.name) if self._commit else None
+        frame = pd.read_csv(io.BytesIO(text[:length]))
+        if frame.empty:
+            raise InputError(f"{path}: the table has no rows yet; continue the run with `fsi resume`")
+        return frame
+
+    @property
+    def times(self) -> pd.Series[float]:
+        """Time of each step that has field files, by the number of the step; empty where there are none."""
+        return self.times_of("fluid")
+
+    def times_of(self, series: str) -> pd.Series[float]:
+        """The same for another series, such as "surface"."""
+        found = {_step(entry): entry.t for entry in self._entries(series)}
+        return pd.Series(found, name="t", dtype=float).rename_axis("step")
+
+    def mesh(self, step: int | None = None, series: str = "fluid") -> pv.UnstructuredGrid:
+        """The fields of a step (default: the last that has any), all ranks' parts in one grid.
+
+        The series "fluid" has curved cells whose nodes, and values there, are the finite element's own;
+        "surface" has the curved edges of the bodies.
+
+        Raises:
+            InputError: there are no fields of that step.
+        """
+        step = self.step(step, series)
+        files = [self.path / entry.file for entry in self._entries(series) if _step(entry) == step]
+        try:
+            return _joined([pv.read(file) for file in files])
+        except (OSError, RuntimeError, ValueError) as error:
+            raise InputError(f"{files[0]}: cannot be read ({error}); mend it with `fsi resume`") from None
+
+    def step(self, step: int | None = None, series: str = "fluid") -> int:
+        """That step, or the last one, if it has fields. Raises InputError."""
+        written = self.times_of(series).index
+        if written.empty:
+            raise InputError(
+                f"{self.path / series}.pvd: the run has written no fields; set output.fields = true"
+                " and run it again"
+            )
+        if step is None:
+            return int(written[-1])
+        if step not in written:
+            some = ", ".join(map(str, written))
+            some = some if len(written) < 5 else f"{written[0]}, {written[1]}, ..., {written[-1]}"
+            raise InputError(f"step = {step}: has no fields; give one of {some}")
+        return step
+
+    def nearest(self, time: float, series: str = "fluid") -> int:
+        """The step with fields nearest to a time. Raises InputError."""
+        self.step(None, series)
+        times = self.times_of(series)
+        return int((times - time).abs().idxmin())
+
+    def configuration(self, step: int) -> Configuration:
+        """Where the bodies were at a step."""
+        start = self.case.configuration()
+        if not len(start):
+            return start
+        now = self.bodies[self.bodies["step"] == step]
+        return Configuration(now[["x", "y"]].to_numpy(), now["angle"].to_numpy(), start.radii)
+
+    @property
+    def end(self) -> float:
+        """Time of the last complete step. Raises InputError where there is none."""
+        return float(self.steps["t"].iloc[-1])
+
+    @property
+    def finished(self) -> bool:
+        """Whether the run has reached the end that its case asks for."""
+        return self.case.time is not None and self.end >= self.case.time.end
+
+    @cached_property
+    def launches(self) -> list[dict[str, Any]]:
+        """What provenance.json says of each launch. Raises InputError."""
+        path = self.path / "provenance.json"
+        try:
+            found: list[dict[str, Any]] = json.loads(path.read_text(encoding="utf-8"))["launches"]
+        except (OSError, ValueError, KeyError) as error:
+            raise InputError(f"{path}: cannot be read ({error}); give a run folder") from None
+        return found
+
+    @cached_property
+    def _commit(self) -> Checkpoint | None:
+        """How far the files are complete; None where nothing tells."""
+        path = self.path / "state.npz"
+        return read_checkpoint(path) if path.is_file() else None
+
+    def _entries(self, series: str) -> list[Entry]:
+        path = self.path / f"{series}.pvd"
+        if not path.is_file():
+            return []
+        return read_collection(path)[: self._commit.entries.get(series) if self._commit else None]
+
+
+def _step(entry: Entry) -> int:
+    """The number of the step in the name of its file."""
+    number = re.search(r"_(\d+)", Path(entry.file).stem)
+    return int(number[1]) if number else 0
+
+
+def _joined(parts: list[pv.UnstructuredGrid]) -> pv.UnstructuredGrid:
+    """One grid, in which nodes that parts share are one."""
+    if len(parts) == 1:
+        return parts[0]
+    grid = pv.merge(parts, merge_points=False)
+    pairs = cKDTree(grid.points).query_pairs(_SAME_NODE * grid.length, output_type="ndarray")
+    same = np.arange(grid.n_points)
+    np.minimum.at(same, pairs.max(axis=1), pairs.min(axis=1))
+    kept, number = np.unique(same, return_inverse=True)
+    joined = pv.UnstructuredGrid(
+        np.insert(number[grid.cell_connectivity.reshape(grid.n_cells, -1)], 0, _nodes(grid), axis=1).ravel(),
+        grid.celltypes,
+        grid.points[kept],
+    )
+    for name, values in grid.point_data.items():
+        joined.point_data[name] = values[kept]
+    for name, values in grid.cell_data.items():
+        joined.cell_data[name] = values
+    return joined
+
+
+def _nodes(grid: pv.UnstructuredGrid) -> int:
+    return int(len(grid.cell_connectivity) // grid.n_cells)

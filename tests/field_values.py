@@ -1,0 +1,51 @@
+"""Run a case into a folder, and beside each field file keep the element's own values: `CASE FOLDER`.
+
+`Function.eval` of DOLFINx gives them, in the cells of this rank, by Newton's method to rounding;
+VALUES_<step>_<rank>.npz holds x and u.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import meshes.backend  # noqa: F401
+
+import numpy as np
+
+from fsi import parallel
+from fsi.bodies import Array
+from fsi.case import load_case
+from fsi.run import run_case
+from fsi.stokes import fields
+from fsi.stokes.forms import Forms
+from fsi.stokes.model import StokesModel
+
+capture, write = fields.capture, fields.write_flow
+evaluated: dict[int, tuple[Array, Array]] = {}
+
+
+def evaluate(forms: Forms) -> fields.Flow:
+    """Also evaluate u at the nodes, each in the last of its cells."""
+    flow = capture(forms)
+    cells = forms.V.dofmap.list[: forms.mesh.topology.index_map(2).size_local]
+    x, holder = forms.V.tabulate_dof_coordinates(), np.full(len(flow.x), -1, dtype=np.int32)
+    holder[cells] = np.arange(len(cells), dtype=np.int32)[:, None]
+    own = np.flatnonzero(holder >= 0)
+    evaluated.clear()
+    u = np.asarray(forms.u.eval(x[own], holder[own], tol=1e-10), dtype=np.float64)
+    evaluated[id(flow)] = x[own, :2].astype(np.float64), u
+    return flow
+
+
+def keep(flow: fields.Flow, folder: Path, step: int) -> list[str]:
+    """Also write what was evaluated."""
+    x, u = evaluated[id(flow)]
+    np.savez(folder.parent / f"VALUES_{step}_{parallel.rank()}.npz", x=x, u=u)
+    return write(flow, folder, step)
+
+
+if __name__ == "__main__":
+    fields.capture, fields.write_flow = evaluate, keep
+    case = load_case(Path(sys.argv[1]))
+    run_case(case, Path(sys.argv[2]), StokesModel(case))

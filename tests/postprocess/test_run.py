@@ -1,0 +1,65 @@
+"""Opening run folders: finished, killed half-way, in parts, or none at all."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fsi
+from fsi.errors import InputError
+from tests.small_run import small_case, start
+
+CELLS = 2 * 24 * 5
+
+
+def test_opening_costs_an_import_nothing() -> None:
+    code = "import sys, fsi; assert not {'pandas', 'pyvista', 'numpy'} & set(sys.modules)"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_times_and_meshes_of_the_steps_with_fields(run: Path) -> None:
+    opened = fsi.open_run(str(run))
+    assert opened.times.to_dict() == {0: 0.0, 2: 2.0}
+    assert opened.case.name == "analytic"
+    late, early = opened.mesh(), opened.mesh(0)
+    assert late.n_cells == CELLS
+    np.testing.assert_allclose(late["velocity"], 3.0 * early["velocity"])
+    nodes = late.cell_connectivity.reshape(CELLS, -1)
+    assert len(np.unique(nodes[:, :3])) == 24 * 6  # the parts share the nodes of their border
+    assert opened.nearest(0.4) == 0
+    assert opened.configuration(2).angles == pytest.approx([0.2])
+
+
+def test_a_step_without_fields(run: Path) -> None:
+    with pytest.raises(InputError, match=r"step = 1: has no fields; give one of 0, 2$"):
+        fsi.open_run(run).mesh(1)
+
+
+def test_a_run_without_fields(run: Path) -> None:
+    (run / "fluid.pvd").unlink()
+    opened = fsi.open_run(run)
+    assert opened.times.empty
+    with pytest.raises(InputError, match=r"fluid\.pvd.*no fields; set output\.fields = true"):
+        opened.mesh()
+
+
+def test_not_a_run_folder(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"there is no case\.toml; give the folder"):
+        fsi.open_run(tmp_path)
+
+
+def test_a_killed_run_ends_at_its_last_complete_step(tmp_path: Path) -> None:
+    """What was written after the last commit, here half a row and a bad one, is not there for readers."""
+    folder = tmp_path / "run"
+    start(small_case(), folder)
+    whole = fsi.open_run(folder)
+    assert whole.finished
+    with (folder / "steps.csv").open("a") as steps, (folder / "bodies.csv").open("a") as bodies:
+        steps.write("99,3.0,0.1,0.2")
+        bodies.write("99,3.0,left,oops\n")
+    cut = fsi.open_run(folder)
+    assert cut.steps.equals(whole.steps)
+    assert cut.bodies.equals(whole.bodies)
+    assert (cut.end, cut.finished) == (whole.end, True)
