@@ -1,12 +1,10 @@
-"""Field files for drawing: read a step, refine its curved cells, find streamlines.
+"""Fields for drawing: refine curved cells, mirror them, find streamlines.
 
 Points have shape (n, 3) with z = 0. A fluid cell is a Lagrange triangle: 3 vertices, then the inner nodes
 of the edges 01, 12, 20, then the inner nodes of the cell.
 """
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import numpy as np
 import pyvista as pv
@@ -16,33 +14,11 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order
 
 from fsi.bodies import Array
-from fsi.errors import InputError
 
 Indices = NDArray[np.intp]
 
 _SEGMENTS = 8  # straight pieces that stand for a curved edge
 _TRIANGLES = 2e5  # about as many a picture can show
-
-
-def read_step(run: Path, time: float | None = None) -> tuple[pv.UnstructuredGrid, float]:
-    """The fluid at the written step nearest to `time` (default: the last), all ranks' parts in one; its time.
-
-    Raises:
-        InputError: the run has written no fields.
-    """
-    path = run / "fluid.pvd"
-    reader = pv.PVDReader(str(path)) if path.is_file() else None
-    if reader is None or not reader.time_values:
-        raise InputError(f"{path}: the run has written no fields; set output.fields = true and run it again")
-    times = np.asarray(reader.time_values)
-    nearest = float(times[-1] if time is None else times[np.argmin(np.abs(times - time))])
-    reader.set_active_time_value(nearest)
-    try:
-        return pv.merge(list(reader.read())), nearest
-    except (OSError, RuntimeError) as error:
-        raise InputError(
-            f"{path}: a field file cannot be read ({error}); mend it with `fsi resume`"
-        ) from None
 
 
 def nodes(fluid: pv.UnstructuredGrid) -> Indices:
@@ -59,7 +35,7 @@ def cells_within(fluid: pv.UnstructuredGrid, low: Array, high: Array) -> pv.Unst
 
 
 def refine(fluid: pv.UnstructuredGrid) -> pv.PolyData:
-    """Small straight triangles along the curved cells, with point data `velocity`, `pressure`, `speed`.
+    """Small straight triangles along the curved cells, with the same point data, and `speed`.
 
     Each level quarters the triangles; a large mesh needs fewer levels to look smooth.
     """
@@ -77,19 +53,58 @@ def edges(fluid: pv.UnstructuredGrid) -> pv.PolyData:
     along = np.column_stack([[0, 1, 2], inner, [1, 2, 0]])
     curves = cells[:, along].reshape(-1, degree + 1)
     _, first = np.unique(np.sort(curves[:, [0, -1]], axis=1), axis=0, return_index=True)
-    shape = polyvander(np.linspace(0, 1, _SEGMENTS + 1), degree)
-    shape = shape @ np.linalg.inv(polyvander(np.linspace(0, 1, degree + 1), degree))
-    points = np.einsum("sn,end->esd", shape, fluid.points[curves[first]]).reshape(-1, 3)
+    points = _along(curves[first], fluid.points).reshape(-1, 3)
     lines = np.arange(len(points)).reshape(len(first), -1)
     return pv.PolyData(points, lines=np.insert(lines, 0, lines.shape[1], axis=1).ravel())
 
 
-def mirrored(fluid: pv.UnstructuredGrid) -> pv.UnstructuredGrid:
-    """An axisymmetric flow on both sides of its axis: r becomes -r, and u_r becomes -u_r."""
-    other = fluid.copy()
+def rims(bodies: pv.UnstructuredGrid, inward: float) -> pv.PolyData:
+    """Ribbons along the curved surfaces of bodies, `inward` wide into them, with the point data.
+
+    The cells of `bodies` run around them either way; their data `inside` (cells, 3) are points in the bodies.
+    """
+    curves = nodes(bodies)[:, [0, *range(2, _width(bodies)), 1]]
+    outer = _along(curves, bodies.points)
+    towards = bodies.cell_data["inside"][:, None] - outer
+    depth = np.linalg.norm(towards, axis=2, keepdims=True)
+    inner = outer + towards / depth * np.minimum(inward, 0.5 * depth)
+    count = outer[..., 0].size
+    at = np.arange(count).reshape(outer.shape[:2])
+    quads = np.stack([at[:, :-1], at[:, 1:], at[:, 1:] + count, at[:, :-1] + count], axis=-1).reshape(-1, 4)
+    points = np.concatenate([outer.reshape(-1, 3), inner.reshape(-1, 3)])
+    ribbon = pv.PolyData(points, faces=np.insert(quads, 0, 4, axis=1).ravel())
+    for name, values in bodies.point_data.items():
+        along = _along(curves, values.reshape(len(values), -1))
+        ribbon.point_data[name] = np.tile(
+            along.reshape(count, *values.shape[1:]), (2, *[1] * (values.ndim - 1))
+        )
+    return ribbon
+
+
+def _width(grid: pv.UnstructuredGrid) -> int:
+    """Nodes of a cell."""
+    return int(len(grid.cell_connectivity) // grid.n_cells)
+
+
+def _along(curves: Indices, values: Array) -> Array:
+    """Values (n, c) at even steps along curves (m, degree + 1), nodes in order: (m, segments + 1, c)."""
+    degree = curves.shape[1] - 1
+    shape = polyvander(np.linspace(0, 1, _SEGMENTS + 1), degree)
+    shape = shape @ np.linalg.inv(polyvander(np.linspace(0, 1, degree + 1), degree))
+    found: Array = np.einsum("sn,end->esd", shape, values[curves])
+    return found
+
+
+def mirrored(grid: pv.UnstructuredGrid) -> pv.UnstructuredGrid:
+    """An axisymmetric field on both sides of its axis: r, components along r and vorticity change sign."""
+    other = grid.copy()
     other.points[:, 0] *= -1.0
-    other["velocity"][:, 0] *= -1.0
-    return pv.merge([fluid, other], merge_points=False)
+    for name, values in other.point_data.items():
+        if name == "vorticity":
+            values *= -1.0
+        elif values.ndim == 2:
+            values[:, 0] *= -1.0
+    return pv.merge([grid, other], merge_points=False)
 
 
 def stream_function(surface: pv.PolyData, w: Array) -> Array:

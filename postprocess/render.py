@@ -1,160 +1,153 @@
-"""A picture of a run: the flow around the bodies, and the mesh in the narrowest gap."""
+"""Pictures and animations of a run: the flow around the bodies, and a close-up of a gap."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import pyvista as pv
-from matplotlib import colormaps
-from matplotlib.colors import ListedColormap
 
-from fsi.bodies import Configuration
 from fsi.errors import InputError
-from fsi.gaps import find_gaps
 from meshes.geometry import Container
-from postprocess.fields import cells_within, edges, mirrored, read_step, refine, stream_function
-from postprocess.folder import read_case, read_configuration
+from postprocess.animation import MOVIES, Picture, require_suffix, write_pictures
+from postprocess.drawings import DRAWINGS, Scene, Span, scene
+from postprocess.fields import mirrored
+from postprocess.figure import Framed, compose
 from postprocess.opengl import require_opengl
-from postprocess.panel import INK, Panel, Span, View
+from postprocess.panel import new_panel
+from postprocess.run import Run
+from postprocess.view import Gap, View, around_bodies, gap_between, narrowest_gap, parse_sides
 
-_SIZE = 1000  # pixels of each of the two square panels
-_TITLE, _BAR = 0.07, 0.18  # height of the titles, width of the colour bars, in panels
-_PALE = ListedColormap(colormaps["cividis"](np.linspace(0.35, 1.0, 256)))  # dark lines stay visible on it
-_STREAMLINES = 24
-_SLOW, _DECADES = (
-    0.05,
-    4.0,
-)  # the slowest part of the area has one colour; most decades that have different ones
-_CLOSE_UP = 12.0  # width of the close-up, in gaps
-_ROOM = 1.5  # free space around the bodies, in radii of the largest
+FROM = {"vorticity": "vorticity", "dissipation": "strain_rate"}  # what older runs have not written
 
 
-def render_run(run: Path, output: Path | None = None, time: float | None = None) -> Path:
-    """Draw the step nearest to `time` (default: the last one written) into a PNG file.
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """What the user wants to see; without field and gap: the speed, and the mesh in the narrowest gap.
 
-    Args:
-        run: the run folder.
-        output: the picture, `flow.png` in the run folder if not given.
-        time: in the units of the case.
+    field: a key of DRAWINGS; gap: two sides, "3,7" or "disc,bottom"; span: of the colours; size: pixels of a
+    panel.
+    """
 
-    Returns:
-        The path of the picture.
+    field: str | None = None
+    gap: str | None = None
+    span: Span | None = None
+    size: int = 1000
+
+
+def render_run(run: Run, output: Path, choice: Choice, step: int | None = None) -> Path:
+    """Draw a step (default: the last) into a PNG file, or all steps into an MP4 or GIF file.
 
     Raises:
-        InputError: not a run folder, no fields in it, no OpenGL here, or the picture cannot be written.
+        InputError: no such field, gap or step, no fields in the run, no OpenGL here, or the disk refuses.
     """
-    output = run / "flow.png" if output is None else output
-    if output.suffix != ".png" or not output.parent.is_dir():
-        raise InputError(f"output = {output}: give the path of a .png file in a folder that exists")
-    case = read_case(run)
-    fluid, t = read_step(run, time)
-    q = read_configuration(run, t)
+    require_suffix(output)
+    artist = Artist(run, choice)
+    animated = output.suffix in MOVIES
+    if animated and step is not None:
+        raise InputError(f"output = {output}: shows all steps; give a .png file for one step")
+    steps = [int(n) for n in run.times.index] if animated else [run.step(step)]
+    if not steps:
+        run.step()  # says that there are no fields
+    missing = {FROM.get(name, "velocity") for name, _ in artist.panels} - {*run.mesh(steps[0]).point_data}
+    if missing:
+        raise InputError(f"--field {choice.field}: is not in the files of this run; run the case again")
     require_opengl()
-    if case.axisymmetric:
-        fluid = mirrored(fluid)
-    view = around_bodies(q, fluid)
-    close_up = narrowest_gap(q, case.container(), view)
-    plotter = _plotter()
-    flow, mesh = Panel(plotter, 0, view), Panel(plotter, 2, close_up)
-    flow.title(f"{case.name},  t = {t:.6g}:  speed and streamlines")
-    _draw_flow(flow, fluid, case.axisymmetric)
-    flow.frame(close_up)
-    mesh.title(f"narrowest gap {find_gaps(q, case.container()).smallest():.3g}:  pressure and mesh")
-    _draw_mesh(mesh, fluid)
-    for panel in (flow, mesh):
-        panel.bodies(q, turning=not case.axisymmetric)
-        panel.finish()
-    try:
-        plotter.screenshot(output)
-    except OSError as error:
-        raise InputError(
-            f"output = {output}: {error.strerror}; choose a folder that can be written"
-        ) from None
-    finally:
-        plotter.close()
+    write_pictures(artist.pictures(steps), output)
     return output
 
 
-def around_bodies(q: Configuration, fluid: pv.UnstructuredGrid) -> View:
-    """The square that shows all bodies with room around them and, if it can, nothing but the domain."""
-    x_low, x_high, y_low, y_high = fluid.bounds[:4]
-    low, high = np.array([x_low, y_low]), np.array([x_high, y_high])
-    if not len(q):
-        return View(0.5 * (low + high), 0.5 * float(np.max(high - low)))
-    room = q.radii[:, None] + _ROOM * q.radii.max()
-    body_low, body_high = (q.centres - room).min(axis=0), (q.centres + room).max(axis=0)
-    half = 0.5 * min(float(np.max(body_high - body_low)), float(np.max(high - low)))
-    centre = 0.5 * (body_low + body_high)
-    inside = np.clip(centre, np.minimum(low + half, high - half), np.maximum(low + half, high - half))
-    return View(np.where(high - low < 2.0 * half, 0.5 * (low + high), inside), half)
+class Artist:
+    """Draws pictures of a run in one manner: the same windows, and the same colours for the same values."""
 
+    def __init__(self, run: Run, choice: Choice) -> None:
+        """Raises InputError: there is no such field or gap."""
+        if choice.field is not None and choice.field not in DRAWINGS:
+            raise InputError(f"--field {choice.field}: give one of {', '.join(DRAWINGS)}")
+        if choice.size < 100:
+            raise InputError(f"--size {choice.size}: give at least 100 pixels")
+        container: Container = run.case.container()
+        self.run, self.choice, self.container = run, choice, container
+        self.sides = None if choice.gap is None else parse_sides(choice.gap, run.case.names, container.walls)
+        if choice.gap is not None:
+            self.panels = [(choice.field or "mesh", True)]
+        elif choice.field is not None or not run.case.bodies:
+            self.panels = [(choice.field or "speed", False)]
+        else:
+            self.panels = [("speed", False), ("mesh", True)]
 
-def narrowest_gap(q: Configuration, container: Container, around: View) -> View:
-    """A close-up, smaller than the view `around`, of the smallest gap between bodies or to a wall."""
-    gaps = find_gaps(q, container)
-    if not _CLOSE_UP * gaps.smallest() < 2.0 * around.half:
-        return around
-    if gaps.pair_gaps.min(initial=np.inf) == gaps.smallest():
-        i, j = gaps.pairs[np.argmin(gaps.pair_gaps)]
-        towards = q.centres[j] - q.centres[i]
-    else:
-        i, wall = np.unravel_index(np.argmin(gaps.wall_gaps), gaps.wall_gaps.shape)
-        shifts = 1e-3 * q.radii[i] * np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
-        distances = container.distances(q.centres[i] + shifts)[:, wall]
-        towards = distances[1::2] - distances[::2]
-    reach = q.radii[i] + 0.5 * gaps.smallest()
-    return View(q.centres[i] + reach * towards / np.linalg.norm(towards), 0.5 * _CLOSE_UP * gaps.smallest())
+    def pictures(self, steps: Sequence[int]) -> Iterator[Picture]:
+        """A picture of each step."""
+        around = self._around(steps)
+        spans = self._spans(steps, around)
+        for step in steps:
+            yield self._picture(step, around, spans)
 
+    def _around(self, steps: Sequence[int]) -> View:
+        """One window on the bodies of all those steps."""
+        q = [self.run.configuration(step) for step in steps]
+        fluid = self.run.mesh(steps[0])
+        fluid = mirrored(fluid) if self.run.case.axisymmetric else fluid
+        return around_bodies(np.stack([at.centres for at in q]), q[0].radii, fluid)
 
-def _plotter() -> pv.Plotter:
-    """An empty picture: titles above, two panels below, each with a place for its colour bar."""
-    plotter = pv.Plotter(
-        off_screen=True,
-        shape=(2, 4),
-        col_weights=[1.0, _BAR, 1.0, _BAR],
-        row_weights=[_TITLE, 1.0],
-        window_size=[round(2.0 * (1.0 + _BAR) * _SIZE), round((1.0 + _TITLE) * _SIZE)],
-        border=False,
-    )
-    plotter.set_background("white")
-    plotter.enable_anti_aliasing("ssaa", all_renderers=True)
-    return plotter
+    def _spans(self, steps: Sequence[int], around: View) -> list[Span]:
+        """The range of colours of each panel, over all those steps."""
+        if self.choice.span is not None:
+            return [self.choice.span] * len(self.panels)
+        each = [
+            [
+                DRAWINGS[name].span(seen)
+                for (name, _), (seen, _) in zip(self.panels, self._scenes(step, around), strict=True)
+            ]
+            for step in steps
+        ]
+        return [(min(s[0] for s in own), max(s[1] for s in own)) for own in zip(*each, strict=True)]
 
+    def _scenes(self, step: int, around: View) -> list[tuple[Scene, Gap | None]]:
+        """What the panels show of a step."""
+        case, q = self.run.case, self.run.configuration(step)
+        fluid = self.run.mesh(step)
+        tractions = any(name == "traction" for name, _ in self.panels) and len(q) > 0
+        bodies = self.run.mesh(step, "surface") if tractions else None
+        if case.axisymmetric:
+            fluid, bodies = mirrored(fluid), None if bodies is None else mirrored(bodies)
+        gap = None
+        if any(close for _, close in self.panels):
+            sides = self.sides
+            gap = narrowest_gap(q, self.container) if sides is None else gap_between(q, self.container, sides)
+        found = []
+        for _, close in self.panels:
+            view = gap.close_up(around) if close and gap is not None else around
+            found.append(
+                (
+                    scene(fluid, bodies, view, q, case.axisymmetric, case.fluid.viscosity),
+                    gap if close else None,
+                )
+            )
+        return found
 
-def _cells_in(fluid: pv.UnstructuredGrid, view: View) -> pv.UnstructuredGrid:
-    """The cells that a window shows, in its coordinates; `r` keeps the first of their own."""
-    cells = cells_within(fluid, view.low, view.high)
-    cells["r"] = cells.points[:, 0].copy()
-    cells.points = view.local(cells.points)
-    return cells
+    def _picture(self, step: int, around: View, spans: Sequence[Span]) -> Picture:
+        """One picture."""
+        scenes = self._scenes(step, around)
+        framed = []
+        for (name, _), (seen, gap), span in zip(self.panels, scenes, spans, strict=True):
+            drawing = DRAWINGS[name]
+            norm = drawing.norm(span)
+            panel = new_panel(seen.view, self.choice.size)
+            drawing.draw(panel, seen, norm)
+            panel.bodies(seen.q, turning=not seen.axisymmetric)
+            if gap is None and len(scenes) > 1:
+                panel.frame(scenes[1][0].view)
+            title = drawing.title if gap is None else f"{self._title(gap)}: {drawing.title}"
+            framed.append(Framed(panel.image(), title, seen.view.half, drawing.label, drawing.colours, norm))
+        t = self.run.times[step]
+        return compose(f"{self.run.case.name},  t = {t:.6g}", framed)
 
-
-def _draw_flow(panel: Panel, fluid: pv.UnstructuredGrid, axisymmetric: bool) -> None:
-    """Speed in colours, streamlines as level lines of the stream function: the closer, the faster."""
-    cells = _cells_in(fluid, panel.view)
-    surface = refine(cells)
-    u = surface["velocity"]
-    surface["psi"] = stream_function(surface, surface["r"][:, None] * u if axisymmetric else u)
-    panel.colour(surface, "speed", "viridis", _speeds(panel, surface), log_scale=True)
-    panel.lines(edges(cells), "black", width=2, opacity=min(0.25, 500.0 / cells.n_cells))
-    levels = np.linspace(*panel.span(surface, "psi"), _STREAMLINES + 2)[1:-1]
-    panel.lines(surface.contour(levels, scalars="psi"), "white", width=3, opacity=0.8)
-
-
-def _draw_mesh(panel: Panel, fluid: pv.UnstructuredGrid) -> None:
-    """The cells, over the pressure."""
-    cells = _cells_in(fluid, panel.view)
-    surface = refine(cells)
-    panel.colour(surface, "pressure", _PALE, panel.span(surface, "pressure"))
-    panel.lines(edges(cells), INK, width=3)
-
-
-def _speeds(panel: Panel, surface: pv.PolyData) -> Span:
-    """The speeds between which colours differ: films are far faster than the rest, walls far slower."""
-    fastest = panel.span(surface, "speed")[1] or 1.0
-    cells = surface.compute_cell_sizes(length=False, volume=False).point_data_to_cell_data()
-    order = np.argsort(cells["speed"])
-    area = np.cumsum(cells["Area"][order])
-    slow = float(cells["speed"][order][np.searchsorted(area, _SLOW * area[-1])])
-    return max(slow, 10.0**-_DECADES * fastest), fastest
+    def _title(self, gap: Gap) -> str:
+        """Which gap, and how wide it is."""
+        names = [*self.run.case.names, *self.container.walls]
+        which = (
+            "narrowest gap" if self.sides is None else f"gap {names[gap.sides[0]]} - {names[gap.sides[1]]}"
+        )
+        return f"{which}, {gap.width:.3g}"

@@ -17,8 +17,8 @@ from scipy.spatial import cKDTree
 from fsi.bodies import Array, Configuration
 from fsi.case import load_case
 from fsi.stokes.model import StokesModel
-from postprocess.fields import read_step
 from postprocess.folder import read_table
+from postprocess.run import open_run
 from tests.small_run import contents, launches
 
 ROOT = Path(__file__).parents[1]
@@ -137,6 +137,7 @@ def test_two_ranks_take_the_same_way(remesh: str, unbroken: Callable[..., Path])
 def test_the_series_has_the_rigid_motions_at_the_discs(ranks: int, unbroken: Callable[..., Path]) -> None:
     """One file for each step and rank, read as one time series."""
     folder = unbroken("when-needed", ranks)
+    run = open_run(folder)
     table = read_table(folder / "bodies.csv")
     times = np.unique(table["t"])
     assert pv.PVDReader(str(folder / "fluid.pvd")).time_values == times.tolist()
@@ -146,7 +147,7 @@ def test_the_series_has_the_rigid_motions_at_the_discs(ranks: int, unbroken: Cal
             np.column_stack([table[name][now] for name in names])
             for names in (("V_x", "V_y"), ("omega",), ("x", "y"))
         )
-        fluid, _ = read_step(folder, t)
+        fluid = run.mesh(run.nearest(t))
         surface, body = on_surfaces(folder, t)
         distance, node = cKDTree(fluid.points[:, :2]).query(surface)
         assert distance.max() == 0.0

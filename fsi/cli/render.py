@@ -1,4 +1,4 @@
-"""`fsi render`: a picture of a run."""
+"""`fsi render`: pictures and animations of a run."""
 
 from __future__ import annotations
 
@@ -8,20 +8,66 @@ from typing import Annotated
 import typer
 
 from fsi import parallel
-from fsi.cli.arguments import RunFolder
+from fsi.cli.arguments import RunFolder, Step, numbers
+from fsi.errors import InputError
 
-EXAMPLE = "Example: fsi render runs/settling_disc -o settling.png"
+EXAMPLE = "Example: fsi render runs/settling_disc --field dissipation --gap disc,plane -o gap.mp4"
 
 
 def render(
     folder: RunFolder,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="The picture.", show_default="in the run folder")
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help=".png: one step; .mp4 or .gif: all of them.",
+            show_default="flow.png in the run folder",
+        ),
     ] = None,
+    field: Annotated[
+        str | None,
+        typer.Option(help="speed, pressure, vorticity, dissipation, traction or mesh.", show_default=False),
+    ] = None,
+    gap: Annotated[
+        str | None,
+        typer.Option(
+            metavar="A,B",
+            help="Zoom into the gap between two bodies, or a body and a wall, by name or number from 0.",
+            show_default=False,
+        ),
+    ] = None,
+    time: Annotated[
+        float | None, typer.Option(help="Draw the step nearest to this time.", show_default=False)
+    ] = None,
+    step: Step = None,
+    span: Annotated[
+        str | None,
+        typer.Option("--range", metavar="LOW,HIGH", help="What the colours span.", show_default=False),
+    ] = None,
+    size: Annotated[int, typer.Option(help="Pixels of a panel's side.")] = 1000,
 ) -> None:
-    """Draw the last fields of a run: speed, streamlines, mesh."""
-    from postprocess.render import render_run
+    """Draw a run: speed, streamlines, and the mesh in the narrowest gap, or the field of your choice.
 
-    picture = parallel.on_root(lambda: render_run(folder, output))
+    Axisymmetric flows are mirrored at their axis.
+    """
+    from postprocess.render import Choice, render_run
+    from postprocess.run import open_run
+
+    if time is not None and step is not None:
+        raise InputError("render: give --time or --step, not both")
+    ends = None
+    if span is not None:
+        low, high = numbers("--range", span, 2)
+        if not low < high:
+            raise InputError(f"--range {span}: give the lower end first")
+        ends = low, high
+
+    def draw() -> Path:
+        run = open_run(folder)
+        chosen = step if time is None else run.nearest(time)
+        return render_run(run, output or folder / "flow.png", Choice(field, gap, ends, size), chosen)
+
+    picture = parallel.on_root(draw)
     if parallel.is_root():
         typer.echo(f"wrote {picture}")

@@ -1,19 +1,22 @@
 """What a picture shows, and how its absence is explained."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from matplotlib.image import imread
 from numpy.typing import NDArray
+from PIL.GifImagePlugin import GifImageFile
 
+import fsi
 from fsi.bodies import Configuration
 from fsi.errors import InputError
 from meshes.geometry import Box, HalfPlane
 from postprocess import opengl
-from postprocess.fields import read_step
-from postprocess.panel import View
-from postprocess.render import around_bodies, narrowest_gap, render_run
+from postprocess.figure import round_length
+from postprocess.render import Choice, render_run
+from postprocess.view import Gap, View, around_bodies, narrowest_gap
 
 BODY = (0xF3, 0xEF, 0xE6)
 WALL = (0xC9, 0xC9, 0xC9)
@@ -33,15 +36,22 @@ def share(picture: NDArray[np.float32], colour: tuple[int, int, int]) -> float:
     return float(np.mean(np.all(np.abs(picture[..., :3] * 255.0 - colour) <= 2.0, axis=2)))
 
 
+def drawn(run: Path, output: Path, choice: Choice | None = None, step: int | None = None) -> Any:
+    """The pixels of a picture."""
+    return imread(render_run(fsi.open_run(run), output, choice or Choice(), step))
+
+
 @pytest.mark.usefixtures("drawing")
 def test_picture_shows_flow_body_and_wall(run: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    path = render_run(run)
-    picture = imread(path)
-    assert path == run / "flow.png"
-    assert picture.shape[:2] == (1070, 2360)
-    flow, close_up = picture[75:, :995], picture[75:, 1185:2175]
-    # A disc of radius 1 in a window 5 wide covers pi/25 of it, without its pointer; there is no wall in it.
-    assert share(flow, BODY) == pytest.approx(np.pi / 25.0, rel=0.03)
+    picture = drawn(run, run / "flow.png")
+    assert picture.shape[:2] == (1220, 2430)
+    top, left, right = 140, 30, 1230  # the panels' corners
+    flow, close_up = (
+        picture[top : top + 1000, left : left + 1000],
+        picture[top : top + 1000, right : right + 1000],
+    )
+    # A disc of radius 1 in a window 5 wide covers pi/25 of it; pointer, frame and edge take 3 %.
+    assert share(flow, BODY) == pytest.approx(0.97 * np.pi / 25.0, rel=0.02)
     assert share(flow, WALL) < 1e-3
     # The close-up of the gap 0.2 is 2.4 wide: the plane lies half a gap below its middle.
     assert share(close_up, WALL) == pytest.approx(0.5 - 0.1 / 2.4, abs=0.01)
@@ -49,15 +59,69 @@ def test_picture_shows_flow_body_and_wall(run: Path, capfd: pytest.CaptureFixtur
 
 
 @pytest.mark.usefixtures("drawing")
-def test_chosen_time_and_name(run: Path, tmp_path: Path) -> None:
-    early, late = (imread(render_run(run, tmp_path / f"{t}.png", time=t)) for t in (0.0, 2.0))
-    assert not np.array_equal(early, late)
+def test_nothing_is_cut_off(run: Path) -> None:
+    """The margins are white all around."""
+    picture = drawn(run, run / "flow.png", Choice(size=200))[..., :3]
+    for border in (picture[0], picture[-1], picture[:, 0], picture[:, -1]):
+        assert border.min() == 1.0
+
+
+@pytest.mark.usefixtures("drawing")
+def test_a_gap_of_ones_choice(run: Path) -> None:
+    close_up = drawn(run, run / "gap.png", Choice("pressure", "disc,plane", (-1.0, 1.0), 200))
+    assert share(close_up[28:228, 6:206], WALL) == pytest.approx(0.5 - 0.1 / 2.4, abs=0.02)
+    same = drawn(run, run / "same.png", Choice("pressure", "0,plane", (-1.0, 1.0), 200))
+    other = drawn(run, run / "other.png", Choice("pressure", "0,plane", (-2.0, 2.0), 200))
+    assert np.array_equal(close_up, same)
+    assert not np.array_equal(close_up, other)
+
+
+@pytest.mark.usefixtures("drawing")
+@pytest.mark.parametrize("suffix", [".gif", ".mp4"])
+def test_animation_has_a_frame_for_each_step(run: Path, suffix: str) -> None:
+    """The flow is three times as fast at the second one, on the same scale."""
+    path = render_run(fsi.open_run(run), run / f"all{suffix}", Choice("speed", size=100))
+    if suffix == ".gif":
+        with GifImageFile(path) as movie:
+            frames, size = int(movie.n_frames), movie.size
+    else:
+        import imageio_ffmpeg
+
+        frames, _ = imageio_ffmpeg.count_frames_and_secs(str(path))
+        size = imageio_ffmpeg.read_frames(str(path)).__next__()["size"]
+    assert frames == 2
+    assert size == (123 - (suffix == ".mp4"), 122)
+    assert [file.name for file in run.glob("*all*")] == [path.name]
+
+
+@pytest.mark.parametrize(
+    ("choice", "message"),
+    [
+        (Choice(field="sped"), "--field sped: give one of speed, pressure"),
+        (Choice(gap="disc,disc"), "--gap disc,disc: give a body and another body or wall"),
+        (Choice(gap="disc,1"), "--gap disc,1: there is no '1'; give two of disc, plane, far"),
+        (Choice(gap="plane,far"), "--gap plane,far: give a body and"),
+        (Choice(size=10), "--size 10: give at least 100"),
+    ],
+)
+def test_impossible_choices(run: Path, choice: Choice, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        render_run(fsi.open_run(run), run / "flow.png", choice)
+    assert not (run / "flow.png").exists()
+
+
+def test_field_that_older_runs_have_not(run: Path) -> None:
+    with pytest.raises(InputError, match="--field vorticity: is not in the files of this run"):
+        render_run(fsi.open_run(run), run / "flow.png", Choice("vorticity"))
+
+
+@pytest.mark.parametrize(("most", "length"), [(1.0, 1.0), (0.99, 0.5), (4.9e-4, 2e-4), (7.0, 5.0)])
+def test_scale_bars_are_round(most: float, length: float) -> None:
+    assert round_length(most) == pytest.approx(length)
 
 
 def test_window_stays_in_the_domain(run: Path) -> None:
-    fluid, _ = read_step(run)
-    low_disc = Configuration(np.array([[0.0, 1.2]]), np.zeros(1), np.ones(1))
-    view = around_bodies(low_disc, fluid)
+    view = around_bodies(np.array([[0.0, 1.2]]), np.ones(1), fsi.open_run(run).mesh())
     assert view.half == pytest.approx(2.5)
     np.testing.assert_allclose(
         view.centre, [0.0, 2.5], atol=0.03
@@ -77,38 +141,39 @@ def test_close_up_is_centred_on_the_narrowest_gap(
     centres: list[list[float]], middle: list[float], gap: float
 ) -> None:
     q = Configuration(np.array(centres), np.zeros(len(centres)), np.ones(len(centres)))
-    view = narrowest_gap(q, Box((0.0, 0.0), (10.0, 10.0)), View(np.array([5.0, 5.0]), 5.0))
+    found = narrowest_gap(q, Box((0.0, 0.0), (10.0, 10.0)))
+    view = found.close_up(View(np.array([5.0, 5.0]), 5.0))
+    assert found.width == pytest.approx(gap)
     np.testing.assert_allclose(view.centre, middle, atol=1e-9)
     assert view.half == pytest.approx(6.0 * gap)
 
 
-def test_close_up_at_a_curved_wall_points_outwards(run: Path) -> None:
+def test_close_up_at_a_curved_wall_points_outwards() -> None:
     ray = np.array([0.6, 0.8])
     q = Configuration(4.9 * ray[None], np.zeros(1), np.ones(1))
-    view = narrowest_gap(q, HalfPlane(6.0), around_bodies(q, read_step(run)[0]))
-    np.testing.assert_allclose(view.centre, 5.95 * ray, atol=1e-6)
+    view = narrowest_gap(q, HalfPlane(6.0))
+    np.testing.assert_allclose(view.middle, 5.95 * ray, atol=1e-6)
 
 
-def test_no_close_up_of_wide_gaps(run: Path) -> None:
-    q = Configuration(np.array([[0.0, 3.0]]), np.zeros(1), np.ones(1))
-    around = around_bodies(q, read_step(run)[0])
-    assert narrowest_gap(q, HalfPlane(6.0), around) is around
+def test_no_close_up_of_wide_gaps() -> None:
+    around = View(np.zeros(2), 5.0)
+    assert Gap(2.0, np.ones(2), (0, 1)).close_up(around) is around
 
 
 def test_no_opengl_is_one_clear_line(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(opengl, "_DRAW", "import os; os.abort()")
     with pytest.raises(InputError, match=r"^render: no off-screen OpenGL.*install libegl1") as caught:
-        render_run(run)
+        render_run(fsi.open_run(run), run / "flow.png", Choice())
     assert caught.value.exit_code == 2
     assert not (run / "flow.png").exists()
 
 
-def test_not_a_run_folder(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"there is no case\.toml; give the folder"):
-        render_run(tmp_path)
-
-
 @pytest.mark.parametrize("name", ["picture.jpg", "nowhere/picture.png"])
-def test_output_must_be_a_png_file_in_a_folder(run: Path, name: str) -> None:
-    with pytest.raises(InputError, match=r"output = .*: give the path of a \.png file"):
-        render_run(run, run / name)
+def test_output_must_be_a_picture_in_a_folder(run: Path, name: str) -> None:
+    with pytest.raises(InputError, match=r"output = .*: give the path of a \.png, \.mp4 or \.gif file"):
+        render_run(fsi.open_run(run), run / name, Choice())
+
+
+def test_an_animation_shows_all_steps(run: Path) -> None:
+    with pytest.raises(InputError, match=r"shows all steps; give a \.png file for one step"):
+        render_run(fsi.open_run(run), run / "all.mp4", Choice(), 2)

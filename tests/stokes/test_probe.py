@@ -76,7 +76,7 @@ def test_points_outside_say_where_they_are(turning: Run) -> None:
 def test_stokes_flow_past_spheres_has_a_hoop_strain(tmp_path: Path) -> None:
     """A sphere moving in the middle of a spherical container: the integral of mu strain_rate^2 is -F.V.
 
-    By Gauss's rule in r and theta on points of the fluid; without the hoop strain it lacks 10 %.
+    By Gauss's rule in r and theta on points of the fluid; without the hoop strain it lacks 5 %.
     """
     motion = {"velocity": [0.0, 1.0], "angular_velocity": 0.0}
     case = parse_case(

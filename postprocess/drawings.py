@@ -1,0 +1,199 @@
+"""What a panel can show: each field with its colours, its scale, and the lines that go with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+import pyvista as pv
+from matplotlib import colormaps
+from matplotlib.colors import Colormap, ListedColormap, LogNorm, Normalize, SymLogNorm
+
+from fsi.bodies import Array, Configuration
+from postprocess.fields import cells_within, edges, refine, rims, stream_function
+from postprocess.panel import INK, Panel, span_in
+from postprocess.view import View
+
+type Span = tuple[float, float]
+
+_PALE = ListedColormap(colormaps["cividis"](np.linspace(0.35, 1.0, 256)))  # dark lines stay visible on it
+_STREAMLINES = 24
+_SLOW = 0.05  # the part of the area with the lowest values, which has one colour
+_DECADES = {"speed": 4.0, "dissipation": 8.0, "traction": 4.0}  # most decades that differ in colour
+_LINEAR = 0.01  # part of the largest value up to which the scales of signed fields are linear
+_RIBBON = 0.05  # width of the ribbon that shows the traction, in halves of the window
+
+
+@dataclass(frozen=True)
+class Scene:
+    """The flow of one step, as one window shows it.
+
+    fluid: its cells there, in the window's coordinates, with point data `r`, the first of their own; surface:
+    small triangles along them; bodies: surfaces of the bodies, in the window's coordinates, or None.
+    """
+
+    view: View
+    fluid: pv.UnstructuredGrid
+    surface: pv.PolyData
+    bodies: pv.UnstructuredGrid | None
+    q: Configuration
+    axisymmetric: bool
+    viscosity: float
+
+
+def scene(
+    fluid: pv.UnstructuredGrid, bodies: pv.UnstructuredGrid | None, view: View, q: Configuration,
+    axisymmetric: bool, viscosity: float,
+) -> Scene:  # fmt: skip
+    """What a window shows of a step, with all fields that can be coloured."""
+    cells = cells_within(fluid, view.low, view.high)
+    cells["r"] = cells.points[:, 0].copy()
+    cells.points = view.local(cells.points)
+    surface = refine(cells)
+    if "strain_rate" in surface.point_data:
+        surface["dissipation"] = viscosity * np.square(surface["strain_rate"])
+    if bodies is not None:
+        bodies = bodies.copy()
+        bodies.points = view.local(bodies.points)
+        bodies.cell_data["inside"] = view.local(q.centres)[bodies.cell_data["body"]]
+        bodies["traction size"] = np.linalg.norm(bodies["traction"], axis=1)
+    return Scene(view, cells, surface, bodies, q, axisymmetric, viscosity)
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A field: what its colour bar says, its colours, the range that a scene asks for, its scale."""
+
+    label: str
+    title: str
+    colours: Colormap
+    span: Callable[[Scene], Span]
+    norm: Callable[[Span], Normalize]
+    draw: Callable[[Panel, Scene, Normalize], None] = field(repr=False)
+
+
+def _logarithmic(name: str, values: Callable[[Scene], tuple[Array, Array, Array]]) -> Callable[[Scene], Span]:
+    """The range from what is exceeded on most of the area to the largest value, at most so many decades."""
+
+    def span(seen: Scene) -> Span:
+        points, value, weight = values(seen)
+        largest = span_in(points, value)[1] or 1.0
+        order = np.argsort(value)
+        share = np.cumsum(weight[order])
+        low = float(value[order][np.searchsorted(share, _SLOW * share[-1])])
+        low = max(low, 10.0 ** -_DECADES[name] * largest)
+        return (low, largest) if low < largest else (0.1 * largest, largest)
+
+    return span
+
+
+def _on_surface(name: str) -> Callable[[Scene], tuple[Array, Array, Array]]:
+    """Points, values and areas of the small triangles."""
+
+    def values(seen: Scene) -> tuple[Array, Array, Array]:
+        cells = seen.surface.compute_cell_sizes(length=False, volume=False)
+        means = cells.point_data_to_cell_data()
+        return cells.cell_centers().points, means[name], cells["Area"]
+
+    return values
+
+
+def _on_bodies(seen: Scene) -> tuple[Array, Array, Array]:
+    """Points of the bodies' surfaces, the size of the traction, equal weights."""
+    if seen.bodies is None:
+        return np.zeros((1, 3)), np.ones(1), np.ones(1)
+    size = seen.bodies["traction size"]
+    return seen.bodies.points, size, np.ones(len(size))
+
+
+def _plain(name: str) -> Callable[[Scene], Span]:
+    return lambda seen: span_in(seen.surface.points, seen.surface[name])
+
+
+def _signed(name: str) -> Callable[[Scene], Span]:
+    """The largest size, on both sides of zero."""
+
+    def span(seen: Scene) -> Span:
+        low, high = _plain(name)(seen)
+        largest = max(-low, high) or 1.0
+        return -largest, largest
+
+    return span
+
+
+def _diverging(span: Span) -> Normalize:
+    """Logarithmic on both sides of zero, linear in between: films hold far larger values than the rest."""
+    return SymLogNorm(_LINEAR * max(map(abs, span)), vmin=span[0], vmax=span[1], base=10)
+
+
+def _log(span: Span) -> Normalize:
+    return LogNorm(*span)
+
+
+def _linear(span: Span) -> Normalize:
+    return Normalize(*span)
+
+
+def _cells(panel: Panel, seen: Scene) -> None:
+    """Faint edges of the cells, fainter the more there are."""
+    panel.lines(edges(seen.fluid), "black", width=2, opacity=min(0.25, 500.0 / seen.fluid.n_cells))
+
+
+def _draw_speed(panel: Panel, seen: Scene, norm: Normalize) -> None:
+    """Speed in colours, streamlines as level lines of the stream function: the closer, the faster."""
+    surface = seen.surface
+    panel.colour(surface, "speed", DRAWINGS["speed"].colours, norm)
+    _cells(panel, seen)
+    u = surface["velocity"]
+    surface["psi"] = stream_function(surface, surface["r"][:, None] * u if seen.axisymmetric else u)
+    levels = np.linspace(*span_in(surface.points, surface["psi"]), _STREAMLINES + 2)[1:-1]
+    panel.lines(surface.contour(levels, scalars="psi"), "white", width=3, opacity=0.8)
+
+
+def _draw_mesh(panel: Panel, seen: Scene, norm: Normalize) -> None:
+    """The cells, over the pressure."""
+    panel.colour(seen.surface, "pressure", _PALE, norm)
+    panel.lines(edges(seen.fluid), INK, width=3)
+
+
+def _draw_field(name: str, colours: Colormap) -> Callable[[Panel, Scene, Normalize], None]:
+    return lambda panel, seen, norm: panel.colour(seen.surface, name, colours, norm)
+
+
+def _draw_traction(panel: Panel, seen: Scene, norm: Normalize) -> None:
+    """Ribbons inside the bodies along their surfaces, over the cells."""
+    panel.fill(seen.surface, "white")
+    _cells(panel, seen)
+    if seen.bodies is None:
+        return
+    ribbon = rims(seen.bodies, _RIBBON).translate((0.0, 0.0, 3e-3))
+    panel.colour(ribbon, "traction size", DRAWINGS["traction"].colours, norm)
+
+
+_VIRIDIS, _MAGMA, _PLASMA = (colormaps[name] for name in ("viridis", "magma", "plasma"))
+_RED_BLUE, _ORANGE_PURPLE = colormaps["RdBu_r"], colormaps["PuOr_r"]
+
+# Perceptual, and told apart by every eye; bright is large, and signed fields are white at zero.
+DRAWINGS = {
+    "speed": Drawing(
+        "|u|", "speed and streamlines", _VIRIDIS, _logarithmic("speed", _on_surface("speed")), _log,
+        _draw_speed,
+    ),
+    "pressure": Drawing(
+        "p", "pressure", _RED_BLUE, _signed("pressure"), _diverging, _draw_field("pressure", _RED_BLUE)
+    ),
+    "vorticity": Drawing(
+        r"$\partial_x u_y - \partial_y u_x$", "vorticity", _ORANGE_PURPLE, _signed("vorticity"), _diverging,
+        _draw_field("vorticity", _ORANGE_PURPLE),
+    ),
+    "dissipation": Drawing(
+        r"$2 \mu\, e : e$", "dissipation", _MAGMA,
+        _logarithmic("dissipation", _on_surface("dissipation")), _log, _draw_field("dissipation", _MAGMA),
+    ),
+    "traction": Drawing(
+        r"$|\sigma n|$", "traction on the bodies", _PLASMA, _logarithmic("traction", _on_bodies), _log,
+        _draw_traction,
+    ),
+    "mesh": Drawing("p", "pressure and mesh", _PALE, _plain("pressure"), _linear, _draw_mesh),
+}  # fmt: skip
