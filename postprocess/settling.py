@@ -22,7 +22,7 @@ from rich.table import Table
 from fsi.bodies import Array
 from fsi.case import Case
 from fsi.errors import InputError
-from fsi.lubrication.exact import settling_gap
+from fsi.lubrication import exact, sphere_settling
 from meshes.geometry import HalfPlane
 from postprocess.folder import read_case, read_table
 
@@ -52,12 +52,37 @@ def read_settling(run: Path) -> Settling:
         InputError: not a run folder, or not one disc above a plane under a constant normal force.
     """
     case = read_case(run)
-    force = _normal_force(case)
     disc, table = case.bodies[0], read_table(run / "bodies.csv")
-    gap = table["y"] - disc.radius
-    start = disc.position[1] - disc.radius
-    exact = settling_gap(table["t"], start, disc.radius, case.fluid.viscosity, force)
-    return Settling(table["t"], gap, exact, disc.radius)
+    return Settling(table["t"], table["y"] - disc.radius, exact_gap(case, table["t"]), disc.radius)
+
+
+def exact_gap(case: Case, t: Array) -> Array:
+    """The exact gap at times t of the only body of a case, a disc or a sphere.
+
+    Raises:
+        InputError: it is not one body above a plane under a constant normal force.
+    """
+    force, body = _normal_force(case), case.bodies[0]
+    law = sphere_settling.settling_gap if case.axisymmetric else exact.settling_gap
+    return law(t, body.position[1] - body.radius, body.radius, case.fluid.viscosity, force)
+
+
+def asymptotic_gap(case: Case, t: Array) -> Array:
+    """What `exact_gap` tends to at late times under a force F towards the plane; infinite at t = 0.
+
+    Disc: `(a/2) (12 pi mu a / (|F| t))^2`. Sphere: `exp(-t |F| / (6 pi mu a^2))` through the last time.
+
+    Raises:
+        InputError: as for the exact gap, or the force points away from the plane.
+    """
+    force, body, mu = _normal_force(case), case.bodies[0], case.fluid.viscosity
+    if force > 0.0:
+        raise InputError(f"bodies.0.force = {list(body.force)}: points away from the plane; no gap closes")
+    if case.axisymmetric:
+        rate = -force / (6.0 * np.pi * mu * body.radius**2)
+        return np.asarray(exact_gap(case, t[-1:]) * np.exp(-rate * (t - t[-1])))
+    with np.errstate(divide="ignore"):
+        return np.asarray(0.5 * body.radius * (12.0 * np.pi * mu * body.radius / (-force * t)) ** 2)
 
 
 def _normal_force(case: Case) -> float:

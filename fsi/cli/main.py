@@ -26,6 +26,7 @@ from fsi.cli import (
     validate,
 )
 from fsi.cli import check, mesh, probe, render, resistance, run, solve, validate
+from fsi.cli import check, mesh, plot, probe, render, resistance, run, solve, validate
 from fsi.errors import FsiError
 from meshes.errors import MeshError
 
@@ -47,6 +48,7 @@ app.command(epilog=solve.EXAMPLE)(solve.solve)
 app.command(epilog=run.EXAMPLE)(run.run)
 app.command(epilog=run.RESUME_EXAMPLE)(run.resume)
 app.command(epilog=render.EXAMPLE)(render.render)
+app.command(epilog=plot.EXAMPLE)(plot.plot)
 app.command(epilog=probe.EXAMPLE)(probe.probe)
 app.command(epilog=resistance.EXAMPLE)(resistance.resistance)
 app.command(epilog=validate.EXAMPLE)(validate.validate)

@@ -1,0 +1,181 @@
+"""Histories of runs as curves: gaps, speeds, loads and apparent viscosity, several runs over each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
+
+from fsi.bodies import Array
+from fsi.errors import InputError
+from fsi.gaps import find_gaps
+from postprocess.run import Run
+from postprocess.settling import asymptotic_gap, exact_gap
+from postprocess.view import gap_between, parse_sides
+
+SUFFIXES = (".png", ".svg", ".pdf")
+VISCOSITY = "apparent_viscosity"  # a column of steps.csv, where there is one
+# Okabe and Ito: told apart by every eye.
+_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
+_DASHES = ("-", "--", ":", "-.")
+_LOGARITHMIC = 10.0  # ratio of the largest to the smallest value from which on an axis is logarithmic
+_CONSTANT = 1e-6  # relative changes below it are rounding: the axis begins at zero
+_LONG = 100.0  # the same for the gap, from which on time is logarithmic too: discs slow down like t^-2
+
+type Curves = dict[str, Array]  # values (steps,) by the name of a body, or of a law
+
+
+@dataclass(frozen=True)
+class History:
+    """What is drawn of one run: its name, the times, and the curves of each panel."""
+
+    name: str
+    t: Array
+    panels: dict[str, Curves]
+    laws: Curves
+    axisymmetric: bool
+
+
+def read_history(run: Run, gap: str | None = None, singly: int = len(_COLOURS)) -> History:
+    """The curves of a run; gap: two sides as in `plot_runs`. Raises InputError.
+
+    Up to `singly` bodies have a curve each; of more the smallest, median and largest value is shown.
+    """
+    steps, names = run.steps, run.case.names
+    panels: dict[str, Curves] = {}
+    laws: Curves = {}
+    t = steps["t"].to_numpy()
+    if names:
+        panels["gap"] = _gaps(run, gap, singly)
+        for title, columns in (("speed", ["V_x", "V_y"]), ("load", ["F_x", "F_y"])):
+            table = np.hypot(*(run.bodies[name].to_numpy().reshape(-1, len(names)) for name in columns))
+            panels[title] = _each(names, table, singly)
+    if VISCOSITY in steps:
+        panels["apparent viscosity"] = {"": steps[VISCOSITY].to_numpy()}
+    if gap is None:
+        try:
+            laws = {"exact": exact_gap(run.case, t), "asymptote": asymptotic_gap(run.case, t)}
+        except InputError:  # no exact law for this case
+            laws = {}
+    return History(run.path.resolve().name, t, panels, laws, run.case.axisymmetric)
+
+
+def _gaps(run: Run, gap: str | None, singly: int) -> Curves:
+    """The smallest gap of each body, or one gap."""
+    container = run.case.container()
+    q = [run.configuration(step) for step in run.steps["step"]]
+    if gap is None:
+        table = np.array([find_gaps(at, container).smallest_of_each() for at in q])
+        return _each(run.case.names, table, singly)
+    sides = parse_sides(gap, run.case.names, container.walls)
+    return {f"gap {gap}": np.array([gap_between(at, container, sides).width for at in q])}
+
+
+def _each(names: Sequence[str], table: Array, singly: int) -> Curves:
+    """Columns of a table (steps, N) by name; of many bodies the smallest, median and largest value."""
+    if len(names) <= singly:
+        return dict(zip(names, table.T, strict=True))
+    return {"smallest": table.min(axis=1), "median": np.median(table, axis=1), "largest": table.max(axis=1)}
+
+
+def plot_runs(runs: Sequence[Run], output: Path, gap: str | None = None) -> None:
+    """Draw gap, speed, load and, where there is one, apparent viscosity of runs against time into a file.
+
+    Args:
+        runs: at least one.
+        output: .png, .svg or .pdf.
+        gap: "3,7" or "disc,bottom", names or numbers; if not given, the smallest gap of each body.
+
+    Raises:
+        InputError: unknown suffix or gap, a run without rows, or the disk refuses.
+    """
+    if output.suffix not in SUFFIXES or not output.absolute().parent.is_dir():
+        raise InputError(
+            f"output = {output}: give the path of a .png, .svg or .pdf file in a folder that exists"
+        )
+    singly = len(_COLOURS) if len(runs) == 1 else len(_DASHES)
+    histories = [read_history(run, gap, singly) for run in runs]
+    titles = [title for title in ("gap", "speed", "load", "apparent viscosity") if _has(histories, title)]
+    if not titles:
+        raise InputError(f"{runs[0].path}: the run has no bodies and no apparent viscosity; nothing to draw")
+    with mpl.rc_context({"font.size": 11, "axes.spines.top": False, "axes.spines.right": False}):
+        figure = Figure(figsize=(8.5, 0.8 + 2.4 * len(titles)), layout="constrained")
+        axes = list(figure.subplots(len(titles), 1, sharex=True, squeeze=False)[:, 0])
+        if len(histories) == 1:
+            axes[0].set_title(runs[0].case.name, loc="left", fontsize=12)
+        for title, own in zip(titles, axes, strict=True):
+            _draw(own, title, histories)
+        _scale_time(axes, histories)
+        figure.legend(*_legend(axes), loc="outside right upper", frameon=False)
+        try:
+            figure.savefig(output, dpi=160)
+        except OSError as error:
+            raise InputError(f"output = {output}: {error.strerror}; choose another path") from None
+
+
+def _has(histories: Sequence[History], title: str) -> bool:
+    return any(title in history.panels for history in histories)
+
+
+def _draw(axes: Axes, title: str, histories: Sequence[History]) -> None:
+    """One panel: a colour for each body of one run, or for each of several runs."""
+    values = []
+    for k, history in enumerate(histories):
+        if title == "gap":
+            _draw_laws(axes, history)
+        for n, (name, value) in enumerate(history.panels.get(title, {}).items()):
+            single = len(histories) == 1
+            colour, dash = (_COLOURS[n], "-") if single else (_COLOURS[k % len(_COLOURS)], _DASHES[n])
+            alone = len(history.panels[title]) == 1
+            label = (name or history.name) if single else history.name if alone else f"{history.name}: {name}"
+            axes.plot(history.t, value, dash, color=colour, lw=1.5, label=label)
+            values.append(value)
+    found = np.concatenate(values)
+    if found.min() > 0.0 and found.max() > _LOGARITHMIC * found.min():
+        axes.set_yscale("log")
+        axes.set_ylim(found.min() / 1.3, found.max() * 1.3)
+    elif np.ptp(found) < _CONSTANT * np.abs(found).max():
+        axes.set_ylim(0.0, 1.2 * found.max())
+    axes.set_ylabel(title)
+    axes.grid(which="major", alpha=0.3)
+
+
+def _draw_laws(axes: Axes, history: History) -> None:
+    """The exact gap as a broad grey curve, its asymptote dotted."""
+    styles = {"exact": {"lw": 6, "alpha": 0.5}, "asymptote": {"lw": 1.5, "ls": ":"}}
+    for name, value in history.laws.items():
+        axes.plot(history.t, value, color="#777777", label=name, **styles[name])  # type: ignore[arg-type]
+
+
+def _scale_time(axes: Sequence[Axes], histories: Sequence[History]) -> None:
+    """Time is logarithmic where discs close their gaps by powers of ten; spheres do so exponentially."""
+    gaps = [value for history in histories for value in history.panels.get("gap", {}).values()]
+    long = any(value.max() > _LONG * value.min() for value in gaps)
+    if long and not any(history.axisymmetric for history in histories):
+        first = min(float(history.t[history.t > 0.0][0]) for history in histories)
+        axes[0].set_xscale("log")
+        axes[0].set_xlim(left=first)
+    axes[-1].set_xlabel("t")
+    for own in axes:
+        if own.get_xscale() == "log":
+            own.xaxis.set_minor_formatter(NullFormatter())
+
+
+def _legend(axes: Sequence[Axes]) -> tuple[list[Artist], list[str]]:
+    """Each label once."""
+    entries: dict[str, Artist] = {}
+    for handle, label in _entries(axes):
+        entries.setdefault(label, handle)
+    return list(entries.values()), list(entries)
+
+
+def _entries(axes: Sequence[Axes]) -> Iterator[tuple[Artist, str]]:
+    for own in axes:
+        yield from zip(*own.get_legend_handles_labels(), strict=True)
