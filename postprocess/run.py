@@ -13,6 +13,7 @@ from __future__ import annotations
 import io
 import json
 import re
+import warnings
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -98,8 +99,9 @@ class Run:
         step = self.step(step, series)
         files = [self.path / entry.file for entry in self._entries(series) if _step(entry) == step]
         try:
-            return _joined([pv.read(file) for file in files])
-        except (OSError, RuntimeError, ValueError) as error:
+            with warnings.catch_warnings(action="error"):  # pyvista only warns of a broken file
+                return _joined([pv.read(file) for file in files])
+        except (OSError, RuntimeError, ValueError, UserWarning) as error:
             raise InputError(f"{files[0]}: cannot be read ({error}); mend it with `fsi resume`") from None
 
     def step(self, step: int | None = None, series: str = "fluid") -> int:

@@ -27,6 +27,7 @@ from fsi.cli import (
 )
 from fsi.cli import check, mesh, probe, render, resistance, run, solve, validate
 from fsi.cli import check, mesh, plot, probe, render, resistance, run, solve, validate
+from fsi.cli import check, mesh, plot, probe, render, report, resistance, run, solve, validate
 from fsi.errors import FsiError
 from meshes.errors import MeshError
 
@@ -50,6 +51,7 @@ app.command(epilog=run.RESUME_EXAMPLE)(run.resume)
 app.command(epilog=render.EXAMPLE)(render.render)
 app.command(epilog=plot.EXAMPLE)(plot.plot)
 app.command(epilog=probe.EXAMPLE)(probe.probe)
+app.command(epilog=report.EXAMPLE)(report.report)
 app.command(epilog=resistance.EXAMPLE)(resistance.resistance)
 app.command(epilog=validate.EXAMPLE)(validate.validate)
 app.command(epilog=calibrate.EXAMPLE)(calibrate.calibrate)

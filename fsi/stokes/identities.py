@@ -15,11 +15,11 @@ import numpy as np
 from mpi4py import MPI
 
 from fsi.bodies import Array, Configuration
+from fsi.checks import BOUND
 from fsi.errors import SolveError
 from fsi.stokes.forms import Forms
 from fsi.stokes.system import NodalSolution, System, mode_equations
 
-BOUND = 1e-8
 ROUNDING_FLOOR = 1e-6
 
 

@@ -68,5 +68,5 @@ def test_files_by_suffix(settling_run: Fill, suffix: str) -> None:
 
 def test_unknown_suffix(settling_run: Fill) -> None:
     run = fsi.open_run(filled(settling_run))
-    with pytest.raises(InputError, match=r"history\.jpg: give a \.png, \.svg or \.pdf file"):
+    with pytest.raises(InputError, match=r"history\.jpg: give the path of a \.png, \.svg or \.pdf file"):
         plot_runs([run], run.path / "history.jpg")

@@ -5,8 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
+from fsi.checks import BOUND
 from fsi.errors import SolveError
-from fsi.stokes.identities import BOUND, require
+from fsi.stokes.identities import require
 from fsi.stokes.solve import FORMULATIONS, Boundary, solve
 from fsi.stokes.system import NodalSolution, System, solve_eliminated
 from meshes.sizing import Resolution

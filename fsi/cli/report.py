@@ -1,0 +1,33 @@
+"""`fsi report`: one page about a run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fsi import parallel
+from fsi.cli.arguments import RunFolder
+
+EXAMPLE = "Example: fsi report runs/settling_discs -o settling.html"
+
+
+def report(
+    folder: RunFolder,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="A .html file.", show_default="report.html in the run folder"),
+    ] = None,
+) -> None:
+    """Write one HTML file about a run: case, pictures, animation, checks, tables, provenance.
+
+    It opens from disk without a network. A run that was killed half-way is reported as far as it came.
+    """
+    from postprocess.page import write_report
+    from postprocess.run import open_run
+
+    path = output or folder / "report.html"
+    parallel.on_root(lambda: write_report(open_run(folder), path))
+    if parallel.is_root():
+        typer.echo(f"wrote {path}")
