@@ -28,6 +28,7 @@ from fsi.cli import (
 from fsi.cli import check, mesh, probe, render, resistance, run, solve, validate
 from fsi.cli import check, mesh, plot, probe, render, resistance, run, solve, validate
 from fsi.cli import check, mesh, plot, probe, render, report, resistance, run, solve, validate
+from fsi.cli import check, mesh, plot, probe, render, report, resistance, revolve, run, solve, validate
 from fsi.errors import FsiError
 from meshes.errors import MeshError
 
@@ -52,6 +53,7 @@ app.command(epilog=render.EXAMPLE)(render.render)
 app.command(epilog=plot.EXAMPLE)(plot.plot)
 app.command(epilog=probe.EXAMPLE)(probe.probe)
 app.command(epilog=report.EXAMPLE)(report.report)
+app.command(epilog=revolve.EXAMPLE)(revolve.revolve)
 app.command(epilog=resistance.EXAMPLE)(resistance.resistance)
 app.command(epilog=validate.EXAMPLE)(validate.validate)
 app.command(epilog=calibrate.EXAMPLE)(calibrate.calibrate)

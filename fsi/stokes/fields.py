@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+import meshes.backend  # noqa: F401
+
 import meshio
 import numpy as np
 from dolfinx.common import IndexMap
@@ -25,8 +27,8 @@ CELLS = {1: "VTK_LAGRANGE_CURVE", 2: "VTK_LAGRANGE_TRIANGLE", 3: "VTK_LAGRANGE_T
 class Flow:
     """This rank's cells: Lagrange triangles or tetrahedra whose nodes carry velocity and pressure.
 
-    x: (n, d); cells: node numbers in the order of basix, (T, nodes); u: (n, d); p: (n,); degree: of the cells;
-    nodes: which of them other ranks have too; axisymmetric: x are (r, z).
+    x: (n, d); cells: node numbers in the order of basix, (T, nodes); u: (n, d); p: (n,);
+    degree: of the cells; nodes: which of them other ranks have too; axisymmetric: x are (r, z).
     """
 
     x: Array

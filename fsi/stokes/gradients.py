@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import meshes.backend  # noqa: F401
+
 import basix
 import numpy as np
 from dolfinx import la
@@ -37,8 +39,8 @@ def nodal_rates(flow: Flow) -> dict[str, Array]:
     sums.scatter_reverse(la.InsertMode.add)
     sums.scatter_forward()
     means = table[:, :-1] / np.maximum(table[:, -1:], 1.0)
-    return {"vorticity": means[:, :-1].squeeze(axis=1) if means.shape[1] == 2 else means[:, :-1],
-            "strain_rate": means[:, -1]}  # fmt: skip
+    curl = means[:, 0] if means.shape[1] == 2 else means[:, :-1]
+    return {"vorticity": curl, "strain_rate": means[:, -1]}
 
 
 def _slopes(degree: int, dimension: int) -> Array:
