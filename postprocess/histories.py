@@ -54,9 +54,10 @@ def read_history(run: Run, gap: str | None = None, singly: int = len(_COLOURS)) 
     t = steps["t"].to_numpy()
     if names:
         panels["gap"] = _gaps(run, gap, singly)
-        for title, columns in (("speed", ["V_x", "V_y"]), ("load", ["F_x", "F_y"])):
-            table = np.hypot(*(run.bodies[name].to_numpy().reshape(-1, len(names)) for name in columns))
-            panels[title] = _each(names, table, singly)
+        for title, letter in (("speed", "V_"), ("load", "F_")):
+            components = run.bodies[[name for name in run.bodies if name.startswith(letter)]].to_numpy()
+            size = np.linalg.norm(components, axis=1).reshape(-1, len(names))
+            panels[title] = _each(names, size, singly)
     if VISCOSITY in steps:
         panels["apparent viscosity"] = {"": steps[VISCOSITY].to_numpy()}
     if gap is None:

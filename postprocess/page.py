@@ -126,6 +126,7 @@ def _pictures(run: Run) -> list[str]:
             return draw
 
         def animation() -> str:
+            run.require_plane("report")
             run.step()  # says so where there are no fields
             require_opengl()
             steps = run.times.index.to_numpy()

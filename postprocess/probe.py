@@ -37,6 +37,7 @@ def probe(run: Run, points: Array, step: int | None = None) -> pd.DataFrame:
     Raises:
         InputError: the run has no fields of that step.
     """
+    run.require_plane("probe")
     step = run.step(step)
     fluid = run.mesh(step)
     nodes = fluid.cell_connectivity.reshape(fluid.n_cells, -1)

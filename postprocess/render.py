@@ -43,6 +43,7 @@ def render_run(run: Run, output: Path, choice: Choice, step: int | None = None) 
         InputError: no such field, gap or step, no fields in the run, no OpenGL here, or the disk refuses.
     """
     require_suffix(output)
+    run.require_plane("render")
     artist = Artist(run, choice)
     animated = output.suffix in MOVIES
     if animated and step is not None:

@@ -24,7 +24,7 @@ import pandas as pd
 import pyvista as pv
 from scipy.spatial import cKDTree
 
-from fsi.bodies import Configuration
+from fsi.bodies import PLACES, Configuration
 from fsi.case import Case
 from fsi.checkpoint import Checkpoint, read_checkpoint
 from fsi.errors import InputError
@@ -132,7 +132,17 @@ class Run:
         if not len(start):
             return start
         now = self.bodies[self.bodies["step"] == step]
-        return Configuration(now[["x", "y"]].to_numpy(), now["angle"].to_numpy(), start.radii)
+        d = start.centres.shape[1]
+        place = now[list(PLACES[d])].to_numpy()
+        return Configuration(place[:, :d], place[:, d:].reshape(start.angles.shape), start.radii)
+
+    def require_plane(self, what: str) -> None:
+        """Raise InputError for runs in space, which `what` cannot do yet."""
+        if self.case.geometry not in ("planar", "axisymmetric"):
+            raise InputError(
+                f"{self.path}: geometry = {self.case.geometry}: fsi {what} knows planar and axisymmetric runs;"
+                f" open {self.path / 'fluid.pvd'} in ParaView"
+            )
 
     @property
     def end(self) -> float:

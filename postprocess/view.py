@@ -86,10 +86,10 @@ def gap_between(q: Configuration, container: Container, sides: tuple[int, int]) 
     i, j = sides
     if j < len(q):
         towards = q.centres[j] - q.centres[i]
-        width = float(np.hypot(*towards)) - q.radii[i] - q.radii[j]
+        width = float(np.linalg.norm(towards)) - q.radii[i] - q.radii[j]
     else:
         wall = j - len(q)
-        shifts = 1e-3 * q.radii[i] * np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
+        shifts = 1e-3 * q.radii[i] * np.kron(np.eye(q.centres.shape[1]), [[1.0], [-1.0]])
         distances = container.distances(q.centres[i] + shifts)[:, wall]
         towards = distances[1::2] - distances[::2]
         width = float(container.distances(q.centres[i : i + 1])[0, wall]) - q.radii[i]

@@ -10,7 +10,7 @@ EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 
 
 def test_lubrication_force(capsys: pytest.CaptureFixture[str]) -> None:
-    """Resolved forces within 1e-5 of the exact ones; the leading term is 11 % off at q/a = 0.1."""
+    """Resolved forces within 1e-5 of the exact ones; the leading term is 10.5 % off at q/a = 0.1."""
     example = runpy.run_path(str(EXAMPLES / "lubrication_force.py"))
     gap, resolved, exact, leading = example["table"]().T
     np.testing.assert_allclose(resolved, exact, rtol=1e-5)
