@@ -140,7 +140,7 @@ class Run:
         """Raise InputError for runs in space, which `what` cannot do yet."""
         if self.case.geometry not in ("planar", "axisymmetric"):
             raise InputError(
-                f"{self.path}: geometry = {self.case.geometry}: fsi {what} knows planar and axisymmetric runs;"
+                f"{self.path}: geometry = {self.case.geometry}: fsi {what} knows plane and axisymmetric ones;"
                 f" open {self.path / 'fluid.pvd'} in ParaView"
             )
 
