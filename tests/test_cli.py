@@ -13,8 +13,9 @@ from tests.exact_model import DiscsBesidePlane
 
 ROOT = Path(__file__).parents[1]
 COMMANDS = (
-    "check", "mesh", "solve", "run", "resume", "plot", "probe", "render", "report", "resistance", "revolve",
-)  # fmt: skip
+    *("check", "mesh", "pack", "solve", "run", "resume", "calibrate"),
+    *("plot", "probe", "render", "report", "resistance", "revolve"),
+)
 CASE = ROOT / "cases" / "disc_in_box.toml"
 MPIEXEC = Path(sys.executable).with_name("mpiexec")
 

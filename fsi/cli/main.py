@@ -19,16 +19,16 @@ from fsi.cli import (
     check,
     mesh,
     pack,
+    plot,
+    probe,
     render,
+    report,
     resistance,
+    revolve,
     run,
     solve,
     validate,
 )
-from fsi.cli import check, mesh, probe, render, resistance, run, solve, validate
-from fsi.cli import check, mesh, plot, probe, render, resistance, run, solve, validate
-from fsi.cli import check, mesh, plot, probe, render, report, resistance, run, solve, validate
-from fsi.cli import check, mesh, plot, probe, render, report, resistance, revolve, run, solve, validate
 from fsi.errors import FsiError
 from meshes.errors import MeshError
 
