@@ -13,10 +13,14 @@ from fsi.bodies import Array
 
 @dataclass(frozen=True, slots=True)
 class ErrorEstimate:
-    """Estimated errors, absolute: of U where it is free, of F where U is held; else 0. Shapes (N, M)."""
+    """Estimated errors, absolute: of U where it is free, of F where U is held; else 0. Shapes (N, M).
+
+    apparent_viscosity: the error of that of a periodic flow.
+    """
 
     U: Array
     F: Array
+    apparent_viscosity: float | None = None
 
 
 class Results(Protocol):
@@ -29,6 +33,14 @@ class Results(Protocol):
     @property
     def F(self) -> Array:
         """External loads `int sigma n`, shape (N, M)."""
+
+
+class Measured(Results, Protocol):
+    """The same with what only some flows have."""
+
+    @property
+    def apparent_viscosity(self) -> float | None:
+        """Over the viscosity of the fluid, of a periodic flow with a mean strain rate."""
 
 
 def relative_change(

@@ -20,7 +20,7 @@ from pydantic import BeforeValidator, Field, ValidationError, model_validator
 from fsi.bodies import MODES, Array, Configuration, Motion
 from fsi.bodyfile import with_bodies
 from fsi.casecheck import check_case
-from fsi.domain import Domain, WallVelocity, wall_kinks, wall_pressure, wall_velocity
+from fsi.domain import Domain
 from fsi.errors import InputError
 from fsi.forcelaws import Force
 from fsi.forces import external_forces
@@ -29,6 +29,7 @@ from fsi.overrides import override
 from fsi.schema import Body, Calibration, Discretisation, Expected, Fluid, Output, Sweep, Time
 from fsi.section import Section, explain, tuples
 from fsi.series import kinks, value_at
+from fsi.walls import WallVelocity, wall_kinks, wall_pressure, wall_velocity
 from meshes.geometry import Container
 
 

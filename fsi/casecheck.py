@@ -12,12 +12,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fsi.bodies import Array, rigid_motion
-from fsi.domain import BoxDomain, Shear
+from fsi.domain import BoxDomain
 from fsi.errors import InputError
 from fsi.forcelaws import Gravity
 from fsi.gaps import find_gaps
 from fsi.section import toml_text
 from fsi.series import Component, is_zero
+from fsi.walls import Shear
+from meshes.cell import Cell, Channel
 from meshes.geometry import Box, Container, HalfPlane, boundary_names
 
 if TYPE_CHECKING:
@@ -77,9 +79,10 @@ def _check_room(case: Case) -> None:
         )
     gaps = find_gaps(q, container, reach=touching)
     for (i, j), gap in zip(gaps.pairs[:1], gaps.pair_gaps[:1], strict=True):
+        other = repr(case.names[j]) if i != j else "its image"
         raise InputError(
             f"bodies.{j}.position = {toml_text(case.bodies[j].position)}: bodies {case.names[i]!r} and "
-            f"{case.names[j]!r} overlap or touch (gap {gap:.6g}); move them apart"
+            f"{other} overlap or touch (gap {gap:.6g}); move them apart"
         )
 
 
@@ -153,7 +156,7 @@ def _check_forces(case: Case) -> None:
 
 def _check_flux(case: Case) -> None:
     """An incompressible fluid that is enclosed all round cannot take a net flux, at any time."""
-    if case.wall_pressure():
+    if case.wall_pressure() or not case.domain.walls:
         return
     normals = _wall_normals(case.container())
     for t in case.knots() or (0.0,):
@@ -183,6 +186,9 @@ def _wall_normals(container: Container) -> dict[str, Array]:
         (left, bottom), (right, top) = container.lower, container.upper
         across, along, moment = top - bottom, right - left, (top**2 - bottom**2) / 2.0
         rows = [(-across, 0.0, -moment), (across, 0.0, moment), (0.0, -along, 0.0), (0.0, along, 0.0)]
+    elif isinstance(container, Channel):
+        along = float(container.periods[0, 0])
+        rows = [(0.0, -along, 0.0), (0.0, along, 0.0)]
     elif isinstance(container, HalfPlane):
         rows = [(0.0, -container.size(), 0.0), (0.0, container.size(), 0.0)]
     else:
@@ -225,6 +231,9 @@ def _check_determined(case: Case) -> None:
     """Some wall, held component or mass must stop every rigid motion of fluid and bodies together."""
     if case.wall_velocity(0.0):
         return
+    if isinstance(case.container(), Cell):
+        _check_cell(case)
+        return
     stopped = np.array(list(_stopped_modes(case))).reshape(-1, len(case.modes))[:, case.modes]
     if np.linalg.matrix_rank(stopped) < case.modes.sum():
         free = (
@@ -236,6 +245,19 @@ def _check_determined(case: Case) -> None:
             f"domain.walls = {toml_text(case.domain.walls)}: no wall has a velocity and {free}, so the "
             "motion is not determined; give a wall a velocity or hold a body"
         )
+
+
+def _check_cell(case: Case) -> None:
+    """A cell without walls has bodies, and its mean flow alone fixes their common translation."""
+    if not case.bodies:
+        raise InputError(
+            f"domain.shape = {case.domain.shape!r}: a cell without bodies is not solved; add [[bodies]]"
+        )
+    for i, body in enumerate(case.bodies):
+        if body.mass is not None:
+            raise InputError(
+                f"bodies.{i}.mass = {body.mass!r}: in a cell without walls bodies have no inertia; drop it"
+            )
 
 
 def _stopped_modes(case: Case) -> Iterator[Array]:

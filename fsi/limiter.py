@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies import Array, Configuration
-from fsi.gaps import find_gaps
+from fsi.gaps import Gaps, find_gaps
 from meshes.geometry import Container
 
 # What is predicted from the present velocity aims below the limit, so that the stages, whose
@@ -37,11 +37,14 @@ class GapRefusedError(Exception):
         self.approach = approach
 
 
-def _closest_pass(q: Configuration, displacement: Array, pairs: NDArray[np.intp]) -> Array:
-    """Smallest gap of the pairs (P, 2) on the straight way, shape (P,): none can jump through another."""
-    i, j = pairs[:, 0], pairs[:, 1]
-    separation = q.centres[i] - q.centres[j]
-    change = displacement[i] - displacement[j]
+def _closest_pass(q: Configuration, displacement: Array, gaps: Gaps, away_moves: Array) -> Array:
+    """Smallest gap of the pairs on the straight way, shape (P,): none can jump through another.
+
+    away_moves: how much further the images of a sheared cell come, (P, d).
+    """
+    i, j = gaps.pairs[:, 0], gaps.pairs[:, 1]
+    separation = q.centres[i] - q.centres[j] - gaps.away
+    change = displacement[i] - displacement[j] - away_moves
     length2 = np.sum(change * change, axis=1)
     nearest = -np.sum(separation * change, axis=1) / np.where(length2 > 0.0, length2, 1.0)
     passed = separation + np.clip(nearest, 0.0, 1.0)[:, None] * change
@@ -49,9 +52,11 @@ def _closest_pass(q: Configuration, displacement: Array, pairs: NDArray[np.intp]
 
 
 def greatest_approach(
-    q: Configuration, container: Container, displacement: Array, gap_loss: float
+    q: Configuration, container: Container, displacement: Array, gap_loss: float, duration: float = 0.0
 ) -> Approach:
     """The gap that loses most of itself when the bodies move straight by `displacement` (N, d or M).
+
+    The container is that at the beginning; in `duration` its images move too.
 
     Neighbours count, and whatever can lose more than `gap_loss` however far apart. Containers are
     convex, so that the gap to a wall is smallest at an end of the way.
@@ -62,7 +67,11 @@ def greatest_approach(
     gaps = find_gaps(q, container, reach)
     wall_left = container.distances(q.centres + displacement) - q.radii[:, None]
     before = np.concatenate([gaps.pair_gaps, gaps.wall_gaps.ravel()])
-    loss = 1.0 - np.concatenate([_closest_pass(q, displacement, gaps.pairs), wall_left.ravel()]) / before
+    away_moves = container.carried(gaps.away, duration) - gaps.away
+    left = np.concatenate([_closest_pass(q, displacement, gaps, away_moves), wall_left.ravel()])
+    loss = 1.0 - left / before
+    if len(loss) == 0:
+        return Approach(-np.inf, np.inf, (0, 0))
     worst = int(np.argmax(loss))
     return Approach(float(loss[worst]), float(before[worst]), _sides(worst, gaps.pairs, gaps.wall_gaps.shape))
 
@@ -84,8 +93,8 @@ def limited_step(
     Returns:
         the step, and the gap that limits it (that closes most, if none does).
     """
-    approach = greatest_approach(q, container, h * velocity, gap_loss)
+    approach = greatest_approach(q, container, h * velocity, gap_loss, h)
     while approach.loss > gap_loss:
         h *= SAFETY * gap_loss / approach.loss
-        approach = greatest_approach(q, container, h * velocity, gap_loss)
+        approach = greatest_approach(q, container, h * velocity, gap_loss, h)
     return h, approach

@@ -15,9 +15,11 @@ from rich.text import Text
 
 from fsi.accuracy import ErrorEstimate
 from fsi.bodies import Array
+from fsi.bulk import BulkStress
 from fsi.case import Case
 from fsi.section import toml_text
 from fsi.truncation import Solution
+from meshes.lattice import Lattice
 
 
 def _components(case: Case) -> tuple[str, ...]:
@@ -60,12 +62,26 @@ def solution_json(
         "seconds": float(sum(solution.seconds.values())),
         "seconds_by_phase": {phase: float(spent) for phase, spent in solution.seconds.items()},
     }
+    if solution.bulk is not None:
+        _add_stress(found, solution.bulk, errors)
     return found if truncated is None else found | {"truncation": dict(truncated)}
 
 
 def _solver(solution: Solution) -> str:
     """Which linear solver was used."""
     return f"FGMRES with {solution.iterations} iterations" if solution.iterations else "direct solver"
+
+
+def _add_stress(found: dict[str, Any], bulk: BulkStress, errors: ErrorEstimate) -> None:
+    """The mean stress of a periodic flow with its parts, and the stresslet of each body."""
+    if bulk.apparent_viscosity is not None:
+        found["apparent_viscosity"] = bulk.apparent_viscosity
+        found["apparent_viscosity_error"] = errors.apparent_viscosity
+    found["mean_stress"] = bulk.mean.tolist()
+    found["mean_stress_of_fluid"] = bulk.fluid.tolist()
+    found["normal_stress_difference"] = bulk.normal_stress_difference
+    for body, stresslet in zip(found["bodies"], bulk.stresslets.tolist(), strict=True):
+        body["stresslet"] = stresslet
 
 
 def _turning(components: Array) -> float | list[float]:
@@ -83,6 +99,7 @@ def print_solution(
     """The same for a reader: a table of the bodies, then one of the checks."""
     console.print(
         _bodies_table(case, solution, errors),
+        *([] if solution.bulk is None else [_stress_table(solution.bulk, errors)]),
         _checks_table(solution, truncated),
         _cost(case, solution),
         sep="\n",
@@ -117,6 +134,23 @@ def _bodies_table(case: Case, solution: Solution, errors: ErrorEstimate) -> Tabl
                 f"{0.0 - solution.traction_F[i, k]:.8g}",
                 end_section=bool(k == modes[-1]),
             )
+    return table
+
+
+def _stress_table(bulk: BulkStress, errors: ErrorEstimate) -> Table:
+    """The mean stress and its parts."""
+    mu, error = bulk.apparent_viscosity, errors.apparent_viscosity or 0.0
+    viscosity = "" if mu is None else f"apparent viscosity {mu:.8g} ± {error:.0e}, "
+    table = Table(
+        "stress, mean over fluid and bodies",
+        caption=f"{viscosity}N_1 = {bulk.normal_stress_difference:.8g}; "
+        "the mean pressure of the fluid is zero",
+    )
+    for component in ("xx", "xy", "yy"):
+        table.add_column(component, justify="right")
+    parts = {"fluid": bulk.fluid, "stresslets of the bodies": bulk.mean - bulk.fluid, "together": bulk.mean}
+    for name, part in parts.items():
+        table.add_row(name, *(f"{part[i, j]:.8g}" for i, j in ((0, 0), (0, 1), (1, 1))))
     return table
 
 
@@ -170,7 +204,11 @@ def _case_table(case: Case) -> Table:
 def _nearest(case: Case, i: int) -> tuple[float, str]:
     """The smallest gap of body i and the name of what lies there, a body or a wall."""
     q, container = case.configuration(), case.container()
-    to_bodies = np.linalg.norm(q.centres - q.centres[i], axis=1) - q.radii
-    to_bodies[i] = np.inf
+    lattice = Lattice(container.periods)
+    apart = q.centres - q.centres[i]
+    apart = apart - lattice.shift(lattice.nearest(apart))
+    to_bodies = np.linalg.norm(apart, axis=1) - q.radii
+    own_images = lattice.shift(lattice.near()[1:])
+    to_bodies[i] = np.linalg.norm(own_images, axis=1).min(initial=np.inf) - q.radii[i]
     gaps = np.append(to_bodies, container.distances(q.centres[i : i + 1])) - q.radii[i]
     return float(gaps.min()), (*case.names, *container.walls)[int(gaps.argmin())]

@@ -22,7 +22,7 @@ import os
 import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self
 from xml.etree.ElementTree import ParseError
@@ -48,7 +48,7 @@ class StepRecord:
     """One accepted step as the tables show it; step 0, of length 0, is the start.
 
     rejected: how many tries came before; U, F: velocities and external loads, shape (N, M);
-    columns: the further columns of steps.csv.
+    columns: the further columns of steps.csv; body_columns: those of bodies.csv, (N,) each.
     """
 
     step: int
@@ -60,6 +60,7 @@ class StepRecord:
     U: Array
     F: Array
     columns: Mapping[str, float]
+    body_columns: Mapping[str, Array] = field(default_factory=dict)
 
 
 class RunFolder:
@@ -220,9 +221,10 @@ def _step_table(record: StepRecord) -> tuple[list[str], list[list[object]]]:
 def _body_table(record: StepRecord, names: Sequence[str]) -> tuple[list[str], list[list[object]]]:
     """Header and rows of bodies.csv."""
     d = record.q.dimension
-    numbers = np.column_stack([record.q.centres, record.q.angles, record.U, record.F])
+    more = record.body_columns
+    numbers = np.column_stack([record.q.centres, record.q.angles, record.U, record.F, *more.values()])
     rows = [[record.step, record.t, name, *row] for name, row in zip(names, numbers.tolist(), strict=True)]
-    return ["step", "t", "body", *PLACES[d], *MODES[d], *LOADS[d]], rows
+    return ["step", "t", "body", *PLACES[d], *MODES[d], *LOADS[d], *more], rows
 
 
 def _plain(value: float) -> float:

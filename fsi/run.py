@@ -95,7 +95,7 @@ def _drive(case: Case, run: RunFolder, stepper: Stepper, progress: Progress) -> 
         step = advance()
         q, t = step.state.q, step.state.t
         errors = stepper.model.errors(q, t, step.instant) if case.output.error_estimates else {}
-        record = _record(step, errors, stepper.container, process_time() - began)
+        record = _record(step, errors, stepper.container.at(t), process_time() - began)
         writes = case.output.fields and stepper.schedule.is_output(record.t)
         files = step.instant.write(run.fields, record.step) if writes else {}
         run.keep(record, case.names, files, step.state, stepper.model.state())
@@ -118,7 +118,10 @@ def _record(step: Step, errors: Mapping[str, float], container: Container, cpu: 
     state, instant = step.state, step.instant
     columns = {**instant.record, **errors, "cpu_step": cpu}
     gap = _smallest_gap(state.q, container)
-    return StepRecord(state.step, state.t, step.h, gap, step.rejected, state.q, instant.U, instant.F, columns)
+    of_bodies = getattr(instant, "body_columns", {})  # of models that know more of each body
+    return StepRecord(
+        state.step, state.t, step.h, gap, step.rejected, state.q, instant.U, instant.F, columns, of_bodies
+    )
 
 
 def _smallest_gap(q: Configuration, container: Container) -> float:

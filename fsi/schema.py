@@ -14,7 +14,8 @@ from fsi.series import Angle, Component, Series, Spin, Torque
 FREE: Literal["free"] = "free"
 _LOAD = "a number or a table {times = [...], values = [...]}"
 _COMPONENT = r"(velocity|force|position|angular_velocity|torque)\.[xyrz]|angular_velocity|torque"
-_QUANTITY = rf"^(dissipation|time at gap [\d.e-]+|[\w -]+\.({_COMPONENT}))$"
+APPARENT_VISCOSITY = "apparent viscosity"
+_QUANTITY = rf"^(dissipation|{APPARENT_VISCOSITY}|time at gap [\d.e-]+|[\w -]+\.({_COMPONENT}))$"
 _MOTION = f'"free", {_LOAD}'
 
 
@@ -170,14 +171,16 @@ class Output(Section):
 class Expected(Section):
     """A number that the case must give: a value, or the name of an exact result in `fsi.references`.
 
-    quantity: `dissipation`, or of a body `disc.velocity.x`, `disc.force.y` (by the fluid on the body),
-    `disc.angular_velocity`, `disc.torque`, at the end of a run `disc.position.y`; for a run also
-    `time at gap 0.1`, the first time at which the smallest gap is 0.1.
+    quantity: `dissipation`, `apparent viscosity`, or of a body `disc.velocity.x`, `disc.force.y` (by the
+    fluid on the body), `disc.angular_velocity`, `disc.torque`, at the end of a run `disc.position.y`; for a
+    run also `time at gap 0.1`, the first time at which the smallest gap is 0.1.
     """
 
     quantity: str = Field(
         pattern=_QUANTITY,
-        description='"dissipation", "BODY.force.x" (velocity, position; y), "BODY.torque", "time at gap 0.1"',
+        description='"dissipation", "apparent viscosity", "BODY.force.x" (velocity, position; y), '
+        '"BODY.torque", '
+        '"time at gap 0.1"',
     )
     value: float | None = Field(default=None, description="the expected number, or give `exact`")
     exact: str | None = Field(default=None, description=f"one of {', '.join(REFERENCES)}, or give `value`")

@@ -117,12 +117,13 @@ class _Guarded:
 
     model: Model
     start: Configuration
+    begin: float
     container: Container
     gap_loss: float
 
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> Instant:
         displacement = q.centres - self.start.centres
-        approach = greatest_approach(self.start, self.container, displacement, self.gap_loss)
+        approach = greatest_approach(self.start, self.container, displacement, self.gap_loss, t - self.begin)
         if not approach.loss <= self.gap_loss:  # also where it is not a number
             raise GapRefusedError(approach)
         return self.model(q, t, inertia)
@@ -169,13 +170,13 @@ class Stepper:
         """
         h, rejected = state.h, 0
         while True:
-            h, approach = limited_step(state.q, self.container, state.U, h, self.gap_loss)
+            h, approach = limited_step(state.q, self.container.at(state.t), state.U, h, self.gap_loss)
             if not h >= self.smallest_step:
                 raise self._blocked(state, approach)
             t_end = self.schedule.landing(state.t, h)
             try:
-                trial = self.scheme.step(self._guarded(state.q), state, t_end)
-                error = self._norm(state.q, trial.error)
+                trial = self.scheme.step(self._guarded(state), state, t_end)
+                error = self._norm(state.q, state.t, trial.error)
             except GapRefusedError as refusal:
                 approach, error = refusal.approach, math.inf
             if error <= 1.0:
@@ -189,10 +190,10 @@ class Stepper:
         new = State(t_end, state.step + 1, q, instant.U, self._next_step(h, used, error, rejected))
         return Step(new, instant, used, rejected)
 
-    def _guarded(self, start: Configuration) -> Model:
-        return _Guarded(self.model, start, self.container, self.gap_loss)
+    def _guarded(self, start: State) -> Model:
+        return _Guarded(self.model, start.q, start.t, self.container.at(start.t), self.gap_loss)
 
-    def _norm(self, q: Configuration, displacement: Array) -> float:
+    def _norm(self, q: Configuration, t: float, displacement: Array) -> float:
         """Largest error that displacements (N, M) make, relative to what is tolerated: accepted up to 1.
 
         Each displacement counts over the radius, each angle in radians, and each gap's change over the gap,
@@ -200,25 +201,25 @@ class Stepper:
         """
         d = q.dimension
         of_bodies = np.linalg.norm(displacement[:, :d], axis=1) / q.radii
-        errors = [of_bodies, np.abs(displacement[:, d:]), self._gap_changes(q, displacement)]
+        errors = [of_bodies, np.abs(displacement[:, d:]), self._gap_changes(q, t, displacement)]
         return float(max(e.max(initial=0.0) for e in errors)) / self.tolerance
 
-    def _gap_changes(self, q: Configuration, displacement: Array) -> Array:
+    def _gap_changes(self, q: Configuration, t: float, displacement: Array) -> Array:
         """|gap'| / gap of all near pairs and walls, for gaps that change at the rate of the displacements."""
-        gaps = find_gaps(q, self.container)
+        gaps = find_gaps(q, self.container.at(t))
         furthest = float(np.linalg.norm(displacement[:, : q.dimension], axis=1).max(initial=0.0))
         if furthest == 0.0:
             return np.zeros(1)
         small = 1e-3 * min(gaps.smallest(), float(q.radii.min())) / furthest
         moved = q.moved(small * displacement)
         walls = self.container.distances(moved.centres) - q.radii[:, None]
-        of_pairs = (pair_gaps(moved, gaps.pairs) - gaps.pair_gaps) / gaps.pair_gaps
+        of_pairs = (pair_gaps(moved, gaps.pairs, gaps.away) - gaps.pair_gaps) / gaps.pair_gaps
         of_walls = (walls - gaps.wall_gaps) / gaps.wall_gaps
         return np.abs(np.concatenate([of_pairs, of_walls.ravel()])) / small
 
     def _first_step(self, q: Configuration, U: Array) -> float:
         """The step whose error is the tolerance if it is the cube of the displacement, both relative."""
-        speed = self.tolerance * self._norm(q, U)
+        speed = self.tolerance * self._norm(q, 0.0, U)
         longest = self.schedule.end
         return min(longest, self.tolerance ** (1.0 / ERROR_ORDER) / speed) if speed > 0.0 else longest
 

@@ -8,8 +8,9 @@ import numpy as np
 
 from fsi.accuracy import ErrorEstimate, relative_change
 from fsi.bodies import Array
+from fsi.bulk import BulkStress
 from fsi.case import Case, parse_case
-from fsi.domain import BoxDomain
+from fsi.domain import HalfPlaneDomain, RoundDomain
 from fsi.errors import InputError
 
 
@@ -37,6 +38,10 @@ class Solution(Protocol):
         """The identities that a solve must satisfy, relative."""
 
     @property
+    def bulk(self) -> BulkStress | None:
+        """Mean stress and apparent viscosity of a periodic flow."""
+
+    @property
     def dofs(self) -> int:
         """Number of unknowns."""
 
@@ -55,7 +60,7 @@ class Solution(Protocol):
 
 def halved(case: Case) -> Case | None:
     """The case in a container of half the radius; None where there is no radius or the bodies do not fit."""
-    if isinstance(case.domain, BoxDomain) or case.domain.mesh is not None:
+    if not isinstance(case.domain, HalfPlaneDomain | RoundDomain) or case.domain.mesh is not None:
         return None
     data: dict[str, Any] = case.model_dump(exclude_none=True)
     data["domain"]["radius"] /= 2.0

@@ -13,12 +13,12 @@ from pathlib import Path
 
 import numpy as np
 
-from fsi.accuracy import Results
+from fsi.accuracy import Measured
 from fsi.case import Case, load_case, parse_case
 from fsi.errors import InputError
 from fsi.overrides import override
 from fsi.references import REFERENCES, component
-from fsi.schema import Expected
+from fsi.schema import APPARENT_VISCOSITY, Expected
 from fsi.section import nearest_word
 
 EXACT_DIGITS = 1e-13  # relative error of the functions in `fsi.lubrication`
@@ -121,8 +121,10 @@ def reference(case: Case, row: Expected) -> tuple[float, float]:
     return row.value, 0.5 * 10.0 ** int(exponent) / (abs(row.value) or 1.0)
 
 
-def computed(case: Case, results: Results, quantity: str) -> float:
-    """The value of `disc.force.y`, by the fluid on the body, or `disc.velocity.x`, `disc.torque`, ..."""
+def computed(case: Case, results: Measured, quantity: str) -> float:
+    """The value of `disc.force.y`, by the fluid on the body, `disc.velocity.x`, `apparent viscosity`, ..."""
+    if quantity == APPARENT_VISCOSITY:
+        return float("nan") if results.apparent_viscosity is None else results.apparent_viscosity
     body, mode = component(case, quantity)
     values = results.U if "velocity" in quantity else -results.F
     return float(values[case.names.index(body), mode])

@@ -18,6 +18,7 @@ from meshes.aliases import Mesh
 from meshes.curved import SIMPLEX, CurvedCells, curve
 from meshes.errors import MeshError
 from meshes.geometry import Array, Container
+from meshes.lattice import NO_LATTICE, Lattice
 from meshes.quality import require_valid
 from meshes.sizing import Resolution
 from meshes.tetrahedra import fill
@@ -33,8 +34,9 @@ class FluidMesh:
     """The fluid domain Omega_F, meshed.
 
     mesh: curved triangles, in space tetrahedra, of the given order; facet_tags: body i has tag i + 1, wall k
-    has tag N + 1 + k, the axis the tag after the last wall's; bodies: N; walls: names, in the order of their
-    tags; axisymmetric: points are (r, z); quality: worst scaled Jacobian of all cells.
+    has tag N + 1 + k, the axis the tag after the last wall's, and so has the cut of a periodic domain, whose
+    two sides differ by vectors of its lattice; bodies: N; walls: names, in the order of their tags;
+    axisymmetric: points are (r, z); quality: worst scaled Jacobian of all cells.
     """
 
     mesh: Mesh
@@ -44,6 +46,7 @@ class FluidMesh:
     axisymmetric: bool
     order: int
     quality: float
+    lattice: Lattice = NO_LATTICE
 
     def wall_tag(self, wall: str) -> int:
         """Facet tag of a wall."""
@@ -51,17 +54,24 @@ class FluidMesh:
 
     @property
     def boundary_names(self) -> tuple[str, ...]:
-        """Names of the walls, and of the axis, in the order of their tags."""
-        return (*self.walls, "axis") if self.axisymmetric else self.walls
+        """Names of the walls, and of the axis or the cut, in the order of their tags."""
+        if self.axisymmetric:
+            return (*self.walls, "axis")
+        return (*self.walls, "cut") if self.lattice.dimension else self.walls
 
     @property
     def axis_tag(self) -> int:
         """Facet tag of the axis."""
         return self.bodies + 1 + len(self.walls)
 
-    def with_quality(self, quality: float) -> FluidMesh:
-        """The same mesh, moved, with its new quality."""
-        return replace(self, quality=quality)
+    @property
+    def cut_tag(self) -> int:
+        """Facet tag of both sides of the cut; a periodic domain has no axis."""
+        return self.axis_tag
+
+    def moved(self, quality: float, lattice: Lattice) -> FluidMesh:
+        """The same mesh, moved, with its new quality; the lattice may have moved too."""
+        return replace(self, quality=quality, lattice=lattice)
 
     @property
     def dimension(self) -> int:
@@ -124,7 +134,8 @@ def shared(
     if problem is not None:
         raise problem
     mesh, tags = distribute(cells, order, comm, container.dimension)
-    return FluidMesh(mesh, tags, bodies, container.walls, container.axisymmetric, order, quality)
+    lattice = Lattice(container.periods)
+    return FluidMesh(mesh, tags, bodies, container.walls, container.axisymmetric, order, quality, lattice)
 
 
 def coordinate_element(order: int, dimension: int = 2) -> basix.ufl._ElementBase:

@@ -99,19 +99,15 @@ class _Bend:
         curves: Sequence[Curve],
         order: int,
     ) -> None:
-        centres = {c.tag: c.centre for c in curves if c.centre is not None}
-        round_edges = np.isin(tags, list(centres))
+        round_edges = np.isin(tags, [c.tag for c in curves if c.centre is not None])
         ends = np.sort(edges[round_edges], axis=1)
         n = len(vertices)
         keys = sides[:, 0] * n + sides[:, 1]
         self.side = np.searchsorted(keys, ends[:, 0] * n + ends[:, 1])
-        table = np.zeros((int(tags.max(initial=0)) + 1, 2))
-        for tag, centre in centres.items():
-            table[tag] = centre
         self.row = np.full(len(sides), -1)
         self.row[self.side] = np.arange(len(self.side))
-        self.centre = table[tags[round_edges]]
         self.a, self.b = vertices[ends[:, 0]], vertices[ends[:, 1]]
+        self.centre = _centres(tags[round_edges], self.a, curves)
         self.side_element = basix.create_element(
             basix.ElementFamily.P, basix.CellType.interval, order, basix.LagrangeVariant.gll_isaac
         )
@@ -138,6 +134,22 @@ class _Bend:
             "smn,snd->smd", basis[place.reshape(len(curved), t.shape[1])], self.values[rows[curved]]
         )
         return offset
+
+
+def _centres(tags: Indices, x: Array, curves: Sequence[Curve]) -> Array:
+    """Centres of the circles through points x (n, 2) on curves of the given tags, (n, 2).
+
+    Where a periodic domain is opened, arcs of a body lie around several of its images: the nearest is meant.
+    """
+    centre, distance = np.full(x.shape, np.nan), np.full(len(x), np.inf)
+    order = np.argsort(tags, kind="stable")
+    for circle in curves:
+        if circle.centre is not None:
+            of_tag = order[slice(*np.searchsorted(tags[order], [circle.tag, circle.tag + 1]))]
+            away = np.hypot(*(x[of_tag] - circle.centre).T)
+            nearer = of_tag[away < distance[of_tag]]
+            centre[nearer], distance[nearer] = circle.centre, away[away < distance[of_tag]]
+    return centre
 
 
 def _inner_nodes(corners: Array, inner: Array, sides: Indices, side_numbers: Indices, bend: _Bend) -> Array:

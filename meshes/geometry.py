@@ -11,7 +11,7 @@ axis, which is no wall.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,10 +47,25 @@ class Container(Protocol):
     def axis(self) -> tuple[float, float]:
         """Lowest and highest z of an axisymmetric container on its axis."""
 
+    @property
+    def periods(self) -> Array:
+        """Vectors that carry the domain onto itself, as rows, shape (k, d); without any (0, 1)."""
+
+    def at(self, t: float) -> Container:
+        """The container at time t; only a sheared cell changes."""
+
+    def carried(self, e: Array, duration: float) -> Array:
+        """What vectors e (n, d) between images become after some time."""
+
 
 def boundary_names(container: Container) -> tuple[str, ...]:
-    """Names of the walls, and `axis` last where there is one: the order of the tags after the bodies'."""
-    return (*container.walls, "axis") if container.axisymmetric else container.walls
+    """Names of the walls, and last `axis` or `cut` where there is one, in the order of their tags.
+
+    The tags follow the bodies'. The cut is where a periodic domain was opened for meshing.
+    """
+    if container.axisymmetric:
+        return (*container.walls, "axis")
+    return (*container.walls, "cut") if len(container.periods) else container.walls
 
 
 def boundary_distances(container: Container, x: Array) -> Array:
@@ -65,8 +80,27 @@ def lengths(x: Array) -> Array:
     return length
 
 
+class Steady:
+    """A container that is not periodic and does not change."""
+
+    __slots__ = ()
+
+    @property
+    def periods(self) -> Array:
+        """None, shape (0, 1)."""
+        return np.empty((0, 1))
+
+    def at(self, t: float) -> Self:  # noqa: ARG002
+        """The container itself."""
+        return self
+
+    def carried(self, e: Array, duration: float) -> Array:  # noqa: ARG002
+        """Vectors between images after some time: the same."""
+        return e
+
+
 @dataclass(frozen=True, slots=True)
-class Box:
+class Box(Steady):
     """Rectangle [lower, upper] with walls left, right, bottom, top; in space also front and back.
 
     In space left and right are the ends in x, front and back in y, bottom and top in z.
@@ -114,7 +148,7 @@ class Box:
 
 
 @dataclass(frozen=True, slots=True)
-class HalfPlane:
+class HalfPlane(Steady):
     """Half disc y > 0, |x| < radius, that stands for the half-plane above the wall `plane` (y = 0).
 
     The arc `far` carries the flow at infinity, at rest if not given. What the finite radius
@@ -150,7 +184,7 @@ class HalfPlane:
 
 
 @dataclass(frozen=True, slots=True)
-class Round:
+class Round(Steady):
     """Disc |x| < radius with the one wall `far`; axisymmetric, or with dimension = 3, a ball.
 
     A small one is a round container; a large one stands for unbounded fluid.

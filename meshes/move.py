@@ -4,13 +4,15 @@ The displacement d of the vertices extends those of the bodies harmonically,
 
     div( (1 / volume) grad d ) = 0,    d = displacement of body i on its surface,  d = 0 on the walls,
 
-where `volume`, in the plane the area, of the cell in the base mesh, makes small cells stiff. Curved nodes
-follow by linear interpolation, so that a disc or sphere, whose own rotation nobody sees, stays exactly one.
-Every move starts from the base mesh: it depends on where the bodies are, not on how they came there.
+where `volume`, in the plane the area, of the cell in the base mesh, makes small cells stiff. On the two sides
+of the cut of a periodic domain d differs by what the lattice has moved. Curved nodes follow by linear
+interpolation, so that a disc or sphere, whose own rotation nobody sees, stays exactly one. Every move starts
+from the base mesh: it depends on where the bodies are, not on how they came there.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from math import factorial
 
@@ -28,6 +30,7 @@ from petsc4py import PETSc
 from meshes.build import FluidMesh, coordinate_element
 from meshes.curved import SIMPLEX, reference_points
 from meshes.geometry import Array
+from meshes.matching import columns_of_masters, matching_nodes
 from meshes.quality import determinant, scaled_jacobian
 
 # A moved cell may differ from its base by this ratio of stretches at most, and keeps this scaled Jacobian.
@@ -45,21 +48,28 @@ class Mover:
         self._x = fluid.mesh.geometry.x[:, : fluid.dimension].copy()
         self._vertices = fem.functionspace(fluid.mesh, vertex_element(fluid.dimension))
         self._tags = self._boundary_tags()
+        self._places = self._vertices.tabulate_dof_coordinates()[: len(self._tags), : fluid.dimension].copy()
+        self._slave, self._away, self._P = self._inside()
         self._stiffness = self._laplace()
-        self._solver = _factorised(self._stiffness, np.flatnonzero(self._tags))
+        self._solver = _factorised(self._stiffness, self._P)
 
     def close(self) -> None:
         """Free matrix and factors."""
         self._solver.destroy()
         self._stiffness.destroy()
+        self._P.destroy()
 
-    def move(self, centres: Array) -> float | None:
+    def move(self, centres: Array, carried: Callable[[Array], Array] = np.copy) -> float | None:
         """Move the bodies to `centres` (N, dimension), in place; collective.
+
+        Args:
+            centres: where the bodies shall be.
+            carried: what vectors (n, 2) between images have become.
 
         Returns:
             the worst scaled Jacobian, or None (and the base mesh again) if the moved mesh is not good enough.
         """
-        shift = self._extension(centres - self.centres)
+        shift = self._extension(centres - self.centres, carried)
         geometry = self.fluid.mesh.geometry
         linear, d = _linear_weights(self.fluid.order, self.fluid.dimension), self.fluid.dimension
         geometry.x[geometry.dofmaps[0], :d] = self._x[geometry.dofmaps[0]] + np.einsum(
@@ -98,25 +108,55 @@ class Mover:
         matrix.assemble()
         return matrix
 
-    def _extension(self, displacements: Array) -> Array:
+    def _inside(self) -> tuple[NDArray[np.int64], Array, PETSc.Mat]:
+        """Slaves on the cut, local rows, how far from their masters, and P: d = P y + what is given."""
+        comm, numbers = self.fluid.mesh.comm, self._vertices.dofmap.index_map
+        first, rows = numbers.local_range[0], numbers.size_local
+        pairs = matching_nodes(self.fluid, self._vertices)
+        own = (pairs.slave >= first) & (pairs.slave < first + rows)
+        own[own] = self._tags[pairs.slave[own] - first] == 0
+        slave, away = pairs.slave[own] - first, self.fluid.lattice.shift(pairs.shift[own])
+        free = self._tags == 0
+        free[slave] = False
+        unit = (comm.exscan(int(free.sum())) or 0) + np.arange(int(free.sum()))
+        known, tied = columns_of_masters(comm, pairs.master[own], first + np.flatnonzero(free), unit)
+        column = np.full(rows, -1)
+        column[free], column[slave[known]] = unit, tied
+        indptr = np.concatenate([[0], np.cumsum(column >= 0)]).astype(PETSc.IntType)
+        entries = column[column >= 0].astype(PETSc.IntType)
+        P = PETSc.Mat().createAIJ(
+            ((rows, None), (len(unit), None)), csr=(indptr, entries, np.ones(len(entries))), comm=comm
+        )
+        return slave, away, P
+
+    def _given(self, displacements: Array, carried: Callable[[Array], Array]) -> Array:
+        """What is known of d at this rank's vertices, (n, 2): on bodies, and from side to side of the cut."""
+        tags, lattice = self._tags, self.fluid.lattice
+        on_body = (tags >= 1) & (tags <= self.fluid.bodies)
+        body = tags[on_body] - 1
+        away = lattice.shift(lattice.nearest(self._places[on_body] - self.centres[body]))
+        given = np.zeros_like(self._places)
+        given[on_body] = displacements[body] + carried(away) - away
+        given[self._slave] = carried(self._away) - self._away
+        return given
+
+    def _extension(self, displacements: Array, carried: Callable[[Array], Array]) -> Array:
         """Displacements of the corners of this rank's cells (T, d + 1, d) from those of the bodies (N, d)."""
-        tags, d = self._tags, self.fluid.dimension
-        moved = (tags >= 1) & (tags <= self.fluid.bodies)
+        known, d = self._given(displacements, carried), self.fluid.dimension
         result = fem.Function(self._vertices)
         corners = np.empty((len(self._vertices.dofmap.list), d + 1, d))
-        given, rhs = self._stiffness.createVecRight(), self._stiffness.createVecLeft()
-        solution = given.duplicate()
+        moved, load = self._stiffness.createVecs()
+        y, rhs = self._P.createVecRight(), self._P.createVecRight()
         for axis in range(d):
-            boundary = np.zeros(len(tags))
-            boundary[moved] = displacements[tags[moved] - 1, axis]
-            given.array[:] = boundary
-            self._stiffness.mult(given, rhs)
-            rhs.array[:] = np.where(tags > 0, boundary, -rhs.array)
-            self._solver.solve(rhs, solution)
-            result.x.array[: len(tags)] = solution.array
+            moved.array[:] = known[:, axis]
+            self._stiffness.mult(moved, load)
+            self._P.multTranspose(load, rhs)
+            self._solver.solve(rhs, y)
+            self._P.mult(y, moved)
+            result.x.array[: len(known)] = known[:, axis] - moved.array
             result.x.scatter_forward()
             corners[:, :, axis] = result.x.array[self._vertices.dofmap.list]
-        for vector in (given, rhs, solution):
+        for vector in (moved, load, y, rhs):
             vector.destroy()
         return corners
 
@@ -158,11 +198,9 @@ def _stiffness_form(order: int, dimension: int) -> tuple[fem.forms.CompiledForm,
     return fem.compile_form(MPI.COMM_WORLD, form), w
 
 
-def _factorised(stiffness: PETSc.Mat, boundary: NDArray[np.intp]) -> PETSc.KSP:
-    """Solver with the stiffness matrix inside and unit rows at the owned boundary vertices."""
-    inside = stiffness.copy()
-    first, _ = inside.getOwnershipRange()
-    inside.zeroRowsColumns((boundary + first).astype(PETSc.IntType), 1.0)
+def _factorised(stiffness: PETSc.Mat, P: PETSc.Mat) -> PETSc.KSP:
+    """Solver for P^T K P."""
+    inside = stiffness.ptap(P)
     solver = PETSc.KSP().create(inside.comm)
     solver.setOperators(inside)
     solver.setType(PETSc.KSP.Type.PREONLY)

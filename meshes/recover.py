@@ -7,6 +7,7 @@ walls were.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 from math import comb
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from meshes.convert import VTK_SIMPLICES, vtk_order
 from meshes.curved import CurvedCells
 from meshes.errors import MeshFileError, at
 from meshes.geometry import Array, Container, boundary_distances
+from meshes.lattice import Lattice
 from meshes.triangulate import Indices
 
 # Ranks share nodes to rounding; ends of a boundary edge lie on their body or wall nearly so.
@@ -76,18 +78,24 @@ def _boundary_facets(simplices: Indices) -> Indices:
 
 
 def _tags(ends: Array, container: Container, centres: Array, radii: Array) -> Indices:
-    """The body or wall that all corners of each facet (E, d, d) lie on."""
-    tags = np.zeros(len(ends), dtype=np.int64)
-    middles = cKDTree(ends.mean(axis=1))
-    for i, (centre, radius) in enumerate(zip(centres, radii, strict=True)):
+    """The body or wall that all corners of each facet (E, d, d) lie on; the rest is the cut, if any."""
+    tags, lattice = np.zeros(len(ends), dtype=np.int64), Lattice(container.periods)
+    home = lattice.wrapped(ends.mean(axis=1))
+    ends = ends - (ends.mean(axis=1) - home)[:, None]
+    middles = cKDTree(home)
+    for i, m in product(range(len(radii)), lattice.near()):
+        centre, radius = lattice.wrapped(centres[i : i + 1])[0] + lattice.shift(m[None])[0], radii[i]
         near = np.array(middles.query_ball_point(centre, radius * (1.0 + ON_SURFACE)), dtype=np.intp)
         away = np.abs(np.hypot.reduce(ends[near] - centre, axis=2) - radius).max(axis=1, initial=0.0)
         tags[near[away < ON_SURFACE * radius]] = i + 1
     corners = np.moveaxis(ends, 1, 0)
     to_walls = np.abs(np.stack([boundary_distances(container, x) for x in corners])).max(axis=0)
-    wall = to_walls.argmin(axis=1)
-    on_wall = (tags == 0) & (to_walls.min(axis=1) < ON_SURFACE * container.size())
-    tags[on_wall] = len(radii) + 1 + wall[on_wall]
+    if to_walls.shape[1]:
+        wall = to_walls.argmin(axis=1)
+        on_wall = (tags == 0) & (to_walls.min(axis=1) < ON_SURFACE * container.size())
+        tags[on_wall] = len(radii) + 1 + wall[on_wall]
+    if lattice.dimension:
+        tags[tags == 0] = len(radii) + 1 + len(container.walls)
     if not tags.all():
         lost = ends[np.flatnonzero(tags == 0)[0]].mean(axis=0)
         raise MeshFileError(f"the boundary at {at(lost)} is on no body or wall; is it another run's file?")

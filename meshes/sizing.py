@@ -28,10 +28,13 @@ from scipy.spatial import cKDTree
 
 from meshes.errors import MeshError
 from meshes.geometry import Array, Container
+from meshes.lattice import NO_LATTICE, Lattice
 
 LENGTH, SHORTEST, LONGEST = 0.11, 0.3, 4.0
 NEIGHBOURS = 16
 MOST_HALVINGS = 60
+
+type Size = Callable[[Array], Array]
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,18 +68,22 @@ class Curve:
 class Surfaces:
     """The bodies and the container, and how far a point is from them.
 
-    centres (N, 2), radii (N,), tree: over the centres.
+    centres (n, 2), radii (n,): of the bodies, and after them of their images in a periodic container; tree:
+    over the centres; bodies: N; lattice: of the container's periods.
     """
 
     container: Container
     centres: Array
     radii: Array
     tree: cKDTree
+    bodies: int
+    lattice: Lattice = NO_LATTICE
 
     def to_bodies(self, x: Array) -> Array:
         """Distance of each point (n, 2) to the nearest body, shape (n,); infinite without bodies."""
         if len(self.radii) == 0:
             return np.full(len(x), np.inf)
+        x = self.lattice.wrapped(x)
         k = min(len(self.radii), NEIGHBOURS)
         away, body = self.tree.query(x, k=[*range(1, k + 1)])
         nearest: Array = (away - self.radii[body]).min(axis=1)
@@ -93,34 +100,48 @@ def bodies(surfaces: Surfaces, resolution: Resolution) -> list[Curve]:
     Raises:
         MeshError: a body touches another or a wall.
     """
-    return [_body(surfaces, resolution, i) for i in range(len(surfaces.radii))]
+    around_body = half_around if surfaces.container.axisymmetric else around
+    return [around_body(surfaces, resolution, i) for i in range(surfaces.bodies)]
 
 
-def _body(surfaces: Surfaces, resolution: Resolution, i: int) -> Curve:
-    """The nodes around body i.
+def around(surfaces: Surfaces, resolution: Resolution, i: int) -> Curve:
+    """The nodes around body i, from where its gap is narrowest, so that a node stands there."""
+    size, narrowest = _size_around(surfaces, resolution, i)
+    nodes = _on_arc(surfaces, resolution, i, size, (narrowest, narrowest + 2.0 * np.pi))
+    return Curve(i + 1, nodes[:-1], closed=True, centre=surfaces.centres[i])
 
-    A closed curve starts where its gap is narrowest, so that a node stands there.
-    """
-    centre, radius, half = surfaces.centres[i], float(surfaces.radii[i]), surfaces.container.axisymmetric
+
+def half_around(surfaces: Surfaces, resolution: Resolution, i: int) -> Curve:
+    """The nodes from pole to pole of body i on the axis."""
+    curve = arc(surfaces, resolution, i, -0.5 * np.pi, 0.5 * np.pi)
+    centre, radius = surfaces.centres[i], surfaces.radii[i]
+    curve.nodes[[0, -1]] = [[0.0, centre[1] - radius], [0.0, centre[1] + radius]]
+    return curve
+
+
+def arc(surfaces: Surfaces, resolution: Resolution, i: int, start: float, end: float) -> Curve:
+    """The nodes on body i between two angles, start < end."""
+    size, _ = _size_around(surfaces, resolution, i)
+    nodes = _on_arc(surfaces, resolution, i, size, (start, end))
+    return Curve(i + 1, nodes, closed=False, centre=surfaces.centres[i])
+
+
+def _on_arc(
+    surfaces: Surfaces, resolution: Resolution, i: int, size: Size, angles: tuple[float, float]
+) -> Array:
+    """Nodes on body i from the first angle to the second, both included; on a whole circle at least 8."""
+    centre, radius = surfaces.centres[i], float(surfaces.radii[i])
 
     def at(s: Array) -> Array:
         x: Array = centre + radius * np.column_stack([np.cos(s / radius), np.sin(s / radius)])
         return x
 
-    size, narrowest = _size_around(surfaces, resolution, i)
-    start, length = (-0.5 * np.pi, np.pi) if half else (narrowest, 2.0 * np.pi)
-    s, h = resolve(
-        lambda s: size(at(s)), start * radius, (start + length) * radius, resolution.cells_per_circle
-    )
-    nodes = at(equidistribute(s, 1.0 / h, least=8))
-    if half:
-        nodes[[0, -1]] = [[0.0, centre[1] - radius], [0.0, centre[1] + radius]]
-    return Curve(i + 1, nodes if half else nodes[:-1], closed=not half, centre=centre)
+    turn = (angles[1] - angles[0]) / (2.0 * np.pi)
+    s, h = resolve(lambda s: size(at(s)), angles[0] * radius, angles[1] * radius, resolution.cells_per_circle)
+    return at(equidistribute(s, 1.0 / h, least=max(1, round(8 * turn))))
 
 
-def _size_around(
-    surfaces: Surfaces, resolution: Resolution, i: int
-) -> tuple[Callable[[Array], Array], float]:
+def _size_around(surfaces: Surfaces, resolution: Resolution, i: int) -> tuple[Size, float]:
     """The element size on body i as a function of the point.
 
     From what is near; and where its gap is narrowest.
@@ -168,7 +189,7 @@ def across(gap: Array, radius: float, resolution: Resolution) -> Array:
     return size
 
 
-def resolve(size: Callable[[Array], Array], start: float, end: float, pieces: int) -> tuple[Array, Array]:
+def resolve(size: Size, start: float, end: float, pieces: int) -> tuple[Array, Array]:
     """Places s along a curve, and the element sizes there, so close that none is missed.
 
     Intervals are halved until they are no longer than half the element size at both their ends.

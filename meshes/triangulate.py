@@ -80,7 +80,7 @@ class FarSize:
     """A bound on the element size in the fluid: `smallest + slope d` at the distance d from the nearest body.
 
     Without it gmsh, which interpolates between distant boundaries, leaves the surroundings of bodies too
-    coarse. bodies: how many, their curves come first; reach: a length that no distance exceeds.
+    coarse. bodies: how many, with the tags 1 ... N; reach: a length that no distance exceeds.
     """
 
     bodies: int
@@ -88,11 +88,12 @@ class FarSize:
     slope: float
     reach: float
 
-    def apply(self) -> None:
+    def apply(self, curves: Sequence[Curve]) -> None:
         """Make it gmsh's background size."""
         field = gmsh.model.mesh.field
         distance, bound = field.add("Distance"), field.add("Threshold")
-        field.setNumbers(distance, "CurvesList", list(range(1, self.bodies + 1)))
+        numbers_of_bodies = [k for k, curve in enumerate(curves, start=1) if curve.tag <= self.bodies]
+        field.setNumbers(distance, "CurvesList", numbers_of_bodies)
         field.setNumber(distance, "Sampling", SAMPLES)
         numbers = {
             "InField": distance,
@@ -113,7 +114,7 @@ def triangulate(
 
     Args:
         curves: the boundary.
-        far: bound on the size far from the bodies, whose curves come first.
+        far: bound on the size far from the bodies.
 
     Returns:
         vertices (n, 2); triangles (T, 3), counterclockwise; boundary edges (E, 2); their tags (E,).
@@ -125,7 +126,7 @@ def triangulate(
     with gmsh_model():
         _add_curves(nodes, curves, chains)
         if far is not None and far.bodies:
-            far.apply()
+            far.apply(curves)
         gmsh.model.mesh.generate(2)
         vertices, triangles = _read_triangles()
     edges = np.concatenate([np.column_stack([c[:-1], c[1:]]) for c in chains])

@@ -7,10 +7,11 @@ from functools import partial
 import numpy as np
 from scipy.spatial import cKDTree
 
+from meshes.cell import Cell, Channel
 from meshes.geometry import Array, Box, Container, HalfPlane, Round
+from meshes.opened import opened
+from meshes.segment import PIECES, segment, wall_size
 from meshes.sizing import Curve, Resolution, Surfaces, across, bodies, equidistribute, resolve
-
-PIECES = 64  # to begin with
 
 
 def boundary(container: Container, centres: Array, radii: Array, resolution: Resolution) -> list[Curve]:
@@ -19,7 +20,9 @@ def boundary(container: Container, centres: Array, radii: Array, resolution: Res
     Raises:
         MeshError: a body touches another or a wall.
     """
-    surfaces = Surfaces(container, centres, radii, cKDTree(centres))
+    if isinstance(container, Channel | Cell):
+        return opened(container, centres, radii, resolution)
+    surfaces = Surfaces(container, centres, radii, cKDTree(centres), len(radii))
     curves = bodies(surfaces, resolution) + walls(surfaces, resolution)
     return curves + axis(surfaces, resolution) if container.axisymmetric else curves
 
@@ -36,11 +39,11 @@ def walls(surfaces: Surfaces, resolution: Resolution) -> list[Curve]:
                 "top": ((x1, y1), (x0, y1)),
             }
             return [
-                _segment(surfaces, resolution, first + k, np.array(ends[wall]))
+                segment(surfaces, resolution, first + k, np.array(ends[wall]))
                 for k, wall in enumerate(surfaces.container.walls)
             ]
         case HalfPlane(radius=radius, axisymmetric=half):
-            plane = _segment(
+            plane = segment(
                 surfaces, resolution, first, np.array([[0.0 if half else -radius, 0.0], [radius, 0.0]])
             )
             return [plane, _arc(surfaces, resolution, first + 1, radius, 0.0, 0.5 * np.pi if half else np.pi)]
@@ -77,34 +80,6 @@ def _axis_size(surfaces: Surfaces, resolution: Resolution, gap: float, z: Array)
     return np.minimum(in_gap, np.maximum(h_body, resolution.growth * d))
 
 
-def _wall_size(surfaces: Surfaces, resolution: Resolution, x: Array, longest: float) -> Array:
-    """Element size at points of a wall."""
-    if len(surfaces.radii) == 0:
-        return np.full(len(x), longest)
-    d = surfaces.to_bodies(x)
-    h_body = 2.0 * np.pi * surfaces.radii.max() / resolution.cells_per_circle
-    a = float(surfaces.radii.min())
-    return np.minimum(
-        np.minimum(across(d, a, resolution), np.maximum(h_body, resolution.growth * d)), longest
-    )
-
-
-def _segment(surfaces: Surfaces, resolution: Resolution, tag: int, ends: Array) -> Curve:
-    """A straight wall from ends[0] to ends[1]."""
-    length = float(np.hypot(*(ends[1] - ends[0])))
-    along = (ends[1] - ends[0]) / length
-    s, h = resolve(
-        lambda s: _wall_size(surfaces, resolution, ends[0] + s[:, None] * along, 0.25 * length),
-        0.0,
-        length,
-        PIECES,
-    )
-    s = equidistribute(s, 1.0 / h, least=4)
-    nodes = ends[0] + s[:, None] * along
-    nodes[[0, -1]] = ends
-    return Curve(tag, nodes, closed=False, centre=None)
-
-
 def _arc(
     surfaces: Surfaces, resolution: Resolution, tag: int, radius: float, start: float, end: float
 ) -> Curve:
@@ -114,7 +89,7 @@ def _arc(
         return radius * np.column_stack([np.cos(s / radius), np.sin(s / radius)])
 
     s, h = resolve(
-        lambda s: _wall_size(surfaces, resolution, at(s), 0.5 * radius), start * radius, end * radius, PIECES
+        lambda s: wall_size(surfaces, resolution, at(s), 0.5 * radius), start * radius, end * radius, PIECES
     )
     nodes = at(equidistribute(s, 1.0 / h, least=8))
     # Exactly on the axes, where other curves begin.

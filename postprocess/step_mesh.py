@@ -31,9 +31,10 @@ def write_step_mesh(run: Path, step: int | None, output: Path) -> int:
             f" {written[0]} ... {written[-1]}"
         )
     steps = read_table(run / "steps.csv")
-    q = read_configuration(run, float(steps["t"][steps["step"] == step][0]))
+    t = float(steps["t"][steps["step"] == step][0])
+    q = read_configuration(run, t)
     parts = sorted((run / "fields").glob(f"fluid_{step:06d}*.vtu"))
-    container = case.container()
+    container = case.container().at(t)
     write_cells(
         recover(parts, container, q.centres, q.radii), output, [*case.names, *boundary_names(container)]
     )

@@ -21,6 +21,8 @@ CASES = Path(__file__).parents[1] / "cases"
 class Solved:
     """Some numbers in place of a flow."""
 
+    bulk: None = field(default=None, init=False)
+
     U: Array
     F: Array
     dissipation: float = 7.0

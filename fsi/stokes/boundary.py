@@ -49,7 +49,7 @@ def locate(fluid: FluidMesh, V: FunctionSpace) -> BoundaryNodes:
     body_tag = _tag_of_nodes(fluid, V, bodies, tags)
     body_nodes = np.flatnonzero(body_tag).astype(np.int32)
     walls = {wall: _nodes_with(fluid, V, fluid.wall_tag(wall)) for wall in fluid.walls}
-    axis = _nodes_with(fluid, V, fluid.axis_tag)
+    axis = _nodes_with(fluid, V, fluid.axis_tag) if fluid.axisymmetric else np.empty(0, dtype=np.int32)
     x = V.tabulate_dof_coordinates()[:owned, : fluid.dimension]
     return BoundaryNodes(body_nodes, body_tag[body_nodes] - 1, walls, axis, x)
 

@@ -5,14 +5,16 @@ All unknowns x = (u, p) are written with the independent ones y = (u inside, p, 
     x = P y + g
 
 The rows of P are unit rows for free unknowns, the rigid modes `V + omega x r` at the nodes on bodies, and
-empty for given wall velocities, which stand in g together with the held modes. `rigid`, called K in the
+empty for given wall velocities, which stand in g together with the held modes. On one side of the cut of a
+periodic domain the rows are those of the nodes' images on the other, and the jump from image to image stands
+in g. `rigid`, called K in the
 saddle-point system of `saddle`, is the part for all M N modes, M of each body:  u = rigid U on the
 bodies, and the total load of any nodal reaction is  (F, T) = rigid^T lambda.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from mpi4py import MPI
@@ -22,6 +24,8 @@ from petsc4py import PETSc
 from fsi.bodies import MODES, Array, Configuration, rigid_motion
 from fsi.stokes.boundary import BoundaryNodes
 from meshes.build import FluidMesh
+from meshes.lattice import Lattice
+from meshes.matching import columns_of_masters
 
 NO_COLUMN = -1
 # For each component of the velocity the modes that give it: its translation, rotations about the other axes.
@@ -34,7 +38,9 @@ class Layout:
 
     fixed: rows whose value is given (walls, the pinned pressure), local numbers; on_body: rows of nodes on
     bodies; body: the body of each of these; modes: M N, all owned by rank 0; dimension: d, components of the
-    velocity; axisymmetric: u_r = 0 on the axis, and V_z is a body's only mode.
+    velocity; axisymmetric: u_r = 0 on the axis, and V_z is a body's only mode; slave, master: rows, local,
+    whose unknowns are those of other rows, by global numbers, at their images; away: how far each lies from
+    its master, (slaves, d).
     """
 
     comm: MPI.Intracomm
@@ -46,6 +52,9 @@ class Layout:
     body: NDArray[np.int64]
     modes: int
     axisymmetric: bool
+    slave: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    master: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    away: Array = field(default_factory=lambda: np.empty((0, 2)))
 
     @property
     def rows(self) -> int:
@@ -96,14 +105,15 @@ def layout(
     )  # fmt: skip
 
 
-def rigid_modes(shares: Layout, nodes: BoundaryNodes, q: Configuration) -> PETSc.Mat:
+def rigid_modes(shares: Layout, nodes: BoundaryNodes, q: Configuration, lattice: Lattice) -> PETSc.Mat:
     """The matrix `rigid`: nodal velocities (rows of x) of the unit modes of every body, `V + omega x r`.
 
-    With an axis the modes V_x and omega are empty.
+    r begins at the centre of the body's image there. With an axis the modes V_x and omega are empty.
     """
     node, component = np.divmod(shares.on_body, shares.dimension)
     acting = np.array(ACTING[shares.dimension])[component]
     r = nodes.x[node] - q.centres[shares.body]
+    r -= lattice.shift(lattice.nearest(r))
     values = np.take_along_axis(rigid_motion(r)[np.arange(len(r)), component], acting, axis=1)
     columns = shares.modes_of_each * shares.body[:, None] + acting
     rows = shares.on_body
@@ -123,6 +133,7 @@ def prolongation(
     """
     free = np.ones(shares.rows, dtype=bool)
     free[shares.fixed] = False
+    free[shares.slave] = False
     columns = np.full(shares.modes, NO_COLUMN, dtype=np.int64)
     if eliminate_bodies:
         free[shares.on_body] = False
@@ -136,15 +147,18 @@ def prolongation(
     own_columns = own_free + (int((columns != NO_COLUMN).sum()) if shares.comm.rank == 0 else 0)
     rows = np.flatnonzero(free)
     unit = first + np.arange(own_free)
+    first_row = shares.comm.exscan(shares.rows) or 0
+    known, of_master = columns_of_masters(shares.comm, shares.master, first_row + rows, unit)
+    rows, unit = np.concatenate([rows, shares.slave[known]]), np.concatenate([unit, of_master])
     if not eliminate_bodies:
-        return _matrix(shares, (own_columns, None), rows, unit[:, None], np.ones((own_free, 1)))
+        return _matrix(shares, (own_columns, None), rows, unit[:, None], np.ones((len(rows), 1)))
     start, end = rigid.getOwnershipRange()
     indptr, mode, value = rigid.getValuesCSR()
     mode_row = np.repeat(np.arange(end - start), np.diff(indptr))
     used = columns[mode] != NO_COLUMN
     all_rows = np.concatenate([rows, mode_row[used]])
     all_columns = np.concatenate([unit, columns[mode[used]]])
-    values = np.concatenate([np.ones(own_free), value[used]])
+    values = np.concatenate([np.ones(len(rows)), value[used]])
     return _matrix(shares, (own_columns, None), all_rows, all_columns[:, None], values[:, None])
 
 

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.accuracy import ErrorEstimate, Results, relative_change
+from fsi.accuracy import ErrorEstimate, Measured, Results, relative_change
 from fsi.bodies import Array, Configuration, Motion
 
 if TYPE_CHECKING:
@@ -54,8 +54,16 @@ def estimate_errors(
         return np.where(computed & exists, np.maximum(SAFETY * np.abs(values - reference), rounding), 0.0)
 
     return ErrorEstimate(
-        bound(solution.U, better.U, 1.0 / arm, ~motion.held), bound(solution.F, better.F, arm, motion.held)
+        bound(solution.U, better.U, 1.0 / arm, ~motion.held),
+        bound(solution.F, better.F, arm, motion.held),
+        _of_viscosity(solution, better),
     )
+
+
+def _of_viscosity(solution: Results, better: Measured) -> float | None:
+    """The same for the apparent viscosity, where there is one."""
+    mu, mu_better = getattr(solution, "apparent_viscosity", None), better.apparent_viscosity
+    return None if mu is None or mu_better is None else SAFETY * abs(mu - mu_better)
 
 
 def error_columns(model: StokesModel, q: Configuration, t: float, instant: Results) -> dict[str, float]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +12,14 @@ from numpy.typing import NDArray
 
 from fsi.bodies import Array, Configuration, Inertia, Motion
 from fsi.case import Case
-from fsi.domain import WallVelocity
+from fsi.periodic import ChannelDomain
 from fsi.stepping import Instant
 from fsi.stokes.error import error_columns
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import Boundary, Clock, Field, solve
+from fsi.walls import WallVelocity
 from meshes.build import FluidMesh, build
+from meshes.lattice import Lattice
 from meshes.move import Mover
 from meshes.read import read_mesh
 from meshes.sizing import Resolution
@@ -28,11 +31,11 @@ class StokesModel:
     def __init__(self, case: Case) -> None:
         """A model of the case; nothing is meshed yet."""
         self.case = case
-        self.container = case.container()
         given = case.discretisation
         self.resolution = Resolution(given.cells_per_gap, given.cells_per_circle, given.growth)
         self._moving = case.time is not None and case.time.remesh == "when-needed"
         self._mover: Mover | None = None
+        self._meshed_time = 0.0
 
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> StokesSolution:
         """The flow at configuration q and time t.
@@ -42,7 +45,7 @@ class StokesModel:
             SolveError: the solve fails or violates an identity.
         """
         clock = Clock()
-        fluid = self._moved(q) if self._moving else self.mesh(q)
+        fluid = self._moved(q, t) if self._moving else self.mesh(q, t)
         clock.lap("mesh")
         degree = self.case.discretisation.degree
         return self._solve(fluid, q, t, self.case.motion_at(q, t), degree, inertia, clock)
@@ -54,7 +57,7 @@ class StokesModel:
             MeshError, SolveError: as for the flow itself.
         """
         degree, clock = self.case.discretisation.degree + 1, Clock()
-        return self._solve(self.mesh(q, degree), q, t, motion, degree, None, clock)
+        return self._solve(self.mesh(q, t, degree), q, t, motion, degree, None, clock)
 
     def errors(self, q: Configuration, t: float, instant: Instant) -> dict[str, float]:
         """Columns of steps.csv with the estimated errors of an instant of this model; collective."""
@@ -66,7 +69,7 @@ class StokesModel:
     ) -> StokesSolution:  # fmt: skip
         return solve(
             fluid,
-            self.container,
+            self.case.container().at(t),
             q,
             motion,
             self._boundary(t),
@@ -78,43 +81,52 @@ class StokesModel:
             clock=clock,
         )
 
-    def mesh(self, q: Configuration, order: int | None = None) -> FluidMesh:
-        """A new mesh around the bodies at q, or the user's own; of the order of the case if not given."""
+    def mesh(self, q: Configuration, t: float = 0.0, order: int | None = None) -> FluidMesh:
+        """A new mesh around the bodies at q and t, or the user's own; of the case's order if not given."""
         order = order or self.case.discretisation.degree
+        container = self.case.container().at(t)
         if self.case.domain.mesh is not None:
             path = Path(self.case.domain.mesh)
-            return read_mesh(path, self.case.names, self.container, q.centres, q.radii, order)
-        return build(self.container, q.centres, q.radii, self.resolution, order)
+            return read_mesh(path, self.case.names, container, q.centres, q.radii, order)
+        return build(container, q.centres, q.radii, self.resolution, order)
 
     def state(self) -> dict[str, NDArray[Any]]:
-        """The centres around which the mesh in use was made: moved meshes start from it."""
-        return {} if self._mover is None else {"meshed_centres": self._mover.centres}
+        """The centres around which the mesh in use was made, and when: moved meshes start from it."""
+        if self._mover is None:
+            return {}
+        return {"meshed_centres": self._mover.centres, "meshed_time": np.array(self._meshed_time)}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Mesh again where the mesh in use was made."""
         if self._moving and "meshed_centres" in state:
             centres = state["meshed_centres"]
             radii = self.case.configuration().radii
-            self._remesh(Configuration.unturned(centres, radii))
+            self._remesh(Configuration.unturned(centres, radii), float(state["meshed_time"]))
 
-    def _moved(self, q: Configuration) -> FluidMesh:
-        """The mesh in use, moved to q, or a new one where it would be too distorted."""
+    def _moved(self, q: Configuration, t: float) -> FluidMesh:
+        """The mesh in use, moved to q and t, or a new one where it would be too distorted."""
         if self._mover is not None:
-            quality = self._mover.move(q.centres)
+            container, duration = self.case.container(), t - self._meshed_time
+            quality = self._mover.move(q.centres, lambda e: container.carried(e, duration))
             if quality is not None:
-                return self._mover.fluid.with_quality(quality)
-        return self._remesh(q)
+                return self._mover.fluid.moved(quality, Lattice(container.at(t).periods))
+        return self._remesh(q, t)
 
-    def _remesh(self, q: Configuration) -> FluidMesh:
+    def _remesh(self, q: Configuration, t: float) -> FluidMesh:
         if self._mover is not None:
             self._mover.close()
-        self._mover = Mover(self.mesh(q), q.centres)
+        self._mover, self._meshed_time = Mover(self.mesh(q, t), q.centres), t
         return self._mover.fluid
 
     def _boundary(self, t: float) -> Boundary:
         """What holds at the walls at time t."""
         velocities = {wall: _field(given) for wall, given in self.case.wall_velocity(t).items()}
-        return Boundary(velocities, self.case.wall_pressure())
+        domain, boundary = self.case.domain, Boundary(velocities, self.case.wall_pressure())
+        if not isinstance(domain, ChannelDomain):
+            return boundary
+        if domain.net_flux is None:
+            return replace(boundary, pressure_gradient=domain.pressure_gradient)
+        return replace(boundary, pressure_gradient=None, net_flux=domain.net_flux)
 
 
 def _field(given: WallVelocity) -> Field:

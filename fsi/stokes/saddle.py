@@ -25,6 +25,7 @@ from fsi.stokes.system import (
     NodalSolution,
     System,
     body_velocity,
+    galerkin,
     mode_equations,
     multiply,
     multiply_transpose,
@@ -41,7 +42,7 @@ def solve_multiplier(system: System) -> NodalSolution:
     """
     shares, held = system.shares, system.motion.held
     S = prolongation(shares, system.rigid, system.kept, eliminate_bodies=False)
-    flow = system.M.ptap(S)
+    flow = galerkin(system.M, S)
     # Rows of each rank: its unknowns (u, p), its multipliers, and on rank 0 the free modes.
     own_flow, own_multipliers = flow.getLocalSize()[0], len(shares.on_body)
     free = np.flatnonzero(~held.ravel())
@@ -85,9 +86,9 @@ def solve_multiplier(system: System) -> NodalSolution:
 
 
 def _with_walls(system: System, x: Array, reaction: Array) -> Array:
-    """Add what the multipliers do not hold: the reactions of the walls, M x - b on the given rows."""
+    """Add what the multipliers do not hold: M x - b on the rows of walls and of slaves."""
     complete = reaction.copy()
-    fixed = system.shares.fixed
+    fixed = np.concatenate([system.shares.fixed, system.shares.slave])
     complete[fixed] = (multiply(system.M, x) - system.b)[fixed]
     return complete
 

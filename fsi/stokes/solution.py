@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from fsi.bodies import MODES, Array
+from fsi.bulk import BulkStress
 from fsi.stokes import fields
 from fsi.stokes.surface import Surface, traction
 
@@ -20,7 +21,8 @@ class StokesSolution:
     traction integral of sigma_h n, less accurate, a cross-check; dissipation: int 2 mu e : e; checks: the
     relative defects of the identities; dofs: unknowns (u, p) before constraints; cells: their number;
     iterations: of the linear solver, 0 of the direct one; quality: worst scaled Jacobian; seconds: CPU
-    seconds of this process by phase; flow, surface: for output.
+    seconds of this process by phase; flow, surface: for output; bulk: mean stress of a
+    periodic flow.
     """
 
     U: Array
@@ -35,6 +37,7 @@ class StokesSolution:
     seconds: dict[str, float]
     flow: fields.Flow = field(repr=False)
     surface: Surface = field(repr=False)
+    bulk: BulkStress | None = None
 
     @property
     def record(self) -> Mapping[str, float]:
@@ -49,9 +52,20 @@ class StokesSolution:
             sizes["iterations"] = self.iterations
         return {
             **sizes,
+            **({} if self.bulk is None else self.bulk.record),
             **self.checks,
             **{f"cpu_{phase}": seconds for phase, seconds in self.seconds.items()},
         }
+
+    @property
+    def apparent_viscosity(self) -> float | None:
+        """Over the viscosity of the fluid, of a periodic flow with a mean strain rate."""
+        return None if self.bulk is None else self.bulk.apparent_viscosity
+
+    @property
+    def body_columns(self) -> Mapping[str, Array]:
+        """The model's columns of bodies.csv, (N,) each."""
+        return {} if self.bulk is None else self.bulk.body_columns
 
     @property
     def traction(self) -> Array:

@@ -7,7 +7,10 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 
+import meshes.backend  # noqa: F401
+
 import numpy as np
+from dolfinx import fem
 from mpi4py import MPI
 
 from fsi.bodies import Array, Configuration, Inertia, Motion
@@ -16,8 +19,10 @@ from fsi.stokes.boundary import BoundaryNodes, facets_with, locate
 from fsi.stokes.constraints import layout, rigid_modes, wall_offset
 from fsi.stokes.forms import Forms
 from fsi.stokes.identities import identities, require
+from fsi.stokes.periodic import averages, jumps, mean_flow, solve_periodic, tied
 from fsi.stokes.saddle import solve_multiplier
 from fsi.stokes.solution import StokesSolution
+from fsi.stokes.stress import bulk_stress, is_force_free, strain_rate, viscosity_checks
 from fsi.stokes.system import (
     NodalSolution,
     System,
@@ -28,6 +33,7 @@ from fsi.stokes.system import (
     stokes_matrix,
 )
 from meshes.build import FluidMesh
+from meshes.cell import Cell, Channel
 from meshes.geometry import Container
 
 Field = Callable[[Array], Array]
@@ -47,11 +53,15 @@ class Boundary:
 
     velocities: u(x) of the walls with a given velocity, (n, d) -> (n, d); pressures: p of the open walls,
     where the traction is sigma n = -p n; body_force: f(x), or None. Each wall is in exactly one of the two.
+    Along a periodic channel: pressure_gradient: dp/dx, or None where the net_flux of fluid and bodies is
+    given.
     """
 
     velocities: Mapping[str, Field]
     pressures: Mapping[str, float]
     body_force: Field | None = None
+    pressure_gradient: float | None = 0.0
+    net_flux: float = 0.0
 
 
 class Clock:
@@ -106,11 +116,17 @@ def solve(
         solver = "direct"
     given = assembled(fluid, container, q, motion, boundary, viscosity, degree, inertia, clock, solver)
     with given as (system, forms, nodes):
-        nodal = FORMULATIONS[formulation](system)
+        solve_system, loads = FORMULATIONS[formulation], system.b
+        if isinstance(container, Channel | Cell):
+            mean = mean_flow(container, motion, boundary.pressure_gradient, boundary.net_flux)
+            jump = jumps(system.shares, fluid, forms, q, nodes.x)
+            average = averages(forms, q, nodes.x, container.area)
+            system, nodal = solve_periodic(system, solve_system, jump, mean, average)
+        else:
+            nodal = solve_system(system)
         clock.lap("solve")
-        return _finish(
-            system, fluid, forms, nodes, nodal, q, viscosity, closed=not boundary.pressures, clock=clock
-        )
+        found = Found(system, fluid, forms, nodes, nodal, q, viscosity, system.b - loads)
+        return _finish(found, container, boundary, clock)
 
 
 @contextmanager
@@ -131,17 +147,18 @@ def assembled(
     nodes = locate(fluid, forms.V)
     closed = not boundary.pressures
     iterative = is_iterative(solver, forms)
-    pin = _pinned_pressure(forms) if closed and not iterative else None
+    pin = _pinned_pressure(fluid, forms) if closed and not iterative else None
     pressure_nodes = forms.Q.dofmap.index_map.size_local
     shares = layout(fluid.mesh.comm, nodes, tuple(boundary.velocities), pressure_nodes, pin, fluid)
+    shares = tied(shares, fluid, forms)
     at_walls = {wall: u(nodes.x[nodes.wall_nodes[wall]]) for wall, u in boundary.velocities.items()}
     g = wall_offset(shares, nodes, at_walls, dict(zip(container.walls, container.corner_axes, strict=True)))
     b = _loads(fluid, forms, boundary, shares.rows)
     clock.lap("setup")
     mass = pressure_mass(forms) if iterative else None
     system = System(
-        shares, stokes_matrix(forms), rigid_modes(shares, nodes, q), b, g, q, motion, inertia, nodes.x, mass,
-        closed,
+        shares, stokes_matrix(forms), rigid_modes(shares, nodes, q, fluid.lattice), b, g, q, motion, inertia,
+        nodes.x, mass, closed,
     )  # fmt: skip
     clock.lap("assemble")
     try:
@@ -160,12 +177,16 @@ def is_iterative(solver: str, forms: Forms) -> bool:
     return solver == "iterative"
 
 
-def _pinned_pressure(forms: Forms) -> int | None:
+def _pinned_pressure(fluid: FluidMesh, forms: Forms) -> int | None:
     """Local number of the pressure node to pin, on its owner: the one with the largest weight |int q|.
 
-    A node inside a gap would lose 7 digits: its divergence row is the smallest of all.
+    A node inside a gap would lose 7 digits: its divergence row is the smallest of all. One on the cut of a
+    periodic domain would have an image that is not pinned.
     """
     weights = np.abs(nodal_vector(forms.bind("pressure weights")))
+    if fluid.lattice.dimension:
+        on_cut = fem.locate_dofs_topological(forms.Q, 1, fluid.facet_tags.find(fluid.cut_tag))
+        weights[on_cut[on_cut < len(weights)]] = 0.0
     own = (float(weights.max(initial=-1.0)), -forms.mesh.comm.rank)
     if forms.mesh.comm.allreduce(own, op=MPI.MAX) != own:
         return None
@@ -194,26 +215,52 @@ def fill(forms: Forms, x: Array) -> None:
         function.x.scatter_forward()
 
 
-def _finish(
-    system: System, fluid: FluidMesh, forms: Forms, nodes: BoundaryNodes, nodal: NodalSolution,
-    q: Configuration, viscosity: float, *, closed: bool, clock: Clock,
-) -> StokesSolution:  # fmt: skip
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A solved system, and what it was made of; jump_load: what jumps of the pressure added to its loads."""
+
+    system: System
+    fluid: FluidMesh
+    forms: Forms
+    nodes: BoundaryNodes
+    nodal: NodalSolution
+    q: Configuration
+    viscosity: float
+    jump_load: Array
+
+
+def _finish(found: Found, container: Container, boundary: Boundary, clock: Clock) -> StokesSolution:
     """Everything that follows from the nodal values."""
-    velocities = system.shares.velocities
+    system, fluid, forms, nodal = found.system, found.fluid, found.forms, found.nodal
     fill(forms, nodal.x)
-    if closed:
-        forms.p.x.array[:] -= forms.integrate("pressure integral") / forms.integrate("area")
-    F = load_of(system, nodal.reaction)
-    on_bodies = facets_with(fluid, 1, fluid.bodies)
-    integral = np.zeros(system.shares.rows)
-    integral[:velocities] = nodal_vector(forms.bind("traction", on_bodies))
-    dissipation = forms.integrate("dissipation")
-    checks = identities(system, forms, nodal, F, dissipation, viscosity, q, nodes.x)
+    mean_pressure = forms.integrate("pressure integral") / forms.integrate("area")
+    if not boundary.pressures:
+        forms.p.x.array[:] -= mean_pressure
+    F, dissipation = load_of(system, nodal.reaction), forms.integrate("dissipation")
+    checks = identities(
+        system, forms, nodal, F, dissipation, found.viscosity, found.q, found.nodes.x,
+        fluid.lattice.dimension > 0,
+    )  # fmt: skip
+    bulk = None
+    if isinstance(container, Channel | Cell):
+        E = strain_rate(container, boundary.velocities)
+        bulk = bulk_stress(system, found.nodes, nodal, container, found.q, E, mean_pressure, found.viscosity)
+        if is_force_free(system):
+            checks |= viscosity_checks(bulk, E, dissipation, found.viscosity, found.q)
     require(checks)
-    own_surface = surface.collect(fluid, forms.V, nodal.reaction[:velocities])
+    own_surface = surface.collect(fluid, forms.V, nodal.reaction[: system.shares.velocities])
     flow = fields.capture(forms)
+    traction_F = _by_traction(found)
     clock.lap("checks")
     return StokesSolution(
-        nodal.U, F, load_of(system, integral), dissipation, checks, forms.dofs, fluid.cells(),
-        nodal.iterations, fluid.quality, clock.seconds, flow, own_surface,
+        nodal.U, F, traction_F, dissipation, checks, forms.dofs, fluid.cells(), nodal.iterations,
+        fluid.quality, clock.seconds, flow, own_surface, bulk,
     )  # fmt: skip
+
+
+def _by_traction(found: Found) -> Array:
+    """Loads of the bodies, (N, M), as integrals of sigma_h n, on all arcs in the pressure of one image."""
+    on_bodies = facets_with(found.fluid, 1, found.fluid.bodies)
+    integral = -found.jump_load
+    integral[: found.system.shares.velocities] += nodal_vector(found.forms.bind("traction", on_bodies))
+    return load_of(found.system, integral)

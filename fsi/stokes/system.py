@@ -100,6 +100,18 @@ def pressure_mass(forms: Forms) -> PETSc.Mat:
     return mass
 
 
+def galerkin(M: PETSc.Mat, P: PETSc.Mat) -> PETSc.Mat:
+    """P^T M P, on one rank with the explicit P^T: twice as fast as PETSc's default."""
+    if M.comm.size > 1:
+        return M.ptap(P)
+    options = PETSc.Options()
+    options["matptap_via"] = "rap"
+    try:
+        return M.ptap(P)
+    finally:
+        options.delValue("matptap_via")
+
+
 def nodal_vector(form: Form) -> Array:
     """A linear form on the velocity space, summed over ranks; this rank's rows of u."""
     vector = fem.assemble_vector(form)
@@ -173,7 +185,7 @@ def factorised(system: System) -> Iterator[Callable[[Array], Iterator[NodalSolut
         SolveError: the system is singular, or the residual of a solution is not small.
     """
     P = prolongation(system.shares, system.rigid, system.kept)
-    reduced = system.M.ptap(P)
+    reduced = galerkin(system.M, P)
     own = system.own_kept
     first_mode = reduced.getLocalSize()[0] - own
     D, _ = mode_equations(system)

@@ -1,0 +1,143 @@
+"""Periodic containers: the channel, periodic along x, and the cell, periodic along two lattice vectors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from meshes.geometry import Array
+from meshes.lattice import reduced
+
+Vector = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """The strip between the walls bottom and top, periodic along x with the length of [lower, upper]."""
+
+    lower: Vector
+    upper: Vector
+
+    @property
+    def axisymmetric(self) -> bool:
+        """It is not."""
+        return False
+
+    @property
+    def dimension(self) -> int:
+        """2."""
+        return 2
+
+    @property
+    def walls(self) -> tuple[str, ...]:
+        """Names of the walls."""
+        return ("bottom", "top")
+
+    @property
+    def corner_axes(self) -> tuple[int, ...]:
+        """y for both; they never meet."""
+        return (1, 1)
+
+    def distances(self, x: Array) -> Array:
+        """Distance of each point (n, 2) to the walls, shape (n, 2)."""
+        return np.column_stack([x[:, 1] - self.lower[1], self.upper[1] - x[:, 1]])
+
+    def size(self) -> float:
+        """Length of the diagonal."""
+        return float(np.hypot(*np.subtract(self.upper, self.lower)))
+
+    def axis(self) -> Vector:
+        """It has none."""
+        raise NotImplementedError
+
+    @property
+    def periods(self) -> Array:
+        """(L, 0)."""
+        return np.array([[self.upper[0] - self.lower[0], 0.0]])
+
+    def at(self, t: float) -> Self:  # noqa: ARG002
+        """The channel itself."""
+        return self
+
+    def carried(self, e: Array, duration: float) -> Array:  # noqa: ARG002
+        """Vectors between images after some time: the same."""
+        return e
+
+    @property
+    def area(self) -> float:
+        """Of fluid and bodies together."""
+        return float(np.prod(np.subtract(self.upper, self.lower)))
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """The plane with a lattice that moves with the mean flow `u = E x`.
+
+    vectors: two lattice vectors at time 0; gradient: E, rows of (dV_i / dx_j), without trace; time: t. The
+    lattice at time t is that of `exp(E t)` times the vectors, given by its reduced basis: a sheared lattice
+    returns to itself at whole strains, and no cell is ever more oblique than it must be.
+    """
+
+    vectors: tuple[Vector, Vector]
+    gradient: tuple[Vector, Vector]
+    time: float = 0.0
+
+    @property
+    def axisymmetric(self) -> bool:
+        """It is not."""
+        return False
+
+    @property
+    def dimension(self) -> int:
+        """2."""
+        return 2
+
+    @property
+    def walls(self) -> tuple[str, ...]:
+        """It has none."""
+        return ()
+
+    @property
+    def corner_axes(self) -> tuple[int, ...]:
+        """It has no corners."""
+        return ()
+
+    def distances(self, x: Array) -> Array:
+        """There are no walls: shape (n, 0)."""
+        return np.empty((len(x), 0))
+
+    def size(self) -> float:
+        """Length of the longer diagonal."""
+        a, b = self.periods
+        return float(max(np.hypot(*(a + b)), np.hypot(*(a - b))))
+
+    def axis(self) -> Vector:
+        """It has none."""
+        raise NotImplementedError
+
+    def carried(self, e: Array, duration: float) -> Array:
+        """Vectors e (n, 2) carried along by the mean flow: exp(E t) e."""
+        E = np.array(self.gradient)
+        rate = np.sqrt(max(-np.linalg.det(E), 0.0))  # E has no trace: E^2 = -det(E) I
+        by_E = np.sinh(rate * duration) / rate if rate > 0.0 else duration
+        moved: Array = e @ (np.cosh(rate * duration) * np.eye(2) + by_E * E).T
+        return moved
+
+    @property
+    def periods(self) -> Array:
+        """The reduced basis at this time, (2, 2)."""
+        return reduced(self.carried(np.array(self.vectors), self.time))
+
+    def at(self, t: float) -> Cell:
+        """The cell at time t."""
+        return Cell(self.vectors, self.gradient, t)
+
+    @property
+    def area(self) -> float:
+        """Of fluid and bodies together; the flow preserves it."""
+        return float(abs(np.linalg.det(np.array(self.vectors))))
+
+
+Periodic = Channel | Cell

@@ -1,0 +1,157 @@
+"""Periodic flow against references, exact limits and its own symmetries."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fsi.bodies import Configuration
+from fsi.stokes.solve import FORMULATIONS
+from meshes.cell import Cell, Channel
+from meshes.sizing import Resolution
+from tests.flows import discs, free, held
+from tests.periodic import LIGHT, THREE, couette, force_free, in_cell, in_channel, reference, square
+
+FINE = Resolution(2.0, 64, 0.2)
+
+
+def test_ten_discs_in_shear_at_default() -> None:
+    """Spectral boundary integrals and p = 8 elements, to 1e-9. One disc moved by 1e-4 changes V by 1e-3."""
+    expected = reference("couette_N10")["answer"]
+    found = couette("couette_N10", Resolution())
+    assert found.apparent_viscosity == pytest.approx(expected["apparent_viscosity"], rel=1e-5)
+    assert_allclose(found.U, expected["U_V_x_V_y_omega"], rtol=0, atol=1e-5)
+
+
+@pytest.mark.slow
+def test_ten_discs_in_shear_on_a_finer_mesh() -> None:
+    expected = reference("couette_N10")["answer"]
+    found = couette("couette_N10", Resolution(1.0, 24, 0.4), degree=4)
+    assert found.apparent_viscosity == pytest.approx(expected["apparent_viscosity"], rel=1e-6)
+    assert_allclose(found.U, expected["U_V_x_V_y_omega"], rtol=0, atol=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "value", "bar"), [("couette_N50", 6.432973, 1e-5), ("couette_N200", 6.220577, 1e-5)]
+)
+def test_many_discs_in_shear(name: str, value: float, bar: float) -> None:
+    """Values computed here: `couette(name, Resolution(1.0, 24, 0.4), degree=4)` for 50, (0.5, 16, 0.6) for
+    200.
+
+    The bars are relative: the degrees 3 and 4 differ by less. On the coarser mesh here the error is larger.
+    """
+    found = couette(name, Resolution(0.5, 16, 0.6))
+    assert found.apparent_viscosity == pytest.approx(value, rel=1e-4 + bar)
+
+
+@pytest.mark.parametrize("c", ["0.05", "0.1", "0.2", "0.3", "0.4", "0.5"])
+def test_square_array(c: str) -> None:
+    """Sangani and Acrivos 1982; across the corner of the cell. A lattice 1e-5 too wide shows."""
+    expected = reference("square_array_drag")["square"][c]
+    q = discs([(0.01, 0.99)], [np.sqrt(float(c) / np.pi)])
+    F = in_cell(square(1.0), q, held((1.0, 0.0, 0.0)))
+    assert F.F[0, 0] == pytest.approx(expected, rel=1e-5)
+
+
+@pytest.mark.parametrize("k", ["0.1", "0.3", "0.5"])
+def test_disc_between_plates(k: str) -> None:
+    """Faxen 1946 and a spectral solution: zero net flux, and a free disc in the flow 1 - y^2 of flux 4/3.
+
+    Without the condition on the flux the force at k = 0.5 is 16 % smaller in this channel.
+    """
+    given, channel = reference("disc_between_plates"), Channel((-8.0, -1.0), (8.0, 1.0))
+    q = discs([(7.9, 0.0)], [float(k)])
+    pulled = in_channel(channel, q, held((1.0, 0.0, 0.0)), None)
+    assert pulled.F[0, 0] == pytest.approx(given["F_parallel"][k], rel=1e-4)
+    carried = in_channel(channel, q, force_free(q), None, 4.0 / 3.0)
+    assert carried.U[0, 0] == pytest.approx(given["U_free_poiseuille"][k], rel=1e-4)
+
+
+def test_a_pressure_gradient_drives_poiseuille_flow() -> None:
+    """dp/dx = -2 gives u = 1 - y^2; a disc of 1e-2 half widths on the axis moves with 1 - (2/3) k^2."""
+    q = discs([(0.2, 0.0)], [0.01])
+    found = in_channel(Channel((-4.0, -1.0), (4.0, 1.0)), q, force_free(q), -2.0)
+    assert found.U[0, 0] == pytest.approx(1.0 - 2.0 / 3.0 * 1e-4, rel=1e-4)
+
+
+def test_dilute_limit() -> None:
+    """(mu_app - 1) / phi -> 2 for discs (Belzons et al. 1981); images add a term in phi."""
+    intrinsic = {}
+    for phi in (0.01, 0.02):
+        found = in_cell(square(1.0, 1.0), discs([(0.3, 0.1)], [np.sqrt(phi / np.pi)]))
+        assert found.apparent_viscosity is not None
+        intrinsic[phi] = (found.apparent_viscosity - 1.0) / phi
+    assert 2.0 * intrinsic[0.01] - intrinsic[0.02] == pytest.approx(2.0, rel=1e-3)
+
+
+def test_a_channel_does_not_know_where_it_begins() -> None:
+    """All velocities to 1e-6 when everything is shifted; a body left behind would show at once."""
+    channel, motion = (
+        Channel((0.0, -2.6), (5.0, 2.6)),
+        free((1.0, 0.5, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)),
+    )
+    U = [in_channel(channel, shifted(THREE, (s, 0.0)), motion).U for s in (0.0, 4.9, -7.3)]
+    for other in U[1:]:
+        assert_allclose(other, U[0], rtol=0, atol=1e-6 * np.abs(U[0]).max())
+
+
+def test_a_cell_does_not_know_where_it_begins() -> None:
+    """u = E x + periodic: a shift by s adds E s, in shear and in extension."""
+    for gradient in (((0.0, 1.0), (0.0, 0.0)), ((1.0, 0.0), (0.0, -1.0))):
+        cell = Cell(((5.0, 0.0), (0.3, 4.6)), gradient)
+        s = np.array([1.3, -2.9])
+        here, there = (in_cell(cell, shifted(THREE, by)).U for by in ((0.0, 0.0), s))
+        here[:, :2] += s @ np.array(gradient).T
+        assert_allclose(there, here, rtol=0, atol=2e-6)
+
+
+def test_images_of_bodies_are_the_same_bodies() -> None:
+    """A body given by another of its images gives the same flow; its own velocity differs by E e."""
+    cell = square(5.0, 1.0)
+    moved = Configuration(
+        THREE.centres + np.array([[0.0, 0.0], [5.0, 10.0], [-5.0, 0.0]]), THREE.angles, THREE.radii
+    )
+    one, other = in_cell(cell, THREE), in_cell(cell, moved)
+    assert_allclose(other.U, one.U + np.array([[0.0] * 3, [10.0, 0.0, 0.0], [0.0] * 3]), rtol=0, atol=1e-6)
+    assert other.apparent_viscosity == pytest.approx(one.apparent_viscosity, rel=1e-6)
+
+
+def test_a_sheared_lattice_returns_at_whole_strains() -> None:
+    """At strain 3 the lattice is that at 0; at 1/2 it is another, by 1e-2 in the viscosity."""
+    mu = [in_cell(square(5.0, 1.0).at(t), THREE).apparent_viscosity or 0.0 for t in (0.0, 3.0, 0.5)]
+    assert mu[1] == pytest.approx(mu[0], rel=1e-6)
+    assert abs(mu[2] - mu[0]) > 1e-2
+
+
+@pytest.mark.slow
+def test_the_part_of_the_cut_does_not_matter() -> None:
+    """Other links, as another body comes first: a jump lost on one of them would show at 1e-2."""
+    cell, turned = square(5.0, 1.0), [2, 0, 1]
+    other = Configuration(THREE.centres[turned], THREE.angles, THREE.radii[turned])
+    U = in_cell(cell, THREE, resolution=FINE).U
+    assert_allclose(in_cell(cell, other, resolution=FINE).U, U[turned], rtol=0, atol=1e-7)
+
+
+def test_both_forms_agree() -> None:
+    """With jumps of velocity and of pressure, known and found; wall, dissipation and bulk stress to 1e-10."""
+    one, other = (in_cell(square(5.0, 1.0), THREE, None, LIGHT, 3, form) for form in FORMULATIONS)
+    assert one.checks["stress"] < 1e-10
+    assert_allclose(one.U, other.U, rtol=0, atol=1e-9)
+    pulled = free((1.0, 0.5, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0))
+    channel = Channel((0.0, -2.6), (5.0, 2.6))
+    one, other = (in_channel(channel, THREE, pulled, None, 1.0, form) for form in FORMULATIONS)
+    assert_allclose(one.U, other.U, rtol=0, atol=1e-9 * np.abs(other.U).max())
+
+
+def test_settling_in_a_cell_is_balanced_by_the_pressure() -> None:
+    """A force on a free disc gives V = F / R of the held one, relative to the mean; bodies on both axes."""
+    q = discs([(0.2, 0.9)], [0.3])
+    R = in_cell(square(1.0), q, held((1.0, 0.0, 0.0))).F[0, 0]
+    V = in_cell(square(1.0), q, free((2.0, -1.0, 0.0))).U[0]
+    assert_allclose(V[:2], np.array([2.0, -1.0]) / R, rtol=1e-7)
+
+
+def shifted(q: Configuration, by: object) -> Configuration:
+    return Configuration(q.centres + np.asarray(by), q.angles, q.radii)
