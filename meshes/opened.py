@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from meshes.cell import Periodic
+from meshes.cell import Channel, Periodic
 from meshes.cut import Links, cut
 from meshes.errors import MeshError
 from meshes.geometry import Array
@@ -48,7 +48,7 @@ def opened(container: Periodic, centres: Array, radii: Array, resolution: Resolu
     walk = list(_walk(links, container, wrapped))
     opened_bodies = {stretch.node for stretch in walk}
     whole = [i for i in range(len(radii)) if i not in opened_bodies]
-    outer = _closed(_curves(walk, links, surfaces, resolution))
+    outer = _closed(_curves(walk, links, surfaces, container, resolution))
     shifts = _shifts_inside(lattice, wrapped[whole], walk, container, len(radii))
     holes = (around(surfaces, resolution, i) for i in whole)
     return [_moved(hole, shift) for hole, shift in zip(holes, shifts, strict=True)] + outer
@@ -103,13 +103,11 @@ def _walk(links: Links, container: Periodic, centres: Array) -> Iterator[Stretch
 
 
 def _start(links: Links, container: Periodic, centres: Array) -> Array:
-    """The centre of the first node of link 0: of a body, or the foot of a wall."""
-    first = int(links.first[0])
-    if first < len(centres):
-        return centres[first]
-    if len(centres):
-        return centres[int(links.second[0])] - links.step[0]
-    return np.array(container.lower) if hasattr(container, "lower") else np.zeros(2)
+    """The centre of the first node of link 0: of a body, or without bodies the corner of the channel."""
+    if isinstance(container, Channel) and len(centres) == 0:
+        return np.array(container.lower)
+    start: Array = centres[int(links.first[0])]
+    return start
 
 
 def _along_wall(container: Periodic, wall: int) -> Array:
@@ -118,9 +116,11 @@ def _along_wall(container: Periodic, wall: int) -> Array:
     return along
 
 
-def _curves(walk: list[Stretch], links: Links, surfaces: Surfaces, resolution: Resolution) -> Iterator[Curve]:
+def _curves(
+    walk: list[Stretch], links: Links, surfaces: Surfaces, container: Periodic, resolution: Resolution
+) -> Iterator[Curve]:
     """For each stretch its arc or piece of wall, then the link that leaves it."""
-    n, container = surfaces.bodies, surfaces.container
+    n = surfaces.bodies
     cut_tag = n + len(container.walls) + 1
     along = [_ways(links, k, surfaces, resolution) for k in range(len(links))]
     for stretch in walk:

@@ -92,8 +92,9 @@ def _wall_stress(
 def strain_rate(container: Periodic, walls: Mapping[str, Callable[[Array], Array]]) -> Array:
     """E, symmetric, (2, 2); zero in a channel whose walls have no given velocity. walls: u(x) on them."""
     if isinstance(container, Cell):
-        gradient = np.array(container.gradient)
-        return 0.5 * (gradient + gradient.T)
+        gradient: Array = np.array(container.gradient)
+        symmetric: Array = 0.5 * (gradient + gradient.T)
+        return symmetric
     E = np.zeros((2, 2))
     if len(walls) == 2:
         bottom, top = (walls[wall](np.array([corner]))[0, 0] for wall, corner in _corners(container))

@@ -1,0 +1,85 @@
+"""Periodic domains opened along links: areas, matching sides, dense and awkward arrangements."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from meshes.cell import Cell, Channel, Periodic
+from meshes.curved import curve
+from meshes.geometry import Array
+from meshes.lattice import Lattice, reduced
+from meshes.matching import matching_points
+from meshes.quality import scaled_jacobian
+from meshes.sizing import Resolution
+from meshes.triangulate import triangulate
+from meshes.walls import boundary
+
+COARSE = Resolution(0.25, 12, 1.0)
+
+
+def hexagonal(gap: float) -> tuple[Cell, Array]:
+    """Two discs of radius 1 in the cell of a hexagonal array: every straight line cuts discs."""
+    side = 2.0 + gap
+    return Cell(((side, 0.0), (0.0, np.sqrt(3.0) * side)), ((0.0, 1.0), (0.0, 0.0))), np.array(
+        [[0.1, 0.2], [0.1 + 0.5 * side, 0.2 + 0.5 * np.sqrt(3.0) * side]]
+    )
+
+
+def check(container: Periodic, centres: Array, radii: Array) -> None:
+    """The area is that of the domain without the discs; both sides of the cut match; no cell is inverted."""
+    curves = boundary(container, centres, radii, COARSE)
+    vertices, triangles, edges, tags = triangulate(curves)
+    cells = curve(vertices, triangles, edges, tags, curves, 3)
+    assert scaled_jacobian(cells.nodes[cells.cells], 3).min() > 0.1
+    on_cut = np.unique(edges[tags == len(radii) + len(container.walls) + 1])
+    pairs = matching_points(vertices[on_cut], Lattice(container.periods))
+    assert 2 * len(pairs.slave) == len(on_cut) > 0
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    area = 0.5 * np.sum((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+    # Polygons in place of circles, whose sagitta is some hundredths of a radius.
+    assert area == pytest.approx(
+        container.area - np.pi * np.sum(radii**2), abs=0.06 * np.sum(radii**2) * np.pi
+    )
+
+
+@pytest.mark.parametrize("gap", [0.5, 1e-2, 1e-4])
+def test_hexagonal_array(gap: float) -> None:
+    """Area fractions up to 0.9068."""
+    cell, centres = hexagonal(gap)
+    for t in (0.0, 0.3):
+        if t == 0.0 or gap == 0.5:
+            check(cell.at(t), centres, np.ones(2))
+
+
+def test_a_channel_without_bodies() -> None:
+    check(Channel((0.0, 0.0), (3.0, 1.0)), np.empty((0, 2)), np.empty(0))
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 10**6), st.booleans())
+def test_random_discs(seed: int, walls: bool) -> None:
+    """Polydisperse discs anywhere, one of them alone or many."""
+    random = np.random.default_rng(seed)
+    container: Periodic = Cell(((6.0, 0.0), (2.0, 5.0)), ((0.0, 0.0), (0.0, 0.0)))
+    if walls:
+        container = Channel((-1.0, 0.0), (5.0, 5.0))
+    lattice, centres, radii = Lattice(container.periods), np.empty((0, 2)), np.empty(0)
+    for _ in range(int(random.integers(1, 40))):
+        x, a = random.uniform((-9.0, 0.0), (9.0, 5.0))[None], random.uniform(0.2, 1.2)
+        apart = x - centres
+        apart -= lattice.shift(lattice.nearest(apart))
+        room = np.append(np.hypot(*apart.T) - radii, container.distances(x)).min(initial=2.0) - a
+        if room > 1e-3:
+            centres, radii = np.vstack([centres, x]), np.append(radii, a)
+    if len(radii):
+        check(container, centres, radii)
+
+
+def test_reduced_basis_of_a_lattice() -> None:
+    """Shortest vectors of a lattice sheared by 7/2, by hand: (1, 0) and (1/2, 1)."""
+    a, b = reduced(np.array([[1.0, 0.0], [3.5, 1.0]]))
+    assert a @ a == pytest.approx(1.0)
+    assert b @ b == pytest.approx(1.25)
