@@ -72,7 +72,8 @@ def _instant(case: Case) -> list[tuple[float, float, float]]:
     enclosed = any(row.exact in ENCLOSED for row in case.expected)
     half = None if enclosed else halved(solved.case)
     smaller = solution if half is None else StokesModel(half)(half.configuration(), 0.0)
-    change = ErrorEstimate(smaller.U - solution.U, smaller.F - solution.F)
+    thicker = (smaller.apparent_viscosity or 0.0) - (solution.apparent_viscosity or 0.0)
+    change = ErrorEstimate(smaller.U - solution.U, smaller.F - solution.F, thicker)
     return [
         (
             computed(case, solution, row.quantity),

@@ -105,5 +105,4 @@ def test_ranks_agree_on_periodic_flow(kind: str, tmp_path: Path) -> None:
     for other in others:
         for key in ("mean_stress", "apparent_viscosity"):
             assert_allclose(other[key], serial[key], rtol=1e-9, atol=1e-9)
-        velocities = [[[*b["velocity"], b["angular_velocity"]] for b in r["bodies"]] for r in (other, serial)]
-        assert_allclose(*velocities, rtol=0, atol=1e-9)
+        assert_allclose(numbers(other)[:, :3], numbers(serial)[:, :3], rtol=0, atol=1e-9)
