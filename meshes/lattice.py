@@ -48,7 +48,7 @@ class Lattice:
     def near(self) -> Integers:
         """All integers with |m_k| <= 1, shape (3^k, k), zero first."""
         every = np.array(list(product((0, -1, 1), repeat=self.dimension)), dtype=np.int64)
-        return every.reshape(-1, self.dimension)
+        return every.reshape(3**self.dimension, self.dimension)
 
     def nearest(self, d: Array) -> Integers:
         """The integers m (n, k) for which `d - m @ vectors` is shortest, for differences d (n, 2)."""

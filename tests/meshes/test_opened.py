@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from meshes.cell import Cell, Channel, Periodic
 from meshes.curved import curve
 from meshes.geometry import Array
-from meshes.lattice import Lattice, reduced
+from meshes.lattice import NO_LATTICE, Lattice, reduced
 from meshes.matching import matching_points
 from meshes.quality import scaled_jacobian
 from meshes.sizing import Resolution
@@ -76,6 +76,13 @@ def test_random_discs(seed: int, walls: bool) -> None:
             centres, radii = np.vstack([centres, x]), np.append(radii, a)
     if len(radii):
         check(container, centres, radii)
+
+
+def test_without_periods_each_point_is_its_only_image() -> None:
+    x = np.array([[1.0, -2.0, 3.0]])
+    assert NO_LATTICE.near().shape == (1, 0)
+    np.testing.assert_array_equal(NO_LATTICE.wrapped(x), x)
+    np.testing.assert_array_equal(x - NO_LATTICE.shift(NO_LATTICE.nearest(x)), x)
 
 
 def test_reduced_basis_of_a_lattice() -> None:
