@@ -12,7 +12,7 @@ import pyvista as pv
 from fsi.bodies import Array, Configuration
 from meshes.cell import Cell, Periodic
 from meshes.lattice import Integers, Lattice
-from postprocess.panel import View
+from postprocess.view import View
 
 _ROOM = 0.6  # half the width of the window over the longest side of the domain
 _SAME_PLACE = 1e-9  # of the window: nodes of two copies that are one
