@@ -10,7 +10,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import tomli_w
@@ -26,6 +26,7 @@ from fsi.forcelaws import Force
 from fsi.forces import external_forces
 from fsi.geometry import GEOMETRY, Geometry, dimension_of
 from fsi.overrides import override
+from fsi.reduced.section import Reduced
 from fsi.schema import Body, Calibration, Discretisation, Expected, Fluid, Output, Sweep, Time
 from fsi.section import Section, explain, tuples
 from fsi.series import kinks, value_at
@@ -43,6 +44,7 @@ class Case(Section):
 
     name: str = Field(min_length=1, description="a few words that name the case")
     geometry: Geometry = Field(default="planar", description='"planar", "axisymmetric" or "spatial"')
+    model: Literal["resolved", "reduced"] = Field(default="resolved", description='"resolved" or "reduced"')
     fluid: Fluid = Field(description="a section [fluid] with its viscosity")
     domain: Domain = Field(description='a section [domain] of shape "box", "half-plane" or "round"')
     bodies: tuple[Body, ...] = Field(default=(), description="one section [[bodies]] for each body")
@@ -60,6 +62,7 @@ class Case(Section):
     discretisation: Discretisation = Field(
         default_factory=Discretisation, description="a section [discretisation]"
     )
+    reduced: Reduced = Field(default_factory=Reduced, description="a section [reduced]")
     time: Time | None = Field(default=None, description="a section [time] with its end")
     output: Output = Field(default_factory=Output, description="a section [output]")
     expected: Annotated[tuple[Expected, ...], BeforeValidator(_rows)] = Field(
@@ -114,10 +117,27 @@ class Case(Section):
         return dimension_of(self.geometry)
 
     @property
+    def spheres(self) -> bool:
+        """True where bodies are spheres, false where they are discs."""
+        return self.geometry != "planar"
+
+    @property
     def modes(self) -> NDArray[np.bool_]:
         """Which of its M modes a body has: all, or with an axis V_z alone, which stands second."""
         found = np.ones(len(MODES[self.dimension]), dtype=bool)
         return np.array([False, True, False]) if self.axisymmetric else found
+
+    @property
+    def drag(self) -> float:
+        """The drag of a lone body in the reduced model, over mu V, for spheres over mu a V."""
+        if self.reduced.drag is not None:
+            return self.reduced.drag
+        if not self.spheres:
+            raise InputError(
+                "reduced.drag: missing; give the drag of a disc over mu V, some 10: a lone disc in unbounded "
+                "fluid has none (Stokes's paradox)"
+            )
+        return 6.0 * np.pi
 
     def container(self) -> Container:
         """What encloses the fluid."""
@@ -198,12 +218,23 @@ def load_case(path: Path, overrides: Sequence[str] = ()) -> Case:
         raise InputError(f"{path}: the case is empty; give at least name, [fluid] and [domain]")
     for text in overrides:
         override(data, text)
-    domain = data.get("domain")
-    if isinstance(domain, dict) and isinstance(domain.get("mesh"), str):
-        domain["mesh"] = str((path.parent / domain["mesh"]).resolve())
+    for section, keys in _PATHS.items():
+        _resolve(data.get(section), keys, path.parent)
     if isinstance(data.get("bodies_from"), str):
         data["bodies_from"] = str((path.parent / data["bodies_from"]).resolve())
     return parse_case(data)
+
+
+# Keys that are paths of files, seen from the folder of the case; words without a suffix are none.
+_PATHS = {"domain": ("mesh",), "reduced": ("law", "wall_law")}
+
+
+def _resolve(section: Any, keys: Sequence[str], folder: Path) -> None:
+    """Make the paths of files in a section absolute, in place."""
+    for key in keys if isinstance(section, dict) else ():
+        value = section.get(key)
+        if isinstance(value, str) and (key == "mesh" or Path(value).suffix):
+            section[key] = str((folder / value).resolve())
 
 
 def parse_case(data: Mapping[str, Any]) -> Case:

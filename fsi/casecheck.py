@@ -16,6 +16,7 @@ from fsi.domain import BoxDomain
 from fsi.errors import InputError
 from fsi.forcelaws import Gravity
 from fsi.gaps import find_gaps
+from fsi.reduced.check import check_reduced
 from fsi.section import toml_text
 from fsi.series import Component, is_zero
 from fsi.walls import Shear
@@ -43,16 +44,17 @@ def check_case(case: Case) -> None:
     _check_determined(case)
     _check_files(case)
     _check_time(case)
+    if case.model == "reduced":
+        check_reduced(case)
 
 
 def _check_names(case: Case) -> None:
     walls = boundary_names(case.container())
+    first: dict[str, int] = {}
     for i, name in enumerate(case.names):
         here = f"bodies.{i}.name = {toml_text(name)}"
-        if name in case.names[:i]:
-            raise InputError(
-                f"{here}: bodies.{case.names.index(name)} has the same name; give each body its own"
-            )
+        if first.setdefault(name, i) != i:
+            raise InputError(f"{here}: bodies.{first[name]} has the same name; give each body its own")
         if name in walls:
             raise InputError(f"{here}: a wall has this name; give the body another one")
 

@@ -12,6 +12,11 @@ if TYPE_CHECKING:
 
 def make_model(case: Case) -> Model:
     """The model that gives the velocities of the bodies of a case."""
+    if case.model == "reduced":
+        from fsi.reduced.inertial import DistanceModel
+        from fsi.reduced.model import ReducedModel
+
+        return ReducedModel(case) if case.reduced.step is None else DistanceModel(case, case.reduced.step)
     from fsi.stokes.model import StokesModel  # dolfinx is imported where it is needed, and only there
 
     return StokesModel(case)

@@ -13,11 +13,13 @@ from fsi.case import Case, load_case
 from fsi.errors import InputError
 from fsi.gaps import find_gaps
 from fsi.provenance import launch
+from fsi.reduced.inertial import DistanceModel
+from fsi.reduced.stepper import FixedStepper
 from fsi.results import RunFolder, StepRecord
 from fsi.schedule import Schedule
 from fsi.schema import Time
 from fsi.schemes import AscherRuuthSpiteri, BogackiShampine
-from fsi.stepping import Model, Scheme, State, Step, Stepper
+from fsi.stepping import Advance, Model, Scheme, State, Step, Stepper
 from meshes.geometry import Container
 
 type Progress = Callable[[StepRecord], None]
@@ -65,9 +67,12 @@ def resume_run(
     return _drive(case, run, stepper, progress)
 
 
-def make_stepper(case: Case, model: Model) -> Stepper:
+def make_stepper(case: Case, model: Model) -> Advance:
     """The stepper that a case asks for: with inertia if any body has a mass. Raises InputError."""
     given = _time(case)
+    schedule = Schedule(given.end, case.knots(), case.output.interval)
+    if isinstance(model, DistanceModel):
+        return FixedStepper(model, case.container(), schedule, model.step)
     if case.discretisation.tolerance is not None:
         raise InputError(
             f"discretisation.tolerance = {case.discretisation.tolerance:g}: only `fsi solve` refines to it; "
@@ -80,14 +85,14 @@ def make_stepper(case: Case, model: Model) -> Stepper:
         scheme=scheme,
         container=case.container(),
         names=case.names,
-        schedule=Schedule(given.end, case.knots(), case.output.interval),
+        schedule=schedule,
         tolerance=given.tolerance,
         gap_loss=given.gap_loss,
         smallest_step=given.smallest_step,
     )
 
 
-def _drive(case: Case, run: RunFolder, stepper: Stepper, progress: Progress) -> Outcome:
+def _drive(case: Case, run: RunFolder, stepper: Advance, progress: Progress) -> Outcome:
     """Step from the last commit, or from the start, to the end; keep each step."""
 
     def kept(advance: Callable[[], Step]) -> State:

@@ -111,6 +111,28 @@ class Step:
     rejected: int
 
 
+class Advance(Protocol):
+    """What a run needs of a stepper: `Stepper` chooses its steps, `fsi.reduced.stepper` takes given ones."""
+
+    @property
+    def model(self) -> Model:
+        """The model."""
+
+    @property
+    def container(self) -> Container:
+        """What encloses the fluid."""
+
+    @property
+    def schedule(self) -> Schedule:
+        """The times to land on."""
+
+    def start(self, q: Configuration, first_step: float | None = None) -> Step:
+        """The step of length 0 that begins a run."""
+
+    def advance(self, state: State) -> Step:
+        """One accepted step. Raises SolveError."""
+
+
 @dataclass(frozen=True, slots=True)
 class _Guarded:
     """A model that refuses configurations in which a gap has lost more than `gap_loss` since `start`."""

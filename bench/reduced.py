@@ -1,0 +1,111 @@
+"""What a step of the reduced model costs, by number of discs: `python bench/reduced.py [N ...]`.
+
+Discs of radius 1 in a box whose top moves, first randomly displaced on a triangular lattice, are stirred by
+forces for 20 steps; the numbers are means of the last three. "near": discs with a gap below 0.05, as a part
+of all.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")  # CPU seconds are those of one thread
+
+import resource
+import sys
+from time import process_time
+
+import numpy as np
+
+from fsi.bodies import Array
+from fsi.case import Case, parse_case
+from fsi.models import make_model
+from fsi.run import make_stepper
+
+AREA_FRACTION, STEPS, MEASURED = 0.55, 20, 3
+
+
+def positions(number: int, random: np.random.Generator) -> Array:
+    """Centres (N, 2) at the area fraction above: none overlap."""
+    spacing = np.sqrt(2.0 * np.pi / (np.sqrt(3.0) * AREA_FRACTION))
+    columns = round(np.sqrt(number * np.sqrt(3.0) / 2.0))
+    rows = -(-number // columns)
+    i, j = np.meshgrid(np.arange(columns), np.arange(rows), indexing="ij")
+    lattice = np.column_stack(
+        [((i + 0.5 * (j % 2)) * spacing).ravel(), (j * spacing * np.sqrt(0.75)).ravel()]
+    )
+    turn, way = 2.0 * np.pi * random.random(len(lattice)), np.sqrt(random.random(len(lattice)))
+    moved = 0.999 * (spacing / 2.0 - 1.0) * way[:, None] * np.column_stack([np.cos(turn), np.sin(turn)])
+    return lattice + moved + spacing / 2.0
+
+
+def case(number: int, scheme: str) -> Case:
+    """A stirred box of discs."""
+    random = np.random.default_rng(0)
+    x = positions(number, random)
+    room = x.max(axis=0) + 1.5
+    force = 20.0 * random.standard_normal((len(x), 2)) + 30.0 * np.sin(6.0 * np.pi * x[:, ::-1] / room)
+    bodies = [
+        {"name": str(k), "radius": 1.0, "position": p, "force": f, "mass": 1.0, "moment_of_inertia": 0.5}
+        for k, (p, f) in enumerate(zip(x.tolist(), force.tolist(), strict=True))
+    ]
+    for body in bodies if scheme == "adaptive" else ():
+        del body["mass"], body["moment_of_inertia"]
+    reduced: dict[str, object] = {"law": "leading", "drag": 12.0, "cutoff": 0.5, "scheme": scheme}
+    return parse_case(
+        {
+            "name": "discs",
+            "model": "reduced",
+            "fluid": {"viscosity": 1.0},
+            "domain": {"lower": [0.0, 0.0], "upper": room.tolist(), "walls": {"top": [10.0, 0.0]}},
+            "bodies": bodies,
+            "reduced": reduced if scheme == "adaptive" else reduced | {"step": 0.02},
+            "time": {"end": 100.0, "tolerance": 1e-2, "first_step": 0.02},
+        }
+    )
+
+
+def row(number: int, scheme: str) -> str:
+    """Measure one size."""
+    began = process_time()
+    given = case(number, scheme)
+    read = process_time() - began
+    stepper = make_stepper(given, make_model(given))
+    state = stepper.start(given.configuration()).state
+    spent = []
+    for _ in range(STEPS):
+        began = process_time()
+        step = stepper.advance(state)
+        spent.append(process_time() - began)
+        state = step.state
+    record = step.instant.record
+    one = record["cpu_solve"] + record.get("cpu_pairs", 0.0)
+    gaps = step.instant.pairs.gap  # type: ignore[attr-defined]
+    near = 2.0 * np.sum(gaps < 0.05) / len(given.bodies)
+    defects = (
+        "momentum",
+        "angular_momentum",
+        "kernel",
+        "residual",
+        "power",
+        "balance",
+        "invariant",
+        "energy",
+    )
+    worst = max(record.get(name, 0.0) for name in defects)
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+    N, mean = len(given.bodies), np.mean(spent[-MEASURED:])
+    return (
+        f"| {scheme} | {N} | {record['pairs'] / N:.2f} | {near:.2f} | {one:.3f} | {mean:.3f} | "
+        f"{1e6 * mean / N:.1f} | {memory:.2f} | {worst:.0e} | {read:.1f} |"
+    )
+
+
+if __name__ == "__main__":
+    print(
+        "| scheme | discs | pairs a disc | near | CPU s a solve | a step | us a disc | GB | worst defect | to read |"
+    )
+    print("|---|---|---|---|---|---|---|---|---|---|")
+    for scheme in ("distance", "adaptive"):
+        for number in map(int, sys.argv[1:] or ("1000", "10000", "100000")):
+            print(row(number, scheme), flush=True)

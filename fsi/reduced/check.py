@@ -1,0 +1,49 @@
+"""What a case must satisfy to be run with the reduced model."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fsi.errors import InputError
+
+if TYPE_CHECKING:
+    from fsi.case import Case
+
+
+def check_reduced(case: Case) -> None:
+    """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
+    given = case.reduced
+    if case.drag == 0.0 and given.scheme == "adaptive" and case.masses() is None:
+        raise InputError(
+            "reduced.drag = 0: only lubrication would resist bodies without mass; give them drag or mass"
+        )
+    if case.output.error_estimates:
+        raise InputError(
+            "output.error_estimates = true: a reduced model has no mesh to estimate the error of; drop it"
+        )
+    if given.scheme == "adaptive":
+        if given.step is not None:
+            raise InputError(
+                f'reduced.step = {given.step:g}: scheme "adaptive" chooses its steps; drop it or give '
+                'reduced.scheme = "distance"'
+            )
+        return
+    _check_distance_scheme(case)
+
+
+def _check_distance_scheme(case: Case) -> None:
+    given = case.reduced
+    if given.step is None:
+        raise InputError(f'reduced.step: missing; scheme "{given.scheme}" needs the length of its steps')
+    for i, body in enumerate(case.bodies):
+        if body.mass is None:
+            raise InputError(
+                f'bodies.{i}.mass: missing; scheme "{given.scheme}" is for bodies with inertia: give each a '
+                'mass, or use reduced.scheme = "adaptive"'
+            )
+    laws = {given.law, given.wall_law or given.law}
+    if given.scheme == "backward-euler" and (laws != {"slides"} or given.cutoff is not None):
+        raise InputError(
+            f'reduced.law = "{given.law}": scheme "backward-euler" is for "slides" without a cutoff; '
+            'use reduced.scheme = "distance"'
+        )

@@ -1,0 +1,106 @@
+"""The reduced model without memory: `zeta (U - u_inf) + A(q) U = F`, configuration and time in, U out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsi.bodies import Array, Configuration, Inertia, Motion
+from fsi.case import Case
+from fsi.errors import SolveError
+from fsi.parallel import on_root
+from fsi.reduced.files import write_bodies, write_contacts
+from fsi.reduced.identities import identities, require
+from fsi.reduced.laws import make_laws
+from fsi.reduced.pairs import Pairs, find_pairs
+from fsi.reduced.setting import drag, make_space
+from fsi.reduced.system import Surroundings, solve_system
+from fsi.stepping import Instant
+
+
+@dataclass(frozen=True, slots=True)
+class ReducedInstant:
+    """One solved instant.
+
+    U, F: velocities and external loads (N, modes); of the P pairs x = ln D, the gaps with which the laws were
+    taken, the forces lambda, and gamma = g K(D), the stored pushes, zero for a model without memory.
+    """
+
+    q: Configuration
+    U: Array
+    F: Array
+    pairs: Pairs
+    x: Array
+    force: Array
+    gamma: Array
+    record: Mapping[str, float]
+
+    def write(self, folder: Path, step: int) -> dict[str, list[str]]:
+        """Write the series "bodies" and "contacts"."""
+        return on_root(
+            lambda: {
+                "bodies": [write_bodies(folder, step, self.q, self.U, self.F)],
+                "contacts": [
+                    write_contacts(folder, step, self.q, self.pairs, self.x, self.force, self.gamma)
+                ],
+            }
+        )
+
+
+class ReducedModel:
+    """Drag and lubrication of the gaps; NumPy and SciPy only. All ranks compute the same."""
+
+    def __init__(self, case: Case) -> None:
+        """A model of the case; law files are read. Raises InputError."""
+        self.case = case
+        self.laws = make_laws(case)
+        self.reach = np.inf if case.reduced.cutoff is None else case.reduced.cutoff
+        self.zeta = drag(case)
+        self._steady = None if case.knots() else case.motion(0.0)  # with many bodies worth keeping
+
+    def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> ReducedInstant:
+        """The velocities at configuration q and time t.
+
+        Raises:
+            SolveError: a gap is not positive, the motion is not determined, or an identity is violated.
+        """
+        began = process_time()
+        around = self.surroundings(q, t)
+        pairs = find_pairs(q, around.space, self.reach)
+        if np.any(pairs.gap <= 0.0):
+            raise SolveError(f"reduced model at t = {t:.9g}: bodies overlap (gap {pairs.gap.min():.3g})")
+        x = np.log(pairs.gap)
+        kappa = self.laws.kappa(x, pairs.radius, pairs.is_wall)
+        found = process_time()
+        solved = solve_system(around, pairs, kappa, inertia)
+        checks = identities(solved.network, q, solved.U, solved.alone, solved.force) | solved.balances()
+        require(checks, t)
+        spent = {"cpu_pairs": found - began, "cpu_solve": process_time() - found}
+        record = {"pairs": len(pairs), "dissipation": solved.dissipation, **checks, **spent}
+        return ReducedInstant(q, solved.U, solved.F, pairs, x, solved.force, np.zeros(len(pairs)), record)
+
+    def surroundings(self, q: Configuration, t: float) -> Surroundings:
+        """Walls, periods, background flow, motion and drag at time t."""
+        space = make_space(self.case, t, q.centres.shape[1])
+        return Surroundings(space, self.motion(t), self.zeta, space.background(q.centres))
+
+    def motion(self, t: float) -> Motion:
+        """What holds and what drives the bodies at time t."""
+        return self._steady or self.case.motion(t)
+
+    def errors(self, q: Configuration, t: float, instant: Instant) -> Mapping[str, float]:  # noqa: ARG002
+        """None: there is no mesh whose error could be estimated."""
+        return {}
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Nothing is remembered."""
+        return {}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Nothing to take back."""

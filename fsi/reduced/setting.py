@@ -1,0 +1,47 @@
+"""A case as the reduced model sees it: drag, walls, background flow."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fsi.bodies import Array
+from fsi.case import Case
+from fsi.domain import Shear
+from fsi.reduced.space import Space
+from meshes.geometry import Box
+
+
+def drag(case: Case) -> Array:
+    """The drag coefficients zeta of lone bodies, (N, modes).
+
+    Translation: `reduced.drag` times mu a for spheres, mu for discs; rotation: 8 pi mu a^3 of a sphere, 4 pi
+    mu a^2 of a disc per unit length, the exact ones in unbounded fluid.
+    """
+    mu, q = case.fluid.viscosity, case.configuration()
+    modes, d = case.motion(0.0).U.shape[1], q.centres.shape[1]
+    scale = mu * q.radii if case.spheres else np.full(len(q), mu)
+    turning = 8.0 * np.pi * mu * q.radii**3 if case.spheres else 4.0 * np.pi * mu * q.radii**2
+    return np.column_stack([case.drag * scale] * d + [turning] * (modes - d))
+
+
+def make_space(case: Case, t: float, d: int) -> Space:
+    """Walls and background flow of a case in d dimensions at time t.
+
+    The background is the shear flow given at a wall, or the linear flow between two moving walls bottom and
+    top.
+    """
+    container, walls = case.container(), case.wall_velocity(t)
+    velocity = np.zeros((len(container.walls), d))
+    mean, gradient = np.zeros(d), np.zeros((d, d))
+    for row, name in zip(velocity, container.walls, strict=True):
+        if name in walls:
+            row[:] = walls[name].velocity
+    for wall in case.domain.walls.values():
+        if isinstance(wall, Shear):
+            gradient[0, -1] = wall.shear
+    if isinstance(container, Box) and {"bottom", "top"} <= set(walls):
+        low, high = container.lower[-1], container.upper[-1]
+        below, above = walls["bottom"].velocity[0], walls["top"].velocity[0]
+        gradient[0, -1] = (above - below) / (high - low)
+        mean[0] = below - gradient[0, -1] * low
+    return Space(container, velocity, np.empty((0, d)), mean, gradient)
