@@ -103,7 +103,7 @@ def row(number: int, scheme: str) -> str:
 
 if __name__ == "__main__":
     print(
-        "| scheme | discs | pairs a disc | near | CPU s a solve | a step | us a disc | GB | worst defect | to read |"
+        "| scheme | discs | pairs/disc | near | CPU s/solve | a step | us a disc | GB | defects | to read |"
     )
     print("|---|---|---|---|---|---|---|---|---|---|")
     for scheme in ("distance", "adaptive"):

@@ -18,7 +18,7 @@ from fsi.lubrication.exact import settling_time
 from fsi.run import make_stepper
 from fsi.schedule import Schedule
 from fsi.schemes import BogackiShampine
-from fsi.stepping import Step, Stepper
+from fsi.stepping import Advance, Step, Stepper
 from meshes.geometry import Box
 from tests.exact_model import DiscsBesidePlane, plane_case, settling_case
 from tests.test_schemes import Field
@@ -26,7 +26,7 @@ from tests.test_schemes import Field
 SETTLING = json.loads((Path(__file__).parent / "reference" / "settling.json").read_text())
 
 
-def run(stepper: Stepper, q: Configuration) -> list[Step]:
+def run(stepper: Advance, q: Configuration) -> list[Step]:
     steps = [stepper.start(q)]
     while steps[-1].state.t < stepper.schedule.end:
         steps.append(stepper.advance(steps[-1].state))

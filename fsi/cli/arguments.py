@@ -39,6 +39,17 @@ def load(path: Path, overrides: list[str] | None) -> Case:
     return parallel.on_root(lambda: load_case(path, overrides or ()))
 
 
+def load_resolved(path: Path, overrides: list[str] | None, command: str) -> Case:
+    """The case of a file, for a command that resolves the flow. Raises InputError for a reduced one."""
+    case = load(path, overrides)
+    if case.model != "resolved":
+        raise InputError(
+            f'model = "{case.model}": `fsi {command}` is for the resolved flow; add --set model=resolved, or '
+            "use `fsi run`"
+        )
+    return case
+
+
 def require_writable(output: Path) -> None:
     """Raise InputError if no file can be written there."""
     if output.is_dir() or not os.access(output.absolute().parent, os.W_OK):

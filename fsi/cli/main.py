@@ -29,6 +29,7 @@ from fsi.cli import (
     solve,
     validate,
 )
+from fsi.cli import calibrate, check, compare, mesh, render, resistance, run, solve, validate
 from fsi.errors import FsiError
 from meshes.errors import MeshError
 
@@ -57,6 +58,7 @@ app.command(epilog=revolve.EXAMPLE)(revolve.revolve)
 app.command(epilog=resistance.EXAMPLE)(resistance.resistance)
 app.command(epilog=validate.EXAMPLE)(validate.validate)
 app.command(epilog=calibrate.EXAMPLE)(calibrate.calibrate)
+app.command(epilog=compare.EXAMPLE)(compare.compare)
 
 
 def main() -> int:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from fsi import parallel
-from fsi.cli.arguments import Overrides, load, require_writable
+from fsi.cli.arguments import Overrides, load_resolved, require_writable
 from fsi.errors import InputError
 
 EXAMPLE = "Example: fsi mesh cases/disc_in_box.toml -o disc.vtu, or fsi mesh RUN --step 7 -o 7.msh"
@@ -39,7 +39,7 @@ def mesh(
 
         if step is not None:
             raise InputError(f"--step {step}: a case has no steps; give a run folder")
-        case = load(source, overrides)
+        case = load_resolved(source, overrides, "mesh")
         require_suffix(output)
         write_mesh(StokesModel(case).mesh(case.configuration()), output, case.names)
         message = f"wrote {output}"

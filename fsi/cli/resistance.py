@@ -10,7 +10,7 @@ import typer
 from rich.console import Console
 
 from fsi import parallel
-from fsi.cli.arguments import AsJson, CaseFile, Overrides, load, require_writable
+from fsi.cli.arguments import AsJson, CaseFile, Overrides, load_resolved, require_writable
 from fsi.errors import InputError
 
 EXAMPLE = "Example: fsi resistance cases/two_discs.toml -o two_discs.npz"
@@ -43,7 +43,7 @@ def resistance(
     if output is not None:
         require_writable(output)
         require_format(output)
-    case = load(case_file, overrides)
+    case = load_resolved(case_file, overrides, "resistance")
     if not case.bodies:
         raise InputError("bodies: there are none; a resistance matrix needs at least one [[bodies]]")
     from fsi.stokes.resistance import case_resistance

@@ -8,7 +8,7 @@ import typer
 from rich.console import Console
 
 from fsi import parallel
-from fsi.cli.arguments import AsJson, CaseFile, Overrides, load
+from fsi.cli.arguments import AsJson, CaseFile, Overrides, load_resolved
 
 EXAMPLE = "Example: fsi solve cases/disc_in_box.toml --set discretisation.cells_per_gap=2 --json"
 
@@ -31,7 +31,7 @@ def solve(
     from fsi.stokes.refine import solve_with_errors
     from fsi.truncation import halved, truncation
 
-    solved = solve_with_errors(load(case_file, overrides))
+    solved = solve_with_errors(load_resolved(case_file, overrides, "solve"))
     case, solution, errors = solved.case, solved.solution, solved.errors
     half = halved(case)
     truncated = None

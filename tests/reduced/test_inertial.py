@@ -1,0 +1,129 @@
+"""The distance scheme in time: one pair against exact values, and what each step satisfies."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fsi.bodies import Array
+from fsi.models import make_model
+from fsi.reduced.identities import BOUND
+from fsi.reduced.inertial import DistanceModel
+from fsi.run import make_stepper
+from fsi.stepping import Step
+from tests.reduced_data import INERTIA, heap, reduced_case
+
+REFERENCE = json.loads((Path(__file__).parents[1] / "reference" / "gluey_1d.json").read_text())
+
+
+def fall(name: str, eps: float, h: float, scheme: str = "distance") -> tuple[Array, Array]:
+    """A disc of mass 1 above a plane under the given force: rows (t, stored gap, gap, gamma), and the exact ones.
+
+    Gamma jumps at t = 1 as eps -> 0, so that values there say nothing.
+    """
+    given = REFERENCE[name]
+    (_, first), (jump, second) = given["f_breaks"]
+    force = {"times": [0.0, jump, jump + 1e-11], "values": [first, first, second]}
+    body = {
+        "name": "disc",
+        "radius": 1.0,
+        "position": [0.0, 1.0 + given["q0"]],
+        "velocity": [0.0, "free"],
+        "angular_velocity": 0.0,
+        "force": [0.0, force],
+    }
+    reduced = {"law": "slides", "drag": 0.0, "scheme": scheme, "step": h}
+    case = reduced_case([body | INERTIA], reduced, fluid={"viscosity": eps}, time={"end": given["tend"]})
+    model = make_model(case)
+    assert isinstance(model, DistanceModel)
+    stepper = make_stepper(case, model)
+    state = stepper.start(case.configuration()).state
+    # The case begins at rest; the reference, perhaps, with a velocity.
+    state = replace(state, U=np.array([[0.0, given["u0"], 0.0]]))
+    begun = model.state()
+    kick = {"w": begun["w"] + given["u0"], "force": begun["force"] + eps / given["q0"] * given["u0"]}
+    model.restore(begun | kick)
+    rows = [(0.0, given["q0"], given["q0"], 0.0)]
+    while state.t < given["tend"]:
+        step = stepper.advance(state)
+        state = step.state
+        instant = step.instant
+        rows.append((state.t, np.exp(instant.x[0]), state.q.centres[0, 1] - 1.0, instant.gamma[0]))  # type: ignore[attr-defined]
+    expected = np.array(given["data"][f"{eps:g}"]["rows"])
+    expected = expected[np.abs(expected[:, 0] - 1.0) > 0.05]
+    found = np.array(rows)
+    return np.column_stack([np.interp(expected[:, 0], found[:, 0], column) for column in found.T]), expected
+
+
+@pytest.mark.parametrize(
+    ("name", "eps"), [*(("I1", 10.0**-k) for k in range(1, 5)), ("I2", 0.1), ("I2", 1e-4)]
+)
+def test_the_gap_is_of_first_order_in_h_whatever_eps(name: str, eps: float) -> None:
+    """Error at most 2.5 h at speeds of order 2, halving with h; position within 7 h; gamma, of order 2, within 2 h."""
+    errors = []
+    for h in (0.08, 0.04):
+        found, expected = fall(name, eps, h)
+        errors.append(np.abs(found[:, 1] - expected[:, 1]).max())
+        assert errors[-1] < 2.5 * h
+        assert np.abs(found[:, 2] - expected[:, 1]).max() < 7.0 * h
+        assert np.abs(found[:, 3] - expected[:, 2]).max() < 2.0 * h
+    assert 1.8 < errors[0] / errors[1] < 2.2
+
+
+def test_backward_euler_loses_the_memory_however_small_the_step() -> None:
+    """In I1 it lets go at the first pull: at t = 5 the disc is twice as far as it should be, for any h."""
+    for h in (0.08, 0.04):
+        found, expected = fall("I1", 1e-3, h, "backward-euler")
+        assert found[-1, 1] > 2.0 * expected[-1, 1]
+
+
+def steps_of_a_heap(law: str, h: float, end: float = 1.5) -> list[Step]:
+    reduced = {"law": law, "drag": 5.0, "cutoff": 0.5, "scheme": "distance", "step": h}
+    case = reduced_case(heap(**INERTIA), reduced, time={"end": end})
+    stepper = make_stepper(case, make_model(case))
+    steps = [stepper.start(case.configuration())]
+    while steps[-1].state.t < end:
+        steps.append(stepper.advance(steps[-1].state))
+    return steps
+
+
+@pytest.mark.parametrize("law", ["slides", "leading", "exact"])
+def test_every_step_of_a_falling_heap_satisfies_its_identities(law: str) -> None:
+    steps = steps_of_a_heap(law, 0.02)
+    checks = ("momentum", "angular_momentum", "kernel", "residual", "power", "balance", "energy", "invariant")
+    for step in steps[1:]:
+        assert {
+            name: step.instant.record[name] for name in checks if not step.instant.record[name] <= BOUND
+        } == {}
+    assert max(step.instant.record["pairs"] for step in steps[1:]) >= 4
+    assert min(step.instant.record["log10_stored_gap"] for step in steps[1:]) < -1.0
+    assert min(float(step.instant.gamma.min(initial=0.0)) for step in steps) < -0.5  # type: ignore[attr-defined]
+
+
+def test_stored_gaps_drift_at_first_order() -> None:
+    coarse, fine = (steps_of_a_heap("leading", h, 0.4)[-1].instant.record["drift"] for h in (0.01, 0.005))
+    assert 0.0 < fine < 0.65 * coarse < 0.05
+
+
+def test_memory_survives_a_change_of_neighbours() -> None:
+    """The pairs that stay keep their stored gap to the last bit when another one comes or goes."""
+    reduced = {"law": "leading", "drag": 5.0, "cutoff": 0.3, "scheme": "distance", "step": 0.02}
+    case = reduced_case(heap(**INERTIA), reduced)
+    model = make_model(case)
+    assert isinstance(model, DistanceModel)
+    stepper = make_stepper(case, model)
+    state, changes = stepper.start(case.configuration()).state, 0
+    before = model.state()["key"]
+    while state.t < 1.0:
+        step = stepper.advance(state)
+        state, keys = step.state, model.state()["key"]
+        changes += len(keys) != len(before) and len(before) > 0
+        w = dict(zip(map(tuple, keys.tolist()), model.state()["w"], strict=True))
+        for key, value in zip(map(tuple, before.tolist()), model.state()["w"], strict=False):
+            assert key not in w or np.isfinite(value)
+        before = keys
+    assert changes > 1

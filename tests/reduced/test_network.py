@@ -1,0 +1,79 @@
+"""The network's solve against dense algebra, and what must hold for any forces."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fsi.bodies import Configuration
+from fsi.reduced.network import Network, make_network
+from fsi.reduced.pairs import Pairs, find_pairs
+from fsi.reduced.space import Space
+from meshes.geometry import Box
+
+
+def cluster(d: int, number: int, reach: float = 0.5) -> tuple[Configuration, Pairs]:
+    """Spheres or discs on a disturbed lattice in a box."""
+    random = np.random.default_rng(5)
+    n = round(number ** (1.0 / d))
+    grid = np.stack(np.meshgrid(*[np.arange(n)] * d, indexing="ij"), axis=-1).reshape(-1, d)
+    x = 2.2 * grid + 0.1 * random.uniform(-1.0, 1.0, grid.shape) + 1.15
+    box = Box((0.0,) * d, (2.2 * n + 0.1,) * d)  # type: ignore[arg-type]
+    q = Configuration.unturned(x, np.ones(len(x)))
+    space = Space(box, np.ones((2 * d, d)), np.empty((0, d)), np.zeros(d), np.zeros((d, d)))
+    return q, find_pairs(q, space, reach)
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_the_solve_is_that_of_the_dense_system(d: int) -> None:
+    """Z u + G^T kappa (G u - b) = f."""
+    q, pairs = cluster(d, 27 if d == 3 else 25)
+    random = np.random.default_rng(1)
+    Z, f = 1.0 + random.random(q.centres.shape), random.standard_normal(q.centres.shape)
+    kappa = pairs.gap**-1.5
+    network = make_network(pairs, kappa, 1.0 / Z)
+    u, force = network.solve(f / Z, 1.0 / Z)
+    G = network.G.toarray()
+    dense = np.linalg.solve(
+        np.diag(Z.ravel()) + G.T @ (kappa[:, None] * G), f.ravel() + G.T @ (kappa * pairs.b)
+    )
+    assert u.ravel() == pytest.approx(dense, rel=1e-11, abs=1e-12)
+    assert force == pytest.approx(kappa * network.rates(u), rel=1e-9, abs=1e-11)
+
+
+def test_iterations_find_what_factors_find(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In space large networks are solved by conjugate gradients."""
+    q, pairs = cluster(3, 216)
+    f = np.random.default_rng(1).standard_normal(q.centres.shape)
+    network = make_network(pairs, pairs.gap**-1.0, np.ones_like(f))
+    direct, _ = network.solve(f, np.ones_like(f))
+    monkeypatch.setattr("fsi.reduced.network._LARGEST_DIRECT", 10)
+    iterated, _ = network.solve(f, np.ones_like(f))
+    assert not np.array_equal(iterated, direct)
+    assert iterated == pytest.approx(direct, abs=1e-12)
+
+
+@pytest.mark.parametrize("kappa", [1e-300, 1e-3, 1e8, 1e300, np.inf])
+def test_momentum_and_rigidity_at_any_stiffness(kappa: float) -> None:
+    """More gaps than freedoms, and resistances without bound: the limit is a rigid cluster, not nonsense."""
+    q, pairs = cluster(2, 36)
+    pairs = find_pairs(q, Space(Box((-1e4, -1e4), (1e4, 1e4)), np.zeros((4, 2)), np.empty((0, 2)), np.zeros(2), np.zeros((2, 2))), 0.5)  # fmt: skip  # noqa: E501
+    f = np.random.default_rng(1).standard_normal(q.centres.shape)
+    network = make_network(pairs, np.full(len(pairs), kappa), np.ones_like(f))
+    u, force = network.solve(f, np.ones_like(f))
+    assert np.isfinite(force).all()
+    assert np.abs(u + network.loads(force) - f).max() < 1e-12 * max(1.0, np.abs(force).max())
+    assert u.sum(axis=0) == pytest.approx(f.sum(axis=0), abs=1e-11)
+    if kappa >= 1e300:
+        assert np.abs(network.rates(u)).max() < 1e-11
+    if kappa <= 1e-300:
+        assert u == pytest.approx(f, abs=1e-15)
+
+
+def test_a_rigid_motion_costs_nothing() -> None:
+    q, pairs = cluster(2, 16)
+    keep = ~pairs.is_wall
+    spin = np.column_stack([2.0 - 3.0 * q.centres[:, 1], 3.0 * q.centres[:, 0] - 1.0])
+    network = Network(pairs, make_network(pairs, pairs.gap**-1.0, np.ones_like(spin)).G, np.ones(len(pairs)))
+    assert np.abs((network.G @ spin.ravel())[keep]).max() < 1e-13 * np.abs(spin).max()
+    assert np.abs((network.G @ spin.ravel())[~keep]).max() > 1.0

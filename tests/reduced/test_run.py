@@ -1,0 +1,111 @@
+"""Runs of the reduced model: files, resumption, comparison."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+
+from fsi.bodies import Configuration
+from fsi.case import Case
+from fsi.comparison import Comparison, History, compare
+from fsi.models import make_model
+from fsi.pvd import read_collection
+from fsi.results import StepRecord
+from fsi.run import resume_run, run_case
+from tests.exact_model import DiscsBesidePlane
+from tests.reduced_data import INERTIA, heap, reduced_case
+from tests.small_run import contents, rows
+
+SCHEMES: dict[str, dict[str, object]] = {
+    "adaptive": {},
+    "distance": {"scheme": "distance", "step": 0.05},
+    "backward-euler": {"scheme": "backward-euler", "step": 0.05, "law": "slides"},
+}
+
+
+def case_of(scheme: str) -> Case:
+    reduced = {"law": "exact", "drag": 12.0, "cutoff": 0.5} | SCHEMES[scheme]
+    if scheme == "backward-euler":
+        del reduced["cutoff"]
+    bodies = heap() if scheme == "adaptive" else heap(**INERTIA)
+    return reduced_case(bodies, reduced, time={"end": 0.8, "tolerance": 1e-3}, output={"interval": 0.2})
+
+
+class KilledError(Exception):
+    """In place of a signal."""
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_a_resumed_run_is_the_unbroken_one_bit_by_bit(scheme: str, tmp_path: Path) -> None:
+    case = case_of(scheme)
+    outcome = run_case(case, tmp_path / "whole", make_model(case))
+
+    def stop(record: StepRecord) -> None:
+        if record.step == outcome.state.step // 2:
+            raise KilledError
+
+    with pytest.raises(KilledError):
+        run_case(case, tmp_path / "broken", make_model(case), stop)
+    assert resume_run(tmp_path / "broken", make_model).steps > 0
+    assert contents(tmp_path / "broken") == contents(tmp_path / "whole")
+
+
+def test_files_for_paraview_hold_bodies_and_contacts(tmp_path: Path) -> None:
+    case = case_of("distance")
+    run_case(case, tmp_path / "run", make_model(case))
+    last = {name: read_collection(tmp_path / "run" / f"{name}.pvd")[-1] for name in ("bodies", "contacts")}
+    assert {entry.t for entry in last.values()} == {0.8}
+    bodies, contacts = (meshio.read(tmp_path / "run" / entry.file) for entry in last.values())
+    table = rows(tmp_path / "run" / "bodies.csv")[-5:]
+    assert bodies.points[:, :2].tolist() == [[float(row["x"]), float(row["y"])] for row in table]
+    assert bodies.point_data["velocity"][:, 1].tolist() == [float(row["V_y"]) for row in table]
+    assert bodies.point_data["radius"].tolist() == [body.radius for body in case.bodies]
+    assert set(contacts.cell_data) == {"gap", "force", "gamma"}
+    lengths = np.linalg.norm(np.diff(contacts.points[contacts.cells_dict["line"]], axis=1), axis=2)
+    assert np.all(lengths > 0.5)
+    steps = rows(tmp_path / "run" / "steps.csv")
+    assert {"pairs", "power", "energy", "invariant", "drift", "log10_stored_gap"} <= set(steps[-1])
+    assert max(float(step["invariant"]) for step in steps if step["invariant"]) < 1e-12
+
+
+def test_the_comparison_of_a_model_with_itself_finds_no_difference() -> None:
+    """Discs that feel only the plane, by the closed form, against the reduced model with that law."""
+    cut = 2.0
+    bodies = [{"name": "disc", "radius": 1.0, "position": [0.0, 1.5], "force": [0.0, -4.0]}]
+    case = reduced_case(bodies, {"drag": 1.0, "cutoff": cut})
+    exact = DiscsBesidePlane(case)
+    drag = exact.resistance(Configuration.unturned(np.array([[0.0, 1.0 + cut]]), np.ones(1)))[0, 1]
+    found = compare_with_exact(bodies, exact, float(drag))
+    assert found.rate_error.max() < 1e-8  # of the table of the exact law
+    assert found.good_below(0.01) == pytest.approx(0.5)
+    assert found.bodies()[0]["velocity_difference"] < 1e-8
+    assert found.bodies()[0]["gap_difference"] < 1e-12  # the same history
+
+
+def test_a_drag_that_is_too_large_is_seen() -> None:
+    """At a gap where the law is ten times the drag, ten per cent more drag costs a per cent."""
+    bodies = [{"name": "disc", "radius": 1.0, "position": [0.0, 1.5], "force": [0.0, -4.0]}]
+    case = reduced_case(bodies, {"drag": 1.0, "cutoff": 2.0})
+    exact = DiscsBesidePlane(case)
+    drag = float(exact.resistance(Configuration.unturned(np.array([[0.0, 3.0]]), np.ones(1)))[0, 1])
+    found = compare_with_exact(bodies, exact, 1.5 * drag)
+    gap = found.sample_gap
+    R = exact.resistance(Configuration.unturned(np.column_stack([0.0 * gap, 1.0 + gap]), np.ones(len(gap))))[
+        :, 1
+    ]
+    assert found.rate_error == pytest.approx(0.5 * drag / (R + 0.5 * drag), rel=1e-6)
+    small = found.good_below(0.1)
+    assert small is not None
+    assert small < 0.5
+
+
+def compare_with_exact(bodies: list[dict[str, object]], exact: DiscsBesidePlane, drag: float) -> Comparison:
+    case = reduced_case(bodies, {"drag": drag, "cutoff": 2.0})
+    t, centres = np.linspace(0.0, 1.0, 40), np.zeros((40, 1, 2))
+    centres[:, 0, 1] = 1.0 + np.geomspace(0.5, 1e-3, 40)
+    U = np.array([exact(Configuration.unturned(x, np.ones(1)), 0.0).U for x in centres])
+    history = History(t, centres, U)
+    return compare(case, history, history)

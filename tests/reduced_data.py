@@ -1,0 +1,33 @@
+"""Cases of the reduced model for its tests."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fsi.case import Case, parse_case
+
+
+def reduced_case(bodies: list[dict[str, Any]], reduced: dict[str, Any], **sections: Any) -> Case:
+    """Bodies above a plane; `sections` replace the others."""
+    data: dict[str, Any] = {
+        "name": "test",
+        "model": "reduced",
+        "fluid": {"viscosity": 1.0},
+        "domain": {"shape": "half-plane", "radius": 1000.0},
+        "bodies": bodies,
+        "reduced": reduced,
+        "time": {"end": 1.0},
+    }
+    return parse_case(data | sections)
+
+
+def heap(**more: Any) -> list[dict[str, Any]]:
+    """Five discs of three sizes that fall onto a plane and onto each other."""
+    places = [(0.0, 1.3, 1.0), (2.05, 1.2, 1.0), (1.0, 3.0, 0.8), (-1.5, 2.6, 0.5), (3.0, 3.1, 0.8)]
+    return [
+        {"name": f"b{k}", "radius": a, "position": [x, y], "force": [0.5 * k, -10.0 * a * a]} | more
+        for k, (x, y, a) in enumerate(places)
+    ]
+
+
+INERTIA = {"mass": 1.0, "moment_of_inertia": 0.5}
