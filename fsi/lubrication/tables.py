@@ -30,13 +30,13 @@ class Table:
     _until: Array = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        """Interpolate, and integrate from the first point to each."""
+        """Interpolate, and integrate from the last point, so that small integrals keep their digits."""
         x, y = np.log(self.s), np.log(self.K)
         curve = make_interp_spline(x, y, k=5) if self.smooth else PchipInterpolator(x, y)
         object.__setattr__(self, "_curve", curve)
         object.__setattr__(self, "_slope", curve.derivative())
         parts = self._between(x[:-1], x[1:])
-        object.__setattr__(self, "_until", np.concatenate([[0.0], np.cumsum(parts)]))
+        object.__setattr__(self, "_until", np.concatenate([-np.cumsum(parts[::-1])[::-1], [0.0]]))
 
     @property
     def range(self) -> tuple[float, float]:
@@ -54,7 +54,7 @@ class Table:
         return value
 
     def integral(self, s: Array) -> Array:
-        """The integral of K from the first point to s."""
+        """The integral of K from the last point to s."""
         inside = np.clip(s, *self.range)
         x = np.log(inside)
         k = np.clip(np.searchsorted(self.s, inside, side="right") - 1, 0, len(self.s) - 2)

@@ -19,6 +19,7 @@ type Integral = Callable[[Array, NDArray[np.intp]], tuple[Array, Array]]
 
 _ROUNDING = 4.0 * float(np.finfo(float).eps)
 _ITERATIONS = 200
+_LAST_STEP = 1e-8  # of Newton's method in x: the error after it is about its square
 _LEAST = float(np.finfo(float).tiny)
 
 
@@ -55,7 +56,7 @@ def first_integral_step(x0: Array, w: Array, h: float, g: Array, integral: Integ
         to = np.where(beyond, 0.5 * (low[active] + high[active]), to)
         solved = np.abs(F) <= _ROUNDING * size
         x[active] = np.where(solved, at, to)
-        active = active[~(solved | (np.abs(to - at) <= _ROUNDING * np.maximum(1.0, np.abs(to))))]
+        active = active[~(solved | (~beyond & (np.abs(to - at) <= _LAST_STEP)))]
         if len(active) == 0:
             return x
     raise SolveError("the distance of a pair was not found; shorten reduced.step")

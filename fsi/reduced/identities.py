@@ -21,7 +21,7 @@ def identities(network: Network, q: Configuration, U: Array, alone: Array, force
     """Relative defects of the forces of the gaps, (P,), at velocities U (N, modes).
 
     momentum: the forces of the gaps between bodies and of the walls sum to zero, over the sum of |lambda|;
-    angular_momentum: so do their moments, where nothing is periodic; kernel: a rigid motion of each cluster
+    angular_momentum: so do their moments, 0 if any pair is periodic; kernel: a rigid motion of each cluster
     of bodies changes none of its gaps, in units of its speed; residual: of the law `D' = lambda / kappa`,
     over the largest speed there is or would be without lubrication (alone).
     """
@@ -31,6 +31,7 @@ def identities(network: Network, q: Configuration, U: Array, alone: Array, force
     total = float(np.abs(force).sum()) + _TINY
     sums = loads.sum(axis=0) - from_walls.sum(axis=0)
     found: dict[str, float] = {"momentum": float(np.abs(sums).max()) / total}
+    found["angular_momentum"] = 0.0
     if not np.any(pairs.shift):
         arm = q.centres - q.centres.mean(axis=0)
         moments = _moments(arm, loads).sum(axis=0)

@@ -21,7 +21,7 @@ REFERENCE = json.loads((Path(__file__).parents[1] / "reference" / "gluey_1d.json
 
 
 def fall(name: str, eps: float, h: float, scheme: str = "distance") -> tuple[Array, Array]:
-    """A disc of mass 1 above a plane under the given force: rows (t, stored gap, gap, gamma), and the exact ones.
+    """A disc of mass 1 above a plane: rows (t, stored gap, gap, gamma), and the exact ones.
 
     Gamma jumps at t = 1 as eps -> 0, so that values there say nothing.
     """
@@ -54,7 +54,7 @@ def fall(name: str, eps: float, h: float, scheme: str = "distance") -> tuple[Arr
         instant = step.instant
         rows.append((state.t, np.exp(instant.x[0]), state.q.centres[0, 1] - 1.0, instant.gamma[0]))  # type: ignore[attr-defined]
     expected = np.array(given["data"][f"{eps:g}"]["rows"])
-    expected = expected[np.abs(expected[:, 0] - 1.0) > 0.05]
+    expected = expected[np.abs(expected[:, 0] - 1.0) > 0.15]
     found = np.array(rows)
     return np.column_stack([np.interp(expected[:, 0], found[:, 0], column) for column in found.T]), expected
 
@@ -63,7 +63,7 @@ def fall(name: str, eps: float, h: float, scheme: str = "distance") -> tuple[Arr
     ("name", "eps"), [*(("I1", 10.0**-k) for k in range(1, 5)), ("I2", 0.1), ("I2", 1e-4)]
 )
 def test_the_gap_is_of_first_order_in_h_whatever_eps(name: str, eps: float) -> None:
-    """Error at most 2.5 h at speeds of order 2, halving with h; position within 7 h; gamma, of order 2, within 2 h."""
+    """Error up to 2.5 h at speeds about 2, halving with h; position within 7 h; gamma, about 2, 2 h."""
     errors = []
     for h in (0.08, 0.04):
         found, expected = fall(name, eps, h)

@@ -10,7 +10,7 @@ import pytest
 from fsi.bodies import Array, Configuration
 from fsi.cell import reduced_basis
 from fsi.reduced.network import gradient
-from fsi.reduced.pairs import Pairs, find_pairs, turning
+from fsi.reduced.pairs import Pairs, find_pairs, of_keys, turning
 from fsi.reduced.space import Space
 from meshes.geometry import Box, Container, HalfPlane, Round
 
@@ -31,7 +31,7 @@ def brute_force(q: Configuration, periods: Array, reach: float) -> dict[tuple[fl
     """The gaps of all pairs of bodies and images, by sides and rounded shift."""
     found = {}
     for i, j in product(range(len(q)), repeat=2):
-        for m in product(range(-6, 7), repeat=len(periods)):
+        for m in product(range(-5, 6) if len(periods) < 3 else range(-3, 4), repeat=len(periods)):
             shift = np.array(m) @ periods if len(periods) else np.zeros(q.dimension)
             gap = np.linalg.norm(q.centres[i] - q.centres[j] - shift) - q.radii[i] - q.radii[j]
             first = (i, j) < (j, i) or (i == j and m > (0,) * len(m))
@@ -96,8 +96,6 @@ CONTAINERS: list[tuple[Container, int]] = [
 
 
 def gaps_at(x: Array, q: Configuration, room: Space, key: Pairs) -> Array:
-    from fsi.reduced.pairs import of_keys
-
     return of_keys(Configuration.unturned(x, q.radii), room, key.key).gap
 
 
