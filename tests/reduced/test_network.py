@@ -18,7 +18,7 @@ def cluster(d: int, number: int, reach: float = 0.5) -> tuple[Configuration, Pai
     n = round(number ** (1.0 / d))
     grid = np.stack(np.meshgrid(*[np.arange(n)] * d, indexing="ij"), axis=-1).reshape(-1, d)
     x = 2.2 * grid + 0.1 * random.uniform(-1.0, 1.0, grid.shape) + 1.15
-    box = Box((0.0,) * d, (2.2 * n + 0.1,) * d)  # type: ignore[arg-type]
+    box = Box((0.0,) * d, (2.2 * n + 0.1,) * d)
     q = Configuration.unturned(x, np.ones(len(x)))
     space = Space(box, np.ones((2 * d, d)), np.empty((0, d)), np.zeros(d), np.zeros((d, d)))
     return q, find_pairs(q, space, reach)

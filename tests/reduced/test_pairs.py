@@ -91,7 +91,7 @@ CONTAINERS: list[tuple[Container, int]] = [
     (Box((-1.0, -1.0), (4.0, 4.0)), 2),
     (HalfPlane(100.0), 2),
     (Round(6.0), 2),
-    (Box((-1.0, -1.0, -1.0), (4.0, 4.0, 4.0)), 3),  # type: ignore[arg-type]
+    (Box((-1.0, -1.0, -1.0), (4.0, 4.0, 4.0)), 3),
 ]
 
 
