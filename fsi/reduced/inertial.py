@@ -28,7 +28,7 @@ from fsi.reduced.identities import identities, require
 from fsi.reduced.memory import Memory, merged
 from fsi.reduced.model import ReducedInstant, ReducedModel
 from fsi.reduced.network import gradient, own_mobility
-from fsi.reduced.pairs import Pairs, find_pairs, of_keys, turning
+from fsi.reduced.pairs import Pairs, find_pairs, of_keys, own_speed, turning
 from fsi.reduced.system import Surroundings, solve_system
 from fsi.stepping import State
 
@@ -123,7 +123,8 @@ class DistanceModel(ReducedModel):
         given = (motion.U - U)[:, :d] / h
         a = np.where(motion.held[:, :d], given, M_inverse * load)
         g = own_mobility(G, M_inverse)
-        b_before = of_keys(state.q, before.space, pairs.key).b
+        wall = np.where(pairs.is_wall, pairs.j - len(U), -1)
+        b_before = own_speed(pairs.n, pairs.shift, wall, before.space)
         f = G @ a.ravel() + g * force + turning(pairs, U[:, :d]) - (pairs.b - b_before) / h
         return f, g
 

@@ -78,14 +78,21 @@ def of_keys(q: Configuration, space: Space, key: NDArray[np.int64]) -> Pairs:
     gap = distance - q.radii[i] - q.radii[other]
     radius = q.radii[i] * q.radii[other] / (q.radii[i] + q.radii[other])
     curvature = 1.0 / np.where(distance > 0.0, distance, 1.0)
-    velocity = shift @ space.gradient.T
     if np.any(is_wall):
         walls, at = wall_gaps(space.container, q.centres, q.radii), (i[is_wall], j[is_wall] - len(q))
         n[is_wall], gap[is_wall] = walls.normal[at], walls.gap[at]
         curvature[is_wall] = walls.curvature[at]
-        radius[is_wall], velocity[is_wall] = walls.radius[at], space.wall_velocity[at[1]]
-    b = np.einsum("pk,pk->p", n, velocity)
+        radius[is_wall] = walls.radius[at]
+    b = own_speed(n, shift, np.where(is_wall, j - len(q), -1), space)
     return Pairs(i, j, is_wall, shift, n, gap, radius, curvature, b, key)
+
+
+def own_speed(n: Array, shift: Array, wall: NDArray[np.intp], space: Space) -> Array:
+    """b, how fast sides j move along n as walls (P,), -1 for none, or with the lattice; shape (P,)."""
+    velocity = shift @ space.gradient.T
+    velocity[wall >= 0] = space.wall_velocity[wall[wall >= 0]]
+    b: Array = np.einsum("pk,pk->p", n, velocity)
+    return b
 
 
 def _near_bodies(q: Configuration, space: Space, reach: float) -> tuple[NDArray[np.intp], Array]:
