@@ -13,6 +13,7 @@ from fsi.bodies import Array
 from fsi.models import make_model
 from fsi.reduced.identities import BOUND
 from fsi.reduced.inertial import DistanceModel
+from fsi.reduced.memory import Memory, merged
 from fsi.run import make_stepper
 from fsi.stepping import Step
 from tests.reduced_data import INERTIA, heap, reduced_case
@@ -110,20 +111,18 @@ def test_stored_gaps_drift_at_first_order() -> None:
 
 
 def test_memory_survives_a_change_of_neighbours() -> None:
-    """The pairs that stay keep their stored gap to the last bit when another one comes or goes."""
-    reduced = {"law": "leading", "drag": 5.0, "cutoff": 0.3, "scheme": "distance", "step": 0.02}
-    case = reduced_case(heap(**INERTIA), reduced)
-    model = make_model(case)
-    assert isinstance(model, DistanceModel)
-    stepper = make_stepper(case, model)
-    state, changes = stepper.start(case.configuration()).state, 0
-    before = model.state()["key"]
-    while state.t < 1.0:
-        step = stepper.advance(state)
-        state, keys = step.state, model.state()["key"]
-        changes += len(keys) != len(before) and len(before) > 0
-        w = dict(zip(map(tuple, keys.tolist()), model.state()["w"], strict=True))
-        for key, value in zip(map(tuple, before.tolist()), model.state()["w"], strict=False):
-            assert key not in w or np.isfinite(value)
-        before = keys
-    assert changes > 1
+    """Pairs that stay keep what they store to the last bit, in whatever order the lists are; others are new."""
+    random = np.random.default_rng(0)
+    keys = np.unique(random.integers(0, 40, (200, 3)), axis=0)
+    values = random.standard_normal((3, len(keys)))
+    old = random.permutation(len(keys))[:120]
+    memory = Memory(keys[old], *values[:, old])
+    now = random.permutation(len(keys))[:120]
+    own, stored = memory.positions(keys[now])
+    assert set(now[own]) == set(old) & set(now)
+    new = np.setdiff1d(np.arange(len(now)), own)
+    fresh = Memory(keys[now][new], *(np.full((3, len(new)), 7.0)))
+    found = merged(keys[now], (own, stored, memory), (new, np.arange(len(new)), fresh))
+    assert np.array_equal(found.x[own], values[0][now[own]])
+    assert np.array_equal(found.w[own], values[1][now[own]])
+    assert np.all(found.force[new] == 7.0)
