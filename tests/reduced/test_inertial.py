@@ -111,7 +111,7 @@ def test_stored_gaps_drift_at_first_order() -> None:
 
 
 def test_memory_survives_a_change_of_neighbours() -> None:
-    """Pairs that stay keep what they store to the last bit, in whatever order the lists are; others are new."""
+    """Pairs that stay keep what they store to the last bit, whatever the order; others are new."""
     random = np.random.default_rng(0)
     keys = np.unique(random.integers(0, 40, (200, 3)), axis=0)
     values = random.standard_normal((3, len(keys)))
