@@ -13,7 +13,7 @@ from tests.exact_model import DiscsBesidePlane
 
 ROOT = Path(__file__).parents[1]
 COMMANDS = (
-    *("check", "mesh", "pack", "solve", "run", "resume", "calibrate"),
+    *("check", "mesh", "pack", "solve", "run", "resume", "calibrate", "compare"),
     *("plot", "probe", "render", "report", "resistance", "revolve"),
 )
 CASE = ROOT / "cases" / "disc_in_box.toml"

@@ -17,6 +17,7 @@ from fsi import parallel
 from fsi.cli import (
     calibrate,
     check,
+    compare,
     mesh,
     pack,
     plot,
@@ -29,7 +30,6 @@ from fsi.cli import (
     solve,
     validate,
 )
-from fsi.cli import calibrate, check, compare, mesh, render, resistance, run, solve, validate
 from fsi.errors import FsiError
 from meshes.errors import MeshError
 

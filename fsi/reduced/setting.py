@@ -6,8 +6,8 @@ import numpy as np
 
 from fsi.bodies import Array
 from fsi.case import Case
-from fsi.domain import Shear
 from fsi.reduced.space import Space
+from fsi.walls import Shear
 from meshes.geometry import Box
 
 
