@@ -86,6 +86,9 @@ class Case(Section):
         sections = dict(data)
         if isinstance(data.get("domain"), dict):
             sections["domain"] = data["domain"] | told
+        given = data.get("discretisation", {})
+        if isinstance(given, dict):
+            sections["discretisation"] = given | told
         if isinstance(data.get("bodies"), tuple):
             sections["bodies"] = tuple(b | told if isinstance(b, dict) else b for b in data["bodies"])
         return sections

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from fsi.lubrication import exact, spheres
+from fsi.lubrication import sphere_beside_plane as beside
 from fsi.lubrication import sphere_settling as sphere
 
 if TYPE_CHECKING:
@@ -39,6 +40,23 @@ def sphere_wall_normal(case: Case, quantity: str) -> float:
     """A sphere moving along the normal of a plane (Brenner 1961)."""
     _, mode = component(case, quantity)
     return -float(spheres.normal_resistance(*_beside_plane(case))) * float(case.motion(0.0).U[0, mode])
+
+
+def sphere_beside_plane(case: Case, quantity: str) -> float:
+    """A sphere in space moving and turning beside the plane z = 0, not about its normal.
+
+    The functions of `fsi.lubrication.sphere_beside_plane` have x along the plane and y up: a rotation about
+    our y turns against theirs, one about our x, with motion along y, turns with it.
+    """
+    place = _beside_plane(case)
+    N = float(spheres.normal_resistance(*place))
+    A = float(beside.parallel_resistance(*place))
+    B = float(beside.coupling_resistance(*place))
+    C = float(beside.rotation_resistance(*place))
+    V_x, V_y, V_z, omega_x, omega_y, _ = case.motion(0.0).U[0]
+    forces = (A * V_x - B * omega_y, A * V_y + B * omega_x, N * V_z)
+    torques = (B * V_y + C * omega_x, C * omega_y - B * V_x)
+    return -float((*forces, *torques)[component(case, quantity)[1]])
 
 
 def two_spheres(case: Case, quantity: str) -> float:
@@ -109,6 +127,7 @@ REFERENCES: dict[str, Reference] = {
     law.__name__: law
     for law in (
         sphere_wall_normal,
+        sphere_beside_plane,
         two_spheres,
         concentric_sphere,
         disc_beside_plane,

@@ -101,22 +101,31 @@ def _dimension(known: dict[str, Any]) -> int:
     return dimension_of(known.get("geometry", "planar"))
 
 
+def _by_dimension[T](known: dict[str, Any], planar: T, spatial: T) -> T:
+    return spatial if known.get("geometry") == "spatial" else planar
+
+
 def _turning[T](known: dict[str, Any], value: T) -> T | tuple[T, ...]:
     return (value,) * 3 if known.get("geometry") == "spatial" else value
 
 
 class Discretisation(Section):
-    """The mesh and the finite elements."""
+    """The mesh and the finite elements; in space, where unknowns are many, a coarser mesh by default."""
 
+    geometry: Geometry = Field(default="planar", alias="<geometry>", exclude=True)
     degree: int = Field(default=3, ge=2, le=4, description="the degree of the velocity, 2, 3 or 4")
     cells_per_gap: float = Field(
-        default=1.0, gt=0.0, description="the number of cells across a gap of 0.012 radii, a number > 0"
+        default_factory=lambda known: _by_dimension(known, 1.0, 0.8),
+        gt=0.0,
+        description="the number of cells across a gap of 0.012 radii, a number > 0",
     )
     cells_per_circle: int = Field(
-        default=48, ge=6, description="the number of cells around a lone body, at least 6"
+        default_factory=lambda known: _by_dimension(known, 48, 14),
+        ge=6,
+        description="the number of cells around a lone body, at least 6",
     )
     growth: float = Field(
-        default=0.2,
+        default_factory=lambda known: _by_dimension(known, 0.2, 0.5),
         gt=0.0,
         le=1.0,
         description="the cell size over the distance to the nearest body, in (0, 1]",

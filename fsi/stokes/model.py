@@ -50,13 +50,13 @@ class StokesModel:
         degree = self.case.discretisation.degree
         return self._solve(fluid, q, t, self.case.motion_at(q, t), degree, inertia, clock)
 
-    def enriched(self, q: Configuration, t: float, motion: Motion) -> StokesSolution:
-        """The flow with elements and curved cells of one degree more, on a new mesh of the same triangles.
+    def of_degree(self, degree: int, q: Configuration, t: float, motion: Motion) -> StokesSolution:
+        """The flow with elements and curved cells of another degree, on a new mesh of the same simplices.
 
         Raises:
             MeshError, SolveError: as for the flow itself.
         """
-        degree, clock = self.case.discretisation.degree + 1, Clock()
+        clock = Clock()
         return self._solve(self.mesh(q, t, degree), q, t, motion, degree, None, clock)
 
     def errors(self, q: Configuration, t: float, instant: Instant) -> dict[str, float]:

@@ -55,7 +55,7 @@ def test_the_bar_of_a_free_velocity() -> None:
 def test_errors_are_those_of_results_and_never_below_rounding() -> None:
     case = load_case(CASES / "disc_in_box.toml", ["discretisation.degree=2"])
     model, q = StokesModel(case), case.configuration()
-    better = model.enriched(q, 0.0, case.motion(0.0))
+    better = model.of_degree(3, q, 0.0, case.motion(0.0))
     errors = estimate_errors(model, q, 0.0, better)
     assert not errors.U.any()
     np.testing.assert_allclose(errors.F[0], ROUNDING * np.abs(better.F).max(), rtol=1e-12)
