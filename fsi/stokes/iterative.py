@@ -30,7 +30,7 @@ from petsc4py import PETSc
 from fsi.bodies import Array
 from fsi.errors import SolveError
 
-TOLERANCE = 1e-10  # of the residual relative to the right-hand side
+TOLERANCE = 1e-12  # of the residual relative to the right-hand side
 MOST_ITERATIONS = 600
 RESTART = 150
 COMPONENTS = 3
