@@ -1,0 +1,135 @@
+"""Pairs of neighbours, and the rows `G`, `T` that turn velocities into rates of gaps and of slip.
+
+Centres have shape (N, d) with d = 1, 2, 3. Velocities U have shape (N, d + r): those of the centres, then the
+angular ones, r = 0, 1, 3 in these dimensions. Side i of a contact is a body or, from N on, a wall; side j is a
+body; the normal points from i to j, so that `G.U = n.(v_j - v_i)` is the rate of the gap D.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from fsi.bodies import Array
+
+SPINS = {1: 0, 2: 1, 3: 3}
+
+
+@dataclass(frozen=True, slots=True)
+class Room:
+    """What bounds the bodies.
+
+    points, normals: a point of each plane wall and its unit normal into the room, shape (W, d);
+    period: length of the periodic cell in each direction, 0 where it is not periodic, shape (d,).
+    """
+
+    points: Array
+    normals: Array
+    period: Array
+
+    def nearest(self, separation: Array) -> Array:
+        """The shortest of the periodic images of separations (.., d)."""
+        period = np.where(self.period > 0.0, self.period, 1.0)
+        images: Array = separation - np.where(self.period > 0.0, self.period, 0.0) * np.rint(
+            separation / period
+        )
+        return images
+
+
+@dataclass(frozen=True, slots=True)
+class Contacts:
+    """Close pairs, ordered by key.
+
+    i, j: the two sides, shape (C,); n: unit normals from i to j, (C, d); D: gaps, (C,);
+    key: one integer for each pair, the same as long as the bodies are.
+    """
+
+    i: NDArray[np.intp]
+    j: NDArray[np.intp]
+    n: Array
+    D: Array
+    key: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        """Number of contacts C."""
+        return len(self.D)
+
+    def __getitem__(self, chosen: NDArray[np.intp]) -> Contacts:
+        """Some of them, or some repeated."""
+        return Contacts(self.i[chosen], self.j[chosen], self.n[chosen], self.D[chosen], self.key[chosen])
+
+
+def find_contacts(centres: Array, radii: Array, room: Room, reach: float) -> Contacts:
+    """All pairs of bodies, and of bodies and walls, whose gap is at most `reach`."""
+    N, W = len(centres), len(room.points)
+    i, j = _near_pairs(centres, room, 2.0 * float(radii.max(initial=0.0)) + reach)
+    separation = room.nearest(centres[j] - centres[i])
+    distance = np.linalg.norm(separation, axis=1)
+    above = np.einsum("bwd,wd->bw", centres[:, None, :] - room.points, room.normals) - radii[:, None]
+    body, wall = np.nonzero(above <= reach)
+    i = np.concatenate([i, N + wall])
+    j = np.concatenate([j, body])
+    D = np.concatenate([distance - radii[i[: len(distance)]] - radii[j[: len(distance)]], above[body, wall]])
+    with np.errstate(invalid="ignore"):
+        n = np.concatenate([separation / distance[:, None], room.normals[wall]])
+    key = i.astype(np.int64) * (N + W) + j
+    order = np.argsort(key)
+    order = order[D[order] <= reach]
+    return Contacts(i[order], j[order], n[order], D[order], key[order])
+
+
+def _near_pairs(centres: Array, room: Room, cutoff: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Pairs i < j of centres nearer than the cutoff, which is below half of every period."""
+    if len(centres) < 2:
+        return np.empty(0, dtype=np.intp), np.empty(0, dtype=np.intp)
+    periodic = room.period > 0.0
+    wrapped = np.where(periodic, np.mod(centres, np.where(periodic, room.period, 1.0)), centres)
+    wrapped = np.where(periodic & (wrapped >= room.period), 0.0, wrapped)  # mod may round up to the period
+    tree = cKDTree(wrapped, boxsize=room.period if periodic.any() else None)
+    pairs = np.sort(tree.query_pairs(cutoff, output_type="ndarray"), axis=1)
+    return pairs[:, 0], pairs[:, 1]
+
+
+def gap_rows(contacts: Contacts, N: int, modes: int) -> sp.csr_matrix:
+    """G, one row a contact, (C, N modes): `G U` are the rates of the gaps."""
+    return _rows(contacts, N, modes, contacts.n, -contacts.n)
+
+
+def slip_rows(contacts: Contacts, radii: Array, modes: int) -> sp.csr_matrix:
+    """T, d - 1 rows a contact, (C (d - 1), N modes): the velocity of j's surface past i's, at the contact.
+
+    A surface point of j moves at `v_j - a_j omega_j x n`, one of i at `v_i + a_i omega_i x n`.
+    """
+    n, d = contacts.n, contacts.n.shape[1]
+    a_j = radii[contacts.j][:, None]
+    a_i = np.append(radii, 0.0)[np.minimum(contacts.i, len(radii))][:, None]
+    if d == 2:
+        t = np.column_stack([-n[:, 1], n[:, 0]])
+        one = np.ones((len(n), 1))
+        return _rows(contacts, len(radii), modes, np.hstack([t, -a_j * one]), np.hstack([-t, -a_i * one]))
+    along = np.eye(3)[np.argmin(np.abs(n), axis=1)]
+    t1 = np.cross(n, along)
+    t1 /= np.linalg.norm(t1, axis=1)[:, None]
+    t2 = np.cross(n, t1)
+    both = [  # t.(omega x n) = omega.(n x t), with n x t1 = t2 and n x t2 = -t1
+        (np.hstack([t1, -a_j * t2]), np.hstack([-t1, -a_i * t2])),
+        (np.hstack([t2, a_j * t1]), np.hstack([-t2, a_i * t1])),
+    ]
+    of_j, of_i = (np.stack([rows[side] for rows in both], axis=1).reshape(-1, 6) for side in (0, 1))
+    return _rows(contacts[np.repeat(np.arange(len(n)), 2)], len(radii), modes, of_j, of_i)
+
+
+def _rows(contacts: Contacts, N: int, modes: int, of_j: Array, of_i: Array) -> sp.csr_matrix:
+    """The sparse matrix with the entries `of_j`, `of_i`, shape (C, k <= modes), at the modes of j and i."""
+    C, k = of_j.shape
+    pair = np.flatnonzero(contacts.i < N)
+    row = np.concatenate([np.repeat(np.arange(C), k), np.repeat(pair, k)])
+    column = np.concatenate([
+        (contacts.j[:, None] * modes + np.arange(k)).ravel(),
+        (contacts.i[pair, None] * modes + np.arange(k)).ravel(),
+    ])
+    return sp.csr_matrix((np.concatenate([of_j.ravel(), of_i[pair].ravel()]), (row, column)), (C, N * modes))

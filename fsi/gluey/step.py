@@ -1,0 +1,159 @@
+"""One step of many gluey bodies: a predictor shifted by the memory, and a projection.
+
+    1.  u* = u^n + M^-1 (h Phi + sum gamma_ij^n G_ij)
+    2.  u^{n+1} = argmin 1/2 |u - u*|_M^2   with   D^n + h G.u >= 0,   impulses p >= 0
+    3.  gamma^{n+1} = max(-p, gamma_min),   q^{n+1} = q^n + h u^{n+1}
+
+D is convex in q between discs or spheres, so that a gap is never less than its linearisation: no overlap. The
+cone variant takes u* without memory, asks for D^n + h G.u = 0 where gamma < 0, and
+`gamma^{n+1} = min(max(gamma^n - p, gamma_min), 0)`. Where gamma = gamma_min the contact is solid: `p + gamma_min`
+is its impulse, which bounds Coulomb's friction.
+
+Source: A. Lefebvre, Numerical simulation of gluey particles, M2AN 43 (2009) 53; B. Maury & A. Lefebvre, Direct
+simulation of dense suspensions (slides, 2008).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fsi.bodies import Array
+from fsi.errors import SolveError
+from fsi.gluey.contacts import Contacts, find_contacts
+from fsi.gluey.projection import Impulses
+from fsi.gluey.rows import Rows, make_rows, solve_rows
+from fsi.gluey.system import GlueyState, System
+
+# Of the largest velocity: the residual at which the projection stops, and the one that a step may leave.
+TOLERANCE, ACCEPTED = 5e-9, 1e-8
+# Of the smallest radius: how deep an overlap the projection aims at, and how deep a step may leave.
+DEPTH, OVERLAP = 2e-11, 1e-10
+# Of the momentum that is exchanged: what rounding may leave.
+MOMENTUM = 1e-12
+
+
+@dataclass(frozen=True, slots=True)
+class Touching:
+    """What a step found at its contacts, all of shape (C,).
+
+    contacts: with normals and gaps at its beginning; p: impulses; gamma: at its end; solid: the part of the
+    impulse that solid contact carried.
+    """
+
+    contacts: Contacts
+    p: Array
+    gamma: Array
+    solid: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Checks:
+    """How good a step is.
+
+    kkt: residual of the optimality conditions over the largest velocity; momentum: what M (u^{n+1} - u^n) misses
+    of load and walls, over what was exchanged; overlap: the deepest over the smallest radius, 0 without;
+    iterations: of the projection's gradient; newton: steps of Newton's method.
+    """
+
+    kkt: float
+    momentum: float
+    overlap: float
+    iterations: int
+    newton: int
+
+
+def advance(system: System, state: GlueyState, t: float, h: float) -> tuple[GlueyState, Touching, Checks]:
+    """The state after a step from t to t + h, what touched on the way, and how good it is.
+
+    Raises:
+        SolveError: the projection does not converge, or a check fails.
+    """
+    load = system.impulse(t, t + h)
+    free = state.U + load / system.mass
+    contacts, gamma, rows, found = _project_far_enough(system, state, free, h)
+    p, U = found.p[: len(contacts)], found.u.reshape(free.shape)
+    gamma_new = _memory(system, gamma, p)
+    new = state.moved(U, h, contacts.key, gamma_new)
+    checks = Checks(
+        found.kkt / max(_speed(system, U), _speed(system, free), np.finfo(float).tiny),
+        _momentum_defect(system, U - state.U, load, rows, found.p + _shift(system, gamma, rows)),
+        _overlap(system, new),
+        found.iterations,
+        found.steps,
+    )
+    _require(checks, t + h)
+    return new, Touching(contacts, p, gamma_new, _solid(system, gamma, p)), checks
+
+
+def _project_far_enough(
+    system: System, state: GlueyState, free: Array, h: float
+) -> tuple[Contacts, Array, Rows, Impulses]:
+    """Contacts, their memories, the rows and the projection, with all pairs that can meet within the step."""
+    inverse_mass = (1.0 / system.mass).ravel()
+    smallest = float(system.radii.min())
+    reach = max(2.0 * h * _speed(system, free), 1e-6 * smallest)
+    while True:
+        contacts = find_contacts(state.centres, system.radii, system.room, reach)
+        gamma = state.remembered(contacts.key)
+        rows = make_rows(system, contacts, gamma, h)
+        u_star = free.ravel() + inverse_mass * (rows.J.T @ _shift(system, gamma, rows))
+        speed = max(_speed(system, u_star.reshape(free.shape)), _speed(system, free))
+        tolerance = min(TOLERANCE * speed, DEPTH * smallest / h)
+        found = solve_rows(
+            rows, system.mass.ravel(), u_star, tolerance, lambda p, g=gamma: system.law.friction * _solid(system, g, p)
+        )
+        needed = 2.0 * h * _speed(system, found.u.reshape(free.shape))
+        if needed <= reach:
+            return contacts, gamma, rows, found
+        reach = 2.0 * needed  # something has been thrown faster than anything moved before: look further
+
+
+def _speed(system: System, U: Array) -> float:
+    """The largest velocity of a centre."""
+    return float(np.sqrt(np.square(U[:, : system.dimension]).sum(axis=1).max(initial=0.0)))
+
+
+def _shift(system: System, gamma: Array, rows: Rows) -> Array:
+    """The memory as impulses of all rows: that of the predictor."""
+    shift = np.zeros(rows.J.shape[0])
+    if system.law.variant == "shifted":
+        shift[: len(gamma)] = gamma
+    return shift
+
+
+def _memory(system: System, gamma: Array, p: Array) -> Array:
+    """gamma^{n+1}."""
+    stored = -p if system.law.variant == "shifted" else np.minimum(gamma - p, 0.0)
+    return np.maximum(stored, system.law.gamma_min)
+
+
+def _solid(system: System, gamma: Array, p: Array) -> Array:
+    """The impulse of solid contact: what p stores beyond gamma_min."""
+    stored = -p if system.law.variant == "shifted" else gamma - p
+    return np.maximum(system.law.gamma_min - stored, 0.0)
+
+
+def _momentum_defect(system: System, change: Array, load: Array, rows: Rows, p: Array) -> float:
+    """`sum M (u^{n+1} - u^n) - load - impulses of the walls`, relative; impulses of pairs cancel in the sum."""
+    d = system.dimension
+    exchanged = (rows.J.T @ p).reshape(system.mass.shape)[:, :d]
+    of_walls = rows.J[rows.of_wall].T @ p[rows.of_wall]
+    defect = (system.mass * change - load)[:, :d].sum(axis=0) - of_walls.reshape(system.mass.shape)[:, :d].sum(axis=0)
+    scale = np.abs(exchanged).sum() + np.abs(load[:, :d]).sum() + np.abs((system.mass * change)[:, :d]).sum()
+    return float(np.abs(defect).max() / scale) if scale > 0.0 else 0.0
+
+
+def _overlap(system: System, state: GlueyState) -> float:
+    """The deepest overlap over the smallest radius, of all pairs and not only of those that were looked at."""
+    gaps = find_contacts(state.centres, system.radii, system.room, 0.0).D
+    return float(-gaps.min(initial=0.0) / system.radii.min())
+
+
+def _require(checks: Checks, t: float) -> None:
+    """Raise SolveError if a check fails."""
+    for name, limit in (("kkt", ACCEPTED), ("momentum", MOMENTUM), ("overlap", OVERLAP)):
+        value = getattr(checks, name)
+        if not value <= limit:
+            raise SolveError(f"{name} = {value:.3g} in the step to t = {t:.9g}: more than {limit:g}; lower time.step")
