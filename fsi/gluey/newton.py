@@ -27,9 +27,9 @@ from fsi.errors import SolveError
 
 OUTER, INNER, SEARCHES = 60, 100, 40
 # Conjugate gradients: how well they solve, and after how many iterations a new factor is cheaper.
-ACCURACY, PATIENCE = 1e-6, 40
+ACCURACY, PATIENCE = 1e-6, 8
 # The penalty sigma in units of the mass that a row feels: more of it costs digits, by rounding in the gaps.
-FIRST, GROWTH, LARGEST = 100.0, 3.0, 1e6
+FIRST, GROWTH, LARGEST = 1e3, 10.0, 1e6
 
 
 class Response(Protocol):
