@@ -4,6 +4,7 @@
     provenance.json   one entry for each launch: versions, commit, ranks, command
     steps.csv         one row a step; the columns cpu_*, the last ones, are CPU seconds
     bodies.csv        one row for each step and body; F and T are external loads (int sigma n)
+    contacts.csv, profiles.csv    what the gluey and the macroscopic model add at the times of output
     fields/*.vtu      what the model writes, listed in time by fluid.pvd and surface.pvd
     state.npz         what the next step depends on
 
@@ -23,7 +24,9 @@ import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from dataclasses import replace as replace_fields
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Self
 from xml.etree.ElementTree import ParseError
 from zipfile import BadZipFile
@@ -61,6 +64,10 @@ class StepRecord:
     F: Array
     columns: Mapping[str, float]
     body_columns: Mapping[str, Array] = field(default_factory=dict)
+
+    def timed(self, cpu: float) -> StepRecord:
+        """With the CPU seconds of the step."""
+        return replace_fields(self, columns={**self.columns, "cpu_step": cpu})
 
 
 class RunFolder:
@@ -121,13 +128,14 @@ class RunFolder:
         files: Mapping[str, Sequence[str]],
         state: State,
         model: Mapping[str, NDArray[Any]],
+        tables: Mapping[str, tuple[Sequence[str], Iterable[Sequence[object]]]] = MappingProxyType({}),
     ) -> None:
         """Append a step to the tables and its field files, by series, to their series; then commit.
 
         Raises:
             SolveError: the folder can no longer be written (the disk is full).
         """
-        on_root(lambda: self._keep(record, names, files, state, model))
+        on_root(lambda: self._keep(record, names, files, state, model, tables))
 
     def _keep(
         self,
@@ -136,10 +144,13 @@ class RunFolder:
         files: Mapping[str, Sequence[str]],
         state: State,
         model: Mapping[str, NDArray[Any]],
+        tables: Mapping[str, tuple[Sequence[str], Iterable[Sequence[object]]]],
     ) -> None:
         with _disk(self.path, SolveError, f"make it writable and `fsi resume {self.path}`"):
             self._append(STEPS, *_step_table(record))
             self._append(BODIES, *_body_table(record, names))
+            for table, (header, rows) in tables.items():
+                self._append(table, header, rows)
             for series, added in files.items():
                 entries = self._series.setdefault(series, [])
                 entries += [Entry(record.t, part, f"{FIELDS}/{name}") for part, name in enumerate(added)]
@@ -150,10 +161,11 @@ class RunFolder:
     def _append(self, table: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")  # gives floats all their digits
-        if self._lengths[table] == 0:
+        begins = self._lengths.get(table, 0) == 0
+        if begins:
             writer.writerow(header)
         writer.writerows(rows)
-        with (self.path / table).open("ab") as file:
+        with (self.path / table).open("wb" if begins else "ab") as file:
             file.write(text.getvalue().encode())
             file.flush()
             os.fsync(file.fileno())
@@ -223,7 +235,8 @@ def _body_table(record: StepRecord, names: Sequence[str]) -> tuple[list[str], li
     d = record.q.dimension
     more = record.body_columns
     numbers = np.column_stack([record.q.centres, record.q.angles, record.U, record.F, *more.values()])
-    rows = [[record.step, record.t, name, *row] for name, row in zip(names, numbers.tolist(), strict=True)]
+    listed = numbers.tolist() if names else []  # without names the bodies of this step are not wanted
+    rows = [[record.step, record.t, name, *row] for name, row in zip(names, listed, strict=True)]
     return ["step", "t", "body", *PLACES[d], *MODES[d], *LOADS[d], *more], rows
 
 
