@@ -216,7 +216,7 @@ def load_case(path: Path, overrides: Sequence[str] = ()) -> Case:
     Raises:
         InputError: the file cannot be read or the case is not sound; nothing has been written.
     """
-    data = _read(path)
+    data = read_toml(path)
     if not data:
         raise InputError(f"{path}: the case is empty; give at least name, [fluid] and [domain]")
     for text in overrides:
@@ -248,7 +248,8 @@ def parse_case(data: Mapping[str, Any]) -> Case:
         raise InputError(explain(error, Case)) from None
 
 
-def _read(path: Path) -> dict[str, Any]:
+def read_toml(path: Path) -> dict[str, Any]:
+    """The data of a case file. Raises InputError."""
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:

@@ -14,7 +14,6 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
 
 from fsi import parallel
-from fsi.case import Case
 from fsi.results import StepRecord
 
 
@@ -58,9 +57,9 @@ class ProgressBar:
         """Wall-clock seconds since the beginning."""
         return time.monotonic() - self._began
 
-    def begin(self, case: Case) -> None:
-        """Take the end of time from the case."""
-        self._bar.update(self._task, total=case.time.end if case.time else None)
+    def begin(self, end: float | None) -> None:
+        """Take the end of time."""
+        self._bar.update(self._task, total=end)
 
     def show(self, record: StepRecord) -> None:
         """Show an accepted step."""

@@ -30,6 +30,7 @@ from fsi.cli import (
     solve,
     validate,
 )
+from fsi.cli import check, limit, mesh, render, resistance, run, solve, validate
 from fsi.errors import FsiError
 from meshes.errors import MeshError
 
@@ -55,6 +56,7 @@ app.command(epilog=plot.EXAMPLE)(plot.plot)
 app.command(epilog=probe.EXAMPLE)(probe.probe)
 app.command(epilog=report.EXAMPLE)(report.report)
 app.command(epilog=revolve.EXAMPLE)(revolve.revolve)
+app.command(epilog=limit.EXAMPLE)(limit.limit)
 app.command(epilog=resistance.EXAMPLE)(resistance.resistance)
 app.command(epilog=validate.EXAMPLE)(validate.validate)
 app.command(epilog=calibrate.EXAMPLE)(calibrate.calibrate)

@@ -32,31 +32,57 @@ def run(
 
     A run that was broken off, at any moment, goes on with fsi resume.
     """
+    from fsi.evolutions import model_of
     from fsi.models import make_model
     from fsi.progress import ProgressBar
     from fsi.run import run_case
 
-    case = load(case_file, overrides)
     folder = output or Path("runs") / case_file.stem
+    if parallel.on_root(lambda: model_of(case_file)) is not None:
+        _evolve(case_file, folder, overrides)
+        return
+    case = load(case_file, overrides)
     with ProgressBar() as bar:
-        bar.begin(case)
+        bar.begin(case.time.end if case.time else None)
         outcome = run_case(case, folder, make_model(case), bar.show)
     _tell_end(folder, outcome, bar)
 
 
 def resume(folder: RunFolder) -> None:
     """Continue a run from its last complete step. A finished run is left as it is."""
+    from fsi.evolutions import model_of
     from fsi.models import make_model
     from fsi.progress import ProgressBar
+    from fsi.results import CASE
     from fsi.run import resume_run
 
+    if (folder / CASE).is_file() and parallel.on_root(lambda: model_of(folder / CASE)) is not None:
+        _evolve(folder / CASE, folder, None)
+        return
     with ProgressBar() as bar:
 
         def model(case: Case) -> Model:
-            bar.begin(case)
+            bar.begin(case.time.end if case.time else None)
             return make_model(case)
 
         outcome = resume_run(folder, model, bar.show)
+    _tell_end(folder, outcome, bar)
+
+
+def _evolve(case_file: Path, folder: Path, overrides: list[str] | None) -> None:
+    """Run, or resume from its own case file, a case whose model steps by itself; all ranks do the same."""
+    from fsi.errors import InputError
+    from fsi.evolutions import load_evolving, resume_evolving, run_evolving
+    from fsi.gluey.limit_case import LimitCase
+    from fsi.progress import ProgressBar
+
+    case = parallel.on_root(lambda: load_evolving(case_file, overrides or ()))
+    if isinstance(case, LimitCase):
+        raise InputError(f'{case_file}: model = "limit": nothing to run; use `fsi limit`')
+    with ProgressBar() as bar:
+        bar.begin(case.time.end)
+        evolving = resume_evolving if case_file.parent == folder else run_evolving
+        outcome = evolving(case, folder, bar.show)
     _tell_end(folder, outcome, bar)
 
 

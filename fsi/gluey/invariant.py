@@ -79,6 +79,7 @@ def solve(q0: float, u0: float, f: PPoly, eps: float, t: Array) -> Path:
             if error > 1.0 and used > SHORTEST * t[-1]:
                 h = used * max(0.1, growth)
                 continue
+            growth = max(growth, 1.0) if error > 1.0 else growth
             q, gamma, now = q1, gamma1, float(stop) if landing else now + used
             h = max(h, used * growth) if landing else used * growth
         found[float(stop)] = (q, gamma)

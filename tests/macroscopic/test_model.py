@@ -1,0 +1,120 @@
+"""The macroscopic model against exact solutions (theory: M1, M2, M3), and the gluey chain against it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import isotonic_regression
+
+from fsi.bodies import Array
+from fsi.gluey.contacts import Room
+from fsi.gluey.step import advance
+from fsi.gluey.system import GlueyState, Law, System
+from fsi.macroscopic.model import Force, Parcels, at_rest_in_memory, blocks
+
+NUMBERS = (200, 800, 3200)
+
+
+def march(parcels: Parcels, f: Force, end: float, steps: int) -> Parcels:
+    h = end / steps
+    for k in range(steps):
+        parcels = parcels.advance(f, k * h, h)
+    return parcels
+
+
+def free(x: Array, _m: Array, _t: float) -> Array:
+    return np.zeros_like(x)
+
+
+def two_blocks(n: int) -> Parcels:
+    m, dm, X = blocks([(-2.0, -1.0, 1.0), (1.0, 2.0, 1.0)], n)
+    return at_rest_in_memory(m, dm, X, np.where(m < 1.0, 1.0, -0.5))
+
+
+def converging(n: int) -> Parcels:
+    m, dm, X = blocks([(-1.0, 1.0, 0.5)], n)
+    return at_rest_in_memory(m, dm, X, -X)
+
+
+@pytest.mark.parametrize("n", [50, 800])
+def test_sticky_blocks_merge(n: int) -> None:
+    """M1: they meet at t = 4/3 and go on at u = 1/4 with max pi = 3/4 (momentum of the halves)."""
+    before = march(two_blocks(n), free, 1.3, 20)
+    assert before.gamma.min() == pytest.approx(0.0, abs=1e-9)
+    after = march(two_blocks(n), free, 2.0, 2 * n)
+    np.testing.assert_allclose(after.u, 0.25, atol=1e-9)
+    assert after.gamma.min() == pytest.approx(-0.75, abs=1e-9)
+    # The middle of all goes from 0 at 1/4.
+    np.testing.assert_allclose(after.X, 0.5 + after.m - 1.0, atol=1e-9)
+
+
+def memory_error(n: int) -> float:
+    """M2: from t1 = 2 the halves are pulled by -+a: gap a (t - t1 - 0.75/a)^2, here at t = 4 with a = 1."""
+    pull: Force = lambda x, m, t: np.where((t > 2.0) & (x < np.inf), np.where(m < 1.0, -1.0, 1.0), 0.0)  # noqa: E731
+    end = march(two_blocks(n), pull, 4.0, 2 * n)
+    return abs(end.X[n // 2] - end.X[n // 2 - 1] - end.dm - 1.25**2)
+
+
+def bulk_error(n: int) -> float:
+    """M3: congested from t = 1/2, pulled by 2 b m from t1 = 1, released after 1/b: rho = 1/(1 + b (t-t1-1/b)^2)."""
+    pull: Force = lambda x, m, t: np.where(t > 1.0, 2.0 * (m - 0.5), 0.0) + 0.0 * x  # noqa: E731
+    end = march(converging(n), pull, 4.0, 2 * n)
+    return float(np.abs(end.density - 0.2).max())
+
+
+@pytest.mark.parametrize("error", [memory_error, bulk_error])
+def test_errors_fall_by_four_when_parcels_and_steps_grow_by_four(error: object) -> None:
+    assert callable(error)
+    errors = [error(n) for n in NUMBERS]
+    assert errors[-1] <= 1e-3
+    np.testing.assert_allclose([errors[0] / errors[1], errors[1] / errors[2]], 4.0, rtol=0.1)
+
+
+def test_the_bulk_stores_a_parabola() -> None:
+    """M3: after congestion pi = 1/4 - m^2, m counted from the middle; exact, as u is linear."""
+    parcels = march(converging(400), free, 0.75, 100)
+    ends = np.arange(401) * parcels.dm - 0.5
+    np.testing.assert_allclose(parcels.gamma, ends**2 - 0.25, atol=1e-12)
+
+
+def chain(n: int, X: Array, u: Array, dm: float) -> tuple[System, GlueyState]:
+    """n spheres of diameter dm and mass dm on a line."""
+    room = Room(np.empty((0, 1)), np.empty((0, 1)), np.zeros(1))
+    mass = np.full((n, 1), dm)
+    system = System(np.full(n, dm / 2), mass, room, lambda _t0, _t1: np.zeros((n, 1)), Law())
+    return system, GlueyState.at(X[:, None], u[:, None])
+
+
+def test_a_chain_of_a_thousand_is_the_isotonic_solution() -> None:
+    """Random velocities: the projection of every step equals the pool of adjacent violators to 1e-8."""
+    n, dm, h = 1000, 1e-3, 0.02
+    random = np.random.default_rng(3)
+    parcels = at_rest_in_memory(
+        (np.arange(n) + 0.5) * dm, dm, np.sort(random.uniform(0.0, 0.5, n)) + np.arange(n) * dm, random.normal(size=n)
+    )
+    system, state = chain(n, parcels.X, parcels.u, dm)
+    assert np.allclose(isotonic_regression(parcels.X - parcels.m).x, parcels.X - parcels.m)
+    for k in range(10):
+        state, _, checks = advance(system, state, k * h, h)
+        parcels = parcels.advance(free, k * h, h)
+        assert checks.kkt <= 1e-8
+        np.testing.assert_allclose(state.centres[:, 0], parcels.X, atol=1e-8)
+
+
+def test_chains_tend_to_the_macroscopic_model() -> None:
+    """u = -sin(pi x) on a half-full line: positions at given masses differ by less for more spheres."""
+    errors = []
+    fine = macroscopic_positions(6400)
+    for n in (25, 50, 100):
+        m, dm, X = blocks([(-1.0, 1.0, 0.5)], n)
+        system, state = chain(n, X, -np.sin(np.pi * X), dm)
+        for k in range(n):
+            state, _, _ = advance(system, state, k / n, 1.0 / n)
+        errors.append(np.abs(state.centres[:, 0] - np.interp(m, *fine)).max())
+    assert errors[0] > 1.7 * errors[1] > 1.7**2 * errors[2]
+
+
+def macroscopic_positions(n: int) -> tuple[Array, Array]:
+    m, dm, X = blocks([(-1.0, 1.0, 0.5)], n)
+    end = march(at_rest_in_memory(m, dm, X, -np.sin(np.pi * X)), free, 1.0, n)
+    return m, end.X
