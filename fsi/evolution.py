@@ -1,7 +1,9 @@
 """What a run needs of a model that steps by itself, with a memory of its own, and how it is driven.
 
-Models that give velocities at an instant are stepped by `fsi.stepping`; a model whose step is a projection with
-memory (gluey, macroscopic) is an `Evolution`. Both share the run folder, its tables and its resuming bit by bit.
+Models that give velocities at an instant are stepped by `fsi.stepping`; a model whose step is a projection
+with
+memory (gluey, macroscopic) is an `Evolution`. Both share the run folder, its tables and its resuming bit by
+bit.
 """
 
 from __future__ import annotations

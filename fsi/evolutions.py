@@ -66,7 +66,7 @@ def run_evolving(case: EvolvingCase, folder: Path, progress: Callable[[StepRecor
 
 
 def resume_evolving(case: EvolvingCase, folder: Path, progress: Callable[[StepRecord], None]) -> Outcome:
-    """Continue a run after its last committed step; a finished run is left as it is. Raises as `run_evolving`."""
+    """Continue a run after its last committed step; a finished one is left as it is. Raises as that."""
     run = RunFolder.reopen(folder)
     if run.checkpoint is not None and run.checkpoint.state.t >= case.time.end:
         return Outcome(run.checkpoint.state, 0)

@@ -143,14 +143,3 @@ def _sections(annotation: Any) -> Iterable[type[Section]]:
         yield annotation
     for inner in get_args(annotation):
         yield from _sections(inner)
-
-
-def tuples(value: Any) -> Any:
-    """The same data with tuples for lists, as frozen sections want it."""
-    match value:
-        case dict():
-            return {key: tuples(item) for key, item in value.items()}
-        case list() | tuple():
-            return tuple(map(tuples, value))
-        case _:
-            return value

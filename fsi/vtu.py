@@ -7,6 +7,7 @@ from pathlib import Path
 
 import meshio
 import numpy as np
+from numpy.typing import NDArray
 
 from fsi.bodies import Array
 
@@ -21,7 +22,9 @@ def write_lines(path: Path, start: Array, end: Array, values: Mapping[str, Array
     """Straight lines between points (n, d), with numbers (n,) on each."""
     n = len(start)
     cells = [("line", np.column_stack([np.arange(n), n + np.arange(n)]))]
-    _write(path, np.concatenate([start, end]), cells, cell_data={key: [value] for key, value in values.items()})
+    _write(
+        path, np.concatenate([start, end]), cells, cell_data={key: [value] for key, value in values.items()}
+    )
 
 
 def write_polyline(path: Path, x: Array, values: Mapping[str, Array]) -> None:
@@ -30,7 +33,9 @@ def write_polyline(path: Path, x: Array, values: Mapping[str, Array]) -> None:
     _write(path, x, [("line", np.column_stack([k, k + 1]))], point_data=dict(values))
 
 
-def _write(path: Path, x: Array, cells: list[tuple[str, Array]], **data: dict[str, object]) -> None:
+def _write(
+    path: Path, x: Array, cells: list[tuple[str, NDArray[np.intp]]], **data: dict[str, object]
+) -> None:
     space = np.pad(x, ((0, 0), (0, 3 - x.shape[1])))
     partial = path.with_name(f".{path.name}")
     meshio.Mesh(space, cells, **data).write(partial, file_format="vtu")

@@ -35,7 +35,9 @@ def limit(
     if not parallel.is_root():
         return
     if model_of(case_file) != "limit":
-        raise InputError(f'{case_file}: model: not "limit"; give a case like cases/gluey/pushed_then_pulled.toml')
+        raise InputError(
+            f'{case_file}: model: not "limit"; give a case like cases/gluey/pushed_then_pulled.toml'
+        )
     case = load_evolving(case_file, overrides or ())
     assert isinstance(case, LimitCase)
     if output is not None:

@@ -1,1 +1,1 @@
-"""The vanishing-viscosity limit: bodies that stick, and come apart when pulled as long as they were pushed."""
+"""The vanishing-viscosity limit: bodies that stick until they are pulled as long as they were pushed."""

@@ -72,7 +72,9 @@ class Contact(Section):
         default=None, le=0.0, description="the memory at which contact is solid, <= 0 (none if not given)"
     )
     eps: float | None = Field(
-        default=None, gt=0.0, description="the viscosity's coefficient in gamma = eps ln(gap/reference_gap), > 0"
+        default=None,
+        gt=0.0,
+        description="the viscosity's coefficient in gamma = eps ln(gap/reference_gap), > 0",
     )
     reference_gap: float | None = Field(default=None, gt=0.0, description="the gap at which gamma is 0, > 0")
     roughness: float | None = Field(
@@ -80,7 +82,9 @@ class Contact(Section):
     )
     friction: float = Field(default=0.0, ge=0.0, description="Coulomb's coefficient at solid contact, >= 0")
     tangential: float = Field(
-        default=0.0, ge=0.0, description="the viscous slip resistance over |gamma|/a, >= 0; 1/3 for equal spheres"
+        default=0.0,
+        ge=0.0,
+        description="the viscous slip resistance over |gamma|/a, >= 0; 1/3 for equal spheres",
     )
 
     @model_validator(mode="after")
@@ -182,7 +186,9 @@ class GlueyCase(Section):
         centres = [listed]
         for grid in self.grids:
             random = np.random.default_rng(grid.seed)
-            places = np.stack(np.meshgrid(*map(np.arange, grid.counts), indexing="ij"), axis=-1).reshape(-1, d)
+            places = np.stack(np.meshgrid(*map(np.arange, grid.counts), indexing="ij"), axis=-1).reshape(
+                -1, d
+            )
             disturbance = random.uniform(-grid.jitter, grid.jitter, places.shape)
             centres.append(np.array(grid.lower) + grid.spacing * places + disturbance)
             radii.append(random.uniform(*grid.radius, len(places)))
@@ -238,10 +244,14 @@ def _check(case: GlueyCase) -> None:
         if name in case.names[:i] and len(case.bodies) > 0 and i < len(case.bodies):
             raise InputError(f"bodies.{i}.name = {toml_text(name)}: given twice; give each body its own")
     if case.time.step > case.time.end:
-        raise InputError(f"time.step = {case.time.step!r}: longer than time.end = {case.time.end!r}; make it shorter")
+        raise InputError(
+            f"time.step = {case.time.step!r}: longer than time.end = {case.time.end!r}; make it shorter"
+        )
     room, q = case.room(), case.configuration()
     if np.any((room.period > 0.0) & (room.period < 8.0 * q.radii.max())):
-        raise InputError("cell.upper: a period is below four diameters, so that bodies meet their own images; widen it")
+        raise InputError(
+            "cell.upper: a period is below four diameters, so that bodies meet their own images; widen it"
+        )
     touching = find_contacts(q.centres, q.radii, room, 0.0)
     deepest = int(np.argmin(touching.D)) if len(touching) else 0
     if len(touching) and touching.D[deepest] < -1e-10 * q.radii.min():
@@ -270,5 +280,7 @@ def _check_dimensions(case: GlueyCase) -> None:
     for i, wall in enumerate(case.walls):
         if not any(wall.normal):
             raise InputError(f"walls.{i}.normal = {toml_text(wall.normal)}: is zero; give a direction")
-    if case.cell is not None and not all(a < b for a, b in zip(case.cell.lower, case.cell.upper, strict=True)):
+    if case.cell is not None and not all(
+        a < b for a, b in zip(case.cell.lower, case.cell.upper, strict=True)
+    ):
         raise InputError(f"cell.upper = {toml_text(case.cell.upper)}: not above cell.lower; exchange them")

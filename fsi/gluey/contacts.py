@@ -1,8 +1,8 @@
 """Pairs of neighbours, and the rows `G`, `T` that turn velocities into rates of gaps and of slip.
 
 Centres have shape (N, d) with d = 1, 2, 3. Velocities U have shape (N, d + r): those of the centres, then the
-angular ones, r = 0, 1, 3 in these dimensions. Side i of a contact is a body or, from N on, a wall; side j is a
-body; the normal points from i to j, so that `G.U = n.(v_j - v_i)` is the rate of the gap D.
+angular ones, r = 0, 1, 3 in these dimensions. Side i of a contact is a body or, from N on, a wall; side j
+is a body; the normal points from i to j, so that `G.U = n.(v_j - v_i)` is the rate of the gap D.
 """
 
 from __future__ import annotations
@@ -128,8 +128,10 @@ def _rows(contacts: Contacts, N: int, modes: int, of_j: Array, of_i: Array) -> s
     C, k = of_j.shape
     pair = np.flatnonzero(contacts.i < N)
     row = np.concatenate([np.repeat(np.arange(C), k), np.repeat(pair, k)])
-    column = np.concatenate([
-        (contacts.j[:, None] * modes + np.arange(k)).ravel(),
-        (contacts.i[pair, None] * modes + np.arange(k)).ravel(),
-    ])
+    column = np.concatenate(
+        [
+            (contacts.j[:, None] * modes + np.arange(k)).ravel(),
+            (contacts.i[pair, None] * modes + np.arange(k)).ravel(),
+        ]
+    )
     return sp.csr_matrix((np.concatenate([of_j.ravel(), of_i[pair].ravel()]), (row, column)), (C, N * modes))

@@ -1,7 +1,7 @@
 """Films of fluid at eps > 0: `gamma = eps Psi'(D)`, and the answer of a pair to its gap.
 
-Spheres: `Psi' = ln(D/delta0)`; discs: `Psi' = 2 (1 - (D/delta0)^{-1/2})`. Both vanish at delta0, where a film begins.
-The unknown is gamma, as D underflows.
+Spheres: `Psi' = ln(D/delta0)`; discs: `Psi' = 2 (1 - (D/delta0)^{-1/2})`. Both vanish at delta0, where a
+film begins. The unknown is gamma, as D underflows.
 """
 
 from __future__ import annotations
@@ -62,7 +62,8 @@ class Film:
                 y = np.where(w > 1.0, np.log(c * w), R / c - w)
         else:  # x^2 + 2c (1 - 1/x) = R, x = sqrt(D/delta0), y = 2 (1 - 1/x)
             y = 2.0 * (1.0 - 1.0 / _positive_root(R - 2.0 * c, 2.0 * c))
-        return np.maximum(-self.eps * y, 0.0)
+        p: Array = np.maximum(-self.eps * y, 0.0)
+        return p
 
     def _mobility(self, gamma: Array) -> Array:
         """dD/dgamma."""

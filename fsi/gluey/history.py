@@ -1,4 +1,4 @@
-"""Numbers in time that may jump: linear between given times, a time given twice is a jump, constant beyond the ends."""
+"""Numbers in time that may jump: linear between given times, a time given twice is a jump."""
 
 from __future__ import annotations
 

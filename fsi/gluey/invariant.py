@@ -5,7 +5,8 @@
 The unknown is gamma, since q = exp(gamma/eps) underflows where the body sticks: then the equation turns into
 `gamma = w` by itself, and no memory is lost. Each implicit stage is solved in closed form by the Wright
 omega function. Source of the method: E. Hairer & G. Wanner, Solving Ordinary Differential Equations II,
-table IV.6.5: SDIRK of order 4, L-stable, stiffly accurate, so of order 4 where the equation is algebraic, too.
+table IV.6.5: SDIRK of order 4, L-stable, stiffly accurate, so of order 4 where the equation is algebraic,
+too.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ SHORTEST = 1e-15
 
 @dataclass(frozen=True, slots=True)
 class Path:
-    """A solution at the times asked for, shapes (n,): the distance q (0 where it underflows), gamma = eps ln q."""
+    """A solution at times t, shapes (n,): the distance q (0 where it underflows) and gamma = eps ln q."""
 
     t: Array
     q: Array
@@ -60,7 +61,8 @@ def solve(q0: float, u0: float, f: PPoly, eps: float, t: Array) -> Path:
     """The solution at the increasing times t >= 0.
 
     Args:
-        q0: distance at time 0, > 0. u0: velocity at time 0.
+        q0: distance at time 0, > 0.
+        u0: velocity at time 0.
         f: force per mass, a piecewise polynomial that begins at time 0; steps land on its breaks.
         eps: > 0.
         t: increasing times within the range of f.

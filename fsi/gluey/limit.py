@@ -64,7 +64,7 @@ class Limit:
         return gamma
 
     def contacts(self) -> list[tuple[float, float]]:
-        """The intervals (contact, release) in which the body sticks, in time order; the last may have no end."""
+        """The intervals (contact, release) in which the body sticks, in order; the last may have no end."""
         f = self.utilde.x
         candidates = np.unique(np.concatenate([self.lowest, self._arrivals(), [f[0], f[-1]]]))
         middles = 0.5 * (candidates[1:] + candidates[:-1])
@@ -89,7 +89,8 @@ def slides_scheme(q0: float, u0: float, impulses: Array, h: Array) -> tuple[Arra
     """The scheme of the slides, case by case: a push stores gamma, a pull pays it back before release.
 
     Args:
-        q0, u0: where the body starts.
+        q0: distance at time 0.
+        u0: velocity at time 0.
         impulses: `int f dt` over each step, shape (n,).
         h: lengths of the steps, shape (n,).
 

@@ -1,4 +1,4 @@
-"""The case file of one body above a wall as the viscosity vanishes, and the table of convergence to the limit."""
+"""The case file of one body above a wall as the viscosity vanishes, and its convergence to the limit."""
 
 from __future__ import annotations
 

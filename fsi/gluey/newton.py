@@ -2,14 +2,14 @@
 
     min_u  1/2 |u - u*|_M^2  +  sum_k  E_k(b_k + (J u)_k)
 
-with convex E_k: the film energy `eps Psi`, `Psi' = ln` (`fsi.gluey.film`), or, as eps -> 0, the wall `r >= 0`. With
-impulses `p = -E'(r)` the optimum is `M (u - u*) = J^T p`. Each outer step keeps p near the last one,
+with convex E_k: the film energy `eps Psi`, `Psi' = ln` (`fsi.gluey.film`), or, as eps -> 0, the wall `r >=
+0`. With impulses `p = -E'(r)` the optimum is `M (u - u*) = J^T p`. Each outer step keeps p near the last one,
 
     p(r) = argmin_p  E*(-p) + p.r + |p - p_old|^2 / (2 sigma),          M (u - u*) = J^T p(b + J u)
 
-which is a smooth convex minimisation for any sigma > 0, also where E is a wall: R. T. Rockafellar, Math. Oper.
-Res. 1 (1976) 97; its Newton matrix `M + J^T (-dp/dr) J` is sparse, symmetric and positive definite. A factor is kept
-as preconditioner of conjugate gradients while few contacts change.
+which is a smooth convex minimisation for any sigma > 0, also where E is a wall: R. T. Rockafellar, Math.
+Oper. Res. 1 (1976) 97; its Newton matrix `M + J^T (-dp/dr) J` is sparse, symmetric and positive definite. A
+factor is kept as preconditioner of conjugate gradients while few contacts change.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class _Solver:
 
 @dataclass(frozen=True, slots=True)
 class Optimum:
-    """The solution: impulses p (rows,), velocities u (modes,), residual (a rate), Newton steps and factors."""
+    """The solution: impulses p (rows,), velocities u (modes,), residual (a rate), steps, factors."""
 
     p: Array
     u: Array
@@ -89,9 +89,13 @@ def minimise(
     """Solve the program.
 
     Args:
-        J, b: rows, (rows, modes) and (rows,).  mass: diagonal of M, > 0, (modes,).
-        u_star: (modes,).  p: where to begin, (rows,).
-        response: what the rows answer.  tolerance: of the residual, a rate.
+        J: rows, (rows, modes).
+        b: (rows,).
+        mass: diagonal of M, > 0, (modes,).
+        u_star: (modes,).
+        p: where to begin, (rows,).
+        response: what the rows answer.
+        tolerance: of the residual, a rate.
 
     Raises:
         SolveError: the tolerance is not reached.
@@ -116,8 +120,16 @@ def minimise(
 
 
 def _inner(
-    J: sp.csr_matrix, b: Array, mass: Array, u_star: Array, u: Array, p_old: Array, sigma: Array,
-    response: Response, solver: _Solver, tolerance: float,
+    J: sp.csr_matrix,
+    b: Array,
+    mass: Array,
+    u_star: Array,
+    u: Array,
+    p_old: Array,
+    sigma: Array,
+    response: Response,
+    solver: _Solver,
+    tolerance: float,
 ) -> tuple[Array, Array, int]:
     """u with `M (u - u*) = J^T p(b + J u)`, p there, and the number of Newton steps."""
 
@@ -137,7 +149,7 @@ def _inner(
 def _search(
     gradient: Callable[[Array], tuple[Array, Array, sp.spmatrix]], u: Array, du: Array, slope: float
 ) -> tuple[Array, tuple[Array, Array, sp.spmatrix]]:
-    """A point on the ray with half the slope at most, in size: bisection, as the slope of a convex function grows."""
+    """A point on the ray with at most half the slope: bisection, as the slope of a convex function grows."""
     low, t, high = 0.0, 1.0, np.inf
     for _ in range(SEARCHES):
         new = u + t * du

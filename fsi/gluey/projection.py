@@ -1,13 +1,16 @@
 """`min 1/2 |u - u*|_M^2  s.t.  b + J u >= 0`: the velocity nearest to u* that lets no gap become negative.
 
-Its dual, over the set K of impulses p that are allowed (p >= 0; `fsi.gluey.response` adds friction and films), is
+Its dual, over the set K of impulses p that are allowed (p >= 0; `fsi.gluey.response` adds friction and
+films), is
 
-    min_{p in K}  1/2 p.W p + c.p,      W = J M^-1 J^T + diag(compliance),   c = b + J u*,      u = u* + M^-1 J^T p.
+    min_{p in K}  1/2 p.W p + c.p,      W = J M^-1 J^T + diag(compliance),   c = b + J u*,      u = u* +
+    M^-1 J^T p.
 
-It is solved by the projected gradient with momentum, which begins anew whenever it points uphill: Y. Nesterov,
+It is solved by the projected gradient with momentum, which begins anew whenever it points uphill: Y.
+Nesterov,
 Dokl. Akad. Nauk SSSR 269 (1983) 543; B. O'Donoghue & E. Candes, Found. Comput. Math. 15 (2015) 715, for rows
-scaled to the unit diagonal. That is quick where few bodies touch. In a crowd, where information must travel through
-all of it, Newton's method (`fsi.gluey.newton`) finishes what it has begun.
+scaled to the unit diagonal. That is quick where few bodies touch. In a crowd, where information must travel
+through all of it, Newton's method (`fsi.gluey.newton`) finishes what it has begun.
 """
 
 from __future__ import annotations
@@ -32,7 +35,8 @@ class Impulses:
     """The solution of the dual.
 
     p: impulses, shape (rows,); u: velocities, (modes,); kkt: the largest natural residual
-    `|p - P_K(p - (W p + c) / W_ii)| W_ii`, a rate of a gap; iterations: of the gradient; steps: of Newton's method.
+    `|p - P_K(p - (W p + c) / W_ii)| W_ii`, a rate of a gap; iterations: of the gradient; steps: of Newton's
+    method.
     """
 
     p: Array
@@ -48,7 +52,8 @@ def project(
     """Solve the dual.
 
     Args:
-        J, b: rows, (rows, modes) and (rows,).
+        J: rows, (rows, modes).
+        b: (rows,).
         mass: diagonal of M, > 0, (modes,).
         u_star: (modes,).
         p: where to begin, (rows,).
@@ -80,7 +85,8 @@ def _by_gradient(
         return g
 
     def onto(z: Array) -> Array:
-        return contact.onto(s * z) / s
+        projected: Array = contact.onto(s * z) / s
+        return projected
 
     step = 1.0 / _largest(lambda z: gradient(z) - cs, len(c))
     z = onto(p / s)

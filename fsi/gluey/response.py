@@ -1,4 +1,4 @@
-"""What contact rows answer to rates, as `fsi.gluey.newton` asks for it: walls, bounded and viscous slip, films."""
+"""What contact rows answer to rates, as `fsi.gluey.newton` asks for it: gaps, bounded and viscous slip."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from fsi.bodies import Array
 
@@ -49,7 +48,7 @@ class Contact:
         return p, D
 
     def _bounded(self, free: Array, s: Array) -> sp.spmatrix:
-        """s times the derivative of the projection onto discs: I inside, `limit/|q| (I - q q/|q|^2)` outside."""
+        """s times the derivative of the projection: I inside, `limit/|q| (I - q q/|q|^2)` outside."""
         slip = free[self.first :].reshape(len(self.limits), -1)
         across = slip.shape[1]
         size = np.linalg.norm(slip, axis=1)

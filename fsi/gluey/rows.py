@@ -2,7 +2,8 @@
 
 Normal impulses p satisfy p >= 0 (any sign where the gap is held closed). A film resists slip by the impulse
 `p_t = -h k slip` with `k = c |gamma| / a`, in the dual a row with compliance 1/(h k). Coulomb's impulse obeys
-`|p_t| <= mu_f p_solid` and takes the slip away as far as it can: with p_solid given this is a projection, too,
+`|p_t| <= mu_f p_solid` and takes the slip away as far as it can: with p_solid given this is a projection,
+too,
 and p_solid is found by repeating it (the fixed point of Tresca's friction: J. Haslinger, Math. Methods Appl.
 Sci. 5 (1983) 422).
 """
@@ -66,7 +67,11 @@ def make_rows(system: System, contacts: Contacts, gamma: Array, h: float) -> Row
     compliance[C:first] = np.repeat(1.0 / (h * k), across)
     least = np.where(gamma < 0.0, 0.0 if shifted else -np.inf, 0.0)
     at_wall = contacts.i >= len(system.radii)
-    sides = [at_wall, np.repeat(at_wall[films], across), np.repeat(at_wall, across if law.friction > 0.0 else 0)]
+    sides = [
+        at_wall,
+        np.repeat(at_wall[films], across),
+        np.repeat(at_wall, across if law.friction > 0.0 else 0),
+    ]
     return Rows(J, b, compliance, p, least, law.friction > 0.0, first, np.concatenate(sides))
 
 
@@ -83,7 +88,9 @@ def solve_rows(
     """The impulses and the velocity after them.
 
     Args:
-        rows: the constraints.  mass: (N modes,).  u_star: (N modes,).
+        rows: the constraints.
+        mass: (N modes,).
+        u_star: (N modes,).
         tolerance: of the residual, a velocity.
         bound: the largest friction of each contact, (C,), given the normal impulses, (C,).
 

@@ -97,8 +97,15 @@ class GlueyEvolution:
         """Contacts that carry an impulse or remember; the gap is that at the beginning of the step."""
         c = touching.contacts
         rows = [
-            [step, t, self._sides[c.i[k]], self._sides[c.j[k]], *map(float, (c.D[k], touching.gamma[k])),
-             float(touching.p[k]), float(touching.solid[k])]
+            [
+                step,
+                t,
+                self._sides[c.i[k]],
+                self._sides[c.j[k]],
+                *map(float, (c.D[k], touching.gamma[k])),
+                float(touching.p[k]),
+                float(touching.solid[k]),
+            ]
             for k in np.flatnonzero((touching.p > 0.0) | (touching.gamma < 0.0))
         ]
         return {CONTACTS: (CONTACT_COLUMNS, rows)}
@@ -117,14 +124,18 @@ class GlueyEvolution:
         j, n = c.j[shown], c.n[shown]
         reach = radii[j] + np.append(radii, 0.0)[np.minimum(c.i[shown], len(radii))]
         ends = new.centres[j], new.centres[j] - reach[:, None] * n
-        values = {"gamma": touching.gamma[shown], "impulse": touching.p[shown], "solid": touching.solid[shown]}
+        values = {
+            "gamma": touching.gamma[shown],
+            "impulse": touching.p[shown],
+            "solid": touching.solid[shown],
+        }
         write_lines(folder / lines, *ends, values)
         return {"bodies": [bodies], "contacts": [lines]}
 
 
 def wall_names(case: GlueyCase) -> tuple[str, ...]:
     """Names of the walls in the order of the room."""
-    sides = []
+    sides: list[str] = []
     for axis, letter in enumerate("xyz"[: case.dimension]):
         if case.cell is not None and letter not in case.cell.periodic:
             sides += [("left", "right"), ("bottom", "top"), ("back", "front")][axis]

@@ -6,16 +6,17 @@
 
 D is convex in q between discs or spheres, so that a gap is never less than its linearisation: no overlap. The
 cone variant takes u* without memory, asks for D^n + h G.u = 0 where gamma < 0, and
-`gamma^{n+1} = min(max(gamma^n - p, gamma_min), 0)`. Where gamma = gamma_min the contact is solid: `p + gamma_min`
-is its impulse, which bounds Coulomb's friction.
+`gamma^{n+1} = min(max(gamma^n - p, gamma_min), 0)`. Where gamma = gamma_min the contact is solid: `p +
+gamma_min` is its impulse, which bounds Coulomb's friction.
 
-Source: A. Lefebvre, Numerical simulation of gluey particles, M2AN 43 (2009) 53; B. Maury & A. Lefebvre, Direct
-simulation of dense suspensions (slides, 2008).
+Source: A. Lefebvre, Numerical simulation of gluey particles, M2AN 43 (2009) 53; B. Maury & A. Lefebvre,
+Direct simulation of dense suspensions (slides, 2008).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -52,7 +53,8 @@ class Touching:
 class Checks:
     """How good a step is.
 
-    kkt: residual of the optimality conditions over the largest velocity; momentum: what M (u^{n+1} - u^n) misses
+    kkt: residual of the optimality conditions over the largest velocity; momentum: what M (u^{n+1} - u^n)
+    misses
     of load and walls, over what was exchanged; overlap: the deepest over the smallest radius, 0 without;
     iterations: of the projection's gradient; newton: steps of Newton's method.
     """
@@ -75,10 +77,15 @@ def advance(system: System, state: GlueyState, t: float, h: float) -> tuple[Glue
     contacts, gamma, rows, found = _project_far_enough(system, state, free, h)
     p, U = found.p[: len(contacts)], found.u.reshape(free.shape)
     gamma_new = _memory(system, gamma, p)
+    if (
+        system.law.variant == "shifted"
+    ):  # what is left of p at an open gap is within the tolerance, and no memory
+        rate = (rows.b + rows.J @ found.u)[: len(p)]
+        gamma_new[rate > p * (rows.J.multiply(rows.J) @ (1.0 / system.mass.ravel()))[: len(p)]] = 0.0
     new = state.moved(U, h, contacts.key, gamma_new)
     checks = Checks(
         found.kkt / max(_speed(system, U), _speed(system, free), np.finfo(float).tiny),
-        _momentum_defect(system, U - state.U, load, rows, found.p + _shift(system, gamma, rows)),
+        _momentum_defect(system, U - state.U, load, rows, found.p, _shift(system, gamma, rows)),
         _overlap(system, new),
         found.iterations,
         found.steps,
@@ -102,7 +109,11 @@ def _project_far_enough(
         speed = max(_speed(system, u_star.reshape(free.shape)), _speed(system, free))
         tolerance = min(TOLERANCE * speed, DEPTH * smallest / h)
         found = solve_rows(
-            rows, system.mass.ravel(), u_star, tolerance, lambda p, g=gamma: system.law.friction * _solid(system, g, p)
+            rows,
+            system.mass.ravel(),
+            u_star,
+            tolerance,
+            partial(_friction, system, gamma),
         )
         needed = 2.0 * h * _speed(system, found.u.reshape(free.shape))
         if needed <= reach:
@@ -135,18 +146,23 @@ def _solid(system: System, gamma: Array, p: Array) -> Array:
     return np.maximum(system.law.gamma_min - stored, 0.0)
 
 
-def _momentum_defect(system: System, change: Array, load: Array, rows: Rows, p: Array) -> float:
-    """`sum M (u^{n+1} - u^n) - load - impulses of the walls`, relative; impulses of pairs cancel in the sum."""
-    d = system.dimension
-    exchanged = (rows.J.T @ p).reshape(system.mass.shape)[:, :d]
-    of_walls = rows.J[rows.of_wall].T @ p[rows.of_wall]
-    defect = (system.mass * change - load)[:, :d].sum(axis=0) - of_walls.reshape(system.mass.shape)[:, :d].sum(axis=0)
-    scale = np.abs(exchanged).sum() + np.abs(load[:, :d]).sum() + np.abs((system.mass * change)[:, :d]).sum()
+def _friction(system: System, gamma: Array, p: Array) -> Array:
+    """Coulomb's bound `mu_f p_solid` of each contact."""
+    return system.law.friction * _solid(system, gamma, p)
+
+
+def _momentum_defect(system: System, change: Array, load: Array, rows: Rows, p: Array, shift: Array) -> float:
+    """`sum M (u^{n+1} - u^n) - load - impulses of the walls`, relative; those of pairs cancel."""
+    d, shape = system.dimension, system.mass.shape
+    of_walls = rows.J[rows.of_wall].T @ (p + shift)[rows.of_wall]
+    defect = (system.mass * change - load - of_walls.reshape(shape))[:, :d].sum(axis=0)
+    exchanged = (abs(rows.J).T @ (np.abs(p) + np.abs(shift))).reshape(shape)[:, :d].sum()
+    scale = exchanged + np.abs(load[:, :d]).sum() + np.abs((system.mass * change)[:, :d]).sum()
     return float(np.abs(defect).max() / scale) if scale > 0.0 else 0.0
 
 
 def _overlap(system: System, state: GlueyState) -> float:
-    """The deepest overlap over the smallest radius, of all pairs and not only of those that were looked at."""
+    """The deepest overlap over the smallest radius, of all pairs, not only of those that were looked at."""
     gaps = find_contacts(state.centres, system.radii, system.room, 0.0).D
     return float(-gaps.min(initial=0.0) / system.radii.min())
 
@@ -156,4 +172,6 @@ def _require(checks: Checks, t: float) -> None:
     for name, limit in (("kkt", ACCEPTED), ("momentum", MOMENTUM), ("overlap", OVERLAP)):
         value = getattr(checks, name)
         if not value <= limit:
-            raise SolveError(f"{name} = {value:.3g} in the step to t = {t:.9g}: more than {limit:g}; lower time.step")
+            raise SolveError(
+                f"{name} = {value:.3g} in the step to t = {t:.9g}: more than {limit:g}; lower time.step"
+            )

@@ -23,7 +23,8 @@ class Law:
     gamma_min: the memory at which roughness stops the film from draining, `eps ln(delta/delta0)`, <= 0, or
         -inf for smooth bodies; at it the contact is solid.
     friction: Coulomb's coefficient mu_f at solid contact, >= 0.
-    tangential: c in the viscous force `-c |gamma| slip / a` with `a = a_i a_j/(a_i + a_j)`, >= 0: the film that
+    tangential: c in the viscous force `-c |gamma| slip / a` with `a = a_i a_j/(a_i + a_j)`, >= 0: the film
+        that
         gives gamma resists slip as well, and both resistances grow as ln D. Two equal spheres have c = 1/3.
     """
 
@@ -50,7 +51,7 @@ class System:
     @property
     def dimension(self) -> int:
         """The number d of coordinates of a centre."""
-        return self.room.points.shape[1]
+        return len(self.room.period)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +85,4 @@ class GlueyState:
         """The state after a step h at the velocities U; pairs with gamma = 0 are forgotten."""
         d = self.centres.shape[1]
         kept = gamma != 0.0
-        return GlueyState(
-            self.centres + h * U[:, :d], self.angles + h * U[:, d:], U, key[kept], gamma[kept]
-        )
+        return GlueyState(self.centres + h * U[:, :d], self.angles + h * U[:, d:], U, key[kept], gamma[kept])

@@ -42,7 +42,9 @@ class MacroscopicCase(Section):
     name: str = Field(min_length=1, description="a few words that name the case")
     model: Literal["macroscopic"] = Field(description='"macroscopic"')
     parcels: int = Field(ge=2, description="the number of parcels of equal mass, at least 2")
-    blocks: tuple[Block, ...] = Field(min_length=1, description="one section [[blocks]] each, from left to right")
+    blocks: tuple[Block, ...] = Field(
+        min_length=1, description="one section [[blocks]] each, from left to right"
+    )
     force: str = Field(
         default="0", description='the force per mass, a formula of x, m (the mass left of x) and t, like "-x"'
     )
@@ -60,7 +62,9 @@ class MacroscopicCase(Section):
     def _in_order(cls, given: tuple[Block, ...]) -> tuple[Block, ...]:
         for one, other in itertools.pairwise(given):
             if other.left < one.right:
-                raise ValueError(f"has a block from {other.left!r} that begins before the one to {one.right!r} ends")
+                raise ValueError(
+                    f"has a block from {other.left!r} that begins before the one to {one.right!r} ends"
+                )
         return given
 
     def start(self) -> Parcels:
@@ -68,7 +72,7 @@ class MacroscopicCase(Section):
         m, dm, X = blocks([(block.left, block.right, block.density) for block in self.blocks], self.parcels)
         u = X.copy()
         for block in self.blocks:
-            inside = (X >= block.left) & (X <= block.right)
+            inside = (block.left <= X) & (block.right >= X)
             u[inside] = evaluate(block.velocity, X, x=X, m=m)[inside]
         return at_rest_in_memory(m, dm, X, u)
 

@@ -13,8 +13,8 @@ FUNCTIONS = {
     "tanh": np.tanh, "minimum": np.minimum, "maximum": np.maximum, "where": np.where,
 }  # fmt: skip
 _NODES = (
-    ast.Expression, ast.BinOp, ast.UnaryOp, ast.Compare, ast.Call, ast.Name, ast.Load, ast.Constant, ast.operator,
-    ast.unaryop, ast.cmpop,
+    ast.Expression, ast.BinOp, ast.UnaryOp, ast.Compare, ast.Call, ast.Name, ast.Load, ast.Constant,
+    ast.operator, ast.unaryop, ast.cmpop,
 )  # fmt: skip
 
 
@@ -31,7 +31,9 @@ def check(formula: str, variables: tuple[str, ...]) -> None:
             raise ValueError(f"has {node.value!r}, which is not a number")
         if isinstance(node, ast.Name) and node.id not in (*variables, "pi", *FUNCTIONS):
             raise ValueError(f"knows {', '.join((*variables, 'pi', *FUNCTIONS))}, but not {node.id}")
-        if isinstance(node, ast.Call) and (not isinstance(node.func, ast.Name) or node.func.id not in FUNCTIONS):
+        if isinstance(node, ast.Call) and (
+            not isinstance(node.func, ast.Name) or node.func.id not in FUNCTIONS
+        ):
             raise ValueError(f"calls something that is not one of {', '.join(FUNCTIONS)}")
 
 

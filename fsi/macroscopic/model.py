@@ -3,16 +3,16 @@
     rho_t + (rho u)_x = 0,   (rho u)_t + (rho u^2)_x + p_x = f,   gamma_t + (gamma u)_x = -p,
     gamma <= 0,   rho <= 1,   gamma (1 - rho) = 0
 
-The rods of a congested stretch touch (rho = 1); pi = -gamma stores the impulse that pushed them together. With the
-mass coordinate m, X(m, t) the position of a parcel and `w = u + d pi/dm`, a step h is
+The rods of a congested stretch touch (rho = 1); pi = -gamma stores the impulse that pushed them together.
+With the mass coordinate m, X(m, t) the position of a parcel and `w = u + d pi/dm`, a step h is
 
     w += h f,     X^{n+1} = m + isotonic regression of (X^n + h w - m),     u = (X^{n+1} - X^n) / h,
 
 the L2 projection of the free motion onto `dX/dm >= 1`, and `pi = int (w - u) dm`. First order in h.
 
 Source: B. Maury & A. Preux, Pressureless Euler equations with maximal density constraint, in Topological
-Optimization and Optimal Transport (de Gruyter 2017); E. Cavalletti, M. Sedjro & M. Westdickenberg, Trans. Amer.
-Math. Soc. 371 (2019) 5081. Here f is a force per mass.
+Optimization and Optimal Transport (de Gruyter 2017); E. Cavalletti, M. Sedjro & M. Westdickenberg, Trans.
+Amer. Math. Soc. 371 (2019) 5081. Here f is a force per mass.
 """
 
 from __future__ import annotations
@@ -76,4 +76,5 @@ def blocks(pieces: list[tuple[float, float, float]], n: int) -> tuple[Array, flo
     m = (np.arange(n) + 0.5) * dm
     block = np.minimum(np.searchsorted(ends, m, side="right") - 1, len(pieces) - 1)
     left, _, rho = np.array(pieces).T
-    return m, dm, left[block] + (m - ends[block]) / rho[block]
+    X: Array = left[block] + (m - ends[block]) / rho[block]
+    return m.astype(float), dm, X

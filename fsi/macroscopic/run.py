@@ -25,7 +25,7 @@ NO_BODIES = Configuration.unturned(np.empty((0, 2)), np.empty(0))
 
 
 class MacroscopicEvolution:
-    """Steps a macroscopic case; an `fsi.evolution.Evolution`. The parcels are its memory, there are no bodies."""
+    """Steps a macroscopic case, as an `fsi.evolution.Evolution`: the parcels are its memory, no bodies."""
 
     def __init__(self, case: MacroscopicCase) -> None:
         self.case = case
@@ -65,7 +65,9 @@ class MacroscopicEvolution:
         nothing = np.empty((0, 3))
         record = StepRecord(step, t, h, gap, 0, NO_BODIES, nothing, nothing, columns)
         state = State(t, step, NO_BODIES, nothing, self.case.time.step)
-        return Moment(state, record, partial(_write, step=step, parcels=parcels), partial(_tables, step, t, parcels))
+        return Moment(
+            state, record, partial(_write, step=step, parcels=parcels), partial(_tables, step, t, parcels)
+        )
 
 
 def profile(parcels: Parcels) -> dict[str, NDArray[np.float64]]:

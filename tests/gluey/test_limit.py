@@ -18,7 +18,9 @@ from fsi.gluey.limit import Limit, piecewise_constant, slides_scheme
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, Law, System
 
-REFERENCE: dict[str, Any] = json.loads((Path(__file__).parents[1] / "reference" / "gluey_1d.json").read_text())
+REFERENCE: dict[str, Any] = json.loads(
+    (Path(__file__).parents[1] / "reference" / "gluey_1d.json").read_text()
+)
 CASES = ("I1", "I2")
 EPS = (1e-1, 1e-2, 1e-4)
 
@@ -32,7 +34,7 @@ def force(case: dict[str, Any]) -> Any:
 
 @pytest.mark.parametrize("name", CASES)
 def test_the_limit_is_the_closed_form(name: str) -> None:
-    """I1: falls at -2t, sticks on (1, 3); I2: arrives at -1, sticks on (1, 4). Formulas: the reference's `limit`."""
+    """I1: falls at -2t, sticks on (1, 3); I2: arrives at -1, sticks on (1, 4): the reference's `limit`."""
     case = REFERENCE[name]
     limit = Limit.of(case["q0"], case["u0"], force(case))
     t = np.linspace(0.0, case["tend"], 1001)
@@ -78,7 +80,7 @@ def test_the_error_is_eps_times_a_constant(name: str) -> None:
 @settings(max_examples=10, deadline=None)
 @given(forces, st.floats(-2.0, 2.0))
 def test_the_limit_is_a_projection_of_any_push(values: Array, u0: float) -> None:
-    """Its defining relations for random piecewise constant forces: q >= 0, gamma <= 0, q gamma = 0, q' + gamma = utilde."""
+    """Random piecewise constant forces: q >= 0, gamma <= 0, q gamma = 0, and the scheme tends to it."""
     f = piecewise_constant(np.arange(len(values) + 1.0), values)
     limit = Limit.of(1.0, u0, f)
     t = np.linspace(0.0, len(values), 60 * len(values) + 1)

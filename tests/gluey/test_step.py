@@ -17,7 +17,11 @@ H = 0.01
 
 
 def bodies(
-    centres: Any, force: Callable[[float], Any], room: Room | None = None, law: Law | None = None, radius: float = 0.5
+    centres: Any,
+    force: Callable[[float], Any],
+    room: Room | None = None,
+    law: Law | None = None,
+    radius: float = 0.5,
 ) -> tuple[System, GlueyState]:
     """Bodies of mass 1, uniform, at rest; the force per mass is constant within a step."""
     q = np.atleast_2d(np.array(centres, dtype=float))
@@ -32,7 +36,9 @@ def bodies(
         load[:, :d] = (t1 - t0) * np.array(force(0.5 * (t0 + t1)))
         return load
 
-    return System(np.full(n, radius), mass, room, impulse, law or Law()), GlueyState.at(q, np.zeros((n, modes)))
+    return System(np.full(n, radius), mass, room, impulse, law or Law()), GlueyState.at(
+        q, np.zeros((n, modes))
+    )
 
 
 def slope(alpha: float, d: int = 2) -> Room:
@@ -45,7 +51,7 @@ def slope(alpha: float, d: int = 2) -> Room:
 @pytest.mark.parametrize("variant", ["shifted", "cone"])
 @pytest.mark.parametrize("gamma_min", [-np.inf, -1.0])
 def test_release_from_an_inclined_plane(gamma_min: float, variant: Any) -> None:
-    """Theory 5: impact, gamma = -g t cos(alpha), release at t_inv - gamma_inv/(g cos alpha), both branches of gamma_inv."""
+    """Theory 5: impact, gamma = -g t cos(alpha), release at t_inv - gamma_inv/(g cos alpha)."""
     alpha, g, t_inv, start, a = 0.4, 2.0, 1.5, 0.6, 0.5
     cos = np.cos(alpha)
     impact = np.sqrt(2.0 * (start - a) / (g * cos))
@@ -77,7 +83,7 @@ def test_release_from_an_inclined_plane(gamma_min: float, variant: Any) -> None:
 @pytest.mark.parametrize(("d", "threshold"), [(2, 3.0), (3, 3.5)])
 @pytest.mark.parametrize("side", [0.95, 1.05])
 def test_a_body_rolls_until_the_slope_is_too_steep(d: int, threshold: float, side: float) -> None:
-    """Rolling without slip needs tan(alpha) <= mu_f (1 + m a^2/I): 3 mu_f for a disc, 3.5 mu_f for a sphere."""
+    """Rolling without slip needs tan(alpha) <= mu_f (1 + m a^2/I): 3 mu_f (disc), 3.5 mu_f (sphere)."""
     mu_f, g, a = 0.2, 1.0, 0.5
     alpha = np.arctan(side * threshold * mu_f)
     room = slope(alpha, d)
@@ -99,7 +105,7 @@ def test_a_body_rolls_until_the_slope_is_too_steep(d: int, threshold: float, sid
 
 
 def test_a_film_slows_slip() -> None:
-    """With k = c |gamma| / a constant over a step: m u' = -k slip, an implicit step of it; gamma from a push."""
+    """With k = c |gamma| / a constant over a step: an implicit step of m u' = -k slip; gamma from a push."""
     c, push, a = 2.0, 1.0, 0.5
     room = slope(0.0)
     system, state = bodies((0.0, a), lambda t: (1.0 if t > 0.5 else 0.0, -push), room, Law(tangential=c), a)
@@ -116,24 +122,28 @@ def test_a_film_slows_slip() -> None:
 
 
 def test_a_pair_that_meets_again_starts_anew() -> None:
-    force = lambda t: [(1.0, 0.0), (-1.0, 0.0)] if t < 1.0 or t > 2.5 else [(-3.0, 0.0), (3.0, 0.0)]  # noqa: E731
+    force = lambda t: [(1.0, 0.0), (-1.0, 0.0)] if t < 1.0 or t > 1.5 else [(-3.0, 0.0), (3.0, 0.0)]  # noqa: E731
     system, state = bodies([(0.0, 0.0), (1.1, 0.0)], force)
     history = []
-    for k in range(500):
-        state, touching, checks = advance(system, state, k * H, H)
+    for k in range(400):
+        state, _touching, checks = advance(system, state, k * H, H)
         history.append(float(state.gamma.min(initial=0.0)))
         assert checks.momentum <= 1e-12
     gamma = np.array(history)
     assert gamma[99] < -0.5
-    assert (gamma[150:250] == 0.0).all()
-    again = np.flatnonzero(gamma[250:] < 0.0)[0] + 250
-    assert gamma[again] < 0.0
+    apart = np.flatnonzero(gamma[100:] == 0.0)[0] + 100
+    again = np.flatnonzero(gamma[apart:] < 0.0)[0] + apart
+    assert again > apart + 20
+    # Pulled apart by 3 each since the release at 4/3 less a little, so a relative speed v0 at 1.5; the push
+    # of 1 each
+    # brings it back with a higher one, and the first memory is that of the impact alone: reduced mass 1/2.
+    assert -1.0 < gamma[again] < -0.3
 
 
 @pytest.mark.parametrize("d", [2, 3])
 @pytest.mark.parametrize("periodic", [False, True])
 def test_a_crowd_keeps_its_invariants(d: int, periodic: bool) -> None:
-    """Every step: KKT <= 1e-8, momentum 1e-12, overlap <= 1e-10; in a periodic cell the total momentum stays."""
+    """Every step: KKT <= 1e-8, momentum 1e-12, overlap <= 1e-10; in a cell the total momentum stays."""
     n = {2: 6, 3: 4}[d]
     random = np.random.default_rng(1)
     q = 1.06 * np.stack(np.meshgrid(*[np.arange(n)] * d, indexing="ij"), -1).reshape(-1, d) + 0.53

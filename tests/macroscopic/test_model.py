@@ -52,11 +52,11 @@ def memory_error(n: int) -> float:
     """M2: from t1 = 2 the halves are pulled by -+a: gap a (t - t1 - 0.75/a)^2, here at t = 4 with a = 1."""
     pull: Force = lambda x, m, t: np.where((t > 2.0) & (x < np.inf), np.where(m < 1.0, -1.0, 1.0), 0.0)  # noqa: E731
     end = march(two_blocks(n), pull, 4.0, 2 * n)
-    return abs(end.X[n // 2] - end.X[n // 2 - 1] - end.dm - 1.25**2)
+    return float(abs(end.X[n // 2] - end.X[n // 2 - 1] - end.dm - 1.25**2))
 
 
 def bulk_error(n: int) -> float:
-    """M3: congested from t = 1/2, pulled by 2 b m from t1 = 1, released after 1/b: rho = 1/(1 + b (t-t1-1/b)^2)."""
+    """M3: pulled by 2 b m from t1 = 1, released after 1/b: rho = 1/(1 + b (t - t1 - 1/b)^2)."""
     pull: Force = lambda x, m, t: np.where(t > 1.0, 2.0 * (m - 0.5), 0.0) + 0.0 * x  # noqa: E731
     end = march(converging(n), pull, 4.0, 2 * n)
     return float(np.abs(end.density - 0.2).max())
@@ -87,11 +87,11 @@ def chain(n: int, X: Array, u: Array, dm: float) -> tuple[System, GlueyState]:
 
 def test_a_chain_of_a_thousand_is_the_isotonic_solution() -> None:
     """Random velocities: the projection of every step equals the pool of adjacent violators to 1e-8."""
-    n, dm, h = 1000, 1e-3, 0.02
+    n, h = 1000, 0.05
     random = np.random.default_rng(3)
-    parcels = at_rest_in_memory(
-        (np.arange(n) + 0.5) * dm, dm, np.sort(random.uniform(0.0, 0.5, n)) + np.arange(n) * dm, random.normal(size=n)
-    )
+    m = np.arange(n, dtype=np.float64) + np.float64(0.5)
+    parcels = at_rest_in_memory(m, 1.0, np.sort(random.uniform(0.0, 100.0, n)) + m, random.normal(size=n))
+    dm = 1.0
     system, state = chain(n, parcels.X, parcels.u, dm)
     assert np.allclose(isotonic_regression(parcels.X - parcels.m).x, parcels.X - parcels.m)
     for k in range(10):

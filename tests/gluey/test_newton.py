@@ -1,0 +1,55 @@
+"""One convex program for all eps >= 0: films against the first integral's step, and their limit, the gluey step."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from scipy.optimize import brentq
+
+from fsi.bodies import Array
+from fsi.gluey.film import Film, Shape
+from fsi.gluey.newton import minimise
+from fsi.gluey.response import Contact
+
+H = 0.02
+
+
+def chain(n: int) -> tuple[sp.csr_matrix, Array, Array]:
+    """Gap rows of n + 1 bodies in a row, random gaps below 1e-3 and velocities that close most of them."""
+    random = np.random.default_rng(2)
+    G = sp.diags([-np.ones(n), np.ones(n)], [0, 1], shape=(n, n + 1)).tocsr()
+    return G, random.uniform(1e-5, 1e-3, n), random.normal(size=n + 1)
+
+
+@pytest.mark.parametrize("shape", ["sphere", "disc"])
+@pytest.mark.parametrize("eps", [1e-1, 1e-3])
+def test_one_pair_is_the_implicit_step(shape: Shape, eps: float) -> None:
+    """`(D1 - D)/h + gamma(D1) = w` solved by bracketing; w = u* here, and masses 1 of which one is held by its weight."""
+    D, u = 1e-2, -0.3
+    film = Film(eps, 1.0, H, shape)
+    best = minimise(
+        sp.csr_matrix([[1.0]]), np.array([D / H]), np.ones(1), np.array([u]), np.zeros(1), film, 1e-13
+    )
+    expected = brentq(lambda D1: (D1 - D) / H + float(film.gamma(np.array([D1]))[0]) - u, 1e-300, 1.0, xtol=1e-16)
+    assert D + H * best.u[0] == pytest.approx(expected, rel=1e-6, abs=1e-14)
+    assert best.p[0] == pytest.approx(-float(film.gamma(np.array([expected]))[0]), rel=1e-6)
+
+
+@pytest.mark.parametrize("shape", ["sphere", "disc"])
+def test_films_tend_to_the_gluey_step(shape: Shape) -> None:
+    """The same solver, gaps positive at every eps (from gamma: they underflow), velocities tend to those at eps = 0."""
+    G, D, u = chain(40)
+    mass = np.ones(41)
+    dry = minimise(G, D / H, mass, u, np.zeros(40), Contact(np.zeros(40), np.zeros(0), 40, np.zeros(40)), 1e-11)
+    assert (D + H * (G @ dry.u)).min() >= -1e-10
+    distances = []
+    for eps in (1e-2, 1e-3, 1e-4):
+        film = Film(eps, 1.0, H, shape)
+        best = minimise(G, D / H, mass, u, np.zeros(40), film, 1e-9)
+        gaps = film.gap(-best.p)
+        np.testing.assert_allclose(D + H * (G @ best.u), gaps, atol=1e-9)
+        assert gaps.min() > 0.0
+        distances.append(np.abs(best.u - dry.u).max())
+    assert distances[0] > distances[1] > distances[2]
+    assert distances[2] < (0.02 if shape == "sphere" else 0.1)

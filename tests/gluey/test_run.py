@@ -1,0 +1,83 @@
+"""Gluey and macroscopic cases in run folders: what is written, refused, and resumed bit by bit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from fsi.errors import InputError
+from fsi.evolutions import EvolvingCase, load_evolving, model_of, resume_evolving, run_evolving
+from fsi.gluey.limit_case import LimitCase
+from fsi.results import StepRecord
+from tests.small_run import contents, rows
+
+CASES = Path(__file__).parents[2] / "cases"
+SMALL = {
+    "gluey/two_discs.toml": ("time.end=3", "time.step=0.05", "output.interval=0.5"),
+    "macroscopic/blocks.toml": ("time.end=2", "time.step=0.1", "output.interval=0.5", "parcels=20"),
+}
+
+
+def small(name: str) -> EvolvingCase:
+    case = load_evolving(CASES / name, SMALL[name])
+    assert not isinstance(case, LimitCase)
+    return case
+
+
+class KilledError(Exception):
+    """Where a run is broken off."""
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_a_resumed_run_is_the_unbroken_one(name: str, tmp_path: Path) -> None:
+    def kill(record: StepRecord) -> None:
+        if record.step == 13:
+            raise KilledError
+
+    run_evolving(small(name), tmp_path / "whole", lambda _: None)
+    with pytest.raises(KilledError):
+        run_evolving(small(name), tmp_path / "broken", kill)
+    resumed = load_evolving(tmp_path / "broken" / "case.toml")
+    assert not isinstance(resumed, LimitCase)
+    assert resume_evolving(resumed, tmp_path / "broken", lambda _: None).steps > 0
+    assert contents(tmp_path / "broken") == contents(tmp_path / "whole")
+    assert resume_evolving(resumed, tmp_path / "broken", lambda _: None).steps == 0
+
+
+def test_two_discs_part_when_the_pull_has_paid_back(tmp_path: Path) -> None:
+    """They meet at t = 1, stay until t = 4, and are a gap (t - 4)^2 apart: first order in the step 0.01."""
+    case = load_evolving(CASES / "gluey" / "two_discs.toml", ["output.interval=6", "output.fields=false"])
+    assert not isinstance(case, LimitCase)
+    run_evolving(case, tmp_path / "run", lambda _: None)
+    table = rows(tmp_path / "run" / "steps.csv")
+    stuck = [float(row["t"]) for row in table if float(row["smallest_gamma"]) < 0.0]
+    assert abs(stuck[0] - 1.0) <= 0.02
+    assert abs(stuck[-1] - 4.0) <= 0.02
+    x = [float(row["x"]) for row in rows(tmp_path / "run" / "bodies.csv")[-2:]]
+    assert x[1] - x[0] - 2.0 == pytest.approx(4.0, abs=0.1)
+    assert sum(float(row["V_x"]) for row in rows(tmp_path / "run" / "bodies.csv")[-2:]) == pytest.approx(0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ("contact.friction=0.3", "contact"),
+        ("contact.gamma_min=1.0", "gamma_min"),
+        ("bodies.0.position=[0.0, 0.0]", "overlap"),
+        ("bodies.0.position=[0.0, 0.0, 0.0]", "components"),
+        ("bodies.0.raduis=1.0", "radius"),
+        ("time.step=10", r"time\.step"),
+    ],
+)
+def test_mistakes_are_one_line(change: str, message: str) -> None:
+    with pytest.raises(InputError, match=message) as mistake:
+        load_evolving(CASES / "gluey" / "two_discs.toml", [change])
+    assert "\n" not in str(mistake.value)
+
+
+def test_every_case_loads() -> None:
+    for folder in ("gluey", "macroscopic"):
+        for path in sorted((CASES / folder).glob("*.toml")):
+            assert model_of(path) is not None
+            load_evolving(path)
