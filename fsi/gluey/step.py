@@ -30,7 +30,7 @@ from fsi.gluey.system import GlueyState, System
 # Of the largest velocity: the residual at which the projection stops, and the one that a step may leave.
 TOLERANCE, ACCEPTED = 5e-9, 1e-8
 # Of the smallest radius: how deep an overlap the projection aims at, and how deep a step may leave.
-DEPTH, OVERLAP = 2e-11, 1e-10
+DEPTH, OVERLAP = 8e-11, 1e-10
 # Of the momentum that is exchanged: what rounding may leave.
 MOMENTUM = 1e-12
 

@@ -31,17 +31,21 @@ def test_one_pair_is_the_implicit_step(shape: Shape, eps: float) -> None:
     best = minimise(
         sp.csr_matrix([[1.0]]), np.array([D / H]), np.ones(1), np.array([u]), np.zeros(1), film, 1e-13
     )
-    expected = brentq(lambda D1: (D1 - D) / H + float(film.gamma(np.array([D1]))[0]) - u, 1e-300, 1.0, xtol=1e-16)
+    expected = brentq(
+        lambda D1: (D1 - D) / H + float(film.gamma(np.array([D1]))[0]) - u, 1e-300, 1.0, xtol=1e-16
+    )
     assert D + H * best.u[0] == pytest.approx(expected, rel=1e-6, abs=1e-14)
     assert best.p[0] == pytest.approx(-float(film.gamma(np.array([expected]))[0]), rel=1e-6)
 
 
 @pytest.mark.parametrize("shape", ["sphere", "disc"])
 def test_films_tend_to_the_gluey_step(shape: Shape) -> None:
-    """The same solver, gaps positive at every eps (from gamma: they underflow), velocities tend to those at eps = 0."""
+    """Gaps are positive at every eps (by gamma, they underflow); velocities tend to those at eps = 0 like eps."""
     G, D, u = chain(40)
     mass = np.ones(41)
-    dry = minimise(G, D / H, mass, u, np.zeros(40), Contact(np.zeros(40), np.zeros(0), 40, np.zeros(40)), 1e-11)
+    dry = minimise(
+        G, D / H, mass, u, np.zeros(40), Contact(np.zeros(40), np.zeros(0), 40, np.zeros(40)), 1e-9
+    )
     assert (D + H * (G @ dry.u)).min() >= -1e-10
     distances = []
     for eps in (1e-2, 1e-3, 1e-4):
@@ -49,7 +53,7 @@ def test_films_tend_to_the_gluey_step(shape: Shape) -> None:
         best = minimise(G, D / H, mass, u, np.zeros(40), film, 1e-9)
         gaps = film.gap(-best.p)
         np.testing.assert_allclose(D + H * (G @ best.u), gaps, atol=1e-9)
-        assert gaps.min() > 0.0
+        assert np.isfinite(best.p).all()  # so every gap is exp(-p/eps) > 0, however small
         distances.append(np.abs(best.u - dry.u).max())
-    assert distances[0] > distances[1] > distances[2]
-    assert distances[2] < (0.02 if shape == "sphere" else 0.1)
+    assert distances[0] > 5.0 * distances[1] > 25.0 * distances[2]
+    assert distances[2] < (2e-4 if shape == "sphere" else 5e-3)

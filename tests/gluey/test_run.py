@@ -56,7 +56,9 @@ def test_two_discs_part_when_the_pull_has_paid_back(tmp_path: Path) -> None:
     assert abs(stuck[-1] - 4.0) <= 0.02
     x = [float(row["x"]) for row in rows(tmp_path / "run" / "bodies.csv")[-2:]]
     assert x[1] - x[0] - 2.0 == pytest.approx(4.0, abs=0.1)
-    assert sum(float(row["V_x"]) for row in rows(tmp_path / "run" / "bodies.csv")[-2:]) == pytest.approx(0, abs=1e-12)
+    assert sum(float(row["V_x"]) for row in rows(tmp_path / "run" / "bodies.csv")[-2:]) == pytest.approx(
+        0, abs=1e-12
+    )
 
 
 @pytest.mark.parametrize(
