@@ -23,9 +23,8 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import LinearOperator, SuperLU, cg, splu
 
 from fsi.bodies import Array
-from fsi.errors import SolveError
 
-OUTER, INNER, SEARCHES = 60, 100, 40
+OUTER, INNER, SEARCHES = 25, 60, 40
 # Conjugate gradients: how well they solve, and after how many iterations a new factor is cheaper.
 ACCURACY, PATIENCE = 1e-6, 8
 # The penalty sigma in units of the mass that a row feels: more of it costs digits, by rounding in the gaps.
@@ -97,8 +96,8 @@ def minimise(
         response: what the rows answer.
         tolerance: of the residual, a rate.
 
-    Raises:
-        SolveError: the tolerance is not reached.
+    Returns:
+        the best that rounding allows: its residual may exceed the tolerance, which is the caller's to judge.
     """
     weight = J.multiply(J) @ (1.0 / mass)
     sigma = FIRST / weight
@@ -111,12 +110,9 @@ def minimise(
         at_p = u_star + (J.T @ p) / mass
         residual = response.residual(b + J @ at_p, p, weight)
         if residual <= tolerance:
-            return Optimum(p, at_p, residual, steps, solver.factors)
+            break
         sigma = np.minimum(GROWTH * sigma, LARGEST / weight)
-    raise SolveError(
-        f"the contact impulses do not converge: residual {residual:.3g} where {tolerance:.3g} is wanted; "
-        "lower time.step"
-    )
+    return Optimum(p, at_p, residual, steps, solver.factors)
 
 
 def _inner(

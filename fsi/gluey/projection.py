@@ -60,8 +60,8 @@ def project(
         contact: which impulses are allowed, and compliances.
         tolerance: of `kkt`, a velocity.
 
-    Raises:
-        SolveError: the tolerance is not reached.
+    Returns:
+        the solution; its `kkt` may exceed the tolerance, which is the caller's to judge.
     """
     p, iterations = _by_gradient(J, b + J @ u_star, mass, p, contact, tolerance)
     u = u_star + (J.T @ p) / mass

@@ -95,7 +95,7 @@ def solve_rows(
         bound: the largest friction of each contact, (C,), given the normal impulses, (C,).
 
     Raises:
-        SolveError: it does not converge.
+        SolveError: friction does not settle.
     """
     C = len(rows.least)
     p, iterations, steps = rows.p, 0, 0

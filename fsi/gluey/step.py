@@ -70,7 +70,7 @@ def advance(system: System, state: GlueyState, t: float, h: float) -> tuple[Glue
     """The state after a step from t to t + h, what touched on the way, and how good it is.
 
     Raises:
-        SolveError: the projection does not converge, or a check fails.
+        SolveError: friction does not settle, or a check fails, as the projection has not converged.
     """
     load = system.impulse(t, t + h)
     free = state.U + load / system.mass

@@ -1,4 +1,4 @@
-"""One convex program for all eps >= 0: films against the first integral's step, and their limit, the gluey step."""
+"""One convex program for all eps >= 0: films against the implicit step, and their limit."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ H = 0.02
 
 
 def chain(n: int) -> tuple[sp.csr_matrix, Array, Array]:
-    """Gap rows of n + 1 bodies in a row, random gaps below 1e-3 and velocities that close most of them."""
+    """Gap rows of n + 1 bodies in a row, random gaps below 1e-3."""
     random = np.random.default_rng(2)
     G = sp.diags([-np.ones(n), np.ones(n)], [0, 1], shape=(n, n + 1)).tocsr()
     return G, random.uniform(1e-5, 1e-3, n), random.normal(size=n + 1)
@@ -25,7 +25,7 @@ def chain(n: int) -> tuple[sp.csr_matrix, Array, Array]:
 @pytest.mark.parametrize("shape", ["sphere", "disc"])
 @pytest.mark.parametrize("eps", [1e-1, 1e-3])
 def test_one_pair_is_the_implicit_step(shape: Shape, eps: float) -> None:
-    """`(D1 - D)/h + gamma(D1) = w` solved by bracketing; w = u* here, and masses 1 of which one is held by its weight."""
+    """`(D1 - D)/h + gamma(D1) = w` solved by bracketing; w = u* here."""
     D, u = 1e-2, -0.3
     film = Film(eps, 1.0, H, shape)
     best = minimise(
@@ -40,7 +40,7 @@ def test_one_pair_is_the_implicit_step(shape: Shape, eps: float) -> None:
 
 @pytest.mark.parametrize("shape", ["sphere", "disc"])
 def test_films_tend_to_the_gluey_step(shape: Shape) -> None:
-    """Gaps are positive at every eps (by gamma, they underflow); velocities tend to those at eps = 0 like eps."""
+    """Gaps are positive at every eps (by gamma, they underflow); velocities tend to the dry ones."""
     G, D, u = chain(40)
     mass = np.ones(41)
     dry = minimise(
