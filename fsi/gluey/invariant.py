@@ -77,11 +77,10 @@ def solve(q0: float, u0: float, f: PPoly, eps: float, t: Array) -> Path:
             landing = now + h >= stop * (1.0 - 1e-14)
             used = stop - now if landing else h
             q1, gamma1, error = _step(q, gamma, w, now, used, eps)
-            growth = min(4.0, 0.9 * max(error, 1e-12) ** -0.25)
+            growth = min(4.0, max(0.1, 0.9 * max(error, 1e-12) ** -0.25))
             if error > 1.0 and used > SHORTEST * t[-1]:
-                h = used * max(0.1, growth)
+                h = used * growth
                 continue
-            growth = max(growth, 1.0) if error > 1.0 else growth
             q, gamma, now = q1, gamma1, float(stop) if landing else now + used
             h = max(h, used * growth) if landing else used * growth
         found[float(stop)] = (q, gamma)

@@ -31,7 +31,7 @@ from fsi.gluey.system import GlueyState, System
 TOLERANCE, ACCEPTED = 5e-9, 1e-8
 # Of the smallest radius: how deep an overlap the projection aims at, and how deep a step may leave.
 DEPTH, OVERLAP = 8e-11, 1e-10
-# Of the momentum that is exchanged: what rounding may leave.
+# Of the momentum that there is and that is exchanged: what rounding may leave.
 MOMENTUM = 1e-12
 
 
@@ -85,7 +85,7 @@ def advance(system: System, state: GlueyState, t: float, h: float) -> tuple[Glue
     new = state.moved(U, h, contacts.key, gamma_new)
     checks = Checks(
         found.kkt / max(_speed(system, U), _speed(system, free), np.finfo(float).tiny),
-        _momentum_defect(system, U - state.U, load, rows, found.p, _shift(system, gamma, rows)),
+        _momentum_defect(system, state.U, U - state.U, load, rows, found.p, _shift(system, gamma, rows)),
         _overlap(system, new),
         found.iterations,
         found.steps,
@@ -151,13 +151,15 @@ def _friction(system: System, gamma: Array, p: Array) -> Array:
     return system.law.friction * _solid(system, gamma, p)
 
 
-def _momentum_defect(system: System, change: Array, load: Array, rows: Rows, p: Array, shift: Array) -> float:
-    """`sum M (u^{n+1} - u^n) - load - impulses of the walls`, relative; those of pairs cancel."""
+def _momentum_defect(
+    system: System, U: Array, change: Array, load: Array, rows: Rows, p: Array, shift: Array
+) -> float:
+    """`sum M (u^{n+1} - u^n) - load - impulses of the walls` over the sizes of u^n, load and impulses."""
     d, shape = system.dimension, system.mass.shape
     of_walls = rows.J[rows.of_wall].T @ (p + shift)[rows.of_wall]
     defect = (system.mass * change - load - of_walls.reshape(shape))[:, :d].sum(axis=0)
     exchanged = (abs(rows.J).T @ (np.abs(p) + np.abs(shift))).reshape(shape)[:, :d].sum()
-    scale = exchanged + np.abs(load[:, :d]).sum() + np.abs((system.mass * change)[:, :d]).sum()
+    scale = exchanged + np.abs(load[:, :d]).sum() + np.abs((system.mass * U)[:, :d]).sum()
     return float(np.abs(defect).max() / scale) if scale > 0.0 else 0.0
 
 

@@ -24,7 +24,8 @@ REFERENCE: dict[str, Any] = json.loads(
 CASES = ("I1", "I2")
 EPS = (1e-1, 1e-2, 1e-4)
 
-forces = st.lists(st.floats(-3.0, 3.0), min_size=1, max_size=6).map(np.array)
+# No numbers so small that their quotients overflow.
+forces = st.lists(st.integers(-3000, 3000), min_size=1, max_size=6).map(lambda f: 1e-3 * np.array(f))
 
 
 def force(case: dict[str, Any]) -> Any:
@@ -94,6 +95,7 @@ def test_the_limit_is_a_projection_of_any_push(values: Array, u0: float) -> None
     assert np.abs(found - limit.q(fine)).max() <= 4.0 * 3.0 * len(values) / 1000
 
 
+@settings(deadline=None)
 @given(forces)
 def test_the_oracle_agrees_with_a_dense_minimum(values: Array) -> None:
     """The Skorokhod formula with the minimum over many times, added the exact extremes: to 1e-12."""
@@ -136,7 +138,10 @@ def test_the_slides_scheme_is_of_order_one(name: str) -> None:
     np.testing.assert_allclose(orders, 1.0, atol=0.05)
 
 
-@given(st.lists(st.floats(-1.0, 1.0), min_size=5, max_size=40), st.floats(0.01, 2.0))
+@settings(deadline=None)
+@given(
+    st.lists(st.integers(-999, 999).map(lambda f: 1e-3 * f), min_size=5, max_size=40), st.floats(0.01, 2.0)
+)
 def test_the_step_of_one_pair_is_the_slides_scheme(impulses: list[float], q0: float) -> None:
     """One body of mass 1 above a wall: projection and case analysis give the same numbers to rounding."""
     h = np.full(len(impulses), 0.1)
@@ -164,6 +169,7 @@ def test_the_tableau_has_its_order() -> None:
     np.testing.assert_allclose(trees, [1 / 6, 1 / 12, 1 / 8, 1 / 24], atol=1e-14)
 
 
+@settings(deadline=None)
 @given(st.floats(-1e6, 700.0), st.floats(1e-12, 1e3))
 def test_log_gap_solves_its_equation(y: float, c: float) -> None:
     assert log_gap(np.exp(y) + c * y, c) == pytest.approx(y, rel=1e-9, abs=1e-9 * (1 + 1 / c if y < 0 else 1))
