@@ -39,7 +39,7 @@ def compare(
     folder = output or Path("runs") / f"{case_file.stem}_compared"
     path = str(Path(law).resolve()) if Path(law).is_file() else law
     with ProgressBar() as bar:
-        bar.begin(case)
+        bar.begin(case.time.end if case.time else None)
         found, data = compare_models(case, path, folder, bar.show)
     if parallel.is_root() and as_json:
         typer.echo(json.dumps(data))

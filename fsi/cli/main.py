@@ -18,6 +18,7 @@ from fsi.cli import (
     calibrate,
     check,
     compare,
+    limit,
     mesh,
     pack,
     plot,
@@ -30,7 +31,6 @@ from fsi.cli import (
     solve,
     validate,
 )
-from fsi.cli import check, limit, mesh, render, resistance, run, solve, validate
 from fsi.errors import FsiError
 from meshes.errors import MeshError
 
