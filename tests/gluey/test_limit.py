@@ -170,6 +170,6 @@ def test_the_tableau_has_its_order() -> None:
 
 
 @settings(deadline=None)
-@given(st.floats(-1e6, 700.0), st.floats(1e-12, 1e3))
+@given(st.floats(-1e6, 100.0), st.floats(1e-12, 1e3))
 def test_log_gap_solves_its_equation(y: float, c: float) -> None:
     assert log_gap(np.exp(y) + c * y, c) == pytest.approx(y, rel=1e-9, abs=1e-9 * (1 + 1 / c if y < 0 else 1))
