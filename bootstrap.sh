@@ -198,7 +198,7 @@ test_all() {
     ruff format --check . || failed+=("ruff format")
     mypy --strict || failed+=("mypy")
     [ ${#failed[@]} = 0 ] || say "failed before the tests: $(printf '%s, ' "${failed[@]}" | sed 's/, $//')"
-    python -m pytest "$@" && [ ${#failed[@]} = 0 ]
+    python -m pytest -n auto --dist worksteal "$@" && [ ${#failed[@]} = 0 ]
 }
 
 command=${1:-help}

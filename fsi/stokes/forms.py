@@ -22,9 +22,9 @@ import numpy as np
 import ufl
 from dolfinx import fem
 from dolfinx.mesh import exterior_facet_indices
-from mpi4py import MPI
 from numpy.typing import NDArray
 
+from fsi.stokes.compile import compile_form
 from meshes.aliases import Form
 from meshes.build import FluidMesh, coordinate_element
 from meshes.curved import reference_points
@@ -153,7 +153,7 @@ def compile_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -
         "normal": ("V", ufl.inner(n, v) * w * dS),
         "traction": ("V", ufl.inner(space.traction(u_h, p_h, mu, n), v) * w * dS),
     }
-    compiled = {name: fem.compile_form(MPI.COMM_WORLD, form) for name, (_, form) in forms.items()}
+    compiled = {name: compile_form(form) for name, (_, form) in forms.items()}
     return Compiled(
         compiled,
         {name: spaces for name, (spaces, _) in forms.items()},

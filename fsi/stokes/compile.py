@@ -1,0 +1,38 @@
+"""Compile forms at run time, and recover from a compilation that was killed half-way.
+
+FFCx keeps what it compiles in a cache on disk. A process that was killed while compiling leaves an entry that
+never gets ready; every later process waits for it in vain. After PATIENCE it is removed, and compiled anew.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import meshes.backend  # noqa: F401
+
+import ufl
+from dolfinx import fem
+from mpi4py import MPI
+
+from fsi import parallel
+
+PATIENCE = 60  # seconds; another process may be compiling the same form
+_STALE = re.compile(r"remove (\S+\.c)\)")
+
+
+def compile_form(form: ufl.Form) -> fem.forms.CompiledForm:
+    """A compiled form, for all meshes of its kind; collective."""
+    try:
+        return _compile(form)
+    except (TimeoutError, RuntimeError) as error:
+        found = _STALE.search(str(error))
+        stale = MPI.COMM_WORLD.bcast(None if found is None else found[1])
+        if stale is None:
+            raise
+        parallel.on_root(lambda: Path(stale).unlink(missing_ok=True))
+        return _compile(form)
+
+
+def _compile(form: ufl.Form) -> fem.forms.CompiledForm:
+    return fem.compile_form(MPI.COMM_WORLD, form, jit_options={"timeout": PATIENCE})
