@@ -35,7 +35,7 @@ MOST_ITERATIONS = 600
 RESTART = 150
 COMPONENTS = 3
 
-MOST_FACTORISED = 250_000
+MOST_FACTORISED = 120_000
 FACTORS = {
     "fieldsplit_u_pc_type": "cholesky",
     "fieldsplit_u_pc_factor_mat_solver_type": "mumps",

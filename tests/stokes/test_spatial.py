@@ -1,0 +1,210 @@
+"""Spheres in space: exact forces, both solvers, both forms, ranks, resistance, motion in time."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import meshes.backend  # noqa: F401
+
+import numpy as np
+import pytest
+import pyvista as pv
+from numpy.testing import assert_allclose
+
+from fsi.bodies import Array
+from fsi.case import Case, parse_case
+from fsi.errors import InputError
+from fsi.lubrication import sphere_beside_plane, spheres
+from fsi.run import run_case
+from fsi.stokes.model import StokesModel
+from fsi.stokes.resistance import case_resistance
+from fsi.stokes.solution import StokesSolution
+
+MPIEXEC = Path(sys.executable).with_name("mpiexec")
+LIGHT = {"degree": 2, "cells_per_circle": 10, "cells_per_gap": 0.5, "growth": 0.8}
+BOX: dict[str, Any] = {
+    "name": "two spheres in a box",
+    "geometry": "spatial",
+    "fluid": {"viscosity": 0.7},
+    "domain": {"lower": [-3.0, -3.0, -3.0], "upper": [3.0, 3.0, 4.0], "walls": {"top": [0.4, 0.0, 0.0]}},
+    "bodies": [
+        {"name": "large", "radius": 1.0, "position": [-0.5, 0.2, -1.5], "force": [0.1, 0.0, -1.0]},
+        {
+            "name": "small", "radius": 0.6, "position": [0.7, -0.1, 0.2],
+            "velocity": [0.3, "free", -0.2], "angular_velocity": ["free", 0.5, 0.0],
+            "torque": [0.2, 0.0, 0.0],
+        },
+    ],
+    "discretisation": LIGHT,
+}  # fmt: skip
+
+
+def case(data: dict[str, Any], **discretisation: Any) -> Case:
+    return parse_case(data | {"discretisation": data["discretisation"] | discretisation})
+
+
+def solved(one: Case) -> StokesSolution:
+    return StokesModel(one)(one.configuration(), 0.0)
+
+
+def beside_plane(gap: float, degree: int) -> Case:
+    body = {
+        "name": "ball", "radius": 1.0, "position": [0.0, 0.0, 1.0 + gap],
+        "velocity": [1.0, 0.0, -1.0], "angular_velocity": [1.0, 0.0, 0.0],
+    }  # fmt: skip
+    return parse_case(
+        {
+            "name": "ball", "geometry": "spatial", "fluid": {"viscosity": 1.0}, "bodies": [body],
+            "domain": {"shape": "half-plane", "radius": 50.0}, "discretisation": {"degree": degree},
+        }
+    )  # fmt: skip
+
+
+def exact_loads(gap: float) -> Array:
+    """(F_x, F_y, F_z, T_x, T_y) of that motion; signs are explained at references.sphere_beside_plane."""
+    A, B, C = (
+        float(law(gap, 1.0, 1.0))
+        for law in (
+            sphere_beside_plane.parallel_resistance,
+            sphere_beside_plane.coupling_resistance,
+            sphere_beside_plane.rotation_resistance,
+        )
+    )
+    return np.array([A, B, -float(spheres.normal_resistance(gap, 1.0, 1.0)), C, -B])
+
+
+@pytest.mark.parametrize(
+    ("degree", "tolerance"), [(2, 0.08), pytest.param(3, 2.5e-3, marks=pytest.mark.slow)]
+)
+def test_a_sphere_beside_a_plane(degree: int, tolerance: float) -> None:
+    """Errors relative to the force along the plane; degree 2 on the default mesh is good to some percent."""
+    exact = exact_loads(0.1)
+    found = solved(beside_plane(0.1, degree)).F[0, :5]
+    size = np.maximum(np.abs(exact), np.abs(exact[0]) * 0.2)
+    assert np.all(np.abs(found - exact) < tolerance * size)
+
+
+def test_a_sphere_at_the_centre_of_a_ball() -> None:
+    """Cunningham 1910; degree 3 on a coarse mesh is good to 2e-3; missing walls would be 60 % off."""
+    ball = {"name": "ball", "radius": 1.0, "position": [0.0, 0.0, 0.0], "velocity": [0.6, 0.0, 0.8],
+            "angular_velocity": [0.0, 0.0, 0.0]}  # fmt: skip
+    one = parse_case(
+        {
+            "name": "concentric", "geometry": "spatial", "fluid": {"viscosity": 2.0}, "bodies": [ball],
+            "domain": {"shape": "round", "radius": 3.0}, "discretisation": LIGHT | {"degree": 3},
+        }
+    )  # fmt: skip
+    R = float(spheres.concentric_resistance(2.0, 1.0, 2.0))
+    assert_allclose(solved(one).F[0, :3], R * np.array([0.6, 0.0, 0.8]), atol=3e-3 * R)
+
+
+def test_solvers_and_forms_agree() -> None:
+    direct = solved(case(BOX, solver="direct"))
+    iterative = solved(case(BOX, solver="iterative"))
+    multiplier = solved(case(BOX, formulation="multiplier"))
+    assert (direct.iterations, multiplier.iterations) == (0, 0)
+    assert 10 < iterative.iterations < 120
+    for other, tolerance in ((iterative, 1e-9), (multiplier, 1e-11)):
+        assert_allclose(other.U, direct.U, atol=tolerance * np.abs(direct.U).max())
+        assert_allclose(other.F, direct.F, atol=tolerance * np.abs(direct.F).max())
+    given = [[0.1, 0.0, -1.0, 0.0, 0.0, 0.0], [0.3, 0.5, 0.0, -0.2, 0.2, 0.0]]
+    assert_allclose(direct.F[0], given[0], atol=1e-12)
+    assert_allclose(direct.U[1, [0, 2, 4, 5]], [0.3, -0.2, 0.5, 0.0], atol=0.0)
+    assert direct.F[1, 3] == pytest.approx(0.2, abs=1e-12)
+
+
+def test_multigrid_agrees_with_factors(monkeypatch: pytest.MonkeyPatch) -> None:
+    factors = solved(case(BOX, solver="iterative"))
+    monkeypatch.setattr("fsi.stokes.iterative.MOST_FACTORISED", 0)
+    multigrid = solved(case(BOX, solver="iterative"))
+    assert multigrid.iterations > factors.iterations
+    assert_allclose(multigrid.F, factors.F, atol=1e-9 * np.abs(factors.F).max())
+
+
+def test_a_stagnating_iteration_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("fsi.stokes.iterative.MOST_ITERATIONS", 5)
+    with pytest.raises(Exception, match="iterative solver stagnates"):
+        solved(case(BOX, solver="iterative"))
+
+
+def test_resistance_in_space() -> None:
+    found = case_resistance(case(BOX))
+    assert found.R.shape == (12, 12)
+    assert found.checks["reciprocity"] < 1e-9
+    assert found.eigenvalues[0] > 0.0
+    assert found.modes.velocities[3:7] == ("large.omega_x", "large.omega_y", "large.omega_z", "small.V_x")
+    # A rigid translation of both bodies costs what R says, column by column.
+    both = {"velocity": [1.0, 0.0, 0.0], "angular_velocity": [0.0, 0.0, 0.0]}
+    bodies = [{k: b[k] for k in ("name", "radius", "position")} | both for b in BOX["bodies"]]
+    domain = {k: BOX["domain"][k] for k in ("lower", "upper")}
+    together = solved(case(BOX | {"bodies": bodies, "domain": domain}))
+    assert_allclose(together.F.ravel(), found.R[:, 0] + found.R[:, 6], atol=1e-9 * found.R.max())
+
+
+@pytest.mark.mpi
+@pytest.mark.skipif(not MPIEXEC.exists(), reason="no mpiexec beside this Python")
+@pytest.mark.parametrize("solver", ["direct", pytest.param("iterative", marks=pytest.mark.slow)])
+def test_ranks_agree_in_space(tmp_path: Path, solver: str) -> None:
+    path = tmp_path / "case.toml"
+    path.write_text(case(BOX, solver=solver).as_toml())
+    found = []
+    for ranks in (1, 2, 3):
+        command = [
+            str(MPIEXEC),
+            "-n",
+            str(ranks),
+            sys.executable,
+            "-m",
+            "fsi",
+            "resistance",
+            str(path),
+            "--json",
+        ]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+        assert done.returncode == 0, done.stderr
+        found.append(np.array(json.loads(done.stdout)["resistance"]))
+    for other in found[1:]:
+        assert_allclose(other, found[0], atol=1e-9 * np.abs(found[0]).max())
+
+
+def test_spheres_move_in_space(tmp_path: Path) -> None:
+    data = BOX | {"time": {"end": 0.2, "tolerance": 1e-2}}
+    one = case(data)
+    run_case(one, tmp_path / "run", StokesModel(one))
+    with (tmp_path / "run" / "bodies.csv").open(newline="") as lines:
+        small = [row for row in csv.DictReader(lines) if row["body"] == "small"]
+    assert float(small[-1]["x"]) == pytest.approx(0.7 + 0.3 * 0.2, abs=1e-12)
+    assert float(small[-1]["angle_y"]) == pytest.approx(0.1, abs=2e-3)  # held spin, nearly about one axis
+    field = pv.read(sorted((tmp_path / "run" / "fields").glob("fluid_*.vtu"))[-1])
+    assert field.points[:, 2].max() == pytest.approx(4.0)
+    top = field["velocity"][np.isclose(field.points[:, 2], 4.0)]
+    assert_allclose(top[:, 0].max(), 0.4, atol=1e-12)
+    assert set(field.celltypes) == {71}  # VTK_LAGRANGE_TETRAHEDRON
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("position", [0.0, 1.5], "has 2 components where this geometry has 3"),
+        ("angular_velocity", 1.0, "must be a vector of three in space"),
+        ("torque", [0.0, 1.0], "has 2 components where this geometry has 3"),
+    ],
+)
+def test_vectors_have_three_components(key: str, value: object, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        parse_case(BOX | {"bodies": [BOX["bodies"][0] | {key: value}]})
+
+
+def test_the_iterative_solver_is_for_space() -> None:
+    planar = {
+        "name": "planar", "fluid": {"viscosity": 1.0}, "domain": {"lower": [0.0, 0.0], "upper": [1.0, 1.0]},
+        "discretisation": {"solver": "iterative"},
+    }  # fmt: skip
+    with pytest.raises(InputError, match=re.escape('discretisation.solver = "iterative"')):
+        parse_case(planar)
