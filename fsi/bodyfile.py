@@ -20,6 +20,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from fsi.errors import InputError
 from fsi.section import nearest_word, toml_text
 
@@ -172,6 +174,9 @@ def _sides(lower: Any, upper: Any) -> tuple[float, ...] | None:
 def _check_sides(path: Path, sides: tuple[float, ...] | None, domain: Any) -> None:
     if sides is None or not isinstance(domain, dict):
         return
+    if domain.get("vectors") is not None:
+        _check_cell(path, sides, domain["vectors"])
+        return
     given = _sides(domain.get("lower"), domain.get("upper"))
     if given is None:
         return
@@ -179,6 +184,19 @@ def _check_sides(path: Path, sides: tuple[float, ...] | None, domain: Any) -> No
     if len(given) != len(sides) or not all(same):
         has, wants = (" x ".join(f"{side:.12g}" for side in both) for both in (given, sides))
         raise _refusal(path, f"its box is {wants}, but the domain is {has}; make domain.lower and upper fit")
+
+
+def _check_cell(path: Path, sides: tuple[float, ...], vectors: Any) -> None:
+    """The vectors of a cell must span the lattice of the file's box: integer combinations of its sides."""
+    corners = [_sides((0.0, 0.0), vector) for vector in vectors] if isinstance(vectors, list | tuple) else []
+    if len(corners) != len(sides) or any(corner is None for corner in corners):
+        return  # the schema says what is wrong
+    counts = np.array(corners) / sides
+    off = np.abs(counts - np.rint(counts)).max()
+    if off > _SAME_SIZE or abs(np.linalg.det(np.rint(counts))) != 1.0:
+        box = " x ".join(f"{side:.12g}" for side in sides)
+        fitting = toml_text(tuple(map(tuple, np.diag(sides).tolist())))
+        raise _refusal(path, f"its box is {box}, but not that of domain.vectors; give vectors = {fitting}")
 
 
 def _refusal(path: Path, what: str) -> InputError:

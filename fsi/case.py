@@ -173,7 +173,7 @@ class Case(Section):
         masses = np.array([body.mass or 0.0 for body in self.bodies])
         spheres = self.geometry != "planar"
         F = np.zeros_like(own.F)
-        F[:, : self.dimension] = external_forces(self.forces, q, self.container(), masses, spheres)
+        F[:, : self.dimension] = external_forces(self.forces, q, self.container().at(t), masses, spheres)
         return Motion(own.held, own.U, own.F + np.where(own.held, 0.0, F))
 
     def masses(self) -> Array | None:

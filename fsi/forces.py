@@ -21,8 +21,8 @@ from meshes.geometry import Container
 
 
 def separations(q: Configuration, gaps: Gaps) -> Array:
-    """`q_i - q_j` of the close pairs, the vectors that their gaps belong to, shape (P, d)."""
-    return q.centres[gaps.pairs[:, 0]] - q.centres[gaps.pairs[:, 1]]
+    """`q_i - q_j - away` of the close pairs, the vectors that their gaps belong to, shape (P, d)."""
+    return q.centres[gaps.pairs[:, 0]] - q.centres[gaps.pairs[:, 1]] - gaps.away
 
 
 def external_forces(

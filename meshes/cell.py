@@ -7,7 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from meshes.geometry import Array
+from meshes.geometry import Array, Container
 from meshes.lattice import reduced
 
 Vector = tuple[float, float]
@@ -141,3 +141,11 @@ class Cell:
 
 
 Periodic = Channel | Cell
+
+
+def mean_velocity(container: Container, x: Array) -> Array:
+    """The mean flow E x at points or between images, (n, 2): zero but in a cell."""
+    if not isinstance(container, Cell):
+        return np.zeros_like(x)
+    carried: Array = x @ np.array(container.gradient).T
+    return carried

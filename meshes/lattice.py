@@ -33,6 +33,10 @@ class Lattice:
         """Number of periods k."""
         return len(self.vectors)
 
+    def longest(self) -> float:
+        """Length of the longest lattice vector."""
+        return float(np.linalg.norm(self.vectors, axis=1).max(initial=0.0))
+
     def coordinates(self, x: Array) -> Array:
         """Coordinates of points or differences (n, 2) along the lattice vectors, (n, k)."""
         if self.dimension == 0:

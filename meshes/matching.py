@@ -60,7 +60,7 @@ def matching_points(x: Array, lattice: Lattice) -> Pairs:
     Raises:
         MeshError: a point has no image.
     """
-    torus = _on_torus(x, lattice)
+    torus = on_torus(x, lattice)
     _, near = cKDTree(torus).query(torus, k=[1, 2])
     own = np.arange(len(x))
     partner = np.where(near[:, 0] == own, near[:, 1], near[:, 0])
@@ -68,8 +68,8 @@ def matching_points(x: Array, lattice: Lattice) -> Pairs:
     if paired:
         difference = x - x[partner]
         shift = np.rint(lattice.coordinates(difference)).astype(np.int64)
-        longest = np.sqrt(np.square(lattice.vectors).sum(axis=1)).max()
-        paired = np.abs(difference - lattice.shift(shift)).max(initial=0.0) < SAME_PLACE * longest
+        off = np.abs(difference - lattice.shift(shift)).max(initial=0.0)
+        paired = off < SAME_PLACE * lattice.longest()
     if not paired:
         raise MeshError("the two sides of a periodic domain do not match; was the mesh made elsewhere?")
     slave = positive(shift)
@@ -99,7 +99,7 @@ def columns_of_masters(
     return known, column[order][place[known]]
 
 
-def _on_torus(x: Array, lattice: Lattice) -> Array:
+def on_torus(x: Array, lattice: Lattice) -> Array:
     """Points as points of a torus in space, where images coincide."""
     turn = 2.0 * np.pi * lattice.coordinates(x)
     size = np.sqrt(np.square(lattice.vectors).sum(axis=1))

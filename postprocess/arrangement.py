@@ -19,7 +19,8 @@ from fsi.configurations.arrangement import Arrangement, Array, Cell
 from fsi.errors import InputError
 
 CLOSE = 0.1  # gaps below this many mean radii are joined by a line
-_BODY, _EDGE, _LINK, _FRAME = "#9ecae1", "#20507a", "#d55e00", "#222222"
+BODY, EDGE, LINK, FRAME = "#9ecae1", "#20507a", "#d55e00", "#222222"
+IMAGE, IMAGE_EDGE = "#eaf3f9", "#a9c4d8"
 _LONGEST_SIDE = 8.0  # of the figure, inches
 
 
@@ -30,7 +31,7 @@ def draw_arrangement(arrangement: Arrangement, path: Path) -> None:
         axes = figure.subplots()
         draw_bodies(axes, arrangement)
         links = close_links(arrangement)
-        axes.add_collection(LineCollection(list(links), colors=_LINK, linewidths=1.8, zorder=3))
+        axes.add_collection(LineCollection(list(links), colors=LINK, linewidths=1.8, zorder=3))
         axes.set_title(_title(arrangement, len(links)), fontsize=10)
         try:
             figure.savefig(path, dpi=130)
@@ -64,12 +65,12 @@ def draw_bodies(axes: Axes, arrangement: Arrangement) -> None:
     depth = arrangement.centres[:, 1] if cell.dimension == 3 else np.zeros(len(radii))
     order = np.argsort(-depth, kind="stable")
     here = [Circle((x, y), a) for (x, y), a in zip(centres[order], radii[order], strict=True)]
-    bodies = PatchCollection(here, facecolors=_BODY, edgecolors=_EDGE, linewidths=0.7, zorder=2)
+    bodies = PatchCollection(here, facecolors=BODY, edgecolors=EDGE, linewidths=0.7, zorder=2)
     axes.add_collection(bodies)
     images = PatchCollection(
         list(_images(cell, centres, radii)),
-        facecolors="#eaf3f9",
-        edgecolors="#a9c4d8",
+        facecolors=IMAGE,
+        edgecolors=IMAGE_EDGE,
         linewidths=0.6,
         zorder=1,
     )
@@ -112,7 +113,7 @@ def _draw_frame(axes: Axes, cell: Cell) -> None:
         style = {"ls": "--", "lw": 0.9} if periodic else {"ls": "-", "lw": 3.0}
         for at in (0.0, (width, height)[k]):
             ends = ([at, at], [0.0, height]) if k == 0 else ([0.0, width], [at, at])
-            axes.plot(*ends, color=_FRAME, zorder=4, **style)  # type: ignore[arg-type]
+            axes.plot(*ends, color=FRAME, zorder=4, **style)  # type: ignore[arg-type]
     margin = 0.02 * max(width, height)
     axes.set_xlim(-margin, width + margin)
     axes.set_ylim(-margin, height + margin)

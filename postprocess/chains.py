@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import matplotlib as mpl
@@ -22,6 +23,9 @@ from rich.table import Table
 from fsi.bodies import Array, Configuration
 from fsi.case import Case
 from fsi.errors import InputError
+from meshes.cell import Cell
+from meshes.lattice import Lattice
+from postprocess import oblique
 from postprocess.arrangement import arrangement_of, draw_bodies, figure_size
 from postprocess.folder import read_case, read_table
 from postprocess.links import Chain, Links, find_chains, find_links
@@ -107,22 +111,26 @@ def as_table(found: Chains) -> Table:
 
 
 def plot(found: Chains, path: Path) -> None:
-    """Draw the bodies of a box and their links, by what each dissipates. Raises InputError."""
-    arrangement = arrangement_of(found.case, found.q)
-    links, n = found.links, len(found.q)
-    first = arrangement.centres[links.ends[:, 0]]
+    """Draw the bodies of a box or cell and their links, by what each dissipates. Raises InputError."""
+    container, links, n = found.case.container().at(found.t), found.links, len(found.q)
+    if isinstance(container, Cell):
+        centres, size = Lattice(container.periods).wrapped(found.q.centres), oblique.size(container)
+        draw = partial(oblique.draw_oblique, container=container, q=found.q)
+    else:
+        arrangement = arrangement_of(found.case, found.q)
+        centres, size = arrangement.centres, figure_size(arrangement.cell)
+        draw = partial(draw_bodies, arrangement=arrangement)
+    first = centres[links.ends[:, 0]]
     # across a periodic side a link is drawn from either body
-    second = np.where(
-        (links.ends[:, 1] < n)[:, None], arrangement.centres[links.ends[:, 1] % n], first - links.vectors
-    )
+    second = np.where((links.ends[:, 1] < n)[:, None], centres[links.ends[:, 1] % n], first - links.vectors)
     lines = np.concatenate(
         [np.stack([first, first - links.vectors], 1), np.stack([second, second + links.vectors], 1)]
     )
     share = np.maximum(np.tile(links.dissipation, 2) / found.dissipation, 1e-6)
     with mpl.rc_context({"font.size": 10}):
-        figure = Figure(figsize=figure_size(arrangement.cell), layout="constrained")
+        figure = Figure(figsize=size, layout="constrained")
         axes = figure.subplots()
-        draw_bodies(axes, arrangement)
+        draw(axes)
         norm = mpl.colors.LogNorm(1e-4, max(1e-3, float(share.max(initial=0.0))))
         widths = 1.0 + 1.2 * np.clip(np.log10(share / 1e-4), 0.0, None)
         drawn = LineCollection(list(lines), cmap="inferno_r", norm=norm, linewidths=widths, zorder=3)

@@ -23,6 +23,7 @@ from fsi.forces import separations
 from fsi.gaps import find_gaps
 from fsi.lubrication.exact import plane_lubrication
 from fsi.normals import inward_normals
+from meshes.cell import mean_velocity
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,17 +58,21 @@ class Chain:
 
 
 def find_links(case: Case, q: Configuration, V: Array, t: float, reach: float) -> Links:
-    """The links of discs at q that move with V (N, 2), with gaps up to `reach`."""
-    gaps = find_gaps(q, case.container(), reach)
+    """The links of discs at q that move with V (N, 2) at time t, with gaps up to `reach`.
+
+    An image of a body moves with the body and with the mean flow, `V_j + E away`.
+    """
+    container = case.container().at(t)
+    gaps = find_gaps(q, container, reach)
     (i, j), a = gaps.pairs.T, q.radii
     between = separations(q, gaps)
     unit = between / np.linalg.norm(between, axis=1, keepdims=True)
     body, wall = np.nonzero(gaps.wall_gaps <= reach)
-    normal = inward_normals(case.container(), q.centres)[body, wall]
+    normal = inward_normals(container, q.centres)[body, wall]
     d = np.concatenate([gaps.pair_gaps, gaps.wall_gaps[body, wall]])
     rates = np.concatenate(
         [
-            np.sum(unit * (V[i] - V[j]), axis=1),
+            np.sum(unit * (V[i] - V[j] - mean_velocity(container, gaps.away)), axis=1),
             np.sum(normal * (V[body] - _wall_velocities(case, t)[wall]), axis=1),
         ]
     )

@@ -10,7 +10,7 @@ import numpy as np
 import pyvista as pv
 
 from fsi.bodies import Array, Configuration
-from meshes.cell import Cell, Periodic
+from meshes.cell import Cell, Periodic, mean_velocity
 from meshes.lattice import Integers, Lattice
 from postprocess.view import View
 
@@ -31,14 +31,13 @@ def tiled(fluid: pv.UnstructuredGrid, container: Periodic, view: View) -> pv.Uns
     """The images of the fluid that meet the window, in one; their velocities differ by the mean flow."""
     lattice = Lattice(container.periods)
     x_low, x_high, y_low, y_high = fluid.bounds[:4]
-    gradient = np.array(container.gradient) if isinstance(container, Cell) else np.zeros((2, 2))
     copies = []
     for e in lattice.shift(_around(lattice, 0.5 * np.array([x_low + x_high, y_low + y_high]), view, fluid)):
         low, high = np.array([x_low, y_low]) + e, np.array([x_high, y_high]) + e
         if np.all(low <= view.high) and np.all(high >= view.low):
             copy = fluid.copy()
             copy.points[:, :2] += e
-            copy["velocity"][:, :2] += gradient @ e
+            copy["velocity"][:, :2] += mean_velocity(container, e)
             copies.append(copy)
     together = pv.merge(copies, merge_points=False)
     return together.clean(tolerance=_SAME_PLACE * view.half, remove_unused_points=False)

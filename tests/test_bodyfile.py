@@ -152,3 +152,25 @@ def test_a_default_without_meaning_is_refused(tmp_path: Path) -> None:
     said = message(tmp_path, "a.json", row(), more="body_defaults.mas = 1.0")
     assert "body_defaults.mas = 1.0: unknown key; use body_defaults.mass" in said
     assert "body_defaults.name" in message(tmp_path, "a.json", row(), more='body_defaults.name = "a"')
+
+
+def in_cell(folder: Path, vectors: str) -> Path:
+    """The reference suspension in a cell of given vectors."""
+    path = folder / "cell.toml"
+    path.write_text(
+        f'name = "t"\nbodies_from = "{REFERENCE}"\nfluid.viscosity = 1.0\n'
+        f'domain.shape = "cell"\ndomain.vectors = {vectors}\n'
+    )
+    return path
+
+
+@pytest.mark.parametrize("sheared", [0.0, 19.816636])
+def test_the_vectors_of_a_cell_span_the_box_of_the_file(tmp_path: Path, sheared: float) -> None:
+    """The walls of this file are 0.02 from the discs, whose images are 0.04 apart across them."""
+    assert len(load_case(in_cell(tmp_path, f"[[19.816636, 0.0], [{sheared}, 19.816636]]")).bodies) == 50
+
+
+@pytest.mark.parametrize("second", ["[0.0, 19.9]", "[1.0, 19.816636]", "[0.0, 39.633272]"])
+def test_another_cell_than_that_of_the_file_is_refused(tmp_path: Path, second: str) -> None:
+    with pytest.raises(InputError, match=r"its box is 19.816636 x 19.816636, but .* give vectors = \[\["):
+        load_case(in_cell(tmp_path, f"[[19.816636, 0.0], {second}]"))

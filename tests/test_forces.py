@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
 import tomllib
 from pathlib import Path
@@ -160,7 +159,6 @@ def test_a_disc_floats_where_repulsion_carries_its_weight(tmp_path: Path) -> Non
     assert outcome.state.q.centres[0, 1] - 0.5 == pytest.approx(expected, rel=1e-3)
 
 
-@pytest.mark.skipif(importlib.util.find_spec("meshes.lattice") is None, reason="no periodic containers yet")
 def test_across_a_periodic_side_the_nearest_image_acts() -> None:
     bodies = [
         {"name": "a", "radius": 1.0, "position": [0.5, 5.0]},

@@ -17,6 +17,8 @@ from mpi4py import MPI
 
 from fsi.bodies import Array, Configuration, Motion
 from fsi.case import Case
+from fsi.errors import InputError
+from fsi.periodic import CellDomain, ChannelDomain
 from fsi.resistance import (
     Resistance,
     all_modes,
@@ -42,10 +44,14 @@ BLOCK = 32
 def case_resistance(case: Case) -> Resistance:
     """R of the bodies of a case at time 0, between its walls at rest; open walls are open without pressure.
 
+    Along a periodic channel the mean pressure gradient is zero.
+
     Raises:
+        InputError: the domain has no walls, or a given net flux.
         MeshError: no valid mesh can be made.
         SolveError: a solve fails, or violates an identity.
     """
+    _require_still(case)
     clock = Clock()
     q = case.configuration()
     fluid = StokesModel(case).mesh(q)
@@ -61,6 +67,20 @@ def case_resistance(case: Case) -> Resistance:
         solver=case.discretisation.solver,
         clock=clock,
     )
+
+
+def _require_still(case: Case) -> None:
+    """F = R U alone: no mean flow, and no mean pressure gradient that would be a result too."""
+    if isinstance(case.domain, CellDomain):
+        raise InputError(
+            'domain.shape = "cell": without walls bodies alone do not determine the flow, so it has no '
+            'resistance matrix; give a box with periodic = ["x"]'
+        )
+    if isinstance(case.domain, ChannelDomain) and case.domain.net_flux is not None:
+        raise InputError(
+            f"domain.net_flux = {case.domain.net_flux!r}: a resistance matrix is that at a mean pressure "
+            "gradient of zero; drop it"
+        )
 
 
 def solve_resistance(
@@ -100,7 +120,7 @@ def solve_resistance(
     modes = all_modes(names, q.radii, viscosity, q.dimension)
     if fluid.axisymmetric:
         units, modes = units[AXIAL_MODE :: rest.shape[1]], axial_modes(names, q.radii, viscosity)
-    columns, worst = [], dict[str, float]()
+    columns, worst, periodic = [], dict[str, float](), fluid.lattice.dimension > 0
     given = assembled(fluid, container, q, all_held, boundary, viscosity, degree, None, clock, solver)
     with given as (system, forms, nodes), factorised(system) as responses:
         clock.lap("factorise")
@@ -108,7 +128,7 @@ def solve_resistance(
             for nodal in responses(np.reshape(block, (-1, *rest.shape))):
                 clock.lap("solve")
                 F = load_of(system, nodal.reaction)
-                defects = _defects(system, forms, nodes, nodal, F, viscosity, q)
+                defects = _defects(system, forms, nodes, nodal, F, viscosity, q, periodic)
                 worst = {name: max(defect, worst.get(name, 0.0)) for name, defect in defects.items()}
                 columns.append(units @ F.ravel())
                 clock.lap("checks")
@@ -123,11 +143,12 @@ def solve_resistance(
 
 def _defects(
     system: System, forms: Forms, nodes: BoundaryNodes, nodal: NodalSolution, F: Array, viscosity: float,
-    q: Configuration,
+    q: Configuration, periodic: bool,
 ) -> dict[str, float]:  # fmt: skip
     """What one unit motion violates of the identities, but for the balance of free modes: there are none."""
     fill(forms, nodal.x)
-    defects = identities(system, forms, nodal, F, _dissipation(system, nodal.x), viscosity, q, nodes.x)
+    dissipation = _dissipation(system, nodal.x)
+    defects = identities(system, forms, nodal, F, dissipation, viscosity, q, nodes.x, periodic)
     del defects["balance"]
     return defects
 

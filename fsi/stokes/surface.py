@@ -3,6 +3,9 @@
 The multiplier lives in the dual of the velocity trace: one force per node. The traction t that it
 stands for solves  int t . v ds = sum lambda . v  for every trace v; it converges two orders faster
 than sigma_h n. A surface has few nodes, so root collects it and solves there.
+
+Where a periodic domain is opened at a body, one node of its surface stands there twice, at two images, and
+each copy has the reaction of the fluid on its own side: v and t have one value at both.
 """
 
 from __future__ import annotations
@@ -15,10 +18,13 @@ import scipy.sparse as sp
 from dolfinx import fem
 from numpy.typing import NDArray
 from scipy.sparse.linalg import spsolve
+from scipy.spatial import cKDTree
 
 from fsi.bodies import Array
 from meshes.aliases import FunctionSpace
 from meshes.build import FluidMesh
+from meshes.lattice import Integers, Lattice
+from meshes.matching import SAME_PLACE, on_torus
 
 FACET = {2: basix.CellType.interval, 3: basix.CellType.triangle}
 
@@ -29,7 +35,8 @@ class Surface:
 
     x: nodes (n, d); facets: node numbers in the order of basix, (E, nodes); degree: of the facets;
     body: of each facet, (E,); reaction: nodal forces (n, d) of the body on the fluid, with an axis of whole
-    circles; axisymmetric: x are (r, z).
+    circles; place: which nodes are one, the same number for images of each other, (n,); axisymmetric: x are
+    (r, z).
     """
 
     x: Array
@@ -37,6 +44,7 @@ class Surface:
     degree: int
     body: NDArray[np.int64]
     reaction: Array
+    place: NDArray[np.int64]
     axisymmetric: bool
 
 
@@ -60,11 +68,25 @@ def collect(fluid: FluidMesh, V: FunctionSpace, reaction: Array) -> Surface:
     parts = fluid.mesh.comm.gather((node, x, values, numbers, body))
     if parts is None:
         none, nothing = np.empty((0, d)), np.empty(0, dtype=np.int64)
-        return Surface(none, nothing.reshape(0, d), degree, nothing, none, fluid.axisymmetric)
+        return Surface(none, nothing.reshape(0, d), degree, nothing, none, nothing, fluid.axisymmetric)
     nodes, xs, reactions, numbers, bodies = (np.concatenate([part[k] for part in parts]) for k in range(5))
     unique, first = np.unique(nodes, return_index=True)
     of_facets = np.searchsorted(unique, numbers)
-    return Surface(xs[first], of_facets, degree, bodies, reactions[first], fluid.axisymmetric)
+    place = _places(xs[first], of_facets, bodies, fluid.lattice)
+    return Surface(xs[first], of_facets, degree, bodies, reactions[first], place, fluid.axisymmetric)
+
+
+def _places(x: Array, facets: NDArray[np.int64], body: NDArray[np.int64], lattice: Lattice) -> Integers:
+    """For each node (n, d) the number of its place: images on one body have the same, 0, 1, ... all told."""
+    place = np.arange(len(x))
+    if lattice.dimension == 0:
+        return place
+    of_node = np.empty(len(x))
+    of_node[facets] = body[:, None]
+    torus = np.column_stack([on_torus(x, lattice), lattice.longest() * of_node])
+    one, other = cKDTree(torus).query_pairs(SAME_PLACE * lattice.longest(), output_type="ndarray").T
+    place[np.maximum(one, other)] = np.minimum(one, other)
+    return np.unique(place, return_inverse=True)[1]
 
 
 def traction(surface: Surface) -> Array:
@@ -82,8 +104,11 @@ def traction(surface: Surface) -> Array:
     if surface.axisymmetric:
         area *= 2.0 * np.pi * (surface.x[facets, 0] @ phi.T)
     masses = np.einsum("eq,qi,qj->eij", area, phi, phi)
-    rows = np.repeat(facets, facets.shape[1], axis=1).ravel()
-    columns = np.tile(facets, (1, facets.shape[1])).ravel()
+    places = surface.place[facets]
+    rows = np.repeat(places, places.shape[1], axis=1).ravel()
+    columns = np.tile(places, (1, places.shape[1])).ravel()
     mass = sp.csc_matrix((masses.ravel(), (rows, columns)))
-    t: Array = spsolve(mass, surface.reaction)
-    return t.reshape(-1, d)
+    reaction = np.zeros((mass.shape[0], d))
+    np.add.at(reaction, surface.place, surface.reaction)
+    t: Array = spsolve(mass, reaction).reshape(-1, d)
+    return t[surface.place]
