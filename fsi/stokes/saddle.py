@@ -21,11 +21,11 @@ from petsc4py import PETSc
 from fsi.bodies import Array
 from fsi.stokes.constraints import prolongation
 from fsi.stokes.linear import Factorisation
+from fsi.stokes.matrices import galerkin
 from fsi.stokes.system import (
     NodalSolution,
     System,
     body_velocity,
-    galerkin,
     mode_equations,
     multiply,
     multiply_transpose,

@@ -19,6 +19,7 @@ from fsi.stokes.boundary import BoundaryNodes, facets_with, locate
 from fsi.stokes.constraints import layout, rigid_modes, wall_offset
 from fsi.stokes.forms import Forms
 from fsi.stokes.identities import identities, require
+from fsi.stokes.matrices import pressure_mass, stokes_matrix
 from fsi.stokes.periodic import averages, jumps, mean_flow, solve_periodic, tied
 from fsi.stokes.saddle import solve_multiplier
 from fsi.stokes.solution import StokesSolution
@@ -28,9 +29,7 @@ from fsi.stokes.system import (
     System,
     load_of,
     nodal_vector,
-    pressure_mass,
     solve_eliminated,
-    stokes_matrix,
 )
 from meshes.build import FluidMesh
 from meshes.cell import Cell, Channel
