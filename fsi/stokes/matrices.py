@@ -45,24 +45,14 @@ def galerkin(M: PETSc.Mat, P: PETSc.Mat) -> PETSc.Mat:
     """P^T M P; the zeros of its diagonal are stored."""
     if M.comm.size > 1:
         return M.ptap(P)
-    prolong = _scipy(P)
-    product = prolong.T.tocsr() @ (_scipy(M) @ prolong)
+    prolong, full = _scipy(P), _scipy(M)
+    # SciPy's products drop zeros; ones keep the places of those on the diagonal meanwhile.
+    empty = full.diagonal() == 0.0
+    full.setdiag(np.where(empty, 1.0, full.diagonal()))
+    product = prolong.T.tocsr() @ (full @ prolong)
     product.sort_indices()
-    return _petsc(_with_diagonal(product), M.comm.tompi4py())
-
-
-def _with_diagonal(matrix: sp.csr_matrix) -> sp.csr_matrix:
-    """The same with zeros stored where the diagonal has no entry, as SciPy's products drop zeros."""
-    n = matrix.shape[0]
-    rows = np.repeat(np.arange(n), np.diff(matrix.indptr))
-    missing = np.setdiff1d(np.arange(n), rows[rows == matrix.indices], assume_unique=True)
-    before = np.flatnonzero(np.isin(rows, missing) & (matrix.indices < rows))
-    place = matrix.indptr[missing] + np.bincount(rows[before], minlength=n)[missing]
-    indices = np.insert(matrix.indices, place, missing)
-    data = np.insert(matrix.data, place, 0.0)
-    more = np.zeros(n + 1, dtype=matrix.indptr.dtype)
-    more[missing + 1] = 1
-    return sp.csr_matrix((data, indices, matrix.indptr + np.cumsum(more)), shape=matrix.shape)
+    product.setdiag(np.where(prolong.T @ empty > 0.0, 0.0, product.diagonal()))
+    return _petsc(product, M.comm.tompi4py())
 
 
 def _scipy(matrix: PETSc.Mat) -> sp.csr_matrix:
@@ -71,6 +61,6 @@ def _scipy(matrix: PETSc.Mat) -> sp.csr_matrix:
 
 
 def _petsc(matrix: sp.csr_matrix, comm: MPI.Intracomm) -> PETSc.Mat:
-    """A copy of a matrix on one rank, its rows sorted."""
-    indptr, indices = (part.astype(PETSc.IntType) for part in (matrix.indptr, matrix.indices))
-    return PETSc.Mat().createAIJ(matrix.shape, csr=(indptr, indices, matrix.data), comm=comm)
+    """A matrix on one rank, its rows sorted, with the same arrays."""
+    indptr, indices = (part.astype(PETSc.IntType, copy=False) for part in (matrix.indptr, matrix.indices))
+    return PETSc.Mat().createAIJWithArrays(matrix.shape, (indptr, indices, matrix.data), comm=comm)
