@@ -94,6 +94,13 @@ class CellDomain(_Periodic):
         """None."""
         return ()
 
+    @field_validator("walls", mode="before")
+    @classmethod
+    def _no_walls(cls, walls: Any) -> Any:
+        if walls:
+            raise ValueError("a cell has no walls; drop it, and give shear or extension for a mean flow")
+        return walls
+
     @field_validator("vectors")
     @classmethod
     def _independent(cls, vectors: tuple[Vector, Vector]) -> tuple[Vector, Vector]:

@@ -78,6 +78,8 @@ class Walled(Section):
     @field_validator("walls")
     @classmethod
     def _complete(cls, walls: dict[str, Wall], info: Any) -> dict[str, Wall]:
+        if "geometry" not in info.data:
+            return walls  # this shape has not that geometry, which is refused already
         geometry: Geometry = info.data["geometry"]
         return _all_walls(walls, cls.wall_names(geometry), dimension_of(geometry))
 
