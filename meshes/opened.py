@@ -21,8 +21,9 @@ from meshes.cut import Links, cut
 from meshes.errors import MeshError
 from meshes.geometry import Array
 from meshes.lattice import Lattice
+from meshes.placement import equidistribute, resolve
 from meshes.segment import segment
-from meshes.sizing import Curve, Resolution, Surfaces, across, arc, around, equidistribute, resolve
+from meshes.sizing import Curve, Resolution, Surfaces, across, arc, around
 
 PIECES = 16  # of a link, to begin with
 
@@ -50,7 +51,7 @@ def opened(container: Periodic, centres: Array, radii: Array, resolution: Resolu
     whole = [i for i in range(len(radii)) if i not in opened_bodies]
     outer = _closed(_curves(walk, links, surfaces, container, resolution))
     shifts = _shifts_inside(lattice, wrapped[whole], walk, container, len(radii))
-    holes = (around(surfaces, resolution, i) for i in whole)
+    holes = around(surfaces, resolution, whole)
     return [_moved(hole, shift) for hole, shift in zip(holes, shifts, strict=True)] + outer
 
 

@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 from scipy.spatial import Delaunay
 
 from meshes.geometry import Array, Box, HalfPlane, lengths
-from meshes.sizing import equidistribute
+from meshes.placement import equidistribute
 from meshes.spacing import Spacing
 from meshes.triangulate import Indices
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from meshes.geometry import Array
-from meshes.sizing import Curve, Resolution, Surfaces, across, equidistribute, resolve
+from meshes.placement import equidistribute, resolve
+from meshes.sizing import Curve, Resolution, Surfaces, across
 
 PIECES = 64  # to begin with
 

@@ -20,21 +20,20 @@ Nodes equidistribute `int ds / h`. gmsh then extends the sizes of the boundary i
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from meshes.errors import MeshError
 from meshes.geometry import Array, Container
 from meshes.lattice import NO_LATTICE, Lattice
+from meshes.placement import Indices, equidistribute, resolve_all
 
 LENGTH, SHORTEST, LONGEST = 0.11, 0.3, 4.0
 NEIGHBOURS = 16
-MOST_HALVINGS = 60
-
-type Size = Callable[[Array], Array]
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,15 +99,20 @@ def bodies(surfaces: Surfaces, resolution: Resolution) -> list[Curve]:
     Raises:
         MeshError: a body touches another or a wall.
     """
-    around_body = half_around if surfaces.container.axisymmetric else around
-    return [around_body(surfaces, resolution, i) for i in range(surfaces.bodies)]
+    if not surfaces.container.axisymmetric:
+        return around(surfaces, resolution, range(surfaces.bodies))
+    return [half_around(surfaces, resolution, i) for i in range(surfaces.bodies)]
 
 
-def around(surfaces: Surfaces, resolution: Resolution, i: int) -> Curve:
-    """The nodes around body i, from where its gap is narrowest, so that a node stands there."""
-    size, narrowest = _size_around(surfaces, resolution, i)
-    nodes = _on_arc(surfaces, resolution, i, size, (narrowest, narrowest + 2.0 * np.pi))
-    return Curve(i + 1, nodes[:-1], closed=True, centre=surfaces.centres[i])
+def around(surfaces: Surfaces, resolution: Resolution, chosen: Sequence[int]) -> list[Curve]:
+    """The nodes around bodies, each from where its gap is narrowest, so that a node stands there."""
+    near = [_near(surfaces, resolution, i) for i in chosen]
+    turns = np.array([(body.narrowest, body.narrowest + 2.0 * np.pi) for body in near]).reshape(-1, 2)
+    rings = _on_arcs(surfaces, resolution, near, turns)
+    return [
+        Curve(i + 1, nodes[:-1], closed=True, centre=surfaces.centres[i])
+        for i, nodes in zip(chosen, rings, strict=True)
+    ]
 
 
 def half_around(surfaces: Surfaces, resolution: Resolution, i: int) -> Curve:
@@ -121,58 +125,86 @@ def half_around(surfaces: Surfaces, resolution: Resolution, i: int) -> Curve:
 
 def arc(surfaces: Surfaces, resolution: Resolution, i: int, start: float, end: float) -> Curve:
     """The nodes on body i between two angles, start < end."""
-    size, _ = _size_around(surfaces, resolution, i)
-    nodes = _on_arc(surfaces, resolution, i, size, (start, end))
+    near = [_near(surfaces, resolution, i)]
+    (nodes,) = _on_arcs(surfaces, resolution, near, np.array([[start, end]]))
     return Curve(i + 1, nodes, closed=False, centre=surfaces.centres[i])
 
 
-def _on_arc(
-    surfaces: Surfaces, resolution: Resolution, i: int, size: Size, angles: tuple[float, float]
-) -> Array:
-    """Nodes on body i from the first angle to the second, both included; on a whole circle at least 8."""
-    centre, radius = surfaces.centres[i], float(surfaces.radii[i])
+@dataclass(frozen=True, slots=True)
+class Near:
+    """What is so near body i that it has smaller elements there.
 
-    def at(s: Array) -> Array:
-        x: Array = centre + radius * np.column_stack([np.cos(s / radius), np.sin(s / radius)])
-        return x
-
-    turn = (angles[1] - angles[0]) / (2.0 * np.pi)
-    s, h = resolve(lambda s: size(at(s)), angles[0] * radius, angles[1] * radius, resolution.cells_per_circle)
-    return at(equidistribute(s, 1.0 / h, least=max(1, round(8 * turn))))
-
-
-def _size_around(surfaces: Surfaces, resolution: Resolution, i: int) -> tuple[Size, float]:
-    """The element size on body i as a function of the point.
-
-    From what is near; and where its gap is narrowest.
+    centres, radii: of the bodies, (n, 2), (n,); walls: which, bool; smallest: of all radii, its own
+    included; narrowest: the angle at which its gap is.
     """
-    centre, radius, radii, container = (
-        surfaces.centres[i],
-        surfaces.radii[i],
-        surfaces.radii,
-        surfaces.container,
-    )
-    h_body = 2.0 * np.pi * radius / resolution.cells_per_circle
-    reach = resolution.cells_per_gap * h_body / SHORTEST
+
+    i: int
+    centres: Array
+    radii: Array
+    walls: NDArray[np.bool_]
+    smallest: float
+    narrowest: float
+
+
+def _near(surfaces: Surfaces, resolution: Resolution, i: int) -> Near:
+    """What is near body i. Raises MeshError where it touches."""
+    centre, radius, radii = surfaces.centres[i], float(surfaces.radii[i]), surfaces.radii
+    reach = resolution.cells_per_gap * 2.0 * np.pi * radius / resolution.cells_per_circle / SHORTEST
     near = np.asarray(surfaces.tree.query_ball_point(centre, radius + radii.max() + reach), dtype=np.intp)
     gaps = np.hypot(*(surfaces.centres[near] - centre).T) - radii[near] - radius
     near, gaps = near[(near != i) & (gaps < reach)], gaps[(near != i) & (gaps < reach)]
-    wall_gaps = container.distances(centre[None])[0] - radius
-    walls = np.flatnonzero(wall_gaps < reach)
+    wall_gaps = surfaces.container.distances(centre[None])[0] - radius
+    walls = wall_gaps < reach
     gaps = np.concatenate([gaps, wall_gaps[walls]])
     if gaps.min(initial=np.inf) <= 0.0:
         raise MeshError(f"the disc at ({centre[0]:.6g}, {centre[1]:.6g}) touches a disc or wall; move it")
-    towards = np.concatenate([surfaces.centres[near] - centre, _to_walls(container, centre)[walls]])
+    towards = np.concatenate([surfaces.centres[near] - centre, _to_walls(surfaces.container, centre)[walls]])
     narrowest = float(np.arctan2(*towards[np.argmin(gaps), ::-1])) if len(gaps) else 0.0
-    smallest = min(float(radius), float(radii[near].min(initial=np.inf)))
+    smallest = min(radius, float(radii[near].min(initial=np.inf)))
+    return Near(i, surfaces.centres[near], radii[near], walls, smallest, narrowest)
 
-    def size(x: Array) -> Array:
-        to_near = np.hypot(*np.moveaxis(x[:, None] - surfaces.centres[near], 2, 0)) - radii[near]
-        distance = np.column_stack([to_near, container.distances(x)[:, walls]]).min(axis=1, initial=np.inf)
-        of_gap: Array = np.minimum(across(distance, smallest, resolution), h_body)
+
+def _on_arcs(surfaces: Surfaces, resolution: Resolution, near: Sequence[Near], angles: Array) -> list[Array]:
+    """Nodes on bodies between two angles each, (n, 2), both included; on a whole circle at least 8.
+
+    All are placed together: one by one they took a fifth of the time of a mesh of 200 discs.
+    """
+    if not near:
+        return []
+    own = [body.i for body in near]
+    centres, radii = surfaces.centres[own], surfaces.radii[own]
+    h_body = 2.0 * np.pi * radii / resolution.cells_per_circle
+    smallest, walls = np.array([body.smallest for body in near]), np.array([body.walls for body in near])
+    most = max(len(body.radii) for body in near)
+    # Where there are fewer, the others are infinitely far.
+    others, sizes = np.zeros((len(near), most, 2)), np.full((len(near), most), -np.inf)
+    for k, body in enumerate(near):
+        others[k, : len(body.radii)], sizes[k, : len(body.radii)] = body.centres, body.radii
+
+    def at(s: Array, k: Indices) -> Array:
+        turn, a = s / radii[k], radii[k][:, None]
+        x: Array = centres[k] + a * np.column_stack([np.cos(turn), np.sin(turn)])
+        return x
+
+    def size(s: Array, k: Indices) -> Array:
+        x = at(s, k)
+        away = x[:, None] - others[k]
+        to_near = np.hypot(away[..., 0], away[..., 1]) - sizes[k]
+        to_walls = np.where(walls[k], surfaces.container.distances(x), np.inf)
+        distance = np.column_stack([to_near, to_walls]).min(axis=1, initial=np.inf)
+        of_gap: Array = np.minimum(across(distance, smallest[k], resolution), h_body[k])
         return of_gap
 
-    return size, narrowest
+    found = []
+    ends = angles * radii[:, None]
+    s, h, curve = resolve_all(size, ends, resolution.cells_per_circle)
+    first = np.searchsorted(curve, np.arange(len(near) + 1))
+    for k, (start, end) in enumerate(angles):
+        part = slice(first[k], first[k + 1])
+        least = max(1, round(8 * (end - start) / (2.0 * np.pi)))
+        placed = equidistribute(s[part], 1.0 / h[part], least)
+        found.append(at(placed, np.full(len(placed), k)))
+    return found
 
 
 def _to_walls(container: Container, x: Array) -> Array:
@@ -182,32 +214,8 @@ def _to_walls(container: Container, x: Array) -> Array:
     return np.column_stack([d[1] - d[0], d[3] - d[2]])
 
 
-def across(gap: Array, radius: float, resolution: Resolution) -> Array:
+def across(gap: Array, radius: Array | float, resolution: Resolution) -> Array:
     """Element size where the gap is `gap` and the smallest radius beside it `radius`."""
     size: Array = np.clip(LENGTH * np.sqrt(radius * gap), SHORTEST * gap, LONGEST * gap)
     size /= resolution.cells_per_gap
     return size
-
-
-def resolve(size: Size, start: float, end: float, pieces: int) -> tuple[Array, Array]:
-    """Places s along a curve, and the element sizes there, so close that none is missed.
-
-    Intervals are halved until they are no longer than half the element size at both their ends.
-    """
-    s = np.linspace(start, end, pieces + 1)
-    h = size(s)
-    for _ in range(MOST_HALVINGS):
-        long = np.flatnonzero(np.diff(s) > 0.5 * np.minimum(h[:-1], h[1:]))
-        if len(long) == 0:
-            return s, h
-        middle = 0.5 * (s[long] + s[long + 1])
-        s, h = np.insert(s, long + 1, middle), np.insert(h, long + 1, size(middle))
-    raise MeshError(f"element sizes down to {h.min():.3g} cannot be resolved; is a gap that small meant?")
-
-
-def equidistribute(s: Array, density: Array, least: int) -> Array:
-    """Parameters, with both ends of s, that split `int density ds` into equal parts of at most 1."""
-    cumulative = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(s))])
-    parts = max(least, int(np.ceil(cumulative[-1] - 1e-6)))
-    placed: Array = np.interp(np.linspace(0.0, cumulative[-1], parts + 1), cumulative, s)
-    return placed

@@ -10,8 +10,9 @@ from scipy.spatial import cKDTree
 from meshes.cell import Cell, Channel
 from meshes.geometry import Array, Box, Container, HalfPlane, Round
 from meshes.opened import opened
+from meshes.placement import equidistribute, resolve
 from meshes.segment import PIECES, segment, wall_size
-from meshes.sizing import Curve, Resolution, Surfaces, across, bodies, equidistribute, resolve
+from meshes.sizing import Curve, Resolution, Surfaces, across, bodies
 
 
 def boundary(container: Container, centres: Array, radii: Array, resolution: Resolution) -> list[Curve]:

@@ -70,12 +70,13 @@ def test_one_disc_in_extension_is_carried_by_the_mean_flow(tmp_path: Path) -> No
 def test_the_lattice_of_kraynik_and_reinelt_comes_back() -> None:
     """A square lattice at atan((sqrt 5 - 1) / 2) to the axes comes back at ln((3 + sqrt 5) / 2).
 
-    Kraynik and Reinelt 1992, Int. J. Multiphase Flow 18:1045. Half a percent earlier the shortest vector
-    is 0.5 % longer and mu_app differs by more than 1e-3.
+    Kraynik and Reinelt 1992, Int. J. Multiphase Flow 18:1045. One percent of the strain earlier the
+    disc turns with 0.015, and mu_app is smaller by 7e-4.
     """
     turn, period = np.arctan(0.5 * (np.sqrt(5.0) - 1.0)), np.log(0.5 * (3.0 + np.sqrt(5.0)))
     c, s = 2.6 * np.cos(turn), 2.6 * np.sin(turn)
     cell = Cell(((c, s), (-s, c)), ((1.0, 0.0), (0.0, -1.0)))
     q = discs([(0.0, 0.0)], [1.0])
-    mu = [in_cell(cell.at(t), q, None, Resolution(0.5, 24, 0.5)).apparent_viscosity for t in (0.0, period)]
-    assert mu[1] == pytest.approx(mu[0], rel=1e-6)
+    first, last = (in_cell(cell.at(t), q, None, Resolution(0.5, 24, 0.5)) for t in (0.0, period))
+    assert last.apparent_viscosity == pytest.approx(first.apparent_viscosity, rel=5e-6)
+    np.testing.assert_allclose([first.U, last.U], 0.0, atol=2e-6)
