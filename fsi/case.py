@@ -167,7 +167,10 @@ class Case(Section):
 
     def motion_at(self, q: Configuration, t: float) -> Motion:
         """What holds and drives the bodies at q and time t, with the `forces` on free components."""
-        own = self.motion(t)
+        return self.with_forces(self.motion(t), q, t)
+
+    def with_forces(self, own: Motion, q: Configuration, t: float) -> Motion:
+        """The motion at time t with the `forces` at q on its free components."""
         if not self.forces:
             return own
         masses = np.array([body.mass or 0.0 for body in self.bodies])

@@ -21,7 +21,7 @@ from meshes.geometry import Container
 
 
 def separations(q: Configuration, gaps: Gaps) -> Array:
-    """`q_i - q_j - away` of the close pairs, the vectors that their gaps belong to, shape (P, d)."""
+    """From body or image j to body i of the close pairs, the vectors that their gaps belong to, (P, d)."""
     return q.centres[gaps.pairs[:, 0]] - q.centres[gaps.pairs[:, 1]] - gaps.away
 
 

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from fsi.bodies import Array, Configuration
 from meshes.geometry import Container
-from meshes.lattice import Lattice, positive
+from meshes.lattice import Lattice
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,46 +50,37 @@ def pair_gaps(q: Configuration, pairs: NDArray[np.intp], away: Array | float = 0
 def find_gaps(q: Configuration, container: Container, reach: float | None = None) -> Gaps:
     """All pairs of bodies whose gap is at most `reach` (default: the largest diameter), and all wall gaps.
 
-    In a periodic container also pairs with the nearest images, those next to the cell that bodies are
-    wrapped into.
+    In a periodic container also pairs with images, none of them farther than the container is large.
     """
     largest = float(q.radii.max(initial=0.0))
     reach = 2.0 * largest if reach is None else reach
     lattice = Lattice(container.periods)
-    pairs, away = (
-        _near(q, lattice, 2.0 * largest + reach) if lattice.dimension else _inside(q, largest, reach)
-    )
+    reach = min(reach, container.size()) if lattice.dimension else reach
+    pairs, away = _near(q, lattice, 2.0 * largest + reach)
     gaps = pair_gaps(q, pairs, away)
     close = gaps <= reach
     wall_gaps = container.distances(q.centres) - q.radii[:, None]
     return Gaps(pairs[close], away[close], gaps[close], wall_gaps)
 
 
-def _inside(q: Configuration, largest: float, reach: float) -> tuple[NDArray[np.intp], Array]:
-    """Pairs of near bodies where there are no images."""
-    pairs = np.empty((0, 2), dtype=np.intp)
-    if len(q) > 1:
-        near = cKDTree(q.centres).query_pairs(2.0 * largest + reach, output_type="ndarray")
-        pairs = np.sort(near.astype(np.intp), axis=1)
-        pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
-    return pairs, np.zeros((len(pairs), q.dimension))
-
-
 def _near(q: Configuration, lattice: Lattice, distance: float) -> tuple[NDArray[np.intp], Array]:
     """Pairs of bodies and images whose centres are near each other, and where the images are.
 
-    Neighbours of one cell are looked for in that cell and the cells around it.
+    Bodies are wrapped into one cell; those of the cells around it that are near to it are their images.
     """
-    home = lattice.wrapped(q.centres)
-    m = lattice.near()
-    images = (lattice.shift(m)[:, None] + home).reshape(-1, q.dimension)
-    found = cKDTree(home).sparse_distance_matrix(cKDTree(images), distance, output_type="ndarray")
-    i, (cell, j) = found["i"], np.divmod(found["j"], max(len(q), 1))
-    once = (i < j) | ((i == j) & positive(m[cell]))
-    i, j, cell = i[once], j[once], cell[once]
-    order = np.lexsort((cell, j, i))
-    i, j, cell = i[order], j[order], cell[order]
-    away = images[cell * len(q) + j] - home[i] + q.centres[i] - q.centres[j]
-    # Exactly a vector of the lattice, whatever the coordinates lost in wrapping.
-    away = lattice.shift(np.rint(lattice.coordinates(away)).astype(np.int64))
-    return np.column_stack([i, j]).astype(np.intp), away
+    if len(q) == 0:
+        return np.empty((0, 2), dtype=np.intp), np.zeros((0, q.dimension))
+    m = -np.floor(lattice.coordinates(q.centres)).astype(np.int64)
+    home = q.centres + lattice.shift(m)
+    tree = cKDTree(home)
+    inside = tree.query_pairs(distance, output_type="ndarray").astype(np.intp).reshape(-1, 2)
+    original, cell = lattice.images(home, distance)
+    around = cKDTree(home[original] + lattice.shift(cell))
+    found = tree.sparse_distance_matrix(around, distance, output_type="ndarray")
+    i, j = np.concatenate([inside, np.column_stack([found["i"], original[found["j"]]])]).T
+    images = np.concatenate([np.zeros((len(inside), lattice.dimension), np.int64), cell[found["j"]]])
+    images += m[j] - m[i]
+    images[i > j] *= -1
+    pairs = np.sort(np.column_stack([i, j]), axis=1)
+    order = np.lexsort((*images.T[::-1], pairs[:, 1], pairs[:, 0]))
+    return pairs[order], lattice.shift(images[order]) + np.zeros((1, q.dimension))

@@ -67,6 +67,25 @@ class Lattice:
         """The images of points (n, 2) with lattice coordinates in [0, 1)."""
         return x - self.shift(np.floor(self.coordinates(x)).astype(np.int64))
 
+    def images(self, x: Array, distance: float) -> tuple[NDArray[np.intp], Integers]:
+        """The images that may lie within `distance` of points (n, d) in the cell, one of each opposite two.
+
+        Of the images x_j + s and x_j - s, which lie from others as these do from them, only one is there.
+
+        Returns:
+            for each image its original, (g,), and the integers m that shift it, (g, k).
+        """
+        at = self.coordinates(x)
+        width = distance * np.linalg.norm(np.linalg.pinv(self.vectors), axis=0)  # in lattice coordinates
+        shifts = np.array(list(product(*(range(-n, n + 1) for n in np.ceil(width).astype(int)))), np.int64)
+        shifts = shifts.reshape(len(shifts), self.dimension)
+        originals, m = [np.empty(0, np.intp)], [np.empty((0, self.dimension), np.int64)]
+        for shift in shifts[positive(shifts)]:
+            near = np.flatnonzero(np.all((at + shift >= -width) & (at + shift <= 1.0 + width), axis=1))
+            originals.append(near)
+            m.append(np.tile(shift, (len(near), 1)))
+        return np.concatenate(originals), np.concatenate(m)
+
 
 NO_LATTICE = Lattice(np.empty((0, 1)))
 

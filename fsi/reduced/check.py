@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fsi.errors import InputError
+from fsi.periodic import ChannelDomain
 
 if TYPE_CHECKING:
     from fsi.case import Case
@@ -21,6 +22,7 @@ def check_reduced(case: Case) -> None:
         raise InputError(
             "output.error_estimates = true: a reduced model has no mesh to estimate the error of; drop it"
         )
+    _check_periodic(case)
     if given.scheme == "adaptive":
         if given.step is not None:
             raise InputError(
@@ -29,6 +31,22 @@ def check_reduced(case: Case) -> None:
             )
         return
     _check_distance_scheme(case)
+
+
+def _check_periodic(case: Case) -> None:
+    """Images end at the cutoff, and no pressure drives the background flow."""
+    domain = case.domain
+    if isinstance(domain, ChannelDomain) and (domain.pressure_gradient or domain.net_flux is not None):
+        key = "net_flux" if domain.net_flux is not None else "pressure_gradient"
+        raise InputError(
+            f"domain.{key} = {getattr(domain, key):g}: the reduced model knows only flow between moving "
+            "walls; drop it"
+        )
+    if case.reduced.cutoff is None and len(case.container().periods):
+        raise InputError(
+            "reduced.cutoff: missing; a body of a periodic domain has images without end; give the gap from "
+            "which on they do not feel each other"
+        )
 
 
 def _check_distance_scheme(case: Case) -> None:

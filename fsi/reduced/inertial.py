@@ -29,6 +29,7 @@ from fsi.reduced.memory import Memory, merged
 from fsi.reduced.model import ReducedInstant, ReducedModel
 from fsi.reduced.network import gradient, own_mobility
 from fsi.reduced.pairs import Pairs, find_pairs, of_keys, own_speed, turning
+from fsi.reduced.stress import bulk_stress
 from fsi.reduced.system import Surroundings, solve_system
 from fsi.stepping import State
 
@@ -93,7 +94,7 @@ class DistanceModel(ReducedModel):
     def _during(self, q: Configuration, t: float, t_end: float) -> Surroundings:
         """Held velocities of the end of the step, loads of its middle: linear ones are integrated exactly."""
         around = self.surroundings(q, t_end)
-        return replace(around, motion=replace(around.motion, F=self.motion(0.5 * (t + t_end)).F))
+        return replace(around, motion=replace(around.motion, F=self.motion(q, 0.5 * (t + t_end)).F))
 
     def _advance_distances(
         self, state: State, pairs: Pairs, around: Surroundings, h: float
@@ -174,4 +175,7 @@ class DistanceModel(ReducedModel):
         F = around.zeta * (U - around.background)
         F[:, :d] += (G.T @ memory.force).reshape(-1, d)
         stored = {"log10_stored_gap": float(memory.x.min(initial=np.inf) / np.log(10.0))}
-        return ReducedInstant(q, U, F, pairs, memory.x, memory.force, gamma, {**record, **stored})
+        bulk = bulk_stress(around.space, pairs, memory.force, q.radii, self.case.fluid.viscosity)
+        stress = {} if bulk is None else bulk.record
+        columns = {**record, **stress, **stored}
+        return ReducedInstant(q, U, F, pairs, memory.x, memory.force, gamma, columns, bulk)

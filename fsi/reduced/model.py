@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies import Array, Configuration, Inertia, Motion
+from fsi.bulk import BulkStress
 from fsi.case import Case
 from fsi.errors import SolveError
 from fsi.parallel import on_root
@@ -20,6 +21,7 @@ from fsi.reduced.identities import identities, require
 from fsi.reduced.laws import make_laws
 from fsi.reduced.pairs import Pairs, find_pairs
 from fsi.reduced.setting import drag, make_space
+from fsi.reduced.stress import bulk_stress
 from fsi.reduced.system import Surroundings, solve_system
 from fsi.stepping import Instant
 
@@ -29,7 +31,8 @@ class ReducedInstant:
     """One solved instant.
 
     U, F: velocities and external loads (N, modes); of the P pairs x = ln D, the gaps with which the laws were
-    taken, the forces lambda, and gamma = g K(D), the stored pushes, zero for a model without memory.
+    taken, the forces lambda, and gamma = g K(D), the stored pushes, zero for a model without memory; bulk:
+    the stress in a periodic space.
     """
 
     q: Configuration
@@ -40,6 +43,12 @@ class ReducedInstant:
     force: Array
     gamma: Array
     record: Mapping[str, float]
+    bulk: BulkStress | None = None
+
+    @property
+    def body_columns(self) -> Mapping[str, Array]:
+        """More columns of bodies.csv."""
+        return {} if self.bulk is None else self.bulk.body_columns
 
     def write(self, folder: Path, step: int) -> dict[str, list[str]]:
         """Write the series "bodies" and "contacts"."""
@@ -82,17 +91,20 @@ class ReducedModel:
         checks = identities(solved.network, q, solved.U, solved.alone, solved.force) | solved.balances()
         require(checks, t)
         spent = {"cpu_pairs": found - began, "cpu_solve": process_time() - found}
-        record = {"pairs": len(pairs), "dissipation": solved.dissipation, **checks, **spent}
-        return ReducedInstant(q, solved.U, solved.F, pairs, x, solved.force, np.zeros(len(pairs)), record)
+        bulk = bulk_stress(around.space, pairs, solved.force, q.radii, self.case.fluid.viscosity)
+        stress = {} if bulk is None else bulk.record
+        record = {"pairs": len(pairs), "dissipation": solved.dissipation, **stress, **checks, **spent}
+        nothing = np.zeros(len(pairs))
+        return ReducedInstant(q, solved.U, solved.F, pairs, x, solved.force, nothing, record, bulk)
 
     def surroundings(self, q: Configuration, t: float) -> Surroundings:
         """Walls, periods, background flow, motion and drag at time t."""
         space = make_space(self.case, t, q.centres.shape[1])
-        return Surroundings(space, self.motion(t), self.zeta, space.background(q.centres))
+        return Surroundings(space, self.motion(q, t), self.zeta, space.background(q.centres))
 
-    def motion(self, t: float) -> Motion:
-        """What holds and what drives the bodies at time t."""
-        return self._steady or self.case.motion(t)
+    def motion(self, q: Configuration, t: float) -> Motion:
+        """What holds and what drives the bodies at q and time t."""
+        return self.case.with_forces(self._steady or self.case.motion(t), q, t)
 
     def errors(self, q: Configuration, t: float, instant: Instant) -> Mapping[str, float]:  # noqa: ARG002
         """None: there is no mesh whose error could be estimated."""

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from fsi.bodies import Array, Configuration
-from fsi.cell import ghosts, reduced_basis, wrapping
+from fsi.gaps import find_gaps
 from fsi.reduced.space import Space, wall_gaps
+from meshes.lattice import Lattice
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,15 +42,14 @@ class Pairs:
 
 def find_pairs(q: Configuration, space: Space, reach: float, kept: NDArray[np.int64] | None = None) -> Pairs:
     """All pairs with a gap up to `reach`, perhaps infinite, and those with the keys `kept` (K, 2 + k)."""
-    sides, shift = _near_bodies(q, space, reach)
+    gaps, lattice = find_gaps(q, space.container, reach), Lattice(space.container.periods)
     walls = wall_gaps(space.container, q.centres, q.radii)
     body, wall = np.nonzero((walls.gap <= reach) & walls.lubricates)
-    k = len(space.periods)
-    periods = np.rint(shift @ np.linalg.pinv(space.periods)) if k else np.empty((len(shift), 0))
+    periods = np.rint(lattice.coordinates(gaps.away))
     key = np.vstack(
         [
-            np.column_stack([sides, periods]),
-            np.column_stack([body, len(q) + wall, np.zeros((len(body), k))]),
+            np.column_stack([gaps.pairs, periods]),
+            np.column_stack([body, len(q) + wall, np.zeros((len(body), lattice.dimension))]),
         ]
     ).astype(np.int64)
     if kept is not None and len(kept):
@@ -69,7 +68,7 @@ def _distinct(key: NDArray[np.int64]) -> NDArray[np.int64]:
 def of_keys(q: Configuration, space: Space, key: NDArray[np.int64]) -> Pairs:
     """The pairs with these keys (P, 2 + k), as they are now."""
     i, j = key[:, 0].astype(np.intp), key[:, 1].astype(np.intp)
-    shift = key[:, 2:] @ space.periods
+    shift = Lattice(space.container.periods).shift(key[:, 2:]) + np.zeros((1, q.dimension))
     is_wall = j >= len(q)
     other = np.where(is_wall, 0, j)
     separation = q.centres[i] - q.centres[other] - shift
@@ -93,34 +92,6 @@ def own_speed(n: Array, shift: Array, wall: NDArray[np.intp], space: Space) -> A
     velocity[wall >= 0] = space.wall_velocity[wall[wall >= 0]]
     b: Array = np.einsum("pk,pk->p", n, velocity)
     return b
-
-
-def _near_bodies(q: Configuration, space: Space, reach: float) -> tuple[NDArray[np.intp], Array]:
-    """Sides (P, 2) and shifts (P, d) of all pairs of bodies and images with a gap of at most `reach`."""
-    N, d = q.centres.shape
-    if not np.isfinite(reach):
-        i, j = np.triu_indices(N, 1)
-        return np.column_stack([i, j]), np.zeros((len(i), d))
-    furthest = 2.0 * float(q.radii.max(initial=0.0)) + reach
-    vectors = reduced_basis(space.periods)
-    wrap = wrapping(q.centres, vectors) if len(vectors) else np.zeros((N, d))
-    x = q.centres + wrap
-    tree = cKDTree(x)
-    sides = tree.query_pairs(furthest, output_type="ndarray").astype(np.intp).reshape(-1, 2)
-    images = np.zeros((len(sides), d))
-    if len(vectors):
-        original, moved = ghosts(x, vectors, furthest)
-        found = tree.sparse_distance_matrix(cKDTree(x[original] + moved), furthest, output_type="ndarray")
-        sides = np.vstack([sides, np.column_stack([found["i"], original[found["j"]]])])
-        images = np.vstack([images, moved[found["j"]]])
-    i, j = sides.T
-    shift = images + wrap[j] - wrap[i]
-    turn = i > j
-    sides, shift = np.sort(sides, axis=1), np.where(turn[:, None], -shift, shift)
-    i, j = sides.T
-    apart = q.centres[i] - q.centres[j] - shift
-    close = np.sqrt(np.einsum("pk,pk->p", apart, apart)) - q.radii[i] - q.radii[j] <= reach
-    return sides[close], shift[close]
 
 
 def turning(pairs: Pairs, u: Array) -> Array:

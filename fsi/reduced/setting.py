@@ -8,6 +8,7 @@ from fsi.bodies import Array
 from fsi.case import Case
 from fsi.reduced.space import Space
 from fsi.walls import Shear
+from meshes.cell import Cell, Channel
 from meshes.geometry import Box
 
 
@@ -25,23 +26,25 @@ def drag(case: Case) -> Array:
 
 
 def make_space(case: Case, t: float, d: int) -> Space:
-    """Walls and background flow of a case in d dimensions at time t.
+    """Walls, periods and background flow of a case in d dimensions at time t.
 
-    The background is the shear flow given at a wall, or the linear flow between two moving walls bottom and
-    top.
+    The background is the mean flow of a cell, the shear flow given at a wall, or the linear flow between two
+    moving walls bottom and top.
     """
-    container, walls = case.container(), case.wall_velocity(t)
+    container, walls = case.container().at(t), case.wall_velocity(t)
     velocity = np.zeros((len(container.walls), d))
     mean, gradient = np.zeros(d), np.zeros((d, d))
     for row, name in zip(velocity, container.walls, strict=True):
         if name in walls:
             row[:] = walls[name].velocity
+    if isinstance(container, Cell):
+        gradient[:] = container.gradient
     for wall in case.domain.walls.values():
         if isinstance(wall, Shear):
             gradient[0, -1] = wall.shear
-    if isinstance(container, Box) and {"bottom", "top"} <= set(walls):
+    if isinstance(container, Box | Channel) and {"bottom", "top"} <= set(walls):
         low, high = container.lower[-1], container.upper[-1]
         below, above = walls["bottom"].velocity[0], walls["top"].velocity[0]
         gradient[0, -1] = (above - below) / (high - low)
         mean[0] = below - gradient[0, -1] * low
-    return Space(container, velocity, np.empty((0, d)), mean, gradient)
+    return Space(container, velocity, mean, gradient)

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies import Array
-from meshes.geometry import Box, Container, HalfPlane
+from fsi.normals import inward_normals
+from meshes.geometry import Container, HalfPlane, Round, lengths
 
 # The rotation of the flow u = E x is the antisymmetric part of E: d = 2 has the mode omega, d = 3 three of
 # them.
@@ -19,14 +20,13 @@ _SPINS = {2: ((1, 0),), 3: ((2, 1), (0, 2), (1, 0))}
 class Space:
     """The room of the bodies at one instant, in d dimensions.
 
-    container: its walls; wall_velocity: (walls, d); periods: lattice vectors as rows, (k, d), k = 0 to d;
-    mean: u_0 and gradient: E, rows of (du_i / dx_j), of the background flow `u_inf = u_0 + E x`, relative to
-    which bodies are dragged and with which a lattice is carried along.
+    container: its walls and periods; wall_velocity: (walls, d); mean: u_0 and gradient: E, rows of
+    (du_i / dx_j), of the background flow `u_inf = u_0 + E x`, relative to which bodies are dragged and with
+    which a lattice is carried along.
     """
 
     container: Container
     wall_velocity: Array
-    periods: Array
     mean: Array
     gradient: Array
 
@@ -59,31 +59,13 @@ def wall_gaps(container: Container, centres: Array, radii: Array) -> WallGaps:
     half-plane stands for infinity and lubricates nothing.
     """
     gap = container.distances(centres) - radii[:, None]
-    bodies, walls = gap.shape
-    lubricates = np.ones(walls, dtype=bool)
-    radius = np.repeat(radii[:, None], walls, axis=1)
-    curvature = np.zeros((bodies, walls))
-    normal = np.zeros((bodies, walls, centres.shape[1]))
-    if isinstance(container, Box):
-        normal[:] = _box_normals(container, centres.shape[1])
-    elif isinstance(container, HalfPlane):
-        normal[:, 0, -1] = 1.0
+    radius = np.repeat(radii[:, None], gap.shape[1], axis=1)
+    curvature = np.zeros_like(gap)
+    lubricates = np.ones(gap.shape[1], dtype=bool)
+    if isinstance(container, HalfPlane):
         lubricates[1] = False
-    elif walls:
-        distance = np.linalg.norm(centres, axis=1)
-        normal[:, 0] = -centres / np.where(distance > 0.0, distance, 1.0)[:, None]
+    elif isinstance(container, Round):
+        distance, outer = lengths(centres), container.radius
         curvature[:, 0] = -1.0 / np.where(distance > 0.0, distance, 1.0)
-        outer = 0.5 * container.size()
-        radius = (radii * outer / (outer - radii))[:, None]
-    return WallGaps(gap, normal, radius, curvature, lubricates)
-
-
-def _box_normals(box: Container, dimension: int) -> Array:
-    """Unit normals into the box of its walls, (W, d): of one axis after the other, low side and high side."""
-    names = {"left": (0, 1.0), "right": (0, -1.0), "bottom": (-1, 1.0), "top": (-1, -1.0)}
-    names |= {"front": (1, 1.0), "back": (1, -1.0)}
-    normals = np.zeros((len(box.walls), dimension))
-    for row, wall in zip(normals, box.walls, strict=True):
-        axis, sign = names[wall]
-        row[axis] = sign
-    return normals
+        radius[:, 0] = radii * outer / (outer - radii)
+    return WallGaps(gap, inward_normals(container, centres), radius, curvature, lubricates)

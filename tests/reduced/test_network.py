@@ -20,7 +20,7 @@ def cluster(d: int, number: int, reach: float = 0.5) -> tuple[Configuration, Pai
     x = 2.2 * grid + 0.1 * random.uniform(-1.0, 1.0, grid.shape) + 1.15
     box = Box((0.0,) * d, (2.2 * n + 0.1,) * d)
     q = Configuration.unturned(x, np.ones(len(x)))
-    space = Space(box, np.ones((2 * d, d)), np.empty((0, d)), np.zeros(d), np.zeros((d, d)))
+    space = Space(box, np.ones((2 * d, d)), np.zeros(d), np.zeros((d, d)))
     return q, find_pairs(q, space, reach)
 
 
@@ -57,7 +57,7 @@ def test_iterations_find_what_factors_find(monkeypatch: pytest.MonkeyPatch) -> N
 def test_momentum_and_rigidity_at_any_stiffness(kappa: float) -> None:
     """More gaps than freedoms, and resistances without bound: the limit is a rigid cluster, not nonsense."""
     q, pairs = cluster(2, 36)
-    pairs = find_pairs(q, Space(Box((-1e4, -1e4), (1e4, 1e4)), np.zeros((4, 2)), np.empty((0, 2)), np.zeros(2), np.zeros((2, 2))), 0.5)  # fmt: skip  # noqa: E501
+    pairs = find_pairs(q, Space(Box((-1e4, -1e4), (1e4, 1e4)), np.zeros((4, 2)), np.zeros(2), np.zeros((2, 2))), 0.5)  # fmt: skip  # noqa: E501
     f = np.random.default_rng(1).standard_normal(q.centres.shape)
     network = make_network(pairs, np.full(len(pairs), kappa), np.ones_like(f))
     u, force = network.solve(f, np.ones_like(f))

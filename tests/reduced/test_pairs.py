@@ -2,24 +2,36 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from itertools import product
 
 import numpy as np
 import pytest
 
 from fsi.bodies import Array, Configuration
-from fsi.cell import reduced_basis
 from fsi.reduced.network import gradient
 from fsi.reduced.pairs import Pairs, find_pairs, of_keys, turning
 from fsi.reduced.space import Space
+from meshes.cell import Channel
 from meshes.geometry import Box, Container, HalfPlane, Round
+from meshes.lattice import reduced
 
-FAR = Round(1e6)  # whose wall nobody meets
+
+@dataclass(frozen=True)
+class Far(Round):
+    """A wall that nobody meets, and any periods."""
+
+    radius: float = 1e6
+    vectors: Array = field(default_factory=lambda: np.empty((0, 1)))
+
+    @property
+    def periods(self) -> Array:
+        return self.vectors
 
 
-def space(container: Container, periods: Array, d: int, gradient: Array | None = None) -> Space:
+def space(container: Container, d: int, gradient: Array | None = None) -> Space:
     walls = np.zeros((len(container.walls), d))
-    return Space(container, walls, periods, np.zeros(d), np.zeros((d, d)) if gradient is None else gradient)
+    return Space(container, walls, np.zeros(d), np.zeros((d, d)) if gradient is None else gradient)
 
 
 def bodies(d: int, number: int, room: float, seed: int = 0) -> Configuration:
@@ -59,7 +71,7 @@ def test_all_pairs_of_images_are_found(name: str) -> None:
     if len(periods):
         steps = np.random.default_rng(1).integers(-1, 2, (12, len(periods)))
         q = Configuration.unturned(q.centres + steps @ periods, q.radii)
-    pairs = find_pairs(q, space(FAR, periods, periods.shape[1]), reach=0.8)
+    pairs = find_pairs(q, space(Far(vectors=periods), periods.shape[1]), reach=0.8)
     expected = brute_force(q, periods, 0.8)
     found = {
         (int(i), int(j), *np.round(shift, 6)): gap
@@ -80,7 +92,7 @@ def _positive(key: tuple[float, ...]) -> tuple[float, ...]:
 
 
 def test_the_reduced_basis_spans_the_same_lattice_and_is_short() -> None:
-    a, b = reduced_basis(SHEARED)
+    a, b = reduced(SHEARED)
     m = np.array([a, b]) @ np.linalg.inv(SHEARED)
     assert np.allclose(m, np.round(m))
     assert abs(round(float(np.linalg.det(m)))) == 1
@@ -91,6 +103,7 @@ CONTAINERS: list[tuple[Container, int]] = [
     (Box((-1.0, -1.0), (4.0, 4.0)), 2),
     (HalfPlane(100.0), 2),
     (Round(6.0), 2),
+    (Channel((-1.0, -1.0), (4.0, 4.0)), 2),
     (Box((-1.0, -1.0, -1.0), (4.0, 4.0, 4.0)), 3),
 ]
 
@@ -103,7 +116,7 @@ def gaps_at(x: Array, q: Configuration, room: Space, key: Pairs) -> Array:
 def test_g_is_the_gradient_of_the_gap_and_turning_its_second_derivative(container: Container, d: int) -> None:
     """Central differences of D along straight ways; at 1e-5 and 1e-4 their errors are below these bounds."""
     q = bodies(d, 6, 3.0, seed=3)
-    room = space(container, np.empty((0, d)), d)
+    room = space(container, d)
     pairs = find_pairs(q, room, np.inf)
     assert pairs.is_wall.sum() == 6 * len(container.walls) - 6 * isinstance(container, HalfPlane)
     u = np.random.default_rng(2).standard_normal(q.centres.shape)
@@ -117,7 +130,7 @@ def test_images_move_with_the_lattice() -> None:
     """D' of a pair across the top of a sheared cell is -n.(E s), for bodies at rest."""
     E = np.array([[0.0, 2.0], [0.0, 0.0]])
     q = Configuration.unturned(np.array([[0.2, 0.1], [0.1, 2.9]]), np.array([0.3, 0.3]))
-    pairs = find_pairs(q, space(FAR, np.diag([9.0, 3.0]), 2, E), reach=0.5)
+    pairs = find_pairs(q, space(Far(vectors=np.diag([9.0, 3.0])), 2, E), reach=0.5)
     assert len(pairs) == 1
     assert abs(pairs.shift[0, 1]) == 3.0
     assert pairs.b[0] == pytest.approx(pairs.n[0] @ E @ pairs.shift[0])
@@ -126,6 +139,6 @@ def test_images_move_with_the_lattice() -> None:
 
 def test_the_reduced_radius_of_a_round_wall() -> None:
     q = Configuration.unturned(np.array([[0.0, 3.0]]), np.array([2.0]))
-    pairs = find_pairs(q, space(Round(6.0), np.empty((0, 2)), 2), np.inf)
+    pairs = find_pairs(q, space(Round(6.0), 2), np.inf)
     assert pairs.radius[0] == pytest.approx(1.0 / (1.0 / 2.0 - 1.0 / 6.0))
     assert pairs.gap[0] == pytest.approx(1.0)
