@@ -49,9 +49,9 @@ def rigid_motion(r: Array) -> Array:
     return rows
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Configuration:
-    """Where the bodies are.
+    """Where the bodies are; one is equal to itself alone, and its arrays are never changed.
 
     centres: q_i, shape (N, d); angles: rotation of each body since the start, in the plane radians,
     shape (N,), in space a rotation vector, its length the angle, shape (N, 3); radii: a_i > 0, shape (N,).

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,8 +55,14 @@ def find_gaps(q: Configuration, container: Container, reach: float | None = None
     """
     largest = float(q.radii.max(initial=0.0))
     reach = 2.0 * largest if reach is None else reach
+    return _find_gaps(q, container, min(reach, container.size()) if len(container.periods) else reach)
+
+
+# Of one step many ask for the gaps at its beginning; q is the same object then.
+@lru_cache(maxsize=2)
+def _find_gaps(q: Configuration, container: Container, reach: float) -> Gaps:
+    largest = float(q.radii.max(initial=0.0))
     lattice = Lattice(container.periods)
-    reach = min(reach, container.size()) if lattice.dimension else reach
     pairs, away = _near(q, lattice, 2.0 * largest + reach)
     gaps = pair_gaps(q, pairs, away)
     close = gaps <= reach
@@ -82,5 +89,5 @@ def _near(q: Configuration, lattice: Lattice, distance: float) -> tuple[NDArray[
     images += m[j] - m[i]
     images[i > j] *= -1
     pairs = np.sort(np.column_stack([i, j]), axis=1)
-    order = np.lexsort((*images.T[::-1], pairs[:, 1], pairs[:, 0]))
+    order = np.lexsort((*images.T[::-1], pairs @ [len(q), 1]))
     return pairs[order], lattice.shift(images[order]) + np.zeros((1, q.dimension))

@@ -22,7 +22,7 @@ from fsi.truncation import Solution
 from meshes.lattice import Lattice
 
 
-def _components(case: Case) -> tuple[str, ...]:
+def components(case: Case) -> tuple[str, ...]:
     """What the modes are called."""
     if case.dimension == 3:
         return ("x", "y", "z", "rotation x", "rotation y", "rotation z")
@@ -40,13 +40,13 @@ def solution_json(
             "name": name,
             "position": q.centres[i].tolist(),
             "velocity": solution.U[i, :d].tolist(),
-            "angular_velocity": _turning(solution.U[i, d:]),
+            "angular_velocity": turning(solution.U[i, d:]),
             "force": exerted[i, :d].tolist(),
-            "torque": _turning(exerted[i, d:]),
+            "torque": turning(exerted[i, d:]),
             "velocity_error": errors.U[i, :d].tolist(),
-            "angular_velocity_error": _turning(errors.U[i, d:]),
+            "angular_velocity_error": turning(errors.U[i, d:]),
             "force_error": errors.F[i, :d].tolist(),
-            "torque_error": _turning(errors.F[i, d:]),
+            "torque_error": turning(errors.F[i, d:]),
         }
         for i, name in enumerate(case.names)
     ]
@@ -84,7 +84,7 @@ def _add_stress(found: dict[str, Any], bulk: BulkStress, errors: ErrorEstimate) 
         body["stresslet"] = stresslet
 
 
-def _turning(components: Array) -> float | list[float]:
+def turning(components: Array) -> float | list[float]:
     """A number in the plane, a list of three in space."""
     return float(components[0]) if len(components) == 1 else components.tolist()
 
@@ -125,7 +125,7 @@ def _bodies_table(case: Case, solution: Solution, errors: ErrorEstimate) -> Tabl
         for k in modes:
             table.add_row(
                 name if k == modes[0] else "",
-                _components(case)[k],
+                components(case)[k],
                 "held" if held[i, k] else "free",
                 f"{solution.U[i, k]:.8g}",
                 "" if held[i, k] else f"{errors.U[i, k]:.0e}",
@@ -191,7 +191,7 @@ def _walls_table(case: Case) -> Table:
 def _case_table(case: Case) -> Table:
     table = Table("body", "position", "radius", "smallest gap", "to", title=case.name, title_justify="left")
     for k in np.flatnonzero(case.modes):
-        table.add_column(_components(case)[k])
+        table.add_column(components(case)[k])
     held = case.motion(0.0).held
     for i, body in enumerate(case.bodies):
         gap, neighbour = _nearest(case, i)

@@ -20,7 +20,10 @@ Array = NDArray[np.float64]
 
 
 class Container(Protocol):
-    """What encloses the fluid."""
+    """What encloses the fluid; a value, equal to others with the same numbers."""
+
+    def __hash__(self) -> int:
+        """Of its numbers."""
 
     @property
     def dimension(self) -> int:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import json
+from typing import TYPE_CHECKING
 
 import typer
 from rich.console import Console
 
 from fsi import parallel
-from fsi.cli.arguments import AsJson, CaseFile, Overrides, load_resolved
+from fsi.cli.arguments import AsJson, CaseFile, Overrides, load
+
+if TYPE_CHECKING:
+    from fsi.case import Case
 
 EXAMPLE = "Example: fsi solve cases/disc_in_box.toml --set discretisation.cells_per_gap=2 --json"
 
@@ -25,13 +29,19 @@ def solve(
 
     A half-plane or a round container may stand for an infinite one: the solve is repeated with half its
     radius. The change of the results is the reported truncation, and the error at the full radius is less.
+
+    Of a case with model = "reduced" the velocities, without inertia, and the forces in its gaps are shown.
     """
+    case = load(case_file, overrides)
+    if case.model == "reduced":
+        _solve_reduced(case, as_json=as_json)
+        return
     from fsi.report import print_solution, solution_json
     from fsi.stokes.model import StokesModel
     from fsi.stokes.refine import solve_with_errors
     from fsi.truncation import halved, truncation
 
-    solved = solve_with_errors(load_resolved(case_file, overrides, "solve"))
+    solved = solve_with_errors(case)
     case, solution, errors = solved.case, solved.solution, solved.errors
     half = halved(case)
     truncated = None
@@ -41,3 +51,15 @@ def solve(
         typer.echo(json.dumps(solution_json(case, solution, errors, truncated)))
     elif parallel.is_root():
         print_solution(Console(), case, solution, errors, truncated)
+
+
+def _solve_reduced(case: Case, *, as_json: bool) -> None:
+    """Without inertia, as the resolved model is solved."""
+    from fsi.reduced.model import ReducedModel
+    from fsi.reduced.report import instant_json, print_instant
+
+    found = ReducedModel(case)(case.configuration(), 0.0)
+    if parallel.is_root() and as_json:
+        typer.echo(json.dumps(instant_json(case, found)))
+    elif parallel.is_root():
+        print_instant(Console(), case, found)

@@ -19,6 +19,7 @@ from fsi.parallel import on_root
 from fsi.reduced.files import write_bodies, write_contacts
 from fsi.reduced.identities import identities, require
 from fsi.reduced.laws import make_laws
+from fsi.reduced.network import gradient
 from fsi.reduced.pairs import Pairs, find_pairs
 from fsi.reduced.setting import drag, make_space
 from fsi.reduced.stress import bulk_stress
@@ -44,6 +45,14 @@ class ReducedInstant:
     gamma: Array
     record: Mapping[str, float]
     bulk: BulkStress | None = None
+
+    @property
+    def rates(self) -> Array:
+        """D' of the gaps, (P,)."""
+        found: Array = (
+            gradient(self.pairs, len(self.q)) @ self.U[:, : self.q.dimension].ravel() - self.pairs.b
+        )
+        return found
 
     @property
     def body_columns(self) -> Mapping[str, Array]:

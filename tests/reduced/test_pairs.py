@@ -17,7 +17,7 @@ from meshes.geometry import Box, Container, HalfPlane, Round
 from meshes.lattice import reduced
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Far(Round):
     """A wall that nobody meets, and any periods."""
 

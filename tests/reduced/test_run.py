@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import json
+import math
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import meshio
@@ -10,7 +15,9 @@ import pytest
 
 from fsi.bodies import Configuration
 from fsi.case import Case
+from fsi.cli.solve import solve
 from fsi.comparison import Comparison, History, compare
+from fsi.lubrication.exact_laws import exact_law
 from fsi.models import make_model
 from fsi.pvd import read_collection
 from fsi.results import StepRecord
@@ -19,6 +26,7 @@ from tests.exact_model import DiscsBesidePlane
 from tests.reduced_data import INERTIA, heap, reduced_case
 from tests.small_run import contents, rows
 
+MPIEXEC = Path(sys.executable).with_name("mpiexec")
 SCHEMES: dict[str, dict[str, object]] = {
     "adaptive": {},
     "distance": {"scheme": "distance", "step": 0.05},
@@ -109,3 +117,33 @@ def compare_with_exact(bodies: list[dict[str, object]], exact: DiscsBesidePlane,
     U = np.array([exact(Configuration.unturned(x, np.ones(1)), 0.0).U for x in centres])
     history = History(t, centres, U)
     return compare(case, history, history)
+
+
+def test_two_ranks_write_the_same_files(tmp_path: Path) -> None:
+    """Every rank computes all, and root writes: bit by bit what one process writes."""
+    case = case_of("adaptive")
+    run_case(case, tmp_path / "one", make_model(case))
+    (tmp_path / "case.toml").write_text(case.as_toml())
+    command = [str(MPIEXEC), "-n", "2", sys.executable, "-m", "fsi", "run", "case.toml", "-o", "two"]
+    root = Path(__file__).parents[2]
+    subprocess.run(
+        command, cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(root)}, check=True, capture_output=True
+    )
+    assert contents(tmp_path / "two") == contents(tmp_path / "one")
+
+
+def test_solve_shows_an_instant(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """Forces of the fluid on free bodies are minus their loads; the gap opens at lambda / kappa."""
+    case = case_of("adaptive")
+    (tmp_path / "case.toml").write_text(case.as_toml())
+    solve(tmp_path / "case.toml", as_json=True)
+    found = json.loads(capsys.readouterr().out)
+    for body, given in zip(found["bodies"], heap(), strict=True):
+        assert body["force"] == pytest.approx([-f for f in given["force"]])
+    contact = next(row for row in found["contacts"] if row["between"] == ["b0", "plane"])
+    law = exact_law("discs", math.inf, 1.0, extrapolate=True)
+    kappa = law.kappa(np.array([0.3, 0.5]), np.ones(2))
+    assert contact["gap"] == pytest.approx(0.3)
+    assert contact["force"] == pytest.approx((kappa[0] - kappa[1]) * contact["rate"])
+    solve(tmp_path / "case.toml")
+    assert "lubricated gaps" in capsys.readouterr().out
