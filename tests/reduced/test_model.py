@@ -55,6 +55,32 @@ def test_settling_with_the_exact_law(kind: str) -> None:
         assert found == pytest.approx([tau[s]], rel=1e-3)
 
 
+def test_a_sphere_settles_in_a_box_as_beside_a_plane_and_drifts_and_turns_with_its_drag() -> None:
+    """Walls further than the cutoff do not act. The times to gaps 0.5 and 0.1 are exact."""
+    drag = float(spheres.normal_resistance(CUT, 1.0, 1.0))
+    body = {"name": "ball", "radius": 1.0, "position": [0.3, -0.2, 1.5], "torque": [0.0, 2.0, 0.0]}
+    case = reduced_case(
+        [body | {"force": [5.0, 0.0, -6.0 * math.pi]}],
+        {"law": "exact", "drag": drag, "cutoff": CUT},
+        geometry="spatial",
+        domain={"lower": [-5.0, -5.0, 0.0], "upper": [5.0, 5.0, 9.0]},
+        time={"end": 10.0, "tolerance": 1e-5},
+    )
+    stepper = make_stepper(case, make_model(case))
+    step = stepper.start(case.configuration())
+    t, gap, speed = [0.0], [0.5], [float(step.instant.U[0, 2])]
+    while gap[-1] > 0.1:
+        step = stepper.advance(step.state)
+        t.append(step.state.t)
+        gap.append(float(step.state.q.centres[0, 2]) - 1.0)
+        speed.append(float(step.instant.U[0, 2]))
+    found = CubicHermiteSpline(t, gap, speed).solve(0.1, extrapolate=False)
+    tau = SETTLING["sphere"]["tau"]
+    assert found == pytest.approx([tau["0.1"] - tau["0.5"]], rel=1e-3)
+    assert step.state.q.centres[0, :2] == pytest.approx([0.3 + 5.0 / drag * t[-1], -0.2])
+    assert step.state.q.angles[0] == pytest.approx([0.0, 2.0 / (8.0 * math.pi) * t[-1], 0.0])
+
+
 def test_a_sphere_at_the_cutoff_feels_its_drag_and_a_turning_one_its_own() -> None:
     body = {"name": "ball", "radius": 2.0, "position": [0.0, 0.0, 9.0], "force": [3.0, 0.0, 1.0]}
     case = reduced_case([body | {"torque": [0.0, 5.0, 0.0]}], {"cutoff": 1.0}, geometry="spatial")
