@@ -6,14 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-import pyvista as pv
 from matplotlib import colormaps
 from matplotlib.colors import Colormap, ListedColormap, LogNorm, Normalize, SymLogNorm
 
-from fsi.bodies import Array, Configuration
-from postprocess.fields import cells_within, edges, refine, rims, stream_function
+from fsi.bodies import Array
+from postprocess.fields import edges, rims, stream_function
 from postprocess.panel import INK, Panel, span_in
-from postprocess.view import View
+from postprocess.scenes import Scene
 
 type Span = tuple[float, float]
 
@@ -23,42 +22,6 @@ _SLOW = 0.05  # the part of the area with the lowest values, which has one colou
 _DECADES = {"speed": 4.0, "dissipation": 8.0, "traction": 4.0}  # most decades that differ in colour
 _LINEAR = 0.01  # part of the largest value up to which the scales of signed fields are linear
 _RIBBON = 0.05  # width of the ribbon that shows the traction, in halves of the window
-
-
-@dataclass(frozen=True)
-class Scene:
-    """The flow of one step, as one window shows it.
-
-    fluid: its cells there, in the window's coordinates, with point data `r`, the first of their own; surface:
-    small triangles along them; bodies: surfaces of the bodies, in the window's coordinates, or None.
-    """
-
-    view: View
-    fluid: pv.UnstructuredGrid
-    surface: pv.PolyData
-    bodies: pv.UnstructuredGrid | None
-    q: Configuration
-    axisymmetric: bool
-    viscosity: float
-
-
-def scene(
-    fluid: pv.UnstructuredGrid, bodies: pv.UnstructuredGrid | None, view: View, q: Configuration,
-    axisymmetric: bool, viscosity: float,
-) -> Scene:  # fmt: skip
-    """What a window shows of a step, with all fields that can be coloured."""
-    cells = cells_within(fluid, view.low, view.high)
-    cells["r"] = cells.points[:, 0].copy()
-    cells.points = view.local(cells.points)
-    surface = refine(cells)
-    if "strain_rate" in surface.point_data:
-        surface["dissipation"] = viscosity * np.square(surface["strain_rate"])
-    if bodies is not None:
-        bodies = bodies.copy()
-        bodies.points = view.local(bodies.points)
-        bodies.cell_data["inside"] = view.local(q.centres)[bodies.cell_data["body"]]
-        bodies["traction size"] = np.linalg.norm(bodies["traction"], axis=1)
-    return Scene(view, cells, surface, bodies, q, axisymmetric, viscosity)
 
 
 @dataclass(frozen=True)

@@ -6,18 +6,15 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from fsi.errors import InputError
-from meshes.geometry import Container
 from postprocess.animation import MOVIES, Picture, require_suffix, write_pictures
-from postprocess.drawings import DRAWINGS, Scene, Span, scene
-from postprocess.fields import mirrored
+from postprocess.drawings import DRAWINGS, Span
 from postprocess.figure import Framed, compose
 from postprocess.opengl import require_opengl
 from postprocess.panel import new_panel
 from postprocess.run import Run
-from postprocess.view import Gap, View, around_bodies, gap_between, narrowest_gap, parse_sides
+from postprocess.scenes import Scene, gap_at, read_scene, window_on
+from postprocess.view import Gap, View, parse_sides
 
 FROM = {"vorticity": "vorticity", "dissipation": "strain_rate"}  # what older runs have not written
 
@@ -68,9 +65,8 @@ class Artist:
             raise InputError(f"--field {choice.field}: give one of {', '.join(DRAWINGS)}")
         if choice.size < 100:
             raise InputError(f"--size {choice.size}: give at least 100 pixels")
-        container: Container = run.case.container()
-        self.run, self.choice, self.container = run, choice, container
-        self.sides = None if choice.gap is None else parse_sides(choice.gap, run.case.names, container.walls)
+        self.run, self.choice, walls = run, choice, run.case.container().walls
+        self.sides = None if choice.gap is None else parse_sides(choice.gap, run.case.names, walls)
         if choice.gap is not None:
             self.panels = [(choice.field or "mesh", True)]
         elif choice.field is not None or not run.case.bodies:
@@ -80,17 +76,10 @@ class Artist:
 
     def pictures(self, steps: Sequence[int]) -> Iterator[Picture]:
         """A picture of each step."""
-        around = self._around(steps)
+        around = window_on(self.run, steps)
         spans = self._spans(steps, around)
         for step in steps:
             yield self._picture(step, around, spans)
-
-    def _around(self, steps: Sequence[int]) -> View:
-        """One window on the bodies of all those steps."""
-        q = [self.run.configuration(step) for step in steps]
-        fluid = self.run.mesh(steps[0])
-        fluid = mirrored(fluid) if self.run.case.axisymmetric else fluid
-        return around_bodies(np.stack([at.centres for at in q]), q[0].radii, fluid)
 
     def _spans(self, steps: Sequence[int], around: View) -> list[Span]:
         """The range of colours of each panel, over all those steps."""
@@ -107,25 +96,12 @@ class Artist:
 
     def _scenes(self, step: int, around: View) -> list[tuple[Scene, Gap | None]]:
         """What the panels show of a step."""
-        case, q = self.run.case, self.run.configuration(step)
-        fluid = self.run.mesh(step)
-        tractions = any(name == "traction" for name, _ in self.panels) and len(q) > 0
-        bodies = self.run.mesh(step, "surface") if tractions else None
-        if case.axisymmetric:
-            fluid, bodies = mirrored(fluid), None if bodies is None else mirrored(bodies)
-        gap = None
-        if any(close for _, close in self.panels):
-            sides = self.sides
-            gap = narrowest_gap(q, self.container) if sides is None else gap_between(q, self.container, sides)
+        tractions = any(name == "traction" for name, _ in self.panels) and bool(self.run.case.bodies)
         found = []
         for _, close in self.panels:
-            view = gap.close_up(around) if close and gap is not None else around
-            found.append(
-                (
-                    scene(fluid, bodies, view, q, case.axisymmetric, case.fluid.viscosity),
-                    gap if close else None,
-                )
-            )
+            gap = gap_at(self.run, step, self.sides, around) if close else None
+            view = around if gap is None else gap.close_up(around)
+            found.append((read_scene(self.run, step, view, tractions), gap))
         return found
 
     def _picture(self, step: int, around: View, spans: Sequence[Span]) -> Picture:
@@ -147,7 +123,7 @@ class Artist:
 
     def _title(self, gap: Gap) -> str:
         """Which gap, and how wide it is."""
-        names = [*self.run.case.names, *self.container.walls]
+        names = [*self.run.case.names, *self.run.case.container().walls]
         which = (
             "narrowest gap" if self.sides is None else f"gap {names[gap.sides[0]]} - {names[gap.sides[1]]}"
         )

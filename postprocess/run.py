@@ -29,6 +29,7 @@ from fsi.case import Case
 from fsi.checkpoint import Checkpoint, read_checkpoint
 from fsi.errors import InputError
 from fsi.pvd import Entry, read_collection
+from meshes.geometry import Container
 from postprocess.folder import read_case
 
 _SAME_NODE = 1e-13  # of the size of the domain: ranks agree on the nodes that they share to rounding
@@ -125,6 +126,10 @@ class Run:
         self.step(None, series)
         times = self.times_of(series)
         return int((times - time).abs().idxmin())
+
+    def container(self, step: int) -> Container:
+        """What encloses the fluid at a step; the lattice of a sheared cell moves."""
+        return self.case.container().at(float(self.times[step]))
 
     def configuration(self, step: int) -> Configuration:
         """Where the bodies were at a step."""

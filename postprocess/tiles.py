@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 import pyvista as pv
+from scipy.spatial import cKDTree
 
 from fsi.bodies import Array, Configuration
-from meshes.cell import Cell, Periodic, mean_velocity
+from meshes.cell import Cell, Channel, Periodic, mean_velocity
 from meshes.lattice import Integers, Lattice
 from postprocess.view import View
 
@@ -27,20 +28,37 @@ def window(container: Periodic) -> View:
     return View(0.5 * (low + high), 0.5 * float(np.max(high - low)))
 
 
-def tiled(fluid: pv.UnstructuredGrid, container: Periodic, view: View) -> pv.UnstructuredGrid:
-    """The images of the fluid that meet the window, in one; their velocities differ by the mean flow."""
+def tiled(grid: pv.UnstructuredGrid, container: Periodic, view: View) -> pv.UnstructuredGrid:
+    """The images of the fluid, or of surfaces, that meet the window, in one grid.
+
+    Their velocities differ by the mean flow, their pressures by that of the mean gradient along a channel.
+    """
     lattice = Lattice(container.periods)
-    x_low, x_high, y_low, y_high = fluid.bounds[:4]
+    low, high = np.array(grid.bounds[:4:2]), np.array(grid.bounds[1:4:2])
+    rise = _rise(grid, container.periods[0]) if isinstance(container, Channel) else 0.0
     copies = []
-    for e in lattice.shift(_around(lattice, 0.5 * np.array([x_low + x_high, y_low + y_high]), view, fluid)):
-        low, high = np.array([x_low, y_low]) + e, np.array([x_high, y_high]) + e
-        if np.all(low <= view.high) and np.all(high >= view.low):
-            copy = fluid.copy()
+    for m in _around(lattice, 0.5 * (low + high), view, grid):
+        e = lattice.shift(m)
+        if np.all(low + e <= view.high) and np.all(high + e >= view.low):
+            copy = grid.copy()
             copy.points[:, :2] += e
-            copy["velocity"][:, :2] += mean_velocity(container, e)
+            if "velocity" in copy.point_data:
+                copy["velocity"][:, :2] += mean_velocity(container, e)
+            if rise:
+                copy["pressure"] += rise * m[0]
             copies.append(copy)
     together = pv.merge(copies, merge_points=False)
     return together.clean(tolerance=_SAME_PLACE * view.half, remove_unused_points=False)
+
+
+def _rise(grid: pv.UnstructuredGrid, e: Array) -> float:
+    """By how much the pressure rises over a period e: from each node of the cut to its image."""
+    if "pressure" not in grid.point_data:
+        return 0.0
+    x = grid.points[:, :2]
+    distance, image = cKDTree(x).query(x + e)
+    there = distance < _SAME_PLACE * grid.length
+    return float(np.mean(grid["pressure"][image[there]] - grid["pressure"][there]))
 
 
 def images(q: Configuration, container: Periodic, view: View) -> Configuration:
@@ -55,9 +73,9 @@ def images(q: Configuration, container: Periodic, view: View) -> Configuration:
     return Configuration(centres[seen], angles[seen], radii[seen])
 
 
-def _around(lattice: Lattice, centre: Array, view: View, fluid: pv.UnstructuredGrid) -> Integers:
-    """The integers of all images of the fluid, which lies around `centre`, that may meet the window."""
-    size = 2.0 * view.half + float(fluid.length)
+def _around(lattice: Lattice, centre: Array, view: View, grid: pv.UnstructuredGrid) -> Integers:
+    """The integers of all images of a grid, which lies around `centre`, that may meet the window."""
+    size = 2.0 * view.half + float(grid.length)
     reach = int(np.ceil(size / np.linalg.norm(lattice.vectors, axis=1).min()))
     return _all_within(lattice, reach) + lattice.nearest((view.centre - centre)[None])
 

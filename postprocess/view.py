@@ -11,6 +11,7 @@ from fsi.bodies import Array, Configuration
 from fsi.errors import InputError
 from fsi.gaps import find_gaps
 from meshes.geometry import Container
+from meshes.lattice import Lattice
 
 _CLOSE_UP = 12.0  # width of the close-up, in gaps
 _ROOM = 1.5  # free space around the bodies, in radii of the largest
@@ -52,6 +53,10 @@ class Gap:
         half = 0.5 * _CLOSE_UP * self.width
         return View(self.middle, half) if half < around.half else around
 
+    def moved(self, by: Array) -> Gap:
+        """Its image that lies so far away."""
+        return Gap(self.width, self.middle + by, self.sides)
+
 
 def around_bodies(centres: Array, radii: Array, fluid: pv.UnstructuredGrid) -> View:
     """The square that shows all bodies with room around them and, if it can, nothing but the domain.
@@ -75,17 +80,25 @@ def narrowest_gap(q: Configuration, container: Container) -> Gap:
     """The smallest of all gaps between bodies or to a wall."""
     gaps = find_gaps(q, container)
     if gaps.pair_gaps.min(initial=np.inf) == gaps.smallest():
-        i, j = gaps.pairs[np.argmin(gaps.pair_gaps)]
-        return gap_between(q, container, (int(i), int(j)))
+        pair = np.argmin(gaps.pair_gaps)
+        i, j = gaps.pairs[pair]
+        return gap_between(q, container, (int(i), int(j)), gaps.away[pair])
     i, wall = np.unravel_index(np.argmin(gaps.wall_gaps), gaps.wall_gaps.shape)
     return gap_between(q, container, (int(i), len(q) + int(wall)))
 
 
-def gap_between(q: Configuration, container: Container, sides: tuple[int, int]) -> Gap:
-    """The gap of body `sides[0]` to another body, or to the wall of number `sides[1] - len(q)`."""
+def gap_between(
+    q: Configuration, container: Container, sides: tuple[int, int], away: Array | None = None
+) -> Gap:
+    """The gap of body `sides[0]` to another body, or to the wall of number `sides[1] - len(q)`.
+
+    away: how far the image of the other body that is meant lies from it; if not given, the nearest is.
+    """
     i, j = sides
     if j < len(q):
         towards = q.centres[j] - q.centres[i]
+        lattice = Lattice(container.periods)
+        towards = towards + (-lattice.shift(lattice.nearest(towards[None]))[0] if away is None else away)
         width = float(np.linalg.norm(towards)) - q.radii[i] - q.radii[j]
     else:
         wall = j - len(q)

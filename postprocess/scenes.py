@@ -1,0 +1,87 @@
+"""What a window on the plane shows of a step: fluid and bodies, mirrored or repeated as the case asks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pyvista as pv
+
+from fsi.bodies import Array, Configuration
+from meshes.cell import Cell, Channel
+from meshes.lattice import Lattice
+from postprocess.fields import cells_within, mirrored, refine
+from postprocess.run import Run
+from postprocess.tiles import images, tiled, window
+from postprocess.view import Gap, View, around_bodies, gap_between, narrowest_gap
+
+
+@dataclass(frozen=True)
+class Scene:
+    """The flow of one step, as one window shows it.
+
+    fluid: its cells there, in the window's coordinates, with point data `r`, the first of their own; surface:
+    small triangles along them; bodies: surfaces of the bodies, in the window's coordinates, or None.
+    """
+
+    view: View
+    fluid: pv.UnstructuredGrid
+    surface: pv.PolyData
+    bodies: pv.UnstructuredGrid | None
+    q: Configuration
+    axisymmetric: bool
+
+
+def window_on(run: Run, steps: Sequence[int]) -> View:
+    """One window on the bodies of all those steps; of a periodic run on one period."""
+    container = run.container(steps[0])
+    if isinstance(container, Channel | Cell):
+        return window(container)
+    q = [run.configuration(step) for step in steps]
+    fluid = run.mesh(steps[0])
+    fluid = mirrored(fluid) if run.case.axisymmetric else fluid
+    return around_bodies(np.stack([at.centres for at in q]), q[0].radii, fluid)
+
+
+def gap_at(run: Run, step: int, sides: tuple[int, int] | None, around: View) -> Gap:
+    """The gap between those sides, or the narrowest; of its images that next to the window's middle."""
+    q, container = run.configuration(step), run.container(step)
+    gap = narrowest_gap(q, container) if sides is None else gap_between(q, container, sides)
+    lattice = Lattice(container.periods)
+    return gap.moved(-lattice.shift(lattice.nearest((gap.middle - around.centre)[None]))[0])
+
+
+def read_scene(run: Run, step: int, view: View, tractions: bool) -> Scene:
+    """What a window shows of a step, with all fields that can be coloured.
+
+    tractions: whether to read the surfaces of the bodies, which carry them.
+    """
+    q, container, axisymmetric = run.configuration(step), run.container(step), run.case.axisymmetric
+    fluid, bodies = run.mesh(step), run.mesh(step, "surface") if tractions else None
+    if axisymmetric:
+        fluid, bodies = mirrored(fluid), None if bodies is None else mirrored(bodies)
+    lattice, home = Lattice(container.periods), q.centres
+    if isinstance(container, Channel | Cell):
+        fluid, q = tiled(fluid, container, view), images(q, container, view)
+        bodies = None if bodies is None else tiled(bodies, container, view)
+    cells = cells_within(fluid, view.low, view.high)
+    cells["r"] = cells.points[:, 0].copy()
+    cells.points = view.local(cells.points)
+    surface = refine(cells)
+    if "strain_rate" in surface.point_data:
+        surface["dissipation"] = run.case.fluid.viscosity * np.square(surface["strain_rate"])
+    if bodies is not None:
+        bodies = bodies.copy()
+        bodies.cell_data["inside"] = view.local(_owners(bodies, home, lattice))
+        bodies.points = view.local(bodies.points)
+        bodies["traction size"] = np.linalg.norm(bodies["traction"], axis=1)
+    return Scene(view, cells, surface, bodies, q, axisymmetric)
+
+
+def _owners(bodies: pv.UnstructuredGrid, centres: Array, lattice: Lattice) -> Array:
+    """The centre of the body, or of its image, that each cell of the surfaces belongs to, (cells, 2)."""
+    centre = centres[bodies.cell_data["body"]]
+    away = bodies.cell_centers().points[:, :2] - centre
+    owner: Array = centre + lattice.shift(lattice.nearest(away))
+    return owner
