@@ -8,6 +8,7 @@ from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
+import pandas as pd
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -18,6 +19,7 @@ from fsi.errors import InputError
 from fsi.gaps import find_gaps
 from postprocess.run import Run
 from postprocess.settling import asymptotic_gap, exact_gap
+from postprocess.strain import accumulated_strain
 from postprocess.view import gap_between, parse_sides
 
 SUFFIXES = (".png", ".svg", ".pdf")
@@ -27,6 +29,7 @@ _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#
 _DASHES = ("-", "--", ":", "-.")
 _LOGARITHMIC = 10.0  # ratio of the largest to the smallest value from which on an axis is logarithmic
 _CONSTANT = 1e-6  # relative changes below it are rounding: the axis begins at zero
+_NO_LOAD = 1e-8  # loads on free bodies are rounding, relative to viscosity times speed
 _LONG = 100.0  # the same for the gap, from which on time is logarithmic too: discs slow down like t^-2
 
 type Curves = dict[str, Array]  # values (steps,) by the name of a body, or of a law
@@ -34,10 +37,11 @@ type Curves = dict[str, Array]  # values (steps,) by the name of a body, or of a
 
 @dataclass(frozen=True)
 class History:
-    """What is drawn of one run: its name, the times, and the curves of each panel."""
+    """What is drawn of one run: its name, the times, the strain, and the curves of each panel."""
 
     name: str
     t: Array
+    strain: Array | None
     panels: dict[str, Curves]
     laws: Curves
     axisymmetric: bool
@@ -54,10 +58,10 @@ def read_history(run: Run, gap: str | None = None, singly: int = len(_COLOURS)) 
     t = steps["t"].to_numpy()
     if names:
         panels["gap"] = _gaps(run, gap, singly)
-        for title, letter in (("speed", "V_"), ("load", "F_")):
-            components = run.bodies[[name for name in run.bodies if name.startswith(letter)]].to_numpy()
-            size = np.linalg.norm(components, axis=1).reshape(-1, len(names))
-            panels[title] = _each(names, size, singly)
+        speed, load = (_sizes(run.bodies, letter, len(names)) for letter in ("V_", "F_"))
+        panels["speed"] = _each(names, speed, singly)
+        if load.max() > _NO_LOAD * run.case.fluid.viscosity * speed.max():
+            panels["load"] = _each(names, load, singly)
     if VISCOSITY in steps:
         panels["apparent viscosity"] = {"": steps[VISCOSITY].to_numpy()}
     if gap is None:
@@ -65,29 +69,43 @@ def read_history(run: Run, gap: str | None = None, singly: int = len(_COLOURS)) 
             laws = {"exact": exact_gap(run.case, t), "asymptote": asymptotic_gap(run.case, t)}
         except InputError:  # no exact law for this case
             laws = {}
-    return History(run.path.resolve().name, t, panels, laws, run.case.axisymmetric)
+    strain = accumulated_strain(run.case, t) if VISCOSITY in steps else None
+    return History(run.path.resolve().name, t, strain, panels, laws, run.case.axisymmetric)
+
+
+def _sizes(bodies: pd.DataFrame, letter: str, count: int) -> Array:
+    """Lengths of the vectors whose columns begin with that letter, (steps, count)."""
+    components = bodies[[name for name in bodies if name.startswith(letter)]].to_numpy()
+    sizes: Array = np.linalg.norm(components, axis=1).reshape(-1, count)
+    return sizes
 
 
 def _gaps(run: Run, gap: str | None, singly: int) -> Curves:
     """The smallest gap of each body, or one gap."""
-    container = run.case.container()
-    q = [run.configuration(step) for step in run.steps["step"]]
+    container, names = run.case.container(), run.case.names
+    moments = [
+        (run.configuration(step), container.at(t))
+        for step, t in zip(run.steps["step"], run.steps["t"], strict=True)
+    ]
     if gap is None:
-        table = np.array([find_gaps(at, container).smallest_of_each() for at in q])
-        return _each(run.case.names, table, singly)
-    sides = parse_sides(gap, run.case.names, container.walls)
-    return {f"gap {gap}": np.array([gap_between(at, container, sides).width for at in q])}
+        table = np.array([find_gaps(q, around).smallest_of_each() for q, around in moments])
+        return _each(names, np.where(np.isfinite(table), table, np.nan), singly)  # no neighbour in reach
+    sides = parse_sides(gap, names, container.walls)
+    return {f"gap {gap}": np.array([gap_between(q, around, sides).width for q, around in moments])}
 
 
 def _each(names: Sequence[str], table: Array, singly: int) -> Curves:
     """Columns of a table (steps, N) by name; of many bodies the smallest, median and largest value."""
     if len(names) <= singly:
         return dict(zip(names, table.T, strict=True))
-    return {"smallest": table.min(axis=1), "median": np.median(table, axis=1), "largest": table.max(axis=1)}
+    least, median, most = np.nanquantile(table, [0.0, 0.5, 1.0], axis=1)
+    return {"smallest": least, "median": median, "largest": most}
 
 
 def plot_runs(runs: Sequence[Run], output: Path, gap: str | None = None) -> None:
     """Draw gap, speed, load and, where there is one, apparent viscosity of runs against time into a file.
+
+    Runs of sheared suspensions are drawn against the strain.
 
     Args:
         runs: at least one.
@@ -132,20 +150,33 @@ def _draw(axes: Axes, title: str, histories: Sequence[History]) -> None:
         if title == "gap":
             _draw_laws(axes, history)
         for n, (name, value) in enumerate(history.panels.get(title, {}).items()):
-            single = len(histories) == 1
-            colour, dash = (_COLOURS[n], "-") if single else (_COLOURS[k % len(_COLOURS)], _DASHES[n])
-            alone = len(history.panels[title]) == 1
-            label = (name or history.name) if single else history.name if alone else f"{history.name}: {name}"
-            axes.plot(history.t, value, dash, color=colour, lw=1.5, label=label)
+            single, alone = len(histories) == 1, len(history.panels[title]) == 1
+            colour, dash = (
+                (_COLOURS[n], _DASHES[n % len(_DASHES)])
+                if single
+                else (_COLOURS[k % len(_COLOURS)], _DASHES[n])
+            )
+            label = name if single else history.name if alone else f"{history.name}: {name}"
+            if single and not name:
+                colour, label = "black", "_nolegend_"
+            axes.plot(_abscissa(history, histories), value, dash, color=colour, lw=1.5, label=label)
             values.append(value)
     found = np.concatenate(values)
-    if found.min() > 0.0 and found.max() > _LOGARITHMIC * found.min():
+    found = found[np.isfinite(found)]
+    if found.size and found.min() > 0.0 and found.max() > _LOGARITHMIC * found.min():
         axes.set_yscale("log")
         axes.set_ylim(found.min() / 1.3, found.max() * 1.3)
-    elif np.ptp(found) < _CONSTANT * np.abs(found).max():
+    elif found.size and np.ptp(found) < _CONSTANT * np.abs(found).max():
         axes.set_ylim(0.0, 1.2 * found.max())
     axes.set_ylabel(title)
     axes.grid(which="major", alpha=0.3)
+
+
+def _abscissa(history: History, histories: Sequence[History]) -> Array:
+    """The strain where all runs have one, the time else."""
+    if history.strain is None or any(other.strain is None for other in histories):
+        return history.t
+    return history.strain
 
 
 def _draw_laws(axes: Axes, history: History) -> None:
@@ -158,12 +189,13 @@ def _draw_laws(axes: Axes, history: History) -> None:
 def _scale_time(axes: Sequence[Axes], histories: Sequence[History]) -> None:
     """Time is logarithmic where discs close their gaps by powers of ten; spheres do so exponentially."""
     gaps = [value for history in histories for value in history.panels.get("gap", {}).values()]
-    long = any(value.max() > _LONG * value.min() for value in gaps)
+    strained = all(history.strain is not None for history in histories)
+    long = not strained and any(value.max() > _LONG * value.min() for value in gaps)
     if long and not any(history.axisymmetric for history in histories):
         first = min(float(history.t[history.t > 0.0][0]) for history in histories)
         axes[0].set_xscale("log")
         axes[0].set_xlim(left=first)
-    axes[-1].set_xlabel("t")
+    axes[-1].set_xlabel("t" if any(history.strain is None for history in histories) else "strain")
     for own in axes:
         if own.get_xscale() == "log":
             own.xaxis.set_minor_formatter(NullFormatter())

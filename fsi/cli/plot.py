@@ -34,7 +34,7 @@ def plot(
         ),
     ] = None,
 ) -> None:
-    """Draw gap, speed, load and apparent viscosity against time, several runs over each other.
+    """Draw gap, speed, load and apparent viscosity against time, or strain, several runs over each other.
 
     A single body that settles onto a plane comes with its exact law and that law's asymptote.
     """
