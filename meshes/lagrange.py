@@ -35,19 +35,31 @@ def lattice(order: int) -> list[tuple[int, int]]:
     return [(0, 0), (order, 0), (0, order), *sides, *inside]
 
 
-def order_of(nodes: int) -> int:
-    """The order of a triangle with so many nodes."""
-    return round((math.sqrt(8.0 * nodes + 1.0) - 3.0) / 2.0)
+def lattice_in_space(order: int) -> list[tuple[int, ...]]:
+    """The same of a tetrahedron, of order 3 at most: vertices, sides 01, 12, 20, 03, 13, 23, then faces."""
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    points = [order * corner for corner in corners]
+    for i, j in ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)):
+        points += [(order - k) * corners[i] + k * corners[j] for k in range(1, order)]
+    if order == 3:
+        points += [corners[list(face)].sum(axis=0) for face in ((0, 1, 3), (1, 2, 3), (0, 2, 3), (0, 1, 2))]
+    return [tuple(int(c) for c in point) for point in points]
 
 
-def reference_nodes(order: int) -> Array:
-    """The nodes of the reference triangle, shape (nodes, 2)."""
-    return np.array(lattice(order), dtype=float) / order
+def order_of(nodes: int, dimension: int = 2) -> int:
+    """The order of a triangle or tetrahedron with so many nodes."""
+    return next(n for n in range(nodes) if math.comb(n + dimension, dimension) == nodes)
+
+
+def reference_nodes(order: int, dimension: int = 2) -> Array:
+    """The nodes of the reference triangle or tetrahedron, shape (nodes, dimension)."""
+    steps = lattice(order) if dimension == 2 else lattice_in_space(order)
+    return np.array(steps, dtype=float) / order
 
 
 def tabulate(order: int, X: Array) -> tuple[Array, Array]:
-    """Shape functions (..., nodes) at points X (..., 2), and their gradients d phi / d X (..., nodes, 2)."""
-    inner = np.array(lattice(order))
+    """Shape functions (..., nodes) at points X (..., d), and their gradients d phi / d X (..., nodes, d)."""
+    inner = np.rint(order * reference_nodes(order, X.shape[-1])).astype(int)
     indices = np.column_stack([order - inner.sum(axis=1), inner])
     barycentric = np.concatenate([1.0 - X.sum(axis=-1, keepdims=True), X], axis=-1)
     P, slope = _silvester(order, barycentric)
@@ -84,29 +96,38 @@ def invert(x: Array, points: Array) -> Array:
 
     Newton's method from the straight cell; NaN where it does not converge, which is far outside the cell.
     """
-    order = order_of(x.shape[1])
-    edges = np.swapaxes(x[:, 1:3] - x[:, :1], 1, 2)
+    d = x.shape[2]
+    order = order_of(x.shape[1], d)
+    edges = np.swapaxes(x[:, 1 : d + 1] - x[:, :1], 1, 2)
     X = np.linalg.solve(edges, (points - x[:, 0])[..., None])[..., 0]
-    step = np.full_like(X, np.inf)
+    size = np.full(len(X), np.inf)  # of the last step
+    active = np.arange(len(X))
     for _ in range(_NEWTON_STEPS):
-        phi, dphi = tabulate(order, np.clip(X, -1.0, 2.0))
-        jacobian = np.einsum("pnd,pnk->pdk", x, dphi)
-        defect = points - np.einsum("pn,pnd->pd", phi, x)
+        at = np.clip(X[active], -1.0, 2.0)
+        phi, dphi = tabulate(order, at)
+        jacobian = np.einsum("pnd,pnk->pdk", x[active], dphi)
+        defect = points[active] - np.einsum("pn,pnd->pd", phi, x[active])
         with np.errstate(all="ignore"):
-            step = _solve2(jacobian, defect)
-        X = np.clip(X, -1.0, 2.0) + step
-        if np.nanmax(np.abs(step), initial=0.0) < _CONVERGED:
+            step = _solve(jacobian, defect)
+        X[active], size[active] = at + step, np.abs(step).max(axis=1)
+        active = active[size[active] >= _CONVERGED]  # NaN is given up
+        if not len(active):
             break
-    X[~(np.abs(step).max(axis=1) < 1e-9)] = np.nan
+    X[~(size < 1e-9)] = np.nan
     return X
 
 
-def _solve2(A: Array, b: Array) -> Array:
-    """Solve 2 x 2 systems by Cramer's rule; infinite where singular, where LAPACK would give up on all."""
-    det = A[:, 0, 0] * A[:, 1, 1] - A[:, 0, 1] * A[:, 1, 0]
-    first = b[:, 0] * A[:, 1, 1] - b[:, 1] * A[:, 0, 1]
-    second = A[:, 0, 0] * b[:, 1] - A[:, 1, 0] * b[:, 0]
-    return np.stack([first, second], axis=1) / det[:, None]
+def _solve(A: Array, b: Array) -> Array:
+    """Solve d x d systems by Cramer's rule; infinite where singular, where LAPACK would give up on all."""
+    if A.shape[-1] == 2:
+        det = A[:, 0, 0] * A[:, 1, 1] - A[:, 0, 1] * A[:, 1, 0]
+        first = b[:, 0] * A[:, 1, 1] - b[:, 1] * A[:, 0, 1]
+        second = A[:, 0, 0] * b[:, 1] - A[:, 1, 0] * b[:, 0]
+        return np.stack([first, second], axis=1) / det[:, None]
+    x, y, z = np.moveaxis(A, 2, 0)
+    minors = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=1)
+    found: Array = np.einsum("pkd,pd->pk", minors, b) / np.einsum("pd,pd->p", minors[:, 0], x)[:, None]
+    return found
 
 
 def locate(x: Array, points: Array, tolerance: float) -> tuple[Indices, Array]:

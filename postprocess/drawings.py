@@ -10,11 +10,10 @@ from matplotlib import colormaps
 from matplotlib.colors import Colormap, ListedColormap, LogNorm, Normalize, SymLogNorm
 
 from fsi.bodies import Array
+from postprocess.choice import Span
 from postprocess.fields import edges, rims, stream_function
 from postprocess.panel import INK, Panel, span_in
 from postprocess.scenes import Scene
-
-type Span = tuple[float, float]
 
 _PALE = ListedColormap(colormaps["cividis"](np.linspace(0.35, 1.0, 256)))  # dark lines stay visible on it
 _STREAMLINES = 24

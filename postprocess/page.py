@@ -15,9 +15,10 @@ from fsi.checkpoint import replace
 from fsi.checks import BOUND, IDENTITIES
 from fsi.errors import InputError
 from postprocess.animation import MOVIES, write_pictures
+from postprocess.choice import Choice
 from postprocess.histories import plot_runs
 from postprocess.opengl import require_opengl
-from postprocess.render import Artist, Choice, render_run
+from postprocess.render import artist, render_run
 from postprocess.run import Run
 
 _ROWS = 15  # of the table of steps
@@ -126,13 +127,15 @@ def _pictures(run: Run) -> list[str]:
             return draw
 
         def animation() -> str:
-            run.require_plane("report")
-            run.step()  # says so where there are no fields
+            drawer = artist(
+                run, Choice(size=_FRAME_SIZE) if run.times.empty else Choice("speed", size=_FRAME_SIZE)
+            )
+            run.step(None, drawer.series)  # says so where there are no fields
             require_opengl()
-            steps = run.times.index.to_numpy()
+            steps = run.times_of(drawer.series).index.to_numpy()
             shown = steps[np.unique(np.linspace(0, len(steps) - 1, _FRAMES).astype(int))].tolist()
             path = place / f"all{MOVIES[1]}"
-            write_pictures(Artist(run, Choice("speed", size=_FRAME_SIZE)).pictures(shown), path)
+            write_pictures(drawer.pictures(shown), path)
             return _image(path, "speed and streamlines in time")
 
         return [_or_reason(part) for part in (histories, picture(None), picture("dissipation"), animation)]

@@ -17,7 +17,7 @@ from fsi.bodies import Array, Configuration
 from postprocess.view import View
 
 INK = "#222222"
-_SOLID, _BODY = "#c9c9c9", "#f3efe6"
+SOLID, _BODY = "#c9c9c9", "#f3efe6"
 _FEWEST_SIDES, _MOST_SIDES = 64, 4000  # of a disc; the most: sagitta 3e-7 a, a film of 1e-5 a stays open
 _LAYER = 1e-3  # distance towards the eye by which one layer covers the next
 
@@ -32,9 +32,8 @@ class Panel:
 
     def colour(self, surface: pv.PolyData, field: str, colours: Colormap, norm: Normalize) -> None:
         """Draw a field of a surface, given in the window's coordinates, in colours."""
-        surface["colour"] = np.clip(norm(surface[field]), 0.0, 1.0).filled(0.0).astype(float)
         self.plotter.add_mesh(
-            surface,
+            coloured(surface, field, norm),
             scalars="colour",
             cmap=colours,
             clim=(0.0, 1.0),
@@ -61,8 +60,8 @@ class Panel:
         corners = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]])
         self.lines(pv.lines_from_points(self.view.local(corners)), "#d55e00", width=5, layer=4)
 
-    def bodies(self, q: Configuration, turning: bool) -> None:
-        """Draw the discs, each with a radius that turns with it where they can turn."""
+    def bodies(self, q: Configuration, turning: bool, rims: bool = False) -> None:
+        """Draw the discs, each with a radius that turns with it where they can turn, perhaps with rims."""
         seen = np.all(np.abs(q.centres - self.view.centre) < self.view.half + q.radii[:, None], axis=1)
         if not seen.any():
             return
@@ -71,10 +70,13 @@ class Panel:
         sides = np.pi * np.sqrt(radii.max() / self.view.half * self.size / 0.4)
         turn = np.linspace(0.0, 2.0 * np.pi, int(np.clip(sides, _FEWEST_SIDES, _MOST_SIDES)), endpoint=False)
         circle = np.column_stack([np.cos(turn), np.sin(turn)])
-        rims = centres[:, None] + radii[:, None, None] * circle
-        faces = np.arange(rims.size // 2).reshape(len(radii), -1)
-        discs = pv.PolyData(self.view.local(rims).reshape(-1, 3), faces=counted(faces))
+        rim = centres[:, None] + radii[:, None, None] * circle
+        faces = np.arange(rim.size // 2).reshape(len(radii), -1)
+        discs = pv.PolyData(self.view.local(rim).reshape(-1, 3), faces=counted(faces))
         self.fill(discs.translate((0.0, 0.0, _LAYER)), _BODY)
+        if rims:
+            around = np.insert(faces, 0, faces[:, -1], axis=1)
+            self.lines(pv.PolyData(discs.points, lines=counted(around)), INK, width=1.5, opacity=0.5, layer=1)
         if not turning:
             return
         pointers = 0.8 * radii[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
@@ -97,9 +99,15 @@ class Panel:
 def new_panel(view: View, size: int) -> Panel:
     """An empty panel."""
     plotter = pv.Plotter(off_screen=True, window_size=[size, size])
-    plotter.set_background(_SOLID)
+    plotter.set_background(SOLID)
     plotter.enable_anti_aliasing("ssaa")
     return Panel(plotter, view, size)
+
+
+def coloured(surface: pv.PolyData, field: str, norm: Normalize) -> pv.PolyData:
+    """The surface with the point data `colour`, the field in [0, 1] as the norm says."""
+    surface["colour"] = np.clip(norm(surface[field]), 0.0, 1.0).filled(0.0).astype(float)
+    return surface
 
 
 def span_in(view_points: Array, values: Array) -> tuple[float, float]:

@@ -13,6 +13,8 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pyvista as pv
+from numpy.typing import NDArray
 
 from fsi.bodies import Array
 from fsi.checkpoint import replace
@@ -28,38 +30,22 @@ _TOLERANCE = 1e-4
 
 
 def probe(run: Run, points: Array, step: int | None = None) -> pd.DataFrame:
-    """Velocity, pressure, vorticity and strain rate at points (n, 2), a row for each, at a step.
+    """Velocity, pressure, vorticity and strain rate at points (n, d), a row for each, at a step.
 
-    Columns x, y (with an axis r, z), `where` ("fluid", the name of the body that holds the point, or
-    "outside"), u_x, u_y (u_r, u_z), p, vorticity, strain_rate; NaN where there is no fluid. For their signs
-    see `fsi.kinematics`. A point up to 1e-4 of a cell beyond the fluid's boundary counts as on it.
+    Columns x, y (with an axis r, z; in space x, y, z), `where` ("fluid", the name of the body that holds the
+    point, or "outside"), u_x, u_y ..., p, vorticity (in space vorticity_x ...), strain_rate; NaN where there
+    is no fluid. For their signs see `fsi.kinematics`. A point up to 1e-4 of a cell beyond the fluid's
+    boundary counts as on it.
 
     Raises:
         InputError: the run has no fields of that step.
     """
-    run.require_plane("probe")
     step = run.step(step)
-    fluid = run.mesh(step)
-    nodes = fluid.cell_connectivity.reshape(fluid.n_cells, -1)
-    x, u = fluid.points[nodes][..., :2], fluid["velocity"][nodes][..., :2]
+    letters = "rz" if run.case.axisymmetric else "xyz"[: run.dimension]
     points = np.asarray(points, dtype=float)
-    cell, X = locate(x, points, _TOLERANCE)
-    inside = cell >= 0
-    x, u, p = x[cell[inside]], u[cell[inside]], fluid["pressure"][nodes[cell[inside]]]
-    phi, dphi = tabulate(order_of(nodes.shape[1]), X[inside])
-    G = gradient(x, u, dphi)
-    velocity = np.einsum("pn,pnc->pc", phi, u)
-    axisymmetric = run.case.axisymmetric
-    hoop = hoop_rate(points[inside, 0], velocity[:, 0], G) if axisymmetric else 0.0
-    first, second = "rz" if axisymmetric else "xy"
-    values = {
-        f"u_{first}": velocity[:, 0],
-        f"u_{second}": velocity[:, 1],
-        "p": np.einsum("pn,pn->p", phi, p),
-        "vorticity": vorticity(G),
-        "strain_rate": strain_rate(G, hoop),
-    }
-    table = pd.DataFrame({first: points[:, 0], second: points[:, 1], "where": _places(run, points, step)})
+    inside, values = _values(run, run.mesh(step), points, letters)
+    places = {"where": _places(run, points, step)}
+    table = pd.DataFrame(dict(zip(letters, points.T, strict=True)) | places)
     table.loc[inside, "where"] = FLUID
     for name, known in values.items():
         table[name] = np.nan
@@ -67,38 +53,74 @@ def probe(run: Run, points: Array, step: int | None = None) -> pd.DataFrame:
     return table
 
 
+def _values(
+    run: Run, fluid: pv.UnstructuredGrid, points: Array, letters: str
+) -> tuple[NDArray[np.bool_], dict[str, Array]]:
+    """Which points lie in the fluid, (n,), and what is found at those, by name."""
+    d = len(letters)
+    nodes = fluid.cell_connectivity.reshape(fluid.n_cells, -1)
+    x, u = fluid.points[nodes][..., :d], fluid["velocity"][nodes][..., :d]
+    cell, X = locate(x, points, _TOLERANCE)
+    inside = cell >= 0
+    x, u, p = x[cell[inside]], u[cell[inside]], fluid["pressure"][nodes[cell[inside]]]
+    phi, dphi = tabulate(order_of(nodes.shape[1], d), X[inside])
+    G = gradient(x, u, dphi)
+    velocity = np.einsum("pn,pnc->pc", phi, u)
+    hoop = hoop_rate(points[inside, 0], velocity[:, 0], G) if run.case.axisymmetric else 0.0
+    curl = vorticity(G)
+    return inside, {
+        **{f"u_{letter}": velocity[:, k] for k, letter in enumerate(letters)},
+        "p": np.einsum("pn,pn->p", phi, p),
+        **({"vorticity": curl} if d == 2 else {f"vorticity_{c}": curl[:, k] for k, c in enumerate(letters)}),
+        "strain_rate": strain_rate(G, hoop),
+    }
+
+
 def _places(run: Run, points: Array, step: int) -> list[str]:
     """The body that holds each point, or "outside"."""
     q = run.configuration(step)
     places = np.full(len(points), OUTSIDE, dtype=object)
     for name, centre, radius in zip(run.case.names, q.centres, q.radii, strict=True):
-        places[np.hypot(*(points - centre).T) <= radius * (1.0 + _TOLERANCE)] = name
+        places[np.linalg.norm(points - centre, axis=1) <= radius * (1.0 + _TOLERANCE)] = name
     return [str(place) for place in places]
 
 
 def on_line(start: Sequence[float], end: Sequence[float], count: int) -> Array:
-    """Evenly spaced points from start to end, (count, 2)."""
+    """Evenly spaced points from start to end, (count, d)."""
     return np.linspace(start, end, count)
 
 
 def on_plane(corner: Sequence[float], opposite: Sequence[float], count: int) -> Array:
-    """A grid of count x count points on the rectangle between two corners, row by row, (count^2, 2)."""
-    x, y = (np.linspace(corner[k], opposite[k], count) for k in range(2))
-    grid: Array = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-    return grid
+    """A grid of count x count points on the rectangle between two corners, row by row, (count^2, d).
+
+    Raises:
+        InputError: in space it does not lie across one of the axes.
+    """
+    d = len(corner)
+    sides = [k for k in range(d) if d == 2 or corner[k] != opposite[k]]
+    if len(sides) != 2:
+        ends = ",".join(f"{c:g}" for c in (*corner, *opposite))
+        raise InputError(f"--plane {ends}: give corners that share exactly one coordinate")
+    x, y = (np.linspace(corner[k], opposite[k], count) for k in sides)
+    points = np.tile(np.asarray(corner, dtype=float), (count * count, 1))
+    points[:, sides] = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    return points
 
 
-def read_points(path: Path) -> Array:
-    """The first two columns of a CSV file, with or without a heading, (n, 2). Raises InputError."""
+def read_points(path: Path, dimension: int = 2) -> Array:
+    """The first columns of a CSV file, with or without a heading, (n, dimension). Raises InputError."""
+    wanted = "x,y" if dimension == 2 else "x,y,z"
     try:
-        frame = pd.read_csv(path, header=None, comment="#", skipinitialspace=True).iloc[:, :2]
+        frame = pd.read_csv(path, header=None, comment="#", skipinitialspace=True).iloc[:, :dimension]
         numbers = frame.apply(pd.to_numeric, errors="coerce").to_numpy(dtype=float)
     except (OSError, ValueError) as error:
-        raise InputError(f"points = {path}: cannot be read ({error}); give a CSV file of x,y") from None
+        raise InputError(f"points = {path}: cannot be read ({error}); give a CSV file of {wanted}") from None
     if len(numbers) and np.isnan(numbers[0]).all():
         numbers = numbers[1:]
-    if numbers.shape[1:] != (2,) or not len(numbers) or not np.isfinite(numbers).all():
-        raise InputError(f"points = {path}: has lines without two numbers; give a CSV file of x,y")
+    if numbers.shape[1:] != (dimension,) or not len(numbers) or not np.isfinite(numbers).all():
+        raise InputError(
+            f"points = {path}: has lines without {dimension} numbers; give a CSV file of {wanted}"
+        )
     return np.asarray(numbers)
 
 

@@ -25,12 +25,12 @@ import pyvista as pv
 from scipy.spatial import cKDTree
 
 from fsi.bodies import PLACES, Configuration
-from fsi.case import Case
+from fsi.case import Case, load_case, read_toml
 from fsi.checkpoint import Checkpoint, read_checkpoint
 from fsi.errors import InputError
 from fsi.pvd import Entry, read_collection
+from fsi.results import CASE
 from meshes.geometry import Container
-from postprocess.folder import read_case
 
 _SAME_NODE = 1e-13  # of the size of the domain: ranks agree on the nodes that they share to rounding
 
@@ -42,18 +42,44 @@ def open_run(path: Path | str) -> Run:
         InputError: it is not a run folder.
     """
     path = Path(path)
-    return Run(path, read_case(path))
+    if not (path / CASE).is_file():
+        raise InputError(f"run = {path}: there is no {CASE}; give the folder that `fsi run` has written")
+    return Run(path)
 
 
 @dataclass(frozen=True)
 class Run:
     """An open run folder. What the tables and series held when they were first asked for is kept.
 
-    path: the folder; case: the resolved case.
+    path: the folder.
     """
 
     path: Path
-    case: Case
+
+    @cached_property
+    def case(self) -> Case:
+        """The resolved case. Raises InputError: it is that of a model which has other keys."""
+        return load_case(self.path / CASE)
+
+    @cached_property
+    def name(self) -> str:
+        """The name that the case has, of whatever model."""
+        return str(self.data["name"])
+
+    @property
+    def model(self) -> str:
+        """The model of the run: resolved, reduced, gluey or macroscopic."""
+        return str(self.data.get("model", "resolved"))
+
+    @cached_property
+    def dimension(self) -> int:
+        """2 or 3; with an axis 2."""
+        return 3 if "z" in self.bodies else 2
+
+    @cached_property
+    def data(self) -> dict[str, Any]:
+        """The case file. Raises InputError."""
+        return read_toml(self.path / CASE)
 
     @cached_property
     def steps(self) -> pd.DataFrame:
@@ -140,14 +166,6 @@ class Run:
         d = start.centres.shape[1]
         place = now[list(PLACES[d])].to_numpy()
         return Configuration(place[:, :d], place[:, d:].reshape(start.angles.shape), start.radii)
-
-    def require_plane(self, what: str) -> None:
-        """Raise InputError for runs in space, which `what` cannot do yet."""
-        if self.case.geometry not in ("planar", "axisymmetric"):
-            raise InputError(
-                f"{self.path}: geometry = {self.case.geometry}: fsi {what} knows plane and axisymmetric ones;"
-                f" open {self.path / 'fluid.pvd'} in ParaView"
-            )
 
     @property
     def end(self) -> float:

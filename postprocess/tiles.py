@@ -56,8 +56,8 @@ def _rise(grid: pv.UnstructuredGrid, e: Array) -> float:
     if "pressure" not in grid.point_data:
         return 0.0
     x = grid.points[:, :2]
-    distance, image = cKDTree(x).query(x + e)
-    there = distance < _SAME_PLACE * grid.length
+    distance, image = cKDTree(x).query(x + e, distance_upper_bound=_SAME_PLACE * grid.length)
+    there = np.isfinite(distance)
     return float(np.mean(grid["pressure"][image[there]] - grid["pressure"][there]))
 
 

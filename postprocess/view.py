@@ -14,12 +14,13 @@ from meshes.geometry import Container
 from meshes.lattice import Lattice
 
 _CLOSE_UP = 12.0  # width of the close-up, in gaps
+_MARGIN = 1.1  # of a window around all bodies
 _ROOM = 1.5  # free space around the bodies, in radii of the largest
 
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """A square window on the plane: its centre, shape (2,), and half its width."""
+    """A square window on the plane: its centre, shape (2,), and half its width; in space a cube."""
 
     centre: Array
     half: float
@@ -74,6 +75,14 @@ def around_bodies(centres: Array, radii: Array, fluid: pv.UnstructuredGrid) -> V
     centre = 0.5 * (body_low + body_high)
     inside = np.clip(centre, np.minimum(low + half, high - half), np.maximum(low + half, high - half))
     return View(np.where(high - low < 2.0 * half, 0.5 * (low + high), inside), half)
+
+
+def around_all(centres: Array, radii: Array) -> View:
+    """The square, or cube, that just shows all bodies at all steps; centres: (steps, N, d)."""
+    x = centres.reshape(-1, centres.shape[2])
+    room = np.tile(radii, len(centres))[:, None]
+    low, high = (x - room).min(axis=0), (x + room).max(axis=0)
+    return View(0.5 * (low + high), _MARGIN * 0.5 * float(np.max(high - low)))
 
 
 def narrowest_gap(q: Configuration, container: Container) -> Gap:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from fsi import parallel
 from fsi.cli.arguments import RunFolder, Step, numbers, require_writable
 from fsi.errors import InputError
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 EXAMPLE = "Example: fsi probe runs/settling_disc --line 0,0,3,0.5 --count 7 --step 20 -o line.csv"
 
@@ -39,7 +42,8 @@ def probe(
     """Print velocity, pressure, vorticity and strain rate at points, as CSV, exact.
 
     The values are the finite element's own. `where` names the body that holds a point, or says `outside`.
-    Bodies of axisymmetric runs lie on the axis r = 0: x, y are r, z.
+    Bodies of axisymmetric runs lie on the axis r = 0: x, y are r, z. In space points have three coordinates,
+    and a rectangle lies across one of the axes.
     """
     from postprocess.probe import on_line, on_plane, read_points, write_values
     from postprocess.probe import probe as values_at
@@ -49,15 +53,17 @@ def probe(
         raise InputError("probe: give exactly one of --line, --plane and --points")
     if output is not None:
         require_writable(output)
-    if points is not None:
-        x = read_points(points)
-    elif line is not None:
-        ends = numbers("--line", line, 4)
-        x = on_line(ends[:2], ends[2:], count)
-    else:
-        corners = numbers("--plane", plane or "", 4)
-        x = on_plane(corners[:2], corners[2:], count)
-    table = parallel.on_root(lambda: values_at(open_run(folder), x, step))
+
+    def values() -> DataFrame:
+        run = open_run(folder)
+        d = run.dimension
+        if points is not None:
+            return values_at(run, read_points(points, d), step)
+        place, option = (on_line, "--line") if line is not None else (on_plane, "--plane")
+        ends = numbers(option, line or plane or "", 2 * d)
+        return values_at(run, place(ends[:d], ends[d:], count), step)
+
+    table = parallel.on_root(values)
     if not parallel.is_root():
         return
     if output is None:

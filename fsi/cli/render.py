@@ -51,7 +51,8 @@ def render(
 
     Axisymmetric flows are mirrored at their axis.
     """
-    from postprocess.render import Choice, render_run
+    from postprocess.choice import Choice
+    from postprocess.render import render_run
     from postprocess.run import open_run
 
     if time is not None and step is not None:
@@ -64,9 +65,8 @@ def render(
         ends = low, high
 
     def draw() -> Path:
-        run = open_run(folder)
-        chosen = step if time is None else run.nearest(time)
-        return render_run(run, output or folder / "flow.png", Choice(field, gap, ends, size), chosen)
+        choice = Choice(field, gap, ends, size)
+        return render_run(open_run(folder), output or folder / "flow.png", choice, step, time)
 
     picture = parallel.on_root(draw)
     if parallel.is_root():

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from vtkmodules.vtkCommonDataModel import vtkLagrangeTetra
 
 from meshes.lagrange import gradient, invert, locate, order_of, reference_nodes, tabulate
 
@@ -25,6 +26,32 @@ def test_each_shape_function_is_one_at_its_own_node_only(order: int) -> None:
     nodes = reference_nodes(order)
     assert order_of(len(nodes)) == order
     np.testing.assert_allclose(tabulate(order, nodes)[0], np.eye(len(nodes)), atol=1e-15)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_nodes_of_tetrahedra_are_in_the_order_of_vtk(order: int) -> None:
+    """VTK says where its nodes are; shape functions are one at their own."""
+    nodes = reference_nodes(order, 3)
+    assert order_of(len(nodes), 3) == order
+    np.testing.assert_allclose(tabulate(order, nodes)[0], np.eye(len(nodes)), atol=1e-15)
+    cell = vtkLagrangeTetra()
+    cell.GetPointIds().SetNumberOfIds(len(nodes))
+    cell.GetPoints().SetNumberOfPoints(len(nodes))
+    cell.Initialize()
+    for k, node in enumerate(nodes):
+        index = [0, 0, 0, 0]
+        cell.ToBarycentricIndex(k, index)
+        assert index[:3] == np.rint(order * node).tolist()
+
+
+@given(st.tuples(*[st.floats(0.0, 0.33)] * 3).map(np.array))
+def test_curved_tetrahedra_know_where_a_point_lies(X: NDArray[np.float64]) -> None:
+    nodes = reference_nodes(3, 3)
+
+    def bend(Y: NDArray[np.float64]) -> NDArray[np.float64]:
+        return Y + 0.2 * np.stack([Y[..., 1] * Y[..., 2], Y[..., 0] ** 2, Y[..., 0] * Y[..., 1]], axis=-1)
+
+    np.testing.assert_allclose(invert(bend(nodes)[None], bend(X)[None])[0], X, atol=1e-12)
 
 
 @given(st.sampled_from(ORDERS), inside)

@@ -14,8 +14,9 @@ from fsi.bodies import Configuration
 from fsi.errors import InputError
 from meshes.geometry import Box, HalfPlane
 from postprocess import opengl
+from postprocess.choice import Choice
 from postprocess.figure import round_length
-from postprocess.render import Choice, render_run
+from postprocess.render import render_run
 from postprocess.view import Gap, View, around_bodies, narrowest_gap
 
 BODY = (0xF3, 0xEF, 0xE6)

@@ -1,0 +1,89 @@
+"""Pictures of runs without a flow: bodies, contacts and walls where they are."""
+
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+from matplotlib.image import imread
+from numpy.typing import NDArray
+
+import fsi
+from fsi.errors import InputError
+from postprocess import opengl
+from postprocess.choice import Choice
+from postprocess.network import NetworkArtist, wall_distances
+from postprocess.render import render_run
+
+GLUEY = """
+name = "pile"
+model = "gluey"
+[[walls]]
+name = "plane"
+point = [0.0, -1.0]
+normal = [0.0, 2.0]
+[cell]
+lower = [-9.0, -9.0]
+upper = [9.0, 9.0]
+periodic = ["y"]
+"""
+BODY, WALL = (0xF3, 0xEF, 0xE6), (0xC9, 0xC9, 0xC9)
+STRONG, SIZE = -4.0, 400
+
+
+@pytest.fixture
+def pile(tmp_path: Path) -> Path:
+    """Two touching discs of radius 1 on a plane; one contact is strong, one weak."""
+    (tmp_path / "fields").mkdir()
+    (tmp_path / "case.toml").write_text(GLUEY)
+    x = np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    points = meshio.Mesh(x, [("vertex", np.arange(2)[:, None])], point_data={"radius": np.ones(2)})
+    ends = np.concatenate([x, [[1.0, 0.0, 0.0], [1.0, -1.0, 0.0]]])
+    lines = meshio.Mesh(
+        ends, [("line", np.array([[0, 2], [1, 3]]))], cell_data={"gamma": [np.array([STRONG, -0.1])]}
+    )
+    for series, mesh in (("bodies", points), ("contacts", lines)):
+        mesh.write(tmp_path / "fields" / f"{series}_000000.vtu", file_format="vtu")
+        entry = f'<DataSet timestep="0.0" part="0" file="fields/{series}_000000.vtu"/>'
+        (tmp_path / f"{series}.pvd").write_text(f"<VTKFile><Collection>{entry}</Collection></VTKFile>")
+    (tmp_path / "bodies.csv").write_text("step,t,body,x,y\n0,0.0,a,-1.0,0.0\n0,0.0,b,1.0,0.0\n")
+    return tmp_path
+
+
+def share(picture: NDArray[np.float32], colour: tuple[int, int, int]) -> float:
+    return float(np.mean(np.all(np.abs(picture[..., :3] * 255.0 - colour) <= 2.0, axis=2)))
+
+
+def test_discs_wall_and_contacts_cover_what_they_should(pile: Path) -> None:
+    try:
+        opengl.require_opengl()
+    except InputError as error:
+        pytest.skip(str(error))
+    picture = imread(render_run(fsi.open_run(pile), pile / "a.png", Choice(size=SIZE)))
+    panel = picture[56 : 56 + SIZE, 12 : 12 + SIZE]
+    wide = 4.4  # four radii and a tenth
+    # The strong bar is 2 long and half a radius wide: 1 off the discs; their rims are a pixel wide.
+    rims = 4.0 * np.pi * wide / SIZE
+    assert share(panel, BODY) == pytest.approx((2.0 * np.pi - 1.0 - rims) / wide**2, rel=0.03)
+    # The window has been raised until a twentieth of it lies below the plane.
+    assert share(panel, WALL) == pytest.approx(0.05, abs=0.012)
+    middle = (panel[SIZE // 2 :, SIZE // 2 - 3 : SIZE // 2 + 3, :3] * 255.0).min(axis=(1, 2))
+    assert (middle < 60.0).sum() == pytest.approx(0.5 / wide * SIZE, abs=4)
+
+
+def test_walls_of_a_gluey_case(pile: Path) -> None:
+    """A plane, and the sides of the cell across its periods' direction."""
+    found = wall_distances(fsi.open_run(pile), np.array([[1.0, 0.5]]))
+    np.testing.assert_allclose(found, [[1.5, 10.0, 8.0]])
+
+
+@pytest.mark.parametrize(
+    ("choice", "message"),
+    [
+        (Choice("speed"), "--field speed: give one of gamma"),
+        (Choice(gap="a,b"), "--gap a,b: there is no flow in this run"),
+    ],
+)
+def test_impossible_choices(pile: Path, choice: Choice, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        NetworkArtist(fsi.open_run(pile), choice)

@@ -1,0 +1,49 @@
+"""Values and pictures of flow in space."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+import fsi
+from fsi.errors import InputError
+from postprocess import opengl
+from postprocess.choice import Choice
+from postprocess.probe import on_plane, probe
+from postprocess.render import render_run
+from tests.postprocess.spatial_run import write_spatial_run
+
+
+def test_pressure_is_found_in_curved_tetrahedra(tmp_path: Path) -> None:
+    """p = x at the nodes of isoparametric cells: the map itself, so that it is x wherever the point lies."""
+    x = np.random.default_rng(1).uniform(-1.9, 1.9, (50, 3))
+    table = probe(fsi.open_run(write_spatial_run(tmp_path)), x)
+    assert (table["where"] == "fluid").all()
+    np.testing.assert_allclose(table["p"], x[:, 0], atol=1e-6)  # the files' nodes are in single precision
+    # The cells are bent: a flow of second degree is met to their error only.
+    np.testing.assert_allclose(table["u_x"], x[:, 1] * x[:, 2], atol=0.3)
+    assert {"vorticity_x", "vorticity_y", "vorticity_z", "strain_rate"} <= {*table}
+
+
+def test_rectangles_lie_across_an_axis() -> None:
+    grid = on_plane([0.0, 1.0, -1.0], [2.0, 1.0, 1.0], 3)
+    assert grid.shape == (9, 3)
+    np.testing.assert_allclose(grid[5], [2.0, 1.0, 0.0])
+    with pytest.raises(InputError, match=r"--plane 0,1,0,1,2,3: give corners that share exactly one"):
+        on_plane([0.0, 1.0, 0.0], [1.0, 2.0, 3.0], 3)
+
+
+def test_picture_shows_the_ball(tmp_path: Path) -> None:
+    try:
+        opengl.require_opengl()
+    except InputError as error:
+        pytest.skip(str(error))
+    run = fsi.open_run(write_spatial_run(tmp_path))
+    picture = imread(render_run(run, tmp_path / "a.png", Choice(size=200)))
+    panel = picture[28:228, 6:206, :3]
+    beige = np.ptp(panel, axis=2) < 0.2  # the plane is in saturated colours
+    # The window is 2.2 times 1.1 diameters wide; the ball's outline is the front half and the cut.
+    assert beige.mean() == pytest.approx(np.pi / 4.0 / 2.42**2, rel=0.1)
+    with pytest.raises(InputError, match="--field mesh: give one of speed, pressure"):
+        render_run(run, tmp_path / "a.png", Choice("mesh", size=200))
