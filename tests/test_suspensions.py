@@ -1,6 +1,5 @@
 """The four suspensions of cases/suspensions: one area fraction, one smallest gap, four arrangements."""
 
-import importlib.util
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +26,13 @@ def test_their_bodies(name: str) -> None:
     assert found.smallest_wall_gap() >= 0.02 - 1e-12
 
 
-@pytest.mark.skipif(importlib.util.find_spec("meshes.lattice") is None, reason="no periodic containers yet")
 @pytest.mark.parametrize("name", NAMES)
 def test_they_are_cases(name: str) -> None:
     assert len(load_case(FOLDER / f"{name}.toml").bodies) == 40
+
+
+def test_the_history_is_a_case() -> None:
+    case = load_case(FOLDER / "history.toml")
+    assert case.time is not None
+    assert (len(case.bodies), case.time.end) == (50, 3.0)
+    assert np.pi * 50 / 19.816636**2 == pytest.approx(0.4, rel=1e-6)
