@@ -28,9 +28,9 @@ from meshes.move import Mover
 from meshes.sizing import Resolution
 
 REFERENCE = Path(__file__).parents[1] / "tests" / "reference"
-LIGHT = Resolution(cells_per_gap=0.3, cells_per_circle=12, growth=1.0)
+LIGHT = Resolution(cells_per_gap=0.32, cells_per_circle=12, growth=1.0)
 # N = 10: the file's own; the others computed here, by `pytest -m slow tests/stokes/test_periodic.py`. 1000
-# discs # in a channel of five equal periods have the viscosity of one period.
+# discs in a channel of five equal periods have the viscosity of one period.
 CONVERGED = {10: 8.298079598524666, 50: 6.432973, 200: 6.220577, 1000: 6.220577}
 PERIODS = {1: 1, 10: 1, 50: 1, 200: 1, 1000: 5}
 MOVE = 1e-3  # of a shear strain, by which bodies and mesh are moved
