@@ -65,7 +65,7 @@ class FlowArtist:
         return [(min(s[0] for s in own), max(s[1] for s in own)) for own in zip(*each, strict=True)]
 
     def _scenes(self, step: int, around: View) -> list[tuple[Scene, Gap | None]]:
-        """What the panels show of a step; the last is kept, as its colours are asked for before its picture."""
+        """What the panels show of a step; the last is kept, as its colours are wanted before its picture."""
         if self._kept is None or self._kept[0] != step:
             self._kept = step, self._read(step, around)
         return self._kept[1]

@@ -20,3 +20,23 @@ def test_lubrication_force(capsys: pytest.CaptureFixture[str]) -> None:
     assert ratio[0.1] == pytest.approx(4.0 / (al - np.tanh(al)) / (3.0 * np.sqrt(2.0) * 0.1**-1.5), rel=1e-5)
     example["main"]()
     assert len(capsys.readouterr().out.splitlines()) == 6
+
+
+def test_apparent_viscosity(capsys: pytest.CaptureFixture[str]) -> None:
+    """The finer, the nearer to the reference of cases/couette_N10.toml; at one cell a gap within 1e-5."""
+    example = runpy.run_path(str(EXAMPLES / "apparent_viscosity.py"))
+    example["main"]()
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()[1:]]
+    errors = [abs(float(row[3])) for row in rows]
+    assert errors == sorted(errors, reverse=True)
+    assert errors[-1] < 1e-5 < errors[0]
+    assert all(float(row[4]) < 1e-9 for row in rows)
+
+
+@pytest.mark.slow
+def test_calibrated_settling() -> None:
+    """The gap follows the exact one to 1e-3 over its fall by a factor of 40; a leading term is 10 % off."""
+    example = runpy.run_path(str(EXAMPLES / "calibrated_settling.py"))
+    _, gap, exact = example["table"]().T
+    np.testing.assert_allclose(gap, exact, rtol=1e-3)
+    assert gap[0] > 40.0 * gap[-1]
