@@ -55,4 +55,4 @@ def _write(folder: Path, found: Calibration) -> None:
     except OSError as error:
         raise InputError(f"output = {folder}: {error.strerror}; give a folder that can be written") from None
     write_calibration(folder, found)
-    plot_calibration(folder)
+    plot_calibration(folder, folder / "calibration.png")

@@ -25,8 +25,8 @@ _BLUE, _ORANGE, _GREEN = "#0072b2", "#d55e00", "#009e73"  # Okabe and Ito: told 
 _KINDS = ((False, _ORANGE, "o", "samples"), (True, _GREEN, "s", "held out"))
 
 
-def plot_calibration(folder: Path) -> None:
-    """Draw calibration.png from the law and the samples of a folder. Raises InputError."""
+def plot_calibration(folder: Path, output: Path) -> None:
+    """Draw the law and the samples of a folder into a .png, .svg or .pdf file. Raises InputError."""
     data = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
     law = read_law_file(folder / LAW)
     gaps = np.array([row["gap"] for row in data["samples"]])
@@ -37,11 +37,10 @@ def plot_calibration(folder: Path) -> None:
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(1.2, 1.0))
         _draw_law(upper, law, data, d, exact)
         _draw_rest(lower, law, data, d, exact)
-        path = folder / "calibration.png"
         try:
-            figure.savefig(path, dpi=160)
+            figure.savefig(output, dpi=160)
         except OSError as error:
-            raise InputError(f"{path}: {error.strerror}; give a folder that can be written") from None
+            raise InputError(f"{output}: {error.strerror}; choose another path") from None
 
 
 def _exact(law: LawFile, d: Array, a: float) -> Array | None:

@@ -115,10 +115,7 @@ def plot_runs(runs: Sequence[Run], output: Path, gap: str | None = None) -> None
     Raises:
         InputError: unknown suffix or gap, a run without rows, or the disk refuses.
     """
-    if output.suffix not in SUFFIXES or not output.absolute().parent.is_dir():
-        raise InputError(
-            f"output = {output}: give the path of a .png, .svg or .pdf file in a folder that exists"
-        )
+    require_figure(output)
     singly = len(_COLOURS) if len(runs) == 1 else len(_DASHES)
     histories = [read_history(run, gap, singly) for run in runs]
     titles = [title for title in ("gap", "speed", "load", "apparent viscosity") if _has(histories, title)]
@@ -137,6 +134,14 @@ def plot_runs(runs: Sequence[Run], output: Path, gap: str | None = None) -> None
             figure.savefig(output, dpi=160)
         except OSError as error:
             raise InputError(f"output = {output}: {error.strerror}; choose another path") from None
+
+
+def require_figure(output: Path) -> None:
+    """Raise InputError unless a figure can be written there."""
+    if output.suffix not in SUFFIXES or not output.absolute().parent.is_dir():
+        raise InputError(
+            f"output = {output}: give the path of a .png, .svg or .pdf file in a folder that exists"
+        )
 
 
 def _has(histories: Sequence[History], title: str) -> bool:

@@ -36,12 +36,20 @@ def plot(
 ) -> None:
     """Draw gap, speed, load and apparent viscosity against time, or strain, several runs over each other.
 
+    The folder of a calibration gives resistance against gap: samples, law and, where known, the exact curve.
     A single body that settles onto a plane comes with its exact law and that law's asymptote.
     """
-    from postprocess.histories import plot_runs
+    from fsi.calibration.report import SUMMARY
+    from postprocess.calibration import plot_calibration
+    from postprocess.histories import plot_runs, require_figure
     from postprocess.run import open_run
 
-    path = output or folders[0] / "history.png"
-    parallel.on_root(lambda: plot_runs([open_run(folder) for folder in folders], path, gap))
+    calibrated = parallel.on_root(lambda: len(folders) == 1 and (folders[0] / SUMMARY).is_file())
+    path = output or folders[0] / ("calibration.png" if calibrated else "history.png")
+    parallel.on_root(lambda: require_figure(path))
+    if calibrated:
+        parallel.on_root(lambda: plot_calibration(folders[0], path))
+    else:
+        parallel.on_root(lambda: plot_runs([open_run(folder) for folder in folders], path, gap))
     if parallel.is_root():
         typer.echo(f"wrote {path}")

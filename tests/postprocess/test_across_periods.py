@@ -1,0 +1,36 @@
+"""Pressures and gaps across the ends of a period."""
+
+import numpy as np
+import pytest
+import pyvista as pv
+
+from fsi.bodies import Configuration
+from meshes.cell import Channel
+from postprocess.tiles import tiled
+from postprocess.view import View, gap_between, narrowest_gap
+
+RISE = -0.3
+CHANNEL = Channel((0.0, 0.0), (1.0, 1.0))
+
+
+def one_period() -> pv.UnstructuredGrid:
+    """The unit square with the pressure p = rise x, on two triangles."""
+    x = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]])
+    grid = pv.UnstructuredGrid({pv.CellType.TRIANGLE: np.array([[0, 1, 2], [1, 3, 2]])}, x)
+    grid["pressure"] = RISE * x[:, 0]
+    return grid
+
+
+def test_pressure_goes_on_from_period_to_period() -> None:
+    flow = tiled(one_period(), CHANNEL, View(np.array([1.0, 0.5]), 1.0))
+    np.testing.assert_allclose(flow["pressure"], RISE * flow.points[:, 0], atol=1e-7)
+    assert flow.bounds[1] - flow.bounds[0] >= 2.0
+
+
+@pytest.mark.parametrize("shift", [0.0, 3.0])
+def test_gap_to_the_nearest_image(shift: float) -> None:
+    """Discs at 0.1 and 0.95 - or periods away - face each other across the end of the period."""
+    q = Configuration(np.array([[0.1, 0.5], [0.95 + shift, 0.5]]), np.zeros(2), np.array([0.05, 0.06]))
+    for gap in (narrowest_gap(q, CHANNEL), gap_between(q, CHANNEL, (0, 1))):
+        assert gap.width == pytest.approx(0.15 - 0.11)
+        assert gap.middle[0] == pytest.approx(0.03)
