@@ -17,6 +17,7 @@ from fsi.calibration.pair import Pair, pair_of
 from fsi.calibration.samples import Sample, key_of, planned_gaps
 from fsi.calibration.sampling import take_samples
 from fsi.case import Case, load_case
+from fsi.cli.plot import plot
 from fsi.errors import InputError, SolveError
 from fsi.law_file import load_law
 from fsi.lubrication import exact
@@ -139,6 +140,8 @@ def test_the_folder_of_a_law(model: ExactModel, tmp_path: Path) -> None:  # noqa
         "calibration.json",
         "calibration.png",
     }
+    plot([out], tmp_path / "law.svg")  # as the command does
+    assert (tmp_path / "law.svg").read_bytes().startswith(b"<?xml")
     law = load_law(out / "law.toml")
     d = np.geomspace(1e-3, 0.5, 40)
     assert_allclose(law.kappa(d, 0.5), exact.normal_resistance(d, 0.5, 2.0), rtol=1e-4)
