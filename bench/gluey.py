@@ -1,9 +1,9 @@
 """CPU seconds of one gluey step of a crowd that has just been pressed together, by its size.
 
-    python bench/gluey.py 1000 10000
+    python bench/gluey.py [agitated|squeezed] 1000 10000
 
-Discs of radii 0.497 to 0.5 on a triangular lattice, squeezed into a corner so fast that nearly all pairs
-meet within a step. Printed: contacts that carry an impulse, iterations, KKT residual, overlap, CPU seconds.
+Discs of radii 0.497 to 0.5 on a triangular lattice beside two walls: "agitated", with random velocities and
+gravity, or "squeezed" into the corner so fast that an impulse must travel through all of them. Printed: contacts that carry an impulse, iterations, KKT residual, overlap, CPU seconds.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from fsi.gluey.system import GlueyState, Law, System
 H = 0.01
 
 
-def crowd(n: int) -> tuple[System, GlueyState]:
+def crowd(n: int, how: str) -> tuple[System, GlueyState]:
     """About n discs that nearly touch."""
     side = round(np.sqrt(n))
     random = np.random.default_rng(0)
@@ -36,12 +36,14 @@ def crowd(n: int) -> tuple[System, GlueyState]:
         return (t1 - t0) * m[:, None] * np.array([-0.5, -1.0, 0.0])
 
     U = np.zeros((len(q), 3))
-    U[:, :2] = -0.3 * q + 0.1 * random.normal(size=(len(q), 2))
+    agitation = random.normal(size=(len(q), 2))
+    U[:, :2] = agitation if how == "agitated" else -0.3 * q + 0.1 * agitation
     return System(radii, mass, room, impulse, Law()), GlueyState.at(q, U)
 
 
-for count in map(int, sys.argv[1:] or ("1000", "10000")):
-    system, state = crowd(count)
+how, *counts = sys.argv[1:] or ("agitated", "1000", "10000")
+for count in map(int, counts):
+    system, state = crowd(count, how)
     for step in range(3):
         began = process_time()
         state, touching, checks = advance(system, state, step * H, H)

@@ -10,7 +10,8 @@ It is solved by the projected gradient with momentum, which begins anew whenever
 Nesterov,
 Dokl. Akad. Nauk SSSR 269 (1983) 543; B. O'Donoghue & E. Candes, Found. Comput. Math. 15 (2015) 715, for rows
 scaled to the unit diagonal. That is quick where few bodies touch. In a crowd, where information must travel
-through all of it, Newton's method (`fsi.gluey.newton`) finishes what it has begun.
+through all of it, an interior point method (`fsi.gluey.interior`, where there are only gaps) finds what
+touches, and Newton's method (`fsi.gluey.newton`) the last digits.
 """
 
 from __future__ import annotations
@@ -23,11 +24,12 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from fsi.bodies import Array
+from fsi.gluey.interior import approach
 from fsi.gluey.newton import minimise
 from fsi.gluey.response import Contact
 
 CHECK_EVERY = 10
-MOST_ITERATIONS = 300  # about the cost of one factor
+MOST_ITERATIONS = 200  # about the cost of one factor
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +70,8 @@ def project(
     kkt = contact.residual(b + J @ u, p, J.multiply(J) @ (1.0 / mass))
     if kkt <= tolerance:
         return Impulses(p, u, kkt, iterations, 0)
+    if contact.only_gaps:
+        p = approach(J, b, mass, u_star, p)
     best = minimise(J, b, mass, u_star, p, contact, tolerance)
     return Impulses(best.p, best.u, best.residual, iterations, best.steps)
 

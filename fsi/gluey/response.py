@@ -23,6 +23,11 @@ class Contact:
     first: int
     compliance: Array
 
+    @property
+    def only_gaps(self) -> bool:
+        """True if every row is a gap that may open: no friction, no film, none held closed."""
+        return len(self.compliance) == len(self.least) and bool(np.all(self.least == 0.0))
+
     def onto(self, p: Array) -> Array:
         """The projection onto the impulses that are allowed."""
         allowed = p.copy()
