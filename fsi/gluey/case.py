@@ -60,6 +60,7 @@ class Grid(Section):
     lower: Vector = Field(min_length=2, max_length=3, description="the centre of the first, a point")
     spacing: float = Field(gt=0.0, description="the distance between neighbours' centres, a number > 0")
     radius: tuple[float, float] = Field(description="the smallest and the largest radius, two numbers > 0")
+    velocity: Vector | None = Field(default=None, description="their velocity at time 0, 0 if not given")
     jitter: float = Field(default=0.0, ge=0.0, description="the largest disturbance of a coordinate, >= 0")
     seed: int = Field(default=0, ge=0, description="of the random numbers, a whole number >= 0")
 
@@ -67,7 +68,9 @@ class Grid(Section):
 class Contact(Section):
     """What happens where surfaces touch."""
 
-    variant: Literal["shifted", "cone"] = Field(default="shifted", description='"shifted" or "cone"')
+    variant: Literal["shifted", "cone", "film"] = Field(
+        default="shifted", description='"shifted" or "cone" (gluey), or "film": viscosity eps > 0'
+    )
     gamma_min: float | None = Field(
         default=None, le=0.0, description="the memory at which contact is solid, <= 0 (none if not given)"
     )
@@ -92,6 +95,14 @@ class Contact(Section):
         film = (self.eps, self.reference_gap, self.roughness)
         if self.gamma_min is not None and film != (None, None, None):
             raise ValueError("gives gamma_min and what it follows from; drop one of them")
+        if self.variant == "film":
+            if self.eps is None or self.reference_gap is None:
+                raise ValueError('has variant = "film", which needs eps and reference_gap')
+            if (self.gamma_min, self.roughness, self.friction, self.tangential) != (None, None, 0.0, 0.0):
+                raise ValueError(
+                    'has variant = "film", which is never solid; drop gamma_min, roughness, friction, tangential'
+                )
+            return self
         if film != (None, None, None) and None in film:
             raise ValueError("needs all of eps, reference_gap and roughness, or none")
         if self.roughness is not None and self.roughness >= (self.reference_gap or 0.0):
@@ -109,7 +120,8 @@ class Contact(Section):
 
     def law(self) -> Law:
         """As the step takes it."""
-        return Law(self.variant, self.least, self.friction, self.tangential)
+        eps, delta0 = (self.eps, self.reference_gap) if self.variant == "film" else (None, None)
+        return Law(self.variant, self.least, self.friction, self.tangential, eps or 0.0, delta0 or 0.0)
 
 
 class Steps(Section):
@@ -228,6 +240,11 @@ class GlueyCase(Section):
         U = np.zeros((len(q), modes))
         for i, body in enumerate(self.bodies):
             U[i, : self.dimension] = body.velocity or 0.0
+        first = len(self.bodies)
+        for grid in self.grids:
+            last = first + int(np.prod(grid.counts))
+            U[first:last, : self.dimension] = grid.velocity or 0.0
+            first = last
         return GlueyState.at(q.centres, U)
 
     def as_toml(self) -> str:
@@ -274,6 +291,7 @@ def _check_dimensions(case: GlueyCase) -> None:
         given += [(f"bodies.{i}.{key}", getattr(body, key)) for key in ("position", "velocity", "force")]
     for i, grid in enumerate(case.grids):
         given += [(f"grids.{i}.lower", grid.lower), (f"grids.{i}.counts", grid.counts)]
+        given += [(f"grids.{i}.velocity", grid.velocity)]
     for key, value in given:
         if value is not None and len(value) != d:
             raise InputError(f"{key} = {toml_text(value)}: has {len(value)} components, others {d}; give {d}")

@@ -51,7 +51,7 @@ class Rows:
 def make_rows(system: System, contacts: Contacts, gamma: Array, h: float) -> Rows:
     """The rows for contacts with the memories gamma, shape (C,), and a step h."""
     law, across, modes = system.law, system.dimension - 1, system.mass.shape[1]
-    shifted = law.variant == "shifted"
+    shifted = law.variant != "cone"
     films = np.flatnonzero(gamma < 0.0) if law.tangential > 0.0 else np.empty(0, dtype=np.intp)
     blocks = [gap_rows(contacts, *system.mass.shape)]
     if len(films):

@@ -89,6 +89,9 @@ class GlueyEvolution:
         return Moment(State(t, step, q, new.U, self.case.time.step), record, fields, tables)
 
     def _smallest_gap(self, state: GlueyState) -> float:
+        film = self.system.film(1.0)
+        if film is not None and len(state.gamma):
+            return float(film.gap(state.gamma).min())
         reach = 2.0 * float(self.system.radii.max())
         gaps = find_contacts(state.centres, self.system.radii, self.system.room, reach).D
         return float(gaps.min(initial=np.inf))

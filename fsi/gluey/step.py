@@ -9,13 +9,16 @@ cone variant takes u* without memory, asks for D^n + h G.u = 0 where gamma < 0, 
 `gamma^{n+1} = min(max(gamma^n - p, gamma_min), 0)`. Where gamma = gamma_min the contact is solid: `p +
 gamma_min` is its impulse, which bounds Coulomb's friction.
 
+The film variant has a viscosity eps > 0: 2. is `min 1/2 |u - u*|_M^2 + (1/h) sum eps Psi(D^n + h G.u)`
+instead, a film in each gap below delta0 (`fsi.gluey.film`), whose gaps stay positive.
+
 Source: A. Lefebvre, Numerical simulation of gluey particles, M2AN 43 (2009) 53; B. Maury & A. Lefebvre,
 Direct simulation of dense suspensions (slides, 2008).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -23,12 +26,16 @@ import numpy as np
 from fsi.bodies import Array
 from fsi.errors import SolveError
 from fsi.gluey.contacts import Contacts, find_contacts
+from fsi.gluey.film import Film
+from fsi.gluey.newton import minimise
 from fsi.gluey.projection import Impulses
 from fsi.gluey.rows import Rows, make_rows, solve_rows
 from fsi.gluey.system import GlueyState, System
 
 # Of the largest velocity: the residual at which the projection stops, and the one that a step may leave.
 TOLERANCE, ACCEPTED = 5e-9, 1e-8
+# Of what memory alone would make a velocity: what counts as a velocity at rest, where others vanish.
+AT_REST = 1e-4
 # Of the smallest radius: how deep an overlap the projection aims at, and how deep a step may leave.
 DEPTH, OVERLAP = 8e-11, 1e-10
 # Of the momentum that there is and that is exchanged: what rounding may leave.
@@ -53,8 +60,7 @@ class Touching:
 class Checks:
     """How good a step is.
 
-    kkt: residual of the optimality conditions over the largest velocity; momentum: what M (u^{n+1} - u^n)
-    misses
+    kkt: residual of the optimality conditions over the largest velocity; momentum: what M (u^{n+1} - u^n) misses
     of load and walls, over what was exchanged; overlap: the deepest over the smallest radius, 0 without;
     iterations: of the projection's gradient; newton: steps of Newton's method.
     """
@@ -74,17 +80,16 @@ def advance(system: System, state: GlueyState, t: float, h: float) -> tuple[Glue
     """
     load = system.impulse(t, t + h)
     free = state.U + load / system.mass
-    contacts, gamma, rows, found = _project_far_enough(system, state, free, h)
+    contacts, gamma, rows, found, speed = _project_far_enough(system, state, free, h)
     p, U = found.p[: len(contacts)], found.u.reshape(free.shape)
     gamma_new = _memory(system, gamma, p)
-    if (
-        system.law.variant == "shifted"
-    ):  # what is left of p at an open gap is within the tolerance, and no memory
+    if system.law.variant == "shifted":
+        # what is left of p at an open gap is within the tolerance, and no memory
         rate = (rows.b + rows.J @ found.u)[: len(p)]
         gamma_new[rate > p * (rows.J.multiply(rows.J) @ (1.0 / system.mass.ravel()))[: len(p)]] = 0.0
     new = state.moved(U, h, contacts.key, gamma_new)
     checks = Checks(
-        found.kkt / max(_speed(system, U), _speed(system, free), np.finfo(float).tiny),
+        found.kkt / max(_speed(system, U), speed, np.finfo(float).tiny),
         _momentum_defect(system, state.U, U - state.U, load, rows, found.p, _shift(system, gamma, rows)),
         _overlap(system, new),
         found.iterations,
@@ -96,29 +101,37 @@ def advance(system: System, state: GlueyState, t: float, h: float) -> tuple[Glue
 
 def _project_far_enough(
     system: System, state: GlueyState, free: Array, h: float
-) -> tuple[Contacts, Array, Rows, Impulses]:
-    """Contacts, their memories, the rows and the projection, with all pairs that can meet within the step."""
+) -> tuple[Contacts, Array, Rows, Impulses, float]:
+    """Contacts, memories, rows, projection and the speed it is measured by; with all pairs that can meet."""
     inverse_mass = (1.0 / system.mass).ravel()
-    smallest = float(system.radii.min())
+    smallest, film = float(system.radii.min()), system.film(h)
     reach = max(2.0 * h * _speed(system, free), 1e-6 * smallest)
     while True:
-        contacts = find_contacts(state.centres, system.radii, system.room, reach)
+        contacts = find_contacts(state.centres, system.radii, system.room, reach + system.law.delta0)
         gamma = state.remembered(contacts.key)
+        if film is not None:
+            contacts, gamma = _in_films(film, contacts, gamma)
         rows = make_rows(system, contacts, gamma, h)
         u_star = free.ravel() + inverse_mass * (rows.J.T @ _shift(system, gamma, rows))
-        speed = max(_speed(system, u_star.reshape(free.shape)), _speed(system, free))
+        speed = max(AT_REST * _speed(system, u_star.reshape(free.shape)), _speed(system, free))
         tolerance = min(TOLERANCE * speed, DEPTH * smallest / h)
-        found = solve_rows(
-            rows,
-            system.mass.ravel(),
-            u_star,
-            tolerance,
-            partial(_friction, system, gamma),
-        )
+        if film is None:
+            bound = partial(_friction, system, gamma)
+            found = solve_rows(rows, system.mass.ravel(), u_star, tolerance, bound)
+        else:
+            best = minimise(rows.J, rows.b, system.mass.ravel(), u_star, rows.p, film, tolerance)
+            found = Impulses(best.p, best.u, best.residual, 0, best.steps)
         needed = 2.0 * h * _speed(system, found.u.reshape(free.shape))
         if needed <= reach:
-            return contacts, gamma, rows, found
+            return contacts, gamma, rows, found, speed
         reach = 2.0 * needed  # something has been thrown faster than anything moved before: look further
+
+
+def _in_films(film: Film, contacts: Contacts, gamma: Array) -> tuple[Contacts, Array]:
+    """Gaps and memories that belong together: gamma tells the gap where it is known, as a gap loses digits."""
+    known = gamma < 0.0
+    D = np.where(known, film.gap(gamma), contacts.D)
+    return replace(contacts, D=D), np.where(known, gamma, film.gamma(D))
 
 
 def _speed(system: System, U: Array) -> float:
@@ -129,20 +142,20 @@ def _speed(system: System, U: Array) -> float:
 def _shift(system: System, gamma: Array, rows: Rows) -> Array:
     """The memory as impulses of all rows: that of the predictor."""
     shift = np.zeros(rows.J.shape[0])
-    if system.law.variant == "shifted":
+    if system.law.variant != "cone":
         shift[: len(gamma)] = gamma
     return shift
 
 
 def _memory(system: System, gamma: Array, p: Array) -> Array:
     """gamma^{n+1}."""
-    stored = -p if system.law.variant == "shifted" else np.minimum(gamma - p, 0.0)
+    stored = -p if system.law.variant != "cone" else np.minimum(gamma - p, 0.0)
     return np.maximum(stored, system.law.gamma_min)
 
 
 def _solid(system: System, gamma: Array, p: Array) -> Array:
     """The impulse of solid contact: what p stores beyond gamma_min."""
-    stored = -p if system.law.variant == "shifted" else gamma - p
+    stored = -p if system.law.variant != "cone" else gamma - p
     return np.maximum(system.law.gamma_min - stored, 0.0)
 
 

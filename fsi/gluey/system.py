@@ -11,27 +11,31 @@ from numpy.typing import NDArray
 
 from fsi.bodies import Array
 from fsi.gluey.contacts import Room
+from fsi.gluey.film import Film, Shape
 
-type Variant = Literal["shifted", "cone"]
+type Variant = Literal["shifted", "cone", "film"]
 
 
 @dataclass(frozen=True, slots=True)
 class Law:
     """What happens between two surfaces that touch.
 
-    variant: "shifted", in which release costs no step, or "cone", the set C_q of the slides.
+    variant: "shifted", in which release costs no step, or "cone", the set C_q of the slides; "film" is the
+        model before the limit, with a viscosity.
     gamma_min: the memory at which roughness stops the film from draining, `eps ln(delta/delta0)`, <= 0, or
         -inf for smooth bodies; at it the contact is solid.
     friction: Coulomb's coefficient mu_f at solid contact, >= 0.
     tangential: c in the viscous force `-c |gamma| slip / a` with `a = a_i a_j/(a_i + a_j)`, >= 0: the film
-        that
         gives gamma resists slip as well, and both resistances grow as ln D. Two equal spheres have c = 1/3.
+    eps, delta0: of films, `gamma = eps Psi'(D)` below the gap delta0 (`fsi.gluey.film`), > 0 for "film".
     """
 
     variant: Variant = "shifted"
     gamma_min: float = -np.inf
     friction: float = 0.0
     tangential: float = 0.0
+    eps: float = 0.0
+    delta0: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +51,11 @@ class System:
     room: Room
     impulse: Callable[[float, float], Array]
     law: Law
+
+    def film(self, h: float) -> Film | None:
+        """What the rows answer in a step h: None in the limit, where gamma says it all."""
+        shape: Shape = "disc" if self.dimension == 2 else "sphere"
+        return Film(self.law.eps, self.law.delta0, h, shape) if self.law.variant == "film" else None
 
     @property
     def dimension(self) -> int:

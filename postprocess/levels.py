@@ -1,0 +1,103 @@
+"""One case at all levels: `python -m postprocess.levels FOLDER` runs cases/gluey/levels.toml into a new FOLDER.
+
+A disc is pushed onto a plane and pulled away: resolved Stokes flow with inertia, the reduced model with the exact
+law, and the gluey limit (exact, `fsi.gluey.limit`). Prints the gaps, the differences, and when the limit makes
+sense: where the film that the memory stands for, delta_eps = a film's least gap, is above the roughness delta of
+the surfaces; below it they touch before the fluid stops them. Draws FOLDER/levels.png.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from rich.console import Console
+from rich.table import Table
+
+from fsi.bodies import Array
+from fsi.case import load_case
+from fsi.errors import FsiError
+from fsi.gluey.history import Jumping, polynomial
+from fsi.gluey.limit import Limit
+from fsi.models import make_model
+from fsi.run import run_case
+from postprocess.folder import read_table
+
+CASE = Path(__file__).parents[1] / "cases" / "gluey" / "levels.toml"
+LEVELS = {"resolved": (), "reduced": ('model="reduced"', "reduced.law=exact")}
+
+
+def gaps(folder: Path, t: Array) -> dict[str, Array]:
+    """Gap histories at the times t by level. Raises as `run_case`."""
+    found = {}
+    for level, overrides in LEVELS.items():
+        case = load_case(CASE, overrides)
+        run_case(case, folder / level, make_model(case))
+        table = read_table(folder / level / "bodies.csv")
+        found[level] = np.interp(t, table["t"], table["y"] - case.bodies[0].radius)
+    body = load_case(CASE).bodies[0]
+    push = body.force[1]
+    assert not isinstance(push, float | int)
+    assert body.mass is not None
+    f = polynomial(Jumping(times=push.times, values=tuple(v / body.mass for v in push.values)), t[-1])
+    return found | {"gluey": Limit.of(body.position[1] - body.radius, 0.0, f).q(t)}
+
+
+def as_table(t: Array, found: dict[str, Array]) -> Table:
+    """Gaps at some times, and the largest differences from the resolved ones."""
+    table = Table(title="gap of the disc")
+    for heading in ("t", *found):
+        table.add_column(heading, justify="right")
+    for k in np.linspace(0, len(t) - 1, 13).astype(int):
+        table.add_row(f"{t[k]:g}", *(f"{q[k]:.4e}" for q in found.values()), end_section=k == len(t) - 1)
+    away = (f"{np.abs(q - found['resolved']).max():.1e}" for q in found.values())
+    table.add_row("sup", *away)
+    table.caption = "last line: the largest difference from the resolved gap"
+    return table
+
+
+def plot(t: Array, found: dict[str, Array], path: Path) -> None:
+    """The gaps, and their logarithms where the films are thin."""
+    figure = Figure(figsize=(10.0, 4.0), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    styles = {"resolved": ("#0072b2", "-"), "reduced": ("#d55e00", "--"), "gluey": ("black", ":")}
+    for level, q in found.items():
+        colour, style = styles[level]
+        left.plot(t, q, style, color=colour, label=level)
+        right.semilogy(t, np.where(q > 0.0, q, np.nan), style, color=colour, label=level)
+    left.set(xlabel="time", ylabel="gap")
+    right.set(xlabel="time", ylabel="gap (gluey: 0 in contact)")
+    left.legend(frameon=False)
+    for axes in (left, right):
+        axes.spines[["top", "right"]].set_visible(False)
+    figure.savefig(path, dpi=150)
+
+
+def main(arguments: list[str]) -> int:
+    """Run all levels, print the table and draw the plot; the exit code."""
+    if len(arguments) != 1 or arguments[0] in ("-h", "--help"):
+        print(__doc__, file=sys.stderr)  # noqa: T201  (this is a program)
+        return 2
+    folder = Path(arguments[0])
+    try:
+        t = np.linspace(0.0, 6.0, 601)
+        found = gaps(folder, t)
+    except FsiError as error:
+        print(f"error: {error}", file=sys.stderr)  # noqa: T201
+        return error.exit_code
+    console = Console()
+    console.print(as_table(t, found))
+    console.print(
+        f"delta_eps = {found['resolved'].min():.1e}: surfaces rougher than this touch, and the gluey model, which "
+        "remembers the push in a film, makes no sense for them (give contact.roughness)",
+        highlight=False,
+    )
+    plot(t, found, folder / "levels.png")
+    console.print(f"plot: {folder / 'levels.png'}", highlight=False)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
