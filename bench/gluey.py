@@ -2,8 +2,9 @@
 
     python bench/gluey.py [agitated|squeezed] 1000 10000
 
-Discs of radii 0.497 to 0.5 on a triangular lattice beside two walls: "agitated", with random velocities and
-gravity, or "squeezed" into the corner so fast that an impulse must travel through all of them. Printed: contacts that carry an impulse, iterations, KKT residual, overlap, CPU seconds.
+Discs of radii 0.497 to 0.5 on a triangular lattice beside two walls: "agitated", with random velocities
+and gravity, or "squeezed" into the corner so fast that an impulse must travel through all of them.
+Printed: contacts that carry an impulse, iterations, KKT residual, overlap, CPU seconds.
 """
 
 from __future__ import annotations

@@ -1,9 +1,10 @@
-"""One case at all levels: `python -m postprocess.levels FOLDER` runs cases/gluey/levels.toml into a new FOLDER.
+"""One case at all levels: `python -m postprocess.levels FOLDER` runs cases/levels.toml into a new FOLDER.
 
-A disc is pushed onto a plane and pulled away: resolved Stokes flow with inertia, the reduced model with the exact
-law, and the gluey limit (exact, `fsi.gluey.limit`). Prints the gaps, the differences, and when the limit makes
-sense: where the film that the memory stands for, delta_eps = a film's least gap, is above the roughness delta of
-the surfaces; below it they touch before the fluid stops them. Draws FOLDER/levels.png.
+A disc is pushed onto a plane and pulled away: resolved Stokes flow with inertia, the reduced model with
+the exact law, and the gluey limit (exact, `fsi.gluey.limit`). Prints the gaps, the differences, and when
+the limit makes sense: where the film that the memory stands for, delta_eps = a film's least gap, is
+above the roughness delta of the surfaces; below it they touch before the fluid stops them. Draws
+FOLDER/levels.png.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from fsi.models import make_model
 from fsi.run import run_case
 from postprocess.folder import read_table
 
-CASE = Path(__file__).parents[1] / "cases" / "gluey" / "levels.toml"
+CASE = Path(__file__).parents[1] / "cases" / "levels.toml"
 LEVELS = {"resolved": (), "reduced": ('model="reduced"', "reduced.law=exact")}
 
 
@@ -90,8 +91,8 @@ def main(arguments: list[str]) -> int:
     console = Console()
     console.print(as_table(t, found))
     console.print(
-        f"delta_eps = {found['resolved'].min():.1e}: surfaces rougher than this touch, and the gluey model, which "
-        "remembers the push in a film, makes no sense for them (give contact.roughness)",
+        f"delta_eps = {found['resolved'].min():.1e}: surfaces rougher than this touch, and the gluey model, "
+        "which remembers the push in a film, makes no sense for them (give contact.roughness)",
         highlight=False,
     )
     plot(t, found, folder / "levels.png")

@@ -1,9 +1,10 @@
 """How long contacts remember: `python -m postprocess.memory RUN`, for a run with model = "gluey".
 
-A contact that was pressed with the impulse P stays closed until an equal pull has been paid back. Prints, for
-the contacts in the order of their release, the largest stored impulse P = -gamma, when it was reached, when the
-contact came off, the time lag in between, and P over the lag: the mean pull. Draws all of them, and the number
-of closed contacts in time, into RUN/memory.png. Times are those of output, so good to output.interval.
+A contact that was pressed with the impulse P stays closed until an equal pull has been paid back.
+Prints, for the contacts in the order of their release, the largest stored impulse P = -gamma, when it
+was reached, when the contact came off, the time lag in between, and P over the lag: the mean pull. Draws
+all of them, and the number of closed contacts in time, into RUN/memory.png. Times are those of output,
+so good to output.interval.
 """
 
 from __future__ import annotations
@@ -49,7 +50,10 @@ def read_memory(run: Path) -> Memory:
     """The contacts of a run; of one that closes again, the last time. Raises InputError."""
     try:
         with (run / "contacts.csv").open(newline="") as lines:
-            rows = [(row["side"], row["body"], float(row["t"]), -float(row["gamma"])) for row in csv.DictReader(lines)]
+            rows = [
+                (row["side"], row["body"], float(row["t"]), -float(row["gamma"]))
+                for row in csv.DictReader(lines)
+            ]
         with (run / "bodies.csv").open(newline="") as lines:
             t = np.unique([float(row["t"]) for row in csv.DictReader(lines)])
     except OSError as error:
@@ -65,7 +69,9 @@ def read_memory(run: Path) -> Memory:
                 history.clear()
             history.append((time, stored))
     if not histories:
-        raise InputError(f"{run}: no contact remembers anything; let bodies meet, and write output more often")
+        raise InputError(
+            f"{run}: no contact remembers anything; let bodies meet, and write output more often"
+        )
     peaks = [max(history, key=lambda entry: entry[1]) for history in histories.values()]
     after = np.searchsorted(t, [history[-1][0] for history in histories.values()]) + 1
     released = np.append(t, np.inf)[after]
@@ -99,7 +105,12 @@ def plot(memory: Memory, path: Path) -> None:
     left, right = figure.subplots(1, 2)
     off = np.isfinite(memory.released)
     left.plot(memory.stored[off], memory.lag[off], "o", color="#0072b2", ms=4, alpha=0.5)
-    left.set(xlabel=r"stored impulse $P = -\gamma$", ylabel="time lag of separation", xlim=(0, None), ylim=(0, None))
+    left.set(
+        xlabel=r"stored impulse $P = -\gamma$",
+        ylabel="time lag of separation",
+        xlim=(0, None),
+        ylim=(0, None),
+    )
     right.step(memory.t, memory.closed, where="post", color="#d55e00")
     right.set(xlabel="time", ylabel="closed contacts", ylim=(0, None))
     for axes in (left, right):

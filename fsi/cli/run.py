@@ -13,6 +13,7 @@ from fsi.cli.arguments import CaseFile, Overrides, RunFolder, load
 if TYPE_CHECKING:
     from fsi.case import Case
     from fsi.progress import ProgressBar
+    from fsi.results import StepRecord
     from fsi.run import Outcome
     from fsi.stepping import Model
 
@@ -79,11 +80,23 @@ def _evolve(case_file: Path, folder: Path, overrides: list[str] | None) -> None:
     case = parallel.on_root(lambda: load_evolving(case_file, overrides or ()))
     if isinstance(case, LimitCase):
         raise InputError(f'{case_file}: model = "limit": nothing to run; use `fsi limit`')
+    solid_since: list[float] = []
+
+    def show(record: StepRecord) -> None:
+        if record.columns.get("solid_contacts", 0) > 0:
+            solid_since.append(record.t)
+        bar.show(record)
+
     with ProgressBar() as bar:
         bar.begin(case.time.end)
         evolving = resume_evolving if case_file.parent == folder else run_evolving
-        outcome = evolving(case, folder, bar.show)
+        outcome = evolving(case, folder, show)
     _tell_end(folder, outcome, bar)
+    if solid_since and parallel.is_root():
+        typer.echo(
+            f"note: from t = {solid_since[0]:g} some films are thinner than the roughness (delta_eps < delta): "
+            "the gluey model makes no sense there, contact is solid; see solid_contacts in steps.csv"
+        )
 
 
 def _tell_end(folder: Path, outcome: Outcome, bar: ProgressBar) -> None:

@@ -100,7 +100,7 @@ class Contact(Section):
                 raise ValueError('has variant = "film", which needs eps and reference_gap')
             if (self.gamma_min, self.roughness, self.friction, self.tangential) != (None, None, 0.0, 0.0):
                 raise ValueError(
-                    'has variant = "film", which is never solid; drop gamma_min, roughness, friction, tangential'
+                    'has variant = "film": never solid; drop gamma_min, roughness, friction, tangential'
                 )
             return self
         if film != (None, None, None) and None in film:

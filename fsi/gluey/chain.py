@@ -1,8 +1,9 @@
-"""From micro to macro: chains of N gluey spheres against the macroscopic model: `python -m fsi.gluey.chain`.
+"""From micro to macro: chains of N gluey spheres against the macroscopic model: `python -m
+fsi.gluey.chain`.
 
-Spheres of diameter and mass 1/N fill half of [-1, 1], with the velocity `u = x^2 - sin(pi x)` at time 0, and no
-force; at t = 0.4 a part of them has been pressed together. Their places are compared with those of the macroscopic
-model's parcels, of which there are so many more that their own error does not count.
+Spheres of diameter and mass 1/N fill half of [-1, 1], with the velocity `u = x^2 - sin(pi x)` at time 0,
+and no force; at t = 0.4 a part of them has been pressed together. Their places are compared with those
+of the macroscopic model's parcels, of which there are so many more that their own error does not count.
 """
 
 from __future__ import annotations

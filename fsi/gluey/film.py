@@ -72,9 +72,11 @@ class Film:
         return slope * self.delta0 / self.eps
 
     def residual(self, r: Array, p: Array, weight: Array) -> float:
-        """`r - D(-p)/h`, a rate, where films are; `p` beyond."""
+        """The largest of `r - D(-p)/h` where films are, of `delta0/h - r` beyond, and of p's own error."""
         found, _ = self.impulse(r, p, 1.0 / weight)
-        return float((np.abs(found - p) * weight).max(initial=0.0))
+        beyond = np.maximum(self.delta0 / self.h - r, 0.0)
+        in_gap = np.where(p > 0.0, np.abs(r - self.gap(-p) / self.h), beyond)
+        return float(np.maximum(in_gap, np.abs(found - p) * weight).max(initial=0.0))
 
 
 def _positive_root(R: Array, k: Array) -> Array:

@@ -1,4 +1,4 @@
-"""`min 1/2 |u - u*|_M^2  s.t.  b + J u >= 0` in a crowd: impulses near the solution, by an interior point method.
+"""`min 1/2 |u - u*|_M^2  s.t.  b + J u >= 0` in a crowd, by an interior point method.
 
 With slacks s of the rows, the conditions
 
@@ -58,7 +58,10 @@ def _follow(J: sp.csr_matrix, b: Array, mass: Array, u_star: Array, rate: float)
         if mu <= CLOSE * rate**2:
             break
         H = (sp.diags(mass) + Jt @ sp.diags(p / s) @ J).tocsc()
-        solve = splu(H, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        try:
+            solve = splu(H, "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        except RuntimeError:  # singular to rounding: mu is as small as it can be
+            break
 
         def direction(product: Array) -> tuple[Array, Array, Array]:
             """The step that changes s p by `product`, to first order."""

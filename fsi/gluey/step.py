@@ -60,8 +60,8 @@ class Touching:
 class Checks:
     """How good a step is.
 
-    kkt: residual of the optimality conditions over the largest velocity; momentum: what M (u^{n+1} - u^n) misses
-    of load and walls, over what was exchanged; overlap: the deepest over the smallest radius, 0 without;
+    kkt: residual of the optimality conditions over the largest velocity; momentum: what M (u^{n+1} - u^n)
+    misses of load and walls, over what was exchanged; overlap: the deepest over the smallest radius, 0 without;
     iterations: of the projection's gradient; newton: steps of Newton's method.
     """
 
@@ -128,7 +128,7 @@ def _project_far_enough(
 
 
 def _in_films(film: Film, contacts: Contacts, gamma: Array) -> tuple[Contacts, Array]:
-    """Gaps and memories that belong together: gamma tells the gap where it is known, as a gap loses digits."""
+    """Gaps and memories that agree: gamma tells the gap where it is known, as a gap loses digits."""
     known = gamma < 0.0
     D = np.where(known, film.gap(gamma), contacts.D)
     return replace(contacts, D=D), np.where(known, gamma, film.gamma(D))

@@ -45,6 +45,7 @@ def test_a_resumed_run_is_the_unbroken_one(name: str, tmp_path: Path) -> None:
     assert resume_evolving(resumed, tmp_path / "broken", lambda _: None).steps == 0
 
 
+@pytest.mark.slow
 def test_two_discs_part_when_the_pull_has_paid_back(tmp_path: Path) -> None:
     """They meet at t = 1, stay until t = 4, and are a gap (t - 4)^2 apart: first order in the step 0.01."""
     case = load_evolving(CASES / "gluey" / "two_discs.toml", ["output.interval=6", "output.fields=false"])
@@ -83,3 +84,35 @@ def test_every_case_loads() -> None:
         for path in sorted((CASES / folder).glob("*.toml")):
             assert model_of(path) is not None
             load_evolving(path)
+
+
+@pytest.mark.slow
+def test_films_of_a_case_keep_gaps_and_tend_to_the_gluey_motion(tmp_path: Path) -> None:
+    """Gaps are positive at eps > 0, and the discs end nearer to where the gluey step has them as eps falls."""
+
+    def distance(name: str, *contact: str) -> float:
+        times = ["time.end=5", "time.step=0.02", "output.interval=5", "output.fields=false"]
+        case = load_evolving(CASES / "gluey" / "two_discs.toml", [*times, *contact])
+        assert not isinstance(case, LimitCase)
+        run_evolving(case, tmp_path / name, lambda _: None)
+        x = [float(row["x"]) for row in rows(tmp_path / name / "bodies.csv")[-2:]]
+        return x[1] - x[0]
+
+    errors, gluey = [], distance("gluey")
+    for eps in ("1e-2", "1e-3", "1e-4"):
+        film = ("contact.variant=film", f"contact.eps={eps}", "contact.reference_gap=0.1")
+        errors.append(abs(distance(eps, *film) - gluey))
+        assert min(float(row["smallest_gap"]) for row in rows(tmp_path / eps / "steps.csv")) > 0.0
+    assert errors[0] > 2.0 * errors[1] > 4.0 * errors[2]
+
+
+def test_a_case_says_where_films_are_thinner_than_the_roughness(tmp_path: Path) -> None:
+    from typer.testing import CliRunner
+
+    from fsi.cli.main import app
+
+    rough = ["contact.eps=0.1", "contact.reference_gap=0.1", "contact.roughness=0.01", "time.end=2"]
+    overrides = [part for text in rough for part in ("--set", text)]
+    case = str(CASES / "gluey" / "two_discs.toml")
+    said = CliRunner().invoke(app, ["run", case, "-o", str(tmp_path / "run"), *overrides]).output
+    assert "delta_eps < delta" in said
