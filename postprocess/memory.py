@@ -75,7 +75,7 @@ def read_memory(run: Path) -> Memory:
     peaks = [max(history, key=lambda entry: entry[1]) for history in histories.values()]
     after = np.searchsorted(t, [history[-1][0] for history in histories.values()]) + 1
     released = np.append(t, np.inf)[after]
-    order = np.lexsort(([time for time, _ in peaks], released))
+    order = np.lexsort((np.array([time for time, _ in peaks]), released))
     return Memory(
         tuple(np.array(list(histories))[order].tolist()),
         np.array([stored for _, stored in peaks])[order],

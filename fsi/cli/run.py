@@ -94,7 +94,7 @@ def _evolve(case_file: Path, folder: Path, overrides: list[str] | None) -> None:
     _tell_end(folder, outcome, bar)
     if solid_since and parallel.is_root():
         typer.echo(
-            f"note: from t = {solid_since[0]:g} some films are thinner than the roughness (delta_eps < delta): "
+            f"note: from t = {solid_since[0]:g} films are thinner than the roughness (delta_eps < delta): "
             "the gluey model makes no sense there, contact is solid; see solid_contacts in steps.csv"
         )
 

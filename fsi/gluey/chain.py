@@ -1,5 +1,6 @@
-"""From micro to macro: chains of N gluey spheres against the macroscopic model: `python -m
-fsi.gluey.chain`.
+"""From micro to macro: chains of N gluey spheres against the macroscopic model.
+
+    python -m fsi.gluey.chain [N ...]
 
 Spheres of diameter and mass 1/N fill half of [-1, 1], with the velocity `u = x^2 - sin(pi x)` at time 0,
 and no force; at t = 0.4 a part of them has been pressed together. Their places are compared with those

@@ -61,8 +61,8 @@ class Checks:
     """How good a step is.
 
     kkt: residual of the optimality conditions over the largest velocity; momentum: what M (u^{n+1} - u^n)
-    misses of load and walls, over what was exchanged; overlap: the deepest over the smallest radius, 0 without;
-    iterations: of the projection's gradient; newton: steps of Newton's method.
+    misses of load and walls, over what was exchanged; overlap: the deepest over the smallest radius, 0
+    without; iterations: of the projection's gradient; newton: steps of Newton's method.
     """
 
     kkt: float

@@ -88,7 +88,7 @@ def test_every_case_loads() -> None:
 
 @pytest.mark.slow
 def test_films_of_a_case_keep_gaps_and_tend_to_the_gluey_motion(tmp_path: Path) -> None:
-    """Gaps are positive at eps > 0, and the discs end nearer to where the gluey step has them as eps falls."""
+    """Gaps are positive at eps > 0, and the discs end nearer to the gluey step's places as eps falls."""
 
     def distance(name: str, *contact: str) -> float:
         times = ["time.end=5", "time.step=0.02", "output.interval=5", "output.fields=false"]
