@@ -27,7 +27,7 @@ from fsi.run import run_case
 from postprocess.folder import read_table
 
 CASE = Path(__file__).parents[1] / "cases" / "levels.toml"
-LEVELS = {"resolved": (), "reduced": ('model="reduced"', "reduced.law=exact")}
+LEVELS = {"resolved": (), "reduced": ('model="reduced"', "reduced.law=exact", "reduced.drag=0.0")}
 
 
 def gaps(folder: Path, t: Array) -> dict[str, Array]:
