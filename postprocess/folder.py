@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fsi.bodies import Array, Configuration
+from fsi.bodies import Array
 from fsi.case import Case, load_case
 from fsi.errors import InputError
 
@@ -33,14 +33,3 @@ def read_table(path: Path) -> dict[str, Array]:
         return {name: np.array([float(row[name]) for row in rows]) for name in rows[0] if name != "body"}
     except (TypeError, ValueError) as error:
         raise InputError(f"{path}: a row is broken ({error}); mend it with `fsi resume`") from None
-
-
-def read_configuration(run: Path, time: float) -> Configuration:
-    """Where the bodies were at the step nearest to `time`."""
-    start = read_case(run).configuration()
-    if not len(start):
-        return start
-    table = read_table(run / "bodies.csv")
-    now = table["step"] == table["step"][np.argmin(np.abs(table["t"] - time))]
-    centres = np.column_stack([table["x"][now], table["y"][now]])
-    return Configuration(centres, table["angle"][now], start.radii)

@@ -6,7 +6,8 @@ from pathlib import Path
 
 from fsi.errors import InputError
 from meshes.geometry import boundary_names
-from postprocess.folder import read_case, read_configuration, read_table
+from postprocess.folder import read_case
+from postprocess.run import Run
 
 
 def write_step_mesh(run: Path, step: int | None, output: Path) -> int:
@@ -30,9 +31,9 @@ def write_step_mesh(run: Path, step: int | None, output: Path) -> int:
             f"step = {step}: has no fields; give one of those in {run / 'fluid.pvd'},"
             f" {written[0]} ... {written[-1]}"
         )
-    steps = read_table(run / "steps.csv")
-    t = float(steps["t"][steps["step"] == step][0])
-    q = read_configuration(run, t)
+    read = Run(run)
+    t = float(read.times[step])
+    q = read.configuration(step)
     parts = sorted((run / "fields").glob(f"fluid_{step:06d}*.vtu"))
     container = case.container().at(t)
     write_cells(

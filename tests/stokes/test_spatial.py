@@ -25,6 +25,7 @@ from fsi.run import run_case
 from fsi.stokes.model import StokesModel
 from fsi.stokes.resistance import case_resistance
 from fsi.stokes.solution import StokesSolution
+from postprocess.step_mesh import write_step_mesh
 
 MPIEXEC = Path(sys.executable).with_name("mpiexec")
 LIGHT = {"degree": 2, "cells_per_circle": 10, "cells_per_gap": 0.5, "growth": 0.8}
@@ -186,6 +187,7 @@ def test_spheres_move_in_space(tmp_path: Path) -> None:
     top = field["velocity"][np.isclose(field.points[:, 2], 4.0)]
     assert_allclose(top[:, 0].max(), 0.4, atol=1e-12)
     assert set(field.celltypes) == {71}  # VTK_LAGRANGE_TETRAHEDRON
+    assert write_step_mesh(tmp_path / "run", None, tmp_path / "last.msh") > 0
 
 
 @pytest.mark.parametrize(
