@@ -224,7 +224,7 @@ def test_a_run_needs_a_time_and_a_folder_it_can_write(
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("probe", "RUN", "--line", "0,0,1"), "--line 0,0,1: give 4 numbers"),
+        (("probe", "RUN", "--line", "0,0,1"), "there is no case.toml"),
         (("probe", "RUN"), "give exactly one of --line, --plane and --points"),
         (("render", "RUN", "--range", "2,1"), "--range 2,1: give the lower end first"),
         (("render", "RUN", "--step", "1", "--time", "2"), "give --time or --step, not both"),
