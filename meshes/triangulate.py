@@ -20,7 +20,7 @@ from meshes.errors import MeshError
 from meshes.geometry import Array
 from meshes.sizing import Curve
 
-SAMPLES = 20  # of a body's curve, where distances are measured from
+BODIES, REST = 1, 2  # the curves that gmsh gets
 DELAUNAY = 5  # grades better than the frontal algorithm in large containers
 
 Indices = NDArray[np.int64]
@@ -54,25 +54,18 @@ def chain(curves: Sequence[Curve]) -> tuple[Array, list[Indices]]:
 
     Open curves share their end nodes; the chain of a closed curve ends where it starts.
     """
-    nodes: list[Array] = []
-    corners: dict[tuple[float, float], int] = {}
-    chains: list[Indices] = []
-    count = 0
-    for curve in curves:
-        numbers = np.empty(len(curve.nodes), dtype=np.int64)
-        for k, x in enumerate(curve.nodes):
-            corner = not curve.closed and k in (0, len(curve.nodes) - 1)
-            key = (float(x[0]), float(x[1]))
-            if corner and key in corners:
-                numbers[k] = corners[key]
-                continue
-            if corner:
-                corners[key] = count
-            nodes.append(x)
-            numbers[k] = count
-            count += 1
-        chains.append(np.append(numbers, numbers[0]) if curve.closed else numbers)
-    return np.array(nodes), chains
+    x = np.concatenate([curve.nodes for curve in curves])
+    parts = np.split(np.arange(len(x)), np.cumsum([len(curve.nodes) for curve in curves])[:-1])
+    ends = [part[[0, -1]] for curve, part in zip(curves, parts, strict=True) if not curve.closed]
+    corners = np.concatenate([*ends, np.empty(0, dtype=np.int64)])
+    _, first, place = np.unique(x[corners], axis=0, return_index=True, return_inverse=True)
+    same = np.arange(len(x))
+    same[corners] = corners[first[place]]
+    own = same == np.arange(len(x))
+    number = (np.cumsum(own) - 1)[same]
+    chains = [number[part] for part in parts]
+    closed = [np.append(c, c[0]) if curve.closed else c for curve, c in zip(curves, chains, strict=True)]
+    return x[own], closed
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,13 +81,11 @@ class FarSize:
     slope: float
     reach: float
 
-    def apply(self, curves: Sequence[Curve]) -> None:
+    def apply(self) -> None:
         """Make it gmsh's background size."""
         field = gmsh.model.mesh.field
         distance, bound = field.add("Distance"), field.add("Threshold")
-        numbers_of_bodies = [k for k, curve in enumerate(curves, start=1) if curve.tag <= self.bodies]
-        field.setNumbers(distance, "CurvesList", numbers_of_bodies)
-        field.setNumber(distance, "Sampling", SAMPLES)
+        field.setNumbers(distance, "CurvesList", [BODIES])
         numbers = {
             "InField": distance,
             "DistMin": 0.0,
@@ -123,46 +114,43 @@ def triangulate(
         MeshError: gmsh fails, or loses a boundary edge.
     """
     nodes, chains = chain(curves)
-    with gmsh_model():
-        _add_curves(nodes, curves, chains)
-        if far is not None and far.bodies:
-            far.apply(curves)
-        gmsh.model.mesh.generate(2)
-        vertices, triangles = _read_triangles()
     edges = np.concatenate([np.column_stack([c[:-1], c[1:]]) for c in chains])
     tags = np.concatenate([np.full(len(c) - 1, curve.tag) for c, curve in zip(chains, curves, strict=True)])
+    with gmsh_model():
+        bodies = 0 if far is None else far.bodies
+        _add_boundary(nodes, edges, tags <= bodies)
+        if far is not None and bodies:
+            far.apply()
+        gmsh.model.mesh.generate(2)
+        vertices, triangles = _read_triangles()
     _require_boundary(triangles, edges)
     return vertices, triangles, edges, tags
 
 
-def _add_curves(nodes: Array, curves: Sequence[Curve], chains: Sequence[Indices]) -> None:
-    """Give gmsh the boundary: node k of ours is node k + 1 of gmsh's."""
-    points: dict[int, int] = {}
+def _add_boundary(nodes: Array, edges: Indices, on_body: NDArray[np.bool_]) -> None:
+    """Give gmsh the boundary as two curves, the bodies and the rest: node k of ours is node k + 1 of gmsh's.
 
-    def point(node: int) -> int:
-        if node not in points:
-            tag = points[node] = len(points) + 1
-            gmsh.model.addDiscreteEntity(0, tag)
-            gmsh.model.mesh.addNodes(0, tag, [node + 1], [*nodes[node], 0.0])
-            gmsh.model.mesh.addElementsByType(tag, 15, [], [node + 1])
-        return points[node]
-
-    outer, holes = [], []
-    for number, (curve, numbers) in enumerate(zip(curves, chains, strict=True), start=1):
-        gmsh.model.addDiscreteEntity(1, number, [point(int(numbers[0])), point(int(numbers[-1]))])
-        inner = numbers[1:-1]
-        gmsh.model.mesh.addNodes(
-            1, number, inner + 1, np.column_stack([nodes[inner], np.zeros(len(inner))]).ravel()
-        )
-        gmsh.model.mesh.addElementsByType(
-            number, 1, [], np.column_stack([numbers[:-1], numbers[1:]]).ravel() + 1
-        )
-        if curve.closed:
-            holes.append(gmsh.model.geo.addCurveLoop([number]))
-        else:
-            outer.append(number)
-    gmsh.model.geo.addPlaneSurface([gmsh.model.geo.addCurveLoop(outer, reorient=True), *holes])
-    gmsh.model.geo.synchronize()
+    gmsh does not mind that a curve is in pieces. With one curve for each piece it would evaluate every one of
+    them 40 000 times in vain, to find out which way the normal of the surface points: at 200 discs that took
+    0.8 of 1.2 s.
+    """
+    model = gmsh.model
+    model.addDiscreteEntity(0, 1)
+    model.mesh.addNodes(0, 1, [1], [*nodes[0], 0.0])
+    model.mesh.addElementsByType(1, 15, [], [1])
+    of_body = np.zeros(len(nodes), dtype=bool)
+    of_body[edges[on_body]] = True
+    loops = []
+    for curve, chosen, placed in ((BODIES, on_body, of_body), (REST, ~on_body, ~of_body)):
+        if chosen.any():
+            model.addDiscreteEntity(1, curve, [1, 1])
+            inner = np.flatnonzero(placed[1:]) + 1
+            x = np.column_stack([nodes[inner], np.zeros(len(inner))])
+            model.mesh.addNodes(1, curve, inner + 1, x.ravel())
+            model.mesh.addElementsByType(curve, 1, [], edges[chosen].ravel() + 1)
+            loops.append(model.geo.addCurveLoop([curve]))
+    model.geo.addPlaneSurface(loops[::-1])
+    model.geo.synchronize()
 
 
 def _read_triangles() -> tuple[Array, Indices]:
