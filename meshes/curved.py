@@ -16,7 +16,7 @@ import numpy as np
 
 from meshes.geometry import Array
 from meshes.sizing import Curve
-from meshes.triangulate import Indices
+from meshes.triangulate import Indices, edge_keys
 
 SIMPLEX = {2: basix.CellType.triangle, 3: basix.CellType.tetrahedron}  # by dimension
 EDGES = ((1, 2), (0, 2), (0, 1))  # local vertices of the local edges, as in basix
@@ -52,8 +52,8 @@ def curve(
 ) -> CurvedCells:
     """Cells of the given order from straight triangles (T, 3) and tagged boundary edges (E, 2)."""
     sides = np.stack([triangles[:, EDGES[e]] for e in range(3)], axis=1)
-    unique, side_numbers = np.unique(np.sort(sides.reshape(-1, 2), axis=1), axis=0, return_inverse=True)
-    side_numbers = side_numbers.reshape(-1, 3)
+    keys, side_numbers = np.unique(edge_keys(sides.reshape(-1, 2), len(vertices)), return_inverse=True)
+    unique, side_numbers = np.column_stack(np.divmod(keys, len(vertices))), side_numbers.reshape(-1, 3)
     bend = _Bend(vertices, unique, edges, tags, curves, order)
 
     per_side = order - 1
@@ -102,8 +102,7 @@ class _Bend:
         round_edges = np.isin(tags, [c.tag for c in curves if c.centre is not None])
         ends = np.sort(edges[round_edges], axis=1)
         n = len(vertices)
-        keys = sides[:, 0] * n + sides[:, 1]
-        self.side = np.searchsorted(keys, ends[:, 0] * n + ends[:, 1])
+        self.side = np.searchsorted(edge_keys(sides, n), edge_keys(ends, n))
         self.row = np.full(len(sides), -1)
         self.row[self.side] = np.arange(len(self.side))
         self.a, self.b = vertices[ends[:, 0]], vertices[ends[:, 1]]

@@ -30,10 +30,10 @@ def scaled_jacobian(x: Array, order: int) -> Array:
         order: of the cells.
     """
     derivatives, to_bezier = _tables(order, x.shape[2])
-    J = np.einsum("aqn,tnd->tqda", derivatives, x, optimize=x.shape[2] == 3)
-    bezier = determinant(J) @ to_bezier.T
-    largest = np.abs(bezier).max(axis=1)
-    ratio: Array = bezier.min(axis=1) / np.maximum(largest, np.finfo(float).tiny)
+    J = np.tensordot(derivatives, x.transpose(1, 0, 2), axes=1)  # (a, q, cell, d)
+    bezier = np.tensordot(to_bezier, determinant(J.transpose(1, 2, 3, 0)), axes=1)
+    largest = np.abs(bezier).max(axis=0)
+    ratio: Array = bezier.min(axis=0) / np.maximum(largest, np.finfo(float).tiny)
     return ratio
 
 

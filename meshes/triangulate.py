@@ -170,9 +170,14 @@ def _read_triangles() -> tuple[Array, Indices]:
 
 def _require_boundary(triangles: Indices, edges: Indices) -> None:
     """The edges that belong to one triangle must be the given ones."""
-    sides = np.sort(
-        np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [0, 2]]]), axis=1
-    )
-    found, count = np.unique(sides, axis=0, return_counts=True)
-    if not np.array_equal(found[count == 1], np.unique(np.sort(edges, axis=1), axis=0)):
+    n = int(triangles.max()) + 1
+    sides = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [0, 2]]])
+    found, count = np.unique(edge_keys(sides, n), return_counts=True)
+    if not np.array_equal(found[count == 1], np.unique(edge_keys(edges, n))):
         raise MeshError("gmsh lost a part of the boundary; try a finer discretisation.cells_per_gap")
+
+
+def edge_keys(edges: Indices, n: int) -> Indices:
+    """One number for each edge (E, 2) between n vertices, whichever of its ends comes first."""
+    key: Indices = edges.min(axis=1) * n + edges.max(axis=1)
+    return key
