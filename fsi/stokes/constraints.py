@@ -123,43 +123,49 @@ def rigid_modes(shares: Layout, nodes: BoundaryNodes, q: Configuration, lattice:
     return _matrix(shares, (shares.own_modes, shares.modes), rows, columns, values)
 
 
-def prolongation(
-    shares: Layout, rigid: PETSc.Mat, kept: NDArray[np.bool_], eliminate_bodies: bool = True
-) -> PETSc.Mat:
-    """P with the modes that are kept as unknowns, bool (M N,).
+class Prolongation:
+    """P with the modes that are kept as unknowns.
 
     With `eliminate_bodies` false, the nodes on bodies stay unknowns and P has no modes: this is the
     space of the multiplier form.
     """
-    free = np.ones(shares.rows, dtype=bool)
-    free[shares.fixed] = False
-    free[shares.slave] = False
-    columns = np.full(shares.modes, NO_COLUMN, dtype=np.int64)
-    if eliminate_bodies:
-        free[shares.on_body] = False
-    own_free = int(free.sum())
-    first = shares.comm.exscan(own_free) or 0
-    if eliminate_bodies:
-        # Rank 0 owns the modes: they come after its own free unknowns.
-        root_free = shares.comm.bcast(own_free)
-        columns[kept] = root_free + np.arange(kept.sum())
-        first += int(kept.sum()) if shares.comm.rank > 0 else 0
-    own_columns = own_free + (int((columns != NO_COLUMN).sum()) if shares.comm.rank == 0 else 0)
-    rows = np.flatnonzero(free)
-    unit = first + np.arange(own_free)
-    first_row = shares.comm.exscan(shares.rows) or 0
-    known, of_master = columns_of_masters(shares.comm, shares.master, first_row + rows, unit)
-    rows, unit = np.concatenate([rows, shares.slave[known]]), np.concatenate([unit, of_master])
-    if not eliminate_bodies:
-        return _matrix(shares, (own_columns, None), rows, unit[:, None], np.ones((len(rows), 1)))
-    start, end = rigid.getOwnershipRange()
-    indptr, mode, value = rigid.getValuesCSR()
-    mode_row = np.repeat(np.arange(end - start), np.diff(indptr))
-    used = columns[mode] != NO_COLUMN
-    all_rows = np.concatenate([rows, mode_row[used]])
-    all_columns = np.concatenate([unit, columns[mode[used]]])
-    values = np.concatenate([np.ones(len(rows)), value[used]])
-    return _matrix(shares, (own_columns, None), all_rows, all_columns[:, None], values[:, None])
+
+    def __init__(
+        self, shares: Layout, rigid: PETSc.Mat, kept: NDArray[np.bool_], eliminate_bodies: bool = True
+    ) -> None:
+        """Make P. kept: of all modes, bool (M N,)."""
+        free = np.ones(shares.rows, dtype=bool)
+        free[shares.fixed] = False
+        free[shares.slave] = False
+        columns = np.full(shares.modes, NO_COLUMN, dtype=np.int64)
+        if eliminate_bodies:
+            free[shares.on_body] = False
+        own_free = int(free.sum())
+        first = shares.comm.exscan(own_free) or 0
+        if eliminate_bodies:
+            # Rank 0 owns the modes: they come after its own free unknowns.
+            root_free = shares.comm.bcast(own_free)
+            columns[kept] = root_free + np.arange(kept.sum())
+            first += int(kept.sum()) if shares.comm.rank > 0 else 0
+        own_columns = own_free + (int((columns != NO_COLUMN).sum()) if shares.comm.rank == 0 else 0)
+        rows = np.flatnonzero(free)
+        unit = first + np.arange(own_free)
+        first_row = shares.comm.exscan(shares.rows) or 0
+        known, of_master = columns_of_masters(shares.comm, shares.master, first_row + rows, unit)
+        rows, unit = np.concatenate([rows, shares.slave[known]]), np.concatenate([unit, of_master])
+        start, end = rigid.getOwnershipRange()
+        indptr, mode, value = rigid.getValuesCSR()
+        mode_row = np.repeat(np.arange(end - start), np.diff(indptr))
+        self._used, self._ones = columns[mode] != NO_COLUMN, np.ones(len(rows))
+        all_rows = np.concatenate([rows, mode_row[self._used]])
+        all_columns = np.concatenate([unit, columns[mode[self._used]]])
+        values = np.concatenate([self._ones, value[self._used]])
+        self.matrix = _matrix(shares, (own_columns, None), all_rows, all_columns[:, None], values[:, None])
+
+    def update(self, rigid: PETSc.Mat) -> None:
+        """P with other values of the same rigid modes, in place."""
+        values = np.concatenate([self._ones, rigid.getValuesCSR()[2][self._used]])
+        self.matrix.setValuesCOO(values)
 
 
 def wall_offset(
@@ -194,13 +200,13 @@ def _matrix(
     column: NDArray[np.int64],
     value: Array,
 ) -> PETSc.Mat:
-    """Sparse matrix with `value[k, :]` in row `rows[k]` at columns `column[k, :]`; rows may repeat."""
-    width = column.shape[1]
-    order = np.argsort(rows, kind="stable")
-    count = np.bincount(rows, minlength=shares.rows) * width
-    indptr = np.concatenate([[0], np.cumsum(count)]).astype(PETSc.IntType)
-    return PETSc.Mat().createAIJ(
-        size=((shares.rows, None), columns),
-        csr=(indptr, column[order].ravel().astype(PETSc.IntType), value[order].ravel()),
-        comm=shares.comm,
-    )
+    """Sparse matrix with `value[k, :]` in row `rows[k]` at columns `column[k, :]`; rows may repeat.
+
+    `setValuesCOO` with values in the same order fills it anew.
+    """
+    first = shares.comm.exscan(shares.rows) or 0
+    row = np.repeat(first + rows, column.shape[1]).astype(PETSc.IntType)
+    matrix = PETSc.Mat().createAIJ(size=((shares.rows, None), columns), comm=shares.comm)
+    matrix.setPreallocationCOO(row, column.ravel().astype(PETSc.IntType))
+    matrix.setValuesCOO(value.ravel())
+    return matrix

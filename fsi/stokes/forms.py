@@ -172,6 +172,7 @@ class Forms:
         """Bind the forms to a mesh; degree of the velocity, at least the order of the cells."""
         self._compiled = compile_forms(fluid.order, degree, fluid.dimension, fluid.axisymmetric)
         self.mesh = fluid.mesh
+        self._degree, self._viscosity = degree, viscosity
         self.axisymmetric = fluid.axisymmetric
         self._curved, self._straight = _cells(fluid)
         self.V = fem.functionspace(fluid.mesh, velocity_element(degree, fluid.dimension))
@@ -180,6 +181,10 @@ class Forms:
         values = {"mu": viscosity, "zero": 0.0, "one": 1.0}
         constants = self._compiled.constants
         self._constants = {constants[name]: fem.Constant(fluid.mesh, value) for name, value in values.items()}
+
+    def fit(self, fluid: FluidMesh, degree: int, viscosity: float) -> bool:
+        """Whether these are the forms of that mesh, which may have moved, with these parameters."""
+        return self.mesh is fluid.mesh and (self._degree, self._viscosity) == (degree, viscosity)
 
     @property
     def velocities(self) -> int:

@@ -33,11 +33,21 @@ class Factorisation:
         """
         self.matrix, self.iterations = matrix, 0
         matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        for percent in WORKSPACES:
-            self._ksp, status = _factorised(matrix, percent)
-            if status not in TOO_LITTLE_WORKSPACE:
-                break
+        self._ksp = _solver(matrix, WORKSPACES[0])
+        self.update()
+
+    def update(self) -> None:
+        """Factorise the matrix with the values that it has now; what follows from its pattern is kept.
+
+        Raises:
+            SolveError: the matrix is singular or MUMPS fails.
+        """
+        self._ksp.setOperators(self.matrix)  # or PETSc would not look at its values again
+        status = _factorise(self._ksp)
+        if status in TOO_LITTLE_WORKSPACE:
             self._ksp.destroy()
+            self._ksp = _solver(self.matrix, WORKSPACES[1])
+            status = _factorise(self._ksp)
         if status < 0:
             raise SolveError(
                 f"MUMPS failed with INFOG(1) = {status}; is the flow left without anything that holds it?"
@@ -50,6 +60,10 @@ class Factorisation:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        """Free the factors."""
+        self.destroy()
+
+    def destroy(self) -> None:
         """Free the factors."""
         self._ksp.destroy()
 
@@ -118,8 +132,8 @@ class Factorisation:
         return norms
 
 
-def _factorised(matrix: PETSc.Mat, workspace: int) -> tuple[PETSc.KSP, int]:
-    """A solver with the factors in it and MUMPS's status; workspace: more than estimated, in percent."""
+def _solver(matrix: PETSc.Mat, workspace: int) -> PETSc.KSP:
+    """A solver without factors yet; workspace: more than MUMPS estimates, in percent."""
     ksp = PETSc.KSP().create(matrix.comm)
     ksp.setOperators(matrix)
     ksp.setType(PETSc.KSP.Type.PREONLY)
@@ -130,15 +144,23 @@ def _factorised(matrix: PETSc.Mat, workspace: int) -> tuple[PETSc.KSP, int]:
     factor = pc.getFactorMatrix()
     for option, value in ((7, 0), (12, 1), (14, workspace)):
         factor.setMumpsIcntl(option, value)
+    # These handles hold references: undestroyed they leak megabytes a step in parallel.
+    factor.destroy()
+    pc.destroy()
+    return ksp
+
+
+def _factorise(ksp: PETSc.KSP) -> int:
+    """Factorise the matrix of a solver, and MUMPS's status."""
+    pc = ksp.getPC()
+    factor = pc.getFactorMatrix()
     try:
         ksp.setUp()
-        status = int(factor.getMumpsInfog(1))
+        return int(factor.getMumpsInfog(1))
     except PETSc.Error as error:
         raise SolveError(
             f"MUMPS failed: {error}; is a body or the flow left without anything that holds it?"
         ) from error
     finally:
-        # These handles hold references: undestroyed they leak megabytes a step in parallel.
         factor.destroy()
         pc.destroy()
-    return ksp, status

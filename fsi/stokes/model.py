@@ -17,6 +17,7 @@ from fsi.stepping import Instant
 from fsi.stokes.error import error_columns
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import Boundary, Clock, Field, solve
+from fsi.stokes.workspace import Workspace
 from fsi.walls import WallVelocity
 from meshes.build import FluidMesh, build
 from meshes.lattice import Lattice
@@ -36,6 +37,7 @@ class StokesModel:
         self._moving = case.time is not None and case.time.remesh == "when-needed"
         self._mover: Mover | None = None
         self._meshed_time = 0.0
+        self._workspace = Workspace()
 
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> StokesSolution:
         """The flow at configuration q and time t.
@@ -48,7 +50,8 @@ class StokesModel:
         fluid = self._moved(q, t) if self._moving else self.mesh(q, t)
         clock.lap("mesh")
         degree = self.case.discretisation.degree
-        return self._solve(fluid, q, t, self.case.motion_at(q, t), degree, inertia, clock)
+        workspace = self._workspace if self._moving else None
+        return self._solve(fluid, q, t, self.case.motion_at(q, t), degree, inertia, clock, workspace)
 
     def of_degree(self, degree: int, q: Configuration, t: float, motion: Motion) -> StokesSolution:
         """The flow with elements and curved cells of another degree, on a new mesh of the same simplices.
@@ -65,7 +68,7 @@ class StokesModel:
 
     def _solve(
         self, fluid: FluidMesh, q: Configuration, t: float, motion: Motion, degree: int,
-        inertia: Inertia | None, clock: Clock,
+        inertia: Inertia | None, clock: Clock, workspace: Workspace | None = None,
     ) -> StokesSolution:  # fmt: skip
         return solve(
             fluid,
@@ -79,6 +82,7 @@ class StokesModel:
             solver=self.case.discretisation.solver,
             inertia=inertia,
             clock=clock,
+            workspace=workspace,
         )
 
     def mesh(self, q: Configuration, t: float = 0.0, order: int | None = None) -> FluidMesh:
@@ -113,6 +117,7 @@ class StokesModel:
         return self._remesh(q, t)
 
     def _remesh(self, q: Configuration, t: float) -> FluidMesh:
+        self._workspace.close()
         if self._mover is not None:
             self._mover.close()
         self._mover, self._meshed_time = Mover(self.mesh(q, t), q.centres), t

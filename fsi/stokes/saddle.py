@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fsi.bodies import Array
-from fsi.stokes.constraints import prolongation
+from fsi.stokes.constraints import Prolongation
 from fsi.stokes.linear import Factorisation
 from fsi.stokes.matrices import galerkin
 from fsi.stokes.system import (
@@ -41,7 +41,7 @@ def solve_multiplier(system: System) -> NodalSolution:
         SolveError: the system is singular, or its residual is not small.
     """
     shares, held = system.shares, system.motion.held
-    S = prolongation(shares, system.rigid, system.kept, eliminate_bodies=False)
+    S = Prolongation(shares, system.rigid, np.zeros_like(system.kept), eliminate_bodies=False).matrix
     flow = galerkin(system.M, S)
     # Rows of each rank: its unknowns (u, p), its multipliers, and on rank 0 the free modes.
     own_flow, own_multipliers = flow.getLocalSize()[0], len(shares.on_body)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 
 import meshes.backend  # noqa: F401
@@ -19,7 +19,7 @@ from fsi.stokes.boundary import BoundaryNodes, facets_with, locate
 from fsi.stokes.constraints import layout, rigid_modes, wall_offset
 from fsi.stokes.forms import Forms
 from fsi.stokes.identities import identities, require
-from fsi.stokes.matrices import pressure_mass, stokes_matrix
+from fsi.stokes.matrices import pressure_mass
 from fsi.stokes.periodic import averages, jumps, mean_flow, solve_periodic, tied
 from fsi.stokes.saddle import solve_multiplier
 from fsi.stokes.solution import StokesSolution
@@ -31,6 +31,7 @@ from fsi.stokes.system import (
     nodal_vector,
     solve_eliminated,
 )
+from fsi.stokes.workspace import Workspace
 from meshes.build import FluidMesh
 from meshes.cell import Cell, Channel
 from meshes.geometry import Container
@@ -91,6 +92,7 @@ def solve(
     solver: str = "automatic",
     inertia: Inertia | None = None,
     clock: Clock | None = None,
+    workspace: Workspace | None = None,
 ) -> StokesSolution:
     """Velocity, pressure, reactions and the motion of the bodies; collective.
 
@@ -106,6 +108,7 @@ def solve(
         solver: of the eliminated form, "direct", "iterative" (in space), or "automatic" by size.
         inertia: of an implicit step; none: quasi-static.
         clock: takes the CPU seconds by phase; may have some already.
+        workspace: what solves on this mesh share while it is moved; it keeps what this one makes.
 
     Raises:
         SolveError: singular system, large residual, or an identity violated.
@@ -113,7 +116,9 @@ def solve(
     clock = clock or Clock()
     if formulation == "multiplier":
         solver = "direct"
-    given = assembled(fluid, container, q, motion, boundary, viscosity, degree, inertia, clock, solver)
+    given = assembled(
+        fluid, container, q, motion, boundary, viscosity, degree, inertia, clock, solver, workspace
+    )
     with given as (system, forms, nodes):
         solve_system, loads = FORMULATIONS[formulation], system.b
         if isinstance(container, Channel | Cell):
@@ -140,33 +145,36 @@ def assembled(
     inertia: Inertia | None,
     clock: Clock,
     solver: str = "automatic",
+    workspace: Workspace | None = None,
 ) -> Iterator[tuple[System, Forms, BoundaryNodes]]:
     """The assembled system of `solve`, with the same arguments; collective."""
-    forms = Forms(fluid, degree, viscosity)
-    nodes = locate(fluid, forms.V)
-    closed = not boundary.pressures
-    iterative = is_iterative(solver, forms)
-    pin = _pinned_pressure(fluid, forms) if closed and not iterative else None
-    pressure_nodes = forms.Q.dofmap.index_map.size_local
-    shares = layout(fluid.mesh.comm, nodes, tuple(boundary.velocities), pressure_nodes, pin, fluid)
-    shares = tied(shares, fluid, forms)
-    at_walls = {wall: u(nodes.x[nodes.wall_nodes[wall]]) for wall, u in boundary.velocities.items()}
-    g = wall_offset(shares, nodes, at_walls, dict(zip(container.walls, container.corner_axes, strict=True)))
-    b = _loads(fluid, forms, boundary, shares.rows)
-    clock.lap("setup")
-    mass = pressure_mass(forms) if iterative else None
-    system = System(
-        shares, stokes_matrix(forms), rigid_modes(shares, nodes, q, fluid.lattice), b, g, q, motion, inertia,
-        nodes.x, mass, closed,
-    )  # fmt: skip
-    clock.lap("assemble")
-    try:
-        yield system, forms, nodes
-    finally:
-        system.M.destroy()
-        system.rigid.destroy()
-        if system.mass is not None:
-            system.mass.destroy()
+    with nullcontext(workspace) if workspace else Workspace() as kept:
+        forms = kept.forms(fluid, degree, viscosity)
+        nodes = locate(fluid, forms.V)
+        closed = not boundary.pressures
+        iterative = is_iterative(solver, forms)
+        pin = _pinned_pressure(fluid, forms) if closed and not iterative else None
+        pressure_nodes = forms.Q.dofmap.index_map.size_local
+        shares = layout(fluid.mesh.comm, nodes, tuple(boundary.velocities), pressure_nodes, pin, fluid)
+        shares = tied(shares, fluid, forms)
+        at_walls = {wall: u(nodes.x[nodes.wall_nodes[wall]]) for wall, u in boundary.velocities.items()}
+        g = wall_offset(
+            shares, nodes, at_walls, dict(zip(container.walls, container.corner_axes, strict=True))
+        )
+        b = _loads(fluid, forms, boundary, shares.rows)
+        clock.lap("setup")
+        mass = pressure_mass(forms) if iterative else None
+        system = System(
+            shares, kept.stokes_matrix(), rigid_modes(shares, nodes, q, fluid.lattice), b, g, q, motion,
+            inertia, nodes.x, mass, closed, kept,
+        )  # fmt: skip
+        clock.lap("assemble")
+        try:
+            yield system, forms, nodes
+        finally:
+            system.rigid.destroy()
+            if system.mass is not None:
+                system.mass.destroy()
 
 
 def is_iterative(solver: str, forms: Forms) -> bool:

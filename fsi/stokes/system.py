@@ -28,10 +28,10 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fsi.bodies import Array, Configuration, Inertia, Motion, rigid_motion
-from fsi.stokes.constraints import Layout, prolongation
+from fsi.stokes.constraints import Layout
 from fsi.stokes.iterative import Blocks, Iteration
 from fsi.stokes.linear import Factorisation
-from fsi.stokes.matrices import galerkin
+from fsi.stokes.workspace import Workspace
 from meshes.aliases import Form
 
 
@@ -42,7 +42,7 @@ class System:
     M: Stokes matrix of all unknowns; rigid: rigid modes at the nodes on bodies, (rows, M N); b: loads,
     g: given wall velocities, arrays over this rank's rows; q: the bodies; motion, inertia: what drives them;
     x: coordinates of this rank's velocity nodes, (n, d); mass: of the pressure / mu for the iterative solver,
-    None for the direct one; closed: no wall is open.
+    None for the direct one; closed: no wall is open; workspace: whose M is, and that keeps the factors.
     """
 
     shares: Layout
@@ -56,6 +56,7 @@ class System:
     x: Array
     mass: PETSc.Mat | None
     closed: bool
+    workspace: Workspace
 
     @property
     def kept(self) -> NDArray[np.bool_]:
@@ -156,24 +157,22 @@ def factorised(system: System) -> Iterator[Callable[[Array], Iterator[NodalSolut
     Raises:
         SolveError: the system is singular, or the residual of a solution is not small.
     """
-    P = prolongation(system.shares, system.rigid, system.kept)
-    reduced = galerkin(system.M, P)
-    own = system.own_kept
+    elimination = system.workspace.elimination(system.M, system.shares, system.rigid, system.kept)
+    reduced, own = elimination.reduced, system.own_kept
     first_mode = reduced.getLocalSize()[0] - own
     D, _ = mode_equations(system)
     _add_to_diagonal(reduced, first_mode, D[system.kept][:own])
-    try:
-        with _solver(system, reduced, first_mode) as solver:
-            yield lambda U: _respond(system, P, solver, U)
-    finally:
-        P.destroy()
-        reduced.destroy()
-
-
-def _solver(system: System, reduced: PETSc.Mat, first_mode: int) -> Factorisation | Iteration:
-    """The direct solver, or where the system has a mass matrix the iterative one."""
     if system.mass is None:
-        return Factorisation(reduced)
+        factors = elimination.factors()
+        yield lambda U: _respond(system, elimination.P, factors, U)
+        return
+    with _iteration(system, reduced, first_mode) as iteration:
+        yield lambda U: _respond(system, elimination.P, iteration, U)
+    system.workspace.forget_elimination()
+
+
+def _iteration(system: System, reduced: PETSc.Mat, first_mode: int) -> Iteration:
+    """The iterative solver; it changes the matrix."""
     shares, start = system.shares, reduced.getOwnershipRange()[0]
     held = np.flatnonzero(system.motion.held.ravel())[: system.own_kept]
     reduced.zeroRowsColumns((start + first_mode + held).astype(PETSc.IntType), diag=1.0)
