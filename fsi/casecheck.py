@@ -35,7 +35,7 @@ def check_case(case: Case) -> None:
     _check_names(case)
     if case.axisymmetric:
         _check_axis(case)
-    _check_solver(case)
+    _check_discretisation(case)
     _check_room(case)
     _check_loads(case)
     _check_inertia(case)
@@ -59,9 +59,11 @@ def _check_names(case: Case) -> None:
             raise InputError(f"{here}: a wall has this name; give the body another one")
 
 
-def _check_solver(case: Case) -> None:
-    """The iterative solver is for the eliminated form in space."""
+def _check_discretisation(case: Case) -> None:
+    """The iterative solver is for the eliminated form in space, a sparse interior for the plane."""
     given = case.discretisation
+    if given.interior == "sparse" and case.dimension == 3:
+        raise InputError('discretisation.interior = "sparse": is for the plane; drop it or give "graded"')
     if given.solver == "iterative" and (case.dimension == 2 or given.formulation == "multiplier"):
         raise InputError(
             'discretisation.solver = "iterative": is for geometry = "spatial" and formulation = '

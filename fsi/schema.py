@@ -130,6 +130,9 @@ class Discretisation(Section):
         le=1.0,
         description="the cell size over the distance to the nearest body, in (0, 1]",
     )
+    interior: Literal["graded", "sparse"] = Field(
+        default="graded", description='"graded" or, in the plane, "sparse"'
+    )
     tolerance: float | None = Field(
         default=None,
         gt=0.0,

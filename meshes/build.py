@@ -111,7 +111,8 @@ def build(
         curves = boundary(container, centres, radii, resolution)
         largest = float(radii.max(initial=0.0))
         h_body = 2.0 * np.pi * largest / resolution.cells_per_circle
-        far = FarSize(len(radii), h_body, SLOPE * resolution.growth, container.size())
+        slope, sparse = SLOPE * resolution.growth, resolution.interior == "sparse"
+        far = FarSize(len(radii), h_body, slope, container.size(), alone=sparse)
         return curve(*triangulate(curves, far), curves, order)
 
     return shared(make, container, len(radii), comm)

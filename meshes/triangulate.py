@@ -73,13 +73,15 @@ class FarSize:
     """A bound on the element size in the fluid: `smallest + slope d` at the distance d from the nearest body.
 
     Without it gmsh, which interpolates between distant boundaries, leaves the surroundings of bodies too
-    coarse. bodies: how many, with the tags 1 ... N; reach: a length that no distance exceeds.
+    coarse. bodies: how many, with the tags 1 ... N; reach: a length that no distance exceeds; alone: whether
+    the sizes of the boundary do not count in the fluid.
     """
 
     bodies: int
     smallest: float
     slope: float
     reach: float
+    alone: bool = False
 
     def apply(self) -> None:
         """Make it gmsh's background size."""
@@ -96,6 +98,8 @@ class FarSize:
         for name, number in numbers.items():
             field.setNumber(bound, name, number)
         field.setAsBackgroundMesh(bound)
+        if self.alone:
+            gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
 
 
 def triangulate(

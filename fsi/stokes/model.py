@@ -33,7 +33,9 @@ class StokesModel:
         """A model of the case; nothing is meshed yet."""
         self.case = case
         given = case.discretisation
-        self.resolution = Resolution(given.cells_per_gap, given.cells_per_circle, given.growth)
+        self.resolution = Resolution(
+            given.cells_per_gap, given.cells_per_circle, given.growth, given.interior
+        )
         self._moving = case.time is not None and case.time.remesh == "when-needed"
         self._mover: Mover | None = None
         self._meshed_time = 0.0
