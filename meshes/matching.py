@@ -48,7 +48,7 @@ def matching_nodes(fluid: FluidMesh, space: FunctionSpace) -> Pairs:
     nodes = nodes[nodes < numbers.size_local]
     x = space.tabulate_dof_coordinates()[nodes, :2]
     own = numbers.local_to_global(nodes.astype(np.int32)).astype(np.int64)
-    parts = comm.allgather((own, space.tabulate_dof_coordinates()[nodes, :2]))
+    parts = comm.allgather((own, x))
     every, x = (np.concatenate([part[k] for part in parts]) for k in range(2))
     pairs = matching_points(x, fluid.lattice)
     return Pairs(every[pairs.slave], every[pairs.master], pairs.shift)

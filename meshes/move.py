@@ -47,6 +47,7 @@ class Mover:
         self.centres = centres
         self._x = fluid.mesh.geometry.x[:, : fluid.dimension].copy()
         self._vertices = fem.functionspace(fluid.mesh, vertex_element(fluid.dimension))
+        self._inverse_sides = np.linalg.inv(_sides(self._x[fluid.mesh.geometry.dofmaps[0]]))
         self._tags = self._boundary_tags()
         self._places = self._vertices.tabulate_dof_coordinates()[: len(self._tags), : fluid.dimension].copy()
         self._slave, self._away, self._P = self._inside()
@@ -72,9 +73,8 @@ class Mover:
         shift = self._extension(centres - self.centres, carried)
         geometry = self.fluid.mesh.geometry
         linear, d = _linear_weights(self.fluid.order, self.fluid.dimension), self.fluid.dimension
-        geometry.x[geometry.dofmaps[0], :d] = self._x[geometry.dofmaps[0]] + np.einsum(
-            "nv,tvd->tnd", linear, shift
-        )
+        of_nodes = np.tensordot(shift, linear, axes=(1, 1)).transpose(0, 2, 1)
+        geometry.x[geometry.dofmaps[0], :d] = self._x[geometry.dofmaps[0]] + of_nodes
         quality = self._quality()
         if quality is None:
             geometry.x[:, :d] = self._x
@@ -165,9 +165,7 @@ class Mover:
         mesh = self.fluid.mesh
         x = mesh.geometry.x[mesh.geometry.dofmaps[0]][:, :, : self.fluid.dimension]
         worst = float(scaled_jacobian(x, self.fluid.order).min(initial=1.0))
-        before, after = _sides(self._x[mesh.geometry.dofmaps[0]]), _sides(x)
-        stretches = np.linalg.svd(after @ np.linalg.inv(before), compute_uv=False)
-        distortion = float((stretches[:, 0] / stretches[:, -1]).max(initial=1.0))
+        distortion = float(_distortion(_sides(x) @ self._inverse_sides).max(initial=1.0))
         worst = mesh.comm.allreduce(worst, op=MPI.MIN)
         distortion = mesh.comm.allreduce(distortion, op=MPI.MAX)
         return worst if worst >= SMALLEST_JACOBIAN and distortion <= LARGEST_DISTORTION else None
@@ -217,6 +215,19 @@ def _sides(x: Array) -> Array:
     """The d sides of each cell (T, nodes, d) that leave its first corner, as columns, (T, d, d)."""
     sides: Array = (x[:, 1 : x.shape[2] + 1] - x[:, :1]).transpose(0, 2, 1)
     return sides
+
+
+def _distortion(gradients: Array) -> Array:
+    """Ratio of the largest to the smallest stretch of deformation gradients (T, d, d), (T,)."""
+    if gradients.shape[-1] == 2:
+        # s1^2 + s2^2 = sum of squares, s1 s2 = |det|: ten times as fast as LAPACK.
+        squares, area = np.square(gradients).sum(axis=(1, 2)), np.abs(determinant(gradients))
+        half = 0.5 * squares / np.maximum(area, np.finfo(float).tiny)
+        of_two: Array = half + np.sqrt(np.maximum(half**2 - 1.0, 0.0))
+        return of_two
+    stretches = np.linalg.svd(gradients, compute_uv=False)
+    ratio: Array = stretches[:, 0] / stretches[:, -1]
+    return ratio
 
 
 @cache

@@ -203,11 +203,12 @@ def averages(forms: Forms, q: Configuration, x: Array, area: float) -> Averages:
 
 
 def solve_periodic(
-    system: System, solver: Solver, jump: Jumps, mean: MeanFlow, average: Averages
+    system: System, solver: Solver, jump: Jumps, mean: MeanFlow, average_of: Callable[[], Averages]
 ) -> tuple[System, NodalSolution]:
     """The flow with the given mean, and the system with the loads that it took; collective.
 
-    It is linear in G: the flow for what is known of G, plus what each unknown component drives alone.
+    It is linear in G: the flow for what is known of G, plus what each unknown component drives alone. The
+    averages are made where a mean is given.
 
     Raises:
         SolveError: as the solver.
@@ -222,6 +223,8 @@ def solve_periodic(
     )
     solution, total_g, total_b = solver(known), known.g, known.b
     unknown = np.flatnonzero(np.isnan(mean.pressure_gradient))
+    if len(unknown) or mean.drifting.any():
+        average = average_of()
     if len(unknown):
         pushes = [jump.of_pressure(direction) for direction in np.eye(2)[unknown]]
         driven = [solver(replace(known, g=g, b=b, motion=at_rest, inertia=None)) for g, b in pushes]

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
+from functools import partial
 
 import meshes.backend  # noqa: F401
 
@@ -124,7 +125,7 @@ def solve(
         if isinstance(container, Channel | Cell):
             mean = mean_flow(container, motion, boundary.pressure_gradient, boundary.net_flux)
             jump = jumps(system.shares, fluid, forms, q, nodes.x)
-            average = averages(forms, q, nodes.x, container.area)
+            average = partial(averages, forms, q, nodes.x, container.area)
             system, nodal = solve_periodic(system, solve_system, jump, mean, average)
         else:
             nodal = solve_system(system)

@@ -5,9 +5,14 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from numpy.typing import NDArray
 
 from fsi.bodies import Configuration
 from fsi.stokes.solve import solve
+from meshes import move
 from meshes.build import FluidMesh
 from meshes.move import Mover
 from tests.flows import SMALL_BOX, discs, held, mesh, resting, solved
@@ -71,6 +76,16 @@ def test_a_move_does_not_depend_on_the_way() -> None:
         moving.move(Q.centres - 0.3 * STEP)
         moving.move(Q.centres + STEP)
     np.testing.assert_array_equal(fluid.mesh.geometry.x, straight)
+
+
+@given(arrays(np.float64, (3, 2, 2), elements=st.floats(-2.0, 2.0, width=32)))
+def test_distortion_is_the_ratio_of_singular_values(gradients: NDArray[np.float64]) -> None:
+    """By LAPACK; without the square root of a flat cell's it would be twice as large."""
+    gradients += np.eye(2)
+    stretches = np.linalg.svd(gradients, compute_uv=False)
+    regular = stretches[:, 1] > 1e-4
+    found, expected = move._distortion(gradients)[regular], (stretches[:, 0] / stretches[:, 1])[regular]
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
 
 
 @pytest.mark.parametrize("step", [10.0, 1000.0], ids=["distorted", "through the wall"])
