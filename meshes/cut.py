@@ -72,7 +72,7 @@ def cut(container: Periodic, lattice: Lattice, centres: Array, radii: Array) -> 
     if walls + len(radii) == 0:
         raise MeshError("a periodic cell without walls needs a body; give it one")
     open_by = _from_wall_to_wall if walls else _two_loops
-    reach = float(radii.max(initial=container.size()))
+    reach = float(radii.max()) if len(radii) else container.size()
     while True:
         links = neighbours(container, lattice, centres, radii, reach)
         chosen, length = open_by(links, len(radii))

@@ -23,7 +23,7 @@ from meshes.geometry import Array
 from meshes.lattice import Lattice
 from meshes.placement import equidistribute, resolve
 from meshes.segment import segment
-from meshes.sizing import Curve, Resolution, Surfaces, across, arc, around
+from meshes.sizing import Curve, Resolution, Surfaces, across, arcs, around
 
 PIECES = 16  # of a link, to begin with
 
@@ -124,10 +124,13 @@ def _curves(
     n = surfaces.bodies
     cut_tag = n + len(container.walls) + 1
     along = [_ways(links, k, surfaces, resolution) for k in range(len(links))]
+    on_bodies = [stretch for stretch in walk if stretch.node < n]
+    angles = np.array([(stretch.end, stretch.start) for stretch in on_bodies]).reshape(-1, 2)
+    pieces = iter(arcs(surfaces, resolution, [stretch.node for stretch in on_bodies], angles))
     for stretch in walk:
         leaves, radius = stretch.centre, 0.0
         if stretch.node < n:
-            piece = arc(surfaces, resolution, stretch.node, stretch.end, stretch.start)
+            piece = next(pieces)
             moved = _moved(piece, stretch.centre - surfaces.centres[stretch.node])
             yield Curve(moved.tag, moved.nodes[::-1], closed=False, centre=moved.centre)
             radius = float(surfaces.radii[stretch.node])

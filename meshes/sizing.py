@@ -123,17 +123,20 @@ def around(surfaces: Surfaces, resolution: Resolution, chosen: Sequence[int]) ->
 
 def half_around(surfaces: Surfaces, resolution: Resolution, i: int) -> Curve:
     """The nodes from pole to pole of body i on the axis."""
-    curve = arc(surfaces, resolution, i, -0.5 * np.pi, 0.5 * np.pi)
+    (curve,) = arcs(surfaces, resolution, [i], np.array([[-0.5, 0.5]]) * np.pi)
     centre, radius = surfaces.centres[i], surfaces.radii[i]
     curve.nodes[[0, -1]] = [[0.0, centre[1] - radius], [0.0, centre[1] + radius]]
     return curve
 
 
-def arc(surfaces: Surfaces, resolution: Resolution, i: int, start: float, end: float) -> Curve:
-    """The nodes on body i between two angles, start < end."""
-    near = [_near(surfaces, resolution, i)]
-    (nodes,) = _on_arcs(surfaces, resolution, near, np.array([[start, end]]))
-    return Curve(i + 1, nodes, closed=False, centre=surfaces.centres[i])
+def arcs(surfaces: Surfaces, resolution: Resolution, chosen: Sequence[int], angles: Array) -> list[Curve]:
+    """The nodes on bodies between two angles each, start < end, (n, 2)."""
+    near = [_near(surfaces, resolution, i) for i in chosen]
+    pieces = _on_arcs(surfaces, resolution, near, angles)
+    return [
+        Curve(i + 1, nodes, closed=False, centre=surfaces.centres[i])
+        for i, nodes in zip(chosen, pieces, strict=True)
+    ]
 
 
 @dataclass(frozen=True, slots=True)
