@@ -210,3 +210,8 @@ def test_the_iterative_solver_is_for_space() -> None:
     }  # fmt: skip
     with pytest.raises(InputError, match=re.escape('discretisation.solver = "iterative"')):
         parse_case(planar)
+
+
+def test_a_sparse_interior_is_for_the_plane() -> None:
+    with pytest.raises(InputError, match=r'discretisation.interior = "sparse"'):
+        case(BOX, interior="sparse")
