@@ -17,6 +17,8 @@ def make_model(case: Case) -> Model:
         from fsi.reduced.model import ReducedModel
 
         return ReducedModel(case) if case.reduced.step is None else DistanceModel(case, case.reduced.step)
-    from fsi.stokes.model import StokesModel  # dolfinx is imported where it is needed, and only there
+    # dolfinx is imported where it is needed, and only there
+    from fsi.stokes.model import StokesModel
+    from fsi.stokes.refined import RefinedModel
 
-    return StokesModel(case)
+    return StokesModel(case) if case.discretisation.tolerance is None else RefinedModel(case)

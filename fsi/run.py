@@ -15,6 +15,7 @@ from fsi.gaps import find_gaps
 from fsi.provenance import launch
 from fsi.reduced.inertial import DistanceModel
 from fsi.reduced.stepper import FixedStepper
+from fsi.refining import Refinable, RefiningStepper
 from fsi.results import RunFolder, StepRecord
 from fsi.schedule import Schedule
 from fsi.schema import Time
@@ -73,14 +74,9 @@ def make_stepper(case: Case, model: Model) -> Advance:
     schedule = Schedule(given.end, case.knots(), case.output.interval)
     if isinstance(model, DistanceModel):
         return FixedStepper(model, case.container(), schedule, model.step)
-    if case.discretisation.tolerance is not None:
-        raise InputError(
-            f"discretisation.tolerance = {case.discretisation.tolerance:g}: only `fsi solve` refines to it; "
-            "drop it, and set output.error_estimates = true to see the error of each step"
-        )
     masses = case.masses()
     scheme: Scheme = BogackiShampine() if masses is None else AscherRuuthSpiteri(masses, given.smallest_step)
-    return Stepper(
+    stepper = Stepper(
         model=model,
         scheme=scheme,
         container=case.container(),
@@ -90,16 +86,21 @@ def make_stepper(case: Case, model: Model) -> Advance:
         gap_loss=given.gap_loss,
         smallest_step=given.smallest_step,
     )
+    tolerance = case.discretisation.tolerance
+    if tolerance is not None and isinstance(model, Refinable):
+        return RefiningStepper(stepper, model, tolerance)
+    return stepper
 
 
 def _drive(case: Case, run: RunFolder, stepper: Advance, progress: Progress) -> Outcome:
     """Step from the last commit, or from the start, to the end; keep each step."""
+    estimated = case.output.error_estimates or case.discretisation.tolerance is not None
 
     def kept(advance: Callable[[], Step]) -> State:
         began = process_time()
         step = advance()
         q, t = step.state.q, step.state.t
-        errors = stepper.model.errors(q, t, step.instant) if case.output.error_estimates else {}
+        errors = stepper.model.errors(q, t, step.instant) if estimated else {}
         record = _record(step, errors, stepper.container.at(t), process_time() - began)
         writes = case.output.fields and stepper.schedule.is_output(record.t)
         files = step.instant.write(run.fields, record.step) if writes else {}

@@ -137,7 +137,7 @@ class Discretisation(Section):
         default=None,
         gt=0.0,
         lt=1.0,
-        description="the estimated relative error to which `fsi solve` refines the mesh, in (0, 1), or none",
+        description="the estimated relative error below which the mesh is refined, in (0, 1), or none",
     )
     formulation: Literal["eliminated", "multiplier"] = Field(
         default="eliminated", description='"eliminated" or "multiplier"'

@@ -29,6 +29,7 @@ from fsi.accuracy import ErrorEstimate, Measured, Results, relative_change
 from fsi.bodies import Array, Configuration, Motion
 
 if TYPE_CHECKING:
+    from fsi.case import Case
     from fsi.stokes.model import StokesModel
 
 SAFETY = 1.5
@@ -78,17 +79,22 @@ def _of_viscosity(solution: Results, better: Measured) -> float | None:
     return None if mu is None or mu_better is None else SAFETY * abs(mu - mu_better)
 
 
-def error_columns(model: StokesModel, q: Configuration, t: float, instant: Results) -> dict[str, float]:
-    """The columns err_U and err_F of steps.csv: the largest errors over the largest results, 0 without any.
+def moved_as_found(case: Case, q: Configuration, t: float, instant: Results) -> Motion:
+    """What held and drove the bodies at an instant.
 
     Bodies with mass have the velocity that their history gave them: the error is that of the force at
     this velocity.
     """
-    case = model.case
     motion, masses = case.motion_at(q, t), case.masses()
-    if masses is not None:
-        held = motion.held | (masses > 0.0)
-        motion = Motion(held, np.where(held, instant.U, 0.0), np.where(held, 0.0, motion.F))
+    if masses is None:
+        return motion
+    held = motion.held | (masses > 0.0)
+    return Motion(held, np.where(held, instant.U, 0.0), np.where(held, 0.0, motion.F))
+
+
+def error_columns(model: StokesModel, q: Configuration, t: float, instant: Results) -> dict[str, float]:
+    """The columns err_U and err_F of steps.csv: largest errors over largest results, 0 without any."""
+    motion = moved_as_found(model.case, q, t, instant)
     errors = estimate_errors(model, q, t, instant, motion)
     found = relative_change(instant, errors, motion.held, q.arms)
     return {"err_U": found.get("velocity", 0.0), "err_F": found.get("force", 0.0)}

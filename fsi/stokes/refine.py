@@ -7,10 +7,12 @@ are also tried all together.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil
 
 from fsi.accuracy import ErrorEstimate, relative_change
+from fsi.bodies import Configuration, Motion
 from fsi.case import Case
 from fsi.errors import SolveError
 from fsi.schema import Discretisation
@@ -42,14 +44,35 @@ def solve_with_errors(case: Case) -> Solved:
     Raises:
         MeshError, SolveError: as `StokesModel`; or the tolerance is not reached.
     """
-    best = _solved(case)
+    q, motion = case.configuration(), case.motion(0.0)
     tolerance = case.discretisation.tolerance
     if tolerance is None:
-        return best
+        return _solved(case, q, 0.0, motion)
+    return refined(case, q, 0.0, motion, tolerance)
+
+
+def refined(case: Case, q: Configuration, t: float, motion: Motion, tolerance: float) -> Solved:
+    """The solution at q and t with sizes that bring the largest relative error below the tolerance.
+
+    Args:
+        case: with the sizes to begin with.
+        q: the bodies.
+        t: the time.
+        motion: what holds and drives the bodies.
+        tolerance: in (0, 1).
+
+    Raises:
+        MeshError, SolveError: as `StokesModel`; or the tolerance is not reached.
+    """
+
+    def solved(case: Case) -> Solved:
+        return _solved(case, q, t, motion)
+
+    best = solved(case)
     for _ in range(ROUNDS):
         if best.error <= tolerance or best.solution.dofs > MOST_UNKNOWNS:
             break
-        better = _refined(best)
+        better = _better(best, solved)
         if better.error >= best.error:
             break
         best = better
@@ -58,21 +81,21 @@ def solve_with_errors(case: Case) -> Solved:
     return best
 
 
-def _solved(case: Case) -> Solved:
-    model, q = StokesModel(case), case.configuration()
-    solution = model(q, 0.0)
-    errors = estimate_errors(model, q, 0.0, solution)
-    found = relative_change(solution, errors, case.motion(0.0).held, q.arms)
+def _solved(case: Case, q: Configuration, t: float, motion: Motion) -> Solved:
+    model = StokesModel(case)
+    solution = model.of_degree(case.discretisation.degree, q, t, motion)
+    errors = estimate_errors(model, q, t, solution, motion)
+    found = relative_change(solution, errors, motion.held, q.arms)
     return Solved(case, solution, errors, max(found.values(), default=0.0))
 
 
-def _refined(solved: Solved) -> Solved:
+def _better(best: Solved, solved: Callable[[Case], Solved]) -> Solved:
     """The best of the meshes one step finer; all three sizes at once where no single one helps."""
-    each = {size: _solved(_finer(solved.case, (size,))) for size in SIZES}
-    helpful = tuple(size for size, trial in each.items() if trial.error < HELPS * solved.error)
+    each = {size: solved(_finer(best.case, (size,))) for size in SIZES}
+    helpful = tuple(size for size, trial in each.items() if trial.error < HELPS * best.error)
     trials = list(each.values())
     if len(helpful) != 1:
-        trials.append(_solved(_finer(solved.case, helpful or SIZES)))
+        trials.append(solved(_finer(best.case, helpful or SIZES)))
     return min(trials, key=lambda trial: trial.error)
 
 

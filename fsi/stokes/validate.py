@@ -14,6 +14,7 @@ from fsi.bodies import Array
 from fsi.case import Case
 from fsi.errors import InputError, SolveError
 from fsi.gaps import find_gaps
+from fsi.models import make_model
 from fsi.references import ENCLOSED, TIME_AT_GAP, gap_of
 from fsi.results import STEPS
 from fsi.run import run_case
@@ -108,7 +109,7 @@ def _run(case: Case, folder: Path) -> tuple[Array, Array, Array]:
     """t, smallest gap, and the delay that the error of the velocity may have caused in each step."""
     output = case.output.model_copy(update={"fields": False, "error_estimates": True})
     case = case.model_copy(update={"output": output})
-    run_case(case, folder, StokesModel(case))
+    run_case(case, folder, make_model(case))
     table = parallel.on_root(lambda: np.genfromtxt(folder / STEPS, delimiter=",", names=True))
     return table["t"], table["smallest_gap"], table["h"] * table["err_U"]
 
