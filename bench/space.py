@@ -1,0 +1,98 @@
+"""What a sphere beside a plane costs in space: `python bench/space.py [SETTING ...]`.
+
+The sphere moves along and towards the plane and turns, all at once, the case
+cases/validation/sphere_in_space.toml at a gap of GAP radii. Each line is one solve with its mesh, in a
+process that has solved a small one before; the error is that of the normal force against Brenner's
+series. "s" are seconds on the clock, the others CPU seconds of the first rank; MB is the sum of the
+peaks of all ranks, some 200 each of which are libraries.
+
+`mpiexec -n 2 python bench/space.py million` does the same on two ranks.
+"""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from mpi4py import MPI
+from rich.console import Console
+from rich.table import Table
+
+from bench.step import PHASES, forget_peak, peak_memory
+from fsi.case import Case, load_case
+from fsi.lubrication.spheres import normal_resistance
+from fsi.stokes.model import StokesModel
+
+CASE = Path(__file__).parents[1] / "cases" / "validation" / "sphere_in_space.toml"
+GAP = 0.1
+
+# (degree, cells around the sphere, cells across a gap, growth). Two meshes about four times apart for each
+# way to precondition the velocities: their factors up to 120,000 unknowns, multigrid beyond.
+SETTINGS: dict[str, tuple[int, int, float, float]] = {
+    "default": (3, 14, 0.8, 0.5),
+    "factors": (2, 22, 0.7, 0.45),
+    "factors, finer": (2, 44, 1.1, 0.28),
+    "multigrid": (2, 53, 1.2, 0.27),
+    "multigrid, finer": (2, 84, 1.9, 0.17),
+    "million": (2, 112, 2.3, 0.13),
+}
+USUAL = [name for name in SETTINGS if name != "million"]
+SMALL = (2, 8, 0.5, 1.0)
+
+
+def sphere_case(setting: tuple[int, int, float, float]) -> Case:
+    """The case file at GAP with other sizes."""
+    keys = ("degree", "cells_per_circle", "cells_per_gap", "growth")
+    own = [f"discretisation.{key}={value}" for key, value in zip(keys, setting, strict=True)]
+    return load_case(CASE, [f"bodies.0.position=[0.0, 0.0, {1.0 + GAP}]", *own])
+
+
+def measured(name: str) -> list[str]:
+    """The cells of one line of the table; collective."""
+    comm = MPI.COMM_WORLD
+    case = sphere_case(SETTINGS[name])
+    forget_peak()
+    comm.barrier()
+    began = time.perf_counter()
+    solution = StokesModel(case)(case.configuration(), 0.0)
+    comm.barrier()
+    seconds = time.perf_counter() - began
+    error = abs(-float(solution.F[0, 2] / normal_resistance(GAP, 1.0, 1.0)) - 1.0)
+    return [
+        name,
+        f"{comm.size}",
+        f"{solution.dofs}",
+        f"{solution.iterations}",
+        f"{error:.1e}",
+        *(f"{solution.seconds[phase]:.1f}" for phase in PHASES),
+        f"{seconds:.1f}",
+        f"{comm.allreduce(peak_memory()):.0f}",
+    ]
+
+
+def main(
+    settings: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="SETTING...", help=", ".join(SETTINGS), show_default="all but the million"),
+    ] = None,
+) -> None:
+    """Measure one solve of a sphere beside a plane in space at each setting, and print a table."""
+    chosen = settings or USUAL
+    unknown = [name for name in chosen if name not in SETTINGS]
+    if unknown:
+        raise typer.BadParameter(f"{unknown[0]}: not a setting; known: {', '.join(SETTINGS)}")
+    small = sphere_case(SMALL)
+    StokesModel(small)(small.configuration(), 0.0)
+    table = Table(title=f"a sphere in space, {GAP:g} radii from a plane", title_justify="left")
+    for heading in ("setting", "ranks", "unknowns", "iterations", "error", *PHASES, "s", "MB"):
+        table.add_column(heading, justify="left" if heading == "setting" else "right", no_wrap=True)
+    for name in chosen:
+        table.add_row(*measured(name))
+    if MPI.COMM_WORLD.rank == 0:
+        Console(width=120).print(table)
+
+
+if __name__ == "__main__":
+    typer.run(main)
