@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from abc import ABC, abstractmethod
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -29,20 +30,20 @@ class Gravity(Section):
     )
 
 
-class _BetweenBodies(Section):
+class _BetweenBodies(Section, ABC):
     """A force along the line of centres, on each of two bodies, that depends on their gap d."""
 
     kind: Literal["attraction", "repulsion"] = Field(description=_KINDS)
     walls: bool = Field(default=False, description="true for the same force between bodies and walls")
 
     @property
+    @abstractmethod
     def reach(self) -> float:
         """The gap beyond which there is no force."""
-        raise NotImplementedError
 
+    @abstractmethod
     def strength_at(self, d: Array) -> Array:
         """|F| at gaps d up to the reach."""
-        raise NotImplementedError
 
     def repulsion(self, d: Array) -> Array:
         """f(d): the force that pushes apart, negative for attraction; zero beyond the reach."""
@@ -50,37 +51,37 @@ class _BetweenBodies(Section):
         return np.where(d <= self.reach, sign * self.strength_at(np.minimum(d, self.reach)), 0.0)
 
 
-class Exponential(_BetweenBodies):
-    """|F| = strength exp(-d / length), a screened force."""
+class _CutOff(_BetweenBodies):
+    """A force that would never end."""
 
-    law: Literal["exponential"] = Field(description=_LAWS)
-    strength: float = Field(gt=0.0, description="the force at contact, a number > 0")
-    length: float = Field(gt=0.0, description="the gap over which the force falls by e, a number > 0")
+    law: Literal["exponential", "power"] = Field(description=_LAWS)
     cutoff: float = Field(gt=0.0, description="the gap beyond which there is no force, a number > 0")
 
     @property
     def reach(self) -> float:
         """The cut-off."""
         return self.cutoff
+
+
+class Exponential(_CutOff):
+    """|F| = strength exp(-d / length), a screened force."""
+
+    law: Literal["exponential"] = Field(description=_LAWS)
+    strength: float = Field(gt=0.0, description="the force at contact, a number > 0")
+    length: float = Field(gt=0.0, description="the gap over which the force falls by e, a number > 0")
 
     def strength_at(self, d: Array) -> Array:
         """Strength exp(-d / length)."""
         return self.strength * np.exp(-d / self.length)
 
 
-class Power(_BetweenBodies):
+class Power(_CutOff):
     """|F| = strength (length / d)^exponent."""
 
     law: Literal["power"] = Field(description=_LAWS)
     strength: float = Field(gt=0.0, description="the force at the gap `length`, a number > 0")
     length: float = Field(gt=0.0, description="the gap at which the force is `strength`, a number > 0")
     exponent: float = Field(gt=0.0, description="the power of 1/d with which the force falls, a number > 0")
-    cutoff: float = Field(gt=0.0, description="the gap beyond which there is no force, a number > 0")
-
-    @property
-    def reach(self) -> float:
-        """The cut-off."""
-        return self.cutoff
 
     def strength_at(self, d: Array) -> Array:
         """Strength (length / d)^exponent."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any, Literal, override
 
 import numpy as np
 from pydantic import Field, field_validator
@@ -47,7 +47,8 @@ class ChannelDomain(_Periodic):
     )
 
     @classmethod
-    def wall_names(cls, geometry: Geometry) -> tuple[str, ...]:  # noqa: ARG003
+    @override
+    def wall_names(cls, geometry: Geometry) -> tuple[str, ...]:
         """bottom, top."""
         return ("bottom", "top")
 
@@ -90,7 +91,8 @@ class CellDomain(_Periodic):
     )
 
     @classmethod
-    def wall_names(cls, geometry: Geometry) -> tuple[str, ...]:  # noqa: ARG003
+    @override
+    def wall_names(cls, geometry: Geometry) -> tuple[str, ...]:
         """None."""
         return ()
 

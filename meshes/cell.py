@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Self
 
 import numpy as np
 
-from meshes.geometry import Array, Container
+from meshes.geometry import Array, Container, Steady
 from meshes.lattice import reduced
 
 Vector = tuple[float, float]
 
 
-@dataclass(frozen=True, slots=True)
-class Channel:
-    """The strip between the walls bottom and top, periodic along x with the length of [lower, upper]."""
+class _Planar:
+    """A container in the plane."""
 
-    lower: Vector
-    upper: Vector
+    __slots__ = ()
 
     @property
     def axisymmetric(self) -> bool:
@@ -29,6 +26,18 @@ class Channel:
     def dimension(self) -> int:
         """2."""
         return 2
+
+    def axis(self) -> Vector:
+        """Raises TypeError: only an axisymmetric container has one."""
+        raise TypeError(f"{type(self).__name__} has no axis of symmetry")
+
+
+@dataclass(frozen=True, slots=True)
+class Channel(_Planar, Steady):
+    """The strip between the walls bottom and top, periodic along x with the length of [lower, upper]."""
+
+    lower: Vector
+    upper: Vector
 
     @property
     def walls(self) -> tuple[str, ...]:
@@ -48,22 +57,10 @@ class Channel:
         """Length of the diagonal."""
         return float(np.hypot(*np.subtract(self.upper, self.lower)))
 
-    def axis(self) -> Vector:
-        """It has none."""
-        raise NotImplementedError
-
     @property
     def periods(self) -> Array:
         """(L, 0)."""
         return np.array([[self.upper[0] - self.lower[0], 0.0]])
-
-    def at(self, t: float) -> Self:  # noqa: ARG002
-        """The channel itself."""
-        return self
-
-    def carried(self, e: Array, duration: float) -> Array:  # noqa: ARG002
-        """Vectors between images after some time: the same."""
-        return e
 
     @property
     def area(self) -> float:
@@ -72,7 +69,7 @@ class Channel:
 
 
 @dataclass(frozen=True, slots=True)
-class Cell:
+class Cell(_Planar):
     """The plane with a lattice that moves with the mean flow `u = E x`.
 
     vectors: two lattice vectors at time 0; gradient: E, rows of (dV_i / dx_j), without trace; time: t. The
@@ -83,16 +80,6 @@ class Cell:
     vectors: tuple[Vector, Vector]
     gradient: tuple[Vector, Vector]
     time: float = 0.0
-
-    @property
-    def axisymmetric(self) -> bool:
-        """It is not."""
-        return False
-
-    @property
-    def dimension(self) -> int:
-        """2."""
-        return 2
 
     @property
     def walls(self) -> tuple[str, ...]:
@@ -112,10 +99,6 @@ class Cell:
         """Length of the longer diagonal."""
         a, b = self.periods
         return float(max(np.hypot(*(a + b)), np.hypot(*(a - b))))
-
-    def axis(self) -> Vector:
-        """It has none."""
-        raise NotImplementedError
 
     def carried(self, e: Array, duration: float) -> Array:
         """Vectors e (n, 2) carried along by the mean flow: exp(E t) e."""
