@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies import Array
+from fsi.bodies import LOADS, MODES, Array
+
+# The names of velocities and loads by their number, 3 in the plane and 6 in space.
+NAMES = {len(MODES[d]): (*MODES[d], *LOADS[d]) for d in MODES}
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,6 +25,33 @@ class ErrorEstimate:
     U: Array
     F: Array
     apparent_viscosity: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class StepErrors:
+    """The errors of a step of a run as its tables show them.
+
+    errors: absolute; relative: the largest over the largest result, "force" and "velocity", where there are
+    such results.
+    """
+
+    errors: ErrorEstimate
+    relative: Mapping[str, float]
+
+    @property
+    def columns(self) -> Mapping[str, float]:
+        """Of steps.csv: the relative errors err_U and err_F, and that of the apparent viscosity, absolute."""
+        found = {"err_U": self.relative.get("velocity", 0.0), "err_F": self.relative.get("force", 0.0)}
+        if self.errors.apparent_viscosity is not None:
+            found["err_apparent_viscosity"] = self.errors.apparent_viscosity
+        return found
+
+    @property
+    def body_columns(self) -> Mapping[str, Array]:
+        """Of bodies.csv: the error of each velocity and load, absolute, 0 where it is given; (N,) each."""
+        names = NAMES[self.errors.U.shape[1]]
+        values = np.hstack([self.errors.U, self.errors.F]).T
+        return {f"err_{name}": value for name, value in zip(names, values, strict=True)}
 
 
 class Results(Protocol):

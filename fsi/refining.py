@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Protocol, runtime_checkable
 
+from fsi.accuracy import StepErrors
 from fsi.bodies import Configuration
 from fsi.errors import SolveError
 from fsi.schedule import Schedule
@@ -20,6 +21,9 @@ TRIES = 4
 @runtime_checkable
 class Refinable(Model, Protocol):
     """A model whose meshes can be made finer."""
+
+    def errors(self, q: Configuration, t: float, instant: Instant) -> StepErrors:
+        """The estimated errors of an instant that this model gave."""
 
     def refine(self, q: Configuration, t: float, instant: Instant) -> None:
         """Use meshes from now on that lower the error of this instant well below the tolerance."""
@@ -68,7 +72,7 @@ class RefiningStepper:
         for _ in range(TRIES):
             step = make()
             q, t = step.state.q, step.state.t
-            error = max(self.refinable.errors(q, t, step.instant).values())
+            error = max(self.refinable.errors(q, t, step.instant).relative.values(), default=0.0)
             if error <= self.tolerance:
                 return step
             self.refinable.refine(q, t, step.instant)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from time import process_time
 
+from fsi.accuracy import StepErrors
 from fsi.bodies import Configuration
 from fsi.case import Case, load_case
 from fsi.errors import InputError
@@ -100,7 +101,7 @@ def _drive(case: Case, run: RunFolder, stepper: Advance, progress: Progress) -> 
         began = process_time()
         step = advance()
         q, t = step.state.q, step.state.t
-        errors = stepper.model.errors(q, t, step.instant) if estimated else {}
+        errors = stepper.model.errors(q, t, step.instant) if estimated else None
         record = _record(step, errors, stepper.container.at(t), process_time() - began)
         writes = case.output.fields and stepper.schedule.is_output(record.t)
         files = step.instant.write(run.fields, record.step) if writes else {}
@@ -119,12 +120,13 @@ def _drive(case: Case, run: RunFolder, stepper: Advance, progress: Progress) -> 
     return Outcome(state, state.step - first)
 
 
-def _record(step: Step, errors: Mapping[str, float], container: Container, cpu: float) -> StepRecord:
+def _record(step: Step, errors: StepErrors | None, container: Container, cpu: float) -> StepRecord:
     """The step as the tables show it; cpu: CPU seconds of all its solves, rejected ones too."""
     state, instant = step.state, step.instant
-    columns = {**instant.record, **errors, "cpu_step": cpu}
+    columns = {**instant.record, **(errors.columns if errors else {}), "cpu_step": cpu}
     gap = _smallest_gap(state.q, container)
-    of_bodies = getattr(instant, "body_columns", {})  # of models that know more of each body
+    known = getattr(instant, "body_columns", {})  # of models that know more of each body
+    of_bodies = {**known, **(errors.body_columns if errors else {})}
     return StepRecord(
         state.step, state.t, step.h, gap, step.rejected, state.q, instant.U, instant.F, columns, of_bodies
     )

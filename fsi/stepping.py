@@ -15,6 +15,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from fsi.accuracy import StepErrors
 from fsi.bodies import Array, Configuration, Inertia
 from fsi.errors import SolveError
 from fsi.gaps import find_gaps, pair_gaps
@@ -58,8 +59,8 @@ class Model(Protocol):
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> Instant:
         """The instant at configuration q and time t, with the load `F - D (U - U0)` if inertia is given."""
 
-    def errors(self, q: Configuration, t: float, instant: Instant) -> Mapping[str, float]:
-        """Columns of steps.csv with the estimated errors of an instant that this model gave."""
+    def errors(self, q: Configuration, t: float, instant: Instant) -> StepErrors | None:
+        """The estimated errors of an instant that this model gave; None of a model without a mesh."""
 
     def state(self) -> dict[str, NDArray[Any]]:
         """What must be restored so that a resumed run repeats an unbroken one bit by bit (root's is kept)."""
@@ -150,7 +151,7 @@ class _Guarded:
             raise GapRefusedError(approach)
         return self.model(q, t, inertia)
 
-    def errors(self, q: Configuration, t: float, instant: Instant) -> Mapping[str, float]:
+    def errors(self, q: Configuration, t: float, instant: Instant) -> StepErrors | None:
         return self.model.errors(q, t, instant)
 
     def state(self) -> dict[str, NDArray[Any]]:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fsi.accuracy import ErrorEstimate, StepErrors
 from fsi.bodies import Array, Configuration, Inertia
 from fsi.case import Case, parse_case
 from fsi.lubrication.exact import normal_resistance, parallel_resistance, rotation_resistance
@@ -60,8 +61,9 @@ class DiscsBesidePlane:
         U = np.where(motion.held, motion.U, free)
         return ExactInstant(U, R * U, {"cpu_solve": 0.5, "residual": 1e-16 * self.calls})
 
-    def errors(self, q: Configuration, t: float, instant: Instant) -> Mapping[str, float]:  # noqa: ARG002
-        return {"err_U": 1e-6 * t, "err_F": 0.0}
+    def errors(self, q: Configuration, t: float, instant: Instant) -> StepErrors:  # noqa: ARG002
+        nothing = np.zeros_like(instant.U)
+        return StepErrors(ErrorEstimate(1e-6 * t * np.abs(instant.U), nothing), {"velocity": 1e-6 * t})
 
     def state(self) -> dict[str, NDArray[Any]]:
         return {"calls": np.array(self.calls)}

@@ -30,8 +30,8 @@ class Field:
         U = self.velocity(q, t)
         return ExactInstant(U, U)
 
-    def errors(self, q: Configuration, t: float, instant: Instant) -> Mapping[str, float]:  # noqa: ARG002
-        return {}
+    def errors(self, q: Configuration, t: float, instant: Instant) -> None:
+        pass
 
     def state(self) -> dict[str, NDArray[Any]]:
         return {}

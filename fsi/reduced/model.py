@@ -115,9 +115,8 @@ class ReducedModel:
         """What holds and what drives the bodies at q and time t."""
         return self.case.with_forces(self._steady or self.case.motion(t), q, t)
 
-    def errors(self, q: Configuration, t: float, instant: Instant) -> Mapping[str, float]:  # noqa: ARG002
+    def errors(self, q: Configuration, t: float, instant: Instant) -> None:
         """None: there is no mesh whose error could be estimated."""
-        return {}
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Nothing is remembered."""

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.accuracy import ErrorEstimate, Measured, Results, relative_change
+from fsi.accuracy import ErrorEstimate, Measured, Results, StepErrors, relative_change
 from fsi.bodies import Array, Configuration, Motion
 
 if TYPE_CHECKING:
@@ -92,9 +92,8 @@ def moved_as_found(case: Case, q: Configuration, t: float, instant: Results) -> 
     return Motion(held, np.where(held, instant.U, 0.0), np.where(held, 0.0, motion.F))
 
 
-def error_columns(model: StokesModel, q: Configuration, t: float, instant: Results) -> dict[str, float]:
-    """The columns err_U and err_F of steps.csv: largest errors over largest results, 0 without any."""
+def step_errors(model: StokesModel, q: Configuration, t: float, instant: Results) -> StepErrors:
+    """The errors of an instant of a run; as `estimate_errors`."""
     motion = moved_as_found(model.case, q, t, instant)
     errors = estimate_errors(model, q, t, instant, motion)
-    found = relative_change(instant, errors, motion.held, q.arms)
-    return {"err_U": found.get("velocity", 0.0), "err_F": found.get("force", 0.0)}
+    return StepErrors(errors, relative_change(instant, errors, motion.held, q.arms))

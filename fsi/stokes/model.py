@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fsi.accuracy import StepErrors
 from fsi.bodies import Array, Configuration, Inertia, Motion
 from fsi.case import Case
 from fsi.periodic import ChannelDomain
 from fsi.stepping import Instant
-from fsi.stokes.error import error_columns
+from fsi.stokes.error import step_errors
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import Boundary, Clock, Field, solve
 from fsi.stokes.workspace import Workspace
@@ -64,9 +65,9 @@ class StokesModel:
         clock = Clock()
         return self._solve(self.mesh(q, t, degree), q, t, motion, degree, None, clock)
 
-    def errors(self, q: Configuration, t: float, instant: Instant) -> dict[str, float]:
-        """Columns of steps.csv with the estimated errors of an instant of this model; collective."""
-        return error_columns(self, q, t, instant)
+    def errors(self, q: Configuration, t: float, instant: Instant) -> StepErrors:
+        """The estimated errors of an instant of this model; collective."""
+        return step_errors(self, q, t, instant)
 
     def _solve(
         self, fluid: FluidMesh, q: Configuration, t: float, motion: Motion, degree: int,

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fsi.accuracy import StepErrors
 from fsi.bodies import Configuration, Inertia
 from fsi.case import Case
 from fsi.stepping import Instant
-from fsi.stokes.error import error_columns, moved_as_found
+from fsi.stokes.error import moved_as_found, step_errors
 from fsi.stokes.model import StokesModel
 from fsi.stokes.refine import SIZES, refined
 from fsi.stokes.solution import StokesSolution
@@ -26,16 +27,16 @@ class RefinedModel:
     def __init__(self, case: Case) -> None:
         """Begin with the sizes of the case."""
         self.resolved = StokesModel(case)
-        self._known: tuple[Instant, Mapping[str, float]] | None = None
+        self._known: tuple[Instant, StepErrors] | None = None
 
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> StokesSolution:
         """As `StokesModel`."""
         return self.resolved(q, t, inertia)
 
-    def errors(self, q: Configuration, t: float, instant: Instant) -> Mapping[str, float]:
-        """Columns of steps.csv with the estimated errors of an instant; estimated once."""
+    def errors(self, q: Configuration, t: float, instant: Instant) -> StepErrors:
+        """The estimated errors of an instant; estimated once."""
         if self._known is None or self._known[0] is not instant:
-            self._known = instant, error_columns(self.resolved, q, t, instant)
+            self._known = instant, step_errors(self.resolved, q, t, instant)
         return self._known[1]
 
     def refine(self, q: Configuration, t: float, instant: Instant) -> None:

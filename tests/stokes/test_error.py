@@ -89,8 +89,8 @@ COARSE = (
 )  # fmt: skip
 
 
-def columns(folder: Path) -> list[dict[str, str]]:
-    with (folder / "steps.csv").open(newline="") as file:
+def columns(folder: Path, table: str = "steps.csv") -> list[dict[str, str]]:
+    with (folder / table).open(newline="") as file:
         return [
             {key: value for key, value in row.items() if not key.startswith("cpu_")}
             for row in csv.DictReader(file)
@@ -115,6 +115,10 @@ def test_a_run_records_errors_and_resumes_with_the_same(remesh: str, tmp_path: P
     resume_run(tmp_path / "broken", StokesModel)
     whole = columns(tmp_path / "whole")
     assert columns(tmp_path / "broken") == whole
+    of_body = columns(tmp_path / "whole", "bodies.csv")
+    for step, body in zip(whole, of_body, strict=True):
+        assert float(body["err_V_y"]) == pytest.approx(float(step["err_U"]) * abs(float(body["V_y"])))
+        assert float(body["err_F_y"]) == 0.0
     assert all(1e-6 < float(row["err_U"]) < 0.1 and float(row["err_F"]) == 0.0 for row in whole)
 
 
