@@ -24,7 +24,7 @@ from fsi.domain import Domain
 from fsi.errors import InputError
 from fsi.forcelaws import Force
 from fsi.forces import external_forces
-from fsi.geometry import GEOMETRY, Geometry, dimension_of
+from fsi.geometry import BODIES, GEOMETRY, Geometry, dimension_of
 from fsi.overrides import override
 from fsi.reduced.section import Reduced
 from fsi.schema import Body, Calibration, Discretisation, Expected, Fluid, Output, Sweep, Time
@@ -78,19 +78,20 @@ class Case(Section):
 
     @model_validator(mode="before")
     @classmethod
-    def _tell_the_geometry(cls, data: Any) -> Any:
-        """The walls of the domain and the vectors of the bodies depend on the geometry."""
-        if not isinstance(data, dict) or data.get("geometry") not in ("axisymmetric", "spatial"):
+    def _tell_the_sections(cls, data: Any) -> Any:
+        """Walls, vectors and sizes of the mesh depend on the geometry, the sizes on the number of bodies."""
+        if not isinstance(data, dict):
             return data
-        told = {GEOMETRY: data["geometry"]}
-        sections = dict(data)
+        told = {GEOMETRY: data["geometry"]} if data.get("geometry") in ("axisymmetric", "spatial") else {}
+        sections, bodies = dict(data), data.get("bodies")
         if isinstance(data.get("domain"), dict):
             sections["domain"] = data["domain"] | told
         given = data.get("discretisation", {})
         if isinstance(given, dict):
-            sections["discretisation"] = given | told
-        if isinstance(data.get("bodies"), tuple):
-            sections["bodies"] = tuple(b | told if isinstance(b, dict) else b for b in data["bodies"])
+            number = len(bodies) if isinstance(bodies, tuple | list) else 0
+            sections["discretisation"] = given | told | {BODIES: number}
+        if isinstance(bodies, tuple):
+            sections["bodies"] = tuple(b | told if isinstance(b, dict) else b for b in bodies)
         return sections
 
     @model_validator(mode="before")

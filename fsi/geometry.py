@@ -6,8 +6,10 @@ from typing import Literal
 
 type Geometry = Literal["planar", "axisymmetric", "spatial"]
 
-# The case puts its geometry into its sections under this name; the brackets keep it out of the user's reach.
+# The case puts its geometry and the number of its bodies into its sections under these names; the brackets
+# keep them out of the user's reach.
 GEOMETRY = "<geometry>"
+BODIES = "<bodies>"
 
 
 def dimension_of(geometry: Geometry) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 from pydantic import Field, field_validator, model_validator
 
@@ -101,8 +101,23 @@ def _dimension(known: dict[str, Any]) -> int:
     return dimension_of(known.get("geometry", "planar"))
 
 
-def _by_dimension[T](known: dict[str, Any], planar: T, spatial: T) -> T:
-    return spatial if known.get("geometry") == "spatial" else planar
+class _Sizes(NamedTuple):
+    """What the mesh is like unless the case says otherwise."""
+
+    cells_per_gap: float
+    cells_per_circle: int
+    growth: float
+
+
+# Errors of the forces and of the apparent viscosity: 1e-5 or less, 5e-5, and in space 2e-3.
+_FEW, _MANY, _SPATIAL = _Sizes(1.0, 48, 0.2), _Sizes(0.5, 24, 0.5), _Sizes(0.8, 14, 0.5)
+MOST_FEW = 20
+
+
+def _sizes(known: dict[str, Any]) -> _Sizes:
+    if known.get("geometry") == "spatial":
+        return _SPATIAL
+    return _MANY if known.get("bodies", 0) > MOST_FEW else _FEW
 
 
 def _turning[T](known: dict[str, Any], value: T) -> T | tuple[T, ...]:
@@ -110,22 +125,23 @@ def _turning[T](known: dict[str, Any], value: T) -> T | tuple[T, ...]:
 
 
 class Discretisation(Section):
-    """The mesh and the finite elements; in space, where unknowns are many, a coarser mesh by default."""
+    """The mesh and the finite elements; with many bodies and in space, a coarser mesh by default."""
 
     geometry: Geometry = Field(default="planar", alias="<geometry>", exclude=True)
+    bodies: int = Field(default=0, alias="<bodies>", exclude=True)
     degree: int = Field(default=3, ge=2, le=4, description="the degree of the velocity, 2, 3 or 4")
     cells_per_gap: float = Field(
-        default_factory=lambda known: _by_dimension(known, 1.0, 0.8),
+        default_factory=lambda known: _sizes(known).cells_per_gap,
         gt=0.0,
         description="the number of cells across a gap of 0.012 radii, a number > 0",
     )
     cells_per_circle: int = Field(
-        default_factory=lambda known: _by_dimension(known, 48, 14),
+        default_factory=lambda known: _sizes(known).cells_per_circle,
         ge=6,
         description="the number of cells around a lone body, at least 6",
     )
     growth: float = Field(
-        default_factory=lambda known: _by_dimension(known, 0.2, 0.5),
+        default_factory=lambda known: _sizes(known).growth,
         gt=0.0,
         le=1.0,
         description="the cell size over the distance to the nearest body, in (0, 1]",

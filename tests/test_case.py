@@ -178,3 +178,14 @@ def test_bad_files(tmp_path: Path, content: bytes | None, words: str) -> None:
 def test_a_folder_is_no_case_file(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="Is a directory"):
         load_case(tmp_path)
+
+
+@pytest.mark.parametrize(("number", "sizes"), [(20, (1.0, 48, 0.2)), (21, (0.5, 24, 0.5))])
+def test_more_than_twenty_bodies_have_a_coarser_mesh_by_default(
+    number: int, sizes: tuple[float, int, float]
+) -> None:
+    bodies = [{"name": f"disc{i}", "radius": 0.01, "position": [0.1 * i - 1.5, 3.0]} for i in range(number)]
+    found = parse_case(changed("bodies", bodies)).discretisation
+    assert (found.cells_per_gap, found.cells_per_circle, found.growth) == sizes
+    finer = parse_case(changed("bodies", bodies) | {"discretisation": {"growth": 0.1}}).discretisation
+    assert (finer.cells_per_gap, finer.growth) == (sizes[0], 0.1)
