@@ -28,14 +28,13 @@ from fsi.stokes.model import StokesModel
 CASE = Path(__file__).parents[1] / "cases" / "validation" / "sphere_in_space.toml"
 GAP = 0.1
 
-# (degree, cells around the sphere, cells across a gap, growth). Two meshes about four times apart for each
-# way to precondition the velocities: their factors up to 120,000 unknowns, multigrid beyond.
+# (degree, cells around the sphere, cells across a gap, growth): the default, and meshes that are each about
+# four times as large as the one before.
 SETTINGS: dict[str, tuple[int, int, float, float]] = {
     "default": (3, 14, 0.8, 0.5),
-    "factors": (2, 22, 0.7, 0.45),
-    "factors, finer": (2, 44, 1.1, 0.28),
-    "multigrid": (2, 53, 1.2, 0.27),
-    "multigrid, finer": (2, 84, 1.9, 0.17),
+    "P2": (2, 22, 0.7, 0.45),
+    "P2, 4 times": (2, 44, 1.1, 0.28),
+    "P2, 16 times": (2, 84, 1.9, 0.17),
     "million": (2, 112, 2.3, 0.13),
 }
 USUAL = [name for name in SETTINGS if name != "million"]

@@ -22,7 +22,7 @@ MPIEXEC = Path(sys.executable).with_name("mpiexec")
 needs_mpi = pytest.mark.skipif(not MPIEXEC.exists(), reason="no mpiexec beside this Python")
 
 
-def call(*command: str, timeout: float = 60.0) -> subprocess.CompletedProcess[str]:
+def call(*command: str, timeout: float = 900.0) -> subprocess.CompletedProcess[str]:
     """Run a command in the checkout with narrow, colourless output."""
     environment = os.environ | {"PYTHONPATH": str(ROOT), "COLUMNS": "100", "NO_COLOR": "1"}
     return subprocess.run(

@@ -96,7 +96,7 @@ def test_on_an_axis_bodies_are_spheres() -> None:
     np.testing.assert_allclose(loads(case), [[0.0, 3.0 * math.exp(-5.0) - weight, 0.0]])
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     seed=st.integers(0, 10**6), number=st.integers(2, 12), law=st.sampled_from([EXPONENTIAL, POWER, TABLE])
 )
@@ -124,7 +124,7 @@ def test_action_is_reaction_and_nothing_turns(seed: int, number: int, law: dict[
     assert abs(np.sum(x[:, 0] * F[:, 1] - x[:, 1] * F[:, 0])) <= 1e-12 * number * size
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(turn=st.floats(0.0, 6.3))
 def test_forces_turn_with_the_bodies(turn: float) -> None:
     case = two_discs(0.3, EXPONENTIAL, POWER)

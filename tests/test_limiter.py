@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fsi.bodies import Array, Configuration
@@ -19,7 +19,6 @@ displacements = st.lists(st.floats(-20.0, 20.0), min_size=9, max_size=9).map(
 )
 
 
-@settings(deadline=None)
 @given(displacement=displacements)
 def test_no_gap_on_the_way_is_smaller_than_said(displacement: Array) -> None:
     """Sampled along the way: bodies that jump through each other are seen."""
@@ -36,7 +35,6 @@ def test_no_gap_on_the_way_is_smaller_than_said(displacement: Array) -> None:
         assert said.loss <= seen + 2.0 * 30.0 / 40.0
 
 
-@settings(deadline=None)
 @given(velocity=displacements, h=st.floats(1e-3, 10.0))
 def test_the_limited_step_is_safe_and_not_timid(velocity: Array, h: float) -> None:
     limited, approach = limited_step(THREE, BOX, velocity, h, 0.2)

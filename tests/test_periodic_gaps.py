@@ -28,7 +28,7 @@ def by_brute_force(q: Configuration, container: Periodic, reach: float) -> Found
     return sorted(found)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(seed=st.integers(0, 10**6), number=st.integers(1, 6), strain=st.floats(-1.0, 1.0), cell=st.booleans())
 def test_all_near_pairs_and_no_others(seed: int, number: int, strain: float, cell: bool) -> None:
     """Bodies lie up to two periods away from the cell; none may be missed or found twice."""

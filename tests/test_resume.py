@@ -95,7 +95,7 @@ def test_three_ranks_write_what_one_writes(unbroken: Path, tmp_path: Path) -> No
     """The model is the same on all ranks here; what is tested is that root alone writes."""
     mpiexec = Path(sys.executable).with_name("mpiexec")
     program = f"from tests.small_run import *; start(small_case(), Path({str(tmp_path / 'run')!r}))"
-    subprocess.run([mpiexec, "-n", "3", sys.executable, "-c", program], check=True, timeout=60)
+    subprocess.run([mpiexec, "-n", "3", sys.executable, "-c", program], check=True, timeout=900)
     assert contents(tmp_path / "run") == contents(unbroken)
     assert launches(tmp_path / "run")[0]["ranks"] == 3
 

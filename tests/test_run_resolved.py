@@ -60,7 +60,7 @@ def fsi(*arguments: object, ranks: int = 1) -> list[str]:
 def call(*arguments: object, ranks: int = 1) -> str:
     """What the command prints."""
     done = subprocess.run(
-        fsi(*arguments, ranks=ranks), cwd=ROOT, check=True, timeout=120, capture_output=True, text=True
+        fsi(*arguments, ranks=ranks), cwd=ROOT, check=True, timeout=900, capture_output=True, text=True
     )
     return done.stdout
 
@@ -93,7 +93,7 @@ def unbroken(case_file: Path, tmp_path_factory: pytest.TempPathFactory) -> Calla
 def kill_after(command: list[str], table: Path, rows: int) -> None:
     """Start a command, and end it with signal 9 once the table has that many rows."""
     process = subprocess.Popen(command, cwd=ROOT)
-    deadline = time.monotonic() + 60.0
+    deadline = time.monotonic() + 900.0
     while not table.exists() or table.read_bytes().count(b"\n") <= rows:
         assert process.poll() is None, "the run ended before it could be killed"
         assert time.monotonic() < deadline

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fsi.schedule import STRETCH, Schedule
@@ -8,7 +8,6 @@ from fsi.schedule import STRETCH, Schedule
 END = 10.0
 
 
-@settings(deadline=None)
 @given(
     knots=st.lists(st.floats(-1.0, 12.0), max_size=4),
     interval=st.none() | st.floats(0.05, 3.0),

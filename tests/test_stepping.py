@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fsi.bodies import Array, Configuration
@@ -168,7 +168,6 @@ CENTRES = np.array([[0.0, 0.0], [3.0, 0.5], [0.5, 2.7], [-2.5, 2.0]])
 RADII = np.array([1.0, 1.2, 0.7, 1.1])
 
 
-@settings(deadline=None)
 @given(angle=st.floats(0.0, 6.28), order=st.permutations(range(4)))
 def test_motion_does_not_depend_on_the_frame_nor_on_the_order_of_bodies(
     angle: float, order: list[int]

@@ -67,6 +67,14 @@ class Layout:
         return self.dimension * self.velocity_nodes
 
     @property
+    def free(self) -> NDArray[np.bool_]:
+        """Which rows are unknowns themselves: neither given, nor on a body, nor images of others, (rows,)."""
+        free = np.ones(self.rows, dtype=bool)
+        for rows in (self.fixed, self.slave, self.on_body):
+            free[rows] = False
+        return free
+
+    @property
     def modes_of_each(self) -> int:
         """M, modes of each body."""
         return len(MODES[self.dimension])
@@ -134,12 +142,11 @@ class Prolongation:
         self, shares: Layout, rigid: PETSc.Mat, kept: NDArray[np.bool_], eliminate_bodies: bool = True
     ) -> None:
         """Make P. kept: of all modes, bool (M N,)."""
-        free = np.ones(shares.rows, dtype=bool)
-        free[shares.fixed] = False
-        free[shares.slave] = False
+        free = shares.free
         columns = np.full(shares.modes, NO_COLUMN, dtype=np.int64)
-        if eliminate_bodies:
-            free[shares.on_body] = False
+        if not eliminate_bodies:
+            free[shares.on_body] = True
+            free[np.concatenate([shares.fixed, shares.slave])] = False
         own_free = int(free.sum())
         first = shares.comm.exscan(own_free) or 0
         if eliminate_bodies:

@@ -17,6 +17,7 @@ from mpi4py import MPI
 from fsi.bodies import Array, Configuration, Inertia, Motion
 from fsi.stokes import fields, surface
 from fsi.stokes.boundary import BoundaryNodes, facets_with, locate
+from fsi.stokes.coarse import coarse_velocities
 from fsi.stokes.constraints import layout, rigid_modes, wall_offset
 from fsi.stokes.forms import Forms
 from fsi.stokes.identities import identities, require
@@ -165,9 +166,10 @@ def assembled(
         b = _loads(fluid, forms, boundary, shares.rows)
         clock.lap("setup")
         mass = pressure_mass(forms) if iterative else None
+        coarse = coarse_velocities(fluid, forms, tuple(boundary.velocities), q) if iterative else None
         system = System(
             shares, kept.stokes_matrix(), rigid_modes(shares, nodes, q, fluid.lattice), b, g, q, motion,
-            inertia, nodes.x, mass, closed, kept,
+            inertia, nodes.x, mass, coarse, closed, kept,
         )  # fmt: skip
         clock.lap("assemble")
         try:
@@ -176,6 +178,8 @@ def assembled(
             system.rigid.destroy()
             if system.mass is not None:
                 system.mass.destroy()
+            if system.coarse is not None:
+                system.coarse.nodal.destroy()
 
 
 def is_iterative(solver: str, forms: Forms) -> bool:

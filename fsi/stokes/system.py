@@ -27,7 +27,8 @@ from dolfinx import fem, la
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fsi.bodies import Array, Configuration, Inertia, Motion, rigid_motion
+from fsi.bodies import Array, Configuration, Inertia, Motion
+from fsi.stokes.coarse import Coarse, transfer
 from fsi.stokes.constraints import Layout
 from fsi.stokes.iterative import Blocks, Iteration
 from fsi.stokes.linear import Factorisation
@@ -41,8 +42,9 @@ class System:
 
     M: Stokes matrix of all unknowns; rigid: rigid modes at the nodes on bodies, (rows, M N); b: loads,
     g: given wall velocities, arrays over this rank's rows; q: the bodies; motion, inertia: what drives them;
-    x: coordinates of this rank's velocity nodes, (n, d); mass: of the pressure / mu for the iterative solver,
-    None for the direct one; closed: no wall is open; workspace: whose M is, and that keeps the factors.
+    x: coordinates of this rank's velocity nodes, (n, d); mass: of the pressure / mu, and coarse: velocities
+    of degree 1, for the iterative solver, None for the direct one; closed: no wall is open; workspace: whose
+    M is, and that keeps the factors.
     """
 
     shares: Layout
@@ -55,6 +57,7 @@ class System:
     inertia: Inertia | None
     x: Array
     mass: PETSc.Mat | None
+    coarse: Coarse | None
     closed: bool
     workspace: Workspace
 
@@ -162,32 +165,32 @@ def factorised(system: System) -> Iterator[Callable[[Array], Iterator[NodalSolut
     first_mode = reduced.getLocalSize()[0] - own
     D, _ = mode_equations(system)
     _add_to_diagonal(reduced, first_mode, D[system.kept][:own])
-    if system.mass is None:
+    if system.mass is None or system.coarse is None:
         factors = elimination.factors()
         yield lambda U: _respond(system, elimination.P, factors, U)
         return
-    with _iteration(system, reduced, first_mode) as iteration:
-        yield lambda U: _respond(system, elimination.P, iteration, U)
-    system.workspace.forget_elimination()
+    try:
+        with _iteration(system, system.mass, system.coarse, reduced, first_mode) as iteration:
+            yield lambda U: _respond(system, elimination.P, iteration, U)
+    finally:
+        system.workspace.forget_elimination()
 
 
-def _iteration(system: System, reduced: PETSc.Mat, first_mode: int) -> Iteration:
+def _iteration(
+    system: System, mass: PETSc.Mat, coarse: Coarse, reduced: PETSc.Mat, first_mode: int
+) -> Iteration:
     """The iterative solver; it changes the matrix."""
     shares, start = system.shares, reduced.getOwnershipRange()[0]
     held = np.flatnonzero(system.motion.held.ravel())[: system.own_kept]
     reduced.zeroRowsColumns((start + first_mode + held).astype(PETSc.IntType), diag=1.0)
-    free = np.ones(shares.velocities, dtype=bool)
-    free[shares.fixed[shares.fixed < shares.velocities]] = False
-    free[shares.on_body] = False
     pressures = shares.pressure_nodes
     modes = np.arange(first_mode, first_mode + system.own_kept)
-    of_nodes = rigid_motion(system.x)[:, : shares.dimension].reshape(shares.velocities, -1)[free]
-    of_bodies = rigid_motion(system.q.centres).reshape(shares.modes, -1)[: system.own_kept]
     blocks = Blocks(
         u=start + np.concatenate([np.arange(first_mode - pressures), modes]),
         p=start + np.arange(first_mode - pressures, first_mode),
-        rigid=np.concatenate([of_nodes, of_bodies]),
-        mass=system.mass,
+        transfer=transfer(coarse, shares.free[: shares.velocities], system.motion.held.ravel()),
+        rigid=coarse.rigid,
+        mass=mass,
         closed=system.closed,
     )
     return Iteration(reduced, blocks)

@@ -49,7 +49,7 @@ def test_a_killed_calibration_goes_on_and_its_law_is_right(tmp_path: Path) -> No
     before = {path.name: path.stat().st_mtime_ns for path in cache.glob("*.json")}
     assert 2 <= len(before) < 7
     assert not (tmp_path / "out").exists()
-    done = call(*line, timeout=200.0)
+    done = call(*line, timeout=900)
     assert done.returncode == 0, done.stderr
     after = {path.name: path.stat().st_mtime_ns for path in cache.glob("*.json")}
     assert len(after) == 7
@@ -80,11 +80,9 @@ def test_two_ranks_work_on_one_sample_together(tmp_path: Path) -> None:
     line = command("disc_wall_shear", tmp_path / "one", *coarse, "--workers", "1")
     (tmp_path / "one").mkdir()
     (tmp_path / "two").mkdir()
-    done = call(*line, timeout=200.0)
+    done = call(*line, timeout=900)
     assert done.returncode == 0, done.stderr
-    both = call(
-        str(MPIEXEC), "-n", "2", *command("disc_wall_shear", tmp_path / "two", *coarse), timeout=200.0
-    )
+    both = call(str(MPIEXEC), "-n", "2", *command("disc_wall_shear", tmp_path / "two", *coarse), timeout=900)
     assert both.returncode == 0, both.stderr
     assert both.stdout.count("wrote") == 1
     one, two = found(tmp_path / "one"), found(tmp_path / "two")

@@ -57,7 +57,7 @@ def check(a: Arrangement, fraction: float, gap: float) -> None:
     assert inside.all()
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(
     number=st.integers(10, 30),
     fraction=st.floats(0.05, 0.7),
@@ -84,7 +84,7 @@ def test_random(
         check(found, fraction, gap)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(
     kind=st.sampled_from(["square", "hexagonal", "rows", "chains", "columns"]),
     rows=st.integers(1, 5), abreast=st.integers(1, 5), length=st.integers(1, 6), angle=st.floats(1.0, 179.0),
@@ -191,7 +191,7 @@ def test_a_separation_is_that_of_the_nearest_image() -> None:
     assert cell.near_pairs(np.array([[-0.1, 1.0], [4.1, 1.0], [2.0, 1.0]]), 0.3).tolist() == [[0, 1]]
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(number=st.integers(1, 40), mean=st.floats(0.1, 10.0), seed=st.integers(0, 100))
 def test_radii_have_their_mean(number: int, mean: float, seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -78,7 +78,7 @@ def test_the_error_is_eps_times_a_constant(name: str) -> None:
     assert abs(ratios[2] - ratios[1]) < 1e-2
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(forces, st.floats(-2.0, 2.0))
 def test_the_limit_is_a_projection_of_any_push(values: Array, u0: float) -> None:
     """Random piecewise constant forces: q >= 0, gamma <= 0, q gamma = 0, and the scheme tends to it."""
@@ -95,7 +95,6 @@ def test_the_limit_is_a_projection_of_any_push(values: Array, u0: float) -> None
     assert np.abs(found - limit.q(fine)).max() <= 4.0 * 3.0 * len(values) / 1000
 
 
-@settings(deadline=None)
 @given(forces)
 def test_the_oracle_agrees_with_a_dense_minimum(values: Array) -> None:
     """The Skorokhod formula with the minimum over many times, added the exact extremes: to 1e-12."""
@@ -114,7 +113,7 @@ def test_the_oracle_agrees_with_a_dense_minimum(values: Array) -> None:
     np.testing.assert_allclose(limit.q(dense), expected, atol=1e-12)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(forces, st.floats(0.05, 1.0))
 def test_random_forces_keep_the_error_ratio_bounded(values: Array, q0: float) -> None:
     """|q_eps - q| <= C eps with the same C for eps = 1e-4 and 1e-6."""
@@ -138,7 +137,6 @@ def test_the_slides_scheme_is_of_order_one(name: str) -> None:
     np.testing.assert_allclose(orders, 1.0, atol=0.05)
 
 
-@settings(deadline=None)
 @given(
     st.lists(st.integers(-999, 999).map(lambda f: 1e-3 * f), min_size=5, max_size=40), st.floats(0.01, 2.0)
 )
@@ -169,7 +167,6 @@ def test_the_tableau_has_its_order() -> None:
     np.testing.assert_allclose(trees, [1 / 6, 1 / 12, 1 / 8, 1 / 24], atol=1e-14)
 
 
-@settings(deadline=None)
 @given(st.floats(-1e6, 100.0), st.floats(1e-12, 1e3))
 def test_log_gap_solves_its_equation(y: float, c: float) -> None:
     assert log_gap(np.exp(y) + c * y, c) == pytest.approx(y, rel=1e-9, abs=1e-9 * (1 + 1 / c if y < 0 else 1))

@@ -108,7 +108,7 @@ def scattered(seed: int, gap: float) -> Configuration:
     return Configuration(centres, np.zeros(30), radii)
 
 
-@settings(max_examples=5, deadline=None, derandomize=True, database=None)
+@settings(max_examples=5, derandomize=True, database=None)
 @given(seed=st.integers(0, 10**6), gap=st.floats(1e-5, 0.05))
 def test_thirty_random_discs(seed: int, gap: float) -> None:
     q = scattered(seed, gap)

@@ -58,7 +58,7 @@ def test_a_channel_without_bodies() -> None:
     check(Channel((0.0, 0.0), (3.0, 1.0)), np.empty((0, 2)), np.empty(0))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.integers(0, 10**6), st.booleans())
 def test_random_discs(seed: int, walls: bool) -> None:
     """Polydisperse discs anywhere, one of them alone or many."""

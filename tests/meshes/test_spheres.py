@@ -167,7 +167,7 @@ if MPI.COMM_WORLD.rank == 0:
 
 def test_two_ranks_share_the_mesh() -> None:
     command = [str(MPIEXEC), "-n", "2", sys.executable, "-c", RANKS]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
     assert done.returncode == 0, done.stderr
     fluid = mesh(CUBE, [[0.0, 0.0, -0.99]], [1.0], order=3)
     alone = [volume(fluid), area(fluid, 1), area(fluid, 6), fluid.cells(), 0, fluid.quality]
@@ -175,7 +175,7 @@ def test_two_ranks_share_the_mesh() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=3, deadline=None, derandomize=True, database=None)
+@settings(max_examples=3, derandomize=True, database=None)
 @given(seed=st.integers(0, 10**6), gap=st.floats(1e-3, 0.1))
 def test_random_spheres(seed: int, gap: float) -> None:
     """Four spheres of radii 0.3 ... 0.8, the second `gap` from the first."""

@@ -54,7 +54,7 @@ def ran(tmp_path_factory: pytest.TempPathFactory) -> Ran:
         if not path.exists():
             launcher = [] if ranks == 1 else [str(MPIEXEC), "-n", str(ranks)]
             program = [sys.executable, "-m", "tests.field_values", str(parent / "case.toml"), str(path)]
-            subprocess.run([*launcher, *program], cwd=ROOT, check=True, timeout=120)
+            subprocess.run([*launcher, *program], cwd=ROOT, check=True, timeout=900)
         return path
 
     return folder

@@ -48,7 +48,7 @@ growth = 0.4
 def on_ranks(ranks: int, case: Path) -> Any:
     """The object that `fsi solve --json` prints; one object and nothing else, on any number of ranks."""
     command = [str(MPIEXEC), "-n", str(ranks), sys.executable, "-m", "fsi", "solve", str(case), "--json"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 

@@ -153,7 +153,7 @@ def on_ranks(ranks: int, case: Path) -> Any:
     """The object that `fsi resistance --json` prints."""
     mpiexec = Path(sys.executable).with_name("mpiexec")
     command = [str(mpiexec), "-n", str(ranks), sys.executable, "-m", "fsi", "resistance", str(case), "--json"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 

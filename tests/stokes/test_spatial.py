@@ -137,12 +137,20 @@ def test_solvers_and_forms_agree() -> None:
     assert direct.F[1, 3] == pytest.approx(0.2, abs=1e-12)
 
 
-def test_multigrid_agrees_with_factors(monkeypatch: pytest.MonkeyPatch) -> None:
-    factors = solved(case(BOX, solver="iterative"))
+def test_a_coarse_matrix_may_be_left_to_multigrid(monkeypatch: pytest.MonkeyPatch) -> None:
+    factorised = solved(case(BOX, solver="iterative"))
     monkeypatch.setattr("fsi.stokes.iterative.MOST_FACTORISED", 0)
     multigrid = solved(case(BOX, solver="iterative"))
-    assert multigrid.iterations > factors.iterations
-    assert_allclose(multigrid.F, factors.F, atol=1e-9 * np.abs(factors.F).max())
+    assert_allclose(multigrid.F, factorised.F, atol=1e-9 * np.abs(factorised.F).max())
+    assert multigrid.iterations < 1.5 * factorised.iterations
+
+
+def test_iterations_do_not_grow_with_the_mesh() -> None:
+    """3.5 times the unknowns; algebraic multigrid on all of them took 87 and 98 on such meshes."""
+    coarse = solved(case(BOX, solver="iterative"))
+    fine = solved(case(BOX, solver="iterative", cells_per_circle=22, growth=0.4))
+    assert fine.dofs > 3.0 * coarse.dofs
+    assert fine.iterations < 1.1 * coarse.iterations
 
 
 def test_a_stagnating_iteration_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -184,7 +192,7 @@ def test_ranks_agree_in_space(tmp_path: Path, solver: str) -> None:
             str(path),
             "--json",
         ]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
         assert done.returncode == 0, done.stderr
         found.append(np.array(json.loads(done.stdout)["resistance"]))
     for other in found[1:]:
