@@ -102,7 +102,7 @@ def kill_after(command: list[str], table: Path, rows: int) -> None:
     process.wait()
 
 
-@pytest.mark.parametrize("remesh", REMESH)
+@pytest.mark.parametrize("remesh", [pytest.param("always", marks=pytest.mark.slow), "when-needed"])
 def test_killed_and_resumed_equals_unbroken(
     remesh: str, case_file: Path, unbroken: Callable[..., Path], tmp_path: Path
 ) -> None:

@@ -162,6 +162,7 @@ def time_at(gap: float, t: Array, gaps: Array) -> float:
     return float(CubicSpline(-np.log(gaps), t)(-np.log(gap)))
 
 
+@pytest.mark.slow
 def test_settling_sphere(tmp_path: Path) -> None:
     """tau at q/a = 0.5, 0.1, 0.01, 1e-4 within 1e-3 (settling.json); it never touches."""
     case = parse_case(

@@ -78,7 +78,7 @@ def slope(x: Array, y: Array) -> float:
     return float(-np.polyfit(np.log(x), np.log(y), 1)[0])
 
 
-@pytest.mark.parametrize("degree", [2, 3, 4])
+@pytest.mark.parametrize("degree", [2, 3, pytest.param(4, marks=pytest.mark.slow)])
 def test_manufactured_flow(degree: int) -> None:
     """u converges at k + 1 in L2 and k in H1, p one order lower; cells of lower order lose half an order."""
     fluids = nested_meshes(SMALL_BOX, AROUND_A_DISC, Resolution(1.0, 12, 0.8), degree, 4)

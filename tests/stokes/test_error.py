@@ -122,7 +122,7 @@ def test_a_run_records_errors_and_resumes_with_the_same(remesh: str, tmp_path: P
     assert all(1e-6 < float(row["err_U"]) < 0.1 and float(row["err_F"]) == 0.0 for row in whole)
 
 
-@pytest.mark.parametrize("remesh", ["always", "when-needed"])
+@pytest.mark.parametrize("remesh", [pytest.param("always", marks=pytest.mark.slow), "when-needed"])
 def test_a_run_refines_where_its_tolerance_asks_and_resumes_with_the_same_meshes(
     remesh: str, tmp_path: Path
 ) -> None:

@@ -33,7 +33,7 @@ def time_at(gap: float, t: np.ndarray, gaps: np.ndarray) -> float:
     return float(CubicSpline(gaps**-0.5, t)(gap**-0.5))
 
 
-@pytest.mark.parametrize("remesh", ["always", "when-needed"])
+@pytest.mark.parametrize("remesh", [pytest.param("always", marks=pytest.mark.slow), "when-needed"])
 def test_settling_times(remesh: str, tmp_path: Path) -> None:
     """Within 1e-3 at q/a = 0.5, 0.1 and 0.01; the leading term of lubrication alone is 10 to 40 % early."""
     t, gaps = gap_history(tmp_path / "run", "time.end=21.5", f'time.remesh="{remesh}"', *COARSE)
