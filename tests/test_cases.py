@@ -10,9 +10,8 @@ from fsi.truncation import halved, truncation
 from fsi.validation import computed, reference
 
 CASES = Path(__file__).parents[1] / "cases"
-AT_ONE_INSTANT = {
-    path: case for path in sorted(CASES.glob("*.toml")) if (case := load_case(path)).time is None
-}
+FILES = sorted(CASES.glob("*.toml"))
+AT_ONE_INSTANT = {path: case for path in FILES if (case := load_case(path)).time is None}
 
 
 @pytest.mark.parametrize(
