@@ -29,6 +29,15 @@ class Gaps:
     pair_gaps: Array
     wall_gaps: Array
 
+    def of(self, some: NDArray[np.intp]) -> Gaps:
+        """Some of the pairs."""
+        pairs, away = self.pairs.take(some, axis=0), self.away.take(some, axis=0)
+        return Gaps(pairs, away, self.pair_gaps[some], self.wall_gaps)
+
+    def within(self, reach: float) -> Gaps:
+        """The pairs with a gap up to `reach`."""
+        return self.of(np.flatnonzero(self.pair_gaps <= reach))
+
     def smallest(self) -> float:
         """The smallest gap; infinite without bodies."""
         return float(min(self.pair_gaps.min(initial=np.inf), self.wall_gaps.min(initial=np.inf)))
@@ -44,8 +53,9 @@ class Gaps:
 def pair_gaps(q: Configuration, pairs: NDArray[np.intp], away: Array | float = 0.0) -> Array:
     """Gaps `|q_i - q_j - away| - a_i - a_j` of the given pairs (P, 2), shape (P,)."""
     i, j = pairs[:, 0], pairs[:, 1]
-    separation = q.centres[i] - q.centres[j] - away
-    return np.linalg.norm(separation, axis=1) - q.radii[i] - q.radii[j]
+    separation = q.centres.take(i, axis=0) - q.centres.take(j, axis=0) - away
+    distance: Array = np.sqrt(np.einsum("pk,pk->p", separation, separation))
+    return distance - q.radii[i] - q.radii[j]
 
 
 def find_gaps(q: Configuration, container: Container, reach: float | None = None) -> Gaps:
@@ -55,19 +65,37 @@ def find_gaps(q: Configuration, container: Container, reach: float | None = None
     """
     largest = float(q.radii.max(initial=0.0))
     reach = 2.0 * largest if reach is None else reach
-    return _find_gaps(q, container, min(reach, container.size()) if len(container.periods) else reach)
+    if len(container.periods):
+        reach = min(reach, container.size())
+    return _search(q, container).within(reach)
+
+
+class _Search:
+    """The gaps of one configuration, as far as they have been asked for."""
+
+    def __init__(self, q: Configuration, container: Container) -> None:
+        self.q, self.container = q, container
+        self.reach = -np.inf
+        self.found: Gaps | None = None
+
+    def within(self, reach: float) -> Gaps:
+        """All pairs with a gap up to `reach`: of those found before where it is not farther."""
+        if self.found is None or reach > self.reach:
+            self.found, self.reach = _find_gaps(self.q, self.container, reach), reach
+        return self.found if reach == self.reach else self.found.within(reach)
 
 
 # Of one step many ask for the gaps at its beginning; q is the same object then.
 @lru_cache(maxsize=2)
+def _search(q: Configuration, container: Container) -> _Search:
+    return _Search(q, container)
+
+
 def _find_gaps(q: Configuration, container: Container, reach: float) -> Gaps:
     largest = float(q.radii.max(initial=0.0))
-    lattice = Lattice(container.periods)
-    pairs, away = _near(q, lattice, 2.0 * largest + reach)
-    gaps = pair_gaps(q, pairs, away)
-    close = gaps <= reach
+    pairs, away = _near(q, Lattice(container.periods), 2.0 * largest + reach)
     wall_gaps = container.distances(q.centres) - q.radii[:, None]
-    return Gaps(pairs[close], away[close], gaps[close], wall_gaps)
+    return Gaps(pairs, away, pair_gaps(q, pairs, away), wall_gaps).within(reach)
 
 
 def _near(q: Configuration, lattice: Lattice, distance: float) -> tuple[NDArray[np.intp], Array]:
@@ -88,6 +116,17 @@ def _near(q: Configuration, lattice: Lattice, distance: float) -> tuple[NDArray[
     images = np.concatenate([np.zeros((len(inside), lattice.dimension), np.int64), cell[found["j"]]])
     images += m[j] - m[i]
     images[i > j] *= -1
-    pairs = np.sort(np.column_stack([i, j]), axis=1)
-    order = np.lexsort((*images.T[::-1], pairs @ [len(q), 1]))
-    return pairs[order], lattice.shift(images[order]) + np.zeros((1, q.dimension))
+    pairs = np.column_stack([np.minimum(i, j), np.maximum(i, j)])
+    order = np.argsort(row_numbers(np.column_stack([pairs, images]))[0])
+    away = lattice.shift(images.take(order, axis=0)) + np.zeros((1, q.dimension))
+    return pairs.take(order, axis=0), away
+
+
+def row_numbers(*tables: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    """For each row of the tables one number >= 0, ordered like the rows, the same for the same rows."""
+    every = np.concatenate(tables)
+    if len(every) == 0:
+        return [np.empty(0, np.int64) for _ in tables]
+    low, high = every.min(axis=0), every.max(axis=0)
+    numbers = np.ravel_multi_index(tuple((every - low).T), tuple(high - low + 1))
+    return np.split(numbers, np.cumsum([len(table) for table in tables[:-1]]))

@@ -42,13 +42,22 @@ def _closest_pass(q: Configuration, displacement: Array, gaps: Gaps, away_moves:
 
     away_moves: how much further the images of a sheared cell come, (P, d).
     """
-    i, j = gaps.pairs[:, 0], gaps.pairs[:, 1]
-    separation = q.centres[i] - q.centres[j] - gaps.away
-    change = displacement[i] - displacement[j] - away_moves
-    length2 = np.sum(change * change, axis=1)
-    nearest = -np.sum(separation * change, axis=1) / np.where(length2 > 0.0, length2, 1.0)
+    i, j = gaps.pairs.T
+    separation = q.centres.take(i, axis=0) - q.centres.take(j, axis=0) - gaps.away
+    change = displacement.take(i, axis=0) - displacement.take(j, axis=0) - away_moves
+    length2 = np.einsum("pk,pk->p", change, change)
+    nearest = -np.einsum("pk,pk->p", separation, change) / np.where(length2 > 0.0, length2, 1.0)
     passed = separation + np.clip(nearest, 0.0, 1.0)[:, None] * change
-    return np.linalg.norm(passed, axis=1) - q.radii[i] - q.radii[j]
+    closest: Array = np.sqrt(np.einsum("pk,pk->p", passed, passed)) - q.radii[i] - q.radii[j]
+    return closest
+
+
+def _losing(gaps: Gaps, displacement: Array, away_moves: Array, loss: float) -> NDArray[np.intp]:
+    """The pairs that would lose `loss` if they moved straight towards each other; all if none would."""
+    way, (i, j) = np.linalg.norm(displacement, axis=1), gaps.pairs.T
+    images = np.linalg.norm(away_moves, axis=1)
+    would = np.flatnonzero(way[i] + way[j] + images >= loss * gaps.pair_gaps)
+    return would if len(would) else np.arange(len(gaps.pairs))
 
 
 def greatest_approach(
@@ -58,16 +67,19 @@ def greatest_approach(
 
     The container is that at the beginning; in `duration` its images move too.
 
-    Neighbours count, and whatever can lose more than `gap_loss` however far apart. Containers are
-    convex, so that the gap to a wall is smallest at an end of the way.
+    Whatever can lose more than `gap_loss` counts, however far apart, and of the neighbours those that can
+    lose half of it, or all if none can. Containers are convex, so that the gap to a wall is smallest at an
+    end of the way.
     """
     displacement = displacement[:, : q.dimension]
     fastest = float(np.linalg.norm(displacement, axis=1).max())
     reach = max(2.0 * float(q.radii.max()), 2.0 * fastest / gap_loss)
     gaps = find_gaps(q, container, reach)
+    away_moves = container.carried(gaps.away, duration) - gaps.away
+    losing = _losing(gaps, displacement, away_moves, 0.5 * gap_loss)
+    gaps, away_moves = gaps.of(losing), away_moves.take(losing, axis=0)
     wall_left = container.distances(q.centres + displacement) - q.radii[:, None]
     before = np.concatenate([gaps.pair_gaps, gaps.wall_gaps.ravel()])
-    away_moves = container.carried(gaps.away, duration) - gaps.away
     left = np.concatenate([_closest_pass(q, displacement, gaps, away_moves), wall_left.ravel()])
     loss = 1.0 - left / before
     if len(loss) == 0:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies import Array
+from fsi.gaps import row_numbers
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,10 +37,9 @@ class Memory:
 
     def positions(self, keys: NDArray[np.int64]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Where the rows that both have stand in `keys` and in the memory; rows are distinct."""
-        both = np.vstack([keys, self.key])
-        order = np.lexsort(both.T[::-1])  # stable: of two equal rows that of `keys` comes first
-        same = np.flatnonzero(np.all(both[order[1:]] == both[order[:-1]], axis=1))
-        return order[same], order[same + 1] - len(keys)
+        rows, own = row_numbers(keys, self.key)
+        _, here, there = np.intersect1d(rows, own, assume_unique=True, return_indices=True)
+        return here, there
 
 
 def merged(key: NDArray[np.int64], *parts: tuple[NDArray[np.intp], NDArray[np.intp], Memory]) -> Memory:

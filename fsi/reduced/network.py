@@ -13,6 +13,7 @@ bound, and momentum is balanced to rounding whatever is left of the residual. Wh
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import scipy.sparse as sp
@@ -27,20 +28,25 @@ from fsi.reduced.pairs import Pairs
 _RIGID = 1e-13
 # The compliance of a gap without lubrication: its force is 0 to rounding.
 _SLACK = 1e200
-# In the plane the network is nearly planar and its factors are sparse at any size; in space they are not.
+# Up to this many gaps the system is factorised; more are solved by conjugate gradients, a third of the work
+# in the plane and far less in space. Chains of stiff gaps take many iterations. In the plane, where the
+# network is nearly planar and its factors are sparse at any size, it is then factorised all the same.
 _LARGEST_DIRECT = 5000
-_CG_TOLERANCE, _CG_ITERATIONS = 1e-14, 5000
+_CG_TOLERANCE, _PATIENCE = 1e-14, {2: 300, 3: 5000}
 
 
+@lru_cache(maxsize=2)  # of one step many ask for it
 def gradient(pairs: Pairs, bodies: int) -> sp.csr_matrix:
     """The rows G = grad_q D, shape (P, N d): n for body i, -n for body j, nothing for a wall."""
     P, d = pairs.n.shape
-    sides = np.stack([pairs.i, np.where(pairs.is_wall, 0, pairs.j)], axis=1)
-    columns = (d * sides[:, :, None] + np.arange(d)).reshape(P, 2 * d)
-    entries = np.concatenate([pairs.n, -pairs.n], axis=1)
-    there = (np.arange(2 * d) < d) | ~pairs.is_wall[:, None]
-    starts = np.concatenate([[0], np.cumsum(there.sum(axis=1))])
-    return sp.csr_matrix((entries[there], columns[there], starts), shape=(P, bodies * d))
+    sides = np.stack([pairs.i, np.where(pairs.is_wall, pairs.i, pairs.j)], axis=1).astype(np.int32)
+    columns = d * sides[:, :, None] + np.arange(d, dtype=np.int32)
+    entries = np.stack([pairs.n, -pairs.n], axis=1)
+    entries[pairs.is_wall, 1] = 0.0
+    starts = np.arange(0, 2 * d * P + 1, 2 * d, dtype=np.int32)
+    G = sp.csr_matrix((entries.ravel(), columns.ravel(), starts), shape=(P, bodies * d))
+    G.eliminate_zeros()
+    return G
 
 
 def own_mobility(G: sp.csr_matrix, Z_inverse: Array) -> Array:
@@ -85,9 +91,11 @@ class Network:
         """
         if len(self.pairs) == 0:
             return u0, np.empty(0)
-        mobility = self.G.multiply(Z_inverse.ravel()).tocsr() @ self.G.T
-        S = (mobility + sp.diags(self.compliance)).tocsc()
-        force = _solve_spd(S, self.rates(u0), direct=u0.shape[1] == 2 or len(self.pairs) <= _LARGEST_DIRECT)
+        scale = 1.0 / np.sqrt(own_mobility(self.G, Z_inverse) + self.compliance)
+        H = self.G.copy()  # scaled: S = H H^T + ... has the unit diagonal
+        H.data *= np.repeat(scale, np.diff(H.indptr)) * np.sqrt(Z_inverse.ravel())[H.indices]
+        S = H @ H.T.tocsr() + sp.diags_array(scale**2 * self.compliance)
+        force = scale * _solve_spd(S.tocsr(), scale * self.rates(u0), u0.shape[1])
         return u0 - Z_inverse * self.loads(force), force
 
 
@@ -100,27 +108,23 @@ def make_network(pairs: Pairs, kappa: Array, Z_inverse: Array) -> Network:
     return Network(pairs, G, compliance)
 
 
-def _solve_spd(S: sp.csc_matrix, right: Array, *, direct: bool) -> Array:
-    """Solve S x = right, S symmetric positive definite, scaled to the unit diagonal."""
-    scale = 1.0 / np.sqrt(S.diagonal())
-    D = sp.diags(scale)
-    scaled = (D @ S @ D).tocsc()
-    if direct:
-        try:
-            factors = splu(
-                scaled, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-            )
-        except RuntimeError as error:
+def _solve_spd(S: sp.csr_array, right: Array, d: int) -> Array:
+    """Solve S x = right, S symmetric positive definite with unit diagonal, of a network in d dimensions."""
+    if len(right) > _LARGEST_DIRECT:
+        x, unfinished = cg(S, right, rtol=_CG_TOLERANCE, maxiter=_PATIENCE[d])
+        if not unfinished:
+            return np.asarray(x)
+        if d == 3:
             raise SolveError(
-                f"the forces in the gaps are not determined ({error}); give the bodies more drag or mass"
-            ) from None
-        x: Array = factors.solve(scale * right)
-    else:
-        x, unfinished = cg(scaled, scale * right, rtol=_CG_TOLERANCE, maxiter=_CG_ITERATIONS)
-        if unfinished:
-            raise SolveError(
-                f"the forces in the gaps were not found in {_CG_ITERATIONS} iterations; shorten "
+                f"the forces in the gaps were not found in {_PATIENCE[d]} iterations; shorten "
                 "reduced.cutoff or give the bodies more drag"
             )
-    found: Array = scale * x
-    return found
+    try:
+        factors = splu(
+            S.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        )
+    except RuntimeError as error:
+        raise SolveError(
+            f"the forces in the gaps are not determined ({error}); give the bodies more drag or mass"
+        ) from None
+    return np.asarray(factors.solve(right))

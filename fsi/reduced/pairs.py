@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies import Array, Configuration
-from fsi.gaps import find_gaps
+from fsi.gaps import find_gaps, row_numbers
 from fsi.reduced.space import Space, wall_gaps
 from meshes.lattice import Lattice
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Pairs:
     """P pairs in d dimensions, ordered by key; side i is a body, side j a body or, from N on, wall j - N.
 
@@ -59,10 +59,10 @@ def find_pairs(q: Configuration, space: Space, reach: float, kept: NDArray[np.in
 
 def _distinct(key: NDArray[np.int64]) -> NDArray[np.int64]:
     """The rows in order, each once."""
-    key = key[np.lexsort(key.T[::-1])]
-    new = np.ones(len(key), dtype=bool)
-    new[1:] = np.any(key[1:] != key[:-1], axis=1)
-    return key[new]
+    (number,) = row_numbers(key)
+    order = np.argsort(number)
+    new = np.diff(number[order], prepend=-1) > 0
+    return key[order[new]]
 
 
 def of_keys(q: Configuration, space: Space, key: NDArray[np.int64]) -> Pairs:
@@ -71,7 +71,7 @@ def of_keys(q: Configuration, space: Space, key: NDArray[np.int64]) -> Pairs:
     shift = Lattice(space.container.periods).shift(key[:, 2:]) + np.zeros((1, q.dimension))
     is_wall = j >= len(q)
     other = np.where(is_wall, 0, j)
-    separation = q.centres[i] - q.centres[other] - shift
+    separation = q.centres.take(i, axis=0) - q.centres.take(other, axis=0) - shift
     distance = np.sqrt(np.einsum("pk,pk->p", separation, separation))
     n = separation / np.where(distance > 0.0, distance, 1.0)[:, None]
     gap = distance - q.radii[i] - q.radii[other]
@@ -96,8 +96,9 @@ def own_speed(n: Array, shift: Array, wall: NDArray[np.intp], space: Space) -> A
 
 def turning(pairs: Pairs, u: Array) -> Array:
     """`G'.u`, how D' changes because the directions turn, for velocities (N, d); shape (P,)."""
-    other = np.where(pairs.is_wall[:, None], 0.0, u[np.where(pairs.is_wall, 0, pairs.j)])
-    relative = u[pairs.i] - other
+    other = u.take(np.where(pairs.is_wall, 0, pairs.j), axis=0)
+    other[pairs.is_wall] = 0.0
+    relative = u.take(pairs.i, axis=0) - other
     along = np.einsum("pk,pk->p", pairs.n, relative)
     across: Array = np.einsum("pk,pk->p", relative, relative) - along**2
     return pairs.curvature * across

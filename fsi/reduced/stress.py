@@ -27,15 +27,21 @@ def bulk_stress(
     if not isinstance(container, Channel | Cell):
         return None
     E = 0.5 * (space.gradient + space.gradient.T)
-    dyad = force[:, None, None] * pairs.n[:, :, None] * pairs.n[:, None, :]
-    S = np.zeros((len(radii), *E.shape))
-    between = ~pairs.is_wall
-    np.add.at(S, pairs.i, (radii[pairs.i] + np.where(between, 0.5, 1.0) * pairs.gap)[:, None, None] * dyad)
-    j = pairs.j[between]
-    np.add.at(S, j, (radii[j] + 0.5 * pairs.gap[between])[:, None, None] * dyad[between])
+    S = _stresslets(pairs, force, radii)
     bulk = BulkStress(2.0 * viscosity * E, S, container.area, None)
     rate = float(np.sum(E**2))
     if rate == 0.0:
         return bulk
     apparent = float(np.sum(bulk.mean * E)) / (2.0 * viscosity * rate)
     return BulkStress(bulk.fluid, S, container.area, apparent)
+
+
+def _stresslets(pairs: Pairs, force: Array, radii: Array) -> Array:
+    """S_i, (N, d, d)."""
+    between, N = ~pairs.is_wall, len(radii)
+    i, j = pairs.i, pairs.j[between]
+    middle = np.where(between, 0.5, 1.0) * pairs.gap
+    moment = np.concatenate([(radii[i] + middle) * force, (radii[j] + middle[between]) * force[between]])
+    body, n = np.concatenate([i, j]), np.concatenate([pairs.n, pairs.n[between]])
+    sums = [[np.bincount(body, moment * x * y, minlength=N) for y in n.T] for x in n.T]
+    return np.moveaxis(np.array(sums), 2, 0)

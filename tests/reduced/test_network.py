@@ -41,9 +41,10 @@ def test_the_solve_is_that_of_the_dense_system(d: int) -> None:
     assert force == pytest.approx(kappa * network.rates(u), rel=1e-9, abs=1e-11)
 
 
-def test_iterations_find_what_factors_find(monkeypatch: pytest.MonkeyPatch) -> None:
-    """In space large networks are solved by conjugate gradients."""
-    q, pairs = cluster(3, 216)
+@pytest.mark.parametrize("d", [2, 3])
+def test_iterations_find_what_factors_find(d: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Large networks are solved by conjugate gradients."""
+    q, pairs = cluster(d, 216)
     f = np.random.default_rng(1).standard_normal(q.centres.shape)
     network = make_network(pairs, pairs.gap**-1.0, np.ones_like(f))
     direct, _ = network.solve(f, np.ones_like(f))
@@ -51,6 +52,20 @@ def test_iterations_find_what_factors_find(monkeypatch: pytest.MonkeyPatch) -> N
     iterated, _ = network.solve(f, np.ones_like(f))
     assert not np.array_equal(iterated, direct)
     assert iterated == pytest.approx(direct, abs=1e-12)
+
+
+def test_a_long_chain_of_stiff_gaps_is_factorised(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A push at one end of N rigid discs in a row moves all with f / N; iterations need about N for it."""
+    N = 2000
+    q = Configuration.unturned(np.column_stack([2.01 * np.arange(N), np.zeros(N)]), np.ones(N))
+    box = Box((-1e6, -1e6), (1e6, 1e6))
+    pairs = find_pairs(q, Space(box, np.zeros((4, 2)), np.zeros(2), np.zeros((2, 2))), 0.5)
+    network = make_network(pairs, np.full(len(pairs), 1e14), np.ones((N, 2)))
+    f = np.zeros((N, 2))
+    f[0, 0] = 1.0
+    monkeypatch.setattr("fsi.reduced.network._LARGEST_DIRECT", 10)
+    u, _ = network.solve(f, np.ones((N, 2)))
+    assert u[:, 0] == pytest.approx(1.0 / N, rel=1e-6)  # cut off after 300 iterations most would be at rest
 
 
 @pytest.mark.parametrize("kappa", [1e-300, 1e-3, 1e8, 1e300, np.inf])
