@@ -23,7 +23,12 @@ from postprocess.strain import accumulated_strain
 from postprocess.view import gap_between, parse_sides
 
 SUFFIXES = (".png", ".svg", ".pdf")
-VISCOSITY = "apparent_viscosity"  # a column of steps.csv, where there is one
+# Columns of steps.csv, where there is one, and what they are called; that of the reduced model is only the
+# part that lubrication adds.
+VISCOSITIES = {
+    "apparent_viscosity": "apparent viscosity",
+    "lubrication_viscosity": "viscosity added by lubrication",
+}
 # Okabe and Ito: told apart by every eye.
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 _DASHES = ("-", "--", ":", "-.")
@@ -62,14 +67,14 @@ def read_history(run: Run, gap: str | None = None, singly: int = len(_COLOURS)) 
         panels["speed"] = _each(names, speed, singly)
         if load.max() > _NO_LOAD * run.case.fluid.viscosity * speed.max():
             panels["load"] = _each(names, load, singly)
-    if VISCOSITY in steps:
-        panels["apparent viscosity"] = {"": steps[VISCOSITY].to_numpy()}
+    viscosities = {title: steps[column] for column, title in VISCOSITIES.items() if column in steps}
+    panels |= {title: {"": mu.to_numpy()} for title, mu in viscosities.items()}
     if gap is None:
         try:
             laws = {"exact": exact_gap(run.case, t), "asymptote": asymptotic_gap(run.case, t)}
         except InputError:  # no exact law for this case
             laws = {}
-    strain = accumulated_strain(run.case, t) if VISCOSITY in steps else None
+    strain = accumulated_strain(run.case, t) if viscosities else None
     return History(run.path.resolve().name, t, strain, panels, laws, run.case.axisymmetric)
 
 
@@ -118,7 +123,7 @@ def plot_runs(runs: Sequence[Run], output: Path, gap: str | None = None) -> None
     require_figure(output)
     singly = len(_COLOURS) if len(runs) == 1 else len(_DASHES)
     histories = [read_history(run, gap, singly) for run in runs]
-    titles = [title for title in ("gap", "speed", "load", "apparent viscosity") if _has(histories, title)]
+    titles = [title for title in ("gap", "speed", "load", *VISCOSITIES.values()) if _has(histories, title)]
     if not titles:
         raise InputError(f"{runs[0].path}: the run has no bodies and no apparent viscosity; nothing to draw")
     with mpl.rc_context({"font.size": 11, "axes.spines.top": False, "axes.spines.right": False}):

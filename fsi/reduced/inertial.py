@@ -29,7 +29,7 @@ from fsi.reduced.memory import Memory, merged
 from fsi.reduced.model import ReducedInstant, ReducedModel
 from fsi.reduced.network import gradient, own_mobility
 from fsi.reduced.pairs import Pairs, find_pairs, of_keys, own_speed, turning
-from fsi.reduced.stress import bulk_stress
+from fsi.reduced.stress import lubrication_stress
 from fsi.reduced.system import Surroundings, solve_system
 from fsi.stepping import State
 
@@ -175,7 +175,6 @@ class DistanceModel(ReducedModel):
         F = around.zeta * (U - around.background)
         F[:, :d] += (G.T @ memory.force).reshape(-1, d)
         stored = {"log10_stored_gap": float(memory.x.min(initial=np.inf) / np.log(10.0))}
-        bulk = bulk_stress(around.space, pairs, memory.force, q.radii, self.case.fluid.viscosity)
-        stress = {} if bulk is None else bulk.record
-        columns = {**record, **stress, **stored}
-        return ReducedInstant(q, U, F, pairs, memory.x, memory.force, gamma, columns, bulk)
+        stress = lubrication_stress(around.space, pairs, memory.force, q.radii, self.case.fluid.viscosity)
+        columns = {**record, **({} if stress is None else stress.record), **stored}
+        return ReducedInstant(q, U, F, pairs, memory.x, memory.force, gamma, columns, stress)

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies import Array, Configuration, Inertia, Motion
-from fsi.bulk import BulkStress
 from fsi.case import Case
 from fsi.errors import SolveError
 from fsi.parallel import on_root
@@ -22,7 +21,7 @@ from fsi.reduced.laws import make_laws
 from fsi.reduced.network import gradient
 from fsi.reduced.pairs import Pairs, find_pairs
 from fsi.reduced.setting import drag, make_space
-from fsi.reduced.stress import bulk_stress
+from fsi.reduced.stress import LubricationStress, lubrication_stress
 from fsi.reduced.system import Surroundings, solve_system
 from fsi.stepping import Instant
 
@@ -32,8 +31,8 @@ class ReducedInstant:
     """One solved instant.
 
     U, F: velocities and external loads (N, modes); of the P pairs x = ln D, the gaps with which the laws were
-    taken, the forces lambda, and gamma = g K(D), the stored pushes, zero for a model without memory; bulk:
-    the stress in a periodic space.
+    taken, the forces lambda, and gamma = g K(D), the stored pushes, zero for a model without memory;
+    stress: that of lubrication, in a periodic space.
     """
 
     q: Configuration
@@ -44,7 +43,7 @@ class ReducedInstant:
     force: Array
     gamma: Array
     record: Mapping[str, float]
-    bulk: BulkStress | None = None
+    stress: LubricationStress | None = None
 
     @property
     def rates(self) -> Array:
@@ -57,7 +56,7 @@ class ReducedInstant:
     @property
     def body_columns(self) -> Mapping[str, Array]:
         """More columns of bodies.csv."""
-        return {} if self.bulk is None else self.bulk.body_columns
+        return {} if self.stress is None else self.stress.body_columns
 
     def write(self, folder: Path, step: int) -> dict[str, list[str]]:
         """Write the series "bodies" and "contacts"."""
@@ -100,11 +99,11 @@ class ReducedModel:
         checks = identities(solved.network, q, solved.U, solved.alone, solved.force) | solved.balances()
         require(checks, t)
         spent = {"cpu_pairs": found - began, "cpu_solve": process_time() - found}
-        bulk = bulk_stress(around.space, pairs, solved.force, q.radii, self.case.fluid.viscosity)
-        stress = {} if bulk is None else bulk.record
-        record = {"pairs": len(pairs), "dissipation": solved.dissipation, **stress, **checks, **spent}
+        stress = lubrication_stress(around.space, pairs, solved.force, q.radii, self.case.fluid.viscosity)
+        columns = {} if stress is None else stress.record
+        record = {"pairs": len(pairs), "dissipation": solved.dissipation, **columns, **checks, **spent}
         nothing = np.zeros(len(pairs))
-        return ReducedInstant(q, solved.U, solved.F, pairs, x, solved.force, nothing, record, bulk)
+        return ReducedInstant(q, solved.U, solved.F, pairs, x, solved.force, nothing, record, stress)
 
     def surroundings(self, q: Configuration, t: float) -> Surroundings:
         """Walls, periods, background flow, motion and drag at time t."""

@@ -65,7 +65,7 @@ def print_instant(console: Console, case: Case, found: ReducedInstant) -> None:
 
 
 def _numbers(found: ReducedInstant) -> Mapping[str, float]:
-    shown = ("dissipation", "apparent_viscosity", "momentum", "power", "balance", "residual")
+    shown = ("dissipation", "lubrication_viscosity", "momentum", "power", "balance", "residual")
     return {name: found.record[name] for name in shown if name in found.record}
 
 

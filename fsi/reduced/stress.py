@@ -1,39 +1,73 @@
-"""The bulk stress of the reduced model: that of the background flow, and what the gaps add.
+"""The lubrication stress of the reduced model: what the forces of its gaps add to the bulk stress.
 
-    Sigma = 2 mu E + 1/|Omega| sum_i S_i,    S_i = sum over the gaps of i of lambda l n (x) n
+    Sigma_L = 1/|Omega| sum_i S_i,    S_i = sum over the gaps of i of lambda l n (x) n
 
-E is the strain rate of the background, l the distance from the centre to the middle of a gap of two bodies,
-or to a wall. For bodies without loads, and walls that move along themselves, `|Omega| Sigma:E` is
-the dissipation, with `2 mu E:E |Omega|` of the background. Drag and lubrication are all there is in it: how a
-lone body resists strain, 2 phi of discs and 5/2 phi of spheres in the viscosity, is not in the model.
+l is the distance from the centre to the middle of a gap of two bodies, or to a wall. For bodies without
+loads, and walls that move along themselves, `|Omega| Sigma_L:E` is the dissipation of drag and gaps at the
+strain rate E of the background. It is a contribution only, and not called the apparent viscosity: how a lone
+body resists strain, 2 phi of discs and 5/2 phi of spheres in the viscosity, and what sliding pairs add, are
+not in the model.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
 import numpy as np
 
 from fsi.bodies import Array
-from fsi.bulk import BulkStress
 from fsi.reduced.pairs import Pairs
 from fsi.reduced.space import Space
 from meshes.cell import Cell, Channel
 
+_COMPONENTS = {"xx": (0, 0), "xy": (0, 1), "yy": (1, 1)}
 
-def bulk_stress(
+
+@dataclass(frozen=True, slots=True)
+class LubricationStress:
+    """The lubrication stress over a periodic domain of the area |Omega|.
+
+    stresslets: S_i, (N, 2, 2); area: |Omega|; viscosity: `Sigma_L:E / (2 mu E:E)`, what lubrication along the
+    lines of centres adds to the viscosity over that of the fluid, None without a mean strain rate.
+    """
+
+    stresslets: Array
+    area: float
+    viscosity: float | None
+
+    @property
+    def mean(self) -> Array:
+        """Sigma_L, (2, 2)."""
+        total: Array = self.stresslets.sum(axis=0) / self.area
+        return total
+
+    @property
+    def record(self) -> Mapping[str, float]:
+        """Columns of steps.csv."""
+        mu = {} if self.viscosity is None else {"lubrication_viscosity": self.viscosity}
+        mean = self.mean
+        return mu | {f"lubrication_stress_{name}": float(mean[at]) for name, at in _COMPONENTS.items()}
+
+    @property
+    def body_columns(self) -> Mapping[str, Array]:
+        """Columns of bodies.csv."""
+        return {f"lubrication_S_{name}": self.stresslets[:, *at] for name, at in _COMPONENTS.items()}
+
+
+def lubrication_stress(
     space: Space, pairs: Pairs, force: Array, radii: Array, viscosity: float
-) -> BulkStress | None:
-    """Sigma in a periodic space, with forces (P,) of the gaps, positive where they open; else None."""
+) -> LubricationStress | None:
+    """Sigma_L in a periodic space, with forces (P,) of the gaps, positive where they open; else None."""
     container = space.container
     if not isinstance(container, Channel | Cell):
         return None
     E = 0.5 * (space.gradient + space.gradient.T)
-    S = _stresslets(pairs, force, radii)
-    bulk = BulkStress(2.0 * viscosity * E, S, container.area, None)
+    found = LubricationStress(_stresslets(pairs, force, radii), container.area, None)
     rate = float(np.sum(E**2))
     if rate == 0.0:
-        return bulk
-    apparent = float(np.sum(bulk.mean * E)) / (2.0 * viscosity * rate)
-    return BulkStress(bulk.fluid, S, container.area, apparent)
+        return found
+    return replace(found, viscosity=float(np.sum(found.mean * E)) / (2.0 * viscosity * rate))
 
 
 def _stresslets(pairs: Pairs, force: Array, radii: Array) -> Array:
