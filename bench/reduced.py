@@ -1,8 +1,8 @@
-"""What a step of the reduced model costs, by number of discs: `python bench/reduced.py [N ...]`.
+"""What a step of the reduced model costs, by number of discs.
 
 Discs of radius 1 at random, at area fraction 0.55, in a channel whose top moves, are stirred by forces for 20
-steps; the numbers are means of the last three. "near": discs with a gap below 0.05, as a part
-of all.
+steps; the numbers are means of the last three. near: discs with a gap below 0.05, as a part of all;
+defects: the worst of all identities; to read: CPU seconds to check the case, once.
 """
 
 from __future__ import annotations
@@ -11,8 +11,10 @@ import os
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # CPU seconds are those of one thread
 
+import argparse
 import resource
-import sys
+from collections.abc import Mapping
+from pathlib import Path
 from time import process_time
 
 import numpy as np
@@ -22,6 +24,7 @@ from fsi.case import Case, parse_case
 from fsi.configurations.packing import random_arrangement
 from fsi.models import make_model
 from fsi.run import make_stepper
+from postprocess.scaling import write_scaling
 
 AREA_FRACTION, GAP, PERIOD = 0.55, 0.01, 2500
 STEPS, MEASURED = 20, 3
@@ -68,8 +71,11 @@ def case(number: int, scheme: str) -> Case:
     )
 
 
-def row(number: int, scheme: str) -> str:
-    """Measure one size."""
+DEFECTS = ("momentum", "angular_momentum", "kernel", "residual", "power", "balance", "invariant", "energy")
+
+
+def measure(number: int, scheme: str) -> dict[str, float]:
+    """One size: the columns of the table, and `step`, the CPU seconds of a step."""
     began = process_time()
     given = case(number, scheme)
     read = process_time() - began
@@ -81,34 +87,67 @@ def row(number: int, scheme: str) -> str:
         step = stepper.advance(state)
         spent.append(process_time() - began)
         state = step.state
-    record = step.instant.record
-    one = record["cpu_solve"] + record.get("cpu_pairs", 0.0)
+    record, N = step.instant.record, len(given.bodies)
     gaps = step.instant.pairs.gap  # type: ignore[attr-defined]
-    near = 2.0 * np.sum(gaps < 0.05) / len(given.bodies)
-    defects = (
-        "momentum",
-        "angular_momentum",
-        "kernel",
-        "residual",
-        "power",
-        "balance",
-        "invariant",
-        "energy",
-    )
-    worst = max(record.get(name, 0.0) for name in defects)
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
-    N, mean = len(given.bodies), np.mean(spent[-MEASURED:])
-    return (
-        f"| {scheme} | {N} | {record['pairs'] / N:.2f} | {near:.2f} | {one:.3f} | {mean:.3f} | "
-        f"{1e6 * mean / N:.1f} | {memory:.2f} | {worst:.0e} | {read:.1f} |"
-    )
+    return {
+        "discs": N,
+        "pairs": record["pairs"] / N,
+        "near": 2.0 * float(np.sum(gaps < 0.05)) / N,
+        "solve": record["cpu_solve"] + record.get("cpu_pairs", 0.0),
+        "step": float(np.mean(spent[-MEASURED:])),
+        "GB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6,
+        "defect": max(record.get(name, 0.0) for name in DEFECTS),
+        "read": read,
+    }
 
 
-if __name__ == "__main__":
+def row(scheme: str, found: Mapping[str, float]) -> str:
+    """A row of the table."""
+    cells = [
+        f"{found['discs']}",
+        f"{found['pairs']:.2f}",
+        f"{found['near']:.2f}",
+        f"{found['solve']:.3f}",
+        f"{found['step']:.3f}",
+        f"{1e6 * found['step'] / found['discs']:.1f}",
+        f"{found['GB']:.2f}",
+        f"{found['defect']:.0e}",
+        f"{found['read']:.1f}",
+    ]
+    return f"| {' | '.join([scheme, *cells])} |"
+
+
+def main() -> None:
+    """Measure, print, write."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument(
+        "numbers",
+        metavar="N",
+        nargs="*",
+        type=int,
+        default=[1000, 10000, 100000],
+        help="numbers of discs, 1000 10000 100000 if not given",
+    )
+    parser.add_argument(
+        "--scheme",
+        choices=("distance", "adaptive"),
+        help="both if not given; an adaptive step is three solves and the search for gaps that close",
+    )
+    parser.add_argument("--json", type=Path, metavar="FILE", help="what `fsi plot FILE` draws")
+    given = parser.parse_args()
     print(
         "| scheme | discs | pairs/disc | near | CPU s/solve | a step | us a disc | GB | defects | to read |"
     )
     print("|---|---|---|---|---|---|---|---|---|---|")
-    for scheme in ("distance", "adaptive"):
-        for number in map(int, sys.argv[1:] or ("1000", "10000", "100000")):
-            print(row(number, scheme), flush=True)
+    curves: dict[str, list[tuple[int, float]]] = {}
+    for scheme in [given.scheme] if given.scheme else ["distance", "adaptive"]:
+        for number in given.numbers:
+            found = measure(number, scheme)
+            print(row(scheme, found), flush=True)
+            curves.setdefault(scheme, []).append((int(found["discs"]), found["step"]))
+    if given.json:
+        write_scaling(given.json, "a step of the reduced model", "discs", curves)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,4 +1,4 @@
-"""`fsi plot`: histories of runs."""
+"""`fsi plot`: histories of runs, laws, costs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,12 @@ EXAMPLE = "Example: fsi plot runs/settling_disc runs/settling_discs -o gaps.pdf"
 
 def plot(
     folders: Annotated[
-        list[Path], typer.Argument(metavar="RUN...", help="Folders made by fsi run.", show_default=False)
+        list[Path],
+        typer.Argument(
+            metavar="RUN...",
+            help="Folders made by fsi run or fsi calibrate, or one file.",
+            show_default=False,
+        ),
     ],
     output: Annotated[
         Path | None,
@@ -22,7 +27,7 @@ def plot(
             "--output",
             "-o",
             help="A .png, .svg or .pdf file.",
-            show_default="history.png in the first run folder",
+            show_default="history.png in the first run folder, or beside the file",
         ),
     ] = None,
     gap: Annotated[
@@ -37,18 +42,26 @@ def plot(
     """Draw gap, speed, load and apparent viscosity against time, or strain, several runs over each other.
 
     The folder of a calibration gives resistance against gap: samples, law and, where known, the exact curve.
-    A single body that settles onto a plane comes with its exact law and that law's asymptote.
+    A single body that settles onto a plane comes with its exact law and that law's asymptote. The file that a
+    benchmark writes with --json gives its CPU seconds against N.
     """
     from fsi.calibration.report import SUMMARY
     from postprocess.calibration import plot_calibration
     from postprocess.histories import plot_runs, require_figure
     from postprocess.run import open_run
+    from postprocess.scaling import plot_scaling
 
     calibrated = parallel.on_root(lambda: len(folders) == 1 and (folders[0] / SUMMARY).is_file())
-    path = output or folders[0] / ("calibration.png" if calibrated else "history.png")
+    if len(folders) == 1 and folders[0].suffix == ".json":
+        path, draw = folders[0].with_suffix(".png"), plot_scaling
+    elif calibrated:
+        path, draw = folders[0] / "calibration.png", plot_calibration
+    else:
+        path, draw = folders[0] / "history.png", None
+    path = output or path
     parallel.on_root(lambda: require_figure(path))
-    if calibrated:
-        parallel.on_root(lambda: plot_calibration(folders[0], path))
+    if draw is not None:
+        parallel.on_root(lambda: draw(folders[0], path))
     else:
         parallel.on_root(lambda: plot_runs([open_run(folder) for folder in folders], path, gap))
     if parallel.is_root():
