@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 
 from fsi.bodies import Array
 from fsi.case import Case
-from fsi.errors import InputError
+from fsi.errors import InputError, SolveError
 from fsi.law_file import load_law
 from fsi.lubrication.exact_laws import exact_law
 from fsi.lubrication.laws import (
     CutLaw,
     LubricationLaw,
+    RangeError,
     leading_disc_law,
     leading_sphere_law,
     slides_law,
@@ -32,7 +33,8 @@ _SMALLEST = 1e-150
 class GapLaws:
     """kappa and its integral for pairs of bodies and for bodies and walls; arrays are (P,).
 
-    Gaps are given as x = ln D, see `_SMALLEST`; radius: the reduced radius; is_wall: which law.
+    Gaps are given as x = ln D, see `_SMALLEST`; radius: the reduced radius; is_wall: which law. Raises
+    SolveError where a law does not hold.
     """
 
     bodies: LubricationLaw
@@ -58,7 +60,10 @@ class GapLaws:
         found = np.empty(len(D))
         for law, here in ((self.bodies, ~is_wall), (self.walls, is_wall)):
             if np.any(here):
-                found[here] = getattr(law, method)(D[here], radius[here])
+                try:
+                    found[here] = getattr(law, method)(D[here], radius[here])
+                except RangeError as error:
+                    raise SolveError(f"reduced.law: {error} with reduced.extrapolate = true") from None
         return found
 
 

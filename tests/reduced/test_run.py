@@ -15,8 +15,10 @@ import pytest
 
 from fsi.bodies import Configuration
 from fsi.case import Case
+from fsi.cli.main import main
 from fsi.cli.solve import solve
 from fsi.comparison import Comparison, History, compare
+from fsi.law_file import LawFile, TableSection, save_law
 from fsi.lubrication.exact_laws import exact_law
 from fsi.models import make_model
 from fsi.pvd import read_collection
@@ -147,3 +149,31 @@ def test_solve_shows_an_instant(capsys: pytest.CaptureFixture[str], tmp_path: Pa
     assert contact["force"] == pytest.approx((kappa[0] - kappa[1]) * contact["rate"])
     solve(tmp_path / "case.toml")
     assert "lubricated gaps" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("scheme", "gap"), [("adaptive", 0.3), ("distance", 0.3), ("adaptive", 0.01)])
+def test_a_law_left_during_a_run_ends_it_in_one_line(
+    scheme: str,
+    gap: float,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A table from 0.02 to 0.2 radii, a disc that begins outside, or is pushed out of it."""
+    table = TableSection(s=(0.02, 0.2), K=(400.0, 20.0))
+    save_law(tmp_path / "law.toml", LawFile(form="table", shape="discs", viscosity=1.0, table=table))
+    body = {"name": "disc", "radius": 1.0, "position": [0.0, 1.1 if gap > 0.2 else 1.0 + gap]} | INERTIA
+    body |= {"force": [0.0, 50.0]}
+    if scheme == "adaptive":
+        del body["mass"], body["moment_of_inertia"]
+    reduced = {"law": str(tmp_path / "law.toml"), "drag": 12.0} | SCHEMES[scheme]
+    case = reduced_case([body], reduced, time={"end": 5.0, "tolerance": 1e-3})
+    (tmp_path / "case.toml").write_text(case.as_toml())
+    arguments = ["run", str(tmp_path / "case.toml"), "-o", str(tmp_path / "run")]
+    monkeypatch.setattr(sys, "argv", ["fsi", *arguments])
+    monkeypatch.setattr(sys, "__stderr__", sys.stderr)
+    assert main() == 3
+    said = capsys.readouterr().err.strip().splitlines()
+    assert len(said) == 1
+    assert "the lubrication law holds from 0.02 to 0.2" in said[0]
+    assert said[0].endswith("or ask for extrapolation with reduced.extrapolate = true")
