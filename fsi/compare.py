@@ -56,10 +56,10 @@ def _require_same(folder: Path, case: Case) -> None:
 
 def _compare_folders(case: Case, folder: Path) -> tuple[Comparison, dict[str, object]]:
     from postprocess.comparison import plot_comparison
-    from postprocess.folder import read_table
+    from postprocess.run import open_run
 
     resolved, reduced = (
-        History.of_table(case, read_table(folder / name / "bodies.csv")) for name in ("resolved", "reduced")
+        History.of_table(case, open_run(folder / name).columns("bodies")) for name in ("resolved", "reduced")
     )
     found = compare(case, resolved, reduced)
     data = comparison_json(case.names, case.reduced.law, found)

@@ -17,7 +17,6 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from rich.console import Console
 from rich.table import Table
 
 from fsi.bodies import Array, Configuration
@@ -27,8 +26,9 @@ from meshes.cell import Cell
 from meshes.lattice import Lattice
 from postprocess import oblique
 from postprocess.arrangement import arrangement_of, draw_bodies, figure_size
-from postprocess.folder import read_case, read_table
 from postprocess.links import Chain, Links, find_chains, find_links
+from postprocess.program import program, say
+from postprocess.run import open_run
 
 CLOSE = 0.1  # gaps below this many mean radii make a link
 _ROWS = 12
@@ -58,7 +58,8 @@ def read_chains(run: Path, step: int | None = None, close: float = CLOSE) -> Cha
     Raises:
         InputError: not a run folder of discs in the plane, or no such step.
     """
-    case, steps, bodies = read_case(run), read_table(run / "steps.csv"), read_table(run / "bodies.csv")
+    folder = open_run(run)
+    case, steps, bodies = folder.case, folder.columns("steps"), folder.columns("bodies")
     if case.geometry != "planar":
         raise InputError(f'geometry = "{case.geometry}": the lubrication law of discs needs "planar"')
     if "dissipation" not in steps:
@@ -146,23 +147,18 @@ def plot(found: Chains, path: Path) -> None:
             raise InputError(f"{path}: {error.strerror}; give a run folder that can be written") from None
 
 
+def show(run: Path, step: str | None = None) -> None:
+    """Print the table and draw the picture of one step."""
+    if step is not None and not step.isdecimal():
+        raise InputError(f"step = {step}: not a number; give one of the column step of steps.csv")
+    found = read_chains(run, None if step is None else int(step))
+    plot(found, run / "chains.png")
+    say(as_table(found), f"picture: {run / 'chains.png'}")
+
+
 def main(arguments: list[str]) -> int:
-    """Print the table and draw the picture of one step; the exit code."""
-    if len(arguments) not in (1, 2) or arguments[0] in ("-h", "--help"):
-        print(__doc__, file=sys.stderr)  # noqa: T201  (this is a program)
-        return 2
-    run = Path(arguments[0])
-    try:
-        if len(arguments) == 2 and not arguments[1].isdecimal():
-            raise InputError(f"step = {arguments[1]}: not a number; give one of the column step of steps.csv")
-        found = read_chains(run, int(arguments[1]) if len(arguments) == 2 else None)
-        Console().print(as_table(found))
-        plot(found, run / "chains.png")
-        Console().print(f"picture: {run / 'chains.png'}", highlight=False, soft_wrap=True)
-    except InputError as error:
-        print(f"error: {error}", file=sys.stderr)  # noqa: T201
-        return error.exit_code
-    return 0
+    """The program; the exit code."""
+    return program(__doc__, arguments, show, most=2)
 
 
 if __name__ == "__main__":

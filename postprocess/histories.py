@@ -29,6 +29,14 @@ VISCOSITIES = {
     "apparent_viscosity": "apparent viscosity",
     "lubrication_viscosity": "viscosity added by lubrication",
 }
+# What is drawn of the limits of vanishing viscosity, by its column of steps.csv.
+_LIMIT_PANELS = {
+    "contacts": "contacts",
+    "largest density": "largest_density",
+    "smallest gamma": "smallest_gamma",
+    "kinetic energy": "kinetic_energy",
+}
+_TITLES = ("gap", "speed", "load", *VISCOSITIES.values(), *_LIMIT_PANELS)
 # Okabe and Ito: told apart by every eye.
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 _DASHES = ("-", "--", ":", "-.")
@@ -57,6 +65,8 @@ def read_history(run: Run, gap: str | None = None, singly: int = len(_COLOURS)) 
 
     Up to `singly` bodies have a curve each; of more the smallest, median and largest value is shown.
     """
+    if not run.has_flow:
+        return _limit_history(run)
     steps, names = run.steps, run.case.names
     panels: dict[str, Curves] = {}
     laws: Curves = {}
@@ -76,6 +86,13 @@ def read_history(run: Run, gap: str | None = None, singly: int = len(_COLOURS)) 
             laws = {}
     strain = accumulated_strain(run.case, t) if viscosities else None
     return History(run.path.resolve().name, t, strain, panels, laws, run.case.axisymmetric)
+
+
+def _limit_history(run: Run) -> History:
+    """That of a run without a viscous fluid, bodies or a continuum."""
+    steps = run.steps
+    panels = {title: {"": steps[name].to_numpy()} for title, name in _LIMIT_PANELS.items() if name in steps}
+    return History(run.path.resolve().name, steps["t"].to_numpy(), None, panels, {}, axisymmetric=False)
 
 
 def _sizes(bodies: pd.DataFrame, letter: str, count: int) -> Array:
@@ -123,14 +140,14 @@ def plot_runs(runs: Sequence[Run], output: Path, gap: str | None = None) -> None
     require_figure(output)
     singly = len(_COLOURS) if len(runs) == 1 else len(_DASHES)
     histories = [read_history(run, gap, singly) for run in runs]
-    titles = [title for title in ("gap", "speed", "load", *VISCOSITIES.values()) if _has(histories, title)]
+    titles = [title for title in _TITLES if _has(histories, title)]
     if not titles:
         raise InputError(f"{runs[0].path}: the run has no bodies and no apparent viscosity; nothing to draw")
     with mpl.rc_context({"font.size": 11, "axes.spines.top": False, "axes.spines.right": False}):
         figure = Figure(figsize=(8.5, 0.8 + 2.4 * len(titles)), layout="constrained")
         axes = list(figure.subplots(len(titles), 1, sharex=True, squeeze=False)[:, 0])
         if len(histories) == 1:
-            axes[0].set_title(runs[0].case.name, loc="left", fontsize=12)
+            axes[0].set_title(runs[0].name, loc="left", fontsize=12)
         for title, own in zip(titles, axes, strict=True):
             _draw(own, title, histories)
         _scale_time(axes, histories)

@@ -14,17 +14,16 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
-from rich.console import Console
 from rich.table import Table
 
 from fsi.bodies import Array
 from fsi.case import load_case
-from fsi.errors import FsiError
 from fsi.gluey.history import Jumping, polynomial
 from fsi.gluey.limit import Limit
 from fsi.models import make_model
 from fsi.run import run_case
-from postprocess.folder import read_table
+from postprocess.program import program, say
+from postprocess.run import open_run
 
 CASE = Path(__file__).parents[1] / "cases" / "levels.toml"
 LEVELS = {"resolved": (), "reduced": ('model="reduced"', "reduced.law=exact", "reduced.drag=0.0")}
@@ -36,7 +35,7 @@ def gaps(folder: Path, t: Array) -> dict[str, Array]:
     for level, overrides in LEVELS.items():
         case = load_case(CASE, overrides)
         run_case(case, folder / level, make_model(case))
-        table = read_table(folder / level / "bodies.csv")
+        table = open_run(folder / level).columns("bodies")
         found[level] = np.interp(t, table["t"], table["y"] - case.bodies[0].radius)
     body = load_case(CASE).bodies[0]
     push = body.force[1]
@@ -76,28 +75,22 @@ def plot(t: Array, found: dict[str, Array], path: Path) -> None:
     figure.savefig(path, dpi=150)
 
 
-def main(arguments: list[str]) -> int:
-    """Run all levels, print the table and draw the plot; the exit code."""
-    if len(arguments) != 1 or arguments[0] in ("-h", "--help"):
-        print(__doc__, file=sys.stderr)  # noqa: T201  (this is a program)
-        return 2
-    folder = Path(arguments[0])
-    try:
-        t = np.linspace(0.0, 6.0, 601)
-        found = gaps(folder, t)
-    except FsiError as error:
-        print(f"error: {error}", file=sys.stderr)  # noqa: T201
-        return error.exit_code
-    console = Console()
-    console.print(as_table(t, found))
-    console.print(
+def show(folder: Path) -> None:
+    """Run all levels, print the table and draw the plot."""
+    t = np.linspace(0.0, 6.0, 601)
+    found = gaps(folder, t)
+    plot(t, found, folder / "levels.png")
+    say(
+        as_table(t, found),
         f"delta_eps = {found['resolved'].min():.1e}: surfaces rougher than this touch, and the gluey model, "
         "which remembers the push in a film, makes no sense for them (give contact.roughness)",
-        highlight=False,
+        f"plot: {folder / 'levels.png'}",
     )
-    plot(t, found, folder / "levels.png")
-    console.print(f"plot: {folder / 'levels.png'}", highlight=False)
-    return 0
+
+
+def main(arguments: list[str]) -> int:
+    """The program; the exit code."""
+    return program(__doc__, arguments, show)
 
 
 if __name__ == "__main__":

@@ -16,11 +16,11 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
-from rich.console import Console
 from rich.table import Table
 
 from fsi.bodies import Array
 from fsi.errors import InputError
+from postprocess.program import program, say
 
 _ROWS = 12
 
@@ -122,21 +122,16 @@ def plot(memory: Memory, path: Path) -> None:
         raise InputError(f"{path}: {error.strerror}; give a run folder that can be written") from None
 
 
+def show(run: Path) -> None:
+    """Print the table and draw the plot of one run."""
+    memory = read_memory(run)
+    plot(memory, run / "memory.png")
+    say(as_table(memory), f"plot: {run / 'memory.png'}")
+
+
 def main(arguments: list[str]) -> int:
-    """Print the table and draw the plot of one run; the exit code."""
-    if len(arguments) != 1 or arguments[0] in ("-h", "--help"):
-        print(__doc__, file=sys.stderr)  # noqa: T201  (this is a program)
-        return 2
-    run = Path(arguments[0])
-    try:
-        memory = read_memory(run)
-        Console().print(as_table(memory))
-        plot(memory, run / "memory.png")
-        Console().print(f"plot: {run / 'memory.png'}", highlight=False, soft_wrap=True)
-    except InputError as error:
-        print(f"error: {error}", file=sys.stderr)  # noqa: T201
-        return error.exit_code
-    return 0
+    """The program; the exit code."""
+    return program(__doc__, arguments, show)
 
 
 if __name__ == "__main__":

@@ -14,6 +14,8 @@ import pandas as pd
 from fsi.checkpoint import replace
 from fsi.checks import BOUND, IDENTITIES
 from fsi.errors import InputError
+from fsi.reduced.identities import BOUND as REDUCED_BOUND
+from fsi.results import CASE
 from postprocess.animation import MOVIES, write_pictures
 from postprocess.choice import Choice
 from postprocess.histories import plot_runs
@@ -23,6 +25,25 @@ from postprocess.run import Run
 
 _ROWS = 15  # of the table of steps
 _FRAMES, _FRAME_SIZE, _PICTURE_SIZE = 30, 320, 700
+# By model: columns of steps.csv, what they say, and the bound of each, which the models enforce.
+_IDENTITIES: dict[str, tuple[dict[str, str], float]] = {
+    "resolved": (IDENTITIES, BOUND),
+    "reduced": (
+        IDENTITIES
+        | {
+            "kernel": "rigid motions of clusters change no gap",
+            "invariant": "the first integral of each gap is kept",
+            "energy": "the energy inequality",
+        },
+        REDUCED_BOUND,
+    ),
+    "gluey": (
+        {"kkt": "velocities and impulses are optimal", "momentum_defect": "impulses act and react"},
+        BOUND,
+    ),
+    "macroscopic": ({}, BOUND),
+}
+_CHECKED = ["check", "what it says", "worst", "at t", "bound", ""]
 _STYLE = """
 body { font: 16px/1.45 system-ui, sans-serif; color: #222 }
 body { max-width: 62rem; margin: 2rem auto; padding: 0 1rem }
@@ -43,7 +64,7 @@ def write_report(run: Run, output: Path) -> None:
     """
     if output.suffix != ".html" or not output.absolute().parent.is_dir():
         raise InputError(f"output = {output}: give the path of a .html file in a folder that exists")
-    name = html.escape(run.case.name)
+    name = html.escape(run.name)
     parts = [
         f"<h1>{name}</h1>",
         _or_reason(lambda: _state(run)),
@@ -52,7 +73,7 @@ def write_report(run: Run, output: Path) -> None:
         "<h2>Pictures</h2>",
         *_pictures(run),
         "<h2>Checks</h2>",
-        _or_reason(lambda: _checks(run.steps)),
+        _or_reason(lambda: _checks(run)),
         "<h2>Bodies at the last step</h2>",
         _or_reason(lambda: _table(run.bodies[run.bodies["step"] == run.bodies["step"].iloc[-1]])),
         "<h2>Steps</h2>",
@@ -87,7 +108,7 @@ def _state(run: Run) -> str:
     )
     if run.finished:
         return f"<p>Finished: {done}</p>"
-    end = "" if run.case.time is None else f" of {run.case.time.end:g}"
+    end = "" if run.asked is None else f" of {run.asked:g}"
     return (
         f'<p class="warning"><b>Not finished</b>: the run was broken off, or is still going on, at'
         f" t = {run.end:g}{end}. {done} <code>fsi resume {html.escape(str(run.path))}</code> goes on.</p>"
@@ -96,6 +117,10 @@ def _state(run: Run) -> str:
 
 def _case(run: Run) -> str:
     """The bodies and the whole case."""
+    text = html.escape((run.path / CASE).read_text(encoding="utf-8"))
+    whole = f"<details><summary>case.toml</summary><pre>{text}</pre></details>"
+    if not run.has_flow:
+        return f"<p>{run.model} model</p>{whole}"
     case = run.case
     bodies = pd.DataFrame(
         [
@@ -104,8 +129,7 @@ def _case(run: Run) -> str:
         ]
     )
     walls = ", ".join(case.domain.walls)
-    about = f"<p>{case.geometry}, viscosity {case.fluid.viscosity:g}, walls {walls}</p>"
-    whole = f"<details><summary>case.toml</summary><pre>{html.escape(case.as_toml())}</pre></details>"
+    about = f"<p>{run.model} model, {case.geometry}, viscosity {case.fluid.viscosity:g}, walls {walls}</p>"
     return about + ("" if bodies.empty else _table(bodies)) + whole
 
 
@@ -116,12 +140,12 @@ def _pictures(run: Run) -> list[str]:
 
         def histories() -> str:
             plot_runs([run], place / "history.png")
-            return _image(place / "history.png", "gap, speed and load of each body against time")
+            return _image(place / "history.png", "histories")
 
         def picture(field: str | None) -> Callable[[], str]:
             def draw() -> str:
                 path = render_run(run, place / "picture.png", Choice(field, size=_PICTURE_SIZE))
-                what = field or "speed, streamlines, and the narrowest gap"
+                what = field or ("bodies" if run.times.empty else "speed, streamlines, and the narrowest gap")
                 return _image(path, f"{what} at the last step")
 
             return draw
@@ -136,9 +160,12 @@ def _pictures(run: Run) -> list[str]:
             shown = steps[np.unique(np.linspace(0, len(steps) - 1, _FRAMES).astype(int))].tolist()
             path = place / f"all{MOVIES[1]}"
             write_pictures(drawer.pictures(shown), path)
-            return _image(path, "speed and streamlines in time")
+            return _image(path, "in time")
 
-        return [_or_reason(part) for part in (histories, picture(None), picture("dissipation"), animation)]
+        parts = [histories, picture(None), picture("dissipation"), animation]
+        if run.model != "resolved":
+            del parts[2]  # no field of it
+        return [_or_reason(part) for part in parts]
 
 
 def _image(path: Path, caption: str) -> str:
@@ -150,20 +177,23 @@ def _image(path: Path, caption: str) -> str:
     return f"<figure>{picture}<figcaption>{text}</figcaption></figure>"
 
 
-def _checks(steps: pd.DataFrame) -> str:
+def _checks(run: Run) -> str:
     """The worst defect of each identity over the whole run, and the smallest gap."""
-    rows = []
-    for name, meaning in IDENTITIES.items():
+    steps, rows = run.steps, []
+    identities, bound = _IDENTITIES[run.model]
+    for name, meaning in identities.items():
         if name in steps:
             worst = steps[name].abs().idxmax()
             defect = float(steps[name].abs()[worst])
-            verdict = "holds" if defect <= BOUND else "VIOLATED"
-            rows.append([name, meaning, f"{defect:.1e}", f"{steps['t'][worst]:g}", f"{BOUND:g}", verdict])
+            verdict = "holds" if defect <= bound else "VIOLATED"
+            rows.append([name, meaning, f"{defect:.1e}", f"{steps['t'][worst]:g}", f"{bound:g}", verdict])
+    if not run.has_flow:
+        return _table(pd.DataFrame(rows, columns=_CHECKED)) if rows else "<p>None recorded.</p>"
     gap = steps["smallest_gap"].idxmin()
     least = float(steps["smallest_gap"][gap])
     verdict = "holds" if least > 0.0 else "VIOLATED"
     rows.append(["gap", "bodies do not overlap", f"{least:.4g}", f"{steps['t'][gap]:g}", "> 0", verdict])
-    return _table(pd.DataFrame(rows, columns=["check", "what it says", "worst", "at t", "bound", ""]))
+    return _table(pd.DataFrame(rows, columns=_CHECKED))
 
 
 def _steps(steps: pd.DataFrame) -> str:

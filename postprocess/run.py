@@ -24,7 +24,7 @@ import pandas as pd
 import pyvista as pv
 from scipy.spatial import cKDTree
 
-from fsi.bodies import PLACES, Configuration
+from fsi.bodies import PLACES, Array, Configuration
 from fsi.case import Case, load_case, read_toml
 from fsi.checkpoint import Checkpoint, read_checkpoint
 from fsi.errors import InputError
@@ -71,6 +71,11 @@ class Run:
         """The model of the run: resolved, reduced, gluey or macroscopic."""
         return str(self.data.get("model", "resolved"))
 
+    @property
+    def has_flow(self) -> bool:
+        """Whether it is of a model with a viscous fluid, whose case `case` is; the limits have other keys."""
+        return self.model in ("resolved", "reduced")
+
     @cached_property
     def dimension(self) -> int:
         """2 or 3; with an axis 2."""
@@ -99,10 +104,22 @@ class Run:
         except OSError as error:
             raise InputError(f"{path}: {error.strerror}; give a folder that `fsi run` has written") from None
         length = self._commit.lengths.get(path.name) if self._commit else None
-        frame = pd.read_csv(io.BytesIO(text[:length]))
+        text = text[:length]
+        frame = pd.read_csv(io.BytesIO(text)) if text.strip() else pd.DataFrame()
         if frame.empty:
             raise InputError(f"{path}: the table has no rows yet; continue the run with `fsi resume`")
         return frame
+
+    def columns(self, name: str) -> dict[str, Array]:
+        """The columns of numbers of `name`.csv, each of shape (rows,). Raises InputError."""
+        frame = self.table(name).drop(columns="body", errors="ignore")
+        try:
+            found = {str(column): frame[column].to_numpy(dtype=float) for column in frame}
+        except ValueError as error:
+            raise InputError(f"{name}.csv: a row is broken ({error}); mend it with `fsi resume`") from None
+        if frame.isna().to_numpy().any():
+            raise InputError(f"{name}.csv: a row is broken (a value is missing); mend it with `fsi resume`")
+        return found
 
     @property
     def times(self) -> pd.Series[float]:
@@ -173,9 +190,15 @@ class Run:
         return float(self.steps["t"].iloc[-1])
 
     @property
+    def asked(self) -> float | None:
+        """The time until which the case asks it to run; None where it has no [time]."""
+        time = self.data.get("time")
+        return None if time is None else float(time["end"])
+
+    @property
     def finished(self) -> bool:
-        """Whether the run has reached the end that its case asks for."""
-        return self.case.time is not None and self.end >= self.case.time.end
+        """Whether the run has reached that end."""
+        return self.asked is not None and self.end >= self.asked
 
     @cached_property
     def launches(self) -> list[dict[str, Any]]:

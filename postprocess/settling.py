@@ -16,7 +16,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
-from rich.console import Console
 from rich.table import Table
 
 from fsi.bodies import Array
@@ -24,7 +23,8 @@ from fsi.case import Case
 from fsi.errors import InputError
 from fsi.lubrication import exact, sphere_settling
 from meshes.geometry import HalfPlane
-from postprocess.folder import read_case, read_table
+from postprocess.program import program, say
+from postprocess.run import open_run
 
 _ROWS = 12
 _COMPUTED, _EXACT, _ERROR = "#0072b2", "#999999", "#d55e00"  # Okabe and Ito: told apart by every eye
@@ -51,8 +51,9 @@ def read_settling(run: Path) -> Settling:
     Raises:
         InputError: not a run folder, or not one disc above a plane under a constant normal force.
     """
-    case = read_case(run)
-    disc, table = case.bodies[0], read_table(run / "bodies.csv")
+    found = open_run(run)
+    case, table = found.case, found.columns("bodies")
+    disc = case.bodies[0]
     return Settling(table["t"], table["y"] - disc.radius, exact_gap(case, table["t"]), disc.radius)
 
 
@@ -170,21 +171,16 @@ def _draw_difference(axes: Axes, history: Settling) -> None:
     axes.grid(which="major", alpha=0.3)
 
 
+def show(run: Path) -> None:
+    """Print the table and draw the plot of one run."""
+    history = read_settling(run)
+    plot(history, run / "settling.png")
+    say(as_table(history), f"plot: {run / 'settling.png'}")
+
+
 def main(arguments: list[str]) -> int:
-    """Print the table and draw the plot of one run; the exit code."""
-    if len(arguments) != 1 or arguments[0] in ("-h", "--help"):
-        print(__doc__, file=sys.stderr)  # noqa: T201  (this is a program)
-        return 2
-    run = Path(arguments[0])
-    try:
-        history = read_settling(run)
-        Console().print(as_table(history))
-        plot(history, run / "settling.png")
-        Console().print(f"plot: {run / 'settling.png'}", highlight=False, soft_wrap=True)
-    except InputError as error:
-        print(f"error: {error}", file=sys.stderr)  # noqa: T201
-        return error.exit_code
-    return 0
+    """The program; the exit code."""
+    return program(__doc__, arguments, show)
 
 
 if __name__ == "__main__":

@@ -34,7 +34,10 @@ class SpatialArtist:
     def __init__(self, run: Run, choice: Choice) -> None:
         """Raises InputError: there is no such field, or a gap is asked for."""
         if choice.gap is not None:
-            raise InputError(f"--gap {choice.gap}: only flow in the plane is drawn close up; drop it")
+            raise InputError(
+                f"--gap {choice.gap}: gaps in space are not drawn close up; drop it, or tabulate it by "
+                "fsi probe RUN --line"
+            )
         if choice.field is not None and choice.field not in FIELDS:
             raise InputError(f"--field {choice.field}: give one of {', '.join(FIELDS)}")
         self.run, self.choice, self.field = run, choice, choice.field or "speed"

@@ -6,8 +6,7 @@ from pathlib import Path
 
 from fsi.errors import InputError
 from meshes.geometry import boundary_names
-from postprocess.folder import read_case
-from postprocess.run import Run
+from postprocess.run import open_run
 
 
 def write_step_mesh(run: Path, step: int | None, output: Path) -> int:
@@ -21,7 +20,8 @@ def write_step_mesh(run: Path, step: int | None, output: Path) -> int:
     from meshes.recover import recover
 
     require_suffix(output)
-    case = read_case(run)
+    read = open_run(run)
+    case = read.case
     written = sorted({int(path.stem.split("_")[1]) for path in (run / "fields").glob("fluid_*.vtu")})
     if not written:
         raise InputError(f"run = {run}: has written no fields; set output.fields = true and run it again")
@@ -31,7 +31,6 @@ def write_step_mesh(run: Path, step: int | None, output: Path) -> int:
             f"step = {step}: has no fields; give one of those in {run / 'fluid.pvd'},"
             f" {written[0]} ... {written[-1]}"
         )
-    read = Run(run)
     t = float(read.times[step])
     q = read.configuration(step)
     parts = sorted((run / "fields").glob(f"fluid_{step:06d}*.vtu"))

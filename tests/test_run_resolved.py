@@ -17,7 +17,6 @@ from scipy.spatial import cKDTree
 from fsi.bodies import Array, Configuration
 from fsi.case import load_case
 from fsi.stokes.model import StokesModel
-from postprocess.folder import read_table
 from postprocess.run import open_run
 from tests.small_run import contents, launches
 
@@ -118,7 +117,7 @@ def test_killed_and_resumed_equals_unbroken(
 
 def test_when_needed_moves_the_mesh_and_remeshes(unbroken: Callable[..., Path]) -> None:
     """Both must happen in the runs above; two different meshes hardly ever have the same number of cells."""
-    cells = read_table(unbroken("when-needed") / "steps.csv")["cells"]
+    cells = open_run(unbroken("when-needed")).columns("steps")["cells"]
     assert np.any(np.diff(cells) == 0.0)
     assert np.any(np.diff(cells) != 0.0)
 
@@ -127,7 +126,7 @@ def test_when_needed_moves_the_mesh_and_remeshes(unbroken: Callable[..., Path]) 
 @pytest.mark.parametrize("remesh", REMESH)
 def test_two_ranks_take_the_same_way(remesh: str, unbroken: Callable[..., Path]) -> None:
     """To the error of these coarse meshes: a last bit of difference can make gmsh choose another triangle."""
-    serial, parallel = (read_table(unbroken(remesh, ranks) / "bodies.csv") for ranks in (1, 2))
+    serial, parallel = (open_run(unbroken(remesh, ranks)).columns("bodies") for ranks in (1, 2))
     np.testing.assert_array_equal(parallel["step"], serial["step"])
     for column in ("t", "x", "y", "angle"):
         np.testing.assert_allclose(parallel[column], serial[column], atol=1e-5)
@@ -138,7 +137,7 @@ def test_the_series_has_the_rigid_motions_at_the_discs(ranks: int, unbroken: Cal
     """One file for each step and rank, read as one time series."""
     folder = unbroken("when-needed", ranks)
     run = open_run(folder)
-    table = read_table(folder / "bodies.csv")
+    table = open_run(folder).columns("bodies")
     times = np.unique(table["t"])
     assert pv.PVDReader(str(folder / "fluid.pvd")).time_values == times.tolist()
     for t in times:
@@ -174,7 +173,7 @@ def test_with_inertia_discs_approach_their_quasi_static_velocities(case_file: Pa
         settings += [f"{body}.mass=0.2", f"{body}.moment_of_inertia=0.1"]
     folder = tmp_path / "run"
     call("run", case_file, "-o", folder, *(word for setting in settings for word in ("--set", setting)))
-    table, case = read_table(folder / "bodies.csv"), load_case(folder / "case.toml")
+    table, case = open_run(folder).columns("bodies"), load_case(folder / "case.toml")
     V = table["V_y"].reshape(-1, 2)
     centres = np.column_stack([table["x"], table["y"]]).reshape(-1, 2, 2)
     q = Configuration(centres[-1], np.zeros(2), case.configuration().radii)
@@ -190,6 +189,6 @@ def test_pushed_then_pulled_comes_back(tmp_path: Path) -> None:
     options = [word for setting in settings for word in ("--set", setting)]
     call("run", ROOT / "cases" / "pushed_then_pulled.toml", "-o", tmp_path / "run", *options)
     expected = load_case(tmp_path / "run" / "case.toml").expected[0]
-    y = read_table(tmp_path / "run" / "bodies.csv")["y"]
+    y = open_run(tmp_path / "run").columns("bodies")["y"]
     assert y.min() == pytest.approx(1.585, abs=1e-3)
     assert y[-1] == pytest.approx(expected.value, rel=expected.rtol)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
@@ -52,12 +53,13 @@ def plot(
     from postprocess.scaling import plot_scaling
 
     calibrated = parallel.on_root(lambda: len(folders) == 1 and (folders[0] / SUMMARY).is_file())
+    draw: Callable[[Path, Path], None] | None = None
     if len(folders) == 1 and folders[0].suffix == ".json":
         path, draw = folders[0].with_suffix(".png"), plot_scaling
     elif calibrated:
         path, draw = folders[0] / "calibration.png", plot_calibration
     else:
-        path, draw = folders[0] / "history.png", None
+        path = folders[0] / "history.png"
     path = output or path
     parallel.on_root(lambda: require_figure(path))
     if draw is not None:

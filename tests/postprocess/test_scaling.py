@@ -23,7 +23,9 @@ def test_draws_each_curve_with_its_exponent(tmp_path: Path, monkeypatch: pytest.
     assert labels[:2] == ["distance, $N^{0.82}$", "linear, $N^{1.00}$"]
 
 
-@pytest.mark.parametrize("text", ["{}", "[1]", "no json", '{"benchmark": "b", "size": "N", "cpu_seconds": 3}'])
+@pytest.mark.parametrize(
+    "text", ["{}", "[1]", "no json", '{"benchmark": "b", "size": "N", "cpu_seconds": 3}']
+)
 def test_says_what_is_no_benchmark(text: str, tmp_path: Path) -> None:
     (tmp_path / "b.json").write_text(text)
     with pytest.raises(InputError, match="not the file of a benchmark"):

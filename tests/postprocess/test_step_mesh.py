@@ -13,8 +13,7 @@ from fsi.run import run_case
 from fsi.stokes.model import StokesModel
 from meshes.errors import MeshFileError
 from meshes.read import read_mesh
-from postprocess.folder import read_table
-from postprocess.run import Run
+from postprocess.run import Run, open_run
 from postprocess.step_mesh import write_step_mesh
 from tests.flows import resting
 
@@ -45,12 +44,12 @@ def test_the_mesh_of_a_step_gives_its_velocities_again(run: Path, tmp_path: Path
 
     case = parse_case(CASE)
     step = write_step_mesh(run, None, tmp_path / "step.msh")
-    table = read_table(run / "steps.csv")
+    table = open_run(run).columns("steps")
     q = Run(run).configuration(step)
     container = case.container()
     fluid = read_mesh(tmp_path / "step.msh", case.names, container, q.centres, q.radii, 3)
     U = solve(fluid, container, q, case.motion(0.3), resting(container)).U
-    bodies = read_table(run / "bodies.csv")
+    bodies = open_run(run).columns("bodies")
     now = bodies["step"] == step
     assert step == table["step"][-1]
     np.testing.assert_allclose(U[:, 1], bodies["V_y"][now], rtol=1e-12)

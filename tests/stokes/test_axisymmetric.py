@@ -24,7 +24,7 @@ from fsi.stokes.solve import solve
 from fsi.stokes.surface import traction
 from meshes.geometry import Box, HalfPlane, Round
 from meshes.sizing import Resolution
-from postprocess.folder import read_table
+from postprocess.run import open_run
 from tests.flows import discs, free, mesh, resting, solved
 from tests.nested import nested_meshes
 
@@ -178,7 +178,7 @@ def test_settling_sphere(tmp_path: Path) -> None:
         }
     )
     run_case(case, tmp_path / "run", StokesModel(case))
-    table = read_table(tmp_path / "run" / "steps.csv")
+    table = open_run(tmp_path / "run").columns("steps")
     for s, tau in reference("settling")["sphere"]["tau"].items():
         assert time_at(float(s), table["t"], table["smallest_gap"]) == pytest.approx(tau, rel=1e-3), s
     assert (table["smallest_gap"] > 0).all()

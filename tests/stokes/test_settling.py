@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 from fsi.case import load_case
 from fsi.run import run_case
 from fsi.stokes.model import StokesModel
-from postprocess.folder import read_table
+from postprocess.run import open_run
 
 ROOT = Path(__file__).parents[2]
 SETTLING = json.loads((ROOT / "tests/reference/settling.json").read_text())
@@ -24,7 +24,7 @@ def gap_history(folder: Path, *overrides: str) -> tuple[np.ndarray, np.ndarray]:
     """t and q/a of a run of cases/settling_disc.toml, whose unit of time is 4 pi mu a / F."""
     case = load_case(ROOT / "cases/settling_disc.toml", ("output.fields=false", *overrides))
     run_case(case, folder, StokesModel(case))
-    table = read_table(folder / "steps.csv")
+    table = open_run(folder).columns("steps")
     return table["t"], table["smallest_gap"]
 
 

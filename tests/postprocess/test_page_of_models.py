@@ -1,0 +1,106 @@
+"""Reports of runs of every model as a browser reads them: well formed, complete, in need of no other file."""
+
+from __future__ import annotations
+
+import base64
+import io
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+import fsi
+from fsi.cli import main
+from fsi.models import make_model
+from fsi.results import StepRecord
+from fsi.run import run_case
+from postprocess import opengl
+from postprocess.page import write_report
+from tests.reduced_data import heap, reduced_case
+
+CASES = Path(__file__).parents[2] / "cases"
+VOID = {"meta", "img", "br"}  # elements without an end, of which the page has these
+
+
+class Page(HTMLParser):
+    """Checks that what is opened is closed, in order; keeps addresses and text."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.addresses: list[str] = []
+        self.words: list[str] = []
+        self.feed(text)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.addresses += [value or "" for name, value in attrs if name in ("src", "href", "data", "poster")]
+        assert tag not in ("script", "link", "iframe", "object")
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.words.append(data)
+
+
+def page(folder: Path) -> str:
+    """The text of the report; all pictures are inside and can be decoded."""
+    write_report(fsi.open_run(folder), folder / "report.html")
+    text = (folder / "report.html").read_text(encoding="utf-8")
+    found = Page(text)
+    assert "url(" not in text
+    assert "@import" not in text
+    assert found.addresses
+    for address in found.addresses:
+        kind, _, data = address.partition(",")
+        assert kind in ("data:image/png;base64", "data:image/gif;base64")
+        with Image.open(io.BytesIO(base64.b64decode(data, validate=True))) as picture:
+            picture.load()
+            assert min(picture.size) >= 100
+    return "".join(found.words)
+
+
+@pytest.fixture(autouse=True)
+def _no_opengl(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Histories only, as pictures by OpenGL take seconds; tests/postprocess/test_page.py has them."""
+    monkeypatch.setattr(opengl, "_DRAW", "raise SystemExit(1)")
+
+
+@pytest.mark.parametrize("name", ["gluey/two_discs", "macroscopic/blocks"])
+def test_limits_of_vanishing_viscosity(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Their cases have other keys than those of the models with a fluid."""
+    few = ["--set", "time.end=0.1"] + (["--set", "parcels=40"] if "blocks" in name else [])
+    monkeypatch.setattr(
+        sys, "argv", ["fsi", "run", str(CASES / f"{name}.toml"), "-o", str(tmp_path / "run"), *few]
+    )
+    assert main() == 0
+    words = page(tmp_path / "run")
+    assert "Finished:" in words
+    assert "unknown key" not in words
+    assert "VIOLATED" not in words
+    assert f"{name.split('/')[0]} model" in words
+
+
+@pytest.mark.parametrize("killed", [False, True])
+def test_reduced(killed: bool, tmp_path: Path) -> None:
+    case = reduced_case(heap(), {"drag": 12.0, "cutoff": 0.5}, time={"end": 0.2, "tolerance": 1e-3})
+
+    def stop(record: StepRecord) -> None:
+        if killed and record.step == 1:
+            raise KeyboardInterrupt
+
+    try:
+        run_case(case, tmp_path / "run", make_model(case), stop)
+    except KeyboardInterrupt:
+        assert killed
+    words = page(tmp_path / "run")
+    assert ("Not finished" in words) == killed
+    assert ("Finished:" in words) != killed
+    assert "1e-12" in words  # the bound of this model
+    assert "VIOLATED" not in words
