@@ -11,6 +11,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from fsi.calibration.report import LAW, SUMMARY
@@ -107,6 +108,7 @@ def _draw_rest(axes: Axes, law: LawFile, data: dict[str, Any], d: Array, exact: 
         )
     axes.axhline(0.0, color="black", lw=0.6)
     axes.set_xscale("log")
+    axes.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))  # more would have labels that overlap
     # Linear within the errors of most samples, logarithmic beyond: the band opens up at the last gaps.
     typical = float(np.median([row["error"] / row["kappa"] for row in data["samples"]]))
     axes.set_yscale("symlog", linthresh=10.0 ** np.ceil(np.log10(typical)))
