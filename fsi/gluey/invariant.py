@@ -7,6 +7,14 @@ The unknown is gamma, since q = exp(gamma/eps) underflows where the body sticks:
 omega function. Source of the method: E. Hairer & G. Wanner, Solving Ordinary Differential Equations II,
 table IV.6.5: SDIRK of order 4, L-stable, stiffly accurate, so of order 4 where the equation is algebraic,
 too.
+
+On arrival at the speed W, q falls by exp(-W/eps) within what rounding leaves of t, and gamma jumps: the
+collision of the limit. There the shortest step is taken by backward Euler,
+
+    (exp(gamma_1/eps) - q)/h + gamma_1 = w(t + h),
+
+the gluey scheme at eps > 0. It is monotone, so it leaps to `gamma = w` without overshooting, and since
+`d(w - eps ln q)/dq < 0`, errors of q never grow: that of this step is below h W, which is rounding.
 """
 
 from __future__ import annotations
@@ -18,6 +26,7 @@ from scipy.interpolate import PPoly
 from scipy.special import wrightomega
 
 from fsi.bodies import Array
+from fsi.errors import InputError, SolveError
 
 A = np.array(
     [
@@ -29,22 +38,34 @@ A = np.array(
     ]
 )
 C = A.sum(axis=1)
-EMBEDDED = np.array([59 / 48, -17 / 96, 225 / 32, -85 / 12, 0])
+# Two formulas of order 3 less that of order 4, for the slopes at the start and of the stages. The first is
+# the source's: blind to what happens before the first stage, at a quarter of the step, as a release may.
+ESTIMATES = np.array([[0, -3 / 16, -27 / 32, 25 / 32, 0, 1 / 4], [1 / 4, -11 / 16, -11 / 32, 25 / 32, 0, 0]])
 DIAGONAL = 1 / 4
-# Errors of a step that are tolerated: in q relative and absolute, in gamma.
-RELATIVE, ABSOLUTE, IN_GAMMA = 1e-10, 1e-16, 1e-7
-# Of the time span: on arrival gamma turns within what rounding leaves of t. Such a step is taken as it is,
-# since an error of gamma does not last where the body sticks: gamma returns to w.
+# Errors of a step that are tolerated: in q, relative and absolute; in gamma.
+RELATIVE, ABSOLUTE, IN_GAMMA = 1e-10, 1e-12, 1e-8
+# In ln q: less than that, or a step that has not seen the wall could be taken for a good one.
+IN_LOG = 1e-2
+# Of the largest w: what rounding makes of gamma in a step; and the least eps whose ln q this leaves alone.
+ROUNDING, SMALLEST = 2e-14, 1e-12
+# Of the time span: the shortest step, which t still feels.
 SHORTEST = 1e-15
+# A step that would end nearer than this to a stop, of itself, ends there: less than a rejected step shrinks.
+NEARLY = 1.05
+MOST_STEPS = 200_000
 
 
 @dataclass(frozen=True, slots=True)
 class Path:
-    """A solution at times t, shapes (n,): the distance q (0 where it underflows) and gamma = eps ln q."""
+    """A solution at times t, shapes (n,): the distance q (0 where it underflows) and gamma = eps ln q.
+
+    steps: how many were tried.
+    """
 
     t: Array
     q: Array
     gamma: Array
+    steps: int
 
 
 def log_gap(r: float, c: float) -> float:
@@ -66,31 +87,51 @@ def solve(q0: float, u0: float, f: PPoly, eps: float, t: Array) -> Path:
         f: force per mass, a piecewise polynomial that begins at time 0; steps land on its breaks.
         eps: > 0.
         t: increasing times within the range of f.
+
+    Raises:
+        InputError: eps is below the rounding of velocities.
+        SolveError: MOST_STEPS do not reach the end.
     """
     w = f.antiderivative()
     w.c[-1] += u0 + eps * np.log(q0)
     stops = np.unique(np.concatenate([t, f.x[(f.x > 0.0) & (f.x < t[-1])]]))
-    q, gamma, now, h = q0, eps * np.log(q0), 0.0, 1e-3 * (t[-1] or 1.0)
+    largest = float(np.abs(w(np.concatenate([f.x, t]))).max())
+    if eps < SMALLEST * largest:
+        raise InputError(f"eps = {eps!r}: below the rounding of velocities of {largest:.3g}; make it larger")
+    in_gamma, shortest = min(IN_GAMMA, IN_LOG * eps) + ROUNDING * largest, SHORTEST * float(t[-1])
+    q, gamma, now, h, steps = q0, eps * np.log(q0), 0.0, 1e-3 * float(t[-1]), 0
     found: dict[float, tuple[float, float]] = {0.0: (q, gamma)}
-    for stop in stops[stops > 0.0]:
+    for stop in map(float, stops[stops > 0.0]):
         while now < stop:
-            landing = now + h >= stop * (1.0 - 1e-14)
+            steps += 1
+            if steps > MOST_STEPS:
+                raise SolveError(f"eps = {eps:g}: {MOST_STEPS} steps end at t = {now:.9g}; shorten the time")
+            landing = now + NEARLY * h >= stop
             used = stop - now if landing else h
-            q1, gamma1, error = _step(q, gamma, w, now, used, eps)
+            q1, gamma1, error = _step(q, gamma, w, now, used, eps, in_gamma)
             growth = min(4.0, max(0.1, 0.9 * max(error, 1e-12) ** -0.25))
-            if error > 1.0 and used > SHORTEST * t[-1]:
-                h = used * growth
+            if error > 1.0 and used > shortest:
+                h = max(used * growth, shortest)
                 continue
-            q, gamma, now = q1, gamma1, float(stop) if landing else now + used
-            h = max(h, used * growth) if landing else used * growth
-        found[float(stop)] = (q, gamma)
+            q, gamma = (q1, gamma1) if error <= 1.0 else _collide(q, w, now, used, eps)
+            now = stop if landing else now + used
+            h = max(h if landing else shortest, used * growth)
+        found[stop] = (q, gamma)
     values = np.array([found[float(time)] for time in t])
-    return Path(t, values[:, 0], values[:, 1])
+    return Path(t, values[:, 0], values[:, 1], steps)
 
 
-def _step(q: float, gamma: float, w: PPoly, t: float, h: float, eps: float) -> tuple[float, float, float]:
-    """q and gamma after a step, and its estimated error over what is tolerated."""
-    slopes = np.zeros(5)
+def _collide(q: float, w: PPoly, t: float, h: float, eps: float) -> tuple[float, float]:
+    """q and gamma after a step of backward Euler."""
+    y = log_gap(q + h * float(w(np.nextafter(t + h, t))), h * eps)
+    return float(np.exp(y)), eps * y
+
+
+def _step(
+    q: float, gamma: float, w: PPoly, t: float, h: float, eps: float, tolerated: float
+) -> tuple[float, float, float]:
+    """q and gamma after a step, and its estimated error over what is tolerated, of gamma by `tolerated`."""
+    start, slopes = float(w(t)) - gamma, np.zeros(5)
     given = w(np.minimum(t + h * C, np.nextafter(t + h, t)))  # the piece of this step also at its end
     stage = gamma
     c = DIAGONAL * h * eps
@@ -100,7 +141,7 @@ def _step(q: float, gamma: float, w: PPoly, t: float, h: float, eps: float) -> t
         stage = eps * y
         slopes[i] = given[i] - stage
     q1 = float(np.exp(stage / eps))
-    raw = abs(h * float((A[-1] - EMBEDDED) @ slopes))
+    raw = h * float(np.abs(ESTIMATES @ np.append(start, slopes)).max())
     # The estimate filtered by (1 + h eps / (4 q))^-1, as stiff equations want it.
     in_q, in_gamma = raw * q1 / (q1 + c), raw * eps / (q1 + c)
-    return q1, stage, max(in_q / (RELATIVE * q1 + ABSOLUTE), in_gamma / IN_GAMMA)
+    return q1, stage, max(in_q / (RELATIVE * q1 + ABSOLUTE), in_gamma / tolerated)
