@@ -27,6 +27,7 @@ from scipy.special import wrightomega
 
 from fsi.bodies import Array
 from fsi.errors import InputError, SolveError
+from fsi.gluey.limit import Limit
 
 A = np.array(
     [
@@ -84,7 +85,7 @@ def solve(q0: float, u0: float, f: PPoly, eps: float, t: Array) -> Path:
     Args:
         q0: distance at time 0, > 0.
         u0: velocity at time 0.
-        f: force per mass, a piecewise polynomial that begins at time 0; steps land on its breaks.
+        f: force per mass, a piecewise polynomial that begins at time 0.
         eps: > 0.
         t: increasing times within the range of f.
 
@@ -94,7 +95,9 @@ def solve(q0: float, u0: float, f: PPoly, eps: float, t: Array) -> Path:
     """
     w = f.antiderivative()
     w.c[-1] += u0 + eps * np.log(q0)
-    stops = np.unique(np.concatenate([t, f.x[(f.x > 0.0) & (f.x < t[-1])]]))
+    # Steps land on the breaks of f, and on the contacts of the limit, which they could leap over.
+    events = np.concatenate([f.x, np.ravel(Limit.of(q0, u0, f).contacts())])
+    stops = np.unique(np.concatenate([t, events[(events > 0.0) & (events < t[-1])]]))
     largest = float(np.abs(w(np.concatenate([f.x, t]))).max())
     if eps < SMALLEST * largest:
         raise InputError(f"eps = {eps!r}: below the rounding of velocities of {largest:.3g}; make it larger")
