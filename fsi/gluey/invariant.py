@@ -113,7 +113,7 @@ def solve(q0: float, u0: float, f: PPoly, eps: float, t: Array) -> Path:
             used = stop - now if landing else h
             q1, gamma1, error = _step(q, gamma, w, now, used, eps, in_gamma)
             growth = min(4.0, max(0.1, 0.9 * max(error, 1e-12) ** -0.25))
-            if error > 1.0 and used > shortest:
+            if error > 1.0 and used > NEARLY * shortest:
                 h = max(used * growth, shortest)
                 continue
             q, gamma = (q1, gamma1) if error <= 1.0 else _collide(q, w, now, used, eps)

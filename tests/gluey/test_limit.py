@@ -133,6 +133,7 @@ def test_random_forces_keep_the_error_ratio_bounded(values: Array, q0: float) ->
 @settings(deadline=None)
 @given(forces, st.floats(-12.0, 0.0), st.sampled_from([0.0, -1e-3, -3.0, 10.0]), st.floats(-10.0, -2.0))
 @example(np.array([1.601, 0.0]), -7.0, -0.001, -10.0)  # touches for 1/4000 of the time
+@example(np.array([0.0]), -11.34375, -3.0, -4.07421875)  # a shortest step that nearly lands
 def test_no_arrival_is_too_hard(values: Array, log_q0: float, u0: float, log_eps: float) -> None:
     """From crawling to fast, from far and near: an end after few steps, the limit's q, and gamma = w there.
 
