@@ -1,24 +1,25 @@
-"""CPU seconds of one gluey step of a crowd that has just been pressed together, by its size.
-
-    python bench/gluey.py [agitated|squeezed] 1000 10000
+"""CPU seconds of gluey steps of a crowd that is pressed together, by its size: see `--help`.
 
 Discs of radii 0.497 to 0.5 on a triangular lattice beside two walls: "agitated", with random velocities
 and gravity, or "squeezed" into the corner so fast that an impulse must travel through all of them.
-Printed: contacts that carry an impulse, iterations, KKT residual, overlap, CPU seconds.
 """
 
 from __future__ import annotations
 
-import sys
+import argparse
 from time import process_time
 
 import numpy as np
+from rich.console import Console
+from rich.table import Table
 
+from fsi.bodies import Array
 from fsi.gluey.contacts import Room
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, Law, System
 
 H = 0.01
+HEADINGS = ("discs", "step", "contacts", "closed", "iterations", "Newton", "kkt", "overlap", "CPU s")
 
 
 def crowd(n: int, how: str) -> tuple[System, GlueyState]:
@@ -33,8 +34,9 @@ def crowd(n: int, how: str) -> tuple[System, GlueyState]:
     mass = np.column_stack([m, m, 0.5 * m * radii**2])
     room = Room(np.zeros((2, 2)), np.eye(2), np.zeros(2))
 
-    def impulse(t0: float, t1: float) -> np.ndarray:
-        return (t1 - t0) * m[:, None] * np.array([-0.5, -1.0, 0.0])
+    def impulse(t0: float, t1: float) -> Array:
+        load: Array = (t1 - t0) * m[:, None] * np.array([-0.5, -1.0, 0.0])
+        return load
 
     U = np.zeros((len(q), 3))
     agitation = random.normal(size=(len(q), 2))
@@ -42,16 +44,31 @@ def crowd(n: int, how: str) -> tuple[System, GlueyState]:
     return System(radii, mass, room, impulse, Law()), GlueyState.at(q, U)
 
 
-how, *counts = sys.argv[1:] or ("agitated", "1000", "10000")
-for count in map(int, counts):
-    system, state = crowd(count, how)
-    for step in range(3):
-        began = process_time()
-        state, touching, checks = advance(system, state, step * H, H)
-        print(
-            f"{len(system.radii):7d} discs, step {step}: {int((touching.p > 0).sum())} of {len(touching.p)} "
-            "contacts, "
-            f"{checks.iterations} iterations, {checks.newton} Newton steps, kkt {checks.kkt:.1e}, "
-            f"overlap {checks.overlap:.1e}, {process_time() - began:.2f} s CPU",
-            flush=True,
-        )
+def main() -> None:
+    """Measure, and print a row for each step."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("how", nargs="?", choices=("agitated", "squeezed"), default="agitated")
+    parser.add_argument(
+        "counts", nargs="*", type=int, default=[1000, 10_000, 100_000], help="numbers of discs"
+    )
+    parser.add_argument("--steps", type=int, default=3, help="how many steps of each crowd (3)")
+    given = parser.parse_args()
+    table = Table(title=f"{given.how} discs, steps of {H:g}")
+    for heading in HEADINGS:
+        table.add_column(heading, justify="right")
+    for count in given.counts:
+        system, state = crowd(count, given.how)
+        for step in range(given.steps):
+            began = process_time()
+            state, touching, checks = advance(system, state, step * H, H)
+            seconds = process_time() - began
+            table.add_row(
+                f"{len(system.radii)}", f"{step}", f"{len(touching.p)}", f"{(touching.p > 0.0).sum()}",
+                f"{checks.iterations}", f"{checks.newton}", f"{checks.kkt:.1e}", f"{checks.overlap:.1e}",
+                f"{seconds:.2f}",
+            )  # fmt: skip
+    Console().print(table)
+
+
+if __name__ == "__main__":
+    main()

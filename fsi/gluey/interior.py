@@ -12,15 +12,17 @@ also where rows depend on each other. As mu -> 0 the factors lose digits, so the
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU, splu
 
 from fsi.bodies import Array
 
 STEPS = 40
 # Of the square of the largest rate: where mu is small enough for Newton's method to find what touches.
-CLOSE = 1e-14
+CLOSE = 1e-10
 # Of the way to the boundary s = 0 or p = 0 that a step may go.
 WITHIN = 0.995
 # Of the largest rate: gaps that are wider do not close.
@@ -35,23 +37,23 @@ def approach(J: sp.csr_matrix, b: Array, mass: Array, u_star: Array, p: Array) -
         b: (rows,).
         mass: diagonal of M, > 0, (modes,).
         u_star: (modes,).
-        p: impulses from which the sizes of rates are taken, (rows,).
+        p: impulses of the size that is sought, (rows,): in a crowd they add up, to far more than one body's.
     """
     rate = float(np.abs(J @ u_star).max(initial=0.0) + np.abs(J @ ((J.T @ p) / mass)).max(initial=0.0))
     near = np.flatnonzero(b <= FAR * rate)
     found = np.zeros(len(b))
     moved = np.unique(J[near].indices)  # what no row moves needs no solve
     if rate > 0.0 and len(near):
-        found[near] = _follow(J[near][:, moved].tocsr(), b[near], mass[moved], u_star[moved], rate)
+        found[near] = _follow(J[near][:, moved].tocsr(), b[near], mass[moved], u_star[moved], p[near], rate)
     return found
 
 
-def _follow(J: sp.csr_matrix, b: Array, mass: Array, u_star: Array, rate: float) -> Array:
+def _follow(J: sp.csr_matrix, b: Array, mass: Array, u_star: Array, p: Array, rate: float) -> Array:
     """The path to `mu = CLOSE rate^2`, with impulses in units that change the rate of their row by 1."""
     weight = J.multiply(J) @ (1.0 / mass)
     Jt, u = J.T.tocsr(), u_star
-    s = np.maximum(b + J @ u, 0.1 * rate)
-    p = 0.1 * rate / weight
+    s = np.maximum(b + J @ u, rate)
+    p = max(rate, float((p * weight).max())) / weight
     for _ in range(STEPS):
         dual, primal = mass * (u - u_star) - Jt @ p, b + J @ u - s
         mu = float((s * weight * p).mean())
@@ -59,16 +61,10 @@ def _follow(J: sp.csr_matrix, b: Array, mass: Array, u_star: Array, rate: float)
             break
         H = (sp.diags(mass) + Jt @ sp.diags(p / s) @ J).tocsc()
         try:
-            solve = splu(H, "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+            lu = splu(H, "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
         except RuntimeError:  # singular to rounding: mu is as small as it can be
             break
-
-        def direction(product: Array) -> tuple[Array, Array, Array]:
-            """The step that changes s p by `product`, to first order."""
-            du = solve.solve(-dual + Jt @ ((product - p * primal) / s))  # noqa: B023  (called in this step)
-            ds = J @ du + primal  # noqa: B023
-            return du, ds, (product - p * ds) / s  # noqa: B023
-
+        direction = partial(_direction, lu, J, Jt, s, p, dual, primal)
         _, ds, dp = direction(-s * p)
         t = min(_longest(s, ds), _longest(p, dp))
         left = float(((s + t * ds) * weight * (p + t * dp)).mean()) / mu
@@ -77,6 +73,22 @@ def _follow(J: sp.csr_matrix, b: Array, mass: Array, u_star: Array, rate: float)
         u, s, p = u + t * du, s + t * ds, p + t * dp
     closed: Array = np.where(p * weight > s, p, 0.0)
     return closed
+
+
+def _direction(
+    lu: SuperLU,
+    J: sp.csr_matrix,
+    Jt: sp.csr_matrix,
+    s: Array,
+    p: Array,
+    dual: Array,
+    primal: Array,
+    product: Array,
+) -> tuple[Array, Array, Array]:
+    """The step (du, ds, dp) that changes s p by `product` and takes both residuals away, to first order."""
+    du = lu.solve(-dual + Jt @ ((product - p * primal) / s))
+    ds = J @ du + primal
+    return du, ds, (product - p * ds) / s
 
 
 def _longest(x: Array, dx: Array) -> float:

@@ -10,8 +10,8 @@ It is solved by the projected gradient with momentum, which begins anew whenever
 Nesterov,
 Dokl. Akad. Nauk SSSR 269 (1983) 543; B. O'Donoghue & E. Candes, Found. Comput. Math. 15 (2015) 715, for rows
 scaled to the unit diagonal. That is quick where few bodies touch. In a crowd, where information must travel
-through all of it, an interior point method (`fsi.gluey.interior`, where there are only gaps) finds what
-touches, and Newton's method (`fsi.gluey.newton`) the last digits.
+through all of it, Newton's method (`fsi.gluey.newton`) goes on; where there are only gaps an interior point
+method (`fsi.gluey.interior`) brings it near to what touches, and `fsi.gluey.polish` finds the last digits.
 """
 
 from __future__ import annotations
@@ -26,10 +26,14 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from fsi.bodies import Array
 from fsi.gluey.interior import approach
 from fsi.gluey.newton import minimise
+from fsi.gluey.polish import polish
 from fsi.gluey.response import Contact
 
 CHECK_EVERY = 10
-MOST_ITERATIONS = 200  # about the cost of one factor
+# Of the tolerance: the residual at which Newton's method knows what touches.
+ROUGHLY = 100.0
+# The gradient goes on for as long as each so many iterations halve the least residual, but no longer than:
+PATIENCE, MOST_ITERATIONS = 500, 5000
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,41 +74,55 @@ def project(
     kkt = contact.residual(b + J @ u, p, J.multiply(J) @ (1.0 / mass))
     if kkt <= tolerance:
         return Impulses(p, u, kkt, iterations, 0)
-    if contact.only_gaps:
-        p = approach(J, b, mass, u_star, p)
-    best = minimise(J, b, mass, u_star, p, contact, tolerance)
-    return Impulses(best.p, best.u, best.residual, iterations, best.steps)
+    if not contact.only_gaps:
+        best = minimise(J, b, mass, u_star, p, contact, tolerance)
+        return Impulses(best.p, best.u, best.residual, iterations, best.steps)
+    best = minimise(J, b, mass, u_star, approach(J, b, mass, u_star, p), contact, ROUGHLY * tolerance)
+    p, kkt = polish(J, b, mass, u_star, best.p, contact, tolerance)
+    return Impulses(p, u_star + (J.T @ p) / mass, kkt, iterations, best.steps)
 
 
 def _by_gradient(
     J: sp.csr_matrix, c: Array, mass: Array, p: Array, contact: Contact, tolerance: float
 ) -> tuple[Array, int]:
-    """Impulses after at most `MOST_ITERATIONS`, and how many it took."""
+    """Impulses when the residual is tolerated or falls too slowly, and after how many iterations."""
     s = 1.0 / np.sqrt(J.multiply(J) @ (1.0 / mass) + contact.compliance)
-    B = sp.csr_matrix(sp.diags(s) @ J @ sp.diags(1.0 / np.sqrt(mass)))
-    Bt, own, cs = B.T.tocsr(), s * s * contact.compliance, s * c
+    moved = np.unique(J.indices)  # what no row moves costs time
+    B = sp.csr_matrix(sp.diags(s) @ J[:, moved] @ sp.diags(1.0 / np.sqrt(mass[moved])))
+    Bt, cs = B.T.tocsr(), s * c
+    own = s * s * contact.compliance if contact.compliance.any() else None
+    least = contact.least / s
 
     def gradient(z: Array) -> Array:
-        g: Array = B @ (Bt @ z) + own * z + cs
+        g: Array = B @ (Bt @ z)
+        g += cs
+        if own is not None:
+            g += own * z
         return g
 
     def onto(z: Array) -> Array:
-        projected: Array = contact.onto(s * z) / s
+        projected: Array = np.maximum(z, least) if len(least) == len(z) else contact.onto(s * z) / s
         return projected
 
     step = 1.0 / _largest(lambda z: gradient(z) - cs, len(c))
     z = onto(p / s)
     y, theta = z, 1.0
+    best, before = np.inf, np.inf
     for iteration in range(MOST_ITERATIONS):
-        if iteration % CHECK_EVERY == 0 and _far(z - onto(z - gradient(z)), s) <= tolerance:
-            return s * z, iteration
+        if iteration % CHECK_EVERY == 0:
+            best = min(best, _far(z - onto(z - gradient(z)), s))
+            if best <= tolerance or (iteration % PATIENCE == 0 and best > 0.5 * before):
+                return s * z, iteration
+            before = best if iteration % PATIENCE == 0 else before
         new = onto(y - step * gradient(y))
-        if (y - new) @ (new - z) > 0.0:
+        moves = new - z
+        if (y - new) @ moves > 0.0:
             theta, y = 1.0, new
         else:
             following = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * theta * theta))
-            y = new + (theta - 1.0) / following * (new - z)
-            theta = following
+            moves *= (theta - 1.0) / following
+            moves += new
+            theta, y = following, moves
         z = new
     return s * z, MOST_ITERATIONS
 

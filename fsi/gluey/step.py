@@ -25,7 +25,7 @@ import numpy as np
 
 from fsi.bodies import Array
 from fsi.errors import SolveError
-from fsi.gluey.contacts import Contacts, find_contacts
+from fsi.gluey.contacts import Contacts, find_contacts, gap_rows
 from fsi.gluey.film import Film
 from fsi.gluey.newton import minimise
 from fsi.gluey.projection import Impulses
@@ -34,10 +34,15 @@ from fsi.gluey.system import GlueyState, System
 
 # Of the largest velocity: the residual at which the projection stops, and the one that a step may leave.
 TOLERANCE, ACCEPTED = 5e-9, 1e-8
-# Of what memory alone would make a velocity: what counts as a velocity at rest, where others vanish.
+# The velocity that residuals are measured by is the largest there is, before or after the step, but at least
+# this part of |u*|, which memories would make if contacts let go. In a pile at rest there is no other: impulses cancel
+# to the rounding of u*, and the certificate, 1e-8 of that, asks for them to 1e-12 of their size, 1e4 times above
+# rounding. Where anything moves faster the memories do not count.
 AT_REST = 1e-4
 # Of the smallest radius: how deep an overlap the projection aims at, and how deep a step may leave.
 DEPTH, OVERLAP = 8e-11, 1e-10
+# Of the smallest radius: gaps between neighbours.
+NEIGHBOURS = 0.1
 # Of the momentum that there is and that is exchanged: what rounding may leave.
 MOMENTUM = 1e-12
 
@@ -102,29 +107,62 @@ def advance(system: System, state: GlueyState, t: float, h: float) -> tuple[Glue
 def _project_far_enough(
     system: System, state: GlueyState, free: Array, h: float
 ) -> tuple[Contacts, Array, Rows, Impulses, float]:
-    """Contacts, memories, rows, projection and the speed it is measured by; with all pairs that can meet."""
-    inverse_mass = (1.0 / system.mass).ravel()
-    smallest, film = float(system.radii.min()), system.film(h)
+    """Contacts, memories, rows, projection and the speed it is measured by; with all pairs that can meet.
+
+    Pairs are looked for as far as bodies travel; of them, those are rows that have met before or that free
+    motion could bring together, and those that turn out to meet when the others are solved for.
+    """
+    smallest = float(system.radii.min())
     reach = max(2.0 * h * _speed(system, free), 1e-6 * smallest)
+    known = np.empty(0, dtype=np.int64)
     while True:
-        contacts = find_contacts(state.centres, system.radii, system.room, reach + system.law.delta0)
-        gamma = state.remembered(contacts.key)
-        if film is not None:
-            contacts, gamma = _in_films(film, contacts, gamma)
-        rows = make_rows(system, contacts, gamma, h)
-        u_star = free.ravel() + inverse_mass * (rows.J.T @ _shift(system, gamma, rows))
-        speed = max(AT_REST * _speed(system, u_star.reshape(free.shape)), _speed(system, free))
-        tolerance = min(TOLERANCE * speed, DEPTH * smallest / h)
-        if film is None:
-            bound = partial(_friction, system, gamma)
-            found = solve_rows(rows, system.mass.ravel(), u_star, tolerance, bound)
-        else:
-            best = minimise(rows.J, rows.b, system.mass.ravel(), u_star, rows.p, film, tolerance)
-            found = Impulses(best.p, best.u, best.residual, 0, best.steps)
+        pairs = find_contacts(state.centres, system.radii, system.room, reach + system.law.delta0)
+        near = _approach(system, pairs, free, h) >= pairs.D
+        near |= (state.remembered(pairs.key) < 0.0) | np.isin(pairs.key, known)
+        contacts, gamma, rows, found, speed = _project(system, state, pairs[np.flatnonzero(near)], free, h)
+        far = pairs[np.flatnonzero(~near)]
+        meet = far.D + h * (gap_rows(far, *system.mass.shape) @ found.u) < system.law.delta0
         needed = 2.0 * h * _speed(system, found.u.reshape(free.shape))
-        if needed <= reach:
+        if needed <= reach and not meet.any():
             return contacts, gamma, rows, found, speed
-        reach = 2.0 * needed  # something has been thrown faster than anything moved before: look further
+        known = np.concatenate([known, far.key[meet]])
+        if needed > reach:  # something has been thrown faster than anything moved before: look further
+            reach = 2.0 * needed
+
+
+def _approach(system: System, pairs: Contacts, free: Array, h: float) -> Array:
+    """Gaps below which a pair may close or come into a film, (C,).
+
+    Those that twice its free motion crosses, and twice that of neighbours, as they push it.
+    """
+    v = np.vstack([free[:, : system.dimension], np.zeros((1, system.dimension))])
+    apart = np.linalg.norm(v[pairs.j] - v[np.minimum(pairs.i, len(free))], axis=1)
+    smallest = float(system.radii.min())
+    of_neighbours = apart[pairs.D / smallest <= NEIGHBOURS]
+    pushed = np.sqrt(np.square(of_neighbours).mean()) if len(of_neighbours) else 0.0
+    found: Array = system.law.delta0 + 1e-6 * smallest + 2.0 * h * (apart + pushed)
+    return found
+
+
+def _project(
+    system: System, state: GlueyState, contacts: Contacts, free: Array, h: float
+) -> tuple[Contacts, Array, Rows, Impulses, float]:
+    """The same as `_project_far_enough`, with these contacts for rows."""
+    inverse_mass, film = (1.0 / system.mass).ravel(), system.film(h)
+    gamma = state.remembered(contacts.key)
+    if film is not None:
+        contacts, gamma = _in_films(film, contacts, gamma)
+    rows = make_rows(system, contacts, gamma, h)
+    u_star = free.ravel() + inverse_mass * (rows.J.T @ _shift(system, gamma, rows))
+    speed = max(AT_REST * _speed(system, u_star.reshape(free.shape)), _speed(system, free))
+    tolerance = min(TOLERANCE * speed, DEPTH * float(system.radii.min()) / h)
+    if film is None:
+        bound = partial(_friction, system, gamma)
+        found = solve_rows(rows, system.mass.ravel(), u_star, tolerance, bound)
+    else:
+        best = minimise(rows.J, rows.b, system.mass.ravel(), u_star, rows.p, film, tolerance)
+        found = Impulses(best.p, best.u, best.residual, 0, best.steps)
+    return contacts, gamma, rows, found, speed
 
 
 def _in_films(film: Film, contacts: Contacts, gamma: Array) -> tuple[Contacts, Array]:

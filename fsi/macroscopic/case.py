@@ -9,7 +9,7 @@ import tomli_w
 from pydantic import Field, field_validator, model_validator
 
 from fsi.bodies import Array
-from fsi.gluey.case import Frames, Steps
+from fsi.gluey.sections import Frames, Steps
 from fsi.macroscopic.expression import check, evaluate
 from fsi.macroscopic.model import Parcels, at_rest_in_memory, blocks
 from fsi.section import Section
