@@ -34,10 +34,10 @@ from fsi.gluey.system import GlueyState, System
 
 # Of the largest velocity: the residual at which the projection stops, and the one that a step may leave.
 TOLERANCE, ACCEPTED = 5e-9, 1e-8
-# The velocity that residuals are measured by is the largest there is, before or after the step, but at least
-# this part of |u*|, which memories would make if contacts let go. In a pile at rest there is no other: impulses cancel
-# to the rounding of u*, and the certificate, 1e-8 of that, asks for them to 1e-12 of their size, 1e4 times above
-# rounding. Where anything moves faster the memories do not count.
+# Residuals are measured by the largest velocity there is, before or after the step, but at least by this
+# part of |u*|, which memories would make if contacts let go. In a pile at rest there is no other: impulses
+# cancel to the rounding of u*, and the certificate, 1e-8 of that, asks for them to 1e-12 of their size, 1e4
+# times above rounding. Where anything moves faster the memories do not count.
 AT_REST = 1e-4
 # Of the smallest radius: how deep an overlap the projection aims at, and how deep a step may leave.
 DEPTH, OVERLAP = 8e-11, 1e-10
