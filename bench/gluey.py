@@ -67,7 +67,7 @@ def main() -> None:
                 f"{checks.iterations}", f"{checks.newton}", f"{checks.kkt:.1e}", f"{checks.overlap:.1e}",
                 f"{seconds:.2f}",
             )  # fmt: skip
-    Console().print(table)
+    Console(width=110).print(table)
 
 
 if __name__ == "__main__":

@@ -1,10 +1,9 @@
 """One case at all levels: `python -m postprocess.levels FOLDER` runs cases/levels.toml into a new FOLDER.
 
-A disc is pushed onto a plane and pulled away: resolved Stokes flow with inertia, the reduced model with
-the exact law, and the gluey limit (exact, `fsi.gluey.limit`). Prints the gaps, the differences, and when
-the limit makes sense: where the film that the memory stands for, delta_eps = a film's least gap, is
-above the roughness delta of the surfaces; below it they touch before the fluid stops them. Draws
-FOLDER/levels.png.
+Two discs are pushed together and pulled apart: resolved Stokes flow with inertia, the reduced model with
+the exact law, and the gluey limit of their gap (exact, `fsi.gluey.limit`). Prints the gaps, the differences,
+and when the limit makes sense: where delta_eps, the film's least gap, is above the roughness delta of the
+surfaces; below it they touch before the fluid stops them. Draws FOLDER/levels.png.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from matplotlib.figure import Figure
 from rich.table import Table
 
 from fsi.bodies import Array
-from fsi.case import load_case
+from fsi.case import Case, load_case
 from fsi.gluey.history import Jumping, polynomial
 from fsi.gluey.limit import Limit
 from fsi.models import make_model
@@ -36,18 +35,30 @@ def gaps(folder: Path, t: Array) -> dict[str, Array]:
         case = load_case(CASE, overrides)
         run_case(case, folder / level, make_model(case))
         table = open_run(folder / level).columns("bodies")
-        found[level] = np.interp(t, table["t"], table["y"] - case.bodies[0].radius)
-    body = load_case(CASE).bodies[0]
-    push = body.force[1]
-    assert not isinstance(push, float | int)
-    assert body.mass is not None
-    f = polynomial(Jumping(times=push.times, values=tuple(v / body.mass for v in push.values)), t[-1])
-    return found | {"gluey": Limit.of(body.position[1] - body.radius, 0.0, f).q(t)}
+        x = table["x"].reshape(-1, 2)  # a row for each body
+        apart = x[:, 1] - x[:, 0] - sum(body.radius for body in case.bodies)
+        found[level] = np.interp(t, table["t"][::2], apart)
+    return found | {"gluey": limit(load_case(CASE), t[-1]).q(t)}
+
+
+def limit(case: Case, end: float) -> Limit:
+    """The limit of the gap of two discs on the x axis, `q'' = f_2/m_2 - f_1/m_1`, from rest."""
+    first, second = case.bodies
+    push = [body.force[0] for body in case.bodies]
+    mass = [body.mass for body in case.bodies]
+    assert not isinstance(push[0], float | int)
+    assert not isinstance(push[1], float | int)
+    assert mass[0] is not None
+    assert mass[1] is not None
+    per_mass = np.array(push[1].values) / mass[1] - np.array(push[0].values) / mass[0]
+    f = polynomial(Jumping(times=push[0].times, values=tuple(per_mass.tolist())), end)
+    gap = second.position[0] - first.position[0] - first.radius - second.radius
+    return Limit.of(gap, 0.0, f)
 
 
 def as_table(t: Array, found: dict[str, Array]) -> Table:
     """Gaps at some times, and the largest differences from the resolved ones."""
-    table = Table(title="gap of the disc")
+    table = Table(title="gap of the discs")
     for heading in ("t", *found):
         table.add_column(heading, justify="right")
     for k in np.linspace(0, len(t) - 1, 13).astype(int):
