@@ -59,6 +59,11 @@ class Run:
     @cached_property
     def case(self) -> Case:
         """The resolved case. Raises InputError: it is that of a model which has other keys."""
+        if self.model not in ("resolved", "reduced"):
+            raise InputError(
+                f'model = "{self.model}": the run in {self.path} has no fluid; use `fsi render` for bodies '
+                "and contacts, python -m postprocess.memory for what contacts remember, or its tables"
+            )
         return load_case(self.path / CASE)
 
     @cached_property
@@ -135,7 +140,8 @@ class Run:
         """The fields of a step (default: the last that has any), all ranks' parts in one grid.
 
         The series "fluid" has curved cells whose nodes, and values there, are the finite element's own;
-        "surface" has the curved edges of the bodies.
+        "surface" has the curved edges of the bodies. A gluey run has the series "bodies" and "contacts", a
+        macroscopic one "profile".
 
         Raises:
             InputError: there are no fields of that step.

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+import fsi
 from fsi.errors import InputError
 from fsi.evolutions import EvolvingCase, load_evolving, model_of, resume_evolving, run_evolving
 from fsi.gluey.limit_case import LimitCase
@@ -23,6 +24,19 @@ def small(name: str) -> EvolvingCase:
     case = load_evolving(CASES / name, SMALL[name])
     assert not isinstance(case, LimitCase)
     return case
+
+
+@pytest.mark.parametrize(
+    ("name", "series"), [("gluey/two_discs.toml", "bodies"), ("macroscopic/blocks.toml", "profile")]
+)
+def test_a_run_can_be_opened(name: str, series: str, tmp_path: Path) -> None:
+    """Tables and fields by `fsi.open_run`; what needs a fluid says that there is none."""
+    run_evolving(small(name), tmp_path / "run", lambda _: None)
+    run = fsi.open_run(tmp_path / "run")
+    assert run.end == run.steps["t"].iloc[-1] == small(name).time.end
+    assert run.mesh(series=series).n_points == (2 if series == "bodies" else 20)
+    with pytest.raises(InputError, match="no fluid"):
+        _ = run.case
 
 
 class KilledError(Exception):

@@ -13,7 +13,7 @@ from postprocess.levels import CASE, as_table, limit, main
 
 
 def test_the_limit_of_the_gap_is_that_of_the_reduced_mass() -> None:
-    """Forces -+1 on masses 1: q = 1/2 - t^2 until t = sqrt(1/2); the push of 2 a unit of time is paid back."""
+    """Forces -+1 on masses 1: q = 1/2 - t^2 until t = sqrt(1/2); then the push is paid back."""
     found = limit(load_case(CASE), 6.0)
     # The force turns over in 0.02 from t = 2, which is as a jump at 2.01: it releases at 4.02.
     (contact,) = found.contacts()
