@@ -222,7 +222,8 @@ def _distortion(gradients: Array) -> Array:
     if gradients.shape[-1] == 2:
         # s1^2 + s2^2 = sum of squares, s1 s2 = |det|: ten times as fast as LAPACK.
         squares, area = np.square(gradients).sum(axis=(1, 2)), np.abs(determinant(gradients))
-        half = 0.5 * squares / np.maximum(area, np.finfo(float).tiny)
+        # A flat cell has no finite ratio; 1e100 is as much too large, and its square a number.
+        half = 0.5 * squares / np.maximum(area, 1e-100)
         of_two: Array = half + np.sqrt(np.maximum(half**2 - 1.0, 0.0))
         return of_two
     stretches = np.linalg.svd(gradients, compute_uv=False)

@@ -73,6 +73,7 @@ def test_the_force_is_that_of_the_fluid_on_the_body(case: Case) -> None:
             "cells_per_gap": 1.0,
             "cells_per_circle": 48,
             "growth": 0.2,
+            "interior": "graded",
             "formulation": "eliminated",
             "solver": "automatic",
         },

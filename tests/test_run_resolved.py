@@ -123,7 +123,7 @@ def test_when_needed_moves_the_mesh_and_remeshes(unbroken: Callable[..., Path]) 
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("remesh", REMESH)
+@pytest.mark.parametrize("remesh", [pytest.param("always", marks=pytest.mark.slow), "when-needed"])
 def test_two_ranks_take_the_same_way(remesh: str, unbroken: Callable[..., Path]) -> None:
     """To the error of these coarse meshes: a last bit of difference can make gmsh choose another triangle."""
     serial, parallel = (open_run(unbroken(remesh, ranks)).columns("bodies") for ranks in (1, 2))

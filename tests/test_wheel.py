@@ -17,7 +17,7 @@ def test_the_wheel_has_every_module_and_nothing_else(tmp_path: Path) -> None:
     """A package that is missing in pyproject.toml would be seen only by those who install."""
     source = tmp_path / "source"
     subprocess.run(["git", "clone", "-q", ROOT, source], check=True)
-    command = [
+    command: list[str | Path] = [
         sys.executable,
         "-m",
         "pip",

@@ -61,7 +61,7 @@ def numbers(result: Any) -> NDArray[np.float64]:
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("formulation", ["eliminated", "multiplier"])
+@pytest.mark.parametrize("formulation", ["eliminated", pytest.param("multiplier", marks=pytest.mark.slow)])
 def test_ranks_agree(formulation: str, tmp_path: Path) -> None:
     """To 1e-9; a node that one rank forgot to constrain would show at 1e-3."""
     case = tmp_path / "case.toml"
