@@ -1,9 +1,9 @@
 """One case at all levels: `python -m postprocess.levels FOLDER` runs cases/levels.toml into a new FOLDER.
 
 Two discs are pushed together and pulled apart: resolved Stokes flow with inertia, the reduced model with
-the exact law, and the gluey limit of their gap (exact, `fsi.gluey.limit`). Prints the gaps, the differences,
-and when the limit makes sense: where delta_eps, the film's least gap, is above the roughness delta of the
-surfaces; below it they touch before the fluid stops them. Draws FOLDER/levels.png.
+the law calibrated from resolved forces, and the gluey limit of their gap (exact, `fsi.gluey.limit`). Prints
+the gaps, the differences, and when the limit makes sense: where delta_eps, the film's least gap, is above the
+roughness delta of the surfaces; below it they touch before the fluid stops them. Draws FOLDER/levels.png.
 """
 
 from __future__ import annotations
@@ -26,7 +26,10 @@ from postprocess.program import program, say
 from postprocess.run import open_run
 
 CASE = Path(__file__).parents[1] / "cases" / "levels.toml"
-LEVELS = {"resolved": (), "reduced": ('model="reduced"', "reduced.law=exact", "reduced.drag=0.0")}
+# From `fsi calibrate cases/calibration/equal_discs.toml`; it holds up to gaps of one radius.
+LAW = CASE.parent / "laws" / "equal_discs.toml"
+REDUCED = ('model="reduced"', f'reduced.law="{LAW}"', "reduced.cutoff=1.0", "reduced.drag=0.0")
+LEVELS = {"resolved": (), "reduced": REDUCED}
 
 
 def gaps(folder: Path, t: Array) -> dict[str, Array]:

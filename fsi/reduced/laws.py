@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
 from typing import Literal
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from fsi.bodies import Array
 from fsi.case import Case
 from fsi.errors import InputError, SolveError
-from fsi.law_file import load_law
+from fsi.law_file import read_law_file
 from fsi.lubrication.exact_laws import exact_law
 from fsi.lubrication.laws import (
     CutLaw,
@@ -92,7 +92,14 @@ def _law(case: Case, key: str, name: str, ratio: float) -> LubricationLaw:
         raise InputError(
             f'reduced.{key} = "{name}": no such file; give "slides", "leading", "exact" or a law file'
         )
-    return load_law(Path(name), extrapolate=case.reduced.extrapolate)
+    file, shape = read_law_file(Path(name)), "spheres" if case.spheres else "discs"
+    if file.mode != "squeeze" or (file.shape != shape and file.form != "slides"):
+        raise InputError(
+            f'reduced.{key} = "{name}": a law of {file.mode} between {file.shape}; give one of squeeze '
+            f"between {shape}"
+        )
+    # A law is linear in mu: that of the fluid counts, not that at which the law was calibrated.
+    return replace(file.law(extrapolate=case.reduced.extrapolate), viscosity=mu)
 
 
 def _cut(law: LubricationLaw, cutoff: float | None) -> LubricationLaw:
