@@ -6,9 +6,9 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from rich.console import Console
 from rich.table import Table
 
+from fsi.console import standard_output
 from fsi.errors import FsiError
 
 
@@ -30,7 +30,7 @@ def program(usage: str | None, arguments: list[str], work: Callable[..., None], 
 
 def say(table: Table, *lines: str) -> None:
     """Print a table and lines below it."""
-    console = Console()
+    console = standard_output()
     console.print(table)
     for line in lines:
         console.print(line, highlight=False, soft_wrap=True)

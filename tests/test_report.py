@@ -11,6 +11,7 @@ from rich.console import Console
 from fsi.accuracy import ErrorEstimate
 from fsi.bodies import Array
 from fsi.case import Case, load_case
+from fsi.console import standard_output
 from fsi.report import print_solution, solution_json
 from fsi.truncation import halved, truncation
 
@@ -119,3 +120,12 @@ def test_only_a_half_disc_that_still_holds_the_bodies_is_halved(case: Case) -> N
     assert smaller.bodies == case.bodies
     assert halved(load_case(CASES / "disc_in_box.toml")) is None
     assert halved(load_case(CASES / "disc_beside_plane.toml", ["domain.radius=4.0"])) is None
+
+
+def test_no_number_is_cut_where_there_is_no_terminal(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At 80 columns rich ends the columns of a wide table with an ellipsis, its verdict too."""
+    monkeypatch.delenv("COLUMNS", raising=False)
+    standard_output().print("-" * 130)
+    assert capsys.readouterr().out == "-" * 130 + "\n"

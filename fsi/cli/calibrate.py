@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
 from fsi import parallel
 from fsi.cli.arguments import CaseFile, Overrides, load
+from fsi.console import standard_output
 
 EXAMPLE = "Example: fsi calibrate cases/calibration/equal_discs.toml --workers 2"
 
@@ -47,5 +47,5 @@ def calibrate(
     if parallel.is_root():
         from fsi.calibration.report import print_calibration
 
-        print_calibration(Console(), found)
+        print_calibration(standard_output(), found)
         typer.echo(f"wrote {folder}: law.toml, samples.csv, calibration.json, calibration.png")

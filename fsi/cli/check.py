@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from rich.console import Console
-
 from fsi import parallel
 from fsi.cli.arguments import CaseFile, Overrides, load
+from fsi.console import standard_output
 
 EXAMPLE = "Example: fsi check cases/two_discs.toml --set 'bodies.0.position=[-1.5, 0.0]'"
 
@@ -16,4 +15,4 @@ def check(case_file: CaseFile, overrides: Overrides = None) -> None:
     if parallel.is_root():
         from fsi.report import print_case
 
-        print_case(Console(), case)
+        print_case(standard_output(), case)

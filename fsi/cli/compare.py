@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
 from fsi import parallel
 from fsi.cli.arguments import AsJson, CaseFile, Overrides, load
+from fsi.console import standard_output
 
 EXAMPLE = "Example: fsi compare cases/settling_discs.toml --law exact --set reduced.drag=12"
 
@@ -44,5 +44,5 @@ def compare(
     if parallel.is_root() and as_json:
         typer.echo(json.dumps(data))
     elif parallel.is_root():
-        print_comparison(Console(), case, found)
+        print_comparison(standard_output(), case, found)
         typer.echo(f"wrote {folder}/comparison.json and .png")

@@ -24,9 +24,8 @@ def limit(
 
     Prints when the body sticks and is released, the errors for each eps, and the order of the slides' scheme.
     """
-    from rich.console import Console
-
     from fsi.cli.arguments import require_writable
+    from fsi.console import standard_output
     from fsi.errors import InputError
     from fsi.evolutions import load_evolving, model_of
     from fsi.gluey.limit_case import LimitCase, study
@@ -43,7 +42,7 @@ def limit(
     if output is not None:
         require_writable(output)
     found = study(case)
-    print_study(Console(), case, found)
+    print_study(standard_output(), case, found)
     if output is not None:
         draw(case, found, output)
         typer.echo(f"{output}: written")

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
 from fsi import parallel
 from fsi.cli.arguments import AsJson, CaseFile, Overrides, load_resolved, require_writable
+from fsi.console import standard_output
 from fsi.errors import InputError
 
 EXAMPLE = "Example: fsi resistance cases/two_discs.toml -o two_discs.npz"
@@ -57,4 +57,4 @@ def resistance(
     if parallel.is_root() and as_json:
         typer.echo(json.dumps(data))
     elif parallel.is_root():
-        print_resistance(Console(), case.name, found, truncation)
+        print_resistance(standard_output(), case.name, found, truncation)

@@ -6,10 +6,10 @@ import json
 from typing import TYPE_CHECKING
 
 import typer
-from rich.console import Console
 
 from fsi import parallel
 from fsi.cli.arguments import AsJson, CaseFile, Overrides, load
+from fsi.console import standard_output
 
 if TYPE_CHECKING:
     from fsi.case import Case
@@ -50,7 +50,7 @@ def solve(
     if parallel.is_root() and as_json:
         typer.echo(json.dumps(solution_json(case, solution, errors, truncated)))
     elif parallel.is_root():
-        print_solution(Console(), case, solution, errors, truncated)
+        print_solution(standard_output(), case, solution, errors, truncated)
 
 
 def _solve_reduced(case: Case, *, as_json: bool) -> None:
@@ -62,4 +62,4 @@ def _solve_reduced(case: Case, *, as_json: bool) -> None:
     if parallel.is_root() and as_json:
         typer.echo(json.dumps(instant_json(case, found)))
     elif parallel.is_root():
-        print_instant(Console(), case, found)
+        print_instant(standard_output(), case, found)

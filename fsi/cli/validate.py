@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
+
+from fsi.console import standard_output
 
 EXAMPLE = "Example: fsi validate two_discs concentric_sphere"
 
@@ -30,4 +31,4 @@ def validate(
     """
     from fsi.validate import validate_cases
 
-    validate_cases(cases, names or (), output, Console())
+    validate_cases(cases, names or (), output, standard_output())

@@ -12,10 +12,10 @@ from __future__ import annotations
 import sys
 
 import numpy as np
-from rich.console import Console
 from rich.table import Table
 
 from fsi.bodies import Array
+from fsi.console import standard_output
 from fsi.gluey.contacts import Room
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, Law, System
@@ -70,7 +70,7 @@ def main(arguments: list[str]) -> int:
     for n in map(int, arguments or ("25", "50", "100")):
         in_X, in_gamma = chain_errors(n)
         table.add_row(str(n), f"{in_X:.3e}", f"{in_gamma:.3e}")
-    Console().print(table)
+    standard_output().print(table)
     return 0
 
 

@@ -1,0 +1,17 @@
+"""Where the commands print their tables."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+from rich.console import Console
+
+# Of the widest table: without a terminal rich would cut numbers to fit 80 columns.
+WIDTH = 140
+
+
+def standard_output() -> Console:
+    """Standard output, as wide as the terminal or as COLUMNS says; without either, wide enough."""
+    known = sys.stdout.isatty() or "COLUMNS" in os.environ
+    return Console(width=None if known else WIDTH)
