@@ -10,13 +10,15 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Colormap, Normalize
+from matplotlib.colors import Colormap, LogNorm, Normalize
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogFormatter
 from numpy.typing import NDArray
 from PIL import Image
 
 _INCHES = 5.0  # a panel
 _BAR, _ABOVE, _BELOW, _GAP = 0.2, 0.14, 0.08, 0.03  # room around a panel, in panels
+_PLAIN = 100.0  # logarithmic colours over less than that are labelled 3, not 3 x 10^0
 _SCALE = 0.25  # longest scale bar, in panels
 
 
@@ -45,6 +47,10 @@ def compose(title: str, panels: Sequence[Framed]) -> NDArray[np.uint8]:
             _frame(axes, panel)
             bar = figure.add_axes(((left + 1.015) / wide, _BELOW / high, 0.03 / wide, 1.0 / high))
             figure.colorbar(ScalarMappable(panel.norm, panel.colours), cax=bar)
+            least, most = bar.get_ylim()
+            if isinstance(panel.norm, LogNorm) and most < _PLAIN * least:
+                bar.yaxis.set_major_formatter(LogFormatter())
+                bar.yaxis.set_minor_formatter(LogFormatter())
             bar.set_title(panel.label, fontsize=11, pad=7)
         pixels = io.BytesIO()
         figure.savefig(pixels, format="png")
