@@ -26,9 +26,10 @@ from postprocess.program import program, say
 from postprocess.run import open_run
 
 CASE = Path(__file__).parents[1] / "cases" / "levels.toml"
-# From `fsi calibrate cases/calibration/equal_discs.toml`; it holds up to gaps of one radius.
+# From `fsi calibrate cases/calibration/equal_discs.toml --set 'calibration.range=[1e-4, 5.0]' --set
+# 'calibration.form="table"' --set calibration.samples=40`: it holds up to gaps of five radii.
 LAW = CASE.parent / "laws" / "equal_discs.toml"
-REDUCED = ('model="reduced"', f'reduced.law="{LAW}"', "reduced.cutoff=1.0", "reduced.drag=0.0")
+REDUCED = ('model="reduced"', f'reduced.law="{LAW}"', "reduced.cutoff=5.0", "reduced.drag=0.0")
 LEVELS = {"resolved": (), "reduced": REDUCED}
 
 
