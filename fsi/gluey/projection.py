@@ -33,7 +33,7 @@ CHECK_EVERY = 10
 # Of the tolerance: the residual at which Newton's method knows what touches.
 ROUGHLY = 100.0
 # The gradient goes on for as long as each so many iterations halve the least residual, but no longer than:
-PATIENCE, MOST_ITERATIONS = 500, 5000
+PATIENCE, MOST_ITERATIONS = 1000, 5000
 
 
 @dataclass(frozen=True, slots=True)
