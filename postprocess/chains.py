@@ -156,9 +156,7 @@ def show(run: Path, step: str | None = None) -> None:
     say(as_table(found), f"picture: {run / 'chains.png'}")
 
 
-def main(arguments: list[str]) -> int:
-    """The program; the exit code."""
-    return program(__doc__, arguments, show, most=2)
+main = partial(program, __doc__, show, most=2)
 
 
 if __name__ == "__main__":

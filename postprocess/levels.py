@@ -9,6 +9,7 @@ roughness delta of the surfaces; below it they touch before the fluid stops them
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -109,9 +110,7 @@ def show(folder: Path) -> None:
     )
 
 
-def main(arguments: list[str]) -> int:
-    """The program; the exit code."""
-    return program(__doc__, arguments, show)
+main = partial(program, __doc__, show)
 
 
 if __name__ == "__main__":

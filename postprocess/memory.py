@@ -12,6 +12,7 @@ from __future__ import annotations
 import csv
 import sys
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -129,9 +130,7 @@ def show(run: Path) -> None:
     say(as_table(memory), f"plot: {run / 'memory.png'}")
 
 
-def main(arguments: list[str]) -> int:
-    """The program; the exit code."""
-    return program(__doc__, arguments, show)
+main = partial(program, __doc__, show)
 
 
 if __name__ == "__main__":

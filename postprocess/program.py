@@ -12,7 +12,7 @@ from fsi.console import standard_output
 from fsi.errors import FsiError
 
 
-def program(usage: str | None, arguments: list[str], work: Callable[..., None], most: int = 1) -> int:
+def program(usage: str | None, work: Callable[..., None], arguments: list[str], most: int = 1) -> int:
     """Call `work` with a folder and further arguments, up to `most` in all; the exit code.
 
     Without arguments, or with too many, it prints the usage; a mistake of the user is one line.

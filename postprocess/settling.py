@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import matplotlib as mpl
@@ -178,9 +179,7 @@ def show(run: Path) -> None:
     say(as_table(history), f"plot: {run / 'settling.png'}")
 
 
-def main(arguments: list[str]) -> int:
-    """The program; the exit code."""
-    return program(__doc__, arguments, show)
+main = partial(program, __doc__, show)
 
 
 if __name__ == "__main__":

@@ -8,6 +8,9 @@ import pytest
 import pyvista as pv
 from numpy.typing import NDArray
 
+from fsi.errors import InputError
+from postprocess import opengl
+
 RADIUS, HEIGHT, FAR = 1.0, 1.2, 6.0
 AROUND, OUTWARD = 24, 5
 CASE = f"""
@@ -118,3 +121,12 @@ def settling_run(run: Path) -> Callable[[list[float], list[float]], Path]:
         return run
 
     return fill
+
+
+@pytest.fixture
+def drawing() -> None:
+    """Skips where no picture can be drawn."""
+    try:
+        opengl.require_opengl()
+    except InputError as error:
+        pytest.skip(str(error))

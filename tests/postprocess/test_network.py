@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 import fsi
 from fsi.errors import InputError
-from postprocess import opengl
 from postprocess.choice import Choice
 from postprocess.network import NetworkArtist, wall_distances
 from postprocess.render import render_run
@@ -54,11 +53,8 @@ def share(picture: NDArray[np.float32], colour: tuple[int, int, int]) -> float:
     return float(np.mean(np.all(np.abs(picture[..., :3] * 255.0 - colour) <= 2.0, axis=2)))
 
 
+@pytest.mark.usefixtures("drawing")
 def test_discs_wall_and_contacts_cover_what_they_should(pile: Path) -> None:
-    try:
-        opengl.require_opengl()
-    except InputError as error:
-        pytest.skip(str(error))
     picture = imread(render_run(fsi.open_run(pile), pile / "a.png", Choice(size=SIZE)))
     panel = picture[56 : 56 + SIZE, 12 : 12 + SIZE]
     wide = 4.4  # four radii and a tenth

@@ -34,11 +34,8 @@ def checked_run(run: Path) -> Path:
     return run
 
 
+@pytest.mark.usefixtures("drawing")
 def test_it_needs_no_other_file_and_no_network(checked_run: Path) -> None:
-    try:
-        opengl.require_opengl()
-    except InputError as error:
-        pytest.skip(str(error))
     text = page(checked_run)
     sources = re.findall(r'(?:src|href)="([^"]{0,30})', text)
     kinds = [source.split(";")[0] for source in sources]

@@ -23,15 +23,6 @@ BODY = (0xF3, 0xEF, 0xE6)
 WALL = (0xC9, 0xC9, 0xC9)
 
 
-@pytest.fixture
-def drawing() -> None:
-    """Skips where no picture can be drawn."""
-    try:
-        opengl.require_opengl()
-    except InputError as error:
-        pytest.skip(str(error))
-
-
 def share(picture: NDArray[np.float32], colour: tuple[int, int, int]) -> float:
     """Part of the pixels that have a colour, within 2 of 255."""
     return float(np.mean(np.all(np.abs(picture[..., :3] * 255.0 - colour) <= 2.0, axis=2)))

@@ -8,7 +8,6 @@ from matplotlib.image import imread
 
 import fsi
 from fsi.errors import InputError
-from postprocess import opengl
 from postprocess.choice import Choice
 from postprocess.probe import on_plane, probe
 from postprocess.render import render_run
@@ -34,11 +33,8 @@ def test_rectangles_lie_across_an_axis() -> None:
         on_plane([0.0, 1.0, 0.0], [1.0, 2.0, 3.0], 3)
 
 
+@pytest.mark.usefixtures("drawing")
 def test_picture_shows_the_ball(tmp_path: Path) -> None:
-    try:
-        opengl.require_opengl()
-    except InputError as error:
-        pytest.skip(str(error))
     run = fsi.open_run(write_spatial_run(tmp_path))
     picture = imread(render_run(run, tmp_path / "a.png", Choice(size=200)))
     panel = picture[28:228, 6:206, :3]

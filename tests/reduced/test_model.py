@@ -97,7 +97,8 @@ def test_a_body_alone_moves_and_turns_with_the_background() -> None:
         {"drag": 10.0, "cutoff": 1.0},
         domain={"lower": [-9.0, 4.0], "upper": [9.0, 12.0], "walls": {"top": [3.0, 0.0]}},
     )
-    case_far = reduced_case([body], {"drag": 10.0, "cutoff": 1.0}, domain={"shape": "half-plane", "radius": 99.0, "walls": {"far": {"shear": 0.7}}})  # fmt: skip  # noqa: E501
+    sheared = {"shape": "half-plane", "radius": 99.0, "walls": {"far": {"shear": 0.7}}}
+    case_far = reduced_case([body], {"drag": 10.0, "cutoff": 1.0}, domain=sheared)
     assert make_model(case)(case.configuration(), 0.0).U[0] == pytest.approx([0.75, 0.0, -3.0 / 16.0])
     assert make_model(case_far)(case_far.configuration(), 0.0).U[0] == pytest.approx([4.2, 0.0, -0.35])
 

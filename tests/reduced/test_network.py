@@ -72,7 +72,8 @@ def test_a_long_chain_of_stiff_gaps_is_factorised(monkeypatch: pytest.MonkeyPatc
 def test_momentum_and_rigidity_at_any_stiffness(kappa: float) -> None:
     """More gaps than freedoms, and resistances without bound: the limit is a rigid cluster, not nonsense."""
     q, pairs = cluster(2, 36)
-    pairs = find_pairs(q, Space(Box((-1e4, -1e4), (1e4, 1e4)), np.zeros((4, 2)), np.zeros(2), np.zeros((2, 2))), 0.5)  # fmt: skip  # noqa: E501
+    space = Space(Box((-1e4, -1e4), (1e4, 1e4)), np.zeros((4, 2)), np.zeros(2), np.zeros((2, 2)))
+    pairs = find_pairs(q, space, 0.5)
     f = np.random.default_rng(1).standard_normal(q.centres.shape)
     network = make_network(pairs, np.full(len(pairs), kappa), np.ones_like(f))
     u, force = network.solve(f, np.ones_like(f))

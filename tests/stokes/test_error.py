@@ -106,15 +106,21 @@ def stop(record: StepRecord) -> None:
         raise StoppedError
 
 
+def whole_as_resumed(case: Case, folder: Path) -> list[dict[str, str]]:
+    """The steps of a run, which one that was broken off and resumed has repeated."""
+    run_case(case, folder / "whole", make_model(case))
+    with pytest.raises(StoppedError):
+        run_case(case, folder / "broken", make_model(case), stop)
+    resume_run(folder / "broken", make_model)
+    whole = columns(folder / "whole")
+    assert columns(folder / "broken") == whole
+    return whole
+
+
 @pytest.mark.parametrize("remesh", ["always", "when-needed"])
 def test_a_run_records_errors_and_resumes_with_the_same(remesh: str, tmp_path: Path) -> None:
     case = load_case(CASES / "settling_disc.toml", [*COARSE, "time.end=3.0", f'time.remesh="{remesh}"'])
-    run_case(case, tmp_path / "whole", StokesModel(case))
-    with pytest.raises(StoppedError):
-        run_case(case, tmp_path / "broken", StokesModel(case), stop)
-    resume_run(tmp_path / "broken", StokesModel)
-    whole = columns(tmp_path / "whole")
-    assert columns(tmp_path / "broken") == whole
+    whole = whole_as_resumed(case, tmp_path)
     of_body = columns(tmp_path / "whole", "bodies.csv")
     for step, body in zip(whole, of_body, strict=True):
         assert float(body["err_V_y"]) == pytest.approx(float(step["err_U"]) * abs(float(body["V_y"])))
@@ -128,13 +134,7 @@ def test_a_run_refines_where_its_tolerance_asks_and_resumes_with_the_same_meshes
 ) -> None:
     """Without it the error is 1.6e-4 at the start and 1.9e-4 after two steps, on 441 and 467 cells."""
     tolerance = ("discretisation.tolerance=1.7e-4", "time.end=3.0", f'time.remesh="{remesh}"')
-    case = load_case(CASES / "settling_disc.toml", [*COARSE, *tolerance])
-    run_case(case, tmp_path / "whole", make_model(case))
-    with pytest.raises(StoppedError):
-        run_case(case, tmp_path / "broken", make_model(case), stop)
-    resume_run(tmp_path / "broken", make_model)
-    whole = columns(tmp_path / "whole")
-    assert columns(tmp_path / "broken") == whole
+    whole = whole_as_resumed(load_case(CASES / "settling_disc.toml", [*COARSE, *tolerance]), tmp_path)
     assert all(float(row["err_U"]) <= 1.7e-4 for row in whole)
     assert int(whole[0]["cells"]) < 500 < int(whole[2]["cells"])
 
