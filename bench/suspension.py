@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -19,11 +19,11 @@ from rich.console import Console
 from rich.table import Table
 
 from bench.step import PHASES, forget_peak, peak_memory
-from fsi.bodies import Configuration, Motion
+from fsi.bodies import Array, Configuration, Motion
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import Boundary, Clock, solve
 from fsi.stokes.workspace import Workspace
-from meshes.build import build
+from meshes.build import FluidMesh, build
 from meshes.cell import Channel
 from meshes.lattice import Lattice
 from meshes.move import Mover
@@ -36,8 +36,8 @@ LIGHT = Resolution(cells_per_gap=0.28, cells_per_circle=18, growth=0.25, interio
 # discs in a channel of five equal periods have the viscosity of one period.
 CONVERGED = {10: 8.298079598524666, 50: 6.432973, 200: 6.220577, 1000: 6.220577}
 PERIODS = {1: 1, 10: 1, 50: 1, 200: 1, 1000: 5}
-MOVE = 1e-3  # of a shear strain, by which bodies and mesh are moved
-REPEATS = 3
+MOVE = 2e-4  # of a shear strain, by which bodies and mesh are moved
+WARM, REPEATS = 2, 3
 EXAMPLE = """example:
   OMP_NUM_THREADS=1 python bench/suspension.py 50 200
 
@@ -48,8 +48,36 @@ MB: the peak of the resident memory. All five sizes take some two minutes and 4 
 """
 
 
-def suspension(n: int) -> tuple[Channel, Configuration, float]:
-    """The channel, its n bodies, and the height of the walls."""
+@dataclass(frozen=True, slots=True)
+class Sheared:
+    """A suspension of free discs between sliding walls, the rate of shear is 1."""
+
+    channel: Channel
+    q: Configuration
+    H: float
+
+    def solve(self, fluid: FluidMesh, clock: Clock, workspace: Workspace | None = None) -> StokesSolution:
+        """Its flow on that mesh."""
+        walls = {
+            "bottom": lambda x: np.tile([-0.5 * self.H, 0.0], (len(x), 1)),
+            "top": lambda x: np.tile([0.5 * self.H, 0.0], (len(x), 1)),
+        }
+        nothing = np.zeros((len(self.q.radii), 3))
+        free = Motion(nothing.astype(bool), nothing, nothing)
+        boundary = Boundary(walls, {})
+        return solve(fluid, self.channel, self.q, free, boundary, clock=clock, workspace=workspace)
+
+    def mesh(self) -> FluidMesh:
+        """A new mesh."""
+        return build(self.channel, self.q.centres, self.q.radii, LIGHT, 3)
+
+    def after(self, strain: float, U: Array) -> Sheared:
+        """With the bodies a strain later, if they keep their velocities."""
+        return replace(self, q=replace(self.q, centres=self.q.centres + strain * U[:, :2]))
+
+
+def suspension(n: int) -> Sheared:
+    """The channel with its n bodies."""
     if n == 1:
         side = float(np.sqrt(np.pi / 0.4))
         centres, L, H = np.array([[0.5 * side, 0.5 * side]]), side, side
@@ -59,38 +87,45 @@ def suspension(n: int) -> tuple[Channel, Configuration, float]:
         centres = np.concatenate(
             [np.array(given["centers"]) + np.array([k * L, 0.0]) for k in range(PERIODS[n])]
         )
-    return Channel((0.0, 0.0), (PERIODS[n] * L, H)), Configuration.unturned(centres, np.ones(n)), H
+    return Sheared(Channel((0.0, 0.0), (PERIODS[n] * L, H)), Configuration.unturned(centres, np.ones(n)), H)
+
+
+def new_steps(sheared: Sheared, repeats: int) -> list[StokesSolution]:
+    """Solves on meshes of their own."""
+    found = []
+    for _ in range(repeats):
+        clock = Clock()
+        fluid = sheared.mesh()
+        clock.lap("mesh")
+        found.append(sheared.solve(fluid, clock))
+    return found
+
+
+def moved_steps(sheared: Sheared, repeats: int) -> list[StokesSolution]:
+    """Solves on a mesh that was made a while before, and moved."""
+    U = sheared.solve(sheared.mesh(), Clock()).U
+    before = sheared.after(-MOVE, U)
+    mover, found = Mover(before.mesh(), before.q.centres), []
+    with Workspace() as workspace:
+        # The first steps, on the way, make what the others share.
+        for way in (*np.linspace(0.0, 1.0, WARM, endpoint=False), *np.ones(repeats)):
+            there = before.after(way * MOVE, U)
+            clock = Clock()
+            quality = mover.move(there.q.centres)
+            if quality is None:
+                raise SystemExit("the mesh cannot be moved that far: lessen MOVE")
+            fluid = mover.fluid.moved(quality, Lattice(sheared.channel.periods))
+            clock.lap("mesh")
+            found.append(there.solve(fluid, clock, workspace))
+    mover.close()
+    return found[WARM:]
 
 
 def step(n: int, *, moved: bool) -> StokesSolution:
     """The cheapest of some steps."""
-    channel, q, H = suspension(n)
-    walls = {
-        "bottom": lambda x: np.tile([-0.5 * H, 0.0], (len(x), 1)),
-        "top": lambda x: np.tile([0.5 * H, 0.0], (len(x), 1)),
-    }
-    nothing = np.zeros((n, 3))
-    free, boundary = Motion(nothing.astype(bool), nothing, nothing), Boundary(walls, {})
-    before = q.centres - MOVE * np.column_stack([q.centres[:, 1] - 0.5 * H, np.zeros(n)])
-    mover = Mover(build(channel, before, q.radii, LIGHT, 3), before) if moved else None
-    found, workspace = [], Workspace()
-    for k in range(2 if n == max(PERIODS) else REPEATS + 1):
-        # The first step, half-way where the mesh is moved, warms up.
-        there = q if k > 0 or mover is None else replace(q, centres=0.5 * (before + q.centres))
-        clock = Clock()
-        if mover is None:
-            fluid = build(channel, q.centres, q.radii, LIGHT, 3)
-        else:
-            quality = mover.move(there.centres)
-            fluid = mover.fluid.moved(quality or 0.0, Lattice(channel.periods))
-        clock.lap("mesh")
-        found.append(
-            solve(fluid, channel, there, free, boundary, clock=clock, workspace=workspace if mover else None)
-        )
-    if mover is not None:
-        mover.close()
-    workspace.close()
-    return min(found[1:], key=lambda solution: sum(solution.seconds.values()))
+    repeats = 1 if n == max(PERIODS) else REPEATS
+    found = (moved_steps if moved else new_steps)(suspension(n), repeats)
+    return min(found, key=lambda solution: sum(solution.seconds.values()))
 
 
 def sizes() -> list[int]:
