@@ -17,10 +17,11 @@ from fsi.stokes.model import StokesModel
 
 STEPS = {"always": 300, "when-needed": 500}
 RISE = {"always": 0.9, "when-needed": 0.5}
-WARM, WINDOW = 20, 40
+# The heap grows until it has seen the largest meshes, for 100 steps where only some are meshed anew.
+WARM, WINDOW = 100, 40
 # 20 kB a step between medians over windows, since a single step varies by 8 MB with its mesh. Known to leak
 # where not freed: gmsh's model, 0.1 MB for this mesh, and PETSc's handles, 5.6 MB a step on two ranks.
-ALLOWED = 5e6
+ALLOWED = 20e3
 
 
 def resident() -> int:
@@ -74,4 +75,5 @@ def test_memory_is_flat_after_the_first_steps(remesh: str, ranks: int, tmp_path:
     done = subprocess.run(command, check=True, timeout=900, capture_output=True, text=True)
     for memory in json.loads(done.stdout):
         assert len(memory) == steps
-        assert median(memory[-WINDOW:]) - median(memory[WARM : WARM + WINDOW]) < ALLOWED
+        rise = median(memory[-WINDOW:]) - median(memory[WARM : WARM + WINDOW])
+        assert rise < ALLOWED * (steps - WARM - WINDOW)
