@@ -19,9 +19,9 @@ STEPS = {"always": 300, "when-needed": 500}
 RISE = {"always": 0.9, "when-needed": 0.5}
 # The heap grows until it has seen the largest meshes, for 100 steps where only some are meshed anew.
 WARM, WINDOW = 100, 40
-# 20 kB a step between medians over windows, since a single step varies by 8 MB with its mesh. Known to leak
-# where not freed: gmsh's model, 0.1 MB for this mesh, and PETSc's handles, 5.6 MB a step on two ranks.
-ALLOWED = 20e3
+# Between medians over windows, which vary by 4 MB with their meshes, a single step by 8 MB. Known to leak where
+# not freed: gmsh's model, 0.1 MB for this mesh, 16 MB in all, and PETSc's handles, 5.6 MB a step on two ranks.
+ALLOWED = 6e6
 
 
 def resident() -> int:
@@ -75,5 +75,4 @@ def test_memory_is_flat_after_the_first_steps(remesh: str, ranks: int, tmp_path:
     done = subprocess.run(command, check=True, timeout=900, capture_output=True, text=True)
     for memory in json.loads(done.stdout):
         assert len(memory) == steps
-        rise = median(memory[-WINDOW:]) - median(memory[WARM : WARM + WINDOW])
-        assert rise < ALLOWED * (steps - WARM - WINDOW)
+        assert median(memory[-WINDOW:]) - median(memory[WARM : WARM + WINDOW]) < ALLOWED
