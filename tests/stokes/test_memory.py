@@ -19,8 +19,8 @@ STEPS = {"always": 300, "when-needed": 500}
 RISE = {"always": 0.9, "when-needed": 0.5}
 # The heap grows until it has seen the largest meshes, for 100 steps where only some are meshed anew.
 WARM, WINDOW = 100, 40
-# Between medians over windows, which vary by 4 MB with their meshes, a single step by 8 MB. Known to leak where
-# not freed: gmsh's model, 0.1 MB for this mesh, 16 MB in all, and PETSc's handles, 5.6 MB a step on two ranks.
+# Between medians over windows, which vary by 4 MB with their meshes, a single step by 8 MB. Known to leak
+# where not freed: gmsh's model, 16 MB in all these steps, and PETSc's handles, 5.6 MB a step on two ranks.
 ALLOWED = 6e6
 
 
