@@ -2,12 +2,14 @@
 
 The displacement d of the vertices extends those of the bodies harmonically,
 
-    div( (1 / volume) grad d ) = 0,    d = displacement of body i on its surface,  d = 0 on the walls,
+    div( (1 / volume) grad d ) = 0,    d = displacement of body i on its surface,
 
 where `volume`, in the plane the area, of the cell in the base mesh, makes small cells stiff. On the two sides
-of the cut of a periodic domain d differs by what the lattice has moved. Curved nodes follow by linear
-interpolation, so that a disc or sphere, whose own rotation nobody sees, stays exactly one. Every move starts
-from the base mesh: it depends on where the bodies are, not on how they came there.
+of the cut of a periodic domain d differs by what the lattice has moved. In the plane nodes on discs, and on
+the walls of a channel, slip along their surfaces where that saves the mesh (see `rolling`); other walls keep
+theirs. Curved nodes follow by linear interpolation; how far they are off a straight cell turns with their
+disc, so that discs and spheres stay exactly what they are. Every move starts from the base mesh: it depends
+on where the bodies are, not on how they came there.
 """
 
 from __future__ import annotations
@@ -28,10 +30,13 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from meshes.build import FluidMesh, coordinate_element
-from meshes.curved import SIMPLEX, reference_points
+from meshes.curved import SIMPLEX
 from meshes.geometry import Array
 from meshes.matching import columns_of_masters, matching_nodes
 from meshes.quality import determinant, scaled_jacobian
+from meshes.rims import Rims, along, linear_weights, turned
+from meshes.rolling import Rolling, Slips
+from meshes.spd import factorised
 
 # A moved cell may differ from its base by this ratio of stretches at most, and keeps this scaled Jacobian.
 LARGEST_DISTORTION = 2.0
@@ -48,14 +53,25 @@ class Mover:
         self._x = fluid.mesh.geometry.x[:, : fluid.dimension].copy()
         self._vertices = fem.functionspace(fluid.mesh, vertex_element(fluid.dimension))
         self._inverse_sides = np.linalg.inv(_sides(self._x[fluid.mesh.geometry.dofmaps[0]]))
-        self._tags = self._boundary_tags()
-        self._places = self._vertices.tabulate_dof_coordinates()[: len(self._tags), : fluid.dimension].copy()
+        tags = self._boundary_tags()
+        self._rims = Rims.of(fluid, tags[self._vertices.dofmap.list], self._x)
+        self._tags = tags[: self._vertices.dofmap.index_map.size_local]
+        self._on_body = np.flatnonzero((self._tags >= 1) & (self._tags <= fluid.bodies))
+        self._body = self._tags[self._on_body] - 1
+        places = self._vertices.tabulate_dof_coordinates()[self._on_body, : fluid.dimension]
+        r = places - centres[self._body]
+        self._to_image = fluid.lattice.shift(fluid.lattice.nearest(r))
+        self._r = r - self._to_image
         self._slave, self._away, self._P = self._inside()
         self._stiffness = self._laplace()
-        self._solver = _factorised(self._stiffness, self._P)
+        self._solver = factorised(self._stiffness, self._P)
+        slips = self._slips()
+        self._rolling = None if slips is None else Rolling(self._stiffness, self._P, slips)
 
     def close(self) -> None:
         """Free matrix and factors."""
+        if self._rolling is not None:
+            self._rolling.close()
         self._solver.destroy()
         self._stiffness.destroy()
         self._P.destroy()
@@ -70,10 +86,12 @@ class Mover:
         Returns:
             the worst scaled Jacobian, or None (and the base mesh again) if the moved mesh is not good enough.
         """
-        shift = self._extension(centres - self.centres, carried)
+        given, turns = self._given(centres - self.centres, carried)
         geometry = self.fluid.mesh.geometry
-        linear, d = _linear_weights(self.fluid.order, self.fluid.dimension), self.fluid.dimension
-        of_nodes = np.tensordot(shift, linear, axes=(1, 1)).transpose(0, 2, 1)
+        linear, d = linear_weights(self.fluid.order, self.fluid.dimension), self.fluid.dimension
+        of_nodes = np.tensordot(self._extension(given), linear, axes=(1, 1)).transpose(0, 2, 1)
+        if self._rolling is not None:
+            of_nodes[self._rims.cells] += turned(self._rims.off_straight, turns[self._rims.body])
         geometry.x[geometry.dofmaps[0], :d] = self._x[geometry.dofmaps[0]] + of_nodes
         quality = self._quality()
         if quality is None:
@@ -81,7 +99,7 @@ class Mover:
         return quality
 
     def _boundary_tags(self) -> NDArray[np.int32]:
-        """Tag of each owned vertex, 0 inside. Vertices at the corner of two walls have either's tag."""
+        """Tag of each vertex, ghosts last, 0 inside. Vertices at the corner of walls have either's tag."""
         marker = fem.Function(self._vertices)
         for tag in range(1, self.fluid.bodies + len(self.fluid.walls) + 1):
             marker.x.array[
@@ -89,8 +107,8 @@ class Mover:
                     self._vertices, self.fluid.dimension - 1, self.fluid.facet_tags.find(tag)
                 )
             ] = tag
-        owned = self._vertices.dofmap.index_map.size_local
-        return np.rint(marker.x.array[:owned]).astype(np.int32)
+        marker.x.scatter_forward()
+        return np.rint(marker.x.array).astype(np.int32)
 
     def _laplace(self) -> PETSc.Mat:
         """Stiffness matrix with weights 1 / volume."""
@@ -129,20 +147,39 @@ class Mover:
         )
         return slave, away, P
 
-    def _given(self, displacements: Array, carried: Callable[[Array], Array]) -> Array:
-        """What is known of d at this rank's vertices, (n, 2): on bodies, and from side to side of the cut."""
-        tags, lattice = self._tags, self.fluid.lattice
-        on_body = (tags >= 1) & (tags <= self.fluid.bodies)
-        body = tags[on_body] - 1
-        away = lattice.shift(lattice.nearest(self._places[on_body] - self.centres[body]))
-        given = np.zeros_like(self._places)
-        given[on_body] = displacements[body] + carried(away) - away
+    def _given(self, displacements: Array, carried: Callable[[Array], Array]) -> tuple[Array, Array]:
+        """What is known of d at this rank's vertices, (n, 2), and by which angle each rim turns, (N,)."""
+        given = np.zeros((len(self._tags), self.fluid.dimension))
+        given[self._on_body] = displacements[self._body] + carried(self._to_image) - self._to_image
         given[self._slave] = carried(self._away) - self._away
-        return given
+        if self._rolling is None:
+            return given, np.zeros(self.fluid.bodies)
+        slips = self._rolling.slips(given)
+        turns, slides = np.split(slips, [self.fluid.bodies])
+        given[self._on_body] += turned(self._r, turns[self._body])
+        for k, slide in enumerate(slides):
+            given[self._tags == self.fluid.bodies + 1 + k] = slide * along(self.fluid.lattice)
+        return given, turns
 
-    def _extension(self, displacements: Array, carried: Callable[[Array], Array]) -> Array:
-        """Displacements of the corners of this rank's cells (T, d + 1, d) from those of the bodies (N, d)."""
-        known, d = self._given(displacements, carried), self.fluid.dimension
+    def _slips(self) -> Slips | None:
+        """Discs turn, and the walls of a channel slide; None with an axis and in space."""
+        fluid = self.fluid
+        if fluid.dimension == 3 or fluid.axisymmetric or fluid.bodies == 0:
+            return None
+        quarter = np.column_stack([-self._r[:, 1], self._r[:, 0]])
+        sliding = len(fluid.walls) if fluid.lattice.dimension == 1 else 0
+        on_wall = np.flatnonzero((self._tags > fluid.bodies) & (self._tags <= fluid.bodies + sliding))
+        direction = np.tile(along(fluid.lattice), (len(on_wall), 1))
+        return Slips(
+            np.concatenate([self._on_body, on_wall]),
+            np.concatenate([self._body, self._tags[on_wall] - 1]).astype(np.int64),
+            np.concatenate([quarter, direction]),
+            fluid.bodies + sliding,
+        )
+
+    def _extension(self, known: Array) -> Array:
+        """Displacements of the corners of this rank's cells (T, d + 1, d) from what is known at vertices."""
+        d = self.fluid.dimension
         result = fem.Function(self._vertices)
         corners = np.empty((len(self._vertices.dofmap.list), d + 1, d))
         moved, load = self._stiffness.createVecs()
@@ -196,21 +233,6 @@ def _stiffness_form(order: int, dimension: int) -> tuple[fem.forms.CompiledForm,
     return fem.compile_form(MPI.COMM_WORLD, form), w
 
 
-def _factorised(stiffness: PETSc.Mat, P: PETSc.Mat) -> PETSc.KSP:
-    """Solver for P^T K P."""
-    inside = stiffness.ptap(P)
-    solver = PETSc.KSP().create(inside.comm)
-    solver.setOperators(inside)
-    solver.setType(PETSc.KSP.Type.PREONLY)
-    pc = solver.getPC()
-    pc.setType(PETSc.PC.Type.CHOLESKY)
-    pc.setFactorSolverType("mumps")
-    solver.setUp()
-    pc.destroy()
-    inside.destroy()
-    return solver
-
-
 def _sides(x: Array) -> Array:
     """The d sides of each cell (T, nodes, d) that leave its first corner, as columns, (T, d, d)."""
     sides: Array = (x[:, 1 : x.shape[2] + 1] - x[:, :1]).transpose(0, 2, 1)
@@ -229,10 +251,3 @@ def _distortion(gradients: Array) -> Array:
     stretches = np.linalg.svd(gradients, compute_uv=False)
     ratio: Array = stretches[:, 0] / stretches[:, -1]
     return ratio
-
-
-@cache
-def _linear_weights(order: int, dimension: int) -> Array:
-    """Barycentric coordinates of the cell's nodes, (nodes, dimension + 1)."""
-    X = reference_points(order, dimension)
-    return np.column_stack([1.0 - X.sum(axis=1), X])
