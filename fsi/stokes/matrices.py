@@ -12,7 +12,6 @@ from dolfinx.fem.petsc import assemble_matrix, create_matrix
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fsi.bodies import Array
 from fsi.stokes.forms import Forms
 
 
@@ -63,8 +62,9 @@ class Blocks:
         self.B.assemble()
         if self._M is None:
             self._M = self._pattern()
-        every: Array = np.concatenate([self.A.data, self.B.getValuesCSR()[2], [0.0]])
-        np.take(every, self._source, out=self._values)
+        np.concatenate([self.A.data, self.B.getValuesCSR()[2], [0.0]], out=self._every)
+        # Without "clip" numpy would buffer what it takes, at four times the cost.
+        np.take(self._every, self._source, out=self._values, mode="clip")
         self._M.stateIncrease()
         return self._M
 
@@ -78,7 +78,8 @@ class Blocks:
         zero = sp.csr_matrix((np.full(n, of_A + len(indices), np.int32), np.arange(n), np.arange(n + 1)))
         upper, lower = sp.hstack([numbered, B.T.tocsr()], "csr"), sp.hstack([B, zero], "csr")
         pattern = sp.vstack([upper, lower], "csr")
-        self._source, self._values = pattern.data, np.zeros(pattern.nnz)
+        self._source, self._values = pattern.data.astype(np.intp), np.zeros(pattern.nnz)
+        self._every = np.empty(of_A + len(indices) + 1)
         arrays = (*(part.astype(PETSc.IntType, copy=False) for part in (pattern.indptr, pattern.indices)),)
         return PETSc.Mat().createAIJWithArrays(pattern.shape, (*arrays, self._values), comm=self.B.comm)
 

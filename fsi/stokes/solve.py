@@ -150,7 +150,7 @@ def assembled(
     workspace: Workspace | None = None,
 ) -> Iterator[tuple[System, Forms, BoundaryNodes]]:
     """The assembled system of `solve`, with the same arguments; collective."""
-    with nullcontext(workspace) if workspace else Workspace() as kept:
+    with nullcontext(workspace) if workspace else Workspace(lasting=False) as kept:
         forms = kept.forms(fluid, degree, viscosity)
         nodes = locate(fluid, forms.V)
         closed = not boundary.pressures

@@ -166,7 +166,7 @@ def factorised(system: System) -> Iterator[Callable[[Array], Iterator[NodalSolut
     D, _ = mode_equations(system)
     _add_to_diagonal(reduced, first_mode, D[system.kept][:own])
     if system.mass is None or system.coarse is None:
-        factors = elimination.factors()
+        factors = elimination.factors(lasting=system.workspace.lasting)
         yield lambda U: _respond(system, elimination.P, factors, U)
         return
     try:

@@ -39,14 +39,14 @@ class Elimination:
         self._prolongation.update(rigid)
         galerkin(M, self.P, self.reduced)
 
-    def factors(self) -> Factorisation:
-        """The factors of `reduced` as it is now.
+    def factors(self, *, lasting: bool) -> Factorisation:
+        """The factors of `reduced` as it is now; lasting: it will change its values many times.
 
         Raises:
             SolveError: it is singular or MUMPS fails.
         """
         if self._factors is None:
-            self._factors = Factorisation(self.reduced)
+            self._factors = Factorisation(self.reduced, lasting=lasting)
         else:
             self._factors.update()
         return self._factors
@@ -62,8 +62,9 @@ class Elimination:
 class Workspace:
     """Keeps what the last solve made; use it in a `with` statement, or `close` it."""
 
-    def __init__(self) -> None:
-        """Empty."""
+    def __init__(self, *, lasting: bool = True) -> None:
+        """Empty; lasting: for many solves."""
+        self.lasting = lasting
         self._forms: Forms | None = None
         self._stokes: StokesMatrix | None = None
         self._elimination: Elimination | None = None
