@@ -1,4 +1,4 @@
-"""The case file that the README shows, and the files that it names."""
+"""The case file that the documentation shows, and the files that README and documentation name."""
 
 import re
 import tomllib
@@ -7,12 +7,13 @@ from pathlib import Path
 from fsi.case import parse_case
 
 ROOT = Path(__file__).parents[1]
-README = (ROOT / "README.md").read_text()
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+TEXT = "\n".join(page.read_text() for page in PAGES)
 
 
 def test_the_example_is_a_case() -> None:
     """Every key in it is known, and these sections are complete."""
-    example = re.search(r"```toml\n(.*?)```", README, re.DOTALL)
+    example = re.search(r"```toml\n(.*?)```", (ROOT / "docs" / "case-file.md").read_text(), re.DOTALL)
     assert example is not None
     case = parse_case(tomllib.loads(example[1]))
     given = case.model_dump(exclude_unset=True)
@@ -22,7 +23,7 @@ def test_the_example_is_a_case() -> None:
         assert shown == set(given[section]), section
 
 
-def test_the_files_that_it_names_exist() -> None:
-    named = re.findall(r"\b(?:cases|tests|bench|docs|fsi|meshes)/[\w/]+\.\w+", README)
+def test_the_files_that_they_name_exist() -> None:
+    named = re.findall(r"\b(?:cases|tests|bench|docs|fsi|meshes)/[\w/-]+\.\w+", TEXT)
     assert len(named) > 20
     assert [name for name in named if not (ROOT / name).is_file()] == []
