@@ -20,8 +20,10 @@ from rich.table import Table
 
 from bench.step import PHASES, forget_peak, peak_memory
 from fsi.bodies import Array, Configuration, Motion
+from fsi.clock import Clock
+from fsi.stokes.boundary import Boundary
 from fsi.stokes.solution import StokesSolution
-from fsi.stokes.solve import Boundary, Clock, solve
+from fsi.stokes.solve import solve
 from fsi.stokes.workspace import Workspace
 from meshes.build import FluidMesh, build
 from meshes.cell import Channel

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from fsi.bodies import Array, Configuration, Motion
+from fsi.stokes.boundary import Boundary
 from fsi.stokes.solution import StokesSolution
-from fsi.stokes.solve import Boundary, solve
+from fsi.stokes.solve import solve
 from meshes.build import FluidMesh, build
 from meshes.geometry import Box, Container, HalfPlane
 from meshes.sizing import Resolution

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from fsi.bodies import Configuration, Motion
+from fsi.stokes.boundary import Boundary
 from fsi.stokes.solution import StokesSolution
-from fsi.stokes.solve import Boundary
 from meshes.cell import Cell, Channel
 from meshes.sizing import Resolution
 from tests.flows import at_rest, discs, free, solved

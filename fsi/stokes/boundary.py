@@ -1,7 +1,8 @@
-"""Which velocity nodes lie on which body or wall, and where they are."""
+"""What holds on the boundary, which velocity nodes lie on which body or wall, and where they are."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,24 @@ from meshes.build import FluidMesh
 from meshes.geometry import Array
 
 Nodes = NDArray[np.int32]
+type Field = Callable[[Array], Array]
+
+
+@dataclass(frozen=True, slots=True)
+class Boundary:
+    """What holds on the walls, and the body force.
+
+    velocities: u(x) of the walls with a given velocity, (n, d) -> (n, d); pressures: p of the open walls,
+    where the traction is sigma n = -p n; body_force: f(x), or None. Each wall is in exactly one of the two.
+    Along a periodic channel: pressure_gradient: dp/dx, or None where the net_flux of fluid and bodies is
+    given.
+    """
+
+    velocities: Mapping[str, Field]
+    pressures: Mapping[str, float]
+    body_force: Field | None = None
+    pressure_gradient: float | None = 0.0
+    net_flux: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

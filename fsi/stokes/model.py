@@ -13,11 +13,13 @@ from numpy.typing import NDArray
 from fsi.accuracy import StepErrors
 from fsi.bodies import Array, Configuration, Inertia, Motion
 from fsi.case import Case
+from fsi.clock import Clock
 from fsi.periodic import ChannelDomain
 from fsi.stepping import Instant
+from fsi.stokes.boundary import Boundary, Field
 from fsi.stokes.error import step_errors
 from fsi.stokes.solution import StokesSolution
-from fsi.stokes.solve import Boundary, Clock, Field, solve
+from fsi.stokes.solve import solve
 from fsi.stokes.workspace import Workspace
 from fsi.walls import WallVelocity
 from meshes.build import FluidMesh, build

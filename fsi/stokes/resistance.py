@@ -17,6 +17,7 @@ from mpi4py import MPI
 
 from fsi.bodies import Array, Configuration, Motion
 from fsi.case import Case
+from fsi.clock import Clock
 from fsi.errors import InputError
 from fsi.periodic import CellDomain, ChannelDomain
 from fsi.resistance import (
@@ -27,11 +28,12 @@ from fsi.resistance import (
     positive_eigenvalues,
     symmetrised,
 )
-from fsi.stokes.boundary import BoundaryNodes
+from fsi.stokes.boundary import Boundary, BoundaryNodes
+from fsi.stokes.evaluate import fill
 from fsi.stokes.forms import Forms
 from fsi.stokes.identities import identities, require
 from fsi.stokes.model import StokesModel
-from fsi.stokes.solve import Boundary, Clock, assembled, fill
+from fsi.stokes.solve import assembled
 from fsi.stokes.system import NodalSolution, System, factorised, load_of, multiply
 from meshes.build import FluidMesh
 from meshes.geometry import Container

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass
 from functools import partial
 
 import meshes.backend  # noqa: F401
@@ -15,30 +13,21 @@ from dolfinx import fem
 from mpi4py import MPI
 
 from fsi.bodies import Array, Configuration, Inertia, Motion
-from fsi.stokes import fields, surface
-from fsi.stokes.boundary import BoundaryNodes, facets_with, locate
+from fsi.clock import Clock
+from fsi.stokes.boundary import Boundary, BoundaryNodes, facets_with, locate
 from fsi.stokes.coarse import coarse_velocities
 from fsi.stokes.constraints import layout, rigid_modes, wall_offset
+from fsi.stokes.evaluate import Found, evaluated
 from fsi.stokes.forms import Forms
-from fsi.stokes.identities import identities, require
 from fsi.stokes.matrices import pressure_mass
 from fsi.stokes.periodic import averages, jumps, mean_flow, solve_periodic, tied
 from fsi.stokes.saddle import solve_multiplier
 from fsi.stokes.solution import StokesSolution
-from fsi.stokes.stress import bulk_stress, is_force_free, strain_rate, viscosity_checks
-from fsi.stokes.system import (
-    NodalSolution,
-    System,
-    load_of,
-    nodal_vector,
-    solve_eliminated,
-)
+from fsi.stokes.system import NodalSolution, System, nodal_vector, solve_eliminated
 from fsi.stokes.workspace import Workspace
 from meshes.build import FluidMesh
 from meshes.cell import Cell, Channel
 from meshes.geometry import Container
-
-Field = Callable[[Array], Array]
 
 # Beyond, in space, the factors of the direct solver cost more time and memory than the iterations.
 MOST_DIRECT = 20_000
@@ -47,38 +36,6 @@ FORMULATIONS: dict[str, Callable[[System], NodalSolution]] = {
     "eliminated": solve_eliminated,
     "multiplier": solve_multiplier,
 }
-
-
-@dataclass(frozen=True, slots=True)
-class Boundary:
-    """What holds on the walls, and the body force.
-
-    velocities: u(x) of the walls with a given velocity, (n, d) -> (n, d); pressures: p of the open walls,
-    where the traction is sigma n = -p n; body_force: f(x), or None. Each wall is in exactly one of the two.
-    Along a periodic channel: pressure_gradient: dp/dx, or None where the net_flux of fluid and bodies is
-    given.
-    """
-
-    velocities: Mapping[str, Field]
-    pressures: Mapping[str, float]
-    body_force: Field | None = None
-    pressure_gradient: float | None = 0.0
-    net_flux: float = 0.0
-
-
-class Clock:
-    """CPU seconds of this process by phase."""
-
-    def __init__(self) -> None:
-        """Start."""
-        self.seconds: dict[str, float] = {}
-        self._last = time.process_time()
-
-    def lap(self, phase: str) -> None:
-        """Add the time since the last lap to a phase."""
-        now = time.process_time()
-        self.seconds[phase] = self.seconds.get(phase, 0.0) + now - self._last
-        self._last = now
 
 
 def solve(
@@ -132,7 +89,7 @@ def solve(
             nodal = solve_system(system)
         clock.lap("solve")
         found = Found(system, fluid, forms, nodes, nodal, q, viscosity, system.b - loads)
-        return _finish(found, container, boundary, clock)
+        return evaluated(found, container, boundary, clock)
 
 
 @contextmanager
@@ -217,62 +174,3 @@ def _loads(fluid: FluidMesh, forms: Forms, boundary: Boundary, rows: int) -> Arr
         tag = fluid.wall_tag(wall)
         b[:velocities] -= pressure * nodal_vector(forms.bind("normal", facets_with(fluid, tag, tag)))
     return b
-
-
-def fill(forms: Forms, x: Array) -> None:
-    """Set u and p of the forms to nodal values, this rank's rows."""
-    velocities = forms.velocities
-    for function, values in ((forms.u, x[:velocities]), (forms.p, x[velocities:])):
-        function.x.array[: len(values)] = values
-        function.x.scatter_forward()
-
-
-@dataclass(frozen=True, slots=True)
-class Found:
-    """A solved system, and what it was made of; jump_load: what jumps of the pressure added to its loads."""
-
-    system: System
-    fluid: FluidMesh
-    forms: Forms
-    nodes: BoundaryNodes
-    nodal: NodalSolution
-    q: Configuration
-    viscosity: float
-    jump_load: Array
-
-
-def _finish(found: Found, container: Container, boundary: Boundary, clock: Clock) -> StokesSolution:
-    """Everything that follows from the nodal values."""
-    system, fluid, forms, nodal = found.system, found.fluid, found.forms, found.nodal
-    fill(forms, nodal.x)
-    mean_pressure = forms.integrate("pressure integral") / forms.integrate("area")
-    if not boundary.pressures:
-        forms.p.x.array[:] -= mean_pressure
-    F, dissipation = load_of(system, nodal.reaction), forms.integrate("dissipation")
-    checks = identities(
-        system, forms, nodal, F, dissipation, found.viscosity, found.q, found.nodes.x,
-        fluid.lattice.dimension > 0,
-    )  # fmt: skip
-    bulk = None
-    if isinstance(container, Channel | Cell):
-        E = strain_rate(container, boundary.velocities)
-        bulk = bulk_stress(system, found.nodes, nodal, container, found.q, E, mean_pressure, found.viscosity)
-        if is_force_free(system):
-            checks |= viscosity_checks(bulk, E, dissipation, found.viscosity, found.q)
-    require(checks)
-    own_surface = surface.collect(fluid, forms.V, nodal.reaction[: system.shares.velocities])
-    flow = fields.capture(forms)
-    traction_F = _by_traction(found)
-    clock.lap("checks")
-    return StokesSolution(
-        nodal.U, F, traction_F, dissipation, checks, forms.dofs, fluid.cells(), nodal.iterations,
-        fluid.quality, clock.seconds, flow, own_surface, bulk,
-    )  # fmt: skip
-
-
-def _by_traction(found: Found) -> Array:
-    """Loads of the bodies, (N, M), as integrals of sigma_h n, on all arcs in the pressure of one image."""
-    on_bodies = facets_with(found.fluid, 1, found.fluid.bodies)
-    integral = -found.jump_load
-    integral[: found.system.shares.velocities] += nodal_vector(found.forms.bind("traction", on_bodies))
-    return load_of(found.system, integral)

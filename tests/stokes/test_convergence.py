@@ -9,8 +9,9 @@ from dolfinx import fem
 from mpi4py import MPI
 
 from fsi.bodies import Array
+from fsi.stokes.boundary import Boundary
 from fsi.stokes.forms import velocity_element
-from fsi.stokes.solve import Boundary, solve
+from fsi.stokes.solve import solve
 from meshes.build import FluidMesh
 from meshes.sizing import Resolution
 from tests.flows import BOX, SMALL_BOX, disc_over_plane, discs, held, resting

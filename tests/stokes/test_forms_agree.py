@@ -5,8 +5,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fsi.bodies import Configuration, Inertia, Motion
+from fsi.stokes.boundary import Boundary
 from fsi.stokes.solution import StokesSolution
-from fsi.stokes.solve import Boundary, solve
+from fsi.stokes.solve import solve
 from meshes.geometry import Box
 from meshes.sizing import Resolution
 from tests.flows import SMALL_BOX, at_rest, discs, free, held, mesh, resting, shear, solved

@@ -7,8 +7,9 @@ import pytest
 
 from fsi.checks import BOUND
 from fsi.errors import SolveError
+from fsi.stokes.boundary import Boundary
 from fsi.stokes.identities import require
-from fsi.stokes.solve import FORMULATIONS, Boundary, solve
+from fsi.stokes.solve import FORMULATIONS, solve
 from fsi.stokes.system import NodalSolution, System, solve_eliminated
 from meshes.sizing import Resolution
 from tests.flows import BOX, at_rest, disc_over_plane, discs, free, held, mesh, resting, solved

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from fsi.lubrication import exact
-from fsi.stokes.solve import Boundary
+from fsi.stokes.boundary import Boundary
 from meshes.geometry import Box
 from meshes.sizing import Resolution
 from tests.flows import BOX, HALF_PLANE, at_rest, disc_over_plane, discs, free, held, shear, solved

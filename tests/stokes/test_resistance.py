@@ -15,8 +15,9 @@ from numpy.testing import assert_allclose
 from fsi.bodies import Array, Configuration
 from fsi.lubrication import exact
 from fsi.resistance import Resistance, difference
+from fsi.stokes.boundary import Boundary
 from fsi.stokes.resistance import solve_resistance
-from fsi.stokes.solve import Boundary, solve
+from fsi.stokes.solve import solve
 from meshes.build import FluidMesh
 from meshes.geometry import Box, Container, Round
 from meshes.sizing import Resolution

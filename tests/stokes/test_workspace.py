@@ -15,9 +15,10 @@ from numpy.testing import assert_allclose
 
 from fsi.bodies import Configuration, Motion
 from fsi.stokes import workspace as kept
+from fsi.stokes.boundary import Boundary
 from fsi.stokes.linear import Factorisation
 from fsi.stokes.solution import StokesSolution
-from fsi.stokes.solve import Boundary, solve
+from fsi.stokes.solve import solve
 from fsi.stokes.workspace import Workspace
 from meshes.build import FluidMesh, build
 from meshes.cell import Channel
