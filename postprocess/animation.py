@@ -39,7 +39,7 @@ def write_pictures(pictures: Iterable[Picture], output: Path) -> None:
 
 def _write_png(pictures: Iterable[Picture], path: Path) -> None:
     for picture in pictures:
-        Image.fromarray(picture).save(path, format="PNG")
+        Image.fromarray(picture).save(path, format="PNG", compress_level=3)
 
 
 def _write_mp4(pictures: Iterable[Picture], path: Path) -> None:

@@ -11,7 +11,7 @@ from matplotlib.colors import Colormap, ListedColormap, LogNorm, Normalize, SymL
 
 from fsi.bodies import Array
 from postprocess.choice import Span
-from postprocess.fields import edges, rims, stream_function
+from postprocess.fields import edges, nodes, rims, stream_function
 from postprocess.panel import INK, Panel, span_in
 from postprocess.scenes import Scene
 
@@ -20,6 +20,7 @@ _STREAMLINES = 24
 _SLOW = 0.05  # the part of the area with the lowest values, which has one colour
 _DECADES = {"speed": 4.0, "dissipation": 8.0, "traction": 4.0}  # most decades that differ in colour
 _LINEAR = 0.01  # part of the largest value up to which the scales of signed fields are linear
+_INVISIBLE = 0.03  # opacity of lines that no one sees
 _RIBBON = 0.05  # width of the ribbon that shows the traction, in halves of the window
 
 
@@ -50,13 +51,14 @@ def _logarithmic(name: str, values: Callable[[Scene], tuple[Array, Array, Array]
     return span
 
 
-def _on_surface(name: str) -> Callable[[Scene], tuple[Array, Array, Array]]:
-    """Points, values and areas of the small triangles."""
+def _in_cells(name: str) -> Callable[[Scene], tuple[Array, Array, Array]]:
+    """Middles, mean values and areas of the cells, as if their sides were straight."""
 
     def values(seen: Scene) -> tuple[Array, Array, Array]:
-        cells = seen.surface.compute_cell_sizes(length=False, volume=False)
-        means = cells.point_data_to_cell_data()
-        return cells.cell_centers().points, means[name], cells["Area"]
+        cells = nodes(seen.fluid)
+        a, b, c = np.asarray(seen.fluid.points)[cells[:, :3].T, :2]
+        area = 0.5 * np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+        return (a + b + c) / 3.0, np.asarray(seen.fluid[name])[cells].mean(axis=1), area
 
     return values
 
@@ -70,7 +72,7 @@ def _on_bodies(seen: Scene) -> tuple[Array, Array, Array]:
 
 
 def _plain(name: str) -> Callable[[Scene], Span]:
-    return lambda seen: span_in(seen.surface.points, seen.surface[name])
+    return lambda seen: span_in(seen.fluid.points, seen.fluid[name])
 
 
 def _signed(name: str) -> Callable[[Scene], Span]:
@@ -98,34 +100,36 @@ def _linear(span: Span) -> Normalize:
 
 
 def _cells(panel: Panel, seen: Scene) -> None:
-    """Faint edges of the cells, fainter the more there are."""
-    panel.lines(edges(seen.fluid), "black", width=2, opacity=min(0.25, 500.0 / seen.fluid.n_cells))
+    """Faint edges of the cells, fainter the more there are; none where nobody would see them."""
+    opacity = min(0.25, 500.0 / seen.fluid.n_cells)
+    if opacity > _INVISIBLE:
+        panel.lines(edges(seen.fluid), "black", width=2, opacity=opacity)
 
 
 def _draw_speed(panel: Panel, seen: Scene, norm: Normalize) -> None:
     """Speed in colours, streamlines as level lines of the stream function: the closer, the faster."""
-    surface = seen.surface
+    u = seen.fluid["velocity"]
+    seen.fluid["psi"] = stream_function(seen.fluid, seen.fluid["r"][:, None] * u if seen.axisymmetric else u)
+    surface = seen.surface(("speed", "psi"), panel.size)
     panel.colour(surface, "speed", DRAWINGS["speed"].colours, norm)
     _cells(panel, seen)
-    u = surface["velocity"]
-    surface["psi"] = stream_function(surface, surface["r"][:, None] * u if seen.axisymmetric else u)
     levels = np.linspace(*span_in(surface.points, surface["psi"]), _STREAMLINES + 2)[1:-1]
     panel.lines(surface.contour(levels, scalars="psi"), "white", width=3, opacity=0.8)
 
 
 def _draw_mesh(panel: Panel, seen: Scene, norm: Normalize) -> None:
     """The cells, over the pressure."""
-    panel.colour(seen.surface, "pressure", _PALE, norm)
+    panel.colour(seen.surface(("pressure",), panel.size), "pressure", _PALE, norm)
     panel.lines(edges(seen.fluid), INK, width=3)
 
 
 def _draw_field(name: str, colours: Colormap) -> Callable[[Panel, Scene, Normalize], None]:
-    return lambda panel, seen, norm: panel.colour(seen.surface, name, colours, norm)
+    return lambda panel, seen, norm: panel.colour(seen.surface((name,), panel.size), name, colours, norm)
 
 
 def _draw_traction(panel: Panel, seen: Scene, norm: Normalize) -> None:
     """Ribbons inside the bodies along their surfaces, over the cells."""
-    panel.fill(seen.surface, "white")
+    panel.fill(seen.surface((), panel.size), "white")
     _cells(panel, seen)
     if seen.bodies is None:
         return
@@ -139,7 +143,7 @@ _RED_BLUE, _ORANGE_PURPLE = colormaps["RdBu_r"], colormaps["PuOr_r"]
 # Perceptual, and told apart by every eye; bright is large, and signed fields are white at zero.
 DRAWINGS = {
     "speed": Drawing(
-        "|u|", "speed and streamlines", _VIRIDIS, _logarithmic("speed", _on_surface("speed")), _log,
+        "|u|", "speed and streamlines", _VIRIDIS, _logarithmic("speed", _in_cells("speed")), _log,
         _draw_speed,
     ),
     "pressure": Drawing(
@@ -151,7 +155,7 @@ DRAWINGS = {
     ),
     "dissipation": Drawing(
         r"$2 \mu\, e : e$", "dissipation", _MAGMA,
-        _logarithmic("dissipation", _on_surface("dissipation")), _log, _draw_field("dissipation", _MAGMA),
+        _logarithmic("dissipation", _in_cells("dissipation")), _log, _draw_field("dissipation", _MAGMA),
     ),
     "traction": Drawing(
         r"$|\sigma n|$", "traction on the bodies", _PLASMA, _logarithmic("traction", _on_bodies), _log,

@@ -6,19 +6,23 @@ of the edges 01, 12, 20, then the inner nodes of the cell.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
+
 import numpy as np
 import pyvista as pv
 from numpy.polynomial.polynomial import polyvander
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
-from scipy.sparse.csgraph import breadth_first_order
+from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from fsi.bodies import Array
+from meshes.lagrange import lattice, order_of, reference_nodes, tabulate
 
 Indices = NDArray[np.intp]
 
 _SEGMENTS = 8  # straight pieces that stand for a curved edge
-_TRIANGLES = 2e5  # about as many a picture can show
+_MOST_HALVINGS = 4  # of the sides of a cell
 
 
 def nodes(fluid: pv.UnstructuredGrid) -> Indices:
@@ -29,20 +33,48 @@ def nodes(fluid: pv.UnstructuredGrid) -> Indices:
 
 def cells_within(fluid: pv.UnstructuredGrid, low: Array, high: Array) -> pv.UnstructuredGrid:
     """A copy of the cells whose box of nodes meets the rectangle [low, high]."""
-    x = fluid.points[nodes(fluid), :2]
-    meets = np.all((x.min(axis=1) <= high) & (x.max(axis=1) >= low), axis=1)
+    x = np.asarray(fluid.points)[nodes(fluid).T, :2]
+    meets = np.all((x.min(axis=0) <= high) & (x.max(axis=0) >= low), axis=1)
     return fluid.extract_cells(np.flatnonzero(meets)).copy()  # all of them would share their points
 
 
-def refine(fluid: pv.UnstructuredGrid) -> pv.PolyData:
-    """Small straight triangles along the curved cells, with the same point data, and `speed`.
+def refine(fluid: pv.UnstructuredGrid, names: Sequence[str], side: float) -> pv.PolyData:
+    """Small straight triangles along the curved cells, with the named point data, in single precision.
 
-    Each level quarters the triangles; a large mesh needs fewer levels to look smooth.
+    The sides of each cell are halved until they are shorter than `side`, four times at most. Neighbouring
+    triangles do not share their points.
     """
-    level = int(np.clip(np.log(_TRIANGLES / fluid.n_cells) / np.log(4.0), 1, 3))
-    surface = fluid.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=level)
-    surface["speed"] = np.linalg.norm(surface["velocity"], axis=1)
+    cells = nodes(fluid)
+    order = order_of(cells.shape[1])
+    corners = fluid.points[cells[:, :3], :2]
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    halvings = np.clip(np.ceil(np.log2(longest / side)), 0, _MOST_HALVINGS).astype(int)
+    given = {"": np.asarray(fluid.points)} | {name: np.asarray(fluid[name]) for name in names}
+    found: dict[str, list[Array]] = {name: [] for name in given}
+    faces, count = [], 0
+    for level in np.unique(halvings):
+        own = cells[halvings == level]
+        phi = tabulate(order, reference_nodes(2**level))[0].astype(np.float32)
+        small = small_triangles(2**level) + len(phi) * np.arange(len(own))[:, None, None]
+        faces.append(count + small.reshape(-1, 3))
+        count += len(own) * len(phi)
+        for name, values in given.items():
+            inside = values.astype(np.float32)[own].reshape(*own.shape, -1)
+            found[name].append((phi @ inside).reshape(-1, *values.shape[1:]))
+    surface = pv.PolyData.from_regular_faces(np.concatenate(found.pop("")), np.concatenate(faces))
+    for name, parts in found.items():
+        surface[name] = np.concatenate(parts)
     return surface
+
+
+def small_triangles(order: int) -> Indices:
+    """The triangles between the nodes of a cell, (order^2, 3), as it is oriented itself."""
+    at = {index: k for k, index in enumerate(lattice(order))}
+    up = [(at[i, j], at[i + 1, j], at[i, j + 1]) for i in range(order) for j in range(order - i)]
+    down = [
+        (at[i + 1, j], at[i + 1, j + 1], at[i, j + 1]) for i in range(order) for j in range(order - i - 1)
+    ]
+    return np.array(up + down, dtype=np.intp)
 
 
 def edges(fluid: pv.UnstructuredGrid) -> pv.PolyData:
@@ -107,30 +139,43 @@ def mirrored(grid: pv.UnstructuredGrid) -> pv.UnstructuredGrid:
     return pv.merge([grid, other], merge_points=False)
 
 
-def stream_function(surface: pv.PolyData, w: Array) -> Array:
+def stream_function(fluid: pv.UnstructuredGrid, w: Array) -> Array:
     """The function psi, (n,), with w = (d psi / dy, -d psi / dx) for w, (n, 3), without divergence.
 
     That is w = u in the plane, and w = r u with an axis (Stokes's stream function).
-    Each edge carries the flux `w_x dy - w_y dx` from end to end; psi sums them along a tree of edges, from
-    zero at one point of each connected part. No body may take in fluid: rigid ones do not.
+    Each piece of a cell's side carries the flux `w_x dy - w_y dx` from node to node; psi sums them along a
+    tree of pieces, from zero at one node of each connected part. No body may take in fluid: rigid ones do
+    not.
     """
-    triangles = surface.regular_faces
-    pairs = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    n = surface.n_points
-    graph = coo_array((np.ones(len(pairs)), pairs.T), shape=(n, n)).tocsr()
-    psi = np.full(n, np.nan)
-    for root in range(n):
-        if np.isnan(psi[root]):
-            psi[root] = 0.0
-            reached, parent = breadth_first_order(graph, root, directed=False)
-            _sum_fluxes(psi, reached[1:], parent, surface.points, w)
+    start, end, flux = _fluxes(nodes(fluid), np.asarray(fluid.points, dtype=float), w)
+    n = fluid.n_points
+    graph = coo_array((np.ones(len(start)), (start, end)), shape=(n, n)).tocsr()
+    parent = np.arange(n)
+    for root in np.unique(connected_components(graph, directed=False)[1], return_index=True)[1]:
+        reached, before = breadth_first_order(graph, root, directed=False)
+        parent[reached[1:]] = before[reached[1:]]
+    psi = np.zeros(n)
+    psi[end[parent[end] == start]] = flux[parent[end] == start]
+    psi[start[parent[start] == end]] = -flux[parent[start] == end]
+    while np.any(parent != parent[parent]):  # psi: the flux from `parent` on; twice as far each time
+        psi, parent = psi + psi[parent], parent[parent]
     return psi
 
 
-def _sum_fluxes(psi: Array, children: Indices, parent: Indices, x: Array, w: Array) -> None:
-    """Fill in psi at nodes whose parents come before them, from the roots on."""
-    parents = parent[children]
-    step, mean = (x[children] - x[parents]).astype(float), 0.5 * (w[children] + w[parents])
-    flux = mean[:, 0] * step[:, 1] - mean[:, 1] * step[:, 0]
-    for child, origin, rise in zip(children, parents, flux, strict=True):
-        psi[child] = psi[origin] + rise
+def _fluxes(cells: Indices, x: Array, w: Array) -> tuple[Indices, Indices, Array]:
+    """Nodes at both ends of the pieces of the cells' sides, and to those inside, and the flux across each."""
+    order = order_of(cells.shape[1])
+    side = [[k, *range(3 + k * (order - 1), 3 + (k + 1) * (order - 1)), (k + 1) % 3] for k in range(3)]
+    pieces = [pair for along in side for pair in pairwise(along)]
+    pieces += [(0, inside) for inside in range(3 * order, cells.shape[1])]
+    a, b = np.array(pieces).T
+    X = reference_nodes(order)
+    points, weights = np.polynomial.legendre.leggauss(order)
+    flux = np.zeros((len(cells), len(pieces)))
+    x, w = (values[cells][..., :2].transpose(2, 0, 1) for values in (x, w))
+    for s, weight in zip(0.5 * (1.0 + points), 0.5 * weights, strict=True):
+        phi, dphi = tabulate(order, X[a] + s * (X[b] - X[a]))
+        dx, dy = x @ np.einsum("pnk,pk->np", dphi, X[b] - X[a])
+        w_x, w_y = w @ phi.T
+        flux += weight * (w_x * dy - w_y * dx)
+    return cells[:, a].ravel(), cells[:, b].ravel(), flux.ravel()

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogFormatter
 from numpy.typing import NDArray
-from PIL import Image
 
 _INCHES = 5.0  # a panel
 _BAR, _ABOVE, _BELOW, _GAP = 0.2, 0.14, 0.08, 0.03  # room around a panel, in panels
@@ -52,9 +52,9 @@ def compose(title: str, panels: Sequence[Framed]) -> NDArray[np.uint8]:
                 bar.yaxis.set_major_formatter(LogFormatter())
                 bar.yaxis.set_minor_formatter(LogFormatter())
             bar.set_title(panel.label, fontsize=11, pad=7)
-        pixels = io.BytesIO()
-        figure.savefig(pixels, format="png")
-    return np.asarray(Image.open(pixels).convert("RGB"))
+        canvas: Any = FigureCanvasAgg(figure)
+        canvas.draw()
+    return np.array(np.asarray(canvas.buffer_rgba())[..., :3])
 
 
 def _frame(axes: Axes, panel: Framed) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+import pyvista as pv
+
 from fsi.errors import InputError
 from postprocess.animation import Picture
 from postprocess.choice import Choice, Span
@@ -11,7 +13,7 @@ from postprocess.drawings import DRAWINGS
 from postprocess.figure import Framed, compose
 from postprocess.panel import new_panel
 from postprocess.run import Run
-from postprocess.scenes import Scene, gap_at, read_scene, window_on
+from postprocess.scenes import Scene, gap_at, scene, window_on
 from postprocess.view import Gap, View, parse_sides
 
 FROM = {"vorticity": "vorticity", "dissipation": "strain_rate"}  # what older runs have not written
@@ -28,6 +30,7 @@ class FlowArtist:
             raise InputError(f"--field {choice.field}: give one of {', '.join(DRAWINGS)}")
         self.run, self.choice, walls = run, choice, run.case.container().walls
         self.sides = None if choice.gap is None else parse_sides(choice.gap, run.case.names, walls)
+        self._fluid: tuple[int, pv.UnstructuredGrid] | None = None
         self._kept: tuple[int, list[tuple[Scene, Gap | None]]] | None = None
         if choice.gap is not None:
             self.panels = [(choice.field or "mesh", True)]
@@ -38,7 +41,7 @@ class FlowArtist:
 
     def require_fields(self, step: int) -> None:
         """Raise InputError where older runs have not written what is to be drawn."""
-        missing = {FROM.get(name, "velocity") for name, _ in self.panels} - {*self.run.mesh(step).point_data}
+        missing = {FROM.get(name, "velocity") for name, _ in self.panels} - {*self._mesh(step).point_data}
         if missing:
             raise InputError(
                 f"--field {self.choice.field}: is not in the files of this run; run the case again"
@@ -46,7 +49,7 @@ class FlowArtist:
 
     def pictures(self, steps: Sequence[int]) -> Iterator[Picture]:
         """A picture of each step."""
-        around, self._kept = window_on(self.run, steps), None
+        around, self._kept = window_on(self.run, steps, self._mesh(steps[0])), None
         spans = self._spans(steps, around)
         for step in steps:
             yield self._picture(step, around, spans)
@@ -70,14 +73,20 @@ class FlowArtist:
             self._kept = step, self._read(step, around)
         return self._kept[1]
 
+    def _mesh(self, step: int) -> pv.UnstructuredGrid:
+        """The flow of a step; the last is kept, as it is asked for again."""
+        if self._fluid is None or self._fluid[0] != step:
+            self._fluid = step, self.run.mesh(step)
+        return self._fluid[1]
+
     def _read(self, step: int, around: View) -> list[tuple[Scene, Gap | None]]:
         """The same from its files."""
         tractions = any(name == "traction" for name, _ in self.panels) and bool(self.run.case.bodies)
-        found = []
+        found, fluid = [], self._mesh(step)
         for _, close in self.panels:
             gap = gap_at(self.run, step, self.sides, around) if close else None
             view = around if gap is None else gap.close_up(around)
-            found.append((read_scene(self.run, step, view, tractions), gap))
+            found.append((scene(self.run, step, fluid, view, tractions), gap))
         return found
 
     def _picture(self, step: int, around: View, spans: Sequence[Span]) -> Picture:

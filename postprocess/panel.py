@@ -6,16 +6,19 @@ single precision, and a film of 1e-5 radii would drown in its rounding far from 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pyvista as pv
 from matplotlib.colors import Colormap, Normalize
 from numpy.typing import NDArray
+from PIL import Image
 
 from fsi.bodies import Array, Configuration
 from postprocess.view import View
 
+SAMPLES = 2  # of a pixel along each side
 INK = "#222222"
 SOLID, _BODY = "#c9c9c9", "#f3efe6"
 _FEWEST_SIDES, _MOST_SIDES = 64, 4000  # of a disc; the most: sagitta 3e-7 a, a film of 1e-5 a stays open
@@ -51,7 +54,7 @@ class Panel:
         """Draw lines that are given in the window's coordinates, `width` thousandths of it wide."""
         if lines.n_points:
             lifted = lines.translate((0.0, 0.0, layer * _LAYER))
-            wide = max(1.0, width * self.size / 1000.0)
+            wide = max(1.0, 0.5 * SAMPLES * width * self.size / 1000.0)
             self.plotter.add_mesh(lifted, color=colour, line_width=wide, opacity=opacity)
 
     def frame(self, view: View) -> None:
@@ -85,23 +88,35 @@ class Panel:
 
     def image(self) -> NDArray[np.uint8]:
         """What has been drawn, (size, size, 3); ends the drawing."""
-        self.plotter.view_xy()
-        self.plotter.enable_parallel_projection()
-        self.plotter.camera.focal_point = (0.0, 0.0, 0.0)
-        self.plotter.camera.position = (0.0, 0.0, 4.0)
-        self.plotter.camera.parallel_scale = 1.0
-        self.plotter.camera.clipping_range = (1.0, 8.0)
-        drawn: NDArray[np.uint8] = self.plotter.screenshot(return_img=True)
-        self.plotter.close()
-        return drawn
+        return photograph(self.plotter, (0.0, 0.0, 4.0), (0.0, 1.0, 0.0), (1.0, 8.0))
 
 
 def new_panel(view: View, size: int) -> Panel:
     """An empty panel."""
-    plotter = pv.Plotter(off_screen=True, window_size=[size, size])
-    plotter.set_background(SOLID)
-    plotter.enable_anti_aliasing("ssaa")
-    return Panel(plotter, view, size)
+    return Panel(blank(size, SOLID), view, size)
+
+
+def blank(size: int, background: str) -> pv.Plotter:
+    """A plotter for a picture size pixels wide and high, which `photograph` ends."""
+    plotter = pv.Plotter(off_screen=True, window_size=[SAMPLES * size] * 2)
+    plotter.set_background(background)
+    plotter.disable_anti_aliasing()  # there are samples enough
+    return plotter
+
+
+def photograph(
+    plotter: pv.Plotter, eye: Sequence[float], up: Sequence[float], clipping: tuple[float, float]
+) -> NDArray[np.uint8]:
+    """What has been drawn in [-1, 1]^3, seen from afar, each pixel the mean of its samples."""
+    plotter.enable_parallel_projection()
+    camera = plotter.camera
+    camera.focal_point, camera.position, camera.up = (0.0, 0.0, 0.0), tuple(eye), tuple(up)
+    camera.parallel_scale = 1.0
+    camera.clipping_range = clipping
+    samples = Image.fromarray(plotter.screenshot(return_img=True))
+    plotter.close()
+    size = (samples.width // SAMPLES, samples.height // SAMPLES)
+    return np.asarray(samples.resize(size, Image.Resampling.HAMMING))
 
 
 def coloured(surface: pv.PolyData, field: str, norm: Normalize) -> pv.PolyData:

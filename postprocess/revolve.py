@@ -18,7 +18,8 @@ from fsi.bodies import Array
 from fsi.checkpoint import replace
 from fsi.errors import InputError
 from fsi.pvd import Entry, collection
-from meshes.lagrange import lattice, order_of
+from meshes.lagrange import order_of
+from postprocess.fields import small_triangles
 from postprocess.run import Run
 
 Indices = NDArray[np.int64]
@@ -66,7 +67,9 @@ def revolved(grid: pv.UnstructuredGrid, angles: Array) -> pv.UnstructuredGrid:
     """The grid of a meridian plane, (r, z), at the angles (k,) and between them; a full turn is closed."""
     nodes = grid.cell_connectivity.reshape(grid.n_cells, -1)
     surface = grid.celltypes[0] == pv.CellType.LAGRANGE_CURVE
-    pieces = _segments(nodes) if surface else _triangles(nodes)
+    pieces = (
+        _segments(nodes) if surface else nodes[:, small_triangles(order_of(nodes.shape[1]))].reshape(-1, 3)
+    )
     n, rings = grid.n_points, len(angles) - 1
     closed = np.isclose(angles[-1] - angles[0], 2.0 * np.pi)
     kept = rings if closed else rings + 1
@@ -89,17 +92,6 @@ def _turned(v: Array, angles: Array) -> Array:
     cos, sin = np.cos(angles)[:, None], np.sin(angles)[:, None]
     found: Array = np.stack([r * cos, r * sin, z], axis=-1).reshape(-1, 3)
     return found
-
-
-def _triangles(nodes: Indices) -> Indices:
-    """The small triangles between the nodes of each cell, (order^2 cells, 3)."""
-    order = order_of(nodes.shape[1])
-    at = {index: k for k, index in enumerate(lattice(order))}
-    up = [(at[i, j], at[i + 1, j], at[i, j + 1]) for i in range(order) for j in range(order - i)]
-    down = [
-        (at[i + 1, j], at[i + 1, j + 1], at[i, j + 1]) for i in range(order) for j in range(order - i - 1)
-    ]
-    return nodes[:, np.array(up + down)].reshape(-1, 3)
 
 
 def _segments(nodes: Indices) -> Indices:

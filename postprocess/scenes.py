@@ -16,30 +16,46 @@ from postprocess.run import Run
 from postprocess.tiles import images, tiled, window
 from postprocess.view import Gap, View, around_bodies, gap_between, narrowest_gap
 
+MADE_OF = {"speed": "velocity", "dissipation": "strain_rate"}  # and not interpolated themselves
+_SIDE = 12.0  # of the triangles that stand for a cell, in pixels; the colours between are linear
+
 
 @dataclass(frozen=True)
 class Scene:
     """The flow of one step, as one window shows it.
 
-    fluid: its cells there, in the window's coordinates, with point data `r`, the first of their own; surface:
-    small triangles along them; bodies: surfaces of the bodies, in the window's coordinates, or None.
+    fluid: its cells there, in the window's coordinates, with point data `r`, the first of their own, and what
+    `derive` adds; bodies: surfaces of the bodies, in the window's coordinates, or None.
     """
 
     view: View
     fluid: pv.UnstructuredGrid
-    surface: pv.PolyData
     bodies: pv.UnstructuredGrid | None
     q: Configuration
     axisymmetric: bool
+    viscosity: float
+
+    def surface(self, names: Sequence[str], size: int) -> pv.PolyData:
+        """Triangles small enough for so many pixels, with the named data."""
+        surface = refine(self.fluid, [MADE_OF.get(name, name) for name in names], _SIDE * 2.0 / size)
+        derive(surface, self.viscosity)
+        return surface
 
 
-def window_on(run: Run, steps: Sequence[int]) -> View:
-    """One window on the bodies of all those steps; of a periodic run on one period."""
+def derive(grid: pv.DataSet, viscosity: float) -> None:
+    """Add `speed` where there are velocities, `dissipation` where there are strain rates."""
+    if "velocity" in grid.point_data:
+        grid["speed"] = np.linalg.norm(grid["velocity"], axis=1)
+    if "strain_rate" in grid.point_data:
+        grid["dissipation"] = viscosity * np.square(grid["strain_rate"])
+
+
+def window_on(run: Run, steps: Sequence[int], fluid: pv.UnstructuredGrid) -> View:
+    """One window on the bodies of all those steps, fluid being that of the first; or on one period."""
     container = run.container(steps[0])
     if isinstance(container, Channel | Cell):
         return window(container)
     q = [run.configuration(step) for step in steps]
-    fluid = run.mesh(steps[0])
     fluid = mirrored(fluid) if run.case.axisymmetric else fluid
     return around_bodies(np.stack([at.centres for at in q]), q[0].radii, fluid)
 
@@ -52,31 +68,30 @@ def gap_at(run: Run, step: int, sides: tuple[int, int] | None, around: View) -> 
     return gap.moved(-lattice.shift(lattice.nearest((gap.middle - around.centre)[None]))[0])
 
 
-def read_scene(run: Run, step: int, view: View, tractions: bool) -> Scene:
-    """What a window shows of a step, with all fields that can be coloured.
+def scene(run: Run, step: int, fluid: pv.UnstructuredGrid, view: View, tractions: bool) -> Scene:
+    """What a window shows of a step with that fluid, with all fields that can be coloured.
 
     tractions: whether to read the surfaces of the bodies, which carry them.
     """
     q, container, axisymmetric = run.configuration(step), run.container(step), run.case.axisymmetric
-    fluid, bodies = run.mesh(step), run.mesh(step, "surface") if tractions else None
+    bodies = run.mesh(step, "surface") if tractions else None
     if axisymmetric:
         fluid, bodies = mirrored(fluid), None if bodies is None else mirrored(bodies)
     lattice, home = Lattice(container.periods), q.centres
     if isinstance(container, Channel | Cell):
-        fluid, q = tiled(fluid, container, view), images(q, container, view)
+        cells, q = tiled(fluid, container, view), images(q, container, view)
         bodies = None if bodies is None else tiled(bodies, container, view)
-    cells = cells_within(fluid, view.low, view.high)
+    else:
+        cells = cells_within(fluid, view.low, view.high)
     cells["r"] = cells.points[:, 0].copy()
     cells.points = view.local(cells.points)
-    surface = refine(cells)
-    if "strain_rate" in surface.point_data:
-        surface["dissipation"] = run.case.fluid.viscosity * np.square(surface["strain_rate"])
+    derive(cells, run.case.fluid.viscosity)
     if bodies is not None:
         bodies = bodies.copy()
         bodies.cell_data["inside"] = view.local(_owners(bodies, home, lattice))
         bodies.points = view.local(bodies.points)
         bodies["traction size"] = np.linalg.norm(bodies["traction"], axis=1)
-    return Scene(view, cells, surface, bodies, q, axisymmetric)
+    return Scene(view, cells, bodies, q, axisymmetric, run.case.fluid.viscosity)
 
 
 def _owners(bodies: pv.UnstructuredGrid, centres: Array, lattice: Lattice) -> Array:

@@ -14,7 +14,7 @@ from matplotlib.colors import Colormap, Normalize
 from numpy.typing import NDArray
 
 from fsi.bodies import Array, Configuration
-from postprocess.panel import SOLID, coloured
+from postprocess.panel import SOLID, blank, coloured, photograph
 from postprocess.view import View
 
 _BODY = "#e8dfcf"
@@ -66,22 +66,13 @@ class Space:
 
     def image(self) -> NDArray[np.uint8]:
         """What has been drawn, (size, size, 3); ends the drawing."""
-        camera = self.plotter.camera
-        self.plotter.enable_parallel_projection()
-        camera.focal_point, camera.up = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)
-        camera.position = tuple(20.0 * np.array(_FROM) / np.linalg.norm(_FROM))
-        camera.parallel_scale = 1.0
-        camera.clipping_range = (1.0, 60.0)
-        drawn: NDArray[np.uint8] = self.plotter.screenshot(return_img=True)
-        self.plotter.close()
-        return drawn
+        eye = 20.0 * np.array(_FROM) / np.linalg.norm(_FROM)
+        return photograph(self.plotter, eye.tolist(), (0.0, 0.0, 1.0), (1.0, 60.0))
 
 
 def new_space(view: View, size: int) -> Space:
     """An empty picture."""
-    plotter = pv.Plotter(off_screen=True, window_size=[size, size])
-    plotter.set_background("white")
-    plotter.enable_anti_aliasing("ssaa")
+    plotter = blank(size, "white")
     plotter.enable_depth_peeling(8)
     return Space(plotter, view, size)
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 import pyvista as pv
-from scipy.interpolate import NearestNDInterpolator
+from scipy.spatial import cKDTree
 
 from fsi.bodies import Array
 from fsi.errors import InputError
@@ -77,8 +77,8 @@ class SpatialArtist:
         if len(FIELDS[self.field]) == 1:
             value = table[FIELDS[self.field][0]].to_numpy()
         fluid = (table["where"] == FLUID).to_numpy()
-        known = NearestNDInterpolator(np.asarray(grid.points)[fluid][:, ::2], value[fluid])
-        grid["value"] = known(np.asarray(grid.points)[:, ::2])  # goes on into the spheres, which hide it
+        _, nearest = cKDTree(x[fluid]).query(x)
+        grid["value"] = value[fluid][nearest]  # goes on into the spheres, which hide it
         grid["distance"] = self.run.container(step).distances(x).min(axis=1)
         surface = grid.extract_surface(algorithm="dataset_surface")
         return surface.clip_scalar(scalars="distance", invert=False, value=0.0)

@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 from fsi.bodies import Array, Configuration
 from meshes.cell import Cell, Channel, Periodic, mean_velocity
 from meshes.lattice import Integers, Lattice
+from postprocess.fields import cells_within, nodes
 from postprocess.view import View
 
 _ROOM = 0.6  # half the width of the window over the longest side of the domain
@@ -29,7 +30,7 @@ def window(container: Periodic) -> View:
 
 
 def tiled(grid: pv.UnstructuredGrid, container: Periodic, view: View) -> pv.UnstructuredGrid:
-    """The images of the fluid, or of surfaces, that meet the window, in one grid.
+    """The cells of all images of the fluid, or of surfaces, that meet the window, in one grid.
 
     Their velocities differ by the mean flow, their pressures by that of the mean gradient along a channel.
     """
@@ -40,7 +41,7 @@ def tiled(grid: pv.UnstructuredGrid, container: Periodic, view: View) -> pv.Unst
     for m in _around(lattice, 0.5 * (low + high), view, grid):
         e = lattice.shift(m)
         if np.all(low + e <= view.high) and np.all(high + e >= view.low):
-            copy = grid.copy()
+            copy = cells_within(grid, view.low - e, view.high - e)
             copy.points[:, :2] += e
             if "velocity" in copy.point_data:
                 copy["velocity"][:, :2] += mean_velocity(container, e)
@@ -52,13 +53,14 @@ def tiled(grid: pv.UnstructuredGrid, container: Periodic, view: View) -> pv.Unst
 
 
 def _rise(grid: pv.UnstructuredGrid, e: Array) -> float:
-    """By how much the pressure rises over a period e: from each node of the cut to its image."""
+    """By how much the pressure rises over a period e: from each vertex of the cut to its image."""
     if "pressure" not in grid.point_data:
         return 0.0
-    x = grid.points[:, :2]
+    vertices = np.unique(nodes(grid)[:, :3])
+    x, p = np.asarray(grid.points)[vertices, :2], np.asarray(grid["pressure"])[vertices]
     distance, image = cKDTree(x).query(x + e, distance_upper_bound=_SAME_PLACE * grid.length)
     there = np.isfinite(distance)
-    return float(np.mean(grid["pressure"][image[there]] - grid["pressure"][there]))
+    return float(np.mean(p[image[there]] - p[there]))
 
 
 def images(q: Configuration, container: Periodic, view: View) -> Configuration:
