@@ -49,7 +49,7 @@ class Panel:
         self.plotter.add_mesh(surface, color=colour, lighting=False)
 
     def lines(
-        self, lines: pv.PolyData, colour: str, width: float, opacity: float = 1.0, layer: int = 2
+        self, lines: pv.PolyData, colour: str, width: float, opacity: float = 1.0, layer: float = 2.0
     ) -> None:
         """Draw lines that are given in the window's coordinates, `width` thousandths of it wide."""
         if lines.n_points:

@@ -14,7 +14,7 @@ from matplotlib.colors import Colormap, Normalize
 from numpy.typing import NDArray
 
 from fsi.bodies import Array, Configuration
-from postprocess.panel import SOLID, blank, coloured, photograph
+from postprocess.panel import SAMPLES, SOLID, blank, coloured, photograph
 from postprocess.view import View
 
 _BODY = "#e8dfcf"
@@ -48,6 +48,13 @@ class Space:
     def colour(self, surface: pv.PolyData, field: str, colours: Colormap, norm: Normalize) -> None:
         """Draw a surface, given in the window's coordinates, with a field in colours, unlit."""
         self.plotter.add_mesh(coloured(surface, field, norm), lighting=False, **_in(colours))
+
+    def lines(self, lines: pv.PolyData) -> None:
+        """Draw streamlines, given in the window's coordinates on a plane across y, a little before it."""
+        if lines.n_points:
+            lifted = lines.translate((0.0, -2e-3, 0.0))
+            wide = max(1.0, 1.5 * SAMPLES * self.size / 1000.0)
+            self.plotter.add_mesh(lifted, color="white", line_width=wide, opacity=0.8, lighting=False)
 
     def tubes(self, ends: Array, radii: Array, values: Array, colours: Colormap, norm: Normalize) -> None:
         """Draw tubes between points (n, 2, 3), coloured by values (n,)."""
