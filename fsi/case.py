@@ -259,4 +259,6 @@ def read_toml(path: Path) -> dict[str, Any]:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: not TOML: {error}; correct the file there") from None
     except OSError as error:
-        raise InputError(f"{path}: {error.strerror or error}; give the path of a case file") from None
+        raise InputError(
+            f"{path}: {error.strerror or error}; give the path of a case file, `fsi cases` writes some"
+        ) from None

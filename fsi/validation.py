@@ -91,7 +91,7 @@ def chosen_cases(folder: Path, names: Sequence[str]) -> list[Path]:
     found = {path.stem: path for path in sorted(folder.glob("*.toml"))}
     if not found:
         raise InputError(
-            f"--cases {folder}: no case files there; give the folder cases/validation of a checkout"
+            f"--cases {folder}: no case files there; drop it for those that come with the program"
         )
     for name in names:
         if name not in found:

@@ -23,10 +23,11 @@ from fsi.gluey.history import Jumping, polynomial
 from fsi.gluey.limit import Limit
 from fsi.models import make_model
 from fsi.run import run_case
+from fsi.shipped import shipped_cases
 from postprocess.program import program, say
 from postprocess.run import open_run
 
-CASE = Path(__file__).parents[1] / "cases" / "levels.toml"
+CASE = shipped_cases() / "levels.toml"
 # From `fsi calibrate cases/calibration/equal_discs.toml --set 'calibration.range=[1e-4, 5.0]' --set
 # 'calibration.form="table"' --set calibration.samples=40`: it holds up to gaps of five radii.
 LAW = CASE.parent / "laws" / "equal_discs.toml"

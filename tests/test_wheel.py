@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[1]
 
 
 @pytest.mark.slow
-def test_the_wheel_has_every_module_and_nothing_else(tmp_path: Path) -> None:
+def test_the_wheel_has_every_module_and_case_and_nothing_else(tmp_path: Path) -> None:
     """A package that is missing in pyproject.toml would be seen only by those who install."""
     source = tmp_path / "source"
     subprocess.run(["git", "clone", "-q", ROOT, source], check=True)
@@ -37,4 +37,6 @@ def test_the_wheel_has_every_module_and_nothing_else(tmp_path: Path) -> None:
     packages = ("fsi", "meshes", "postprocess")
     every = (path for package in packages for path in (source / package).rglob("*"))
     wanted = {path.relative_to(source).as_posix() for path in every if path.suffix == ".py"}
+    cases = (path for path in (source / "cases").rglob("*") if path.is_file())
+    wanted |= {f"fsi/{path.relative_to(source).as_posix()}" for path in cases}
     assert held == wanted | {f"{package}/py.typed" for package in packages}

@@ -16,6 +16,7 @@ import typer
 from fsi import parallel
 from fsi.cli import (
     calibrate,
+    cases,
     check,
     compare,
     limit,
@@ -32,6 +33,7 @@ from fsi.cli import (
     validate,
 )
 from fsi.errors import FsiError
+from fsi.missing import explain
 from meshes.errors import MeshError
 
 INTERRUPTED = 130
@@ -42,9 +44,10 @@ app = typer.Typer(
     rich_markup_mode="markdown",
     pretty_exceptions_enable=False,
     help="Rigid bodies moving in Stokes flow, resolved down to the lubrication film.\n\n"
-    "Begin with: fsi check cases/disc_in_box.toml. Works under mpiexec -n 4 fsi ... as well.",
+    "Begin with: fsi cases, fsi check cases/disc_in_box.toml. Works under mpiexec -n 4 fsi ... as well.",
 )
 
+app.command(epilog=cases.EXAMPLE)(cases.cases)
 app.command(epilog=check.EXAMPLE)(check.check)
 app.command(epilog=mesh.EXAMPLE)(mesh.mesh)
 app.command(epilog=pack.EXAMPLE)(pack.pack)
@@ -78,7 +81,10 @@ def main() -> int:
         return parallel.last_words(f"error: {line}", getattr(error, "exit_code", 3))
     except typer.TyperException as error:
         return parallel.last_words(f"error: {_usage(error)}", 2)
-    except Exception:
+    except Exception as error:
+        lacking = explain(error)
+        if lacking is not None:
+            return parallel.last_words(f"error: {lacking}", 2)
         return parallel.last_words(traceback.format_exc(), 1)
 
 

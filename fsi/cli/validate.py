@@ -18,9 +18,9 @@ def validate(
         typer.Argument(metavar="NAME...", help="Validation cases.", show_default="all of them"),
     ] = None,
     cases: Annotated[
-        Path,
-        typer.Option(help="The folder of the case files.", show_default="cases/validation of the checkout"),
-    ] = Path(__file__).parents[2] / "cases" / "validation",
+        Path | None,
+        typer.Option(help="The folder of the case files.", show_default="those that come with the program"),
+    ] = None,
     output: Annotated[Path, typer.Option("--output", "-o", help="A new folder for the results.")] = Path(
         "runs/validation"
     ),
@@ -29,6 +29,7 @@ def validate(
 
     Prints a table, and writes it as JSON, CSV and a plot. Exit code 4 if a value lies outside its tolerance.
     """
+    from fsi.shipped import shipped_cases
     from fsi.validate import validate_cases
 
-    validate_cases(cases, names or (), output, standard_output())
+    validate_cases(cases or shipped_cases() / "validation", names or (), output, standard_output())
