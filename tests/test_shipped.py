@@ -9,13 +9,13 @@ import pytest
 from fsi import missing, shipped
 from fsi.errors import InputError
 from fsi.missing import explain
-from tests.test_cli import ROOT, call
+from tests.test_cli import ROOT, fsi
 
 CASES = ROOT / "cases"
 
 
 def test_the_cases_are_written_as_they_are(tmp_path: Path) -> None:
-    found = call("cases", tmp_path / "new")
+    found = fsi("cases", str(tmp_path / "new"))
     assert found.returncode == 0
     wanted = {path.relative_to(CASES): path.read_bytes() for path in CASES.rglob("*") if path.is_file()}
     written = {
@@ -59,7 +59,7 @@ def test_other_errors_are_not_explained_away(error: Exception) -> None:
 def test_a_missing_compiler_is_blamed_for_what_came_through_ffcx(monkeypatch: pytest.MonkeyPatch) -> None:
     """FFCx ends in an AttributeError that says nothing of a compiler."""
     compiled = {"__name__": "ffcx.codegeneration.jit"}
-    exec("def compile_forms():\n    raise AttributeError('_solver')", compiled)  # noqa: S102
+    exec("def compile_forms():\n    raise AttributeError('_solver')", compiled)
     with pytest.raises(AttributeError) as caught:
         compiled["compile_forms"]()  # type: ignore[operator]
     assert explain(caught.value) is None or missing._lacking()

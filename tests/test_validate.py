@@ -109,7 +109,7 @@ def test_names_are_those_of_files(tmp_path: Path) -> None:
     assert [path.stem for path in chosen_cases(folder, [])] == ["one", "two"]
     with pytest.raises(InputError, match="towo: no such validation case; the nearest is two"):
         chosen_cases(folder, ["towo"])
-    with pytest.raises(InputError, match="no case files there; give the folder"):
+    with pytest.raises(InputError, match="no case files there; drop it"):
         chosen_cases(tmp_path / "nowhere", [])
 
 
