@@ -7,12 +7,15 @@ and gravity, or "squeezed" into the corner so fast that an impulse must travel t
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
+from statistics import mean
 from time import process_time
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from bench.scaling import JSON_HELP, Scaling
 from fsi.bodies import Array
 from fsi.gluey.contacts import Room
 from fsi.gluey.step import advance
@@ -52,22 +55,27 @@ def main() -> None:
         "counts", nargs="*", type=int, default=[1000, 10_000, 100_000], help="numbers of discs"
     )
     parser.add_argument("--steps", type=int, default=3, help="how many steps of each crowd (3)")
+    parser.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP)
     given = parser.parse_args()
+    scaling = Scaling("a gluey step, mean of the measured", "discs")
     table = Table(title=f"{given.how} discs, steps of {H:g}")
     for heading in HEADINGS:
         table.add_column(heading, justify="right")
     for count in given.counts:
         system, state = crowd(count, given.how)
+        spent = []
         for step in range(given.steps):
             began = process_time()
             state, touching, checks = advance(system, state, step * H, H)
-            seconds = process_time() - began
+            spent.append(process_time() - began)
             table.add_row(
                 f"{len(system.radii)}", f"{step}", f"{len(touching.p)}", f"{(touching.p > 0.0).sum()}",
                 f"{checks.iterations}", f"{checks.newton}", f"{checks.kkt:.1e}", f"{checks.overlap:.1e}",
-                f"{seconds:.2f}",
+                f"{spent[-1]:.2f}",
             )  # fmt: skip
+        scaling.add(given.how, len(system.radii), mean(spent))
     Console(width=110).print(table)
+    scaling.write(given.json)
 
 
 if __name__ == "__main__":

@@ -19,12 +19,12 @@ from time import process_time
 
 import numpy as np
 
+from bench.scaling import JSON_HELP, Scaling
 from fsi.bodies import Array
 from fsi.case import Case, parse_case
 from fsi.configurations.packing import random_arrangement
 from fsi.models import make_model
 from fsi.run import make_stepper
-from postprocess.scaling import write_scaling
 
 AREA_FRACTION, GAP, PERIOD = 0.55, 0.01, 2500
 STEPS, MEASURED = 20, 3
@@ -133,20 +133,19 @@ def main() -> None:
         choices=("distance", "adaptive"),
         help="both if not given; an adaptive step is three solves and the search for gaps that close",
     )
-    parser.add_argument("--json", type=Path, metavar="FILE", help="what `fsi plot FILE` draws")
+    parser.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP)
     given = parser.parse_args()
     print(
         "| scheme | discs | pairs/disc | near | CPU s/solve | a step | us a disc | GB | defects | to read |"
     )
     print("|---|---|---|---|---|---|---|---|---|---|")
-    curves: dict[str, list[tuple[int, float]]] = {}
+    scaling = Scaling("a step of the reduced model", "discs")
     for scheme in [given.scheme] if given.scheme else ["distance", "adaptive"]:
         for number in given.numbers:
             found = measure(number, scheme)
             print(row(scheme, found), flush=True)
-            curves.setdefault(scheme, []).append((int(found["discs"]), found["step"]))
-    if given.json:
-        write_scaling(given.json, "a step of the reduced model", "discs", curves)
+            scaling.add(scheme, int(found["discs"]), found["step"])
+    scaling.write(given.json)
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ from mpi4py import MPI
 from rich.console import Console
 from rich.table import Table
 
+from bench.scaling import JSON_HELP, Scaling
 from bench.step import PHASES, forget_peak, peak_memory
 from fsi.case import Case, load_case
 from fsi.lubrication.spheres import normal_resistance
@@ -48,8 +49,8 @@ def sphere_case(setting: tuple[int, int, float, float]) -> Case:
     return load_case(CASE, [f"bodies.0.position=[0.0, 0.0, {1.0 + GAP}]", *own])
 
 
-def measured(name: str) -> list[str]:
-    """The cells of one line of the table; collective."""
+def measured(name: str, scaling: Scaling) -> list[str]:
+    """The cells of one line of the table, and one point of the scaling; collective."""
     comm = MPI.COMM_WORLD
     case = sphere_case(SETTINGS[name])
     forget_peak()
@@ -58,6 +59,8 @@ def measured(name: str) -> list[str]:
     solution = StokesModel(case)(case.configuration(), 0.0)
     comm.barrier()
     seconds = time.perf_counter() - began
+    curve = f"P{SETTINGS[name][0]}" if comm.size == 1 else f"P{SETTINGS[name][0]}, first of {comm.size} ranks"
+    scaling.add(curve, solution.dofs, sum(solution.seconds.values()))
     error = abs(-float(solution.F[0, 2] / normal_resistance(GAP, 1.0, 1.0)) - 1.0)
     return [
         name,
@@ -76,6 +79,7 @@ def main(
         list[str] | None,
         typer.Argument(metavar="SETTING...", help=", ".join(SETTINGS), show_default="all but the million"),
     ] = None,
+    json: Annotated[Path | None, typer.Option(metavar="FILE", help=JSON_HELP, show_default=False)] = None,
 ) -> None:
     """Measure one solve of a sphere beside a plane in space at each setting, and print a table."""
     chosen = settings or USUAL
@@ -87,10 +91,12 @@ def main(
     table = Table(title=f"a sphere in space, {GAP:g} radii from a plane", title_justify="left")
     for heading in ("setting", "ranks", "unknowns", "iterations", "error", *PHASES, "s", "MB"):
         table.add_column(heading, justify="left" if heading == "setting" else "right", no_wrap=True)
+    scaling = Scaling(f"a sphere in space, {GAP:g} radii from a plane", "unknowns")
     for name in chosen:
-        table.add_row(*measured(name))
+        table.add_row(*measured(name, scaling))
     if MPI.COMM_WORLD.rank == 0:
         Console(width=120).print(table)
+        scaling.write(json)
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from bench.scaling import JSON_HELP, Scaling
 from bench.step import PHASES, forget_peak, peak_memory
 from fsi.bodies import Array, Configuration, Motion
 from fsi.clock import Clock
@@ -130,8 +131,8 @@ def step(n: int, *, moved: bool) -> StokesSolution:
     return min(found, key=lambda solution: sum(solution.seconds.values()))
 
 
-def sizes() -> list[int]:
-    """The numbers of discs that the command line asks for, or all."""
+def asked() -> tuple[list[int], Path | None]:
+    """The numbers of discs that the command line asks for, or all, and the file to write."""
     parser = argparse.ArgumentParser(
         description=(__doc__ or "").split("\n\n")[1],
         epilog=EXAMPLE,
@@ -139,21 +140,23 @@ def sizes() -> list[int]:
     )
     numbers = list(PERIODS)
     parser.add_argument("N", nargs="*", type=int, help=f"numbers of discs: {numbers}; all of them if none")
-    asked: list[int] = parser.parse_args().N
-    for n in asked:
+    parser.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP)
+    given = parser.parse_args()
+    for n in given.N:
         if n not in PERIODS:
             parser.error(f"N = {n}: there is no suspension of that many discs; choose from {numbers}")
-    return asked or numbers
+    return given.N or numbers, given.json
 
 
 def main() -> None:
     """Measure and print."""
-    asked = sizes()
+    chosen, output = asked()
+    scaling = Scaling("a step of a sheared suspension, area fraction 0.4", "discs")
     table = Table(title="one step of a sheared suspension, phi = 0.4, CPU seconds", title_justify="left")
     for heading in ("N", "mesh", "unknowns", "viscosity", "error", *PHASES, "step", "MB"):
         table.add_column(heading, justify="right", no_wrap=True)
     step(1, moved=False)
-    for n in asked:
+    for n in chosen:
         for moved in (False, True):
             forget_peak()
             solution = step(n, moved=moved)
@@ -164,7 +167,9 @@ def main() -> None:
                 f"{n}", "moved" if moved else "new", f"{solution.dofs}", f"{mu:.6f}", error, *phases,
                 f"{sum(solution.seconds.values()):.2f}", f"{peak_memory():.0f}",
             )  # fmt: skip
+            scaling.add("mesh moved" if moved else "new mesh", n, sum(solution.seconds.values()))
     Console(width=130).print(table)
+    scaling.write(output)
 
 
 if __name__ == "__main__":

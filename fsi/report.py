@@ -33,22 +33,16 @@ def solution_json(
     case: Case, solution: Solution, errors: ErrorEstimate, truncated: Mapping[str, float] | None
 ) -> dict[str, Any]:
     """The object that `fsi solve --json` prints; `truncation` is there where it could be measured."""
-    q, d = case.configuration(), case.dimension
-    exerted = -solution.F + 0.0  # no -0.0
+    d = case.dimension
     bodies = [
-        {
-            "name": name,
-            "position": q.centres[i].tolist(),
-            "velocity": solution.U[i, :d].tolist(),
-            "angular_velocity": turning(solution.U[i, d:]),
-            "force": exerted[i, :d].tolist(),
-            "torque": turning(exerted[i, d:]),
+        body
+        | {
             "velocity_error": errors.U[i, :d].tolist(),
             "angular_velocity_error": turning(errors.U[i, d:]),
             "force_error": errors.F[i, :d].tolist(),
             "torque_error": turning(errors.F[i, d:]),
         }
-        for i, name in enumerate(case.names)
+        for i, body in enumerate(bodies_json(case, solution.U, solution.F))
     ]
     found: dict[str, Any] = {
         "name": case.name,
@@ -65,6 +59,23 @@ def solution_json(
     if solution.bulk is not None:
         _add_stress(found, solution.bulk, errors)
     return found if truncated is None else found | {"truncation": dict(truncated)}
+
+
+def bodies_json(case: Case, U: Array, F: Array) -> list[dict[str, Any]]:
+    """Each body with its velocity and the force that the fluid exerts on it, -F; U, F: (N, modes)."""
+    q, d = case.configuration(), case.dimension
+    exerted = -F + 0.0  # no -0.0
+    return [
+        {
+            "name": name,
+            "position": q.centres[i].tolist(),
+            "velocity": U[i, :d].tolist(),
+            "angular_velocity": turning(U[i, d:]),
+            "force": exerted[i, :d].tolist(),
+            "torque": turning(exerted[i, d:]),
+        }
+        for i, name in enumerate(case.names)
+    ]
 
 
 def _solver(solution: Solution) -> str:

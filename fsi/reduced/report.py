@@ -11,26 +11,14 @@ from rich.table import Table
 
 from fsi.case import Case
 from fsi.reduced.model import ReducedInstant
-from fsi.report import components, turning
+from fsi.report import bodies_json, components
 
 
 def instant_json(case: Case, found: ReducedInstant) -> dict[str, Any]:
     """The object that `fsi solve --json` prints; the force of a contact is positive where the gap opens."""
-    q, d, exerted = found.q, case.dimension, -found.F + 0.0  # no -0.0
-    bodies = [
-        {
-            "name": name,
-            "position": q.centres[i].tolist(),
-            "velocity": found.U[i, :d].tolist(),
-            "angular_velocity": turning(found.U[i, d:]),
-            "force": exerted[i, :d].tolist(),
-            "torque": turning(exerted[i, d:]),
-        }
-        for i, name in enumerate(case.names)
-    ]
     return {
         "name": case.name,
-        "bodies": bodies,
+        "bodies": bodies_json(case, found.U, found.F),
         "contacts": _contacts(case, found),
         **{name: float(value) for name, value in found.record.items()},
     }
