@@ -32,8 +32,8 @@ def require_opengl() -> None:
             os.environ[_SETTING] = window
             return
     raise InputError(
-        "render: no off-screen OpenGL on this machine; install libegl1 and libgl1 (Debian, Ubuntu), "
-        "or look at fluid.pvd in ParaView"
+        "render: no off-screen OpenGL on this machine; as root: apt-get install -y libegl1 libgl1, "
+        "or look at the .pvd files in ParaView"
     )
 
 

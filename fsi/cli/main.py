@@ -84,7 +84,7 @@ def main() -> int:
     except Exception as error:
         lacking = explain(error)
         if lacking is not None:
-            return parallel.last_words(f"error: {lacking}", 2)
+            return parallel.last_words(f"error: {lacking}", lacking.exit_code)
         return parallel.last_words(traceback.format_exc(), 1)
 
 

@@ -154,7 +154,9 @@ def test_no_close_up_of_wide_gaps() -> None:
 
 def test_no_opengl_is_one_clear_line(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(opengl, "_DRAW", "import os; os.abort()")
-    with pytest.raises(InputError, match=r"^render: no off-screen OpenGL.*install libegl1") as caught:
+    with pytest.raises(
+        InputError, match=r"^render: no off-screen OpenGL.*apt-get install -y libegl1"
+    ) as caught:
         render_run(fsi.open_run(run), run / "flow.png", Choice())
     assert caught.value.exit_code == 2
     assert not (run / "flow.png").exists()
