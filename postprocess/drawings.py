@@ -12,12 +12,13 @@ from matplotlib.colors import Colormap, ListedColormap, LogNorm, Normalize, SymL
 from fsi.bodies import Array
 from postprocess.choice import Span
 from postprocess.fields import edges, nodes, rims, stream_function
-from postprocess.panel import INK, Panel, span_in
+from postprocess.panel import INK, Panel, shown, span_in
 from postprocess.scenes import Scene
 
 _PALE = ListedColormap(colormaps["cividis"](np.linspace(0.35, 1.0, 256)))  # dark lines stay visible on it
 _STREAMLINES = 24
 _SLOW = 0.05  # the part of the area with the lowest values, which has one colour
+_FEW = 1e-4  # the part with the highest: a hundred pixels of the default size
 _DECADES = {"speed": 4.0, "dissipation": 8.0, "traction": 4.0}  # most decades that differ in colour
 _LINEAR = 0.01  # part of the largest value up to which the scales of signed fields are linear
 _INVISIBLE = 0.03  # opacity of lines that no one sees
@@ -37,18 +38,25 @@ class Drawing:
 
 
 def _logarithmic(name: str, values: Callable[[Scene], tuple[Array, Array, Array]]) -> Callable[[Scene], Span]:
-    """The range from what is exceeded on most of the area to the largest value, at most so many decades."""
+    """The range from what is exceeded on most of the area to what is on hardly any, at most so many decades.
+
+    A film that is thinner than a pixel does not set the colours of what is seen.
+    """
 
     def span(seen: Scene) -> Span:
-        points, value, weight = values(seen)
-        largest = span_in(points, value)[1] or 1.0
-        order = np.argsort(value)
-        share = np.cumsum(weight[order])
-        low = float(value[order][np.searchsorted(share, _SLOW * share[-1])])
+        _, value, weight = shown(*values(seen))
+        low, largest = _exceeded(value, weight, 1.0 - _SLOW), _exceeded(value, weight, _FEW)
         low = max(low, 10.0 ** -_DECADES[name] * largest)
-        return (low, largest) if low < largest else (0.1 * largest, largest)
+        return (low, largest) if low < largest else (0.1 * (largest or 1.0), largest or 1.0)
 
     return span
+
+
+def _exceeded(value: Array, weight: Array, part: float) -> float:
+    """What is exceeded on that part of the weight, by values of one sign."""
+    order = np.argsort(value)
+    share = np.cumsum(weight[order])
+    return float(value[order][min(np.searchsorted(share, (1.0 - part) * share[-1]), len(order) - 1)])
 
 
 def _in_cells(name: str) -> Callable[[Scene], tuple[Array, Array, Array]]:
@@ -76,11 +84,11 @@ def _plain(name: str) -> Callable[[Scene], Span]:
 
 
 def _signed(name: str) -> Callable[[Scene], Span]:
-    """The largest size, on both sides of zero."""
+    """The size that is exceeded on hardly any of the area, on both sides of zero."""
 
     def span(seen: Scene) -> Span:
-        low, high = _plain(name)(seen)
-        largest = max(-low, high) or 1.0
+        _, value, weight = shown(*_in_cells(name)(seen))
+        largest = _exceeded(np.abs(value), weight, _FEW) or 1.0
         return -largest, largest
 
     return span

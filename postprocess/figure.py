@@ -13,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, LogNorm, Normalize
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 _INCHES = 5.0  # a panel
@@ -24,7 +24,10 @@ _SCALE = 0.25  # longest scale bar, in panels
 
 @dataclass(frozen=True)
 class Framed:
-    """A panel that has been drawn: its image, title, half its width, and what its colours mean."""
+    """A panel that has been drawn: its image, title, half its width, and what its colours mean.
+
+    cut: whether values beyond both ends have the colours of the ends.
+    """
 
     image: NDArray[np.uint8]
     title: str
@@ -32,6 +35,7 @@ class Framed:
     label: str
     colours: Colormap
     norm: Normalize
+    cut: bool = False
 
 
 def compose(title: str, panels: Sequence[Framed]) -> NDArray[np.uint8]:
@@ -46,11 +50,13 @@ def compose(title: str, panels: Sequence[Framed]) -> NDArray[np.uint8]:
             axes = figure.add_axes((left / wide, _BELOW / high, 1.0 / wide, 1.0 / high))
             _frame(axes, panel)
             bar = figure.add_axes(((left + 1.015) / wide, _BELOW / high, 0.03 / wide, 1.0 / high))
-            figure.colorbar(ScalarMappable(panel.norm, panel.colours), cax=bar)
+            colours = ScalarMappable(panel.norm, panel.colours)
+            figure.colorbar(colours, cax=bar, extend="both" if panel.cut else "neither", extendfrac=0.025)
             least, most = bar.get_ylim()
             if isinstance(panel.norm, LogNorm) and most < _PLAIN * least:
-                bar.yaxis.set_major_formatter(LogFormatter())
-                bar.yaxis.set_minor_formatter(LogFormatter())
+                bar.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
+                bar.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.6g}"))
+                bar.yaxis.set_minor_formatter(NullFormatter())
             bar.set_title(panel.label, fontsize=11, pad=7)
         canvas: Any = FigureCanvasAgg(figure)
         canvas.draw()

@@ -102,7 +102,10 @@ class FlowArtist:
             if gap is None and len(scenes) > 1:
                 panel.frame(scenes[1][0].view)
             title = drawing.title if gap is None else f"{self._title(gap)}: {drawing.title}"
-            framed.append(Framed(panel.image(), title, seen.view.half, drawing.label, drawing.colours, norm))
+            cut = self.choice.span is not None or name != "mesh"
+            framed.append(
+                Framed(panel.image(), title, seen.view.half, drawing.label, drawing.colours, norm, cut)
+            )
         t = self.run.times[step]
         return compose(f"{self.run.case.name},  t = {t:.6g}", framed)
 

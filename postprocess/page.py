@@ -24,6 +24,7 @@ from postprocess.render import artist, render_run
 from postprocess.run import Run
 
 _ROWS = 15  # of the table of steps
+_MANY = 20  # bodies, more than which are not listed in the open
 _FRAMES, _FRAME_SIZE, _PICTURE_SIZE = 30, 320, 700
 # By model: columns of steps.csv, what they say, and the bound of each, which the models enforce.
 _IDENTITIES: dict[str, tuple[dict[str, str], float]] = {
@@ -75,7 +76,7 @@ def write_report(run: Run, output: Path) -> None:
         "<h2>Checks</h2>",
         _or_reason(lambda: _checks(run)),
         "<h2>Bodies at the last step</h2>",
-        _or_reason(lambda: _table(run.bodies[run.bodies["step"] == run.bodies["step"].iloc[-1]])),
+        _or_reason(lambda: _folded(run.bodies[run.bodies["step"] == run.bodies["step"].iloc[-1]])),
         "<h2>Steps</h2>",
         _or_reason(lambda: _steps(run.steps)),
         "<h2>Provenance</h2>",
@@ -130,7 +131,7 @@ def _case(run: Run) -> str:
     )
     walls = ", ".join(case.domain.walls)
     about = f"<p>{run.model} model, {case.geometry}, viscosity {case.fluid.viscosity:g}, walls {walls}</p>"
-    return about + ("" if bodies.empty else _table(bodies)) + whole
+    return about + ("" if bodies.empty else _folded(bodies)) + whole
 
 
 def _pictures(run: Run) -> list[str]:
@@ -140,7 +141,7 @@ def _pictures(run: Run) -> list[str]:
 
         def histories() -> str:
             plot_runs([run], place / "history.png")
-            return _image(place / "history.png", "histories")
+            return _image(place / "history.png", "over time")
 
         def picture(field: str | None) -> Callable[[], str]:
             def draw() -> str:
@@ -160,7 +161,7 @@ def _pictures(run: Run) -> list[str]:
             shown = steps[np.unique(np.linspace(0, len(steps) - 1, _FRAMES).astype(int))].tolist()
             path = place / f"all{MOVIES[1]}"
             write_pictures(drawer.pictures(shown), path)
-            return _image(path, "in time")
+            return _image(path, "all of the run")
 
         parts = [histories, picture(None), picture("dissipation"), animation]
         if run.model != "resolved":
@@ -234,6 +235,13 @@ def _table(frame: pd.DataFrame, header: bool = True) -> str:
     rows = [cells(row, "td") for row in frame.itertuples(index=False)]
     head = f"<tr>{cells(frame.columns, 'th')}</tr>" if header else ""
     return f"<table>{head}{''.join(f'<tr>{row}</tr>' for row in rows)}</table>"
+
+
+def _folded(bodies: pd.DataFrame) -> str:
+    """A table of the bodies; that of many opens with a click."""
+    if len(bodies) <= _MANY:
+        return _table(bodies)
+    return f"<details><summary>{len(bodies)} bodies</summary>{_table(bodies)}</details>"
 
 
 def _text(cell: object) -> str:

@@ -125,10 +125,16 @@ def coloured(surface: pv.PolyData, field: str, norm: Normalize) -> pv.PolyData:
     return surface
 
 
+def shown(points: Array, values: Array, weights: Array) -> tuple[Array, Array, Array]:
+    """Those of points (n, ...) that a window shows, with values and weights, or all if it shows none."""
+    seen = np.all(np.abs(points[:, :2]) <= 1.0, axis=1)
+    seen = seen if seen.any() else ~seen
+    return points[seen], values[seen], weights[seen]
+
+
 def span_in(view_points: Array, values: Array) -> tuple[float, float]:
     """Least and largest value at the points that a window shows, or anywhere if it shows none."""
-    shown = np.all(np.abs(view_points[:, :2]) <= 1.0, axis=1)
-    values = values[shown] if shown.any() else values
+    _, values, _ = shown(view_points, values, values)
     return float(values.min()), float(values.max())
 
 

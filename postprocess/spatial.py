@@ -62,7 +62,7 @@ class SpatialArtist:
             drawing = DRAWINGS[self.field]
             norm = drawing.norm(span)
             image = draw(flow, cut, at, norm)
-            framed = Framed(image, title, cut.half, drawing.label, drawing.colours, norm)
+            framed = Framed(image, title, cut.half, drawing.label, drawing.colours, norm, cut=True)
             yield compose(f"{self.run.name},  t = {self.run.times[step]:.6g}", [framed])
 
     def _window(self, step: int, centres: Array, radii: Array) -> View:
