@@ -20,7 +20,7 @@ _STREAMLINES = 24
 _SLOW = 0.05  # the part of the area with the lowest values, which has one colour
 _FEW = 1e-4  # the part with the highest: a hundred pixels of the default size
 _DECADES = {"speed": 4.0, "dissipation": 8.0, "traction": 4.0}  # most decades that differ in colour
-_LINEAR = 0.01  # part of the largest value up to which the scales of signed fields are linear
+_LINEAR = 0.03  # part of the largest value up to which the scales of signed fields are linear
 _INVISIBLE = 0.03  # opacity of lines that no one sees
 _RIBBON = 0.05  # width of the ribbon that shows the traction, in halves of the window
 

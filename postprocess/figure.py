@@ -13,12 +13,12 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, LogNorm, Normalize
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
+
+from postprocess.ticks import label_short
 
 _INCHES = 5.0  # a panel
 _BAR, _ABOVE, _BELOW, _GAP = 0.2, 0.14, 0.08, 0.03  # room around a panel, in panels
-_PLAIN = 100.0  # logarithmic colours over less than that are labelled 3, not 3 x 10^0
 _SCALE = 0.25  # longest scale bar, in panels
 
 
@@ -52,12 +52,9 @@ def compose(title: str, panels: Sequence[Framed]) -> NDArray[np.uint8]:
             bar = figure.add_axes(((left + 1.015) / wide, _BELOW / high, 0.03 / wide, 1.0 / high))
             colours = ScalarMappable(panel.norm, panel.colours)
             figure.colorbar(colours, cax=bar, extend="both" if panel.cut else "neither", extendfrac=0.025)
-            least, most = bar.get_ylim()
-            if isinstance(panel.norm, LogNorm) and most < _PLAIN * least:
-                bar.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
-                bar.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.6g}"))
-                bar.yaxis.set_minor_formatter(NullFormatter())
-            bar.set_title(panel.label, fontsize=11, pad=7)
+            if isinstance(panel.norm, LogNorm):
+                label_short(bar.yaxis)
+            bar.set_title(panel.label, fontsize=11, pad=7, loc="left")
         canvas: Any = FigureCanvasAgg(figure)
         canvas.draw()
     return np.array(np.asarray(canvas.buffer_rgba())[..., :3])

@@ -20,6 +20,7 @@ from fsi.gaps import find_gaps
 from postprocess.run import Run
 from postprocess.settling import asymptotic_gap, exact_gap
 from postprocess.strain import accumulated_strain
+from postprocess.ticks import label_short
 from postprocess.view import gap_between, parse_sides
 
 SUFFIXES = (".png", ".svg", ".pdf")
@@ -42,6 +43,7 @@ _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#
 _DASHES = ("-", "--", ":", "-.")
 _LOGARITHMIC = 10.0  # ratio of the largest to the smallest value from which on an axis is logarithmic
 _CONSTANT = 1e-6  # relative changes below it are rounding: the axis begins at zero
+_ROUNDING = 1e-12  # of the largest value: what is below it is not drawn on a logarithmic axis
 _NO_LOAD = 1e-8  # loads on free bodies are rounding, relative to viscosity times speed
 _LONG = 100.0  # the same for the gap, from which on time is logarithmic too: discs slow down like t^-2
 
@@ -151,6 +153,7 @@ def plot_runs(runs: Sequence[Run], output: Path, gap: str | None = None) -> None
         for title, own in zip(titles, axes, strict=True):
             _draw(own, title, histories)
         _scale_time(axes, histories)
+        figure.align_ylabels(axes)
         figure.legend(*_legend(axes), loc="outside right upper", frameon=False)
         try:
             figure.savefig(output, dpi=160)
@@ -192,7 +195,8 @@ def _draw(axes: Axes, title: str, histories: Sequence[History]) -> None:
     found = found[np.isfinite(found)]
     if found.size and found.min() > 0.0 and found.max() > _LOGARITHMIC * found.min():
         axes.set_yscale("log")
-        axes.set_ylim(found.min() / 1.3, found.max() * 1.3)
+        axes.set_ylim(max(found.min(), _ROUNDING * found.max()) / 1.3, found.max() * 1.3)
+        label_short(axes.yaxis)
     elif found.size and np.ptp(found) < _CONSTANT * np.abs(found).max():
         axes.set_ylim(0.0, 1.2 * found.max())
     axes.set_ylabel(title)

@@ -23,7 +23,7 @@ from postprocess.view import View, around_all
 BODIES, CONTACTS = "bodies", "contacts"
 DEFAULTS = ("force", "gamma")  # whichever of them the run has
 _FLOOR = 0.9  # of half a window, below its middle: no wall is shown above it
-_WIDEST, _THINNEST = 0.5, 0.02  # of a line, over the median radius
+_WIDEST, _THINNEST = 0.3, 0.02  # of a line, over the median radius
 _DARK = ListedColormap(colormaps["inferno_r"](np.linspace(0.2, 0.95, 256)))  # seen on pale bodies
 _TWO_SIDED = colormaps["coolwarm"]  # grey at zero
 

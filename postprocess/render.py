@@ -32,7 +32,7 @@ def artist(run: Run, choice: Choice) -> Artist:
     """Who draws this run. Raises InputError: it has not what is chosen."""
     if run.model == "macroscopic":
         raise InputError(f'{run.path}: model = "macroscopic" has no bodies to draw; use fsi plot')
-    if run.times.empty and not run.times_of(CONTACTS).empty:
+    if run.times.empty and (run.model != "resolved" or not run.times_of(CONTACTS).empty):
         return NetworkArtist(run, choice)
     return SpatialArtist(run, choice) if run.case.geometry == "spatial" else FlowArtist(run, choice)
 

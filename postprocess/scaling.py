@@ -9,18 +9,17 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from fsi.bodies import Array
 from fsi.checkpoint import replace
 from fsi.errors import InputError
+from postprocess.ticks import label_short
 
 type Curves = Mapping[str, Sequence[tuple[int, float]]]
 
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")  # Okabe and Ito: told apart by every eye
 _MARKERS = "osD^"
 _ROOM = 1.5  # factor by which the axes go beyond what was measured
-_LONG = 1e3  # ratio on an axis above which decades alone have labels
 
 
 def write_scaling(path: Path, title: str, size: str, curves: Curves) -> None:
@@ -43,14 +42,9 @@ def plot_scaling(source: Path, output: Path) -> None:
             axes.plot(N, seconds[-1] * N / N[-1], "--", lw=1.0, color=colour)
         axes.plot([], [], "k--", lw=1.0, label="in proportion to N, from the largest")
         axes.set(xscale="log", yscale="log", title=title, xlabel=f"N, number of {size}", ylabel="CPU seconds")
-        for axis, least, most in (
-            (axes.xaxis, *_ends(curves, 0)),
-            (axes.yaxis, *_ends(curves, 1)),
-        ):
-            axis.set_view_interval(least / _ROOM, most * _ROOM, ignore=True)
-            axis.set_major_locator(LogLocator(subs=(1.0,) if most > _LONG * least else (1.0, 2.0, 5.0)))
-            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-            axis.set_minor_formatter(NullFormatter())
+        axes.set(xlim=_ends(curves, 0), ylim=_ends(curves, 1))
+        label_short(axes.xaxis)
+        label_short(axes.yaxis)
         axes.legend(frameon=False)
         try:
             figure.savefig(output, dpi=160)
@@ -59,9 +53,9 @@ def plot_scaling(source: Path, output: Path) -> None:
 
 
 def _ends(curves: Curves, k: int) -> tuple[float, float]:
-    """The least and the largest size (k = 0), or number of seconds (k = 1)."""
+    """Ends of the axis of sizes (k = 0), or of seconds (k = 1)."""
     values = [pair[k] for curve in curves.values() for pair in curve]
-    return min(values), max(values)
+    return min(values) / _ROOM, max(values) * _ROOM
 
 
 def _slope(N: Array, seconds: Array) -> str:

@@ -40,7 +40,9 @@ def test_it_needs_no_other_file_and_no_network(checked_run: Path) -> None:
     text = page(checked_run)
     read = StrictReader(text)
     assert read.errors == []
-    assert read.sources == [f"data:image/{kind};base64," for kind in ("png", "png", "gif")]
+    assert [source[:22] for source in read.sources] == [
+        f"data:image/{kind};base64," for kind in ("png", "png", "gif")
+    ]
     rest = re.sub(r"base64,[A-Za-z0-9+/=]*", "", text)
     assert not re.search(r"https?:|url\(|@import|<script|<link|//", rest)
     assert "--field dissipation: is not in the files" in text  # said, not hidden

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import io
 import sys
-from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
@@ -19,51 +18,27 @@ from fsi.run import run_case
 from postprocess import opengl
 from postprocess.page import write_report
 from tests.reduced_data import heap, reduced_case
+from tests.strict_html import StrictReader
 
 CASES = Path(__file__).parents[2] / "cases"
-VOID = {"meta", "img", "br"}  # elements without an end, of which the page has these
-
-
-class Page(HTMLParser):
-    """Checks that what is opened is closed, in order; keeps addresses and text."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.open: list[str] = []
-        self.addresses: list[str] = []
-        self.words: list[str] = []
-        self.feed(text)
-        self.close()
-        assert self.open == []
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.addresses += [value or "" for name, value in attrs if name in ("src", "href", "data", "poster")]
-        assert tag not in ("script", "link", "iframe", "object")
-        if tag not in VOID:
-            self.open.append(tag)
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open.pop() == tag
-
-    def handle_data(self, data: str) -> None:
-        self.words.append(data)
 
 
 def page(folder: Path) -> str:
     """The text of the report; all pictures are inside and can be decoded."""
     write_report(fsi.open_run(folder), folder / "report.html")
     text = (folder / "report.html").read_text(encoding="utf-8")
-    found = Page(text)
+    found = StrictReader(text)
+    assert found.errors == []
     assert "url(" not in text
     assert "@import" not in text
-    assert found.addresses
-    for address in found.addresses:
+    assert found.sources
+    for address in found.sources:
         kind, _, data = address.partition(",")
         assert kind in ("data:image/png;base64", "data:image/gif;base64")
         with Image.open(io.BytesIO(base64.b64decode(data, validate=True))) as picture:
             picture.load()
             assert min(picture.size) >= 100
-    return "".join(found.words)
+    return found.words
 
 
 @pytest.fixture(autouse=True)
