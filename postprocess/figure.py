@@ -14,6 +14,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
+from PIL import Image
 
 from postprocess.ticks import label_short
 
@@ -43,7 +44,7 @@ def compose(title: str, panels: Sequence[Framed]) -> NDArray[np.uint8]:
     size = panels[0].image.shape[0]
     wide, high = len(panels) * (1.0 + _BAR) + _GAP, 1.0 + _ABOVE + _BELOW
     with mpl.rc_context({"font.size": 11, "axes.linewidth": 0.8, "mathtext.fontset": "dejavusans"}):
-        figure = Figure(figsize=(_INCHES * wide, _INCHES * high), dpi=size / _INCHES)
+        figure = Figure(figsize=(_INCHES * wide, _INCHES * high), dpi=size / _INCHES, facecolor="none")
         figure.text(_GAP / wide, 1.0 - 0.045 / high, title, fontsize=13, va="center")
         for k, panel in enumerate(panels):
             left = k * (1.0 + _BAR) + _GAP
@@ -57,12 +58,18 @@ def compose(title: str, panels: Sequence[Framed]) -> NDArray[np.uint8]:
             bar.set_title(panel.label, fontsize=11, pad=7, loc="left")
         canvas: Any = FigureCanvasAgg(figure)
         canvas.draw()
-    return np.array(np.asarray(canvas.buffer_rgba())[..., :3])
+    drawn = Image.fromarray(np.asarray(canvas.buffer_rgba()))
+    picture = Image.new("RGBA", drawn.size, "white")
+    for k, panel in enumerate(panels):
+        corner = round(size * (k * (1.0 + _BAR) + _GAP)), round(size * _ABOVE)
+        picture.paste(Image.fromarray(panel.image), corner)
+    picture.alpha_composite(drawn)
+    return np.asarray(picture.convert("RGB"))
 
 
 def _frame(axes: Axes, panel: Framed) -> None:
-    """The image under its title, and below it a bar of a round length."""
-    axes.imshow(panel.image, extent=(0.0, 1.0, 0.0, 1.0), interpolation="nearest")
+    """Room for the image under its title, and below it a bar of a round length."""
+    axes.patch.set_visible(False)
     axes.set_title(panel.title, fontsize=11, loc="left", pad=7)
     axes.set_xticks([])
     axes.set_yticks([])
