@@ -23,7 +23,8 @@ from postprocess.view import View, around_all
 BODIES, CONTACTS = "bodies", "contacts"
 DEFAULTS = ("force", "gamma")  # whichever of them the run has
 _FLOOR = 0.9  # of half a window, below its middle: no wall is shown above it
-_WIDEST, _THINNEST = 0.3, 0.02  # of a line, over the median radius
+_LARGE = 0.15  # radius over half the window from which on lines do not widen with the bodies
+_WIDEST, _THINNEST = 0.5, 0.02  # of a line, over the median radius
 _DARK = ListedColormap(colormaps["inferno_r"](np.linspace(0.2, 0.95, 256)))  # seen on pale bodies
 _TWO_SIDED = colormaps["coolwarm"]  # grey at zero
 
@@ -104,7 +105,7 @@ class NetworkArtist:
         space = new_space(view, self.choice.size)
         space.bodies(network.q, opacity=0.25)
         if len(network.values):
-            width = _widths(network, norm)
+            width = _widths(network, view, norm)
             space.tubes(network.ends, 0.5 * width, network.values, colours, norm)
         return space.image()
 
@@ -120,11 +121,12 @@ def _scale(values: Array, span: Span | None) -> tuple[Colormap, Normalize]:
     return _DARK if abs(high) >= abs(low) else _DARK.reversed(), Normalize(low, high)
 
 
-def _widths(network: Network, norm: Normalize) -> Array:
-    """Widths of the lines, (C,)."""
+def _widths(network: Network, view: View, norm: Normalize) -> Array:
+    """Widths of the lines, (C,): parts of a body, and of the window where bodies are large in it."""
     largest = max(abs(float(norm.vmin or 0.0)), abs(float(norm.vmax or 0.0)))
     share = np.clip(np.abs(network.values) / largest, 0.0, 1.0)
-    widths: Array = np.median(network.q.radii) * (_THINNEST + (_WIDEST - _THINNEST) * share)
+    unit = min(float(np.median(network.q.radii)), _LARGE * view.half)
+    widths: Array = unit * (_THINNEST + (_WIDEST - _THINNEST) * share)
     return widths
 
 
@@ -134,7 +136,7 @@ def _bars(network: Network, view: View, norm: Normalize) -> pv.PolyData:
     start, end = network.ends[order, 0, :2], network.ends[order, 1, :2]
     along = end - start
     across = np.column_stack([-along[:, 1], along[:, 0]]) / np.linalg.norm(along, axis=1, keepdims=True)
-    aside = 0.5 * _widths(network, norm)[order, None] * across
+    aside = 0.5 * _widths(network, view, norm)[order, None] * across
     corners = np.stack([start - aside, end - aside, end + aside, start + aside], axis=1)
     points = view.local(corners).reshape(-1, 3)
     points[:, 2] = np.repeat(np.linspace(2e-3, 3e-3, len(order)), 4)  # each covers those before it
