@@ -129,8 +129,8 @@ def _case(run: Run) -> str:
             for body in case.bodies
         ]
     )
-    walls = ", ".join(case.domain.walls)
-    about = f"<p>{run.model} model, {case.geometry}, viscosity {case.fluid.viscosity:g}, walls {walls}</p>"
+    walls = ", ".join(case.domain.walls) or "none"
+    about = f"<p>{run.model} model, {case.geometry}, viscosity {case.fluid.viscosity:g}, walls: {walls}</p>"
     return about + ("" if bodies.empty else _folded(bodies)) + whole
 
 
@@ -141,7 +141,7 @@ def _pictures(run: Run) -> list[str]:
 
         def histories() -> str:
             plot_runs([run], place / "history.png")
-            return _image(place / "history.png", "over time")
+            return _image(place / "history.png", "histories")
 
         def picture(field: str | None) -> Callable[[], str]:
             def draw() -> str:

@@ -49,8 +49,8 @@ def render(
 ) -> None:
     """Draw a run: speed, streamlines, and the mesh in the narrowest gap, or the field of your choice.
 
-    Axisymmetric flows are mirrored at their axis. Flows in space are shown on a vertical plane, gaps on the one
-    that holds the line of centres.
+    Axisymmetric flows are mirrored at their axis. Flows in space are shown on a vertical plane, gaps on
+    the one that holds the line of centres.
     """
     from postprocess.choice import Choice
     from postprocess.render import render_run
