@@ -46,7 +46,7 @@ class Cut:
         """Where it lies."""
         if abs(self.along[0]) == 1.0:
             return f"y = {self.centre[1]:.3g}"
-        return f"along ({self.along[0]:.3g}, {self.along[1]:.3g}, 0)"
+        return f"at {np.degrees(np.arctan2(self.along[1], self.along[0])):.0f}° to x"
 
 
 def through_gap(gap: Gap, q: Configuration, view: View) -> Cut:

@@ -20,6 +20,7 @@ from postprocess.ticks import label_short
 
 _INCHES = 5.0  # a panel
 _BAR, _ABOVE, _BELOW, _GAP = 0.2, 0.14, 0.08, 0.03  # room around a panel, in panels
+_FITS = 56  # letters of the usual size above a panel
 _SCALE = 0.25  # longest scale bar, in panels
 
 
@@ -70,7 +71,7 @@ def compose(title: str, panels: Sequence[Framed]) -> NDArray[np.uint8]:
 def _frame(axes: Axes, panel: Framed) -> None:
     """Room for the image under its title, and below it a bar of a round length."""
     axes.patch.set_visible(False)
-    axes.set_title(panel.title, fontsize=11, loc="left", pad=7)
+    axes.set_title(panel.title, fontsize=11.0 * min(1.0, _FITS / len(panel.title)), loc="left", pad=7)
     axes.set_xticks([])
     axes.set_yticks([])
     length = round_length(_SCALE * 2.0 * panel.half)

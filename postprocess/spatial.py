@@ -85,7 +85,7 @@ class SpatialArtist:
         gap = gap_between(q, self.run.container(step), self.sides)
         cut = through_gap(gap, q, gap.close_up(around))
         between = " - ".join(names[side] for side in gap.sides)
-        return cut, f"gap {between}, {gap.width:.3g}: {what}, plane {cut.name}"
+        return cut, f"gap {between}, {gap.width:.3g}: {self.field}, plane {cut.name}"
 
     def _space(self, flow: Flow, cut: Cut, q: Configuration, norm: Normalize) -> Picture:
         """The spheres, and the plane behind and in front of them."""
