@@ -21,7 +21,6 @@ _SLOW = 0.05  # the part of the area with the lowest values, which has one colou
 _FEW = 1e-4  # the part with the highest: a hundred pixels of the default size
 _DECADES = {"speed": 4.0, "dissipation": 8.0, "traction": 4.0}  # most decades that differ in colour
 _LINEAR = 0.03  # part of the largest value up to which the scales of signed fields are linear
-_INVISIBLE = 0.03  # opacity of lines that no one sees
 _RIBBON = 0.05  # width of the ribbon that shows the traction, in halves of the window
 
 
@@ -107,20 +106,12 @@ def _linear(span: Span) -> Normalize:
     return Normalize(*span)
 
 
-def _cells(panel: Panel, seen: Scene) -> None:
-    """Faint edges of the cells, fainter the more there are; none where nobody would see them."""
-    opacity = min(0.25, 500.0 / seen.fluid.n_cells)
-    if opacity > _INVISIBLE:
-        panel.lines(edges(seen.fluid), "black", width=2, opacity=opacity)
-
-
 def _draw_speed(panel: Panel, seen: Scene, norm: Normalize) -> None:
     """Speed in colours, streamlines as level lines of the stream function: the closer, the faster."""
     u = seen.fluid["velocity"]
     seen.fluid["psi"] = stream_function(seen.fluid, seen.fluid["r"][:, None] * u if seen.axisymmetric else u)
     surface = seen.surface(("speed", "psi"), panel.size)
     panel.colour(surface, "speed", DRAWINGS["speed"].colours, norm)
-    _cells(panel, seen)
     levels = np.linspace(*span_in(surface.points, surface["psi"]), _STREAMLINES + 2)[1:-1]
     panel.lines(surface.contour(levels, scalars="psi"), "white", width=3, opacity=0.8)
 
@@ -138,7 +129,6 @@ def _draw_field(name: str, colours: Colormap) -> Callable[[Panel, Scene, Normali
 def _draw_traction(panel: Panel, seen: Scene, norm: Normalize) -> None:
     """Ribbons inside the bodies along their surfaces, over the cells."""
     panel.fill(seen.surface((), panel.size), "white")
-    _cells(panel, seen)
     if seen.bodies is None:
         return
     ribbon = rims(seen.bodies, _RIBBON).translate((0.0, 0.0, 3e-3))
