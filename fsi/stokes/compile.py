@@ -9,8 +9,6 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import meshes.backend  # noqa: F401
-
 import ufl
 from dolfinx import fem
 from mpi4py import MPI

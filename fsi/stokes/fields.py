@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-import meshes.backend  # noqa: F401
-
 import meshio
 import numpy as np
 from dolfinx.common import IndexMap

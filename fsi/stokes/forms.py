@@ -15,8 +15,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 
-import meshes.backend  # noqa: F401
-
 import basix.ufl
 import numpy as np
 import ufl

@@ -9,8 +9,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import meshes.backend  # noqa: F401
-
 import basix
 import numpy as np
 from dolfinx import la

@@ -19,8 +19,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-import meshes.backend  # noqa: F401
-
 import numpy as np
 from dolfinx import mesh as dolfinx_mesh
 from mpi4py import MPI

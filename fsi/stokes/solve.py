@@ -6,8 +6,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from functools import partial
 
-import meshes.backend  # noqa: F401
-
 import numpy as np
 from dolfinx import fem
 from mpi4py import MPI

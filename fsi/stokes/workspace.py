@@ -10,8 +10,6 @@ from __future__ import annotations
 
 from dataclasses import fields
 
-import meshes.backend  # noqa: F401
-
 import numpy as np
 from numpy.typing import NDArray
 from petsc4py import PETSc
