@@ -12,13 +12,14 @@ also where rows depend on each other. As mu -> 0 the factors lose digits, so the
 
 from __future__ import annotations
 
-from functools import partial
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import SuperLU, splu
 
 from fsi.bodies import Array
+from fsi.gluey.program import Program
 
 STEPS = 40
 # Of the square of the largest rate: where mu is small enough for Newton's method to find what touches.
@@ -29,66 +30,89 @@ WITHIN = 0.995
 FAR = 10.0
 
 
-def approach(J: sp.csr_matrix, b: Array, mass: Array, u_star: Array, p: Array) -> Array:
+def approach(program: Program, p: Array) -> Array:
     """Impulses p >= 0, (rows,), 0 where the gap is open; rows with far wider gaps are not looked at.
 
     Args:
-        J: rows, (rows, modes).
-        b: (rows,).
-        mass: diagonal of M, > 0, (modes,).
-        u_star: (modes,).
+        program: its rows are gaps.
         p: impulses of the size that is sought, (rows,): in a crowd they add up, to far more than one body's.
     """
-    rate = float(np.abs(J @ u_star).max(initial=0.0) + np.abs(J @ ((J.T @ p) / mass)).max(initial=0.0))
-    near = np.flatnonzero(b <= FAR * rate)
-    found = np.zeros(len(b))
-    moved = np.unique(J[near].indices)  # what no row moves needs no solve
+    J = program.J
+    rate = float(np.abs(J @ program.u_star).max(initial=0.0))
+    rate += float(np.abs(J @ (program.velocity(p) - program.u_star)).max(initial=0.0))
+    near = np.flatnonzero(program.b <= FAR * rate)
+    found = np.zeros(len(p))
     if rate > 0.0 and len(near):
-        found[near] = _follow(J[near][:, moved].tocsr(), b[near], mass[moved], u_star[moved], p[near], rate)
+        found[near] = _follow(program.of_rows(near), p[near], rate)
     return found
 
 
-def _follow(J: sp.csr_matrix, b: Array, mass: Array, u_star: Array, p: Array, rate: float) -> Array:
-    """The path to `mu = CLOSE rate^2`, with impulses in units that change the rate of their row by 1."""
-    weight = J.multiply(J) @ (1.0 / mass)
-    Jt, u = J.T.tocsr(), u_star
-    s = np.maximum(b + J @ u, rate)
-    p = max(rate, float((p * weight).max())) / weight
+@dataclass(frozen=True, slots=True)
+class _Point:
+    """A point of the path: velocities u, slacks s > 0, impulses p > 0; or a step from one."""
+
+    u: Array
+    s: Array
+    p: Array
+
+    def moved(self, t: float, step: _Point) -> _Point:
+        """The point t times a step further."""
+        return _Point(self.u + t * step.u, self.s + t * step.s, self.p + t * step.p)
+
+    def room(self, step: _Point) -> float:
+        """The part of a step, at most 1, that keeps s and p > 0."""
+        return min(_longest(self.s, step.s), _longest(self.p, step.p))
+
+
+@dataclass(frozen=True, slots=True)
+class _Linear:
+    """The conditions made linear at a point: the factor, and what the first two of them miss there."""
+
+    program: Program
+    at: _Point
+    lu: SuperLU
+    dual: Array
+    primal: Array
+
+    @classmethod
+    def of(cls, program: Program, at: _Point) -> _Linear:
+        """Raises RuntimeError where the matrix is singular to rounding."""
+        J, Jt, mass = program.J, program.J.T.tocsr(), program.mass
+        H = (sp.diags(mass) + Jt @ sp.diags(at.p / at.s) @ J).tocsc()
+        lu = splu(H, "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        return cls(program, at, lu, mass * (at.u - program.u_star) - Jt @ at.p, program.rate(at.u) - at.s)
+
+    def step(self, product: Array) -> _Point:
+        """The step that changes s p by `product` and takes both residuals away, to first order."""
+        s, p, J = self.at.s, self.at.p, self.program.J
+        du = self.lu.solve(-self.dual + J.T @ ((product - p * self.primal) / s))
+        ds = J @ du + self.primal
+        return _Point(du, ds, (product - p * ds) / s)
+
+
+def _follow(program: Program, p: Array, rate: float) -> Array:
+    """The path to `mu = CLOSE rate^2`, begun with impulses that change the rate of their row by as much."""
+    weight = program.weight
+    at = _Point(
+        program.u_star,
+        np.maximum(program.rate(program.u_star), rate),
+        max(rate, float((p * weight).max())) / weight,
+    )
     for _ in range(STEPS):
-        dual, primal = mass * (u - u_star) - Jt @ p, b + J @ u - s
-        mu = float((s * weight * p).mean())
+        mu = float((at.s * weight * at.p).mean())
         if mu <= CLOSE * rate**2:
             break
-        H = (sp.diags(mass) + Jt @ sp.diags(p / s) @ J).tocsc()
         try:
-            lu = splu(H, "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+            linear = _Linear.of(program, at)
         except RuntimeError:  # singular to rounding: mu is as small as it can be
             break
-        direction = partial(_direction, lu, J, Jt, s, p, dual, primal)
-        _, ds, dp = direction(-s * p)
-        t = min(_longest(s, ds), _longest(p, dp))
-        left = float(((s + t * ds) * weight * (p + t * dp)).mean()) / mu
-        du, ds, dp = direction(left**3 * mu / weight - s * p - ds * dp)
-        t = min(_longest(s, ds), _longest(p, dp))
-        u, s, p = u + t * du, s + t * ds, p + t * dp
-    closed: Array = np.where(p * weight > s, p, 0.0)
+        predictor = linear.step(-at.s * at.p)
+        ahead = at.moved(at.room(predictor), predictor)
+        left = float((ahead.s * weight * ahead.p).mean()) / mu
+        corrector = linear.step(left**3 * mu / weight - at.s * at.p - predictor.s * predictor.p)
+        at = at.moved(at.room(corrector), corrector)
+    closed: Array = np.where(at.p * weight > at.s, at.p, 0.0)
     return closed
-
-
-def _direction(
-    lu: SuperLU,
-    J: sp.csr_matrix,
-    Jt: sp.csr_matrix,
-    s: Array,
-    p: Array,
-    dual: Array,
-    primal: Array,
-    product: Array,
-) -> tuple[Array, Array, Array]:
-    """The step (du, ds, dp) that changes s p by `product` and takes both residuals away, to first order."""
-    du = lu.solve(-dual + Jt @ ((product - p * primal) / s))
-    ds = J @ du + primal
-    return du, ds, (product - p * ds) / s
 
 
 def _longest(x: Array, dx: Array) -> float:

@@ -6,18 +6,17 @@ films), is
     min_{p in K}  1/2 p.W p + c.p,      W = J M^-1 J^T + diag(compliance),   c = b + J u*,      u = u* +
     M^-1 J^T p.
 
-It is solved by the projected gradient with momentum, which begins anew whenever it points uphill: Y.
-Nesterov,
-Dokl. Akad. Nauk SSSR 269 (1983) 543; B. O'Donoghue & E. Candes, Found. Comput. Math. 15 (2015) 715, for rows
-scaled to the unit diagonal. That is quick where few bodies touch. In a crowd, where information must travel
-through all of it, Newton's method (`fsi.gluey.newton`) goes on; where there are only gaps an interior point
-method (`fsi.gluey.interior`) brings it near to what touches, and `fsi.gluey.polish` finds the last digits.
+It is solved by the projected gradient with momentum, which begins anew whenever it points uphill:
+Y. Nesterov, Dokl. Akad. Nauk SSSR 269 (1983) 543; B. O'Donoghue & E. Candes, Found. Comput. Math. 15 (2015)
+715, for rows scaled to the unit diagonal. That is quick where few bodies touch. In a crowd, where
+information must travel through all of it, Newton's method (`fsi.gluey.newton`) goes on; where there are only
+gaps an interior point method (`fsi.gluey.interior`) brings it near to what touches first.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
@@ -26,110 +25,124 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from fsi.bodies import Array
 from fsi.gluey.interior import approach
 from fsi.gluey.newton import minimise
-from fsi.gluey.polish import polish
+from fsi.gluey.program import Impulses, Program
 from fsi.gluey.response import Contact
 
-CHECK_EVERY = 10
-# Of the tolerance: the residual at which Newton's method knows what touches.
-ROUGHLY = 100.0
-# The gradient goes on for as long as each so many iterations halve the least residual, but no longer than:
-PATIENCE, MOST_ITERATIONS = 1000, 5000
+# How often the gradient's residual is looked at, and how many iterations may be spent: it is given up as soon
+# as its mean rate so far asks for more.
+CHECK_EVERY, JUDGE_EVERY, MOST_ITERATIONS = 10, 250, 5000
 
 
-@dataclass(frozen=True, slots=True)
-class Impulses:
-    """The solution of the dual.
-
-    p: impulses, shape (rows,); u: velocities, (modes,); kkt: the largest natural residual
-    `|p - P_K(p - (W p + c) / W_ii)| W_ii`, a rate of a gap; iterations: of the gradient; steps: of Newton's
-    method.
-    """
-
-    p: Array
-    u: Array
-    kkt: float
-    iterations: int
-    steps: int
-
-
-def project(
-    J: sp.csr_matrix, b: Array, mass: Array, u_star: Array, p: Array, contact: Contact, tolerance: float
-) -> Impulses:
+def project(program: Program, p: Array, contact: Contact, tolerance: float) -> Impulses:
     """Solve the dual.
 
     Args:
-        J: rows, (rows, modes).
-        b: (rows,).
-        mass: diagonal of M, > 0, (modes,).
-        u_star: (modes,).
+        program: its rows are those of `contact`.
         p: where to begin, (rows,).
         contact: which impulses are allowed, and compliances.
         tolerance: of `kkt`, a velocity.
 
     Returns:
-        the solution; its `kkt` may exceed the tolerance, which is the caller's to judge.
+        the solution; its `kkt`, the largest natural residual `|p - P_K(p - (W p + c) / W_ii)| W_ii`, a rate
+        of a gap, may exceed the tolerance, which is the caller's to judge.
     """
-    p, iterations = _by_gradient(J, b + J @ u_star, mass, p, contact, tolerance)
-    u = u_star + (J.T @ p) / mass
-    kkt = contact.residual(b + J @ u, p, J.multiply(J) @ (1.0 / mass))
+    p, iterations = _by_gradient(program, p, contact, tolerance)
+    u = program.velocity(p)
+    kkt = contact.residual(program.rate(u), p, program.weight)
     if kkt <= tolerance:
         return Impulses(p, u, kkt, iterations, 0)
-    if not contact.only_gaps:
-        best = minimise(J, b, mass, u_star, p, contact, tolerance)
-        return Impulses(best.p, best.u, best.residual, iterations, best.steps)
-    best = minimise(J, b, mass, u_star, approach(J, b, mass, u_star, p), contact, ROUGHLY * tolerance)
-    p, kkt = polish(J, b, mass, u_star, best.p, contact, tolerance)
-    return Impulses(p, u_star + (J.T @ p) / mass, kkt, iterations, best.steps)
+    if contact.only_gaps:
+        p = approach(program, p)
+    return replace(minimise(program, p, contact, tolerance), iterations=iterations)
 
 
-def _by_gradient(
-    J: sp.csr_matrix, c: Array, mass: Array, p: Array, contact: Contact, tolerance: float
-) -> tuple[Array, int]:
-    """Impulses when the residual is tolerated or falls too slowly, and after how many iterations."""
-    s = 1.0 / np.sqrt(J.multiply(J) @ (1.0 / mass) + contact.compliance)
-    moved = np.unique(J.indices)  # what no row moves costs time
-    B = sp.csr_matrix(sp.diags(s) @ J[:, moved] @ sp.diags(1.0 / np.sqrt(mass[moved])))
-    Bt, cs = B.T.tocsr(), s * c
-    own = s * s * contact.compliance if contact.compliance.any() else None
-    least = contact.least / s
+@dataclass(frozen=True, slots=True)
+class _Dual:
+    """The dual in `z = p / scale`, in which a step of length 1 against the gradient is stable.
 
-    def gradient(z: Array) -> Array:
-        g: Array = B @ (Bt @ z)
-        g += cs
-        if own is not None:
-            g += own * z
+    B, Bt: `W = B Bt + diag(own)`, own being None without compliance; c, scale: (rows,); step: that length in
+    z of rows with unit diagonal; contact: which impulses are allowed.
+    """
+
+    B: sp.csr_matrix
+    Bt: sp.csr_matrix
+    own: Array | None
+    c: Array
+    scale: Array
+    step: float
+    contact: Contact
+
+    @classmethod
+    def of(cls, program: Program, contact: Contact) -> _Dual:
+        """Rows scaled to the unit diagonal, then by the largest eigenvalue."""
+        J, compliance = program.J, contact.compliance
+        s = 1.0 / np.sqrt(program.weight + compliance)
+        moved = np.unique(J.indices)  # what no row moves costs time
+        B = sp.csr_matrix(sp.diags(s) @ J[:, moved] @ sp.diags(1.0 / np.sqrt(program.mass[moved])))
+        own = s * s * compliance if compliance.any() else None
+        zero = np.zeros(len(s))
+        step = 1.0 / _largest(cls(B, B.T.tocsr(), own, zero, s, 1.0, contact).gradient, len(s))
+        B *= np.sqrt(step)
+        s *= np.sqrt(step)
+        c = s * program.rate(program.u_star)
+        return cls(B, B.T.tocsr(), None if own is None else step * own, c, s, step, contact)
+
+    def gradient(self, z: Array) -> Array:
+        """`W z + c`."""
+        g: Array = self.B @ (self.Bt @ z)
+        g += self.c
+        if self.own is not None:
+            g += self.own * z
         return g
 
-    def onto(z: Array) -> Array:
-        projected: Array = np.maximum(z, least) if len(least) == len(z) else contact.onto(s * z) / s
-        return projected
+    def onto(self, z: Array) -> Array:
+        """The projection onto the impulses that are allowed; z may be overwritten."""
+        least = self.contact.least
+        if len(least) == len(z):
+            return np.maximum(z, least / self.scale if least.any() else 0.0, out=z)
+        return self.contact.onto(self.scale * z) / self.scale
 
-    step = 1.0 / _largest(lambda z: gradient(z) - cs, len(c))
-    z = onto(p / s)
-    y, theta = z, 1.0
-    best, before = np.inf, np.inf
+    def residual(self, z: Array) -> float:
+        """The largest natural residual, a rate."""
+        misses = np.abs(z - self.onto(z - self.gradient(z) / self.step))
+        return float((misses * (self.step / self.scale)).max(initial=0.0))
+
+
+def _by_gradient(program: Program, p: Array, contact: Contact, tolerance: float) -> tuple[Array, int]:
+    """Impulses when the residual is tolerated or falls too slowly, and after how many iterations.
+
+    With many bodies most of the time goes into reading and writing vectors, so they are overwritten.
+    """
+    dual = _Dual.of(program, contact)
+    z = dual.onto(p / dual.scale)
+    y, theta = z.copy(), 1.0
+    best = first = np.inf
     for iteration in range(MOST_ITERATIONS):
         if iteration % CHECK_EVERY == 0:
-            best = min(best, _far(z - onto(z - gradient(z)), s))
-            if best <= tolerance or (iteration % PATIENCE == 0 and best > 0.5 * before):
-                return s * z, iteration
-            before = best if iteration % PATIENCE == 0 else before
-        new = onto(y - step * gradient(y))
-        moves = new - z
-        if (y - new) @ moves > 0.0:
-            theta, y = 1.0, new
+            best = min(best, dual.residual(z))
+            first = best if iteration == 0 else first
+            if best <= tolerance or _in_vain(iteration, first, best, tolerance):
+                return dual.scale * z, iteration
+        new = dual.gradient(y)
+        new = dual.onto(np.subtract(y, new, out=new))
+        moves = np.subtract(new, z, out=z)
+        y -= new
+        if y @ moves > 0.0:
+            theta, y[:] = 1.0, new
         else:
             following = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * theta * theta))
             moves *= (theta - 1.0) / following
             moves += new
             theta, y = following, moves
         z = new
-    return s * z, MOST_ITERATIONS
+    return dual.scale * z, MOST_ITERATIONS
 
 
-def _far(z: Array, s: Array) -> float:
-    """A scaled impulse as the residual that it is."""
-    return float((np.abs(z) / s).max(initial=0.0))
+def _in_vain(iteration: int, first: float, best: float, tolerance: float) -> bool:
+    """True if the mean rate from the first residual to the best asks for more than MOST_ITERATIONS."""
+    if iteration == 0 or iteration % JUDGE_EVERY:
+        return False
+    return bool(MOST_ITERATIONS * np.log(best / first) > iteration * np.log(tolerance / first))
 
 
 def _largest(W: Callable[[Array], Array], rows: int) -> float:

@@ -3,15 +3,14 @@
 Normal impulses p satisfy p >= 0 (any sign where the gap is held closed). A film resists slip by the impulse
 `p_t = -h k slip` with `k = c |gamma| / a`, in the dual a row with compliance 1/(h k). Coulomb's impulse obeys
 `|p_t| <= mu_f p_solid` and takes the slip away as far as it can: with p_solid given this is a projection,
-too,
-and p_solid is found by repeating it (the fixed point of Tresca's friction: J. Haslinger, Math. Methods Appl.
-Sci. 5 (1983) 422).
+too, and p_solid is found by repeating it (the fixed point of Tresca's friction: J. Haslinger, Math. Methods
+Appl. Sci. 5 (1983) 422).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
@@ -20,7 +19,8 @@ from numpy.typing import NDArray
 from fsi.bodies import Array
 from fsi.errors import SolveError
 from fsi.gluey.contacts import Contacts, gap_rows, slip_rows
-from fsi.gluey.projection import Impulses, project
+from fsi.gluey.program import Impulses, Program
+from fsi.gluey.projection import project
 from fsi.gluey.response import Contact
 from fsi.gluey.system import System
 
@@ -82,15 +82,12 @@ def _curvature(contacts: Contacts, radii: Array) -> Array:
     return curvature
 
 
-def solve_rows(
-    rows: Rows, mass: Array, u_star: Array, tolerance: float, bound: Callable[[Array], Array]
-) -> Impulses:
+def solve_rows(rows: Rows, program: Program, tolerance: float, bound: Callable[[Array], Array]) -> Impulses:
     """The impulses and the velocity after them.
 
     Args:
         rows: the constraints.
-        mass: (N modes,).
-        u_star: (N modes,).
+        program: with these rows.
         tolerance: of the residual, a velocity.
         bound: the largest friction of each contact, (C,), given the normal impulses, (C,).
 
@@ -102,10 +99,10 @@ def solve_rows(
     limits = bound(p[:C]) if rows.friction else np.zeros(0)
     for _ in range(TRIES):
         contact = Contact(rows.least, limits, rows.first, rows.compliance)
-        found = project(rows.J, rows.b, mass, u_star, p, contact, tolerance)
+        found = project(program, p, contact, tolerance)
         p, iterations, steps = found.p, iterations + found.iterations, steps + found.steps
         new = bound(p[:C]) if rows.friction else limits
         if np.abs(new - limits).max(initial=0.0) <= BOUND * np.abs(p).max(initial=0.0):
-            return Impulses(p, found.u, found.kkt, iterations, steps)
+            return replace(found, iterations=iterations, steps=steps)
         limits = new
     raise SolveError(f"friction does not settle in {TRIES} tries; lower time.step or gluey.friction")

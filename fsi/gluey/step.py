@@ -28,7 +28,7 @@ from fsi.errors import SolveError
 from fsi.gluey.contacts import Contacts, find_contacts, gap_rows
 from fsi.gluey.film import Film
 from fsi.gluey.newton import minimise
-from fsi.gluey.projection import Impulses
+from fsi.gluey.program import Impulses, Program
 from fsi.gluey.rows import Rows, make_rows, solve_rows
 from fsi.gluey.system import GlueyState, System
 
@@ -156,12 +156,11 @@ def _project(
     u_star = free.ravel() + inverse_mass * (rows.J.T @ _shift(system, gamma, rows))
     speed = max(AT_REST * _speed(system, u_star.reshape(free.shape)), _speed(system, free))
     tolerance = min(TOLERANCE * speed, DEPTH * float(system.radii.min()) / h)
+    program = Program(rows.J, rows.b, system.mass.ravel(), u_star)
     if film is None:
-        bound = partial(_friction, system, gamma)
-        found = solve_rows(rows, system.mass.ravel(), u_star, tolerance, bound)
+        found = solve_rows(rows, program, tolerance, partial(_friction, system, gamma))
     else:
-        best = minimise(rows.J, rows.b, system.mass.ravel(), u_star, rows.p, film, tolerance)
-        found = Impulses(best.p, best.u, best.residual, 0, best.steps)
+        found = minimise(program, rows.p, film, tolerance)
     return contacts, gamma, rows, found, speed
 
 

@@ -1,4 +1,4 @@
-"""Programs with gaps only: interior points and the polish against closed forms and another solver."""
+"""Programs with gaps only: interior points, then Newton, against closed forms and another solver."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import isotonic_regression, lsq_linear
 
-from fsi.bodies import Array
 from fsi.gluey.interior import approach
-from fsi.gluey.polish import polish
+from fsi.gluey.newton import minimise
+from fsi.gluey.program import Impulses, Program
 from fsi.gluey.response import Contact
 
 
@@ -19,18 +19,18 @@ def gaps_only(rows: int) -> Contact:
     return Contact(np.zeros(rows), np.zeros(0), rows, np.zeros(rows))
 
 
-def polished(J: sp.csr_matrix, b: Array, mass: Array, u_star: Array) -> tuple[Array, float]:
-    p = approach(J, b, mass, u_star, np.zeros(len(b)))
-    return polish(J, b, mass, u_star, p, gaps_only(len(b)), 1e-12)
+def solved(program: Program) -> Impulses:
+    rows = len(program.b)
+    return minimise(program, approach(program, np.zeros(rows)), gaps_only(rows), 1e-12)
 
 
 @pytest.mark.parametrize(("u", "expected"), [(-3.0, 4.0), (-1.0, 0.0), (1.0, 0.0)])
 def test_one_body_above_a_wall(u: float, expected: float) -> None:
     """Mass 2, gap rate -1 allowed: p = max(0, -m (u + 1)) = 4 for u = -3; 0 if it does not arrive."""
-    J, b, mass, u_star = sp.csr_matrix([[1.0]]), np.array([1.0]), np.array([2.0]), np.array([u])
-    p = approach(J, b, mass, u_star, np.zeros(1))
+    program = Program(sp.csr_matrix([[1.0]]), np.array([1.0]), np.array([2.0]), np.array([u]))
+    p = approach(program, np.zeros(1))
     assert p[0] == pytest.approx(expected, abs=1e-4)  # near: mu is 1e-10 of the rates' square
-    assert polished(J, b, mass, u_star)[0][0] == pytest.approx(expected, abs=1e-12)
+    assert solved(program).p[0] == pytest.approx(expected, abs=1e-12)
 
 
 @settings(max_examples=30, deadline=None)
@@ -40,11 +40,9 @@ def test_a_row_of_bodies_is_the_isotonic_regression(seed: int, n: int) -> None:
     random = np.random.default_rng(seed)
     mass, u_star = random.uniform(0.5, 2.0, n), random.normal(size=n)
     J = sp.diags([-np.ones(n - 1), np.ones(n - 1)], [0, 1], shape=(n - 1, n)).tocsr()
-    p, residual = polished(J, np.zeros(n - 1), mass, u_star)
-    assert residual <= 1e-10
-    np.testing.assert_allclose(
-        u_star + (J.T @ p) / mass, isotonic_regression(u_star, weights=mass).x, atol=1e-10
-    )
+    found = solved(Program(J, np.zeros(n - 1), mass, u_star))
+    assert found.kkt <= 1e-10
+    np.testing.assert_allclose(found.u, isotonic_regression(u_star, weights=mass).x, atol=1e-10)
 
 
 @settings(max_examples=20, deadline=None)
@@ -60,17 +58,30 @@ def test_velocities_are_those_of_a_bounded_least_squares_solver(seed: int, depen
     if dependent:
         dense[6:9] = dense[:3] + dense[3:6]
     J, mass, u_star = sp.csr_matrix(dense), random.uniform(0.5, 2.0, 10), random.normal(size=10)
-    p, residual = polished(J, np.zeros(12), mass, u_star)
+    found = solved(Program(J, np.zeros(12), mass, u_star))
     root = np.sqrt(mass)
     best = lsq_linear((dense / root).T, -root * u_star, (0.0, np.inf), method="bvls", tol=1e-14).x
-    assert residual <= 1e-8
-    np.testing.assert_allclose((J.T @ p) / mass, (dense.T @ best) / mass, atol=1e-7)
+    assert found.kkt <= 1e-10
+    np.testing.assert_allclose(found.u, u_star + (dense.T @ best) / mass, atol=1e-7)
 
 
-def test_a_polish_does_not_believe_a_wrong_guess() -> None:
-    """Rows said to touch that must open: the impulses given come back, with their residual."""
-    J = sp.csr_matrix(np.eye(2))
-    guess = np.array([1.0, 0.0])
-    p, residual = polish(J, np.zeros(2), np.ones(2), np.array([3.0, -1.0]), guess, gaps_only(2), 1e-12)
-    assert residual >= 1.0 - 1e-9  # the second row needs p = 1
-    assert np.all(p >= 0.0)
+@pytest.mark.parametrize("lean", [1e-3, 1e-4])
+def test_contacts_that_all_but_hold_each_other_keep_all_digits(lean: float) -> None:
+    """Two walls that lean by `lean` hold a body between them: `J M^-1 J^T` has the eigenvalue lean^2.
+
+    Rows (lean, +-1), u* = (-lean, 0), b = 0: both close, so u = 0 and p = (1/2, 1/2) by symmetry. With a
+    penalty of 1e6 twenty-five outer steps would leave half of the error of p at 1e-4.
+    """
+    program = Program(
+        sp.csr_matrix([[lean, 1.0], [lean, -1.0]]), np.zeros(2), np.ones(2), np.array([-lean, 0.0])
+    )
+    found = minimise(program, np.array([0.7, 0.4]), gaps_only(2), 1e-16)
+    np.testing.assert_allclose(found.p, 0.5, rtol=1e-4)
+    np.testing.assert_allclose(found.u, 0.0, atol=1e-4 * lean)
+
+
+def test_newton_does_not_believe_a_wrong_guess() -> None:
+    """Rows said to touch that must open, and open ones that must touch: u* = (3, -1) gives p = (0, 1)."""
+    program = Program(sp.csr_matrix(np.eye(2)), np.zeros(2), np.ones(2), np.array([3.0, -1.0]))
+    found = minimise(program, np.array([1.0, 0.0]), gaps_only(2), 1e-12)
+    np.testing.assert_allclose(found.p, [0.0, 1.0], atol=1e-12)

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 from fsi.bodies import Array
 from fsi.gluey.film import Film, Shape
 from fsi.gluey.newton import minimise
+from fsi.gluey.program import Program
 from fsi.gluey.response import Contact
 
 H = 0.02
@@ -28,9 +29,8 @@ def test_one_pair_is_the_implicit_step(shape: Shape, eps: float) -> None:
     """`(D1 - D)/h + gamma(D1) = w` solved by bracketing; w = u* here."""
     D, u = 1e-2, -0.3
     film = Film(eps, 1.0, H, shape)
-    best = minimise(
-        sp.csr_matrix([[1.0]]), np.array([D / H]), np.ones(1), np.array([u]), np.zeros(1), film, 1e-13
-    )
+    program = Program(sp.csr_matrix([[1.0]]), np.array([D / H]), np.ones(1), np.array([u]))
+    best = minimise(program, np.zeros(1), film, 1e-13)
     expected = brentq(
         lambda D1: (D1 - D) / H + float(film.gamma(np.array([D1]))[0]) - u, 1e-300, 1.0, xtol=1e-16
     )
@@ -42,15 +42,13 @@ def test_one_pair_is_the_implicit_step(shape: Shape, eps: float) -> None:
 def test_films_tend_to_the_gluey_step(shape: Shape) -> None:
     """Gaps are positive at every eps (by gamma, they underflow); velocities tend to the dry ones."""
     G, D, u = chain(40)
-    mass = np.ones(41)
-    dry = minimise(
-        G, D / H, mass, u, np.zeros(40), Contact(np.zeros(40), np.zeros(0), 40, np.zeros(40)), 1e-9
-    )
+    program = Program(G, D / H, np.ones(41), u)
+    dry = minimise(program, np.zeros(40), Contact(np.zeros(40), np.zeros(0), 40, np.zeros(40)), 1e-9)
     assert (D + H * (G @ dry.u)).min() >= -1e-10
     distances = []
     for eps in (1e-2, 1e-3, 1e-4):
         film = Film(eps, 1.0, H, shape)
-        best = minimise(G, D / H, mass, u, np.zeros(40), film, 1e-9)
+        best = minimise(program, np.zeros(40), film, 1e-9)
         gaps = film.gap(-best.p)
         np.testing.assert_allclose(D + H * (G @ best.u), gaps, atol=1e-9)
         assert np.isfinite(best.p).all()  # so every gap is exp(-p/eps) > 0, however small
