@@ -7,6 +7,7 @@ and gravity, or "squeezed" into the corner so fast that an impulse must travel t
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 from statistics import mean
 from time import process_time
@@ -17,6 +18,7 @@ from rich.table import Table
 
 from bench.scaling import JSON_HELP, Scaling
 from fsi.bodies import Array
+from fsi.errors import SolveError
 from fsi.gluey.contacts import Room
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, Law, System
@@ -61,20 +63,24 @@ def main() -> None:
     table = Table(title=f"{given.how} discs, steps of {H:g}")
     for heading in HEADINGS:
         table.add_column(heading, justify="right")
-    for count in given.counts:
-        system, state = crowd(count, given.how)
-        spent = []
-        for step in range(given.steps):
-            began = process_time()
-            state, touching, checks = advance(system, state, step * H, H)
-            spent.append(process_time() - began)
-            table.add_row(
-                f"{len(system.radii)}", f"{step}", f"{len(touching.p)}", f"{(touching.p > 0.0).sum()}",
-                f"{checks.iterations}", f"{checks.newton}", f"{checks.kkt:.1e}", f"{checks.overlap:.1e}",
-                f"{spent[-1]:.2f}",
-            )  # fmt: skip
-        scaling.add(given.how, len(system.radii), mean(spent))
-    Console(width=110).print(table)
+    try:
+        for count in given.counts:
+            system, state = crowd(count, given.how)
+            spent = []
+            for step in range(given.steps):
+                began = process_time()
+                state, touching, checks = advance(system, state, step * H, H)
+                spent.append(process_time() - began)
+                table.add_row(
+                    f"{len(system.radii)}", f"{step}", f"{len(touching.p)}", f"{(touching.p > 0.0).sum()}",
+                    f"{checks.iterations}", f"{checks.newton}", f"{checks.kkt:.1e}", f"{checks.overlap:.1e}",
+                    f"{spent[-1]:.2f}",
+                )  # fmt: skip
+            scaling.add(given.how, len(system.radii), mean(spent))
+    except SolveError as error:
+        sys.exit(f"error: {error}")
+    finally:
+        Console(width=110).print(table)
     scaling.write(given.json)
 
 

@@ -101,39 +101,66 @@ def solve(q0: float, u0: float, f: PPoly, eps: float, t: Array) -> Path:
     largest = float(np.abs(w(np.concatenate([f.x, t]))).max())
     if eps < SMALLEST * largest:
         raise InputError(f"eps = {eps!r}: below the rounding of velocities of {largest:.3g}; make it larger")
-    in_gamma, shortest = min(IN_GAMMA, IN_LOG * eps) + ROUNDING * largest, SHORTEST * float(t[-1])
-    q, gamma, now, h, steps = q0, eps * np.log(q0), 0.0, 1e-3 * float(t[-1]), 0
-    found: dict[float, tuple[float, float]] = {0.0: (q, gamma)}
+    tolerated = min(IN_GAMMA, IN_LOG * eps) + ROUNDING * largest
+    film = _Film(w, eps, tolerated, SHORTEST * float(t[-1]))
+    now = _Now(0.0, q0, eps * np.log(q0), 1e-3 * float(t[-1]), 0)
+    found = {0.0: now}
     for stop in map(float, stops[stops > 0.0]):
-        while now < stop:
-            steps += 1
-            if steps > MOST_STEPS:
-                raise SolveError(f"eps = {eps:g}: {MOST_STEPS} steps end at t = {now:.9g}; shorten the time")
-            landing = now + NEARLY * h >= stop
-            used = stop - now if landing else h
-            q1, gamma1, error = _step(q, gamma, w, now, used, eps, in_gamma)
-            growth = min(4.0, max(0.1, 0.9 * max(error, 1e-12) ** -0.25))
-            if error > 1.0 and used > NEARLY * shortest:
-                h = max(used * growth, shortest)
-                continue
-            q, gamma = (q1, gamma1) if error <= 1.0 else _collide(q, w, now, used, eps)
-            now = stop if landing else now + used
-            h = max(h if landing else shortest, used * growth)
-        found[stop] = (q, gamma)
-    values = np.array([found[float(time)] for time in t])
-    return Path(t, values[:, 0], values[:, 1], steps)
+        now = found[stop] = _until(stop, film, now)
+    q, gamma = np.array([(found[float(time)].q, found[float(time)].gamma) for time in t]).T
+    return Path(t, q, gamma, now.steps)
 
 
-def _collide(q: float, w: PPoly, t: float, h: float, eps: float) -> tuple[float, float]:
+@dataclass(frozen=True, slots=True)
+class _Film:
+    """The equation and how it is solved: w(t), eps, the tolerated error of gamma, the shortest step."""
+
+    w: PPoly
+    eps: float
+    tolerated: float
+    shortest: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Now:
+    """A time t, q and gamma there, the step h to try next, how many were tried."""
+
+    t: float
+    q: float
+    gamma: float
+    h: float
+    steps: int
+
+
+def _until(stop: float, film: _Film, now: _Now) -> _Now:
+    """Go on to the time `stop`, by steps whose estimated errors are tolerated. Raises SolveError."""
+    t, q, gamma, h, steps = now.t, now.q, now.gamma, now.h, now.steps
+    while t < stop:
+        steps += 1
+        if steps > MOST_STEPS:
+            raise SolveError(f"eps = {film.eps:g}: {MOST_STEPS} steps end at t = {t:.9g}; shorten the time")
+        landing = t + NEARLY * h >= stop
+        used = stop - t if landing else h
+        q1, gamma1, error = _step(film, q, gamma, t, used)
+        growth = min(4.0, max(0.1, 0.9 * max(error, 1e-12) ** -0.25))
+        if error > 1.0 and used > NEARLY * film.shortest:
+            h = max(used * growth, film.shortest)
+            continue
+        q, gamma = (q1, gamma1) if error <= 1.0 else _collide(film, q, t, used)
+        t = stop if landing else t + used
+        h = max(h if landing else film.shortest, used * growth)
+    return _Now(t, q, gamma, h, steps)
+
+
+def _collide(film: _Film, q: float, t: float, h: float) -> tuple[float, float]:
     """q and gamma after a step of backward Euler."""
-    y = log_gap(q + h * float(w(np.nextafter(t + h, t))), h * eps)
-    return float(np.exp(y)), eps * y
+    y = log_gap(q + h * float(film.w(np.nextafter(t + h, t))), h * film.eps)
+    return float(np.exp(y)), film.eps * y
 
 
-def _step(
-    q: float, gamma: float, w: PPoly, t: float, h: float, eps: float, tolerated: float
-) -> tuple[float, float, float]:
-    """q and gamma after a step, and its estimated error over what is tolerated, of gamma by `tolerated`."""
+def _step(film: _Film, q: float, gamma: float, t: float, h: float) -> tuple[float, float, float]:
+    """q and gamma after a step, and its estimated error over what is tolerated."""
+    w, eps = film.w, film.eps
     start, slopes = float(w(t)) - gamma, np.zeros(5)
     given = w(np.minimum(t + h * C, np.nextafter(t + h, t)))  # the piece of this step also at its end
     stage = gamma
@@ -147,4 +174,4 @@ def _step(
     raw = h * float(np.abs(ESTIMATES @ np.append(start, slopes)).max())
     # The estimate filtered by (1 + h eps / (4 q))^-1, as stiff equations want it.
     in_q, in_gamma = raw * q1 / (q1 + c), raw * eps / (q1 + c)
-    return q1, stage, max(in_q / (RELATIVE * q1 + ABSOLUTE), in_gamma / tolerated)
+    return q1, stage, max(in_q / (RELATIVE * q1 + ABSOLUTE), in_gamma / film.tolerated)

@@ -23,6 +23,11 @@ class Contact:
     first: int
     compliance: Array
 
+    @classmethod
+    def of_gaps(cls, rows: int) -> Contact:
+        """Gaps that may open, nothing else."""
+        return cls(np.zeros(rows), np.zeros(0), rows, np.zeros(rows))
+
     @property
     def only_gaps(self) -> bool:
         """True if every row is a gap that may open: no friction, no film, none held closed."""

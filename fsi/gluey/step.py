@@ -77,6 +77,20 @@ class Checks:
     newton: int
 
 
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """A projection.
+
+    contacts, rows, impulses; gamma: memories at the beginning, (C,); speed: what the residual is measured by.
+    """
+
+    contacts: Contacts
+    gamma: Array
+    rows: Rows
+    impulses: Impulses
+    speed: float
+
+
 def advance(system: System, state: GlueyState, t: float, h: float) -> tuple[GlueyState, Touching, Checks]:
     """The state after a step from t to t + h, what touched on the way, and how good it is.
 
@@ -84,30 +98,28 @@ def advance(system: System, state: GlueyState, t: float, h: float) -> tuple[Glue
         SolveError: friction does not settle, or a check fails, as the projection has not converged.
     """
     load = system.impulse(t, t + h)
-    free = state.U + load / system.mass
-    contacts, gamma, rows, found, speed = _project_far_enough(system, state, free, h)
-    p, U = found.p[: len(contacts)], found.u.reshape(free.shape)
-    gamma_new = _memory(system, gamma, p)
+    found = _project_far_enough(system, state, state.U + load / system.mass, h)
+    contacts, rows, u = found.contacts, found.rows, found.impulses.u
+    p, U = found.impulses.p[: len(contacts)], u.reshape(load.shape)
+    gamma = _memory(system, found.gamma, p)
     if system.law.variant == "shifted":
         # what is left of p at an open gap is within the tolerance, and no memory
-        rate = (rows.b + rows.J @ found.u)[: len(p)]
-        gamma_new[rate > p * (rows.J.multiply(rows.J) @ (1.0 / system.mass.ravel()))[: len(p)]] = 0.0
-    new = state.moved(U, h, contacts.key, gamma_new)
+        rate = (rows.b + rows.J @ u)[: len(p)]
+        gamma[rate > p * (rows.J.multiply(rows.J) @ (1.0 / system.mass.ravel()))[: len(p)]] = 0.0
+    new = state.moved(U, h, contacts.key, gamma)
     checks = Checks(
-        found.kkt / max(_speed(system, U), speed, np.finfo(float).tiny),
-        _momentum_defect(system, state.U, U - state.U, load, rows, found.p, _shift(system, gamma, rows)),
+        found.impulses.kkt / max(_speed(system, U), found.speed, np.finfo(float).tiny),
+        _momentum_defect(system, state.U, U, load, found),
         _overlap(system, new),
-        found.iterations,
-        found.steps,
+        found.impulses.iterations,
+        found.impulses.steps,
     )
     _require(checks, t + h)
-    return new, Touching(contacts, p, gamma_new, _solid(system, gamma, p)), checks
+    return new, Touching(contacts, p, gamma, _solid(system, found.gamma, p)), checks
 
 
-def _project_far_enough(
-    system: System, state: GlueyState, free: Array, h: float
-) -> tuple[Contacts, Array, Rows, Impulses, float]:
-    """Contacts, memories, rows, projection and the speed it is measured by; with all pairs that can meet.
+def _project_far_enough(system: System, state: GlueyState, free: Array, h: float) -> _Found:
+    """The projection with all pairs for rows that can meet.
 
     Pairs are looked for as far as bodies travel; of them, those are rows that have met before or that free
     motion could bring together, and those that turn out to meet when the others are solved for.
@@ -119,12 +131,12 @@ def _project_far_enough(
         pairs = find_contacts(state.centres, system.radii, system.room, reach + system.law.delta0)
         near = _approach(system, pairs, free, h) >= pairs.D
         near |= (state.remembered(pairs.key) < 0.0) | np.isin(pairs.key, known)
-        contacts, gamma, rows, found, speed = _project(system, state, pairs[np.flatnonzero(near)], free, h)
-        far = pairs[np.flatnonzero(~near)]
-        meet = far.D + h * (gap_rows(far, *system.mass.shape) @ found.u) < system.law.delta0
-        needed = 2.0 * h * _speed(system, found.u.reshape(free.shape))
+        found = _project(system, state, pairs[np.flatnonzero(near)], free, h)
+        far, u = pairs[np.flatnonzero(~near)], found.impulses.u
+        meet = far.D + h * (gap_rows(far, *system.mass.shape) @ u) < system.law.delta0
+        needed = 2.0 * h * _speed(system, u.reshape(free.shape))
         if needed <= reach and not meet.any():
-            return contacts, gamma, rows, found, speed
+            return found
         known = np.concatenate([known, far.key[meet]])
         if needed > reach:  # something has been thrown faster than anything moved before: look further
             reach = 2.0 * needed
@@ -144,10 +156,8 @@ def _approach(system: System, pairs: Contacts, free: Array, h: float) -> Array:
     return found
 
 
-def _project(
-    system: System, state: GlueyState, contacts: Contacts, free: Array, h: float
-) -> tuple[Contacts, Array, Rows, Impulses, float]:
-    """The same as `_project_far_enough`, with these contacts for rows."""
+def _project(system: System, state: GlueyState, contacts: Contacts, free: Array, h: float) -> _Found:
+    """The projection with these contacts for rows."""
     inverse_mass, film = (1.0 / system.mass).ravel(), system.film(h)
     gamma = state.remembered(contacts.key)
     if film is not None:
@@ -158,10 +168,10 @@ def _project(
     tolerance = min(TOLERANCE * speed, DEPTH * float(system.radii.min()) / h)
     program = Program(rows.J, rows.b, system.mass.ravel(), u_star)
     if film is None:
-        found = solve_rows(rows, program, tolerance, partial(_friction, system, gamma))
+        impulses = solve_rows(rows, program, tolerance, partial(_friction, system, gamma))
     else:
-        found = minimise(program, rows.p, film, tolerance)
-    return contacts, gamma, rows, found, speed
+        impulses = minimise(program, rows.p, film, tolerance)
+    return _Found(contacts, gamma, rows, impulses, speed)
 
 
 def _in_films(film: Film, contacts: Contacts, gamma: Array) -> tuple[Contacts, Array]:
@@ -201,13 +211,12 @@ def _friction(system: System, gamma: Array, p: Array) -> Array:
     return system.law.friction * _solid(system, gamma, p)
 
 
-def _momentum_defect(
-    system: System, U: Array, change: Array, load: Array, rows: Rows, p: Array, shift: Array
-) -> float:
+def _momentum_defect(system: System, U: Array, U_new: Array, load: Array, found: _Found) -> float:
     """`sum M (u^{n+1} - u^n) - load - impulses of the walls` over the sizes of u^n, load and impulses."""
-    d, shape = system.dimension, system.mass.shape
+    d, shape, rows = system.dimension, system.mass.shape, found.rows
+    p, shift = found.impulses.p, _shift(system, found.gamma, rows)
     of_walls = rows.J[rows.of_wall].T @ (p + shift)[rows.of_wall]
-    defect = (system.mass * change - load - of_walls.reshape(shape))[:, :d].sum(axis=0)
+    defect = (system.mass * (U_new - U) - load - of_walls.reshape(shape))[:, :d].sum(axis=0)
     exchanged = (abs(rows.J).T @ (np.abs(p) + np.abs(shift))).reshape(shape)[:, :d].sum()
     scale = exchanged + np.abs(load[:, :d]).sum() + np.abs((system.mass * U)[:, :d]).sum()
     return float(np.abs(defect).max() / scale) if scale > 0.0 else 0.0

@@ -15,13 +15,9 @@ from fsi.gluey.program import Impulses, Program
 from fsi.gluey.response import Contact
 
 
-def gaps_only(rows: int) -> Contact:
-    return Contact(np.zeros(rows), np.zeros(0), rows, np.zeros(rows))
-
-
 def solved(program: Program) -> Impulses:
     rows = len(program.b)
-    return minimise(program, approach(program, np.zeros(rows)), gaps_only(rows), 1e-12)
+    return minimise(program, approach(program, np.zeros(rows)), Contact.of_gaps(rows), 1e-12)
 
 
 @pytest.mark.parametrize(("u", "expected"), [(-3.0, 4.0), (-1.0, 0.0), (1.0, 0.0)])
@@ -75,7 +71,7 @@ def test_contacts_that_all_but_hold_each_other_keep_all_digits(lean: float) -> N
     program = Program(
         sp.csr_matrix([[lean, 1.0], [lean, -1.0]]), np.zeros(2), np.ones(2), np.array([-lean, 0.0])
     )
-    found = minimise(program, np.array([0.7, 0.4]), gaps_only(2), 1e-16)
+    found = minimise(program, np.array([0.7, 0.4]), Contact.of_gaps(2), 1e-16)
     np.testing.assert_allclose(found.p, 0.5, rtol=1e-4)
     np.testing.assert_allclose(found.u, 0.0, atol=1e-4 * lean)
 
@@ -83,5 +79,5 @@ def test_contacts_that_all_but_hold_each_other_keep_all_digits(lean: float) -> N
 def test_newton_does_not_believe_a_wrong_guess() -> None:
     """Rows said to touch that must open, and open ones that must touch: u* = (3, -1) gives p = (0, 1)."""
     program = Program(sp.csr_matrix(np.eye(2)), np.zeros(2), np.ones(2), np.array([3.0, -1.0]))
-    found = minimise(program, np.array([1.0, 0.0]), gaps_only(2), 1e-12)
+    found = minimise(program, np.array([1.0, 0.0]), Contact.of_gaps(2), 1e-12)
     np.testing.assert_allclose(found.p, [0.0, 1.0], atol=1e-12)
