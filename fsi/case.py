@@ -28,7 +28,7 @@ from fsi.geometry import BODIES, GEOMETRY, Geometry, dimension_of
 from fsi.overrides import override
 from fsi.reduced.section import Reduced
 from fsi.schema import Body, Calibration, Discretisation, Expected, Fluid, Output, Sweep, Time
-from fsi.section import Section, explain, tuples
+from fsi.section import Section, explain, toml_text, tuples
 from fsi.series import kinks, value_at
 from fsi.walls import WallVelocity, wall_kinks, wall_pressure, wall_velocity
 from meshes.geometry import Container
@@ -223,6 +223,7 @@ def load_case(path: Path, overrides: Sequence[str] = ()) -> Case:
     data = read_toml(path)
     if not data:
         raise InputError(f"{path}: the case is empty; give at least name, [fluid] and [domain]")
+    _check_model(path, data.get("model"))
     for text in overrides:
         override(data, text)
     for section, keys in _PATHS.items():
@@ -230,6 +231,20 @@ def load_case(path: Path, overrides: Sequence[str] = ()) -> Case:
     if isinstance(data.get("bodies_from"), str):
         data["bodies_from"] = str((path.parent / data["bodies_from"]).resolve())
     return parse_case(data)
+
+
+# Models whose cases have other keys (`fsi.evolutions`), and what takes them.
+_WITHOUT_FLUID = {"gluey": "fsi run", "macroscopic": "fsi run", "limit": "fsi limit"}
+
+
+def _check_model(path: Path, model: Any) -> None:
+    """Raise InputError if the case is of another kind, whose keys are others."""
+    if not isinstance(model, str) or model in ("resolved", "reduced"):
+        return
+    if model in _WITHOUT_FLUID:
+        raise InputError(f'{path}: model = "{model}": has no fluid to look at; use `{_WITHOUT_FLUID[model]}`')
+    choices = '"resolved", "reduced", "gluey", "macroscopic" or "limit"'
+    raise InputError(f"{path}: model = {toml_text(model)}: there is no such model; give {choices}")
 
 
 # Keys that are paths of files, seen from the folder of the case; words without a suffix are none.

@@ -44,9 +44,9 @@ def load_evolving(path: Path, overrides: Sequence[str] = ()) -> GlueyCase | Macr
         InputError: the file cannot be read or the case is not sound; nothing has been written.
     """
     data: dict[str, Any] = read_toml(path)
+    kind = CASES[data["model"]]  # by the file: its keys are those of no other model
     for text in overrides:
         override(data, text)
-    kind = CASES[data["model"]]
     try:
         return kind.model_validate(tuples(data))
     except ValidationError as error:

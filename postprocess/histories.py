@@ -68,6 +68,8 @@ def read_history(run: Run, gap: str | None = None, singly: int = len(_COLOURS)) 
     Up to `singly` bodies have a curve each; of more the smallest, median and largest value is shown.
     """
     if not run.has_flow:
+        if gap is not None:
+            raise InputError(f'--gap {gap}: model = "{run.model}" of {run.path} has no such curve; drop it')
         return _limit_history(run)
     steps, names = run.steps, run.case.names
     panels: dict[str, Curves] = {}

@@ -40,8 +40,8 @@ def probe(run: Run, points: Array, step: int | None = None) -> pd.DataFrame:
     Raises:
         InputError: the run has no fields of that step.
     """
-    step = run.step(step)
     letters = "rz" if run.case.axisymmetric else "xyz"[: run.dimension]
+    step = run.step(step)
     points = np.asarray(points, dtype=float)
     inside, values = _values(run, run.mesh(step), points, letters)
     places = {"where": _places(run, points, step)}

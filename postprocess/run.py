@@ -47,6 +47,13 @@ def open_run(path: Path | str) -> Run:
     return Run(path)
 
 
+# What shows a run that has no fluid.
+_INSTEAD = {
+    "gluey": "`fsi render`, `fsi plot`, `fsi report`, or python -m postprocess.memory for memories",
+    "macroscopic": "`fsi plot` or `fsi report`",
+}
+
+
 @dataclass(frozen=True)
 class Run:
     """An open run folder. What the tables and series held when they were first asked for is kept.
@@ -59,10 +66,9 @@ class Run:
     @cached_property
     def case(self) -> Case:
         """The resolved case. Raises InputError: it is that of a model which has other keys."""
-        if self.model not in ("resolved", "reduced"):
+        if not self.has_flow:
             raise InputError(
-                f'model = "{self.model}": the run in {self.path} has no fluid; use `fsi render` for bodies '
-                "and contacts, python -m postprocess.memory for what contacts remember, or its tables"
+                f'model = "{self.model}": the run in {self.path} has no fluid; use {_INSTEAD[self.model]}'
             )
         return load_case(self.path / CASE)
 

@@ -134,9 +134,7 @@ def _check(case: GlueyCase) -> None:
     if not case.bodies and not case.grids:
         raise InputError("bodies: missing; give [[bodies]] or [[grids]]")
     _check_dimensions(case)
-    for i, name in enumerate(case.names):
-        if name in case.names[:i] and len(case.bodies) > 0 and i < len(case.bodies):
-            raise InputError(f"bodies.{i}.name = {toml_text(name)}: given twice; give each body its own")
+    _check_names(case)
     if case.time.step > case.time.end:
         raise InputError(
             f"time.step = {case.time.step!r}: longer than time.end = {case.time.end!r}; make it shorter"
@@ -156,12 +154,30 @@ def _check(case: GlueyCase) -> None:
         )
 
 
+def _check_names(case: GlueyCase) -> None:
+    """Each body and each grid has a name of its own, also as seen in tables."""
+    given = [(f"bodies.{i}", body.name) for i, body in enumerate(case.bodies)]
+    given += [(f"grids.{i}", grid.name) for i, grid in enumerate(case.grids)]
+    taken: set[str] = set()
+    for key, name in given:
+        if name in taken:
+            raise InputError(f"{key}.name = {toml_text(name)}: given twice; give each its own")
+        taken.add(name)
+    if len(set(case.names)) < len(case.names):
+        raise InputError("bodies: one is named like a member of a grid, `NAME k`; rename it")
+
+
 def _check_dimensions(case: GlueyCase) -> None:
     """All points and vectors have as many components as the first body's."""
     d = case.dimension
     given: list[tuple[str, tuple[object, ...] | None]] = [("gravity", case.gravity)]
     if case.cell is not None:
         given += [("cell.lower", case.cell.lower), ("cell.upper", case.cell.upper)]
+        directions = case.cell.periodic
+        if not set(directions) <= set("xyz"[:d]) or len(set(directions)) < len(directions):
+            raise InputError(
+                f"cell.periodic = {toml_text(directions)}: give each direction of {', '.join('xyz'[:d])} once"
+            )
     for i, wall in enumerate(case.walls):
         given += [(f"walls.{i}.point", wall.point), (f"walls.{i}.normal", wall.normal)]
     for i, body in enumerate(case.bodies):

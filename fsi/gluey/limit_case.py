@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
@@ -28,10 +28,10 @@ class LimitCase(Section):
         default=0.0, description="per mass, a number or a table {times = [...], values = [...]}"
     )
     end: float = Field(gt=0.0, description="the time at which it ends, a number > 0")
-    eps: tuple[float, ...] = Field(
+    eps: tuple[Annotated[float, Field(gt=0.0)], ...] = Field(
         default=(1e-1, 1e-2, 1e-4, 1e-6, 1e-8), min_length=1, description="viscosities, numbers > 0"
     )
-    steps: tuple[int, ...] = Field(
+    steps: tuple[Annotated[int, Field(ge=1)], ...] = Field(
         default=(100, 200, 400, 800), min_length=1, description="numbers of steps of the scheme, at least 1"
     )
 

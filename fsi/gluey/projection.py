@@ -171,6 +171,8 @@ def _in_vain(iteration: int, first: float, best: float, tolerance: float) -> boo
     """True if the mean rate from the first residual to the best asks for more than MOST_ITERATIONS."""
     if iteration == 0 or iteration % JUDGE_EVERY:
         return False
+    if tolerance == 0.0:
+        return True
     return bool(MOST_ITERATIONS * np.log(best / first) > iteration * np.log(tolerance / first))
 
 

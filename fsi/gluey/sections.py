@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from fsi.gluey.history import History
 from fsi.gluey.system import Law
@@ -52,13 +52,24 @@ class Grid(Section):
     """Rows of like bodies, a little disturbed."""
 
     name: str = Field(pattern=r"^\w[\w -]*$", description="a name of letters, digits, blanks, - and _")
-    counts: tuple[int, ...] = Field(min_length=2, max_length=3, description="how many in each direction")
+    counts: tuple[Annotated[int, Field(ge=1)], ...] = Field(
+        min_length=2, max_length=3, description="how many in each direction, at least 1"
+    )
     lower: Vector = Field(min_length=2, max_length=3, description="the centre of the first, a point")
     spacing: float = Field(gt=0.0, description="the distance between neighbours' centres, a number > 0")
-    radius: tuple[float, float] = Field(description="the smallest and the largest radius, two numbers > 0")
+    radius: tuple[Annotated[float, Field(gt=0.0)], Annotated[float, Field(gt=0.0)]] = Field(
+        description="the smallest and the largest radius, two numbers > 0"
+    )
     velocity: Vector | None = Field(default=None, description="their velocity at time 0, 0 if not given")
     jitter: float = Field(default=0.0, ge=0.0, description="the largest disturbance of a coordinate, >= 0")
     seed: int = Field(default=0, ge=0, description="of the random numbers, a whole number >= 0")
+
+    @field_validator("radius")
+    @classmethod
+    def _in_order(cls, radius: tuple[float, float]) -> tuple[float, float]:
+        if radius[0] > radius[1]:
+            raise ValueError("has the largest before the smallest")
+        return radius
 
 
 class Contact(Section):

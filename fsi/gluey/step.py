@@ -225,7 +225,7 @@ def _momentum_defect(system: System, U: Array, U_new: Array, load: Array, found:
 def _overlap(system: System, state: GlueyState) -> float:
     """The deepest overlap over the smallest radius, of all pairs, not only of those that were looked at."""
     gaps = find_contacts(state.centres, system.radii, system.room, 0.0).D
-    return float(-gaps.min(initial=0.0) / system.radii.min())
+    return abs(float(gaps.min(initial=0.0))) / float(system.radii.min())
 
 
 def _require(checks: Checks, t: float) -> None:

@@ -5,14 +5,16 @@ from __future__ import annotations
 import itertools
 from typing import Literal
 
+import numpy as np
 import tomli_w
 from pydantic import Field, field_validator, model_validator
 
 from fsi.bodies import Array
+from fsi.errors import InputError, SolveError
 from fsi.gluey.sections import Frames, Steps
 from fsi.macroscopic.expression import check, evaluate
 from fsi.macroscopic.model import Parcels, at_rest_in_memory, blocks
-from fsi.section import Section
+from fsi.section import Section, toml_text
 
 
 class Block(Section):
@@ -71,14 +73,21 @@ class MacroscopicCase(Section):
         """The parcels at time 0."""
         m, dm, X = blocks([(block.left, block.right, block.density) for block in self.blocks], self.parcels)
         u = X.copy()
-        for block in self.blocks:
+        for i, block in enumerate(self.blocks):
             inside = (block.left <= X) & (block.right >= X)
             u[inside] = evaluate(block.velocity, X, x=X, m=m)[inside]
+            if not np.isfinite(u[inside]).all():
+                key = f"blocks.{i}.velocity = {toml_text(block.velocity)}"
+                raise InputError(f"{key}: is not finite in all of the block; give a formula that is")
         return at_rest_in_memory(m, dm, X, u)
 
     def f(self, x: Array, m: Array, t: float) -> Array:
-        """The force per mass."""
-        return evaluate(self.force, x, x=x, m=m, t=t)
+        """The force per mass. Raises SolveError where its formula is not finite."""
+        force = evaluate(self.force, x, x=x, m=m, t=t)
+        if not np.isfinite(force).all():
+            at = f"x = {x[~np.isfinite(force)][0]:.6g}, t = {t:.6g}"
+            raise SolveError(f"force = {toml_text(self.force)}: is not finite at {at}; change the formula")
+        return force
 
     def as_toml(self) -> str:
         """The case with every default filled in; reads back as an equal case."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from types import CodeType
 
 import numpy as np
 
@@ -36,9 +37,25 @@ def check(formula: str, variables: tuple[str, ...]) -> None:
         ):
             raise ValueError(f"calls something that is not one of {', '.join(FUNCTIONS)}")
 
+    try:
+        evaluate(formula, np.array([0.5]), **dict.fromkeys(variables, np.array([0.5])))
+    except (ArithmeticError, TypeError, ValueError) as error:
+        raise ValueError(f"has no value: {error}") from None
+
 
 def evaluate(formula: str, like: Array, **variables: Array | float) -> Array:
-    """The value of a checked formula, of the shape of `like`."""
-    names = {"__builtins__": {}, "pi": np.pi, **FUNCTIONS, **variables}
-    value = eval(compile(formula, "formula", "eval"), names)  # checked: arithmetic and FUNCTIONS only
+    """The value of a checked formula, of the shape of `like`; not finite where it has none."""
+    given = {name: np.asarray(value) for name, value in variables.items()}  # numbers would raise at 1/0
+    names = {"__builtins__": {}, "pi": np.pi, **FUNCTIONS, **given}
+    with np.errstate(all="ignore"):
+        value = eval(_compiled(formula), names)  # checked: arithmetic and FUNCTIONS only
     return np.broadcast_to(np.asarray(value, dtype=float), like.shape).copy()
+
+
+def _compiled(formula: str) -> CodeType:
+    """The formula with real numbers for whole ones, whose powers would grow without bound."""
+    tree = ast.parse(formula, mode="eval")
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant):
+            node.value = float(node.value)  # type: ignore[arg-type]  # checked: a number
+    return compile(tree, "formula", "eval")

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 
 import fsi
-from fsi.errors import InputError
+from fsi.case import load_case
+from fsi.errors import InputError, SolveError
 from fsi.evolutions import EvolvingCase, load_evolving, model_of, resume_evolving, run_evolving
 from fsi.gluey.limit_case import LimitCase
 from fsi.results import StepRecord
@@ -85,12 +87,71 @@ def test_two_discs_part_when_the_pull_has_paid_back(tmp_path: Path) -> None:
         ("bodies.0.position=[0.0, 0.0, 0.0]", "components"),
         ("bodies.0.raduis=1.0", "radius"),
         ("time.step=10", r"time\.step"),
+        ("model='gluy'", "model"),
+        ("bodies.1.name='left'", "given twice"),
+        ("grids=[{name='left',counts=[2,2],lower=[9,9],spacing=3,radius=[1,1]}]", r"grids\.0\.name"),
+        ("grids=[{name='g',counts=[0,2],lower=[9,9],spacing=3,radius=[1,1]}]", r"grids\.0\.counts"),
+        ("grids=[{name='g',counts=[2,2],lower=[9,9],spacing=3,radius=[-1,1]}]", r"grids\.0\.radius"),
+        ("grids=[{name='g',counts=[2,2],lower=[9,9],spacing=3,radius=[2,1]}]", r"grids\.0\.radius"),
+        ("cell={lower=[-9,-9],upper=[9,9],periodic=['z']}", r"cell\.periodic"),
+        ("cell={lower=[-9,-9],upper=[9,9],periodic=['x','x']}", r"cell\.periodic"),
     ],
 )
 def test_mistakes_are_one_line(change: str, message: str) -> None:
     with pytest.raises(InputError, match=message) as mistake:
         load_evolving(CASES / "gluey" / "two_discs.toml", [change])
     assert "\n" not in str(mistake.value)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ("force='1/0'", "force"),
+        ("force='9**9**9**9'", "force"),  # of whole numbers it would never end
+        ("force='sin(x, m, t, 1)'", "force"),
+        ("force='where(x, 1)'", "force"),
+        ("blocks.0.velocity='1/(x-x)'", r"blocks\.0\.velocity"),
+    ],
+)
+def test_formulas_without_a_value_are_refused(change: str, message: str, tmp_path: Path) -> None:
+    def run() -> None:
+        case = load_evolving(CASES / "macroscopic" / "blocks.toml", [change])
+        assert not isinstance(case, LimitCase)
+        run_evolving(case, tmp_path / "run", lambda _: None)
+
+    with pytest.raises(InputError, match=message) as mistake:
+        run()
+    assert "\n" not in str(mistake.value)
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_force_that_ceases_to_be_ends_the_run(tmp_path: Path) -> None:
+    """At the middle of the second step of 0.1; the first is kept."""
+    case = load_evolving(CASES / "macroscopic" / "blocks.toml", ["force='sqrt(0.12-t)'", "time.step=0.1"])
+    assert not isinstance(case, LimitCase)
+    with pytest.raises(SolveError, match="force"):
+        run_evolving(case, tmp_path / "run", lambda _: None)
+    assert len(rows(tmp_path / "run" / "steps.csv")) == 2
+
+
+@pytest.mark.parametrize("name", ["gluey/two_discs.toml", "macroscopic/blocks.toml"])
+def test_commands_for_a_fluid_name_those_that_work(name: str, tmp_path: Path) -> None:
+    """Of the case `fsi run`; of the run those named, each of which ends with 0."""
+    from typer.testing import CliRunner
+
+    from fsi.cli.main import app
+
+    def call(*arguments: str) -> int:
+        return CliRunner().invoke(app, arguments).exit_code
+
+    with pytest.raises(InputError, match="use `fsi run`"):
+        load_case(CASES / name)
+    run_evolving(small(name), tmp_path / "run", lambda _: None)
+    with pytest.raises(InputError, match="no fluid") as refused:
+        _ = fsi.open_run(tmp_path / "run").case
+    named = re.findall("`fsi ([a-z]+)`", str(refused.value))
+    assert ("render" in named) == (name == "gluey/two_discs.toml")
+    assert [call(command, str(tmp_path / "run")) for command in named if command != "render"] == [0, 0]
 
 
 def test_every_case_loads() -> None:
