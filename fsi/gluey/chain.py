@@ -60,14 +60,14 @@ def _no_force(x: Array, _m: Array, _t: float) -> Array:
 
 
 def main(arguments: list[str]) -> int:
-    """Print the errors for the numbers of spheres that are given, or 25, 50, 100; the exit code."""
+    """Print the errors for the numbers of spheres that are given, or 25, 50, 100, 200, 400; the exit code."""
     if any(not text.isdecimal() or int(text) < 2 for text in arguments):
         print(f"{__doc__}\nGive numbers of spheres, at least 2, or none.", file=sys.stderr)  # noqa: T201
         return 2
     table = Table(title=f"chain of N gluey spheres against the macroscopic model, t = {END}")
     for heading in ("N", "largest error of a place", "mean error of gamma"):
         table.add_column(heading, justify="right")
-    for n in map(int, arguments or ("25", "50", "100")):
+    for n in map(int, arguments or ("25", "50", "100", "200", "400")):
         in_X, in_gamma = chain_errors(n)
         table.add_row(str(n), f"{in_X:.3e}", f"{in_gamma:.3e}")
     standard_output().print(table)

@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from fsi.bodies import Array
@@ -49,10 +50,11 @@ def project(program: Program, p: Array, contact: Contact, tolerance: float) -> I
         the solution; its `kkt`, the largest natural residual `|p - P_K(p - (W p + c) / W_ii)| W_ii`, a rate
         of a gap, may exceed the tolerance, which is the caller's to judge.
     """
+    dual = _Dual.of(program, contact)
     if contact.only_gaps:
-        p, iterations = _of_gaps(program, p, tolerance)
+        p, iterations = _of_gaps(dual, program, p, tolerance)
     else:
-        p, iterations, _ = _by_gradient(program, p, contact, tolerance, MOST_ITERATIONS)
+        p, iterations, _ = _by_gradient(dual, p, tolerance, MOST_ITERATIONS)
     u = program.velocity(p)
     kkt = contact.residual(program.rate(u), p, program.weight)
     if kkt <= tolerance:
@@ -62,19 +64,17 @@ def project(program: Program, p: Array, contact: Contact, tolerance: float) -> I
     return replace(minimise(program, p, contact, tolerance), iterations=iterations)
 
 
-def _of_gaps(program: Program, p: Array, tolerance: float) -> tuple[Array, int]:
+def _of_gaps(dual: _Dual, program: Program, p: Array, tolerance: float) -> tuple[Array, int]:
     """The gradient's impulses, and its iterations, most of them without rows that stay open."""
-    contact, weight = Contact.of_gaps(len(p)), program.weight
-    p, iterations, _ = _by_gradient(program, p, contact, tolerance, JUDGE_EVERY)
+    weight = program.weight
+    p, iterations, _ = _by_gradient(dual, p, tolerance, JUDGE_EVERY)
     for _ in range(LOOKS):
         r = program.rate(program.velocity(p))
-        kkt = contact.residual(r, p, weight)
+        kkt = dual.contact.residual(r, p, weight)
         if kkt <= tolerance:
             break
         near = np.flatnonzero((p > 0.0) | (r < NEAR * kkt))
-        part, more, done = _by_gradient(
-            program.of_rows(near), p[near], Contact.of_gaps(len(near)), tolerance, MOST_ITERATIONS
-        )
+        part, more, done = _by_gradient(dual.of_gaps(near), p[near], tolerance, MOST_ITERATIONS)
         p = np.zeros(len(p))
         p[near] = part
         iterations += more
@@ -114,6 +114,12 @@ class _Dual:
         c = s * program.rate(program.u_star)
         return cls(B, B.T.tocsr(), None if own is None else step * own, c, s, step, contact)
 
+    def of_gaps(self, chosen: NDArray[np.intp]) -> _Dual:
+        """That of these rows, gaps all of them; fewer rows have no larger an eigenvalue."""
+        B = self.B[chosen]
+        contact = Contact.of_gaps(len(chosen))
+        return _Dual(B, B.T.tocsr(), None, self.c[chosen], self.scale[chosen], self.step, contact)
+
     def gradient(self, z: Array) -> Array:
         """`W z + c`."""
         g: Array = self.B @ (self.Bt @ z)
@@ -135,14 +141,11 @@ class _Dual:
         return float((misses * (self.step / self.scale)).max(initial=0.0))
 
 
-def _by_gradient(
-    program: Program, p: Array, contact: Contact, tolerance: float, most: int
-) -> tuple[Array, int, bool]:
+def _by_gradient(dual: _Dual, p: Array, tolerance: float, most: int) -> tuple[Array, int, bool]:
     """Impulses, after how many iterations, at most `most`, and whether their residual is tolerated.
 
     With many bodies most of the time goes into reading and writing vectors, so they are overwritten.
     """
-    dual = _Dual.of(program, contact)
     z = dual.onto(p / dual.scale)
     y, theta = z.copy(), 1.0
     best = first = np.inf

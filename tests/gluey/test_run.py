@@ -45,10 +45,15 @@ class KilledError(Exception):
     """Where a run is broken off."""
 
 
-@pytest.mark.parametrize("name", SMALL)
-def test_a_resumed_run_is_the_unbroken_one(name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("name", "at"),
+    [("gluey/two_discs.toml", 13), ("gluey/two_discs.toml", 33), ("macroscopic/blocks.toml", 13)],
+)
+def test_a_resumed_run_is_the_unbroken_one(name: str, at: int, tmp_path: Path) -> None:
+    """Broken off before contact, at t = 1.65 in contact, at t = 1.3."""
+
     def kill(record: StepRecord) -> None:
-        if record.step == 13:
+        if record.step == at:
             raise KilledError
 
     run_evolving(small(name), tmp_path / "whole", lambda _: None)
