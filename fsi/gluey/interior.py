@@ -35,7 +35,7 @@ def approach(program: Program, p: Array) -> Array:
 
     Args:
         program: its rows are gaps.
-        p: impulses of the size that is sought, (rows,): in a crowd they add up, to far more than one body's.
+        p: a guess, (rows,): in a crowd impulses add up, to far more than one body's.
     """
     J = program.J
     rate = float(np.abs(J @ program.u_star).max(initial=0.0))
@@ -91,13 +91,11 @@ class _Linear:
 
 
 def _follow(program: Program, p: Array, rate: float) -> Array:
-    """The path to `mu = CLOSE rate^2`, begun with impulses that change the rate of their row by as much."""
+    """The path to `mu = CLOSE rate^2`, begun with slacks and impulses that are worth the rate at least."""
     weight = program.weight
-    at = _Point(
-        program.u_star,
-        np.maximum(program.rate(program.u_star), rate),
-        max(rate, float((p * weight).max())) / weight,
-    )
+    p = np.maximum(p, rate / weight)
+    u = program.velocity(p)
+    at = _Point(u, np.maximum(program.rate(u), rate), p)
     for _ in range(STEPS):
         mu = float((at.s * weight * at.p).mean())
         if mu <= CLOSE * rate**2:
