@@ -54,7 +54,8 @@ def project(program: Program, p: Array, contact: Contact, tolerance: float) -> I
     if contact.only_gaps:
         p, iterations = _of_gaps(dual, program, p, tolerance)
     else:
-        p, iterations, _ = _by_gradient(dual, p, tolerance, MOST_ITERATIONS)
+        reached = _by_gradient(dual, _Reached(p), tolerance, MOST_ITERATIONS)
+        p, iterations = reached.p, reached.iterations
     u = program.velocity(p)
     kkt = contact.residual(program.rate(u), p, program.weight)
     if kkt <= tolerance:
@@ -67,20 +68,31 @@ def project(program: Program, p: Array, contact: Contact, tolerance: float) -> I
 def _of_gaps(dual: _Dual, program: Program, p: Array, tolerance: float) -> tuple[Array, int]:
     """The gradient's impulses, and its iterations, most of them without rows that stay open."""
     weight = program.weight
-    p, iterations, _ = _by_gradient(dual, p, tolerance, JUDGE_EVERY)
+    reached = _by_gradient(dual, _Reached(p), tolerance, JUDGE_EVERY)
+    p = reached.p
     for _ in range(LOOKS):
         r = program.rate(program.velocity(p))
         kkt = dual.contact.residual(r, p, weight)
         if kkt <= tolerance:
             break
         near = np.flatnonzero((p > 0.0) | (r < NEAR * kkt))
-        part, more, done = _by_gradient(dual.of_gaps(near), p[near], tolerance, MOST_ITERATIONS)
+        begin = replace(reached, p=p[near])
+        reached = _by_gradient(dual.of_gaps(near), begin, tolerance, MOST_ITERATIONS)
         p = np.zeros(len(p))
-        p[near] = part
-        iterations += more
-        if not done:
+        p[near] = reached.p
+        if reached.residual > tolerance:
             break
-    return p, iterations
+    return p, reached.iterations
+
+
+@dataclass(frozen=True, slots=True)
+class _Reached:
+    """Impulses p, after how many iterations since the first, the first residual, and the best since then."""
+
+    p: Array
+    iterations: int = 0
+    first: float = np.inf
+    residual: float = np.inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,20 +153,21 @@ class _Dual:
         return float((misses * (self.step / self.scale)).max(initial=0.0))
 
 
-def _by_gradient(dual: _Dual, p: Array, tolerance: float, most: int) -> tuple[Array, int, bool]:
-    """Impulses, after how many iterations, at most `most`, and whether their residual is tolerated.
+def _by_gradient(dual: _Dual, begin: _Reached, tolerance: float, most: int) -> _Reached:
+    """Goes on until the residual is tolerated or falls too slowly, to `most` iterations since the first.
 
     With many bodies most of the time goes into reading and writing vectors, so they are overwritten.
     """
-    z = dual.onto(p / dual.scale)
+    z = dual.onto(begin.p / dual.scale)
     y, theta = z.copy(), 1.0
-    best = first = np.inf
-    for iteration in range(most):
+    best, first = np.inf, begin.first
+    for iteration in range(begin.iterations, most):
         if iteration % CHECK_EVERY == 0:
             best = min(best, dual.residual(z))
             first = best if iteration == 0 else first
-            if best <= tolerance or _in_vain(iteration, first, best, tolerance):
-                return dual.scale * z, iteration, best <= tolerance
+            judged = iteration > begin.iterations and iteration % JUDGE_EVERY == 0
+            if best <= tolerance or (judged and _in_vain(iteration, first, best, tolerance)):
+                return _Reached(dual.scale * z, iteration, first, best)
         new = dual.gradient(y)
         new = dual.onto(np.subtract(y, new, out=new))
         moves = np.subtract(new, z, out=z)
@@ -167,13 +180,11 @@ def _by_gradient(dual: _Dual, p: Array, tolerance: float, most: int) -> tuple[Ar
             moves += new
             theta, y = following, moves
         z = new
-    return dual.scale * z, most, False
+    return _Reached(dual.scale * z, most, first, best)
 
 
 def _in_vain(iteration: int, first: float, best: float, tolerance: float) -> bool:
     """True if the mean rate from the first residual to the best asks for more than MOST_ITERATIONS."""
-    if iteration == 0 or iteration % JUDGE_EVERY:
-        return False
     if tolerance == 0.0:
         return True
     return bool(MOST_ITERATIONS * np.log(best / first) > iteration * np.log(tolerance / first))
