@@ -10,7 +10,6 @@ A run that is still going on, or that was killed, can be opened too: it then end
 
 from __future__ import annotations
 
-import io
 import json
 import re
 import warnings
@@ -31,6 +30,7 @@ from fsi.errors import InputError
 from fsi.pvd import Entry, read_collection
 from fsi.results import CASE
 from meshes.geometry import Container
+from postprocess.tables import read_table
 
 _SAME_NODE = 1e-13  # of the size of the domain: ranks agree on the nodes that they share to rounding
 
@@ -108,29 +108,14 @@ class Run:
         return self.table("bodies")
 
     def table(self, name: str) -> pd.DataFrame:
-        """The complete rows of the table `name`.csv. Raises InputError: there is none, or it has no rows."""
+        """The complete rows of the table `name`.csv. Raises InputError: none, or someone has changed them."""
         path = self.path / f"{name}.csv"
-        try:
-            text = path.read_bytes()
-        except OSError as error:
-            raise InputError(f"{path}: {error.strerror}; give a folder that `fsi run` has written") from None
-        length = self._commit.lengths.get(path.name) if self._commit else None
-        text = text[:length]
-        frame = pd.read_csv(io.BytesIO(text)) if text.strip() else pd.DataFrame()
-        if frame.empty:
-            raise InputError(f"{path}: the table has no rows yet; continue the run with `fsi resume`")
-        return frame
+        return read_table(path, self._commit.lengths.get(path.name) if self._commit else None)
 
     def columns(self, name: str) -> dict[str, Array]:
         """The columns of numbers of `name`.csv, each of shape (rows,). Raises InputError."""
         frame = self.table(name).drop(columns="body", errors="ignore")
-        try:
-            found = {str(column): frame[column].to_numpy(dtype=float) for column in frame}
-        except ValueError as error:
-            raise InputError(f"{name}.csv: a row is broken ({error}); mend it with `fsi resume`") from None
-        if frame.isna().to_numpy().any():
-            raise InputError(f"{name}.csv: a row is broken (a value is missing); mend it with `fsi resume`")
-        return found
+        return {str(column): frame[column].to_numpy(dtype=float) for column in frame}
 
     @property
     def times(self) -> pd.Series[float]:

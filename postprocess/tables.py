@@ -1,0 +1,63 @@
+"""The tables of a run folder, as far as they are complete; refused where someone has changed them."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import pandas as pd
+
+from fsi.errors import InputError
+
+# What the tables of all models begin with.
+_STEPS = ("step", "t")
+_BODIES = {2: ("step", "t", "body", "x", "y"), 3: ("step", "t", "body", "x", "y", "z")}
+
+
+def read_table(path: Path, length: int | None) -> pd.DataFrame:
+    """The first `length` bytes of a CSV file, all of it if None.
+
+    Raises:
+        InputError: there is no such file, it has no rows, or (steps.csv, bodies.csv) it is not as a run has
+            written it.
+    """
+    try:
+        text = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}; give a folder that `fsi run` has written") from None
+    if length is not None and len(text) < length:
+        raise _changed(path, f"{length - len(text)} bytes are missing at its end")
+    text = text[:length]
+    try:
+        frame = pd.read_csv(io.BytesIO(text)) if text.strip() else pd.DataFrame()
+    except ValueError as error:
+        raise _changed(path, " ".join(str(error).split())) from None
+    if frame.empty:
+        raise InputError(f"{path}: the table has no rows yet; continue the run with `fsi resume`")
+    if path.stem == "steps":
+        _require_numbers(path, frame, _STEPS)
+    elif path.stem == "bodies":
+        _require_numbers(path, frame, _BODIES[3 if "z" in frame else 2])
+        if frame["step"].value_counts().nunique() > 1:
+            raise _changed(path, "its steps have different numbers of bodies")
+    return frame
+
+
+def _require_numbers(path: Path, frame: pd.DataFrame, columns: tuple[str, ...]) -> None:
+    """These columns come first, and all columns but the names of bodies have numbers."""
+    for found, wanted in zip(frame.columns, columns, strict=False):
+        if found != wanted:
+            raise _changed(path, f'a column is "{found}" where "{wanted}" stood')
+    if len(frame.columns) < len(columns):
+        raise _changed(path, f'its column "{columns[len(frame.columns)]}" is missing')
+    numbers = frame.drop(columns="body", errors="ignore")
+    for name, values in numbers.items():
+        broken = pd.to_numeric(values, errors="coerce").isna()
+        if broken.any():
+            row = int(broken.argmax())
+            value = str(values.iloc[row])[:30]
+            raise _changed(path, f'{name} = "{value}" in its row {row + 1} is not a number')
+
+
+def _changed(path: Path, how: str) -> InputError:
+    return InputError(f"{path}: was changed since the run wrote it ({how}); run the case again")

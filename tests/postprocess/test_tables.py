@@ -1,0 +1,63 @@
+"""Tables that someone has changed are refused in one line, which says what is wrong with them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from fsi.errors import InputError
+from postprocess.tables import read_table
+
+HEADER = "step,t,body,x,y,angle,V_x,V_y,omega,F_x,F_y,T"
+ROWS = [f"{step},{0.1 * step},{body},1,2,0,0,-1,0,0,-1,0" for step in range(3) for body in ("7", "low")]
+
+
+def bodies(folder: Path, header: str = HEADER, rows: list[str] = ROWS) -> Path:
+    """A table of two bodies."""
+    path = folder / "bodies.csv"
+    path.write_text("\n".join([header, *rows]) + "\n")
+    return path
+
+
+def test_a_table_as_a_run_has_written_it(tmp_path: Path) -> None:
+    """Further columns may follow, and a run that goes on may have begun a row."""
+    path = bodies(tmp_path, HEADER + ",S_xy", [row + ",0.5" for row in ROWS])
+    complete = path.stat().st_size
+    with path.open("a") as table:
+        table.write("3,0.3,7,1,")
+    assert list(read_table(path, complete)["step"]) == [0, 0, 1, 1, 2, 2]
+
+
+@pytest.mark.parametrize(
+    ("header", "rows", "how"),
+    [
+        (HEADER.replace(",x,", ",xx,"), ROWS, r'a column is "xx" where "x" stood'),
+        ("step,t,body,x", [",".join(row.split(",")[:4]) for row in ROWS], r'its column "y" is missing'),
+        (HEADER, [ROWS[0].replace("-1", "a"), *ROWS[1:]], r'V_y = "a" in its row 1 is not a number'),
+        (HEADER, [*ROWS[:3], ROWS[3][:20], *ROWS[4:]], r"in its row 4 is not a number"),
+        (HEADER, [*ROWS[:3], *ROWS[4:]], "different numbers of bodies"),
+        (HEADER, [ROWS[0] + ",5,6", *ROWS[1:], ROWS[0] + ",7,8,9"], "Expected"),
+    ],
+)
+def test_a_table_that_was_changed(header: str, rows: list[str], how: str, tmp_path: Path) -> None:
+    path = bodies(tmp_path, header, rows)
+    with pytest.raises(InputError, match=how) as refused:
+        read_table(path, None)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_table_that_was_cut(tmp_path: Path) -> None:
+    path = bodies(tmp_path)
+    with pytest.raises(InputError, match="10 bytes are missing at its end"):
+        read_table(path, path.stat().st_size + 10)
+
+
+def test_a_table_without_rows(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no rows yet; continue the run"):
+        read_table(bodies(tmp_path, HEADER, []), None)
+
+
+def test_no_table(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="No such file"):
+        read_table(tmp_path / "bodies.csv", None)
