@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from fsi.bodies import Array, Configuration
 from fsi.clock import Clock
 from fsi.stokes import fields, surface
@@ -44,7 +46,7 @@ def evaluated(found: Found, container: Container, boundary: Boundary, clock: Clo
     """Everything that follows from the nodal values."""
     system, fluid, forms, nodal = found.system, found.fluid, found.forms, found.nodal
     fill(forms, nodal.x)
-    mean_pressure = forms.integrate("pressure integral") / forms.integrate("area")
+    mean_pressure = _mean_pressure(found)
     if not boundary.pressures:
         forms.p.x.array[:] -= mean_pressure
     F, dissipation = load_of(system, nodal.reaction), forms.integrate("dissipation")
@@ -67,6 +69,14 @@ def evaluated(found: Found, container: Container, boundary: Boundary, clock: Clo
         nodal.U, F, traction_F, dissipation, checks, forms.dofs, fluid.cells(), nodal.iterations,
         fluid.quality, clock.seconds, flow, own_surface, bulk,
     )  # fmt: skip
+
+
+def _mean_pressure(found: Found) -> float:
+    """Of the fluid, by its nodal values: their weights are the integrals of the shape functions."""
+    weights = nodal_vector(found.forms.bind("pressure weights"))
+    own = np.array([weights @ found.nodal.x[found.system.shares.velocities :], weights.sum()])
+    integral, area = found.system.shares.comm.allreduce(own)
+    return float(integral / area)
 
 
 def _by_traction(found: Found) -> Array:

@@ -117,7 +117,7 @@ def compile_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -
     u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
     p, q = ufl.TrialFunction(Q), ufl.TestFunction(Q)
     u_h, f_h, p_h = ufl.Coefficient(V), ufl.Coefficient(V), ufl.Coefficient(Q)
-    mu, zero, one = (ufl.Constant(omega) for _ in range(3))
+    mu, zero = (ufl.Constant(omega) for _ in range(2))
     n = ufl.FacetNormal(omega)
     space = Coordinates(omega, axisymmetric)
     exact_up_to = 2 * (degree - 1) + (2 if dimension == 3 else 2 * (order - 1) + 1 + order * axisymmetric)
@@ -144,8 +144,6 @@ def compile_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -
         "load": ("V", ufl.inner(f_h, v) * w * dx),
         "pressure weights": ("Q", q * w * dx),
         "dissipation": ("", 2 * mu * ufl.inner(e_h, e_h) * w * dx),
-        "area": ("", one * w * dx),
-        "pressure integral": ("", p_h * w * dx),
         "flux": ("", ufl.inner(u_h, n) * w * ds),
         "speed on boundary": ("", ufl.sqrt(ufl.inner(u_h, u_h)) * w * ds),
         "normal": ("V", ufl.inner(n, v) * w * dS),
@@ -156,7 +154,7 @@ def compile_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -
         compiled,
         {name: spaces for name, (spaces, _) in forms.items()},
         {"u": u_h, "f": f_h, "p": p_h},
-        {"mu": mu, "zero": zero, "one": one},
+        {"mu": mu, "zero": zero},
     )
 
 
@@ -176,7 +174,7 @@ class Forms:
         self.V = fem.functionspace(fluid.mesh, velocity_element(degree, fluid.dimension))
         self.Q = fem.functionspace(fluid.mesh, pressure_element(degree, fluid.dimension))
         self.u, self.f, self.p = fem.Function(self.V), fem.Function(self.V), fem.Function(self.Q)
-        values = {"mu": viscosity, "zero": 0.0, "one": 1.0}
+        values = {"mu": viscosity, "zero": 0.0}
         constants = self._compiled.constants
         self._constants = {constants[name]: fem.Constant(fluid.mesh, value) for name, value in values.items()}
 

@@ -35,8 +35,7 @@ class Surface:
 
     x: nodes (n, d); facets: node numbers in the order of basix, (E, nodes); degree: of the facets;
     body: of each facet, (E,); reaction: nodal forces (n, d) of the body on the fluid, with an axis of whole
-    circles; place: which nodes are one, the same number for images of each other, (n,); axisymmetric: x are
-    (r, z).
+    circles; lattice: of the images; axisymmetric: x are (r, z).
     """
 
     x: Array
@@ -44,7 +43,7 @@ class Surface:
     degree: int
     body: NDArray[np.int64]
     reaction: Array
-    place: NDArray[np.int64]
+    lattice: Lattice
     axisymmetric: bool
 
 
@@ -68,21 +67,21 @@ def collect(fluid: FluidMesh, V: FunctionSpace, reaction: Array) -> Surface:
     parts = fluid.mesh.comm.gather((node, x, values, numbers, body))
     if parts is None:
         none, nothing = np.empty((0, d)), np.empty(0, dtype=np.int64)
-        return Surface(none, nothing.reshape(0, d), degree, nothing, none, nothing, fluid.axisymmetric)
+        return Surface(none, nothing.reshape(0, d), degree, nothing, none, fluid.lattice, fluid.axisymmetric)
     nodes, xs, reactions, numbers, bodies = (np.concatenate([part[k] for part in parts]) for k in range(5))
     unique, first = np.unique(nodes, return_index=True)
     of_facets = np.searchsorted(unique, numbers)
-    place = _places(xs[first], of_facets, bodies, fluid.lattice)
-    return Surface(xs[first], of_facets, degree, bodies, reactions[first], place, fluid.axisymmetric)
+    return Surface(xs[first], of_facets, degree, bodies, reactions[first], fluid.lattice, fluid.axisymmetric)
 
 
-def _places(x: Array, facets: NDArray[np.int64], body: NDArray[np.int64], lattice: Lattice) -> Integers:
-    """For each node (n, d) the number of its place: images on one body have the same, 0, 1, ... all told."""
+def places(surface: Surface) -> Integers:
+    """For each node (n,) the number of its place: images on one body have the same, 0, 1, ... all told."""
+    x, lattice = surface.x, surface.lattice
     place = np.arange(len(x))
     if lattice.dimension == 0:
         return place
     of_node = np.empty(len(x))
-    of_node[facets] = body[:, None]
+    of_node[surface.facets] = surface.body[:, None]
     torus = np.column_stack([on_torus(x, lattice), lattice.longest() * of_node])
     one, other = cKDTree(torus).query_pairs(SAME_PLACE * lattice.longest(), output_type="ndarray").T
     place[np.maximum(one, other)] = np.minimum(one, other)
@@ -104,11 +103,12 @@ def traction(surface: Surface) -> Array:
     if surface.axisymmetric:
         area *= 2.0 * np.pi * (surface.x[facets, 0] @ phi.T)
     masses = np.einsum("eq,qi,qj->eij", area, phi, phi)
-    places = surface.place[facets]
-    rows = np.repeat(places, places.shape[1], axis=1).ravel()
-    columns = np.tile(places, (1, places.shape[1])).ravel()
+    place = places(surface)
+    of_facets = place[facets]
+    rows = np.repeat(of_facets, of_facets.shape[1], axis=1).ravel()
+    columns = np.tile(of_facets, (1, of_facets.shape[1])).ravel()
     mass = sp.csc_matrix((masses.ravel(), (rows, columns)))
     reaction = np.zeros((mass.shape[0], d))
-    np.add.at(reaction, surface.place, surface.reaction)
+    np.add.at(reaction, place, surface.reaction)
     t: Array = spsolve(mass, reaction).reshape(-1, d)
-    return t[surface.place]
+    return t[place]
