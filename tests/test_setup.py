@@ -53,7 +53,9 @@ def test_every_package_of_the_tree_is_declared() -> None:
         for top in ("fsi", "meshes", "postprocess")
         for file in (ROOT / top).rglob("__init__.py")
     }
-    assert tree == set(tool["setuptools"]["packages"])
+    cases = set(tool["setuptools"]["package-dir"])
+    assert cases == {"fsi.cases"}
+    assert tree | cases == set(tool["setuptools"]["packages"])
 
 
 @pytest.mark.parametrize("package", ["fsi", "meshes", "postprocess"])
