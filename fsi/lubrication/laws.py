@@ -118,14 +118,15 @@ class CutLaw:
     def kappa(self, d: ArrayLike, radius: ArrayLike) -> Array:
         """The law at d less the law at d_c where d < d_c, else 0."""
         near = np.minimum(d, self.cut)
-        return self.law.kappa(near, radius) - self.law.kappa(self.cut, radius)
+        rise = self.law.kappa(near, radius) - self.law.kappa(self.cut, radius)
+        return np.where(np.less(d, self.cut), rise, 0.0)  # powers of arrays and of numbers round differently
 
     def integral(self, d: ArrayLike, radius: ArrayLike) -> Array:
         """The integral of `kappa` from d_c to d, so 0 beyond d_c."""
         near = np.minimum(d, self.cut)
         constant = self.law.kappa(self.cut, radius) * (near - self.cut)
-        integral: Array = self.law.integral(near, radius) - self.law.integral(self.cut, radius) - constant
-        return integral
+        integral = self.law.integral(near, radius) - self.law.integral(self.cut, radius) - constant
+        return np.where(np.less(d, self.cut), integral, 0.0)
 
 
 @dataclass(frozen=True, slots=True)

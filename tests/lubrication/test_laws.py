@@ -6,7 +6,7 @@ from math import inf, pi, sqrt
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
@@ -149,6 +149,7 @@ def test_no_law_for_a_gap_that_is_not_positive(name: str, gap: float) -> None:
 
 
 @given(d=gaps, a=radii, size=st.floats(0.1, 10.0))
+@example(d=0.1, a=0.20000000000000004, size=0.1)
 def test_a_cut_law_falls_to_zero_at_the_cut_and_stays_there(d: float, a: float, size: float) -> None:
     law = leading_sphere_law(MU)
     cut = CutLaw(law, size)
