@@ -19,13 +19,14 @@ from meshes.errors import MeshError, at
 from meshes.geometry import Array, Box, Container, HalfPlane, Round, lengths
 from meshes.plugs import Plug, choose, find_gaps, pattern, prisms
 from meshes.quality import WORST_ACCEPTED, scaled_jacobian
+from meshes.seams import seam_turn
 from meshes.sizing import Resolution
 from meshes.spacing import Spacing
 from meshes.triangulate import Indices, gmsh_model
 
 OVERLAP = 0.25  # how far a plug's cylinder enters either surface, in radii of the smaller body
 ON_CURVE = 1e-5  # of a plug's radius: where gmsh's intersections lie
-FINER = (1.0, 1.25, 1.6)  # times cells_per_circle, until all cells are valid
+FINER = (1.0, 1.25, 1.6)  # times cells_per_circle, until there are cells and all are valid
 TRIANGLE, TETRAHEDRON = 2, 4  # as gmsh calls them
 
 
@@ -44,18 +45,26 @@ def fill(
 ) -> CurvedCells:
     """Curved cells of the fluid around spheres; arguments as for `meshes.build.build`.
 
-    A cell that lies flat on a sphere can turn over when it is curved; then all is meshed again with smaller
-    elements on the spheres.
+    A cell that lies flat on a sphere can turn over when it is curved, and gmsh can lose a part of a boundary:
+    then all is meshed again with smaller elements on the spheres.
 
     Raises:
-        MeshError: spheres touch, or gmsh fails.
+        MeshError: spheres touch, or gmsh fails with all sizes.
     """
+    found: CurvedCells | None = None
+    problem: MeshError | None = None
     for factor in FINER:
         finer = replace(resolution, cells_per_circle=ceil(factor * resolution.cells_per_circle))
-        cells = _fill(Spacing(container, centres, radii, finer), order)
-        if scaled_jacobian(cells.nodes[cells.cells], order).min() > WORST_ACCEPTED:
-            break
-    return cells
+        try:
+            found = _fill(Spacing(container, centres, radii, finer), order)
+        except MeshError as error:
+            problem = problem or error
+            continue
+        if scaled_jacobian(found.nodes[found.cells], order).min() > WORST_ACCEPTED:
+            return found
+    if found is None:
+        raise problem or MeshError("gmsh made no tetrahedra")
+    return found
 
 
 def _fill(spacing: Spacing, order: int) -> CurvedCells:
@@ -104,7 +113,12 @@ def _add_fluid(spacing: Spacing, plugs: Sequence[Plug]) -> None:
             whole = occ.addSphere(0.0, 0.0, 0.0, radius)
         case other:
             raise TypeError(f"no mesh for the container {other!r}")
-    holes = [(3, occ.addSphere(*x, a)) for x, a in zip(spacing.centres, spacing.radii, strict=True)]
+    holes = []
+    for tag, (x, a) in enumerate(zip(spacing.centres, spacing.radii, strict=True), 1):
+        holes.append((3, occ.addSphere(*x, a)))
+        turn = seam_turn(tag, float(a), plugs)
+        if turn.angle:
+            occ.rotate(holes[-1:], *x, *turn.axis, turn.angle)
     holes += [(3, _add_cylinder(plug)) for plug in plugs]
     if holes:
         occ.cut([(3, whole)], holes)

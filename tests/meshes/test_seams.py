@@ -1,0 +1,58 @@
+"""Seams of gmsh's spheres spare the plugs of narrow gaps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from meshes.geometry import Array, Box
+from meshes.plugs import Plug, choose, find_gaps
+from meshes.seams import AS_IT_IS, CLEARANCE, SEAM, seam_turn
+from meshes.sizing import Resolution
+from meshes.spacing import Spacing
+from tests.meshes.spheres import mesh
+
+BOX = Box((-3.0, -3.0, -3.0), (3.0, 3.0, 3.0))
+RADII = [1.0, 0.5]
+GAP = 0.01
+
+
+def pair(direction: Array) -> Array:
+    """Centres of two spheres with a narrow gap between them, the second in that direction."""
+    return np.array([np.zeros(3), (sum(RADII) + GAP) * direction / np.linalg.norm(direction)])
+
+
+def plugs(centres: Array) -> list[Plug]:
+    spacing = Spacing(BOX, centres, np.array(RADII), Resolution(1.0, 14, 1.0))
+    return choose(find_gaps(spacing), spacing)
+
+
+@pytest.mark.parametrize(
+    "direction", [[1.0, 0.0, 0.3], [-1.0, 0.05, 0.3], [0.02, 0.01, 1.0], [1.0, 0.1, 0.0]]
+)
+def test_no_rim_crosses_a_seam(direction: list[float]) -> None:
+    """As they are, the seam of one of the two spheres would cross the rim."""
+    found = plugs(pair(np.array(direction)))
+    assert len(found) == 1
+    turned = 0
+    for tag, sign in ((1, 1.0), (2, -1.0)):
+        turn = seam_turn(tag, RADII[tag - 1], found)
+        turned += turn is not AS_IT_IS
+        seam = Rotation.from_rotvec(turn.angle * turn.axis).apply(SEAM)
+        nearest = np.arccos(np.clip(sign * seam @ found[0].gap.along, -1.0, 1.0)).min()
+        assert nearest - np.arcsin(found[0].rho / RADII[tag - 1]) > CLEARANCE
+    assert turned > 0
+
+
+def test_spheres_are_left_as_they_are_where_nothing_crosses() -> None:
+    """Away from the seam, without any plug, and around a pole, where a corner of the rim lies on it."""
+    for direction in ([0.0, 1.0, 0.2], [0.0, 0.0, 1.0]):
+        found = plugs(pair(np.array(direction)))
+        assert seam_turn(1, 1.0, found) is AS_IT_IS
+    assert seam_turn(1, 1.0, []) is AS_IT_IS
+
+
+def test_a_gap_on_the_seam_is_meshed() -> None:
+    """gmsh made no tetrahedra: a side of the plug had five corners."""
+    assert mesh(BOX, pair(np.array([1.0, 0.05, 0.3])), RADII, Resolution(1.0, 12, 1.0)).quality > 0.1
