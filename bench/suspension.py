@@ -45,7 +45,7 @@ EXAMPLE = """example:
   OMP_NUM_THREADS=1 python bench/suspension.py 50 200
 
 columns: mesh (gmsh, or the move), setup (spaces, constraints), assemble (M), solve (P^T M P, MUMPS), checks
-(identities, stresses), and their sum; CPU seconds of the cheapest of some steps after a first one, so that
+(identities, stresses), and their sum; CPU seconds of the cheapest of some warm steps, so that
 the other work of the machine counts little, but its clock does. Error: of the apparent viscosity, relative.
 MB: the peak of the resident memory. All five sizes take some two minutes and 4 GB.
 """
@@ -53,7 +53,7 @@ MB: the peak of the resident memory. All five sizes take some two minutes and 4 
 
 @dataclass(frozen=True, slots=True)
 class Sheared:
-    """A suspension of free discs between sliding walls, the rate of shear is 1."""
+    """A suspension of free discs between sliding walls H apart; the rate of shear is 1."""
 
     channel: Channel
     q: Configuration

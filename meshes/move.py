@@ -30,13 +30,13 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from meshes.build import FluidMesh, coordinate_element
+from meshes.cholesky import factorised
 from meshes.curved import SIMPLEX
 from meshes.geometry import Array
 from meshes.matching import columns_of_masters, matching_nodes
 from meshes.quality import determinant, scaled_jacobian
 from meshes.rims import Rims, along, linear_weights, turned
 from meshes.rolling import Rolling, Slips
-from meshes.spd import factorised
 
 # A moved cell may differ from its base by this ratio of stretches at most, and keeps this scaled Jacobian.
 LARGEST_DISTORTION = 2.0

@@ -22,8 +22,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from meshes.cholesky import factorised
 from meshes.geometry import Array
-from meshes.spd import factorised
 
 Integers = NDArray[np.int64]
 

@@ -10,6 +10,7 @@ from petsc4py import PETSc
 
 from fsi.bodies import Array
 from fsi.errors import SolveError
+from meshes.cholesky import unfactorised
 
 # ICNTL(7). Nested dissection (PORD) saves a fifth of a large factorisation, but takes as much longer to order
 # as two to four of them save: at 1000 and at 200 discs.
@@ -139,12 +140,8 @@ class Factorisation:
 
 def _solver(matrix: PETSc.Mat, ordering: int, workspace: int) -> PETSc.KSP:
     """A solver without factors yet; workspace: more than MUMPS estimates, in percent."""
-    ksp = PETSc.KSP().create(matrix.comm)
-    ksp.setOperators(matrix)
-    ksp.setType(PETSc.KSP.Type.PREONLY)
+    ksp = unfactorised(matrix)
     pc = ksp.getPC()
-    pc.setType(PETSc.PC.Type.CHOLESKY)
-    pc.setFactorSolverType("mumps")
     pc.setFactorSetUpSolverType()
     factor = pc.getFactorMatrix()
     for option, value in ((7, ordering), (12, 1), (14, workspace)):
