@@ -34,8 +34,8 @@ class Pairs:
     shift: Integers
 
 
-def matching_nodes(fluid: FluidMesh, space: FunctionSpace) -> Pairs:
-    """The pairs of nodes of a Lagrange space on the cut; collective, none without periods.
+def matching_nodes(fluid: FluidMesh, space: FunctionSpace, x: Array) -> Pairs:
+    """The pairs of nodes x of a Lagrange space on the cut; collective, none without periods.
 
     Raises:
         MeshError: a node on one side has none on the other.
@@ -46,11 +46,10 @@ def matching_nodes(fluid: FluidMesh, space: FunctionSpace) -> Pairs:
         return Pairs(nothing, nothing, nothing.reshape(0, 0))
     nodes = fem.locate_dofs_topological(space, 1, fluid.facet_tags.find(fluid.cut_tag))
     nodes = nodes[nodes < numbers.size_local]
-    x = space.tabulate_dof_coordinates()[nodes, :2]
     own = numbers.local_to_global(nodes.astype(np.int32)).astype(np.int64)
-    parts = comm.allgather((own, x))
-    every, x = (np.concatenate([part[k] for part in parts]) for k in range(2))
-    pairs = matching_points(x, fluid.lattice)
+    parts = comm.allgather((own, x[nodes, :2]))
+    every, on_cut = (np.concatenate([part[k] for part in parts]) for k in range(2))
+    pairs = matching_points(on_cut, fluid.lattice)
     return Pairs(every[pairs.slave], every[pairs.master], pairs.shift)
 
 

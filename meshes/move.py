@@ -130,7 +130,7 @@ class Mover:
         """Slaves on the cut, local rows, how far from their masters, and P: d = P y + what is given."""
         comm, numbers = self.fluid.mesh.comm, self._vertices.dofmap.index_map
         first, rows = numbers.local_range[0], numbers.size_local
-        pairs = matching_nodes(self.fluid, self._vertices)
+        pairs = matching_nodes(self.fluid, self._vertices, self._vertices.tabulate_dof_coordinates())
         own = (pairs.slave >= first) & (pairs.slave < first + rows)
         own[own] = self._tags[pairs.slave[own] - first] == 0
         slave, away = pairs.slave[own] - first, self.fluid.lattice.shift(pairs.shift[own])

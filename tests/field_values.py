@@ -25,16 +25,16 @@ capture, write = fields.capture, fields.write_flow
 evaluated: dict[int, tuple[Array, Array]] = {}
 
 
-def evaluate(forms: Forms) -> fields.Flow:
+def evaluate(forms: Forms, x: Array) -> fields.Flow:
     """Also evaluate u at the nodes, each in the last of its cells."""
-    flow = capture(forms)
+    flow = capture(forms, x)
     cells = forms.V.dofmap.list[: forms.mesh.topology.index_map(2).size_local]
-    x, holder = forms.V.tabulate_dof_coordinates(), np.full(len(flow.x), -1, dtype=np.int32)
+    holder = np.full(len(flow.x), -1, dtype=np.int32)
     holder[cells] = np.arange(len(cells), dtype=np.int32)[:, None]
     own = np.flatnonzero(holder >= 0)
     evaluated.clear()
-    u = np.asarray(forms.u.eval(x[own], holder[own], tol=1e-10), dtype=np.float64)
-    evaluated[id(flow)] = x[own, :2].astype(np.float64), u
+    u = np.asarray(forms.u.eval(np.pad(x[own], ((0, 0), (0, 1))), holder[own], tol=1e-10), dtype=np.float64)
+    evaluated[id(flow)] = x[own].astype(np.float64), u
     return flow
 
 

@@ -39,15 +39,21 @@ class BoundaryNodes:
     """Velocity nodes of this rank, owned ones only.
 
     body_nodes: nodes on bodies, ascending, (b,); body: the body of each, (b,);
-    wall_nodes: of each wall by name; axis: on the axis of an axisymmetric mesh; x: coordinates of all owned
-    velocity nodes, (n, d).
+    wall_nodes: of each wall by name; axis: on the axis of an axisymmetric mesh; with_ghosts: coordinates of
+    all velocity nodes of this rank, owned ones first; owned: n, how many these are.
     """
 
     body_nodes: Nodes
     body: NDArray[np.int64]
     wall_nodes: dict[str, Nodes]
     axis: Nodes
-    x: Array
+    with_ghosts: Array
+    owned: int
+
+    @property
+    def x(self) -> Array:
+        """Coordinates of the owned velocity nodes, (n, d)."""
+        return self.with_ghosts[: self.owned]
 
 
 def facets_with(fluid: FluidMesh, low: int, high: int) -> NDArray[np.int32]:
@@ -62,15 +68,14 @@ def locate(fluid: FluidMesh, V: FunctionSpace) -> BoundaryNodes:
 
     A rank may own a node without owning a facet that holds it, so tags are summed over ranks.
     """
-    owned = V.dofmap.index_map.size_local
     bodies = facets_with(fluid, 1, fluid.bodies)
     tags = fluid.facet_tags.values[np.searchsorted(fluid.facet_tags.indices, bodies)]
     body_tag = _tag_of_nodes(fluid, V, bodies, tags)
     body_nodes = np.flatnonzero(body_tag).astype(np.int32)
     walls = {wall: _nodes_with(fluid, V, fluid.wall_tag(wall)) for wall in fluid.walls}
     axis = _nodes_with(fluid, V, fluid.axis_tag) if fluid.axisymmetric else np.empty(0, dtype=np.int32)
-    x = V.tabulate_dof_coordinates()[:owned, : fluid.dimension]
-    return BoundaryNodes(body_nodes, body_tag[body_nodes] - 1, walls, axis, x)
+    x = np.ascontiguousarray(V.tabulate_dof_coordinates()[:, : fluid.dimension])
+    return BoundaryNodes(body_nodes, body_tag[body_nodes] - 1, walls, axis, x, V.dofmap.index_map.size_local)
 
 
 def _nodes_with(fluid: FluidMesh, V: FunctionSpace, tag: int) -> Nodes:

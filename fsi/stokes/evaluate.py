@@ -46,7 +46,7 @@ def evaluated(found: Found, container: Container, boundary: Boundary, clock: Clo
     """Everything that follows from the nodal values."""
     system, fluid, forms, nodal = found.system, found.fluid, found.forms, found.nodal
     fill(forms, nodal.x)
-    mean_pressure = _mean_pressure(found)
+    mean_pressure = _mean_pressure(system, nodal)
     if not boundary.pressures:
         forms.p.x.array[:] -= mean_pressure
     F, dissipation = load_of(system, nodal.reaction), forms.integrate("dissipation")
@@ -61,8 +61,8 @@ def evaluated(found: Found, container: Container, boundary: Boundary, clock: Clo
         if is_force_free(system):
             checks |= viscosity_checks(bulk, E, dissipation, found.viscosity, found.q)
     require(checks)
-    own_surface = surface.collect(fluid, forms.V, nodal.reaction[: system.shares.velocities])
-    flow = fields.capture(forms)
+    x, of_velocity = found.nodes.with_ghosts, nodal.reaction[: system.shares.velocities]
+    own_surface, flow = surface.collect(fluid, forms.V, x, of_velocity), fields.capture(forms, x)
     traction_F = _by_traction(found)
     clock.lap("checks")
     return StokesSolution(
@@ -71,11 +71,10 @@ def evaluated(found: Found, container: Container, boundary: Boundary, clock: Clo
     )  # fmt: skip
 
 
-def _mean_pressure(found: Found) -> float:
+def _mean_pressure(system: System, nodal: NodalSolution) -> float:
     """Of the fluid, by its nodal values: their weights are the integrals of the shape functions."""
-    weights = nodal_vector(found.forms.bind("pressure weights"))
-    own = np.array([weights @ found.nodal.x[found.system.shares.velocities :], weights.sum()])
-    integral, area = found.system.shares.comm.allreduce(own)
+    own = np.array([system.weights @ nodal.x[system.shares.velocities :], system.weights.sum()])
+    integral, area = system.shares.comm.allreduce(own)
     return float(integral / area)
 
 

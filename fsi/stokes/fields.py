@@ -43,12 +43,11 @@ def in_space(vectors: Array) -> Array:
     return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
 
 
-def capture(forms: Forms) -> Flow:
-    """Copy the flow that stands in `forms`, with the mesh as it is now."""
+def capture(forms: Forms, x: Array) -> Flow:
+    """Copy the flow that stands in `forms`, with its nodes x, which it keeps."""
     V, topology = forms.V, forms.mesh.topology
     d = topology.dim
     cells = V.dofmap.list[: topology.index_map(d).size_local]
-    x: Array = V.tabulate_dof_coordinates()[:, :d].copy()
     return Flow(
         x,
         cells.astype(np.int64),

@@ -66,9 +66,10 @@ def mean_flow(
     return MeanFlow(still, G, np.array([net_flux / height, 0.0]), nowhere)
 
 
-def tied(shares: Layout, fluid: FluidMesh, forms: Forms) -> Layout:
-    """The layout with its slaves; collective."""
-    pairs = [matching_nodes(fluid, space) for space in (forms.V, forms.Q)]
+def tied(shares: Layout, fluid: FluidMesh, forms: Forms, x: Array) -> Layout:
+    """The layout with its slaves; collective. x: velocity nodes, ghosts last, (n, 2)."""
+    of_pressure = forms.Q.tabulate_dof_coordinates()
+    pairs = [matching_nodes(fluid, space, nodes) for space, nodes in ((forms.V, x), (forms.Q, of_pressure))]
     V, Q = forms.V.dofmap.index_map, forms.Q.dofmap.index_map
     starts = np.array(shares.comm.allgather((V.local_range[0], Q.local_range[0], V.size_local, shares.rows)))
     first_row = np.concatenate([[0], np.cumsum(starts[:, 3])])

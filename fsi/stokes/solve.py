@@ -110,10 +110,11 @@ def assembled(
         nodes = locate(fluid, forms.V)
         closed = not boundary.pressures
         iterative = is_iterative(solver, forms)
-        pin = _pinned_pressure(fluid, forms) if closed and not iterative else None
+        weights = nodal_vector(forms.bind("pressure weights"))
+        pin = _pinned_pressure(fluid, forms, weights) if closed and not iterative else None
         pressure_nodes = forms.Q.dofmap.index_map.size_local
         shares = layout(fluid.mesh.comm, nodes, tuple(boundary.velocities), pressure_nodes, pin, fluid)
-        shares = tied(shares, fluid, forms)
+        shares = tied(shares, fluid, forms, nodes.with_ghosts)
         at_walls = {wall: u(nodes.x[nodes.wall_nodes[wall]]) for wall, u in boundary.velocities.items()}
         g = wall_offset(
             shares, nodes, at_walls, dict(zip(container.walls, container.corner_axes, strict=True))
@@ -124,7 +125,7 @@ def assembled(
         coarse = coarse_velocities(fluid, forms, tuple(boundary.velocities), q) if iterative else None
         system = System(
             shares, kept.stokes_matrix(), rigid_modes(shares, nodes, q, fluid.lattice), b, g, q, motion,
-            inertia, nodes.x, mass, coarse, closed, kept,
+            inertia, nodes.x, weights, mass, coarse, closed, kept,
         )  # fmt: skip
         clock.lap("assemble")
         try:
@@ -144,13 +145,13 @@ def is_iterative(solver: str, forms: Forms) -> bool:
     return solver == "iterative"
 
 
-def _pinned_pressure(fluid: FluidMesh, forms: Forms) -> int | None:
-    """Local number of the pressure node to pin, on its owner: the one with the largest weight |int q|.
+def _pinned_pressure(fluid: FluidMesh, forms: Forms, weights: Array) -> int | None:
+    """Local number of the pressure node to pin, on its owner: the one with the largest weight |int q|, given.
 
     A node inside a gap would lose 7 digits: its divergence row is the smallest of all. One on the cut of a
     periodic domain would have an image that is not pinned.
     """
-    weights = np.abs(nodal_vector(forms.bind("pressure weights")))
+    weights = np.abs(weights)
     if fluid.lattice.dimension:
         on_cut = fem.locate_dofs_topological(forms.Q, 1, fluid.facet_tags.find(fluid.cut_tag))
         weights[on_cut[on_cut < len(weights)]] = 0.0

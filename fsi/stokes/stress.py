@@ -22,7 +22,7 @@ from mpi4py import MPI
 from fsi.bodies import Array, Configuration
 from fsi.bulk import BulkStress, area_fraction
 from fsi.stokes.boundary import BoundaryNodes
-from fsi.stokes.system import NodalSolution, System, multiply
+from fsi.stokes.system import NodalSolution, System
 from meshes.cell import Cell, Channel, Periodic
 from meshes.lattice import Lattice
 
@@ -66,12 +66,15 @@ def bulk_stress(
 
 
 def _viscous_part(system: System, x: Array, solution: NodalSolution) -> Array:
-    """The components xx, xy, yy of int 2 mu e over the fluid, (3,): int 2 mu e:D = D x . A u."""
+    """The components xx, xy, yy of int 2 mu e over the fluid, (3,).
+
+    int 2 mu e:D = D x . A u, where A u = b + lambda - B^T p, and D x . B^T p = - tr D int p.
+    """
     velocities = system.shares.velocities
-    u = np.where(np.arange(len(solution.x)) < velocities, solution.x, 0.0)
-    Au = multiply(system.M, u)[:velocities].reshape(-1, 2)
-    shear = 0.5 * (x[:, 1] @ Au[:, 0] + x[:, 0] @ Au[:, 1])
-    own: Array = np.array([x[:, 0] @ Au[:, 0], shear, x[:, 1] @ Au[:, 1]])
+    t = (system.b + solution.reaction)[:velocities].reshape(-1, 2)
+    of_pressure = float(system.weights @ solution.x[velocities:])
+    shear = 0.5 * (x[:, 1] @ t[:, 0] + x[:, 0] @ t[:, 1])
+    own: Array = np.array([x[:, 0] @ t[:, 0] + of_pressure, shear, x[:, 1] @ t[:, 1] + of_pressure])
     system.shares.comm.Allreduce(MPI.IN_PLACE, own)
     return own
 

@@ -47,8 +47,11 @@ class Surface:
     axisymmetric: bool
 
 
-def collect(fluid: FluidMesh, V: FunctionSpace, reaction: Array) -> Surface:
-    """Gather the surfaces of all bodies on root; collective. reaction: this rank's rows of u."""
+def collect(fluid: FluidMesh, V: FunctionSpace, x: Array, reaction: Array) -> Surface:
+    """Gather the surfaces of all bodies on root; collective.
+
+    x: nodes of V, ghosts last, (n, d); reaction: this rank's rows of u.
+    """
     tags = fluid.facet_tags
     on_body = (tags.values >= 1) & (tags.values <= fluid.bodies)
     facets, body = tags.indices[on_body], tags.values[on_body] - 1
@@ -62,9 +65,8 @@ def collect(fluid: FluidMesh, V: FunctionSpace, reaction: Array) -> Surface:
     lambda_h.x.array[: len(reaction)] = reaction
     lambda_h.x.scatter_forward()
     values = lambda_h.x.array.reshape(-1, d)[mine]
-    x = V.tabulate_dof_coordinates()[mine, :d]
     node = V.dofmap.index_map.local_to_global(mine.astype(np.int32))
-    parts = fluid.mesh.comm.gather((node, x, values, numbers, body))
+    parts = fluid.mesh.comm.gather((node, x[mine], values, numbers, body))
     if parts is None:
         none, nothing = np.empty((0, d)), np.empty(0, dtype=np.int64)
         return Surface(none, nothing.reshape(0, d), degree, nothing, none, fluid.lattice, fluid.axisymmetric)

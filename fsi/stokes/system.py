@@ -42,9 +42,9 @@ class System:
 
     M: Stokes matrix of all unknowns; rigid: rigid modes at the nodes on bodies, (rows, M N); b: loads,
     g: given wall velocities, arrays over this rank's rows; q: the bodies; motion, inertia: what drives them;
-    x: coordinates of this rank's velocity nodes, (n, d); mass: of the pressure / mu, and coarse: velocities
-    of degree 1, for the iterative solver, None for the direct one; closed: no wall is open; workspace: whose
-    M is, and that keeps the factors.
+    x: coordinates of this rank's velocity nodes, (n, d); weights: int q over the fluid for each of its
+    rows of p; mass: of the pressure / mu, and coarse: velocities of degree 1, for the iterative solver, None
+    for the direct one; closed: no wall is open; workspace: whose M is, and that keeps the factors.
     """
 
     shares: Layout
@@ -56,6 +56,7 @@ class System:
     motion: Motion
     inertia: Inertia | None
     x: Array
+    weights: Array
     mass: PETSc.Mat | None
     coarse: Coarse | None
     closed: bool

@@ -18,6 +18,7 @@ from fsi.stokes.constraints import Layout, Prolongation
 from fsi.stokes.forms import Forms
 from fsi.stokes.linear import Factorisation
 from fsi.stokes.matrices import StokesMatrix, galerkin
+from fsi.stokes.memory import keep_freed
 from meshes.build import FluidMesh
 
 
@@ -62,6 +63,7 @@ class Workspace:
 
     def __init__(self, *, lasting: bool = True) -> None:
         """Empty; lasting: for many solves."""
+        keep_freed()
         self.lasting = lasting
         self._forms: Forms | None = None
         self._stokes: StokesMatrix | None = None
