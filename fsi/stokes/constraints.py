@@ -70,9 +70,13 @@ class Layout:
     def free(self) -> NDArray[np.bool_]:
         """Which rows are unknowns themselves: neither given, nor on a body, nor images of others, (rows,)."""
         free = np.ones(self.rows, dtype=bool)
-        for rows in (self.fixed, self.slave, self.on_body):
-            free[rows] = False
+        free[self.constrained] = False
         return free
+
+    @property
+    def constrained(self) -> NDArray[np.int64]:
+        """The other rows."""
+        return np.concatenate([self.fixed, self.slave, self.on_body])
 
     @property
     def modes_of_each(self) -> int:

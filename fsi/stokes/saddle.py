@@ -75,14 +75,22 @@ def solve_multiplier(system: System) -> NodalSolution:
     with Factorisation(matrix) as factors:
         solution, residual = (found[..., 0] for found in factors.solve(rhs[:, None]))
     x = multiply(S, solution[:own_flow]) + system.g
-    # The multipliers hold the bodies; what holds walls and slaves is M x - b as in the eliminated form.
-    reaction = multiply(system.M, x) - system.b
+    reaction = np.zeros(shares.rows)
     reaction[shares.on_body] = solution[own_flow : own_flow + own_multipliers]
+    reaction = _with_walls(system, x, reaction)
     U = system.motion.U.copy()
     U.ravel()[free] = shares.comm.bcast(solution[own_flow + own_multipliers :].copy())
     for used in (S, flow, matrix):
         used.destroy()
     return NodalSolution(x, reaction, U, float(residual))
+
+
+def _with_walls(system: System, x: Array, reaction: Array) -> Array:
+    """Add what the multipliers do not hold: M x - b on the rows of walls and of slaves."""
+    complete = reaction.copy()
+    fixed = np.concatenate([system.shares.fixed, system.shares.slave])
+    complete[fixed] = (multiply(system.M, x) - system.b)[fixed]
+    return complete
 
 
 def _renumbered(flow: PETSc.Mat, starts: list[int]) -> tuple[Index, Index, Array]:

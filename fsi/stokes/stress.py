@@ -68,15 +68,24 @@ def bulk_stress(
 def _viscous_part(system: System, x: Array, solution: NodalSolution) -> Array:
     """The components xx, xy, yy of int 2 mu e over the fluid, (3,).
 
-    int 2 mu e:D = D x . A u, where A u = b + lambda - B^T p, and D x . B^T p = - tr D int p.
+    int 2 mu e:D = D x . A u, where A u = b + lambda - B^T p, and D x . B^T p = - tr D int p. Slaves and their
+    masters, with opposite lambda, count by how far they are apart.
     """
-    velocities = system.shares.velocities
-    t = (system.b + solution.reaction)[:velocities].reshape(-1, 2)
-    of_pressure = float(system.weights @ solution.x[velocities:])
-    shear = 0.5 * (x[:, 1] @ t[:, 0] + x[:, 0] @ t[:, 1])
-    own: Array = np.array([x[:, 0] @ t[:, 0] + of_pressure, shear, x[:, 1] @ t[:, 1] + of_pressure])
-    system.shares.comm.Allreduce(MPI.IN_PLACE, own)
-    return own
+    shares = system.shares
+    moments = _moments(x, system.b[: shares.velocities])
+    at = x.copy()
+    on_side = shares.slave < shares.velocities
+    at[shares.slave[on_side] // 2] = shares.away[on_side]
+    moments += _moments(at, solution.reaction[: shares.velocities])
+    moments[[0, 2]] += float(system.weights @ solution.x[shares.velocities :])
+    shares.comm.Allreduce(MPI.IN_PLACE, moments)
+    return moments
+
+
+def _moments(x: Array, nodal: Array) -> Array:
+    """The components xx, xy, yy of sym x (x) f summed over nodes x (n, 2), for their forces f."""
+    f = nodal.reshape(-1, 2)
+    return np.array([x[:, 0] @ f[:, 0], 0.5 * (x[:, 1] @ f[:, 0] + x[:, 0] @ f[:, 1]), x[:, 1] @ f[:, 1]])
 
 
 def _wall_stress(

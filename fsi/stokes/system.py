@@ -4,13 +4,14 @@ Without constraints, for nodal values x = (u, p), the rows of u read
 
     M x = b + lambda      M = [A B^T; B 0],   b = loads (f, v) and <t, v> on open walls,
 
-where lambda, the nodal reaction, is zero inside and unknown on bodies and walls. With x = P y + g
-(see `constraints`), rigid^T lambda = (F, T) for every free mode closes the system:
+where lambda, the nodal reaction, is zero inside and unknown on bodies, walls and the sides of periodic
+domains. With x = P y + g (see `constraints`), rigid^T lambda = (F, T) for every free mode closes the system:
 
     P^T M P y = P^T (b - M g) + (F, T)
 
-and lambda comes back as M x - b. This is EXACTLY the saddle-point system of `saddle`, with its
-multiplier and the rigid boundary values eliminated.
+and lambda comes back as M x - b. Both g and lambda live on constrained rows; of M itself only those rows are
+needed. This is EXACTLY the saddle-point system of `saddle`, with its multiplier and the rigid boundary values
+eliminated.
 
 The direct solver leaves held modes out of y; the iterative one, which wants whole bodies, keeps all modes in
 y and sets the held ones to zero.
@@ -32,7 +33,7 @@ from fsi.stokes.coarse import Coarse, transfer
 from fsi.stokes.constraints import Layout
 from fsi.stokes.iterative import Blocks, Iteration
 from fsi.stokes.linear import Factorisation
-from fsi.stokes.workspace import Workspace
+from fsi.stokes.workspace import Elimination, Workspace
 from meshes.aliases import Form
 
 
@@ -78,7 +79,8 @@ class System:
 class NodalSolution:
     """What the linear system gives.
 
-    x: values of (u, p), and reaction: lambda, arrays over this rank's rows; U: (N, M) on all ranks;
+    x: values of (u, p), and reaction: lambda, arrays over this rank's rows; on those of masters it is left
+    out, being minus that of their slaves; U: (N, M) on all ranks;
     residual: relative residual of the linear system; iterations: most of them, 0 by the direct solver.
     """
 
@@ -168,11 +170,11 @@ def factorised(system: System) -> Iterator[Callable[[Array], Iterator[NodalSolut
     _add_to_diagonal(reduced, first_mode, D[system.kept][:own])
     if system.mass is None or system.coarse is None:
         factors = elimination.factors(lasting=system.workspace.lasting)
-        yield lambda U: _respond(system, elimination.P, factors, U)
+        yield lambda U: _respond(system, elimination, factors, U)
         return
     try:
         with _iteration(system, system.mass, system.coarse, reduced, first_mode) as iteration:
-            yield lambda U: _respond(system, elimination.P, iteration, U)
+            yield lambda U: _respond(system, elimination, iteration, U)
     finally:
         system.workspace.forget_elimination()
 
@@ -198,12 +200,15 @@ def _iteration(
 
 
 def _respond(
-    system: System, P: PETSc.Mat, solver: Factorisation | Iteration, held_U: Array
+    system: System, elimination: Elimination, solver: Factorisation | Iteration, held_U: Array
 ) -> Iterator[NodalSolution]:
     """The solutions with velocities held_U (k, N, M) of the held modes, zero on the free ones."""
     free, kept, own = ~system.motion.held, system.kept, system.own_kept
+    P, M, rows = elimination.P, elimination.constrained, system.shares.constrained
     g = [system.g + body_velocity(system, U) for U in held_U]
-    rhs = np.column_stack([multiply_transpose(P, system.b - multiply(system.M, offset)) for offset in g])
+    # M is symmetric.
+    loads = [system.b - multiply_transpose(M, offset[rows]) for offset in g]
+    rhs = np.column_stack([multiply_transpose(P, load) for load in loads])
     first_mode = len(rhs) - own
     rhs[first_mode:] += mode_equations(system)[1][kept][:own, None]
     rhs[first_mode:][~free.ravel()[kept][:own]] = 0.0
@@ -212,7 +217,8 @@ def _respond(
         x = multiply(P, y) + offset
         moved = U.copy()
         moved[free] = system.shares.comm.bcast(y[first_mode:])[free.ravel()[kept]]
-        reaction = multiply(system.M, x) - system.b
+        reaction = np.zeros(len(x))
+        reaction[rows] = multiply(M, x) - system.b[rows]
         yield NodalSolution(x, reaction, moved, float(residual), solver.iterations)
 
 

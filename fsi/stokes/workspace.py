@@ -23,7 +23,7 @@ from meshes.build import FluidMesh
 
 
 class Elimination:
-    """P, P^T M P and its factors, for one layout of rows; `shares`, `kept` say which."""
+    """P, P^T M P and its factors, and the constrained rows of M; `shares`, `kept` say for which layout."""
 
     def __init__(self, M: PETSc.Mat, shares: Layout, rigid: PETSc.Mat, kept: NDArray[np.bool_]) -> None:
         """Make P and P^T M P; the factors are made when they are wanted."""
@@ -31,12 +31,16 @@ class Elimination:
         self._prolongation = Prolongation(shares, rigid, kept)
         self.P = self._prolongation.matrix
         self.reduced = galerkin(M, self.P)
+        first = M.getOwnershipRange()[0]
+        self._rows = PETSc.IS().createGeneral((first + shares.constrained).astype(PETSc.IntType), M.comm)
+        self.constrained = M.createSubMatrix(self._rows)
         self._factors: Factorisation | None = None
 
     def update(self, M: PETSc.Mat, rigid: PETSc.Mat) -> None:
-        """P and P^T M P with other values of M and of the rigid modes, in place."""
+        """The same with other values of M and of the rigid modes, in place."""
         self._prolongation.update(rigid)
         galerkin(M, self.P, self.reduced)
+        M.createSubMatrix(self._rows, submat=self.constrained)
 
     def factors(self, *, lasting: bool) -> Factorisation:
         """The factors of `reduced` as it is now; lasting: it will change its values many times.
@@ -54,8 +58,8 @@ class Elimination:
         """Free the matrices."""
         if self._factors is not None:
             self._factors.destroy()
-        self.reduced.destroy()
-        self.P.destroy()
+        for used in (self.constrained, self._rows, self.reduced, self.P):
+            used.destroy()
 
 
 class Workspace:
