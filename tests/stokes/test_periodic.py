@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -150,6 +152,54 @@ def test_both_forms_agree() -> None:
     channel = Channel((0.0, -2.6), (5.0, 2.6))
     one, other = (in_channel(channel, THREE, pulled, None, 1.0, form) for form in FORMULATIONS)
     assert_allclose(one.U, other.U, rtol=0, atol=1e-9 * np.abs(other.U).max())
+
+
+@pytest.mark.parametrize("gap", [1e-2, 1e-4])
+def test_an_array_about_to_touch(gap: float) -> None:
+    """Lubrication alone: mu_app -> sum (d n.E.n)^2 (3 pi / 2) q^(-3/2) / |Omega| over the pairs of a disc.
+
+    Of its three pairs in a hexagonal lattice two lie at 60 degrees to the flow, d n.E.n = (sqrt 3 / 4) d. All
+    the gaps of the cut are then so narrow that no node of the mesh lies between bodies.
+    """
+    d = 2.0 + gap
+    cell = Cell(((d, 0.0), (0.5 * d, 0.5 * np.sqrt(3.0) * d)), ((0.0, 1.0), (0.0, 0.0)))
+    found = in_cell(cell, discs([(0.3, 0.2)], [1.0]), resolution=Resolution(1.0, 48, 0.2))
+    leading = 2.0 * (0.25 * np.sqrt(3.0) * d) ** 2 * 1.5 * np.pi * gap**-1.5 / cell.area
+    assert found.apparent_viscosity == pytest.approx(leading, rel=2.5 * gap)
+    assert found.U[0, 2] == pytest.approx(-0.5, abs=1e-6)
+
+
+# From a method of its own kind: Goursat's functions as series about the discs and their images, and
+# polynomials; collocation, least squares, residual 1e-12. It gives the drags of square_array_drag.json.
+THREE_IN_A_CELL = [(-1.3, -0.9, 0.8), (1.3, -0.4, 0.7), (-0.1, 1.2, 0.6)]
+
+
+@pytest.mark.parametrize(
+    ("gradient", "mu", "N_1"),
+    [
+        (((0.0, 1.0), (0.0, 0.0)), 1.4958338873024166, -0.0333384962675712),
+        (((1.0, 0.0), (0.0, -1.0)), 1.6295481265139613, 6.518192506055845),
+    ],
+)
+def test_stress_of_three_discs_in_an_oblique_cell(gradient: Any, mu: float, N_1: float) -> None:
+    q = discs([(x, y) for x, y, _ in THREE_IN_A_CELL], [a for *_, a in THREE_IN_A_CELL])
+    found = in_cell(Cell(((5.0, 0.0), (0.7, 4.6)), gradient), q, resolution=Resolution(1.0, 48, 0.2))
+    assert found.bulk is not None
+    assert found.apparent_viscosity == pytest.approx(mu, rel=1e-6)
+    assert found.bulk.normal_stress_difference == pytest.approx(N_1, abs=5e-6)
+
+
+@pytest.mark.parametrize(
+    ("c", "drag"), [("0.15", 36.52221440154361), ("0.35", 133.38491667477612), ("0.6", 901.6068826346952)]
+)
+def test_hexagonal_array(c: str, drag: float) -> None:
+    """F / (mu U) by the same method, along a row of discs."""
+    area = 0.5 * np.sqrt(3.0)
+    cell = Cell(((1.0, 0.0), (0.5, area)), ((0.0, 0.0), (0.0, 0.0)))
+    q = discs([(0.31, 0.72)], [np.sqrt(float(c) * area / np.pi)])
+    F = in_cell(cell, q, held((1.0, 0.0, 0.0)), Resolution(1.0, 48, 0.2)).F
+    assert F[0, 0] == pytest.approx(drag, rel=1e-5)
+    assert abs(F[0, 1]) < 1e-6 * drag
 
 
 def test_settling_in_a_cell_is_balanced_by_the_pressure() -> None:
