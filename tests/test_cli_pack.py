@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import math
 import subprocess
 import sys
 from pathlib import Path
+from typing import Literal
 
 import pytest
 
@@ -29,6 +31,20 @@ def test_what_it_writes_is_what_a_case_takes(tmp_path: Path) -> None:
     assert {round(b["radius"], 12) for b in written["bodies"]} == {round(2 / 2.4, 12), round(2.8 / 2.4, 12)}
     assert (written["kind"], written["seed"], written["spread"]) == ("random", 5, 1.4)
     assert (tmp_path / "discs.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("cell", ["channel", "periodic", "box"])
+def test_what_it_prints_is_the_domain(
+    cell: Literal["channel", "periodic", "box"], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pack("square", output=tmp_path / "discs.json", number=4, cell=cell)
+    lines = capsys.readouterr().out.splitlines()[1:-1]
+    text = ['name = "packed"', 'bodies_from = "discs.json"', "fluid.viscosity = 1.0", *lines]
+    (tmp_path / "case.toml").write_text("\n".join(text))
+    sides = json.loads((tmp_path / "discs.json").read_text())["upper"]
+    container = load_case(tmp_path / "case.toml").container()
+    assert len(container.periods) == {"channel": 1, "periodic": 2, "box": 0}[cell]
+    assert container.size() == pytest.approx(math.hypot(*sides))
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from fsi.cli.arguments import require_writable
 from fsi.errors import InputError
 
 if TYPE_CHECKING:
-    from fsi.configurations.arrangement import Arrangement
+    from fsi.configurations.arrangement import Arrangement, Cell
     from fsi.configurations.kinds import Wanted
 
 EXAMPLE = "Example: fsi pack random --number 50 --area-fraction 0.4 --gap 0.02 --seed 1 -o random.json"
@@ -161,16 +161,21 @@ def _make(kind: Kind, wanted: Wanted, output: Path, drawn: Path) -> None:
 
 def _tell(arrangement: Arrangement, output: Path, drawn: Path) -> None:
     """What was made, and the [domain] that it fits in."""
-    upper = ", ".join(repr(side) for side in arrangement.cell.sides)
-    lower = ", ".join("0.0" for _ in arrangement.cell.sides)
-    periodic = ", ".join(
-        f'"{axis}"' for axis, so in zip("xyz", arrangement.cell.periodic, strict=False) if so
-    )
     gaps = f"smallest gap {arrangement.smallest_gap():.4g}"
     if arrangement.cell.walled.size:
         gaps += f", to a wall {arrangement.smallest_wall_gap():.4g}"
     typer.echo(f"{len(arrangement.radii)} bodies, area fraction {arrangement.fraction():.6g}, {gaps}")
-    typer.echo(f"domain.lower = [{lower}]\ndomain.upper = [{upper}]")
-    if periodic:
-        typer.echo(f"domain.periodic = [{periodic}]")
+    typer.echo("\n".join(_domain(arrangement.cell)))
     typer.echo(f"wrote {output} and {drawn}")
+
+
+def _domain(cell: Cell) -> list[str]:
+    """The lines of a case that make this cell its domain; in space there is none with periodic sides."""
+    if cell.dimension == 2 and all(cell.periodic):
+        length, height = cell.sides
+        return ['domain.shape = "cell"', f"domain.vectors = [[{length!r}, 0.0], [0.0, {height!r}]]"]
+    upper = ", ".join(repr(side) for side in cell.sides)
+    lower = ", ".join("0.0" for _ in cell.sides)
+    periodic = ", ".join(f'"{axis}"' for axis, so in zip("xyz", cell.periodic, strict=False) if so)
+    lines = [f"domain.lower = [{lower}]", f"domain.upper = [{upper}]"]
+    return [*lines, f"domain.periodic = [{periodic}]"] if periodic else lines

@@ -60,6 +60,7 @@ def _proposal(
     sides = np.array(cell.sides)
     squares = np.maximum(2 * (sides // (2.0 * width)), 1)  # even: colours alternate across periodic sides
     shift, colour = rng.random(cell.dimension) * sides, rng.integers(2, size=cell.dimension)
+    shift[(squares == 1) & ~np.array(cell.periodic)] = 0.0  # or there would be two, of one colour
 
     def square(y: Array) -> Array:
         index: Array = np.floor((y + shift) / sides * squares)

@@ -209,3 +209,10 @@ def test_lognormal_radii_have_their_deviation() -> None:
     radii = lognormal(20000, 1.0, 0.3, np.random.default_rng(0))
     assert radii.std() == pytest.approx(0.3, rel=0.03)  # standard error 0.7 %
     assert np.log(radii).std() == pytest.approx(sqrt(np.log1p(0.09)), rel=0.03)
+
+
+@pytest.mark.parametrize("periodic", [CHANNEL, BOX])
+def test_a_channel_so_low_that_the_chequerboard_is_one_square_high(periodic: tuple[bool, ...]) -> None:
+    """Laid across it, two squares of one colour met there, and of their bodies both moved."""
+    radii = monodisperse(30, 1.0)
+    check(random_arrangement(radii, 0.4, periodic, 20.0, 0.02, 1), 0.4, 0.02)
