@@ -109,6 +109,8 @@ def _read_json(path: Path, text: str) -> tuple[list[Any], tuple[float, ...] | No
         data = json.loads(text)
     except json.JSONDecodeError as error:
         raise _refusal(path, f"not JSON: {error}; correct the file there") from None
+    except RecursionError:
+        raise _refusal(path, "nested too deeply; give a list of bodies") from None
     if isinstance(data, dict) and isinstance(data.get("bodies"), list):
         corners = [data.get(key) for key in ("lower", "upper")]
         return data["bodies"], _sides(*corners)

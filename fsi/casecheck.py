@@ -14,7 +14,7 @@ import numpy as np
 from fsi.bodies import Array, rigid_motion
 from fsi.domain import BoxDomain
 from fsi.errors import InputError
-from fsi.forcelaws import Gravity
+from fsi.forcelaws import Gravity, PairForce, Tabulated
 from fsi.gaps import find_gaps
 from fsi.reduced.check import check_reduced
 from fsi.section import toml_text
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 # A gap is touching when it is no larger than what rounding makes of coordinates of this size.
 _ROUNDING = 8.0 * float(np.finfo(float).eps)
+# Times the size of a periodic domain: a body so far away has its image to nine digits.
+_FARTHEST = 1e6
 
 
 def check_case(case: Case) -> None:
@@ -81,6 +83,7 @@ def _check_room(case: Case) -> None:
             f"bodies.{i}.position = {toml_text(case.bodies[i].position)}: body {case.names[i]!r} touches or "
             f"crosses wall {container.walls[w]!r} (gap {wall_gaps[i, w]:.6g}); move or shrink it"
         )
+    _check_near(case, container)
     gaps = find_gaps(q, container, reach=touching)
     for (i, j), gap in zip(gaps.pairs[:1], gaps.pair_gaps[:1], strict=True):
         other = repr(case.names[j]) if i != j else "its image"
@@ -88,6 +91,17 @@ def _check_room(case: Case) -> None:
             f"bodies.{j}.position = {toml_text(case.bodies[j].position)}: bodies {case.names[i]!r} and "
             f"{other} overlap or touch (gap {gap:.6g}); move them apart"
         )
+
+
+def _check_near(case: Case, container: Container) -> None:
+    """Bodies of a periodic domain are given by images so near that rounding leaves their gaps alone."""
+    farthest = _FARTHEST * container.size() if len(container.periods) else np.inf
+    for i, body in enumerate(case.bodies):
+        if np.linalg.norm(body.position) > farthest:
+            raise InputError(
+                f"bodies.{i}.position = {toml_text(body.position)}: rounding hides where its image in "
+                "the periodic domain lies; give the position of an image near the origin"
+            )
 
 
 def _check_axis(case: Case) -> None:
@@ -148,6 +162,7 @@ def _check_forces(case: Case) -> None:
     """Gravity has the dimension of the case and something to act on; nothing pulls a body onto the axis."""
     for k, force in enumerate(case.forces):
         if not isinstance(force, Gravity):
+            _check_reach(force, k, case.container())
             continue
         here = f"forces.{k}.acceleration = {toml_text(force.acceleration)}"
         if len(force.acceleration) != case.dimension:
@@ -156,6 +171,26 @@ def _check_forces(case: Case) -> None:
             raise InputError(f"{here}: is not along the axis; give [0.0, g_z]")
         if force.density_difference is None and all(body.mass is None for body in case.bodies):
             raise InputError(f"{here}: no body has a mass; give density_difference, or bodies a mass")
+
+
+def _check_reach(force: PairForce, k: int, container: Container) -> None:
+    """A law of the gap ends before `find_gaps` does, which looks no farther than a periodic domain is large.
+
+    The longer diagonal of a cell of the area A is at least sqrt(2 A) at all times.
+    """
+    match container:
+        case Channel():
+            farthest = container.size()
+        case Cell():
+            farthest = float(np.sqrt(2.0 * container.area))
+        case _:
+            return
+    if force.reach > farthest:
+        key = "gaps" if isinstance(force, Tabulated) else "cutoff"
+        raise InputError(
+            f"forces.{k}.{key} = {toml_text(getattr(force, key))}: reaches farther than the periodic domain "
+            f"is large; end it at a gap of {farthest:.6g} or less"
+        )
 
 
 def _check_flux(case: Case) -> None:

@@ -85,10 +85,10 @@ class RoundDomain(Walled):
 
 
 def _domain_kind(value: Any) -> str:
-    """The shape; for a misspelt one the shape whose keys are given, which then refuses its name."""
+    """The shape; for a misspelt or missing one that whose keys are given, which then refuses its name."""
     if not isinstance(value, dict):
         return "<channel>" if isinstance(value, ChannelDomain) else f"<{getattr(value, 'shape', 'box')}>"
-    shape = value.get("shape", "box")
+    shape = value.get("shape", "box" if "lower" in value else None)
     if shape not in ("box", "half-plane", "round", "cell"):
         shape = "half-plane" if "radius" in value else "cell" if "vectors" in value else "box"
     return "<channel>" if shape == "box" and "periodic" in value else f"<{shape}>"

@@ -37,7 +37,9 @@ class ChannelDomain(_Periodic):
     """The box between the walls bottom and top, periodic along x: there is no wall left or right."""
 
     shape: Literal["box"] = Field(default="box", description='"box"')
-    periodic: tuple[Literal["x"]] = Field(description='the periodic directions: ["x"]')
+    periodic: tuple[Literal["x"]] = Field(
+        description='the periodic directions: ["x"]; for both give shape = "cell"'
+    )
     lower: Vector = Field(description="the lower left corner [x, y], left of and below `upper`")
     upper: Vector = Field(description="the upper right corner [x, y], right of and above `lower`")
     pressure_gradient: float = Field(default=0.0, description="the mean dp/dx, a number")
@@ -107,8 +109,9 @@ class CellDomain(_Periodic):
     @classmethod
     def _independent(cls, vectors: tuple[Vector, Vector]) -> tuple[Vector, Vector]:
         area = abs(np.linalg.det(np.array(vectors)))
-        if not area > 1e-9 * np.prod(np.hypot(*np.transpose(vectors))):
-            raise ValueError("the vectors are parallel; give two that span a cell")
+        longest = float(np.hypot(*np.transpose(vectors)).max())
+        if not area > 1e-9 * longest * longest:
+            raise ValueError("the vectors are parallel, or one is far too short; give two that span a cell")
         return vectors
 
     @field_validator("extension")

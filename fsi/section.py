@@ -33,9 +33,10 @@ class Section(BaseModel):
     @classmethod
     def _known_keys(cls, data: Any) -> Any:
         if isinstance(data, dict):
+            known = [name for name, field in cls.model_fields.items() if not _is_tag(field.alias or name)]
             for key in data:
                 if not _is_tag(key):
-                    refuse_unknown(key, cls.model_fields)
+                    refuse_unknown(key, known)
         return data
 
 

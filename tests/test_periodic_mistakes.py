@@ -33,6 +33,11 @@ CELL = {"shape": "cell", "vectors": [[8.0, 0.0], [1.0, 8.0]]}
         ),
         (CELL | {"shear": 1.0, "extension": 1.0}, ["domain.extension", "drop one"]),
         (CELL | {"walls": {"top": [1.0, 0.0]}}, ["domain.walls", "no walls", "drop it"]),
+        (CELL | {"vectors": [[1e-300, 0.0], [0.0, 1e300]]}, ["domain.vectors", "far too short"]),
+        (CELL | {"vectors": [[8e12, 0.0], [0.0, 8.0]]}, ["domain.vectors", "far too short"]),
+        (CELL | {"geometry": "planar"}, ["domain.geometry", "unknown key", "use domain.vectors"]),
+        (CHANNEL | {"periodic": ["x", "y"]}, ["domain.periodic", 'for both give shape = "cell"']),
+        ({"vectors": CELL["vectors"]}, ["domain.shape", "missing", '"cell"']),
     ],
 )
 def test_mistakes(domain: dict[str, Any], parts: list[str]) -> None:
@@ -49,6 +54,30 @@ def test_only_planar_domains_are_periodic(domain: dict[str, Any]) -> None:
     data = changed("bodies", [body]) | {"domain": domain, "geometry": "axisymmetric"}
     with pytest.raises(InputError, match="planar"):
         parse_case(data)
+
+
+@pytest.mark.parametrize("domain", [CHANNEL, CELL])
+def test_an_image_too_far_away_to_be_told(domain: dict[str, Any]) -> None:
+    """1e30 is rounded to whole multiples of 1e14 periods: where the body lies in the cell is not known."""
+    body = {"name": "disc", "radius": 1.0, "position": [1e30, 3.0]}
+    with pytest.raises(InputError, match=r"bodies\.0\.position = \[1e\+30, 3\.0\]: .* near the origin"):
+        parse_case(changed("bodies", [body]) | {"domain": domain})
+
+
+@pytest.mark.parametrize("domain", [CHANNEL, CELL])
+def test_a_force_that_reaches_beyond_the_images_that_are_looked_for(domain: dict[str, Any]) -> None:
+    """It would be cut off unsaid: 22.6 in the channel, and sqrt(2 64) in the cell at any strain."""
+    body = {"name": "disc", "radius": 1.0, "position": [0.0, 3.0]}
+    law = {"kind": "repulsion", "law": "power", "strength": 1.0, "length": 0.1, "exponent": 1.0}
+    data = changed("bodies", [body]) | {"domain": domain}
+    with pytest.raises(
+        InputError, match=r"forces\.0\.cutoff = 30\.0: reaches farther .* gap of (22\.6|11\.3)"
+    ):
+        parse_case(data | {"forces": [law | {"cutoff": 30.0}]})
+    parse_case(data | {"forces": [law | {"cutoff": 11.0}]})
+    table = {"kind": "repulsion", "law": "table", "gaps": [0.1, 30.0], "values": [1.0, 0.0]}
+    with pytest.raises(InputError, match=r"forces\.0\.gaps = \[0\.1, 30\.0\]: reaches farther"):
+        parse_case(data | {"forces": [table]})
 
 
 def test_bodies_of_a_cell_have_no_inertia() -> None:
