@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import nan
 
 import numpy as np
 
@@ -14,23 +15,25 @@ from fsi.bodies import Array
 class BulkStress:
     """The mean stress over a periodic domain, of the area |Omega| with the bodies in it.
 
-        Sigma = 1/|Omega| int sigma  =  fluid + 1/|Omega| sum_i S_i
+        Sigma = fluid + 1/|Omega| sum_i S_i + forces
 
     fluid: int over the fluid of sigma over |Omega|, (2, 2), with the mean pressure of the fluid zero;
     stresslets: S_i = - sym int r (x) sigma n, n out of the fluid, (N, 2, 2): what the fluid does to body i
-    (Batchelor 1970, J. Fluid Mech. 41:545); area: |Omega|; apparent_viscosity: over that of the fluid, None
-    without a mean strain rate.
+    (Batchelor 1970, J. Fluid Mech. 41:545); forces: - 1/|Omega| sum r (x) F, (2, 2), what forces between
+    bodies carry, r from the one to the other on which F acts (Batchelor 1977, J. Fluid Mech. 83:97); area:
+    |Omega|; apparent_viscosity: over that of the fluid, None without a mean strain rate.
     """
 
     fluid: Array
     stresslets: Array
+    forces: Array
     area: float
     apparent_viscosity: float | None
 
     @property
     def mean(self) -> Array:
         """Sigma, (2, 2)."""
-        total: Array = self.fluid + self.stresslets.sum(axis=0) / self.area
+        total: Array = self.fluid + self.stresslets.sum(axis=0) / self.area + self.forces
         return total
 
     @property
@@ -40,10 +43,16 @@ class BulkStress:
 
     @property
     def record(self) -> Mapping[str, float]:
-        """Columns of steps.csv."""
-        mu = {} if self.apparent_viscosity is None else {"apparent_viscosity": self.apparent_viscosity}
+        """Columns of steps.csv; the apparent viscosity is not a number at instants without a strain rate."""
+        mu = nan if self.apparent_viscosity is None else self.apparent_viscosity
         (xx, xy), (_, yy) = self.mean.tolist()
-        return {**mu, "stress_xx": xx, "stress_xy": xy, "stress_yy": yy, "N_1": self.normal_stress_difference}
+        return {
+            "apparent_viscosity": mu,
+            "stress_xx": xx,
+            "stress_xy": xy,
+            "stress_yy": yy,
+            "N_1": self.normal_stress_difference,
+        }
 
     @property
     def body_columns(self) -> Mapping[str, Array]:

@@ -23,7 +23,7 @@ from fsi.casecheck import check_case
 from fsi.domain import Domain
 from fsi.errors import InputError
 from fsi.forcelaws import Force
-from fsi.forces import external_forces
+from fsi.forces import external_forces, moment_of_forces
 from fsi.geometry import BODIES, GEOMETRY, Geometry, dimension_of
 from fsi.overrides import override
 from fsi.reduced.section import Reduced
@@ -179,6 +179,10 @@ class Case(Section):
         F = np.zeros_like(own.F)
         F[:, : self.dimension] = external_forces(self.forces, q, self.container().at(t), masses, spheres)
         return Motion(own.held, own.U, own.F + np.where(own.held, 0.0, F))
+
+    def interaction_moment(self, q: Configuration, t: float) -> Array:
+        """Sum of r (x) F of the `forces` between bodies, and bodies and walls, at q and time t, (d, d)."""
+        return moment_of_forces(self.forces, q, self.container().at(t))
 
     def masses(self) -> Array | None:
         """m or I of each mode, 0 for bodies without, shape (N, M); None when no body has inertia."""

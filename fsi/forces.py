@@ -48,16 +48,40 @@ def external_forces(
     return total
 
 
+def moment_of_forces(forces: Sequence[Force], q: Configuration, container: Container) -> Array:
+    """What forces between bodies, and bodies and walls, carry across a distance: sum of r (x) F, (d, d).
+
+    r is the vector to the body on which F acts, from the centre of the other body or from the wall.
+    """
+    total = np.zeros((q.dimension, q.dimension))
+    for force in forces:
+        if not isinstance(force, Gravity):
+            gaps = find_gaps(q, container, force.reach)
+            total += np.einsum("pi,pj->ij", separations(q, gaps), _on_first(force, q, gaps))
+            away = (gaps.wall_gaps + q.radii[:, None])[:, :, None] * inward_normals(container, q.centres)
+            total += np.einsum("nwi,nwj->ij", away, _from_walls(force, q, gaps, container))
+    return total
+
+
 def _between_bodies(force: PairForce, q: Configuration, container: Container) -> Array:
     """Forces of one law on each body, shape (N, d)."""
-    total = np.zeros_like(q.centres)
     gaps = find_gaps(q, container, force.reach)
-    between = separations(q, gaps)
-    unit = between / np.linalg.norm(between, axis=1, keepdims=True)
-    push = force.repulsion(gaps.pair_gaps)[:, None] * unit
+    push, total = _on_first(force, q, gaps), _from_walls(force, q, gaps, container).sum(axis=1)
     np.add.at(total, gaps.pairs[:, 0], push)
     np.add.at(total, gaps.pairs[:, 1], -push)
-    if force.walls:
-        push = force.repulsion(gaps.wall_gaps)
-        total += np.einsum("nw,nwd->nd", push, inward_normals(container, q.centres))
     return total
+
+
+def _on_first(force: PairForce, q: Configuration, gaps: Gaps) -> Array:
+    """Of each pair, the force on the first body, (P, d)."""
+    between = separations(q, gaps)
+    unit = between / np.linalg.norm(between, axis=1, keepdims=True)
+    push: Array = force.repulsion(gaps.pair_gaps)[:, None] * unit
+    return push
+
+
+def _from_walls(force: PairForce, q: Configuration, gaps: Gaps, container: Container) -> Array:
+    """The force of each wall on each body, (N, walls, d)."""
+    push = force.repulsion(gaps.wall_gaps) if force.walls else np.zeros_like(gaps.wall_gaps)
+    found: Array = push[:, :, None] * inward_normals(container, q.centres)
+    return found

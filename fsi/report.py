@@ -90,6 +90,7 @@ def _add_stress(found: dict[str, Any], bulk: BulkStress, errors: ErrorEstimate) 
         found["apparent_viscosity_error"] = errors.apparent_viscosity
     found["mean_stress"] = bulk.mean.tolist()
     found["mean_stress_of_fluid"] = bulk.fluid.tolist()
+    found["mean_stress_of_forces"] = bulk.forces.tolist()
     found["normal_stress_difference"] = bulk.normal_stress_difference
     for body, stresslet in zip(found["bodies"], bulk.stresslets.tolist(), strict=True):
         body["stresslet"] = stresslet
@@ -159,7 +160,10 @@ def _stress_table(bulk: BulkStress, errors: ErrorEstimate) -> Table:
     )
     for component in ("xx", "xy", "yy"):
         table.add_column(component, justify="right")
-    parts = {"fluid": bulk.fluid, "stresslets of the bodies": bulk.mean - bulk.fluid, "together": bulk.mean}
+    parts = {"fluid": bulk.fluid, "stresslets of the bodies": bulk.mean - bulk.fluid - bulk.forces}
+    if bulk.forces.any():
+        parts["forces between bodies"] = bulk.forces
+    parts["together"] = bulk.mean
     for name, part in parts.items():
         table.add_row(name, *(f"{part[i, j]:.8g}" for i, j in ((0, 0), (0, 1), (1, 1))))
     return table

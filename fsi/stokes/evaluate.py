@@ -30,7 +30,11 @@ def fill(forms: Forms, x: Array) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """A solved system, and what it was made of; jump_load: what jumps of the pressure added to its loads."""
+    """A solved system, and what it was made of.
+
+    jump_load: what jumps of the pressure added to its loads; interaction: sum of r (x) F of the forces
+    between bodies, (d, d).
+    """
 
     system: System
     fluid: FluidMesh
@@ -40,6 +44,7 @@ class Found:
     q: Configuration
     viscosity: float
     jump_load: Array
+    interaction: Array
 
 
 def evaluated(found: Found, container: Container, boundary: Boundary, clock: Clock) -> StokesSolution:
@@ -57,8 +62,11 @@ def evaluated(found: Found, container: Container, boundary: Boundary, clock: Clo
     bulk = None
     if isinstance(container, Channel | Cell):
         E = strain_rate(container, boundary.velocities)
-        bulk = bulk_stress(system, found.nodes, nodal, container, found.q, E, mean_pressure, found.viscosity)
-        if is_force_free(system):
+        bulk = bulk_stress(
+            system, found.nodes, nodal, container, found.q, E, mean_pressure, found.viscosity,
+            found.interaction,
+        )  # fmt: skip
+        if is_force_free(system) and not found.interaction.any():
             checks |= viscosity_checks(bulk, E, dissipation, found.viscosity, found.q)
     require(checks)
     x, of_velocity = found.nodes.with_ghosts, nodal.reaction[: system.shares.velocities]

@@ -86,6 +86,7 @@ class StokesModel:
             formulation=self.case.discretisation.formulation,
             solver=self.case.discretisation.solver,
             inertia=inertia,
+            interaction=self.case.interaction_moment(q, t),
             clock=clock,
             workspace=workspace,
         )

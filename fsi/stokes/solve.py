@@ -48,6 +48,7 @@ def solve(
     formulation: str = "eliminated",
     solver: str = "automatic",
     inertia: Inertia | None = None,
+    interaction: Array | None = None,
     clock: Clock | None = None,
     workspace: Workspace | None = None,
 ) -> StokesSolution:
@@ -64,6 +65,8 @@ def solve(
         formulation: "eliminated" (P^T M P) or "multiplier" (the saddle-point system); they agree to rounding.
         solver: of the eliminated form, "direct", "iterative" (in space), or "automatic" by size.
         inertia: of an implicit step; none: quasi-static.
+        interaction: sum of r (x) F of the forces between bodies that `motion` has, (d, d), for the mean
+            stress of a periodic flow; none: zero.
         clock: takes the CPU seconds by phase; may have some already.
         workspace: what solves on this mesh share while it is moved; it keeps what this one makes.
 
@@ -86,7 +89,8 @@ def solve(
         else:
             nodal = solve_system(system)
         clock.lap("solve")
-        found = Found(system, fluid, forms, nodes, nodal, q, viscosity, system.b - loads)
+        carried = np.zeros((q.dimension, q.dimension)) if interaction is None else interaction
+        found = Found(system, fluid, forms, nodes, nodal, q, viscosity, system.b - loads, carried)
         return evaluated(found, container, boundary, clock)
 
 

@@ -3,7 +3,8 @@
 With E the mean strain rate (in a channel that of its walls, gammadot = (u_top - u_bottom) / H),
 
     wall stress    sigma_xy = (force on the top wall - force on the bottom wall) / 2 L
-    bulk stress    Sigma = 1/|Omega| (int_fluid sigma + sum_i S_i),   int_fluid 2 mu e = 2 mu E |Omega|
+    bulk stress    Sigma = 1/|Omega| (int_fluid sigma + sum_i S_i - sum_pairs r (x) F),
+                   int_fluid 2 mu e = 2 mu E |Omega|
     dissipation    int 2 mu e:e = |Omega| Sigma:E                     without any other power
 
 For bodies without force and torque the three agree: the discrete flow satisfies each equality to rounding, as
@@ -15,6 +16,7 @@ y e_x and E x are functions of the space of u. And since the mean of e over the 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 from mpi4py import MPI
@@ -29,7 +31,7 @@ from meshes.lattice import Lattice
 
 def bulk_stress(
     system: System, nodes: BoundaryNodes, solution: NodalSolution, container: Periodic, q: Configuration,
-    strain_rate: Array, mean_pressure: float, viscosity: float,
+    strain_rate: Array, mean_pressure: float, viscosity: float, interaction: Array,
 ) -> BulkStress:  # fmt: skip
     """Sigma and its parts; collective.
 
@@ -42,6 +44,7 @@ def bulk_stress(
         strain_rate: E, symmetric, (2, 2).
         mean_pressure: of the nodal values in the fluid; Sigma is that of a flow where it is zero.
         viscosity: mu.
+        interaction: sum of r (x) F of the forces between bodies, (2, 2).
     """
     shares = system.shares
     viscous = _viscous_part(system, nodes.x, solution) / container.area
@@ -57,12 +60,12 @@ def bulk_stress(
     of_pressure = mean_pressure * np.pi * q.radii[:, None, None] ** 2 * np.eye(2)
     S = of_pressure - 0.5 * (moments + moments.swapaxes(1, 2))
     rate = float(np.sum(strain_rate**2))
-    bulk = BulkStress(fluid, S, container.area, None)
+    bulk = BulkStress(fluid, S, -interaction / container.area, container.area, None)
     if rate == 0.0:
         return bulk
     stress = _wall_stress(system, nodes, solution, container)
     power = np.sum(bulk.mean * strain_rate) if stress is None else 2.0 * stress * strain_rate[0, 1]
-    return BulkStress(fluid, S, container.area, float(power / (2.0 * viscosity * rate)))
+    return replace(bulk, apparent_viscosity=float(power / (2.0 * viscosity * rate)))
 
 
 def _viscous_part(system: System, x: Array, solution: NodalSolution) -> Array:
@@ -124,6 +127,10 @@ def is_force_free(system: System) -> bool:
     motion = system.motion
     loaded = system.shares.comm.allreduce(bool(system.b.any()), op=MPI.LOR)
     return not (motion.held.any() or motion.F.any() or loaded or system.inertia is not None)
+
+
+# The checks below; they apply only at instants with a strain rate and without loads on bodies.
+VISCOSITY_CHECKS = ("stress", "viscosity_bound")
 
 
 def viscosity_checks(
