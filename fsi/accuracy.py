@@ -19,7 +19,7 @@ NAMES = {len(MODES[d]): (*MODES[d], *LOADS[d]) for d in MODES}
 class ErrorEstimate:
     """Estimated errors, absolute: of U where it is free, of F where U is held; else 0. Shapes (N, M).
 
-    apparent_viscosity: the error of that of a periodic flow.
+    apparent_viscosity: the error of that of a periodic flow, not a number without a strain rate.
     """
 
     U: Array

@@ -80,6 +80,7 @@ class RunFolder:
         self.path = path
         self.checkpoint = checkpoint
         self._lengths = dict(checkpoint.lengths) if checkpoint else {STEPS: 0, BODIES: 0}
+        self._headers: dict[str, list[str]] = {}
         self._series: dict[str, list[Entry]] = {}
 
     @classmethod
@@ -163,13 +164,23 @@ class RunFolder:
         writer = csv.writer(text, lineterminator="\n")  # gives floats all their digits
         begins = self._lengths.get(table, 0) == 0
         if begins:
+            self._headers[table] = list(header)
             writer.writerow(header)
+        elif list(header) != self._header(table):
+            raise ValueError(f"the new rows of {table} have other columns than it has")
         writer.writerows(rows)
         with (self.path / table).open("wb" if begins else "ab") as file:
             file.write(text.getvalue().encode())
             file.flush()
             os.fsync(file.fileno())
             self._lengths[table] = file.tell()
+
+    def _header(self, table: str) -> list[str]:
+        """The columns that a table has, also where an earlier launch began it."""
+        if table not in self._headers:
+            with (self.path / table).open(encoding="utf-8", newline="") as file:
+                self._headers[table] = next(csv.reader(file))
+        return self._headers[table]
 
     def _rewind(self, launch: Mapping[str, Any]) -> None:
         counts = self.checkpoint.entries if self.checkpoint else {}

@@ -81,7 +81,8 @@ def read_history(run: Run, gap: str | None = None, singly: int = len(_COLOURS)) 
         panels["speed"] = _each(names, speed, singly)
         if load.max() > _NO_LOAD * run.case.fluid.viscosity * speed.max():
             panels["load"] = _each(names, load, singly)
-    viscosities = {title: steps[column] for column, title in VISCOSITIES.items() if column in steps}
+    known = steps.dropna(axis="columns", how="all")
+    viscosities = {title: known[column] for column, title in VISCOSITIES.items() if column in known}
     panels |= {title: {"": mu.to_numpy()} for title, mu in viscosities.items()}
     if gap is None:
         try:

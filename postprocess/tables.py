@@ -9,6 +9,14 @@ import pandas as pd
 
 from fsi.errors import InputError
 
+# What is not a number at instants to which it does not apply.
+_SOMETIMES = (
+    "apparent_viscosity",
+    "err_apparent_viscosity",
+    "lubrication_viscosity",
+    "stress",
+    "viscosity_bound",
+)
 # What the tables of all models begin with.
 _STEPS = ("step", "t")
 _BODIES = {2: ("step", "t", "body", "x", "y"), 3: ("step", "t", "body", "x", "y", "z")}
@@ -44,7 +52,7 @@ def read_table(path: Path, length: int | None) -> pd.DataFrame:
 
 
 def _require_numbers(path: Path, frame: pd.DataFrame, columns: tuple[str, ...]) -> None:
-    """These columns come first, and all columns but the names of bodies have numbers."""
+    """These columns come first; all but the names of bodies and what is known sometimes have numbers."""
     for found, wanted in zip(frame.columns, columns, strict=False):
         if found != wanted:
             raise _changed(path, f'a column is "{found}" where "{wanted}" stood')
@@ -53,6 +61,8 @@ def _require_numbers(path: Path, frame: pd.DataFrame, columns: tuple[str, ...]) 
     numbers = frame.drop(columns="body", errors="ignore")
     for name, values in numbers.items():
         broken = pd.to_numeric(values, errors="coerce").isna()
+        if name in _SOMETIMES:
+            broken &= values.notna()
         if broken.any():
             row = int(broken.argmax())
             value = str(values.iloc[row])[:30]

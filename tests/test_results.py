@@ -1,16 +1,19 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
+from fsi.bodies import Configuration, Inertia
 from fsi.case import load_case, parse_case
-from fsi.errors import InputError
+from fsi.errors import InputError, SolveError
 from fsi.provenance import git_commit, launch
 from fsi.results import StepRecord
 from fsi.run import resume_run, run_case
+from tests.exact_model import DiscsBesidePlane, ExactInstant
 from tests.small_run import launches, make_model, rows, small_case, start
 
 
@@ -83,6 +86,23 @@ def test_folders_that_cannot_be_used(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "full"]
     (tmp_path / "empty").mkdir()
     start(small_case(), tmp_path / "empty")
+
+
+def test_rows_with_other_columns_than_their_table_are_refused(tmp_path: Path) -> None:
+    """A step without a column would shift all that follow; also where another launch began the table."""
+    case = small_case()
+
+    class Forgetful(DiscsBesidePlane):
+        def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> ExactInstant:
+            found = super().__call__(q, t, inertia)
+            return replace(found, record={k: v for k, v in found.record.items() if t < 0.3})
+
+    with pytest.raises(SolveError, match=r"the new rows of steps\.csv have other columns than it has"):
+        run_case(case, tmp_path / "run", Forgetful(case, noise=1e-4))
+    kept = len(rows(tmp_path / "run" / "steps.csv"))
+    with pytest.raises(SolveError, match=r"the new rows of steps\.csv have other columns"):
+        resume_run(tmp_path / "run", lambda case: Forgetful(case, noise=1e-4))
+    assert len(rows(tmp_path / "run" / "steps.csv")) == kept
 
 
 def test_a_case_without_time_cannot_be_run(tmp_path: Path) -> None:

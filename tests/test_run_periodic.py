@@ -14,6 +14,8 @@ from fsi.run import resume_run, run_case
 from fsi.stokes.model import StokesModel
 from meshes.cell import Cell
 from meshes.sizing import Resolution
+from postprocess.run import open_run
+from postprocess.strain import accumulated_strain
 from tests.flows import discs
 from tests.periodic import in_cell
 from tests.small_run import contents, rows
@@ -57,6 +59,28 @@ def test_a_resumed_run_in_a_sheared_cell_repeats_the_unbroken_one(tmp_path: Path
     assert contents(broken) == contents(whole)
     cells = {row["cells"] for row in rows(whole / "steps.csv")}
     assert len(cells) > 1  # it was made anew at least once
+
+
+def test_tables_keep_their_columns_where_a_viscosity_has_no_meaning(tmp_path: Path) -> None:
+    """Walls at rest give none; a force that comes into reach leaves its checks without one.
+
+    Two discs approach in shear; at gaps below 0.4 they repel each other.
+    """
+    force = {"kind": "repulsion", "law": "exponential", "strength": 1.0, "length": 0.2, "cutoff": 0.4}
+    top = [{"times": [0.0, 0.1], "values": [0.0, 20.0]}, 0.0]
+    domain = {"lower": [0.0, 0.0], "upper": [8.0, 4.0], "periodic": ["x"], "walls": {"top": top}}
+    bodies = [(2.0, 2.2, 0.5), (3.5, 1.9, 0.5)]
+    case = case_of(domain, bodies, end=0.3, tolerance=1e-2, first_step=0.1)
+    case = parse_case(case.model_dump(exclude_none=True, by_alias=False) | {"forces": [force]})
+    run_case(case, tmp_path / "run", StokesModel(case))
+    run = open_run(tmp_path / "run")
+    mu, checked, moving = run.steps["apparent_viscosity"], run.steps["stress"], run.steps["t"] > 0.0
+    apart = np.linalg.norm(np.diff(run.bodies[["x", "y"]].to_numpy().reshape(-1, 2, 2), axis=1)[:, 0], axis=1)
+    assert (mu.notna() == moving).all()
+    assert (checked.notna() == (moving & (apart > 1.4))).all()
+    assert 0 < checked.notna().sum() < moving.sum()
+    np.testing.assert_allclose(run.steps["stress_xy"][~moving], 0.0, atol=1e-12)
+    assert accumulated_strain(run.case, run.steps["t"].to_numpy()) is not None
 
 
 def test_one_disc_in_extension_is_carried_by_the_mean_flow(tmp_path: Path) -> None:

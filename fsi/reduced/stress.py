@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from math import nan
 
 import numpy as np
 
@@ -44,10 +45,11 @@ class LubricationStress:
 
     @property
     def record(self) -> Mapping[str, float]:
-        """Columns of steps.csv."""
-        mu = {} if self.viscosity is None else {"lubrication_viscosity": self.viscosity}
-        mean = self.mean
-        return mu | {f"lubrication_stress_{name}": float(mean[at]) for name, at in _COMPONENTS.items()}
+        """Columns of steps.csv; the viscosity is not a number at instants without a strain rate."""
+        mu, mean = nan if self.viscosity is None else self.viscosity, self.mean
+        return {"lubrication_viscosity": mu} | {
+            f"lubrication_stress_{name}": float(mean[at]) for name, at in _COMPONENTS.items()
+        }
 
     @property
     def body_columns(self) -> Mapping[str, Array]:

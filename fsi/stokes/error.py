@@ -20,17 +20,19 @@ from an infinite one (`fsi.truncation` does), nor how a user's own curved mesh d
 
 from __future__ import annotations
 
+from math import nan
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.accuracy import ErrorEstimate, Measured, Results, StepErrors, relative_change
+from fsi.accuracy import ErrorEstimate, Results, StepErrors, relative_change
 from fsi.bodies import Array, Configuration, Motion
 
 if TYPE_CHECKING:
     from fsi.case import Case
     from fsi.stokes.model import StokesModel
+    from fsi.stokes.solution import StokesSolution
 
 SAFETY = 1.5
 FEWER = 0.15
@@ -73,10 +75,12 @@ def estimate_errors(
     )
 
 
-def _of_viscosity(solution: Results, better: Measured) -> float | None:
-    """The same for the apparent viscosity, where there is one."""
-    mu, mu_better = getattr(solution, "apparent_viscosity", None), better.apparent_viscosity
-    return None if mu is None or mu_better is None else SAFETY * abs(mu - mu_better)
+def _of_viscosity(solution: Results, better: StokesSolution) -> float | None:
+    """The same for the apparent viscosity of a periodic flow, not a number at instants without one."""
+    if better.bulk is None:
+        return None
+    mu, mu_better = getattr(solution, "apparent_viscosity", None), better.bulk.apparent_viscosity
+    return nan if mu is None or mu_better is None else SAFETY * abs(mu - mu_better)
 
 
 def moved_as_found(case: Case, q: Configuration, t: float, instant: Results) -> Motion:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import nan
 from pathlib import Path
 
 from fsi.bodies import MODES, Array
 from fsi.bulk import BulkStress
 from fsi.stokes import fields
+from fsi.stokes.stress import VISCOSITY_CHECKS
 from fsi.stokes.surface import Surface, traction
 
 
@@ -41,7 +43,7 @@ class StokesSolution:
 
     @property
     def record(self) -> Mapping[str, float]:
-        """The model's columns of steps.csv: sizes, checks, then CPU seconds."""
+        """The model's columns of steps.csv, at every instant the same: sizes, checks, then CPU seconds."""
         sizes = {
             "dofs": self.dofs,
             "cells": self.cells,
@@ -54,6 +56,7 @@ class StokesSolution:
             **sizes,
             **({} if self.bulk is None else self.bulk.record),
             **self.checks,
+            **({} if self.bulk is None else {name: self.checks.get(name, nan) for name in VISCOSITY_CHECKS}),
             **{f"cpu_{phase}": seconds for phase, seconds in self.seconds.items()},
         }
 

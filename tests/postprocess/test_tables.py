@@ -29,6 +29,15 @@ def test_a_table_as_a_run_has_written_it(tmp_path: Path) -> None:
     assert list(read_table(path, complete)["step"]) == [0, 0, 1, 1, 2, 2]
 
 
+def test_what_does_not_apply_at_an_instant_is_not_a_number(tmp_path: Path) -> None:
+    path = tmp_path / "steps.csv"
+    path.write_text("step,t,apparent_viscosity,stress\n0,0,nan,nan\n1,0.1,1.5,1e-14\n")
+    assert list(read_table(path, None)["apparent_viscosity"].notna()) == [False, True]
+    path.write_text("step,t,apparent_viscosity,stress\n0,0,nan,nan\n1,0.1,a,1e-14\n")
+    with pytest.raises(InputError, match=r'apparent_viscosity = "a" in its row 2 is not a number'):
+        read_table(path, None)
+
+
 @pytest.mark.parametrize(
     ("header", "rows", "how"),
     [
