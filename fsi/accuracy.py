@@ -31,8 +31,8 @@ class ErrorEstimate:
 class StepErrors:
     """The errors of a step of a run as its tables show them.
 
-    errors: absolute; relative: the largest over the largest result, "force" and "velocity", where there are
-    such results.
+    errors: absolute; relative: the largest over the largest result, "force", "velocity" and "viscosity",
+    where there are such results.
     """
 
     errors: ErrorEstimate

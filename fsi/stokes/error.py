@@ -100,4 +100,17 @@ def step_errors(model: StokesModel, q: Configuration, t: float, instant: Results
     """The errors of an instant of a run; as `estimate_errors`."""
     motion = moved_as_found(model.case, q, t, instant)
     errors = estimate_errors(model, q, t, instant, motion)
-    return StepErrors(errors, relative_change(instant, errors, motion.held, q.arms))
+    return StepErrors(errors, relative_errors(instant, errors, motion.held, q.arms))
+
+
+def relative_errors(
+    results: Results, errors: ErrorEstimate, held: NDArray[np.bool_], arm: Array
+) -> dict[str, float]:
+    """The errors over the largest result of their kind, and that of the apparent viscosity over it.
+
+    Arguments and returned names as of `relative_change`; "viscosity" of a periodic flow that has one.
+    """
+    found, mu = relative_change(results, errors, held, arm), getattr(results, "apparent_viscosity", None)
+    if mu is not None and errors.apparent_viscosity is not None:
+        found["viscosity"] = errors.apparent_viscosity / abs(mu)
+    return found

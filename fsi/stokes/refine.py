@@ -11,12 +11,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil
 
-from fsi.accuracy import ErrorEstimate, relative_change
+from fsi.accuracy import ErrorEstimate
 from fsi.bodies import Configuration, Motion
 from fsi.case import Case
 from fsi.errors import SolveError
 from fsi.schema import Discretisation
-from fsi.stokes.error import estimate_errors
+from fsi.stokes.error import estimate_errors, relative_errors
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution
 
@@ -44,7 +44,8 @@ def solve_with_errors(case: Case) -> Solved:
     Raises:
         MeshError, SolveError: as `StokesModel`; or the tolerance is not reached.
     """
-    q, motion = case.configuration(), case.motion(0.0)
+    q = case.configuration()
+    motion = case.motion_at(q, 0.0)
     tolerance = case.discretisation.tolerance
     if tolerance is None:
         return _solved(case, q, 0.0, motion)
@@ -85,7 +86,7 @@ def _solved(case: Case, q: Configuration, t: float, motion: Motion) -> Solved:
     model = StokesModel(case)
     solution = model.of_degree(case.discretisation.degree, q, t, motion)
     errors = estimate_errors(model, q, t, solution, motion)
-    found = relative_change(solution, errors, motion.held, q.arms)
+    found = relative_errors(solution, errors, motion.held, q.arms)
     return Solved(case, solution, errors, max(found.values(), default=0.0))
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fsi.case import Case, load_case
+from fsi.case import Case, load_case, parse_case
 from fsi.errors import SolveError
 from fsi.lubrication import exact, spheres
 from fsi.models import make_model
@@ -155,3 +155,22 @@ def test_a_body_with_mass_has_the_error_of_its_force(tmp_path: Path) -> None:
     last = columns(tmp_path / "run")[-1]
     assert float(last["err_U"]) == 0.0
     assert 1e-6 < float(last["err_F"]) < 0.1
+
+
+def test_the_tolerance_is_that_of_the_apparent_viscosity_too() -> None:
+    """Of a disc between close walls, whose velocity is known to rounding by symmetry."""
+    body = {"name": "disc", "radius": 1.0, "position": [0.0, 0.0]}
+    walls = {"bottom": [-1.0, 0.0], "top": [1.0, 0.0]}
+    domain = {"lower": [-1.5, -1.05], "upper": [1.5, 1.05], "periodic": ["x"], "walls": walls}
+    coarse = {"cells_per_gap": 0.3, "cells_per_circle": 12, "growth": 1.0}
+    data = {"name": "t", "fluid": {"viscosity": 1.0}, "domain": domain, "bodies": [body]}
+    plain, refined = (
+        solve_with_errors(parse_case(data | {"discretisation": coarse | more}))
+        for more in ({}, {"tolerance": 1e-5})
+    )
+    for solved in (plain, refined):
+        bar, mu = solved.errors.apparent_viscosity, solved.solution.apparent_viscosity
+        assert bar is not None
+        assert mu is not None
+        assert solved.error >= bar / mu
+    assert plain.error > 1e-5 >= refined.error

@@ -8,6 +8,7 @@ import pytest
 
 from fsi.case import parse_case
 from fsi.stokes.model import StokesModel
+from fsi.stokes.refine import solve_with_errors
 from fsi.stokes.solution import StokesSolution
 
 
@@ -23,6 +24,17 @@ def test_the_flow_balances_the_forces_at_the_place_that_it_is_asked_for() -> Non
     f = 3.0 * math.exp(-0.5 / 0.5)
     np.testing.assert_allclose(solution.F, [[-f, 0.0, 0.0], [f, 0.0, 0.0]], atol=1e-8)
     assert solution.U[0, 0] < 0.0 < solution.U[1, 0]
+
+
+def test_one_instant_has_the_forces_of_the_first_step_of_a_run() -> None:
+    """`fsi solve` left them out: the disc fell with nothing but what its own `force` gives."""
+    disc = {"name": "disc", "radius": 1.0, "position": [0.0, 2.0], "force": [1.0, 0.0]}
+    weight = {"kind": "gravity", "acceleration": [0.0, -3.0], "density_difference": 2.0}
+    domain = {"lower": [-5.0, 0.0], "upper": [5.0, 5.0]}
+    data = {"name": "t", "fluid": {"viscosity": 1.0}, "domain": domain, "bodies": [disc], "forces": [weight]}
+    found = solve_with_errors(parse_case(data)).solution
+    np.testing.assert_allclose(found.F, [[1.0, -6.0 * math.pi, 0.0]], atol=1e-8)
+    assert found.U[0, 1] < -0.1
 
 
 REPULSION = {"kind": "repulsion", "law": "exponential", "strength": 5.0, "length": 0.3, "cutoff": 2.0}
