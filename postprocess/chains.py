@@ -1,7 +1,8 @@
 """Which chains of discs resist at a step of a run: `python -m postprocess.chains RUN [STEP]`.
 
-A rise of the dissipation, and so of the apparent viscosity, is traced to its makers: chains of discs linked
-by gaps below a tenth of the mean radius, and what lubrication dissipates in them (`postprocess.links`).
+A rise of the apparent viscosity is traced to its makers: chains of discs linked by gaps below a tenth of the
+mean radius, what lubrication dissipates in them, and in a sheared suspension the part of the apparent
+viscosity that its forces carry along them (`postprocess.links`).
 
 Without STEP it is the one that dissipates most. Prints the chains, and draws them into RUN/chains.png.
 """
@@ -9,6 +10,7 @@ Without STEP it is the one that dissipates most. Prints the chains, and draws th
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -22,13 +24,14 @@ from rich.table import Table
 from fsi.bodies import Array, Configuration
 from fsi.case import Case
 from fsi.errors import InputError
-from meshes.cell import Cell
+from meshes.cell import Cell, Channel
 from meshes.lattice import Lattice
 from postprocess import oblique
 from postprocess.arrangement import arrangement_of, draw_bodies, figure_size
 from postprocess.links import Chain, Links, find_chains, find_links
 from postprocess.program import program, say
 from postprocess.run import open_run
+from postprocess.strain import strain_rate
 
 CLOSE = 0.1  # gaps below this many mean radii make a link
 _ROWS = 12
@@ -36,7 +39,11 @@ _ROWS = 12
 
 @dataclass(frozen=True, slots=True)
 class Chains:
-    """The chains of one step, that which dissipates most first; dissipation: that of the whole flow."""
+    """The chains of one step, that which dissipates most first.
+
+    dissipation: that of the whole flow; shares: of the links in the apparent viscosity, (L,), None where
+    there is none.
+    """
 
     case: Case
     step: int
@@ -45,6 +52,7 @@ class Chains:
     links: Links
     chains: tuple[Chain, ...]
     dissipation: float
+    shares: Array | None
 
 
 def read_chains(run: Path, step: int | None = None, close: float = CLOSE) -> Chains:
@@ -69,7 +77,7 @@ def read_chains(run: Path, step: int | None = None, close: float = CLOSE) -> Cha
     centres = np.column_stack([bodies["x"][now], bodies["y"][now]])
     q = Configuration(centres, bodies["angle"][now], case.configuration().radii)
     V = np.column_stack([bodies["V_x"][now], bodies["V_y"][now]])
-    t = float(steps["t"][row])
+    t, nothing = float(steps["t"][row]), np.full(len(steps["t"]), np.nan)
     links = find_links(case, q, V, t, close * float(q.radii.mean()))
     return Chains(
         case,
@@ -79,7 +87,17 @@ def read_chains(run: Path, step: int | None = None, close: float = CLOSE) -> Cha
         links,
         find_chains(links, len(q)),
         float(steps["dissipation"][row]),
+        _shares(case, t, links, float(steps.get("apparent_viscosity", nothing)[row])),
     )
+
+
+def _shares(case: Case, t: float, links: Links, apparent_viscosity: float) -> Array | None:
+    """What each link carries of the apparent viscosity, which is not a number where there is none."""
+    E, container = strain_rate(case, t), case.container()
+    if E is None or not np.isfinite(apparent_viscosity) or not isinstance(container, Channel | Cell):
+        return None
+    shares: Array = links.viscosities(E, case.fluid.viscosity, container.area) / apparent_viscosity
+    return shares
 
 
 def _row(steps: Array, step: int) -> int:
@@ -95,20 +113,30 @@ def as_table(found: Chains) -> Table:
     """The chains that dissipate most, closed by the sum over all."""
     walls = found.case.container().walls
     table = Table(title=f"chains at step {found.step}, t = {found.t:.6g}")
-    for heading in ("discs", "walls", "smallest gap", "lubrication", "of the dissipation", "who"):
+    headings = ["discs", "walls", "smallest gap", "lubrication", "of the dissipation", "who"]
+    if found.shares is not None:
+        headings.insert(5, "of the viscosity")
+    for heading in headings:
         table.add_column(heading, justify="left" if heading == "who" else "right")
     for chain in found.chains[:_ROWS]:
         names = [found.case.names[k] for k in chain.bodies]
         table.add_row(
             str(len(chain.bodies)), ", ".join(walls[k] for k in chain.walls), f"{chain.smallest_gap:.3g}",
             f"{chain.dissipation:.5g}", f"{chain.dissipation / found.dissipation:.1%}",
+            *_of_viscosity(found, chain.links),
             ", ".join(names[:4]) + (", ..." if len(names) > 4 else ""),
         )  # fmt: skip
     total = sum(chain.dissipation for chain in found.chains)
     table.add_section()
     discs, share = sum(len(chain.bodies) for chain in found.chains), total / found.dissipation
-    table.add_row(str(discs), "", "", f"{total:.5g}", f"{share:.1%}", f"all {len(found.chains)} chains")
+    links, who = range(len(found.links.gaps)), f"all {len(found.chains)} chains"
+    table.add_row(str(discs), "", "", f"{total:.5g}", f"{share:.1%}", *_of_viscosity(found, links), who)
     return table
+
+
+def _of_viscosity(found: Chains, links: Sequence[int]) -> list[str]:
+    """The cell of the table with what links carry of the apparent viscosity, if there is one."""
+    return [] if found.shares is None else [f"{float(found.shares[list(links)].sum()):.1%}"]
 
 
 def plot(found: Chains, path: Path) -> None:
@@ -127,7 +155,9 @@ def plot(found: Chains, path: Path) -> None:
     lines = np.concatenate(
         [np.stack([first, first - links.vectors], 1), np.stack([second, second + links.vectors], 1)]
     )
-    share = np.maximum(np.tile(links.dissipation, 2) / found.dissipation, 1e-6)
+    of_each = links.dissipation / found.dissipation if found.shares is None else np.abs(found.shares)
+    share = np.maximum(np.tile(of_each, 2), 1e-6)
+    whole = "dissipation in this gap" if found.shares is None else "apparent viscosity that this gap carries"
     with mpl.rc_context({"font.size": 10}):
         figure = Figure(figsize=size, layout="constrained")
         axes = figure.subplots()
@@ -137,9 +167,7 @@ def plot(found: Chains, path: Path) -> None:
         drawn = LineCollection(list(lines), cmap="inferno_r", norm=norm, linewidths=widths, zorder=3)
         drawn.set_array(share)
         axes.add_collection(drawn)
-        figure.colorbar(
-            drawn, ax=axes, shrink=0.7, label="part of the dissipation in this gap, by lubrication"
-        )
+        figure.colorbar(drawn, ax=axes, shrink=0.7, label=f"part of the {whole}, by lubrication")
         axes.set_title(f"step {found.step}, t = {found.t:.5g}: gaps below {CLOSE:g} radii", fontsize=10)
         try:
             figure.savefig(path, dpi=130)

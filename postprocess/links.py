@@ -6,6 +6,14 @@ In each close pair, of radii a_i and a_j or of a disc and a wall (a_j infinite),
 
 d being the gap, d' its rate; for equal discs kappa = (3 pi/2) mu (a_i/d)^(3/2). It is the leading term for
 motion along the line of centres: an estimate.
+
+Bodies that are free hardly approach; what a close pair costs a sheared suspension is rather the stress that
+its force -kappa d' n carries from the one to the other, r n apart. Of the apparent viscosity it is the part
+
+    kappa d' r n.E.n / (2 mu E:E |Omega|)
+
+with E the mean strain rate and |Omega| the area: positive where the pair is pressed together along the
+compression or held together along the extension of the flow.
 """
 
 from __future__ import annotations
@@ -32,14 +40,28 @@ class Links:
 
     ends: the two sides as positions in the bodies followed by the walls, shape (L, 2); vectors: from the
     second centre to the first, or from the wall to the centre, shape (L, 2); gaps: d; rates: d' = G.u;
-    dissipation: kappa(d) d'^2; shapes (L,).
+    tension: kappa(d) d', what lubrication pulls together with; dissipation: kappa(d) d'^2; shapes (L,).
     """
 
     ends: NDArray[np.intp]
     vectors: Array
     gaps: Array
     rates: Array
+    tension: Array
     dissipation: Array
+
+    def viscosities(self, E: Array, viscosity: float, area: float) -> Array:
+        """The part of the apparent viscosity that each link carries, (L,).
+
+        Args:
+            E: the mean strain rate, (2, 2).
+            viscosity: mu.
+            area: of fluid and bodies together.
+        """
+        along = np.einsum("li,ij,lj->l", self.vectors, E, self.vectors)  # r^2 n.E.n
+        r = np.linalg.norm(self.vectors, axis=1)
+        parts: Array = self.tension * along / r / (2.0 * viscosity * float(np.sum(E**2)) * area)
+        return parts
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +102,7 @@ def find_links(case: Case, q: Configuration, V: Array, t: float, reach: float) -
     kappa = plane_lubrication(d, reduced, case.fluid.viscosity)
     to_wall = normal * (gaps.wall_gaps[body, wall] + a[body])[:, None]
     ends = np.concatenate([gaps.pairs, np.column_stack([body, len(q) + wall])])
-    return Links(ends, np.concatenate([between, to_wall]), d, rates, kappa * rates**2)
+    return Links(ends, np.concatenate([between, to_wall]), d, rates, kappa * rates, kappa * rates**2)
 
 
 def _wall_velocities(case: Case, t: float) -> Array:

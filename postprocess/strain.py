@@ -10,6 +10,15 @@ from fsi.walls import WallVelocity, wall_velocity
 from meshes.cell import Cell, Channel
 
 
+def strain_rate(case: Case, t: float) -> Array | None:
+    """E, the symmetric gradient of the mean flow of a channel or a cell at time t, (2, 2); else None."""
+    container = case.container()
+    if isinstance(container, Cell):
+        return _symmetric(container)
+    rate = shear_rate(case, t)
+    return None if rate is None else 0.5 * rate * np.array([[0.0, 1.0], [1.0, 0.0]])
+
+
 def shear_rate(case: Case, t: float) -> float | None:
     """The shear rate that the walls of a channel, or the mean flow of a cell, impose at time t.
 
@@ -18,9 +27,7 @@ def shear_rate(case: Case, t: float) -> float | None:
     """
     container = case.container()
     if isinstance(container, Cell):
-        gradient = np.array(container.gradient)
-        symmetric = 0.5 * (gradient + gradient.T)
-        return float(np.sqrt(2.0 * np.sum(symmetric**2)))
+        return float(np.sqrt(2.0 * np.sum(_symmetric(container) ** 2)))
     if not isinstance(container, Channel):
         return None
     height = container.upper[1] - container.lower[1]
@@ -30,6 +37,12 @@ def shear_rate(case: Case, t: float) -> float | None:
     ]
     u = [_along(velocity, y) for velocity, y in ends if velocity is not None]
     return (u[1] - u[0]) / height if len(u) == 2 else None
+
+
+def _symmetric(container: Cell) -> Array:
+    gradient = np.array(container.gradient)
+    symmetric: Array = 0.5 * (gradient + gradient.T)
+    return symmetric
 
 
 def _along(velocity: WallVelocity, y: float) -> float:

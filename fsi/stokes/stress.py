@@ -60,7 +60,7 @@ def bulk_stress(
     of_pressure = mean_pressure * np.pi * q.radii[:, None, None] ** 2 * np.eye(2)
     S = of_pressure - 0.5 * (moments + moments.swapaxes(1, 2))
     rate = float(np.sum(strain_rate**2))
-    bulk = BulkStress(fluid, S, -interaction / container.area, container.area, None)
+    bulk = BulkStress(fluid, S, 0.0 - interaction / container.area, container.area, None)
     if rate == 0.0:
         return bulk
     stress = _wall_stress(system, nodes, solution, container)

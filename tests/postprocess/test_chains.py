@@ -105,3 +105,35 @@ def test_rates_are_slopes_of_gaps(run: Path) -> None:
         else:
             moved = float(found.case.container().distances(x)[i, j - len(DISCS)]) - a[i]
         assert (moved - gap) / h == pytest.approx(rate, abs=1e-6)
+
+
+def test_what_a_chain_carries_of_the_apparent_viscosity(tmp_path: Path) -> None:
+    """Discs about to touch in a square lattice at 45 degrees: one pair is pressed, one pulled, by E.
+
+    All of the viscosity is lubrication then: mu_app -> sum (d n.E.n)^2 kappa / |Omega| with d n.E.n = d / 2.
+    Its two links dissipate as much as they carry, as the bodies move with the mean flow.
+    """
+    d = 2.0001 / math.sqrt(2.0)
+    domain = {"shape": "cell", "vectors": [[d, d], [-d, d]], "shear": 1.0}
+    body = {"name": "a", "radius": 1.0, "position": [0.3, 0.0]}
+    data = {
+        "name": "t",
+        "fluid": {"viscosity": 2.0},
+        "domain": domain,
+        "bodies": [body],
+        "time": {"end": 1.0},
+    }
+    (tmp_path / "case.toml").write_text(parse_case(data).as_toml())
+    kappa, area = 1.5 * math.pi * 1e-4**-1.5, 2.0001**2
+    mu = 2.0 * (0.5 * 2.0001) ** 2 * kappa / area
+    (tmp_path / "steps.csv").write_text(
+        f"step,t,dissipation,apparent_viscosity\n0,0.0,{2.0 * mu * area},{mu}\n1,1e-9,1.0,nan\n"
+    )
+    rows = [f"{step},{step}e-9,a,0.3,0.0,0,0,0,-0.5,0,0,0\n" for step in (0, 1)]
+    (tmp_path / "bodies.csv").write_text(HEADER + "".join(rows))
+    found = read_chains(tmp_path, 0)
+    assert found.shares is not None
+    np.testing.assert_allclose(found.shares, np.array([0.5, 0.5]), rtol=1e-6)
+    assert found.chains[0].dissipation == pytest.approx(found.dissipation, rel=1e-6)
+    assert main([str(tmp_path), "0"]) == 0
+    assert read_chains(tmp_path, 1).shares is None
