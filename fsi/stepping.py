@@ -255,7 +255,8 @@ class Stepper:
 
     def _blocked(self, state: State, approach: Approach) -> SolveError:
         sides = [*self.names, *(f"wall {name}" for name in self.container.walls)]
-        one, other = (sides[side] for side in approach.between)
+        i, j = approach.between
+        one, other = sides[i], "its own image" if i == j else sides[j]
         return SolveError(
             f"time.smallest_step = {self.smallest_step:g}: a shorter step is needed at t = {state.t:.9g}, "
             f"where the gap between {one} and {other} is {approach.gap:.3g}; lower it or end the run before"

@@ -23,6 +23,12 @@ def test_the_example_is_a_case() -> None:
         assert shown == set(given[section]), section
 
 
+def test_the_example_of_a_periodic_domain_is_a_case() -> None:
+    examples = re.findall(r"```toml\n(.*?)```", (ROOT / "docs" / "case-file.md").read_text(), re.DOTALL)
+    case = parse_case(tomllib.loads(examples[1]))
+    assert (len(case.bodies), len(case.forces), len(case.container().periods)) == (2, 4, 2)
+
+
 def test_the_files_that_they_name_exist() -> None:
     named = re.findall(r"\b(?:cases|tests|bench|docs|fsi|meshes)/[\w/-]+\.\w+", TEXT)
     assert len(named) > 20

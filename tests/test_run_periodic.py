@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from fsi.case import Case, parse_case
+from fsi.errors import SolveError
 from fsi.results import StepRecord
 from fsi.run import resume_run, run_case
 from fsi.stokes.model import StokesModel
@@ -104,3 +105,13 @@ def test_the_lattice_of_kraynik_and_reinelt_comes_back() -> None:
     first, last = (in_cell(cell.at(t), q, None, Resolution(0.5, 24, 0.5)) for t in (0.0, period))
     assert last.apparent_viscosity == pytest.approx(first.apparent_viscosity, rel=5e-6)
     np.testing.assert_allclose([first.U, last.U], 0.0, atol=2e-6)
+
+
+def test_a_lattice_that_shrinks_below_a_disc_ends_the_run(tmp_path: Path) -> None:
+    """In extension along its sides the upright one is the diameter at t = ln 2."""
+    domain = {"shape": "cell", "vectors": [[4.0, 0.0], [0.0, 4.0]], "extension": 1.0}
+    case = case_of(
+        domain, [(0.4, -1.3, 1.0)], end=2.0, tolerance=1e-1, smallest_step=5e-2, remesh="when-needed"
+    )
+    with pytest.raises(SolveError, match=r"at t = 0\.[3-6].* the gap between d0 and its own image is"):
+        run_case(case, tmp_path / "run", StokesModel(case))
