@@ -46,7 +46,7 @@ def coarse_velocities(fluid: FluidMesh, forms: Forms, walls: tuple[str, ...], q:
     interpolation = interpolation_matrix(vertices, forms.V)
     interpolation.assemble()
     nodal = interpolation.matMult(P)
-    for used in (rigid, P, interpolation):
+    for used in (rigid.matrix, P, interpolation):
         used.destroy()
     of_vertices = rigid_motion(nodes.x)[:, : shares.dimension].reshape(shares.rows, -1)[shares.free]
     of_bodies = rigid_motion(q.centres).reshape(shares.modes, -1)[: shares.own_modes]

@@ -117,7 +117,24 @@ def layout(
     )  # fmt: skip
 
 
-def rigid_modes(shares: Layout, nodes: BoundaryNodes, q: Configuration, lattice: Lattice) -> PETSc.Mat:
+@dataclass(frozen=True, slots=True)
+class RigidModes:
+    """The matrix `rigid`, (rows, M N), and its entries on this rank by rows.
+
+    rows: local numbers, (n,); modes, values: of the entries of each, (n, k).
+    """
+
+    matrix: PETSc.Mat
+    rows: NDArray[np.int64]
+    modes: NDArray[np.int64]
+    values: Array
+
+    def entries(self) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+        """Rows, modes and values, (n k,) each; the matrix itself would give them row by row."""
+        return np.repeat(self.rows, self.modes.shape[1]), self.modes.ravel(), self.values.ravel()
+
+
+def rigid_modes(shares: Layout, nodes: BoundaryNodes, q: Configuration, lattice: Lattice) -> RigidModes:
     """The matrix `rigid`: nodal velocities (rows of x) of the unit modes of every body, `V + omega x r`.
 
     r begins at the centre of the body's image there. With an axis the modes V_x and omega are empty.
@@ -132,7 +149,8 @@ def rigid_modes(shares: Layout, nodes: BoundaryNodes, q: Configuration, lattice:
     if shares.axisymmetric:
         along = component == 1
         rows, columns, values = rows[along], columns[along, :1], values[along, :1]
-    return _matrix(shares, (shares.own_modes, shares.modes), rows, columns, values)
+    matrix = _matrix(shares, (shares.own_modes, shares.modes), rows, columns, values)
+    return RigidModes(matrix, rows, columns, values)
 
 
 class Prolongation:
@@ -143,7 +161,7 @@ class Prolongation:
     """
 
     def __init__(
-        self, shares: Layout, rigid: PETSc.Mat, kept: NDArray[np.bool_], eliminate_bodies: bool = True
+        self, shares: Layout, rigid: RigidModes, kept: NDArray[np.bool_], eliminate_bodies: bool = True
     ) -> None:
         """Make P. kept: of all modes, bool (M N,)."""
         free = shares.free
@@ -164,19 +182,17 @@ class Prolongation:
         first_row = shares.comm.exscan(shares.rows) or 0
         known, of_master = columns_of_masters(shares.comm, shares.master, first_row + rows, unit)
         rows, unit = np.concatenate([rows, shares.slave[known]]), np.concatenate([unit, of_master])
-        start, end = rigid.getOwnershipRange()
-        indptr, mode, value = rigid.getValuesCSR()
-        mode_row = np.repeat(np.arange(end - start), np.diff(indptr))
+        mode_row, mode, value = rigid.entries()
         self._used, self._ones = columns[mode] != NO_COLUMN, np.ones(len(rows))
         all_rows = np.concatenate([rows, mode_row[self._used]])
         all_columns = np.concatenate([unit, columns[mode[self._used]]])
         values = np.concatenate([self._ones, value[self._used]])
         self.matrix = _matrix(shares, (own_columns, None), all_rows, all_columns[:, None], values[:, None])
 
-    def update(self, rigid: PETSc.Mat) -> None:
+    def update(self, rigid: RigidModes) -> None:
         """P with other values of the same rigid modes, in place."""
-        values = np.concatenate([self._ones, rigid.getValuesCSR()[2][self._used]])
-        self.matrix.setValuesCOO(values)
+        _, _, value = rigid.entries()
+        self.matrix.setValuesCOO(np.concatenate([self._ones, value[self._used]]))
 
 
 def wall_offset(

@@ -118,12 +118,11 @@ def _trace(S: PETSc.Mat, on_body: Index, starts: list[int], multiplier: Index) -
 
 def _rigid_columns(system: System, multiplier: Index, mode_column: Index) -> tuple[Index, Index, Array]:
     """Triplets of K: multipliers against free modes."""
-    indptr, mode, value = system.rigid.getValuesCSR()
-    row = np.full(system.shares.rows, -1)
-    row[system.shares.on_body] = multiplier
-    row = np.repeat(row, np.diff(indptr))
+    row, mode, value = system.rigid.entries()
+    of_row = np.full(system.shares.rows, -1)
+    of_row[system.shares.on_body] = multiplier
     free = mode_column[mode] >= 0
-    return row[free], mode_column[mode[free]], value[free]
+    return of_row[row[free]], mode_column[mode[free]], value[free]
 
 
 def _symmetric(row: Index, column: Index, value: Array) -> list[tuple[Index, Index, Array]]:

@@ -135,7 +135,7 @@ def assembled(
         try:
             yield system, forms, nodes
         finally:
-            system.rigid.destroy()
+            system.rigid.matrix.destroy()
             if system.mass is not None:
                 system.mass.destroy()
             if system.coarse is not None:

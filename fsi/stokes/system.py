@@ -30,7 +30,7 @@ from petsc4py import PETSc
 
 from fsi.bodies import Array, Configuration, Inertia, Motion
 from fsi.stokes.coarse import Coarse, transfer
-from fsi.stokes.constraints import Layout
+from fsi.stokes.constraints import Layout, RigidModes
 from fsi.stokes.iterative import Blocks, Iteration
 from fsi.stokes.linear import Factorisation
 from fsi.stokes.workspace import Elimination, Workspace
@@ -41,7 +41,7 @@ from meshes.aliases import Form
 class System:
     """Everything that a solve needs on one mesh at one instant.
 
-    M: Stokes matrix of all unknowns; rigid: rigid modes at the nodes on bodies, (rows, M N); b: loads,
+    M: Stokes matrix of all unknowns; rigid: rigid modes at the nodes on bodies; b: loads,
     g: given wall velocities, arrays over this rank's rows; q: the bodies; motion, inertia: what drives them;
     x: coordinates of this rank's velocity nodes, (n, d); weights: int q over the fluid for each of its
     rows of p; mass: of the pressure / mu, and coarse: velocities of degree 1, for the iterative solver, None
@@ -50,7 +50,7 @@ class System:
 
     shares: Layout
     M: PETSc.Mat
-    rigid: PETSc.Mat
+    rigid: RigidModes
     b: Array
     g: Array
     q: Configuration
@@ -125,13 +125,13 @@ def _taken(vector: PETSc.Vec, used: PETSc.Vec) -> Array:
 
 def load_of(system: System, nodal: Array) -> Array:
     """(F, T) = rigid^T lambda of a nodal reaction, (N, M), on all ranks."""
-    load: Array = system.shares.comm.bcast(multiply_transpose(system.rigid, nodal))
+    load: Array = system.shares.comm.bcast(multiply_transpose(system.rigid.matrix, nodal))
     return load.reshape(-1, system.shares.modes_of_each)
 
 
 def body_velocity(system: System, U: Array) -> Array:
     """Nodal values rigid U on this rank's rows, for modes (N, M) known on all ranks."""
-    return multiply(system.rigid, U.ravel() if system.shares.comm.rank == 0 else np.empty(0))
+    return multiply(system.rigid.matrix, U.ravel() if system.shares.comm.rank == 0 else np.empty(0))
 
 
 def mode_equations(system: System) -> tuple[Array, Array]:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fsi.stokes.constraints import Layout, Prolongation
+from fsi.stokes.constraints import Layout, Prolongation, RigidModes
 from fsi.stokes.forms import Forms
 from fsi.stokes.linear import Factorisation
 from fsi.stokes.matrices import StokesMatrix, galerkin
@@ -25,7 +25,7 @@ from meshes.build import FluidMesh
 class Elimination:
     """P, P^T M P and its factors, and the constrained rows of M; `shares`, `kept` say for which layout."""
 
-    def __init__(self, M: PETSc.Mat, shares: Layout, rigid: PETSc.Mat, kept: NDArray[np.bool_]) -> None:
+    def __init__(self, M: PETSc.Mat, shares: Layout, rigid: RigidModes, kept: NDArray[np.bool_]) -> None:
         """Make P and P^T M P; the factors are made when they are wanted."""
         self.shares, self.kept = shares, kept
         self._prolongation = Prolongation(shares, rigid, kept)
@@ -36,7 +36,7 @@ class Elimination:
         self.constrained = M.createSubMatrix(self._rows)
         self._factors: Factorisation | None = None
 
-    def update(self, M: PETSc.Mat, rigid: PETSc.Mat) -> None:
+    def update(self, M: PETSc.Mat, rigid: RigidModes) -> None:
         """The same with other values of M and of the rigid modes, in place."""
         self._prolongation.update(rigid)
         galerkin(M, self.P, self.reduced)
@@ -108,7 +108,7 @@ class Workspace:
         return self._stokes.assemble()
 
     def elimination(
-        self, M: PETSc.Mat, shares: Layout, rigid: PETSc.Mat, kept: NDArray[np.bool_]
+        self, M: PETSc.Mat, shares: Layout, rigid: RigidModes, kept: NDArray[np.bool_]
     ) -> Elimination:
         """P and P^T M P; collective. M: the workspace's own."""
         found = self._elimination
