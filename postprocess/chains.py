@@ -129,7 +129,7 @@ def as_table(found: Chains) -> Table:
     total = sum(chain.dissipation for chain in found.chains)
     table.add_section()
     discs, share = sum(len(chain.bodies) for chain in found.chains), total / found.dissipation
-    links, who = range(len(found.links.gaps)), f"all {len(found.chains)} chains"
+    links, who = range(len(found.links.gaps)), "together"
     table.add_row(str(discs), "", "", f"{total:.5g}", f"{share:.1%}", *_of_viscosity(found, links), who)
     return table
 
