@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from fsi.errors import InputError
 from fsi.periodic import ChannelDomain
+from fsi.reduced.background import background
 
 if TYPE_CHECKING:
     from fsi.case import Case
@@ -23,6 +24,7 @@ def check_reduced(case: Case) -> None:
             "output.error_estimates = true: a reduced model has no mesh to estimate the error of; drop it"
         )
     _check_periodic(case)
+    _check_background(case)
     if given.scheme == "adaptive":
         if given.step is not None:
             raise InputError(
@@ -47,6 +49,19 @@ def _check_periodic(case: Case) -> None:
             "reduced.cutoff: missing; a body of a periodic domain has images without end; give the gap from "
             "which on they do not feel each other"
         )
+
+
+def _check_background(case: Case) -> None:
+    """Walls drive a flow that is known at any time, and no pressure drives one."""
+    pressures = case.wall_pressure()
+    if len(set(pressures.values())) > 1:
+        name = max(pressures, key=lambda name: abs(pressures[name]))
+        raise InputError(
+            f"domain.walls.{name} = {{pressure = {pressures[name]:g}}}: the reduced model knows no flow that "
+            "pressure drives; give all open walls the same"
+        )
+    for t in case.knots() or (0.0,):
+        background(case.container(), case.wall_velocity(t))
 
 
 def _check_distance_scheme(case: Case) -> None:

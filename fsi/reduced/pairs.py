@@ -44,7 +44,7 @@ def find_pairs(q: Configuration, space: Space, reach: float, kept: NDArray[np.in
     """All pairs with a gap up to `reach`, perhaps infinite, and those with the keys `kept` (K, 2 + k)."""
     gaps, lattice = find_gaps(q, space.container, reach), Lattice(space.container.periods)
     walls = wall_gaps(space.container, q.centres, q.radii)
-    body, wall = np.nonzero((walls.gap <= reach) & walls.lubricates)
+    body, wall = np.nonzero((walls.gap <= reach) & walls.lubricates & space.solid)
     periods = np.rint(lattice.coordinates(gaps.away))
     key = np.vstack(
         [

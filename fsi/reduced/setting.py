@@ -6,10 +6,8 @@ import numpy as np
 
 from fsi.bodies import Array
 from fsi.case import Case
+from fsi.reduced.background import background
 from fsi.reduced.space import Space
-from fsi.walls import Shear
-from meshes.cell import Cell, Channel
-from meshes.geometry import Box
 
 
 def drag(case: Case) -> Array:
@@ -26,25 +24,11 @@ def drag(case: Case) -> Array:
 
 
 def make_space(case: Case, t: float, d: int) -> Space:
-    """Walls, periods and background flow of a case in d dimensions at time t.
-
-    The background is the mean flow of a cell, the shear flow given at a wall, or the linear flow between two
-    moving walls bottom and top.
-    """
+    """Walls, periods and background flow of a case in d dimensions at time t."""
     container, walls = case.container().at(t), case.wall_velocity(t)
     velocity = np.zeros((len(container.walls), d))
-    mean, gradient = np.zeros(d), np.zeros((d, d))
     for row, name in zip(velocity, container.walls, strict=True):
         if name in walls:
             row[:] = walls[name].velocity
-    if isinstance(container, Cell):
-        gradient[:] = container.gradient
-    for wall in case.domain.walls.values():
-        if isinstance(wall, Shear):
-            gradient[0, -1] = wall.shear
-    if isinstance(container, Box | Channel) and {"bottom", "top"} <= set(walls):
-        low, high = container.lower[-1], container.upper[-1]
-        below, above = walls["bottom"].velocity[0], walls["top"].velocity[0]
-        gradient[0, -1] = (above - below) / (high - low)
-        mean[0] = below - gradient[0, -1] * low
-    return Space(container, velocity, mean, gradient)
+    solid = np.array([name in walls for name in container.walls], dtype=bool)
+    return Space(container, solid, velocity, *background(container, walls))

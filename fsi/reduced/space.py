@@ -20,12 +20,13 @@ _SPINS = {2: ((1, 0),), 3: ((2, 1), (0, 2), (1, 0))}
 class Space:
     """The room of the bodies at one instant, in d dimensions.
 
-    container: its walls and periods; wall_velocity: (walls, d); mean: u_0 and gradient: E, rows of
-    (du_i / dx_j), of the background flow `u_inf = u_0 + E x`, relative to which bodies are dragged and with
-    which a lattice is carried along.
+    container: its walls and periods; solid: which walls are, the others being open; wall_velocity: (walls,
+    d); mean: u_0 and gradient: E, rows of (du_i / dx_j), of the background flow `u_inf = u_0 + E x`, relative
+    to which bodies are dragged and with which a lattice is carried along.
     """
 
     container: Container
+    solid: NDArray[np.bool_]
     wall_velocity: Array
     mean: Array
     gradient: Array

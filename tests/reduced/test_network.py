@@ -20,7 +20,7 @@ def cluster(d: int, number: int, reach: float = 0.5) -> tuple[Configuration, Pai
     x = 2.2 * grid + 0.1 * random.uniform(-1.0, 1.0, grid.shape) + 1.15
     box = Box((0.0,) * d, (2.2 * n + 0.1,) * d)
     q = Configuration.unturned(x, np.ones(len(x)))
-    space = Space(box, np.ones((2 * d, d)), np.zeros(d), np.zeros((d, d)))
+    space = Space(box, np.ones(2 * d, bool), np.ones((2 * d, d)), np.zeros(d), np.zeros((d, d)))
     return q, find_pairs(q, space, reach)
 
 
@@ -59,7 +59,7 @@ def test_a_long_chain_of_stiff_gaps_is_factorised(monkeypatch: pytest.MonkeyPatc
     N = 2000
     q = Configuration.unturned(np.column_stack([2.01 * np.arange(N), np.zeros(N)]), np.ones(N))
     box = Box((-1e6, -1e6), (1e6, 1e6))
-    pairs = find_pairs(q, Space(box, np.zeros((4, 2)), np.zeros(2), np.zeros((2, 2))), 0.5)
+    pairs = find_pairs(q, Space(box, np.ones(4, bool), np.zeros((4, 2)), np.zeros(2), np.zeros((2, 2))), 0.5)
     network = make_network(pairs, np.full(len(pairs), 1e14), np.ones((N, 2)))
     f = np.zeros((N, 2))
     f[0, 0] = 1.0
@@ -72,7 +72,9 @@ def test_a_long_chain_of_stiff_gaps_is_factorised(monkeypatch: pytest.MonkeyPatc
 def test_momentum_and_rigidity_at_any_stiffness(kappa: float) -> None:
     """More gaps than freedoms, and resistances without bound: the limit is a rigid cluster, not nonsense."""
     q, pairs = cluster(2, 36)
-    space = Space(Box((-1e4, -1e4), (1e4, 1e4)), np.zeros((4, 2)), np.zeros(2), np.zeros((2, 2)))
+    space = Space(
+        Box((-1e4, -1e4), (1e4, 1e4)), np.ones(4, bool), np.zeros((4, 2)), np.zeros(2), np.zeros((2, 2))
+    )
     pairs = find_pairs(q, space, 0.5)
     f = np.random.default_rng(1).standard_normal(q.centres.shape)
     network = make_network(pairs, np.full(len(pairs), kappa), np.ones_like(f))

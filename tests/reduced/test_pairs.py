@@ -31,7 +31,8 @@ class Far(Round):
 
 def space(container: Container, d: int, gradient: Array | None = None) -> Space:
     walls = np.zeros((len(container.walls), d))
-    return Space(container, walls, np.zeros(d), np.zeros((d, d)) if gradient is None else gradient)
+    E = np.zeros((d, d)) if gradient is None else gradient
+    return Space(container, np.ones(len(walls), bool), walls, np.zeros(d), E)
 
 
 def bodies(d: int, number: int, room: float, seed: int = 0) -> Configuration:
