@@ -3,7 +3,7 @@
 Beside a wall the body moves at unit speed, along the normal (squeeze) or along the wall (shear), or turns at
 unit rate, and the resistance is the load of that motion. Two bodies are pushed along their line of centres by
 opposite unit forces, free otherwise, and the resistance is one over the speed at which their gap changes: so
-no net force is felt far away. Loads, motions, masses and velocities in the case do not count.
+no net force is felt far away. Loads, forces, motions, masses and velocities in the case do not count.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ from fsi.schema import Calibration
 from fsi.section import toml_text
 from fsi.series import is_zero
 
+# Sections of a case that its samples do not have.
+_LEFT_OUT = {"calibration", "time", "output", "expected", "sweep", "forces", "reduced"}
 _FLAT = (
     1e-9  # a wall is plane if a body moved along its normal finds it as far away as it should, so relative
 )
@@ -74,9 +76,7 @@ class Pair:
             InputError: the bodies have no room there.
         """
         centre = self.case.configuration().centres[self.first] + (gap - self.gap) * self.normal
-        data: dict[str, Any] = self.case.model_dump(
-            exclude_none=True, exclude={"calibration", "time", "output", "expected", "sweep"}
-        )
+        data: dict[str, Any] = self.case.model_dump(exclude_none=True, exclude=_LEFT_OUT)
         data["bodies"] = list(data["bodies"])
         for i, body in enumerate(data["bodies"]):
             given = {key: body[key] for key in ("name", "radius", "position")}
@@ -187,7 +187,11 @@ def _check_mode(pair: Pair) -> None:
 
 
 def _check_surroundings(case: Case) -> None:
-    """Walls at rest or open, and a mesh that can be made for any gap."""
+    """Walls at rest or open, nothing else that drives a flow, and a mesh that can be made for any gap."""
+    for key in ("shear", "extension", "pressure_gradient", "net_flux"):
+        driven = getattr(case.domain, key, None)
+        if driven:
+            raise InputError(f"domain.{key} = {driven:g}: a resistance needs fluid at rest far away; drop it")
     for name, wall in case.domain.walls.items():
         if not (wall == "open" or (isinstance(wall, tuple) and all(map(is_zero, wall)))):
             raise InputError(

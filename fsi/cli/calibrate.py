@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from fsi import parallel
-from fsi.cli.arguments import CaseFile, Overrides, load
+from fsi.cli.arguments import CaseFile, Overrides, load_resolved
 from fsi.console import standard_output
 
 EXAMPLE = "Example: fsi calibrate cases/calibration/equal_discs.toml --workers 2"
@@ -40,7 +40,7 @@ def calibrate(
     from fsi.calibrate import calibrate_case
     from fsi.progress import counting
 
-    case = load(case_file, overrides)
+    case = load_resolved(case_file, overrides, "calibrate")
     folder = output or Path("runs") / "calibration" / case_file.stem
     with counting("samples") as show:
         found = calibrate_case(case, case_file.name, folder, cache, workers or os.cpu_count() or 1, show)

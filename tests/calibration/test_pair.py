@@ -98,7 +98,20 @@ def test_the_shipped_cases_are_sound(path: Path) -> None:
         assert np.linalg.norm(q.centres[0] - q.centres[1]) - q.radii.sum() == pytest.approx(1e-3, rel=1e-12)
 
 
+def test_forces_between_bodies_do_not_count() -> None:
+    """A repulsion that pushes with the unit forces would pass for a smaller resistance."""
+    repulsion = {"kind": "repulsion", "law": "exponential", "strength": 1.0, "length": 0.1, "cutoff": 1.0}
+    case = pair_of(parse_case(two() | {"forces": [repulsion]})).at(0.05)
+    assert_allclose(case.motion_at(case.configuration(), 0.0).F, [[-0.6, -0.8, 0.0], [0.6, 0.8, 0.0]])
+
+
 PLAN = {"pair": ["disc", "left"], "range": [1e-3, 0.1]}
+PAIR = [
+    {"name": "small", "radius": 0.5, "position": [0.0, 0.0]},
+    {"name": "large", "radius": 1.0, "position": [1.2, 1.6]},
+]
+CELL = {"shape": "cell", "vectors": [[9.0, 0.0], [0.0, 9.0]], "extension": 0.5}
+DRIVEN = {"lower": [-5.0, -5.0], "upper": [5.0, 5.0], "periodic": ["x"], "pressure_gradient": 2.0}
 MOVING = {"shape": "box", "lower": [-5.0, -5.0], "upper": [5.0, 5.0], "walls": {"top": [1.0, 0.0]}}
 ROUND = {
     "domain": {"shape": "half-plane", "radius": 9.0},
@@ -122,6 +135,8 @@ def planned(**plan: Any) -> dict[str, Any]:
         (two(mode="shear"), 'calibration.mode = "shear": needs a body beside a wall'),
         (two(pair=["small", "left"]), "the case has 2 bodies; drop those"),
         (planned(pair=["disc", "far"]) | ROUND, "this wall is not plane"),
+        (two() | {"domain": CELL, "bodies": PAIR}, "domain.extension = 0.5: .* needs fluid at rest"),
+        (two() | {"domain": DRIVEN}, "domain.pressure_gradient = 2: .* needs fluid at rest"),
         (planned() | {"domain": MOVING}, "domain.walls.top = .* needs walls at rest"),
     ],
 )
