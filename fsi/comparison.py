@@ -1,26 +1,28 @@
 """The reduced model against the resolved one: gap rates at the same configurations, and the two trajectories.
 
-At each step of the resolved run the reduced model is asked for its velocities at the same configuration, so
-that what the two laws of motion say can be told apart from where earlier errors have carried the bodies. The
-relative error of a gap is that of its rate D', `|D'_reduced - D'_resolved| / |D'_resolved|`.
+At each step of the resolved run the reduced model is asked for its velocities at the same configuration under
+the same loads on the fluid, inertia in them, so that what the two laws of motion say can be told apart from
+where earlier errors have carried the bodies. The relative error of a gap is that of its rate D',
+`|D'_reduced - D'_resolved| / |D'_resolved|`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
-from fsi.bodies import MODES, PLACES, Array, Configuration
+from fsi.bodies import LOADS, MODES, PLACES, Array, Configuration
 from fsi.case import Case
 from fsi.gaps import find_gaps
 from fsi.reduced.model import ReducedModel
 from fsi.reduced.network import gradient
 from fsi.reduced.pairs import find_pairs
+from meshes.geometry import Container
 
 LIMITS = (0.1, 0.01)
 # A gap at which the two models move it in opposite directions has no small relative error; so that one
@@ -30,11 +32,12 @@ PART = 0.9
 
 @dataclass(frozen=True, slots=True)
 class History:
-    """The bodies at T times: t (T,), centres (T, N, d), U (T, N, M)."""
+    """The bodies at T times: t (T,), centres (T, N, d), U and the loads on the fluid F (T, N, M)."""
 
     t: Array
     centres: Array
     U: Array
+    F: Array
 
     @classmethod
     def of_table(cls, case: Case, table: Mapping[str, Array]) -> History:
@@ -42,7 +45,8 @@ class History:
         N, d = len(case.bodies), case.dimension
         x = np.stack([table[name].reshape(-1, N) for name in PLACES[d][:d]], axis=2)
         U = np.stack([table[name].reshape(-1, N) for name in MODES[d]], axis=2)
-        return cls(table["t"].reshape(-1, N)[:, 0], x, U)
+        F = np.stack([table[name].reshape(-1, N) for name in LOADS[d]], axis=2)
+        return cls(table["t"].reshape(-1, N)[:, 0], x, U, F)
 
     def at(self, t: Array) -> Array:
         """The centres at other times, by cubic interpolation, (t, N, d)."""
@@ -82,8 +86,12 @@ class Comparison:
         return float(self.sample_gap[order][good][-1]) if np.any(good) else None
 
     def bodies(self) -> list[dict[str, float]]:
-        """Of each body the largest differences over time, of velocities over its largest resolved speed."""
+        """Of each body the largest differences over time, of velocities over its largest resolved speed.
+
+        One that is held at rest moves alike in both, which is a difference of 0.
+        """
         speed = np.linalg.norm(self.velocity, axis=2).max(axis=0)
+        speed = np.where(speed > 0.0, speed, 1.0)
         off = np.linalg.norm(self.reduced_velocity - self.velocity, axis=2)
         gaps = np.abs(self.reduced_gap - self.gap) / self.gap
         return [
@@ -108,11 +116,13 @@ def compare(case: Case, resolved: History, reduced: History) -> Comparison:
     radii, container = case.configuration().radii, case.container()
     reach = 2.0 * float(radii.max()) if case.reduced.cutoff is None else case.reduced.cutoff
     velocities, samples = [], []
-    for t, x, U in zip(resolved.t, resolved.centres, resolved.U, strict=True):
+    for t, x, U, F in zip(resolved.t, resolved.centres, resolved.U, resolved.F, strict=True):
         q = Configuration.unturned(x, radii)
-        ours = model(q, float(t)).U
+        around = model.surroundings(q, float(t))
+        motion = replace(around.motion, F=np.where(around.motion.held, 0.0, F))
+        ours = model.under(replace(around, motion=motion), q, float(t)).U
         velocities.append(ours[:, :d])
-        pairs = find_pairs(q, model.surroundings(q, float(t)).space, reach)
+        pairs = find_pairs(q, around.space, reach)
         G = gradient(pairs, len(q))
         rates = [G @ u[:, :d].ravel() - pairs.b for u in (U, ours)]
         samples.append(np.column_stack([pairs.gap, *rates]))
@@ -120,7 +130,12 @@ def compare(case: Case, resolved: History, reduced: History) -> Comparison:
     table = table[table[:, 1] != 0.0]
 
     def gaps(centres: Array) -> Array:
-        return np.array([_gaps_of_each(Configuration.unturned(x, radii), container) for x in centres])
+        return np.array(
+            [
+                _gaps_of_each(Configuration.unturned(x, radii), container.at(float(t)))
+                for t, x in zip(resolved.t, centres, strict=True)
+            ]
+        )
 
     return Comparison(
         resolved.t,
@@ -132,7 +147,7 @@ def compare(case: Case, resolved: History, reduced: History) -> Comparison:
     )
 
 
-def _gaps_of_each(q: Configuration, container: Any) -> NDArray[np.float64]:
+def _gaps_of_each(q: Configuration, container: Container) -> NDArray[np.float64]:
     return find_gaps(q, container, reach=container.size()).smallest_of_each()
 
 

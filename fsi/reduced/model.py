@@ -87,8 +87,13 @@ class ReducedModel:
         Raises:
             SolveError: a gap is not positive, the motion is not determined, or an identity is violated.
         """
+        return self.under(self.surroundings(q, t), q, t, inertia)
+
+    def under(
+        self, around: Surroundings, q: Configuration, t: float, inertia: Inertia | None = None
+    ) -> ReducedInstant:
+        """The velocities in given surroundings, with the loads that are in them; raises as a call does."""
         began = process_time()
-        around = self.surroundings(q, t)
         pairs = find_pairs(q, around.space, self.reach)
         if np.any(pairs.gap <= 0.0):
             raise SolveError(f"reduced model at t = {t:.9g}: bodies overlap (gap {pairs.gap.min():.3g})")

@@ -24,6 +24,7 @@ from fsi.models import make_model
 from fsi.pvd import read_collection
 from fsi.results import StepRecord
 from fsi.run import resume_run, run_case
+from postprocess.run import open_run
 from tests.exact_model import DiscsBesidePlane
 from tests.reduced_data import INERTIA, heap, reduced_case
 from tests.small_run import contents, rows
@@ -112,12 +113,47 @@ def test_a_drag_that_is_too_large_is_seen() -> None:
     assert 1e-3 < small < 0.4
 
 
+SHEARED = {"shape": "cell", "vectors": [[6.0, 0.0], [0.0, 5.0]], "shear": 1.0}
+PAIR: list[dict[str, object]] = [
+    {"name": "a", "radius": 1.0, "position": [1.0, 1.0]},
+    {"name": "b", "radius": 1.0, "position": [2.4, 3.2]},
+]
+HELD: dict[str, object] = {"name": "held", "radius": 0.5, "position": [5.0, 0.6], "velocity": [0.0, 0.0]}
+
+
+@pytest.mark.parametrize(
+    ("bodies", "more"),
+    [
+        ([*heap(**INERTIA), HELD | INERTIA], {}),
+        (PAIR, {"domain": SHEARED}),
+    ],
+)
+def test_a_run_compared_with_itself(
+    bodies: list[dict[str, object]], more: dict[str, object], tmp_path: Path
+) -> None:
+    """With inertia, which is a load on the fluid, and in a cell, whose images move: no difference.
+
+    Gaps are those of steps.csv. They were those to the images of time 0, and inertia was left out.
+    """
+    reduced = {"drag": 12.0, "cutoff": 1.5}
+    case = reduced_case(bodies, reduced, time={"end": 0.3, "tolerance": 1e-2}, **more)
+    run_case(case, tmp_path / "run", make_model(case))
+    table = open_run(tmp_path / "run").columns("bodies")
+    history = History.of_table(case, table)
+    found = compare(case, history, history)
+    assert max(body["velocity_difference"] for body in found.bodies()) < 1e-6
+    assert found.good_below(1e-6) == found.sample_gap.max()
+    smallest = [float(step["smallest_gap"]) for step in rows(tmp_path / "run" / "steps.csv")]
+    assert found.gap.min(axis=1) == pytest.approx(smallest, rel=1e-12)
+
+
 def compare_with_exact(bodies: list[dict[str, object]], exact: DiscsBesidePlane, drag: float) -> Comparison:
     case = reduced_case(bodies, {"drag": drag, "cutoff": 2.0})
     t, centres = np.linspace(0.0, 1.0, 40), np.zeros((40, 1, 2))
     centres[:, 0, 1] = 1.0 + np.geomspace(0.5, 1e-3, 40)
-    U = np.array([exact(Configuration.unturned(x, np.ones(1)), 0.0).U for x in centres])
-    history = History(t, centres, U)
+    instants = [exact(Configuration.unturned(x, np.ones(1)), 0.0) for x in centres]
+    U, F = (np.array([getattr(one, name) for one in instants]) for name in "UF")
+    history = History(t, centres, U, F)
     return compare(case, history, history)
 
 
