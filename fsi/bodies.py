@@ -49,6 +49,14 @@ def rigid_motion(r: Array) -> Array:
     return rows
 
 
+def turned(angles: Array, more: Array) -> Array:
+    """Angles after further rotations, (N, r): in the plane their sum, in space composed as vectors."""
+    if angles.shape[1] != 3 or len(angles) == 0:
+        return angles + more
+    both = Rotation.from_rotvec(more) * Rotation.from_rotvec(angles)
+    return np.asarray(both.as_rotvec())
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Configuration:
     """Where the bodies are; one is equal to itself alone, and its arrays are never changed.
@@ -86,10 +94,7 @@ class Configuration:
         centres = self.centres + displacement[:, :d]
         if d == 2:
             return Configuration(centres, self.angles + displacement[:, 2], self.radii)
-        if len(self) == 0:
-            return self
-        turned = Rotation.from_rotvec(displacement[:, d:]) * Rotation.from_rotvec(self.angles)
-        return Configuration(centres, turned.as_rotvec(), self.radii)
+        return Configuration(centres, turned(self.angles, displacement[:, d:]), self.radii)
 
 
 @dataclass(frozen=True, slots=True)

@@ -146,11 +146,15 @@ def _check(case: GlueyCase) -> None:
         )
     touching = find_contacts(q.centres, q.radii, room, 0.0)
     deepest = int(np.argmin(touching.D)) if len(touching) else 0
-    if len(touching) and touching.D[deepest] < -1e-10 * q.radii.min():
-        names = (*case.names, *("a wall" for _ in room.points))
+    if not len(touching):
+        return
+    names = (*case.names, *("a wall" for _ in room.points))
+    between = f"bodies: {names[touching.j[deepest]]} and {names[touching.i[deepest]]}"
+    if touching.D[deepest] < -1e-10 * q.radii.min():
+        raise InputError(f"{between} overlap by {-touching.D[deepest]:.3g}; move them apart")
+    if case.contact.variant == "film":
         raise InputError(
-            f"bodies: {names[touching.j[deepest]]} and {names[touching.i[deepest]]} overlap by "
-            f"{-touching.D[deepest]:.3g}; move them apart"
+            f'{between} touch, where contact.variant = "film" needs a gap; move them apart or give "shifted"'
         )
 
 

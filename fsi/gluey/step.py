@@ -175,10 +175,14 @@ def _project(system: System, state: GlueyState, contacts: Contacts, free: Array,
 
 
 def _in_films(film: Film, contacts: Contacts, gamma: Array) -> tuple[Contacts, Array]:
-    """Gaps and memories that agree: gamma tells the gap where it is known, as a gap loses digits."""
+    """Gaps and memories that agree: gamma tells the gap where it is known, as a gap loses digits.
+
+    But an overlap that the tolerance of earlier steps has left counts as such, and this one undoes it: else
+    they would add up.
+    """
     known = gamma < 0.0
-    D = np.where(known, film.gap(gamma), contacts.D)
-    return replace(contacts, D=D), np.where(known, gamma, film.gamma(D))
+    D = np.where(known & (contacts.D >= 0.0), film.gap(gamma), contacts.D)
+    return replace(contacts, D=D), np.where(known, gamma, film.gamma(np.where(known, film.delta0, D)))
 
 
 def _speed(system: System, U: Array) -> float:

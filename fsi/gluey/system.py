@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies import Array
+from fsi.bodies import Array, turned
 from fsi.gluey.contacts import Room
 from fsi.gluey.film import Film, Shape
 
@@ -67,7 +67,8 @@ class System:
 class GlueyState:
     """All that the next step depends on.
 
-    centres: (N, d); angles: turned since the start, (N, r); U: velocities, (N, d + r);
+    centres: (N, d); angles: turned since the start, (N, r), in space rotation vectors; U: velocities, (N,
+    d + r);
     key, gamma: the pairs that remember, by `Contacts.key`, increasing, and what: gamma < 0, an impulse.
     """
 
@@ -92,6 +93,6 @@ class GlueyState:
 
     def moved(self, U: Array, h: float, key: NDArray[np.int64], gamma: Array) -> GlueyState:
         """The state after a step h at the velocities U; pairs with gamma = 0 are forgotten."""
-        d = self.centres.shape[1]
-        kept = gamma != 0.0
-        return GlueyState(self.centres + h * U[:, :d], self.angles + h * U[:, d:], U, key[kept], gamma[kept])
+        d, kept = self.centres.shape[1], gamma != 0.0
+        angles = turned(self.angles, h * U[:, d:])
+        return GlueyState(self.centres + h * U[:, :d], angles, U, key[kept], gamma[kept])

@@ -89,6 +89,7 @@ def test_two_discs_part_when_the_pull_has_paid_back(tmp_path: Path) -> None:
         ("contact.friction=0.3", "contact"),
         ("contact.gamma_min=1.0", "gamma_min"),
         ("bodies.0.position=[0.0, 0.0]", "overlap"),
+        ("contact={variant='film',eps=0.1,reference_gap=0.1}", "touch"),
         ("bodies.0.position=[0.0, 0.0, 0.0]", "components"),
         ("bodies.0.raduis=1.0", "radius"),
         ("time.step=10", r"time\.step"),
@@ -103,8 +104,9 @@ def test_two_discs_part_when_the_pull_has_paid_back(tmp_path: Path) -> None:
     ],
 )
 def test_mistakes_are_one_line(change: str, message: str) -> None:
+    touching = ["bodies.0.position=[-0.5, 0.0]"] if "film" in change else []
     with pytest.raises(InputError, match=message) as mistake:
-        load_evolving(CASES / "gluey" / "two_discs.toml", [change])
+        load_evolving(CASES / "gluey" / "two_discs.toml", [*touching, change])
     assert "\n" not in str(mistake.value)
 
 

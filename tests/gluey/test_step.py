@@ -185,3 +185,24 @@ def test_contacts_are_all_pairs() -> None:
     pairs = {(int(i), int(j)): D for i, j, D in zip(found.i, found.j, found.D, strict=True)}
     assert pairs.keys() == expected.keys()
     np.testing.assert_allclose([pairs[key] for key in pairs], [expected[key] for key in pairs], atol=1e-13)
+
+
+def test_an_overlap_within_the_tolerance_is_undone_by_the_next_step_of_a_film() -> None:
+    """Gaps are remembered by gamma, and centres were not corrected by it: errors added up to a stop."""
+    law, deep = Law("film", eps=0.05, delta0=0.2), 4e-11
+    system, state = bodies([[0.0, 0.5 - deep, 0.0]], lambda _: (0.0, -1.0, 0.0), slope(0.0, 3), law)
+    key = find_contacts(state.centres, system.radii, system.room, 0.1).key
+    state = GlueyState(state.centres, state.angles, state.U, key, np.array([-1.0]))
+    state, _, checks = advance(system, state, 0.0, H)
+    assert checks.overlap == 0.0
+    assert state.gamma == pytest.approx([-1.0 - H], rel=1e-6)
+
+
+def test_turns_about_several_axes_are_composed() -> None:
+    """A quarter turn about x, then one about y: that of the unit quaternion (1, 1, 1, -1)/2."""
+    _, state = bodies([[0.0, 0.0, 0.0]], lambda _: (0.0, 0.0, 0.0))
+    for axis in (3, 4):
+        U = np.zeros((1, 6))
+        U[0, axis] = 0.5 * np.pi
+        state = state.moved(U, 1.0, state.key, state.gamma)
+    assert state.angles == pytest.approx(2.0 * np.pi / 3.0 * np.array([[1.0, 1.0, -1.0]]) / np.sqrt(3.0))
