@@ -82,7 +82,7 @@ class Limit:
 
     def _rounding(self) -> float:
         """Below this a distance is rounding in Q."""
-        return 64.0 * float(np.finfo(float).eps) * float(np.abs(self.Q(self.Q.x)).max() + 1.0)
+        return 128.0 * float(np.finfo(float).eps) * float(np.abs(self.Q(self.lowest)).max())
 
 
 def slides_scheme(q0: float, u0: float, impulses: Array, h: Array) -> tuple[Array, Array, Array]:

@@ -95,6 +95,14 @@ def test_the_limit_is_a_projection_of_any_push(values: Array, u0: float) -> None
     assert np.abs(found - limit.q(fine)).max() <= 4.0 * 3.0 * len(values) / 1000
 
 
+@pytest.mark.parametrize("length", [1e-15, 1e9])
+def test_contacts_do_not_depend_on_the_unit_of_length(length: float) -> None:
+    """Falls 1 at f = -2, is pulled from 1.5 on: contact from 1 to 3. Lengths of 1e-15 were taken for 0."""
+    f = piecewise_constant(np.array([0.0, 1.5, 4.0]), length * np.array([-2.0, 2.0]))
+    ((begin, end),) = Limit.of(length, 0.0, f).contacts()
+    assert (begin, end) == pytest.approx((1.0, 3.0), rel=1e-6)
+
+
 @given(forces)
 def test_the_oracle_agrees_with_a_dense_minimum(values: Array) -> None:
     """The Skorokhod formula with the minimum over many times, added the exact extremes: to 1e-12."""
