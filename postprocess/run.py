@@ -47,8 +47,9 @@ def open_run(path: Path | str) -> Run:
     return Run(path)
 
 
-# What shows a run that has no fluid.
+# What shows a run that has no flow field.
 _INSTEAD = {
+    "reduced": "`fsi render`, `fsi plot` or `fsi report`",
     "gluey": "`fsi render`, `fsi plot`, `fsi report`, or python -m postprocess.memory for memories",
     "macroscopic": "`fsi plot` or `fsi report`",
 }
@@ -149,6 +150,10 @@ class Run:
         """That step, or the last one, if it has fields. Raises InputError."""
         written = self.times_of(series).index
         if written.empty:
+            if self.model == "reduced" and series in ("fluid", "surface"):
+                raise InputError(
+                    f'model = "reduced": the run in {self.path} has no flow field; use {_INSTEAD["reduced"]}'
+                )
             raise InputError(
                 f"{self.path / series}.pvd: the run has written no fields; set output.fields = true"
                 " and run it again"

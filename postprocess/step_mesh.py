@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fsi.errors import InputError
 from meshes.geometry import boundary_names
 from postprocess.run import open_run
 
@@ -22,15 +21,7 @@ def write_step_mesh(run: Path, step: int | None, output: Path) -> int:
     require_suffix(output)
     read = open_run(run)
     case = read.case
-    written = sorted({int(path.stem.split("_")[1]) for path in (run / "fields").glob("fluid_*.vtu")})
-    if not written:
-        raise InputError(f"run = {run}: has written no fields; set output.fields = true and run it again")
-    step = written[-1] if step is None else step
-    if step not in written:
-        raise InputError(
-            f"step = {step}: has no fields; give one of those in {run / 'fluid.pvd'},"
-            f" {written[0]} ... {written[-1]}"
-        )
+    step = read.step(step)
     t = float(read.times[step])
     q = read.configuration(step)
     parts = sorted((run / "fields").glob(f"fluid_{step:06d}*.vtu"))

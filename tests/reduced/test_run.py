@@ -18,13 +18,16 @@ from fsi.case import Case
 from fsi.cli.main import main
 from fsi.cli.solve import solve
 from fsi.comparison import Comparison, History, compare
+from fsi.errors import InputError
 from fsi.law_file import LawFile, TableSection, save_law
 from fsi.lubrication.exact_laws import exact_law
 from fsi.models import make_model
 from fsi.pvd import read_collection
 from fsi.results import StepRecord
 from fsi.run import resume_run, run_case
+from postprocess.probe import probe
 from postprocess.run import open_run
+from postprocess.step_mesh import write_step_mesh
 from tests.exact_model import DiscsBesidePlane
 from tests.reduced_data import INERTIA, heap, reduced_case
 from tests.small_run import contents, rows
@@ -168,6 +171,17 @@ def test_two_ranks_write_the_same_files(tmp_path: Path) -> None:
         command, cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(root)}, check=True, capture_output=True
     )
     assert contents(tmp_path / "two") == contents(tmp_path / "one")
+
+
+def test_commands_for_the_flow_name_those_that_work(tmp_path: Path) -> None:
+    """A reduced run has no flow field, whatever output.fields says; those are not called here."""
+    case = reduced_case(heap(), {"drag": 12.0}, time={"end": 0.01})
+    run_case(case, tmp_path / "run", make_model(case))
+    run = open_run(tmp_path / "run")
+    with pytest.raises(InputError, match="has no flow field; use `fsi render`"):
+        probe(run, np.zeros((1, 2)))
+    with pytest.raises(InputError, match="has no flow field; use `fsi render`"):
+        write_step_mesh(tmp_path / "run", 0, tmp_path / "mesh.vtu")
 
 
 def test_solve_shows_an_instant(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
