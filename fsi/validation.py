@@ -102,6 +102,8 @@ def chosen_cases(folder: Path, names: Sequence[str]) -> list[Path]:
 def swept(path: Path) -> Iterator[tuple[float | None, Case]]:
     """The case, or one for each value of its sweep. Raises InputError."""
     case = load_case(path)
+    if case.model != "resolved":
+        raise InputError(f'{path}: model = "{case.model}": `fsi validate` is for the resolved flow; drop it')
     if not case.expected:
         raise InputError(f"{path}: nothing to compare with; give it [[expected]] rows")
     if case.sweep is None:

@@ -125,6 +125,7 @@ def test_names_are_those_of_files(tmp_path: Path) -> None:
         ("values = [4.0, 2.0]", "values = []", "sweep.values"),
         ('key = "domain.radius"', 'key = "domain.radios"', "unknown key; use domain.radius"),
         ("[[expected]]", "[[expectid]]", "unknown key; use expected"),
+        ("geometry =", 'model = "reduced"\ngeometry =', "is for the resolved flow"),
     ],
 )
 def test_mistakes_in_a_validation_case(old: str, new: str, complaint: str, tmp_path: Path) -> None:
