@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies import LOADS, MODES, Array
+from fsi.drive import Drive
 
 # The names of velocities and loads by their number, 3 in the plane and 6 in space.
 NAMES = {len(MODES[d]): (*MODES[d], *LOADS[d]) for d in MODES}
@@ -74,28 +75,38 @@ class Measured(Results, Protocol):
         """Over the viscosity of the fluid, of a periodic flow with a mean strain rate."""
 
 
+# A result that is smaller than this part of what drives the flow may be zero by symmetry.
+LEAST = 0.01
+
+
 def relative_change(
-    results: Results, change: Results, held: NDArray[np.bool_], arm: Array
+    results: Results, change: Results, held: NDArray[np.bool_], arm: Array, drive: Drive
 ) -> dict[str, float]:
     """A change of the results over the largest result.
 
-    Results are the loads on held components and the velocities of free ones.
+    Results are the loads on held components and the velocities of free ones. Where symmetry makes all of a
+    kind zero, what is computed is an error itself: a hundredth of what drives the flow is the least that a
+    change counts over.
 
     Args:
         results: U and F.
         change: their changes or errors, of any sign.
         held: which velocities are prescribed, shape (N, M).
         arm: 1 for translations, the radius for rotations, shape (N, M).
+        drive: a velocity and a force of the flow.
 
     Returns:
         "force" and "velocity": largest |change| / largest |result|, each only if there is such a result.
     """
-    pairs = {
-        "force": ((results.F / arm)[held], (change.F / arm)[held]),
-        "velocity": ((results.U * arm)[~held], (change.U * arm)[~held]),
-    }
-    return {
-        name: float(np.abs(changed).max() / np.abs(values).max())
-        for name, (values, changed) in pairs.items()
-        if np.any(values)
-    }
+    F, V = results.F / arm, results.U * arm
+    speed = max(float(np.abs(V).max(initial=0.0)), drive.velocity)
+    force = max(float(np.abs(F).max(initial=0.0)), drive.resistance * speed)
+    found = {}
+    for name, of_kind, values, changed, scale in (
+        ("force", held, F, change.F / arm, force),
+        ("velocity", ~held, V, change.U * arm, speed),
+    ):
+        if np.any(values[of_kind]):
+            largest = max(float(np.abs(values[of_kind]).max()), LEAST * scale)
+            found[name] = float(np.abs(changed[of_kind]).max()) / largest
+    return found

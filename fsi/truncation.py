@@ -11,6 +11,7 @@ from fsi.bodies import Array
 from fsi.bulk import BulkStress
 from fsi.case import Case, parse_case
 from fsi.domain import HalfPlaneDomain, RoundDomain
+from fsi.drive import drive_of
 from fsi.errors import InputError
 
 
@@ -82,4 +83,5 @@ def truncation(case: Case, whole: Solution, half: Solution) -> dict[str, float]:
         "force" and "velocity": largest |change| / largest |result|, each only if there is such a result.
     """
     change = ErrorEstimate(np.abs(half.U - whole.U), np.abs(half.F - whole.F))
-    return relative_change(whole, change, case.motion(0.0).held, case.configuration().arms)
+    q = case.configuration()
+    return relative_change(whole, change, case.motion(0.0).held, q.arms, drive_of(case, 0.0))

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from fsi.accuracy import ErrorEstimate, Results, StepErrors, relative_change
 from fsi.bodies import Array, Configuration, Motion
+from fsi.drive import Drive, drive_of
 
 if TYPE_CHECKING:
     from fsi.case import Case
@@ -100,17 +101,20 @@ def step_errors(model: StokesModel, q: Configuration, t: float, instant: Results
     """The errors of an instant of a run; as `estimate_errors`."""
     motion = moved_as_found(model.case, q, t, instant)
     errors = estimate_errors(model, q, t, instant, motion)
-    return StepErrors(errors, relative_errors(instant, errors, motion.held, q.arms))
+    return StepErrors(errors, relative_errors(instant, errors, motion.held, q.arms, drive_of(model.case, t)))
 
 
 def relative_errors(
-    results: Results, errors: ErrorEstimate, held: NDArray[np.bool_], arm: Array
+    results: Results, errors: ErrorEstimate, held: NDArray[np.bool_], arm: Array, drive: Drive
 ) -> dict[str, float]:
     """The errors over the largest result of their kind, and that of the apparent viscosity over it.
 
     Arguments and returned names as of `relative_change`; "viscosity" of a periodic flow that has one.
     """
-    found, mu = relative_change(results, errors, held, arm), getattr(results, "apparent_viscosity", None)
+    found, mu = (
+        relative_change(results, errors, held, arm, drive),
+        getattr(results, "apparent_viscosity", None),
+    )
     if mu is not None and errors.apparent_viscosity is not None:
         found["viscosity"] = errors.apparent_viscosity / abs(mu)
     return found

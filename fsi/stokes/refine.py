@@ -14,6 +14,7 @@ from math import ceil
 from fsi.accuracy import ErrorEstimate
 from fsi.bodies import Configuration, Motion
 from fsi.case import Case
+from fsi.drive import drive_of
 from fsi.errors import SolveError
 from fsi.schema import Discretisation
 from fsi.stokes.error import estimate_errors, relative_errors
@@ -86,7 +87,7 @@ def _solved(case: Case, q: Configuration, t: float, motion: Motion) -> Solved:
     model = StokesModel(case)
     solution = model.of_degree(case.discretisation.degree, q, t, motion)
     errors = estimate_errors(model, q, t, solution, motion)
-    found = relative_errors(solution, errors, motion.held, q.arms)
+    found = relative_errors(solution, errors, motion.held, q.arms, drive_of(case, t))
     return Solved(case, solution, errors, max(found.values(), default=0.0))
 
 

@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fsi.accuracy import ErrorEstimate, relative_change
 from fsi.case import Case, load_case, parse_case
+from fsi.drive import drive_of
 from fsi.errors import SolveError
 from fsi.lubrication import exact, spheres
 from fsi.models import make_model
@@ -52,6 +54,47 @@ def test_the_bar_of_a_free_velocity() -> None:
     true = abs(solved.solution.U[0, 0] - velocity)
     assert true < solved.errors.U[0, 0] < 2.0 * true
     assert not solved.errors.F.any()  # the loads are given
+
+
+def test_velocities_that_vanish_by_symmetry_do_not_miss_a_tolerance() -> None:
+    """A disc pressed against a wall slides and turns by errors of the mesh alone: 1.5 over themselves."""
+    case = load_case(
+        CASES / "disc_in_box.toml",
+        [
+            'bodies.0.velocity=["free", -1.0]',
+            'bodies.0.angular_velocity="free"',
+            "discretisation.cells_per_circle=24",
+            "discretisation.growth=0.5",
+            "discretisation.tolerance=1e-3",
+        ],
+    )
+    solved = solve_with_errors(case)
+    assert solved.error <= 1e-3
+    assert np.all(np.abs(solved.solution.U[0, [0, 2]]) <= 10.0 * solved.errors.U[0, [0, 2]])
+
+
+@pytest.mark.parametrize(
+    ("domain", "velocity"),
+    [
+        ({"shape": "cell", "vectors": [[9.0, 0.0], [0.0, 9.0]], "extension": -2.0}, 1.0),
+        ({"lower": [-3.0, 0.0], "upper": [0.0, 4.0], "walls": {"top": [3.0, 0.0]}}, 0.3),
+        ({"shape": "half-plane", "radius": 1e5, "walls": {"far": {"shear": 4.0}}}, 2.0),
+    ],
+)
+def test_flows_without_moving_bodies_have_a_velocity_to_compare_with(
+    domain: dict[str, object], velocity: float
+) -> None:
+    """Rate of shear times radius, a wall of speed 3 in a box of size 5 shearing at the rate 0.6."""
+    body = {"name": "disc", "radius": 0.5, "position": [-1.5, 2.0]}
+    case = parse_case({"name": "x", "fluid": {"viscosity": 3.0}, "domain": domain, "bodies": [body]})
+    drive = drive_of(case, 0.0)
+    assert drive.velocity == pytest.approx(velocity, rel=1e-14)
+    assert drive.resistance == 3.0
+    noise = ErrorEstimate(np.full((1, 3), 1e-9), np.full((1, 3), 1e-9))
+    held = np.array([[True, False, False]])
+    found = relative_change(noise, noise, held, np.ones((1, 3)), drive)
+    assert found["velocity"] == pytest.approx(1e-7 / velocity)
+    assert found["force"] == pytest.approx(1e-7 / (3.0 * velocity))
 
 
 def test_errors_are_those_of_results_and_never_below_rounding() -> None:
