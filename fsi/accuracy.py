@@ -20,11 +20,13 @@ NAMES = {len(MODES[d]): (*MODES[d], *LOADS[d]) for d in MODES}
 class ErrorEstimate:
     """Estimated errors, absolute: of U where it is free, of F where U is held; else 0. Shapes (N, M).
 
-    apparent_viscosity: the error of that of a periodic flow, not a number without a strain rate.
+    dissipation: the error of `2 mu int e:e`; apparent_viscosity: the error of that of a periodic flow, not a
+    number without a strain rate.
     """
 
     U: Array
     F: Array
+    dissipation: float = 0.0
     apparent_viscosity: float | None = None
 
 
@@ -68,7 +70,11 @@ class Results(Protocol):
 
 
 class Measured(Results, Protocol):
-    """The same with what only some flows have."""
+    """The same with the dissipation, and what only some flows have."""
+
+    @property
+    def dissipation(self) -> float:
+        """`2 mu int e:e`."""
 
     @property
     def apparent_viscosity(self) -> float | None:

@@ -7,6 +7,7 @@ quantity: with forces that the FLUID exerts on the body. Sources stand at the fu
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fsi.lubrication import exact, spheres
@@ -105,14 +106,14 @@ def two_discs(case: Case, quantity: str) -> float:
 def sphere_settling(case: Case, quantity: str) -> float:
     """The time in which a sphere settles to a gap."""
     start, radius, viscosity = _beside_plane(case)
-    force = float(case.motion(0.0).F[0, 1])
+    force = float(case.motion_at(case.configuration(), 0.0).F[0, 1])
     return float(sphere.settling_time(gap_of(quantity), start, radius, viscosity, force))
 
 
 def disc_settling(case: Case, quantity: str) -> float:
     """The time in which a disc settles to a gap."""
     start, radius, viscosity = _beside_plane(case)
-    force = float(case.motion(0.0).F[0, 1])
+    force = float(case.motion_at(case.configuration(), 0.0).F[0, 1])
     return float(exact.settling_time(gap_of(quantity), start, radius, viscosity, force))
 
 
@@ -136,4 +137,27 @@ REFERENCES: dict[str, Reference] = {
         sphere_settling,
         disc_settling,
     )
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Fitting:
+    """The cases that an exact result is of; quantities: "force" (and torque), "velocity" or "time"."""
+
+    geometry: str
+    shape: str
+    bodies: int
+    quantities: str
+
+
+FITTING = {
+    "sphere_wall_normal": Fitting("axisymmetric", "half-plane", 1, "force"),
+    "sphere_beside_plane": Fitting("spatial", "half-plane", 1, "force"),
+    "two_spheres": Fitting("axisymmetric", "round", 2, "force"),
+    "concentric_sphere": Fitting("axisymmetric", "round", 1, "force"),
+    "disc_beside_plane": Fitting("planar", "half-plane", 1, "force"),
+    "disc_in_shear": Fitting("planar", "half-plane", 1, "velocity"),
+    "two_discs": Fitting("planar", "round", 2, "force"),
+    "sphere_settling": Fitting("axisymmetric", "half-plane", 1, "time"),
+    "disc_settling": Fitting("planar", "half-plane", 1, "time"),
 }

@@ -15,7 +15,8 @@ FREE: Literal["free"] = "free"
 _LOAD = "a number or a table {times = [...], values = [...]}"
 _COMPONENT = r"(velocity|force|position|angular_velocity|torque)\.[xyrz]|angular_velocity|torque"
 APPARENT_VISCOSITY = "apparent viscosity"
-_QUANTITY = rf"^(dissipation|{APPARENT_VISCOSITY}|time at gap [\d.e-]+|[\w -]+\.({_COMPONENT}))$"
+DISSIPATION = "dissipation"
+_QUANTITY = rf"^({DISSIPATION}|{APPARENT_VISCOSITY}|time at gap [\d.e-]+|[\w -]+\.({_COMPONENT}))$"
 _MOTION = f'"free", {_LOAD}'
 
 

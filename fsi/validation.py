@@ -17,9 +17,9 @@ from fsi.accuracy import Measured
 from fsi.case import Case, load_case, parse_case
 from fsi.errors import InputError
 from fsi.overrides import override
-from fsi.references import REFERENCES, component
-from fsi.schema import APPARENT_VISCOSITY, Expected
-from fsi.section import nearest_word
+from fsi.references import REFERENCES, TIME_AT_GAP, component
+from fsi.schema import APPARENT_VISCOSITY, DISSIPATION, Expected
+from fsi.section import nearest_word, toml_text
 
 EXACT_DIGITS = 1e-13  # relative error of the functions in `fsi.lubrication`
 WIDEST_BAR = 10.0  # an error bar holds if the true error is between a tenth of it and all of it
@@ -102,10 +102,7 @@ def chosen_cases(folder: Path, names: Sequence[str]) -> list[Path]:
 def swept(path: Path) -> Iterator[tuple[float | None, Case]]:
     """The case, or one for each value of its sweep. Raises InputError."""
     case = load_case(path)
-    if case.model != "resolved":
-        raise InputError(f'{path}: model = "{case.model}": `fsi validate` is for the resolved flow; drop it')
-    if not case.expected:
-        raise InputError(f"{path}: nothing to compare with; give it [[expected]] rows")
+    _require_comparable(path, case)
     if case.sweep is None:
         yield None, case
         return
@@ -113,6 +110,22 @@ def swept(path: Path) -> Iterator[tuple[float | None, Case]]:
         data = tomllib.loads(case.as_toml())
         override(data, f"{case.sweep.key}={value!r}")
         yield value, parse_case(data)
+
+
+def _require_comparable(path: Path, case: Case) -> None:
+    """Raise InputError unless the resolved flow gives every expected row, of an instant or of a run."""
+    if case.model != "resolved":
+        raise InputError(f'{path}: model = "{case.model}": only the resolved flow is validated; change it')
+    if not case.expected:
+        raise InputError(f"{path}: nothing to compare with; give it [[expected]] rows")
+    for i, row in enumerate(case.expected):
+        here = f"{path}: expected.{i}.quantity = {toml_text(row.quantity)}"
+        if case.time is not None and not row.quantity.startswith(TIME_AT_GAP):
+            raise InputError(f"{here}: a case with [time] is validated by `{TIME_AT_GAP}...` alone; drop it")
+        if case.time is None and row.quantity.startswith(TIME_AT_GAP):
+            raise InputError(f"{here}: is that of a run; add a section [time] with its end")
+        if case.time is None and row.quantity.split(".")[1:2] == ["position"]:
+            raise InputError(f"{here}: a position is given at time 0; expect a velocity or a force")
 
 
 def reference(case: Case, row: Expected) -> tuple[float, float]:
@@ -124,11 +137,13 @@ def reference(case: Case, row: Expected) -> tuple[float, float]:
 
 
 def computed(case: Case, results: Measured, quantity: str) -> float:
-    """The value of `disc.force.y`, by the fluid on the body, `disc.velocity.x`, `apparent viscosity`, ..."""
+    """The value of `disc.force.y`, by the fluid on the body, `disc.velocity.x`, `dissipation`, ..."""
+    if quantity == DISSIPATION:
+        return results.dissipation
     if quantity == APPARENT_VISCOSITY:
         return float("nan") if results.apparent_viscosity is None else results.apparent_viscosity
     body, mode = component(case, quantity)
-    values = results.U if "velocity" in quantity else -results.F
+    values = results.U if quantity.split(".")[1] in ("velocity", "angular_velocity") else -results.F
     return float(values[case.names.index(body), mode])
 
 

@@ -20,6 +20,11 @@ def message(data: dict[str, Any]) -> str:
     return str(caught.value)
 
 
+def expected(quantity: str, **given: Any) -> dict[str, Any]:
+    """A row of [[expected]]."""
+    return {"quantity": quantity, "rtol": 1e-4, "source": "x", **(given or {"value": 1.0})}
+
+
 # key, bad value, what the line must say besides the key: the value, the mistake, the remedy
 BAD = [
     ("fluid.viscosity", -1.0, ["-1.0", "greater than 0", "give the dynamic viscosity"]),
@@ -68,6 +73,11 @@ BAD = [
     ("time.gap_loss", 1.0, ["less than 1"]),
     ("time.smallest_step", 6.0, ["not below time.end"]),
     ("time.remesh", "never", ['"always" or "when-needed"']),
+    ("expected", [expected("disk.force.x")], ["no such body", "'disc'"]),
+    ("expected", [expected("disc.force.z")], ["no such component", "disc.force.x, disc.force.y"]),
+    ("expected", [expected("disc.torque.x")], ["no such component", "give disc.torque"]),
+    ("expected", [expected("apparent viscosity")], ["periodic domain"]),
+    ("expected", [expected("disc.force.y", exact="two_discs")], ['shape = "round"', "2 of [[bodies]]"]),
     ("expected", [{"quantity": "disc.forse.x", "value": 1.0, "rtol": 1e-4, "source": "x"}], ["BODY.force.x"]),
 ]
 

@@ -10,11 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fsi.accuracy import ErrorEstimate
+from fsi.case import load_case, parse_case
 from fsi.errors import InputError
 from fsi.references import REFERENCES
 from fsi.report_validation import summary
 from fsi.stokes.validate import time_at
-from fsi.validation import Row, chosen_cases, reference, swept
+from fsi.validation import Row, chosen_cases, computed, reference, swept
+from tests.case_data import changed
 from tests.test_cli import MPIEXEC, ROOT, call, fsi, needs_mpi
 
 FOLDER = ROOT / "cases" / "validation"
@@ -41,6 +44,8 @@ exact = "concentric_sphere"
 rtol = 1e-5
 source = "Cunningham 1910"
 """
+EXACT = 'exact = "concentric_sphere"'
+ROW = QUICK[QUICK.index("quantity") :]
 WRONG = QUICK.replace('exact = "concentric_sphere"', "value = -137.6")  # 8e-4 off at R = 2
 
 
@@ -103,6 +108,28 @@ def test_the_shipped_cases_have_sound_references(path: Path) -> None:
                 )
 
 
+def test_values_are_those_of_their_own_kind() -> None:
+    """Whatever a body is called: `velocity disc.force.y` is a force."""
+    data = changed("bodies.0.name", "velocity disc")
+    U, F = np.arange(6.0).reshape(2, 3), np.arange(10.0, 16.0).reshape(2, 3)
+    results = ErrorEstimate(U, F, dissipation=7.0)
+    quantities = {"velocity disc.force.y": -11.0, "velocity disc.velocity.y": 1.0, "other.torque": -15.0}
+    for quantity, value in (quantities | {"dissipation": 7.0, "other.angular_velocity": 5.0}).items():
+        assert computed(parse_case(data), results, quantity) == value
+
+
+def test_a_settling_time_is_that_under_all_forces() -> None:
+    """A weight as gravity is the same as one of the body's own."""
+    case = load_case(FOLDER / "settling_disc.toml")
+    own = case.motion(0.0).F[0, 1]
+    data = case.model_dump(exclude_none=True)
+    data["bodies"][0]["force"] = (0.0, 0.0)
+    area = np.pi * case.bodies[0].radius ** 2
+    data["forces"] = ({"kind": "gravity", "acceleration": (0.0, own / area), "density_difference": 1.0},)
+    time = REFERENCES["disc_settling"](case, "time at gap 0.1")
+    assert REFERENCES["disc_settling"](parse_case(data), "time at gap 0.1") == pytest.approx(time, rel=1e-12)
+
+
 def test_names_are_those_of_files(tmp_path: Path) -> None:
     folder = folder_with(tmp_path, one=QUICK, two=QUICK)
     assert [path.stem for path in chosen_cases(folder, ["two"])] == ["two"]
@@ -125,7 +152,16 @@ def test_names_are_those_of_files(tmp_path: Path) -> None:
         ("values = [4.0, 2.0]", "values = []", "sweep.values"),
         ('key = "domain.radius"', 'key = "domain.radios"', "unknown key; use domain.radius"),
         ("[[expected]]", "[[expectid]]", "unknown key; use expected"),
-        ("geometry =", 'model = "reduced"\ngeometry =', "is for the resolved flow"),
+        ("ball.force.z", "bell.force.z", "no such body; the nearest is 'ball'"),
+        ("ball.force.z", "ball.torque", "a sphere on the axis does not turn"),
+        ("ball.force.z", "ball.velocity.z", "gives a force, not ball.velocity.z"),
+        (ROW, ROW.replace("force", "position").replace(EXACT, "value = 1.0"), "is given at time 0"),
+        (
+            'name = "concentric',
+            'model = "reduced"\nname = "concentric',
+            "only the resolved flow is validated",
+        ),
+        ("[sweep]", "[time]\nend = 1.0\n[sweep]", "validated by `time at gap ...` alone"),
     ],
 )
 def test_mistakes_in_a_validation_case(old: str, new: str, complaint: str, tmp_path: Path) -> None:

@@ -60,9 +60,8 @@ def estimate_errors(
     """
     motion = motion or model.case.motion_at(q, t)
     degree = model.case.discretisation.degree
-    fewer = q.dimension == 3 and degree > LOWEST
-    other = model.of_degree(degree - 1 if fewer else degree + 1, q, t, motion)
-    factor = FEWER if fewer else SAFETY
+    other_degree, factor = other_degree_of(degree, q.dimension)
+    other = model.of_degree(other_degree, q, t, motion)
     exists, arm = model.case.modes, q.arms
 
     def bound(values: Array, reference: Array, arm: Array, computed: NDArray[np.bool_]) -> Array:
@@ -72,8 +71,14 @@ def estimate_errors(
     return ErrorEstimate(
         bound(solution.U, other.U, 1.0 / arm, ~motion.held),
         bound(solution.F, other.F, arm, motion.held),
+        factor * abs(getattr(solution, "dissipation", nan) - other.dissipation),
         _of_viscosity(solution, other),
     )
+
+
+def other_degree_of(degree: int, dimension: int) -> tuple[int, float]:
+    """The degree with which a problem is solved again, and what makes the difference a bound of the error."""
+    return (degree - 1, FEWER) if dimension == 3 and degree > LOWEST else (degree + 1, SAFETY)
 
 
 def _of_viscosity(solution: Results, better: StokesSolution) -> float | None:

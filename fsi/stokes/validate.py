@@ -74,7 +74,8 @@ def _instant(case: Case) -> list[tuple[float, float, float]]:
     half = None if enclosed else halved(solved.case)
     smaller = solution if half is None else StokesModel(half)(half.configuration(), 0.0)
     thicker = (smaller.apparent_viscosity or 0.0) - (solution.apparent_viscosity or 0.0)
-    change = ErrorEstimate(smaller.U - solution.U, smaller.F - solution.F, thicker)
+    lost = smaller.dissipation - solution.dissipation
+    change = ErrorEstimate(smaller.U - solution.U, smaller.F - solution.F, lost, thicker)
     return [
         (
             computed(case, solution, row.quantity),
@@ -87,8 +88,7 @@ def _instant(case: Case) -> list[tuple[float, float, float]]:
 
 def _history(case: Case, folder: Path) -> list[tuple[float, float, float]]:
     """The same of times at gaps, from two runs; the error is that of the elements and of the time steps."""
-    if case.time is None or not all(row.quantity.startswith(TIME_AT_GAP) for row in case.expected):
-        raise InputError(f"{case.name}: a case with [time] is validated by rows `{TIME_AT_GAP}...` alone")
+    assert case.time is not None
     steps = {
         "tolerance": STRETCH**ERROR_ORDER * case.time.tolerance,
         "gap_loss": STRETCH * case.time.gap_loss,
