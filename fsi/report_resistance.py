@@ -28,7 +28,7 @@ NO_MOBILITY = (
 )
 
 
-def resistance_json(name: str, found: Resistance, truncation: float | None) -> dict[str, Any]:
+def resistance_json(name: str, found: Resistance, error: float, truncation: float | None) -> dict[str, Any]:
     """The object that `fsi resistance --json` prints; `truncation` is there where it could be measured."""
     mobility = None if found.mobility is None else found.mobility.tolist()
     data: dict[str, Any] = {
@@ -39,6 +39,7 @@ def resistance_json(name: str, found: Resistance, truncation: float | None) -> d
         "mobility": mobility,
         "smallest_eigenvalue": float(found.eigenvalues[0]),
         "largest_eigenvalue": float(found.eigenvalues[-1]),
+        "error": error,
         "checks": found.checks,
         "dofs": found.dofs,
         "cells": found.cells,
@@ -48,7 +49,9 @@ def resistance_json(name: str, found: Resistance, truncation: float | None) -> d
     return data if truncation is None else data | {"truncation": truncation}
 
 
-def print_resistance(console: Console, name: str, found: Resistance, truncation: float | None) -> None:
+def print_resistance(
+    console: Console, name: str, found: Resistance, error: float, truncation: float | None
+) -> None:
     """The same for a reader; matrices of more than two discs are left to files."""
     loads, velocities = found.modes.loads, found.modes.velocities
     if len(found.R) > LARGEST_TABLE:
@@ -60,7 +63,7 @@ def print_resistance(console: Console, name: str, found: Resistance, truncation:
             console.print(Text("mobility, U = R^-1 F"), _matrix(velocities, loads, found.mobility), sep="\n")
     if found.mobility is None:
         console.print(Text(NO_MOBILITY))
-    console.print(_checks(found, truncation))
+    console.print(_checks(found, error, truncation))
     console.print(
         Text(f"{found.cells} cells, {found.dofs} unknowns, {sum(found.seconds.values()):.2f} CPU s")
     )
@@ -82,11 +85,12 @@ def _number(value: float, small: float) -> str:
     return f"{value:.4g}" if abs(value) >= small else f"{value:.0e}"
 
 
-def _checks(found: Resistance, truncation: float | None) -> Table:
+def _checks(found: Resistance, error: float, truncation: float | None) -> Table:
     table = Table("check, relative, the worst of all columns")
     table.add_column("value", justify="right")
     for name, value in found.checks.items():
         table.add_row(name, f"{value:.1e}")
+    table.add_row("estimated error of R_ij over sqrt(R_ii R_jj)", f"{error:.1e}")
     if truncation is not None:
         table.add_row("truncation: change of R when the radius is halved", f"{truncation:.1e}")
     smallest, largest = found.eigenvalues[[0, -1]]

@@ -99,11 +99,11 @@ def test_inverse_keeps_its_digits_at_small_gaps() -> None:
 def test_files(tmp_path: Path) -> None:
     """Each reads back to the last digit, with labels."""
     mobility = inverse(SPD)
-    data = resistance_json("a disc", of_one_disc(mobility), 1e-6)
+    data = resistance_json("a disc", of_one_disc(mobility), 2e-6, 1e-6)
     for suffix in ("json", "csv", "npz"):
         write_resistance(tmp_path / f"R.{suffix}", data)
     assert json.loads((tmp_path / "R.json").read_text()) == data
-    assert data["truncation"] == 1e-6
+    assert (data["error"], data["truncation"]) == (2e-6, 1e-6)
     with (tmp_path / "R.csv").open(newline="") as file:
         header, *rows = csv.reader(file)
     assert header == ["", "disc.V_x", "disc.V_y", "disc.omega"]
@@ -117,7 +117,7 @@ def test_files(tmp_path: Path) -> None:
 
 
 def test_files_without_mobility(tmp_path: Path) -> None:
-    data = resistance_json("a disc", of_one_disc(None), None)
+    data = resistance_json("a disc", of_one_disc(None), 2e-6, None)
     assert data["mobility"] is None
     assert "truncation" not in data
     write_resistance(tmp_path / "R.npz", data)
@@ -128,12 +128,14 @@ def test_a_file_that_cannot_be_written_is_one_line(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"unknown suffix '\.txt'; give \.json, \.csv, \.npz"):
         require_format(Path("R.txt"))
     with pytest.raises(InputError, match=r"No such file or directory; give another path"):
-        write_resistance(tmp_path / "nowhere" / "R.csv", resistance_json("a disc", of_one_disc(None), None))
+        write_resistance(
+            tmp_path / "nowhere" / "R.csv", resistance_json("a disc", of_one_disc(None), 2e-6, None)
+        )
 
 
 def shown(found: Resistance, width: int) -> str:
     printed = io.StringIO()
-    print_resistance(Console(width=width, file=printed), "a disc", found, None)
+    print_resistance(Console(width=width, file=printed), "a disc", found, 2e-6, None)
     return printed.getvalue()
 
 

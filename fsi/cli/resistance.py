@@ -33,8 +33,9 @@ def resistance(
     """Compute the resistance matrix R of all bodies, F = R U, and its inverse, the mobility.
 
     F are the external loads that unit motions of the bodies need at time 0 between walls at rest, or open
-    where the case has them open; its velocities of walls, its motions and loads of bodies are ignored. In a
-    container of given radius the change of R with half that radius is reported, as by fsi solve.
+    where the case has them open; its velocities of walls, its motions and loads of bodies are ignored. The
+    error of R, over the diagonal, is estimated with another degree and held to discretisation.tolerance.
+    In a container of given radius the change of R with half that radius is reported, as by fsi solve.
     """
     from fsi.report_resistance import print_resistance, require_format, resistance_json, write_resistance
     from fsi.resistance import difference
@@ -46,15 +47,15 @@ def resistance(
     case = load_resolved(case_file, overrides, "resistance")
     if not case.bodies:
         raise InputError("bodies: there are none; a resistance matrix needs at least one [[bodies]]")
-    from fsi.stokes.resistance import case_resistance
+    from fsi.stokes.resistance import case_resistance, resistance_with_error
 
-    found = case_resistance(case)
-    half = halved(case)
+    solved = resistance_with_error(case)
+    found, half = solved.resistance, halved(solved.case)
     truncation = None if half is None else difference(found.R, case_resistance(half).R, found.modes.scale)
-    data = resistance_json(case.name, found, truncation)
+    data = resistance_json(case.name, found, solved.error, truncation)
     if output is not None:
         parallel.on_root(lambda: write_resistance(output, data))
     if parallel.is_root() and as_json:
         typer.echo(json.dumps(data))
     elif parallel.is_root():
-        print_resistance(standard_output(), case.name, found, truncation)
+        print_resistance(standard_output(), case.name, found, solved.error, truncation)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil
+from typing import Protocol
 
 from fsi.accuracy import ErrorEstimate
 from fsi.bodies import Configuration, Motion
@@ -29,6 +30,22 @@ HIGHEST_DEGREE = 4
 SIZES = ("cells_per_gap", "cells_per_circle", "growth")
 
 
+class Trial(Protocol):
+    """What was computed with the sizes of a case, and how accurate it is."""
+
+    @property
+    def case(self) -> Case:
+        """With the sizes that were used."""
+
+    @property
+    def error(self) -> float:
+        """The largest, relative."""
+
+    @property
+    def dofs(self) -> int:
+        """Number of unknowns."""
+
+
 @dataclass(frozen=True, slots=True)
 class Solved:
     """A case with the sizes that were used, its solution, its errors, and the largest one, relative."""
@@ -37,6 +54,11 @@ class Solved:
     solution: StokesSolution
     errors: ErrorEstimate
     error: float
+
+    @property
+    def dofs(self) -> int:
+        """Number of unknowns."""
+        return self.solution.dofs
 
 
 def solve_with_errors(case: Case) -> Solved:
@@ -66,13 +88,18 @@ def refined(case: Case, q: Configuration, t: float, motion: Motion, tolerance: f
     Raises:
         MeshError, SolveError: as `StokesModel`; or the tolerance is not reached.
     """
+    return refine(case, lambda case: _solved(case, q, t, motion), tolerance)
 
-    def solved(case: Case) -> Solved:
-        return _solved(case, q, t, motion)
 
+def refine[T: Trial](case: Case, solved: Callable[[Case], T], tolerance: float) -> T:
+    """What `solved` gives with sizes that bring its error below the tolerance.
+
+    Raises:
+        MeshError, SolveError: as `solved`; or the tolerance is not reached.
+    """
     best = solved(case)
     for _ in range(ROUNDS):
-        if best.error <= tolerance or best.solution.dofs > MOST_UNKNOWNS:
+        if best.error <= tolerance or best.dofs > MOST_UNKNOWNS:
             break
         better = _better(best, solved)
         if better.error >= best.error:
@@ -91,7 +118,7 @@ def _solved(case: Case, q: Configuration, t: float, motion: Motion) -> Solved:
     return Solved(case, solution, errors, max(found.values(), default=0.0))
 
 
-def _better(best: Solved, solved: Callable[[Case], Solved]) -> Solved:
+def _better[T: Trial](best: T, solved: Callable[[Case], T]) -> T:
     """The best of the meshes one step finer; all three sizes at once where no single one helps."""
     each = {size: solved(_finer(best.case, (size,))) for size in SIZES}
     helpful = tuple(size for size, trial in each.items() if trial.error < HELPS * best.error)
@@ -113,10 +140,10 @@ def _finer(case: Case, sizes: tuple[str, ...]) -> Case:
     return case.model_copy(update={"discretisation": changed})
 
 
-def _missed(best: Solved, tolerance: float) -> SolveError:
+def _missed(best: Trial, tolerance: float) -> SolveError:
     given = best.case.discretisation
-    if best.solution.dofs > MOST_UNKNOWNS:
-        limit = f"{best.solution.dofs} unknowns are the most that is tried"
+    if best.dofs > MOST_UNKNOWNS:
+        limit = f"{best.dofs} unknowns are the most that is tried"
     else:
         limit = "a finer mesh does not lower it enough"
     remedy = "raise it" if given.degree == HIGHEST_DEGREE else f"raise it, or degree above {given.degree}"

@@ -10,6 +10,7 @@ with one matrix P^T M P for all modes (see `system`).
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 from itertools import batched
 
 import numpy as np
@@ -24,15 +25,18 @@ from fsi.resistance import (
     Resistance,
     all_modes,
     axial_modes,
+    difference,
     inverse,
     positive_eigenvalues,
     symmetrised,
 )
 from fsi.stokes.boundary import Boundary, BoundaryNodes
+from fsi.stokes.error import other_degree_of
 from fsi.stokes.evaluate import fill
 from fsi.stokes.forms import Forms
 from fsi.stokes.identities import identities, require
 from fsi.stokes.model import StokesModel
+from fsi.stokes.refine import refine
 from fsi.stokes.solve import assembled
 from fsi.stokes.system import NodalSolution, System, factorised, load_of, multiply
 from meshes.build import FluidMesh
@@ -41,6 +45,39 @@ from meshes.geometry import Container
 AXIAL_MODE = 1
 # Right-hand sides solved at once: more are hardly faster, and each takes as much memory as the unknowns.
 BLOCK = 32
+
+
+@dataclass(frozen=True, slots=True)
+class SolvedResistance:
+    """A case with the sizes that were used, its R, and the estimated error: `difference` of R."""
+
+    case: Case
+    resistance: Resistance
+    error: float
+
+    @property
+    def dofs(self) -> int:
+        """Number of unknowns."""
+        return self.resistance.dofs
+
+
+def resistance_with_error(case: Case) -> SolvedResistance:
+    """R of a case with its estimated error, refined to the tolerance of the case if it has one.
+
+    Raises:
+        InputError, MeshError, SolveError: as `case_resistance`; or the tolerance is not reached.
+    """
+    tolerance = case.discretisation.tolerance
+    return _solved(case) if tolerance is None else refine(case, _solved, tolerance)
+
+
+def _solved(case: Case) -> SolvedResistance:
+    """With elements of another degree R differs by its error, as forces do (see `error`)."""
+    found, given = case_resistance(case), case.discretisation
+    degree, factor = other_degree_of(given.degree, case.dimension)
+    changed = given.model_copy(update={"degree": degree})
+    other = case_resistance(case.model_copy(update={"discretisation": changed}))
+    return SolvedResistance(case, found, factor * difference(found.R, other.R, found.modes.scale))
 
 
 def case_resistance(case: Case) -> Resistance:

@@ -13,10 +13,11 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fsi.bodies import Array, Configuration
+from fsi.case import parse_case
 from fsi.lubrication import exact
 from fsi.resistance import Resistance, difference
 from fsi.stokes.boundary import Boundary
-from fsi.stokes.resistance import solve_resistance
+from fsi.stokes.resistance import case_resistance, resistance_with_error, solve_resistance
 from fsi.stokes.solve import solve
 from meshes.build import FluidMesh
 from meshes.geometry import Box, Container, Round
@@ -178,3 +179,22 @@ def test_ranks_agree(tmp_path: Path) -> None:
             assert_allclose(other[matrix], expected, rtol=0, atol=1e-9 * np.abs(expected).max())
         assert other["dofs"] == one["dofs"]
         assert max(other["checks"].values()) < 1e-9
+
+
+def test_the_tolerance_of_a_case_holds_its_resistance_matrix() -> None:
+    """By default meshes as coarse as these err by 3e-4; the error is that against a finer mesh."""
+    data: dict[str, Any] = {
+        "name": "one disc",
+        "fluid": {"viscosity": MU},
+        "domain": {"lower": [-2.0, 0.0], "upper": [2.0, 4.0]},
+        "bodies": [{"name": "disc", "radius": 1.0, "position": [0.3, 1.2]}],
+        "discretisation": {"cells_per_circle": 8, "growth": 1.0, "cells_per_gap": 0.3},
+    }
+    finer = {"cells_per_circle": 24, "growth": 0.4, "cells_per_gap": 1.0}
+    fine = case_resistance(parse_case(data | {"discretisation": finer}))
+    for tolerance in (None, 1e-4):
+        given = data["discretisation"] | ({} if tolerance is None else {"tolerance": tolerance})
+        found = resistance_with_error(parse_case(data | {"discretisation": given}))
+        true = difference(found.resistance.R, fine.R, fine.modes.scale)
+        assert true < found.error < 4.0 * true
+        assert (found.error > 1e-4) if tolerance is None else (found.error <= tolerance)
