@@ -45,12 +45,39 @@ def fill(
 ) -> CurvedCells:
     """Curved cells of the fluid around spheres; arguments as for `meshes.build.build`.
 
+    gmsh's kernel has absolute tolerances: it is given lengths in units of the largest radius, or without
+    bodies of the container.
+
     A cell that lies flat on a sphere can turn over when it is curved, and gmsh can lose a part of a boundary:
     then all is meshed again with smaller elements on the spheres.
 
     Raises:
         MeshError: spheres touch, or gmsh fails with all sizes.
     """
+    unit = float(radii.max(initial=0.0)) or container.size()
+    found = _valid(_scaled(container, 1.0 / unit), centres / unit, radii / unit, resolution, order)
+    return replace(found, nodes=unit * found.nodes)
+
+
+def _scaled(container: Container, factor: float) -> Container:
+    """The container with all lengths times the factor."""
+    match container:
+        case Box(lower, upper):
+            return replace(
+                container,
+                lower=tuple(factor * x for x in lower),
+                upper=tuple(factor * x for x in upper),
+            )
+        case HalfPlane() | Round():
+            return replace(container, radius=factor * container.radius)
+        case _:
+            raise MeshError("no domain of this shape is meshed in space")
+
+
+def _valid(
+    container: Container, centres: Array, radii: Array, resolution: Resolution, order: int
+) -> CurvedCells:
+    """What `fill` gives, in gmsh's units."""
     found: CurvedCells | None = None
     problem: MeshError | None = None
     for factor in FINER:
