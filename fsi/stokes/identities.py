@@ -29,7 +29,9 @@ class Scales:
     """What a defect is compared with.
 
     Where a flow is a rigid motion of everything, forces and dissipation are rounding errors themselves;
-    a small multiple of mu times the nodal velocities then stands in for them.
+    a small multiple of mu times the nodal velocities then stands in for them, in space and with an axis times
+    the smallest radius. Where fluid rests under a pressure, or nearly so, a small multiple of what the loads
+    would drive stands in for the dissipation.
     """
 
     power: float
@@ -75,13 +77,23 @@ def identities(
     power_of_walls_and_loads = float(solution.reaction[given] @ solution.x[given] + system.b[:velocities] @ u)
     power_of_walls_and_loads += _power_of_jumps(system, solution)
     lever = np.linalg.norm(x, axis=1) * np.linalg.norm(force, axis=1)
-    own = [power_of_walls_and_loads, np.abs(force).sum(), lever.sum(), u @ u, np.abs(u).sum()]
+    b_b = system.b[:velocities] @ system.b[:velocities]
+    own = [power_of_walls_and_loads, np.abs(force).sum(), lever.sum(), u @ u, np.abs(u).sum(), b_b]
     sums = np.array([*own, *force.sum(axis=0), *moment.sum(axis=0)])
     shares.comm.Allreduce(MPI.IN_PLACE, sums)
-    (given_power, all_forces, all_moments, u_u, all_u), force_sum, moment_sum = np.split(sums, [5, 5 + d])
-    floor = ROUNDING_FLOOR * viscosity
+    (given_power, all_forces, all_moments, u_u, all_u, b_b), force_sum, moment_sum = np.split(
+        sums, [6, 6 + d]
+    )
+    length = shares.comm.allreduce(float(np.linalg.norm(x, axis=1).max(initial=0.0)), op=MPI.MAX)
+    length = float(q.radii.min(initial=length))
+    spheres = d == 3 or shares.axisymmetric
+    drag = viscosity * (length if spheres else 1.0)
+    flux_floor = ROUNDING_FLOOR * np.sqrt(b_b) / drag * length ** (2 if spheres else 1)
+    force_floor = ROUNDING_FLOOR * drag * all_u
     scales = Scales(
-        max(dissipation, floor * u_u), max(all_forces, floor * all_u), max(all_moments, floor * all_u)
+        max(dissipation, ROUNDING_FLOOR * drag * u_u, ROUNDING_FLOOR * b_b / drag),
+        max(all_forces, force_floor),
+        max(all_moments, force_floor * length),
     )
     power = float((solution.U * F).sum()) + given_power
     return {
@@ -94,7 +106,7 @@ def identities(
             else {"angular_momentum": _relative(float(np.linalg.norm(moment_sum)), scales.moment)}
         ),
         "balance": _balance(system, solution.U, F, q, scales.force),
-        "net_flux": _relative(forms.integrate("flux"), forms.integrate("speed on boundary")),
+        "net_flux": _relative(forms.integrate("flux"), max(forms.integrate("speed on boundary"), flux_floor)),
         "residual": solution.residual,
     }
 
