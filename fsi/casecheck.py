@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 _ROUNDING = 8.0 * float(np.finfo(float).eps)
 # Times the size of a periodic domain: a body so far away has its image to nine digits.
 _FARTHEST = 1e6
+_TAKEN = {"fluid": "fluid", "outside": "space outside the domain"}
 
 
 def check_case(case: Case) -> None:
@@ -61,6 +62,8 @@ def _check_names(case: Case) -> None:
             raise InputError(f"{here}: bodies.{first[name]} has the same name; give each body its own")
         if name in walls:
             raise InputError(f"{here}: a wall has this name; give the body another one")
+        if name in _TAKEN:
+            raise InputError(f"{here}: meshes and `fsi probe` call the {_TAKEN[name]} so; give another one")
 
 
 def _check_discretisation(case: Case) -> None:
@@ -268,6 +271,22 @@ def _wall_normals_around_axis(container: Container) -> dict[str, Array]:
     return {name: np.array(row) for name, row in zip(container.walls, rows, strict=True)}
 
 
+def require_determined_at_rest(case: Case) -> None:
+    """Raise InputError where masses alone determine the motion: an instant is solved without them."""
+    if case.masses() is None or case.wall_velocity(0.0):
+        return
+    if _rank(case, _stopped_modes(case, inertia=False)) < case.modes.sum():
+        raise InputError(
+            "bodies.0.mass: one instant is solved without inertia, and only the masses determine this "
+            "motion; use `fsi run`, or give a wall a velocity or hold a body"
+        )
+
+
+def _rank(case: Case, stopped: Iterator[Array]) -> int:
+    forms = np.array(list(stopped)).reshape(-1, len(case.modes))[:, case.modes]
+    return int(np.linalg.matrix_rank(forms)) if forms.size else 0
+
+
 def _check_determined(case: Case) -> None:
     """Some wall, held component or mass must stop every rigid motion of fluid and bodies together."""
     if case.wall_velocity(0.0):
@@ -275,12 +294,10 @@ def _check_determined(case: Case) -> None:
     if isinstance(case.container(), Cell):
         _check_cell(case)
         return
-    stopped = np.array(list(_stopped_modes(case))).reshape(-1, len(case.modes))[:, case.modes]
-    if np.linalg.matrix_rank(stopped) < case.modes.sum():
+    rank = _rank(case, _stopped_modes(case))
+    if rank < case.modes.sum():
         free = (
-            "everything is free"
-            if not stopped.size
-            else "what is held leaves a rigid motion of all together free"
+            "everything is free" if rank == 0 else "what is held leaves a rigid motion of all together free"
         )
         raise InputError(
             f"domain.walls = {toml_text(case.domain.walls)}: no wall has a velocity and {free}, so the "
@@ -301,12 +318,12 @@ def _check_cell(case: Case) -> None:
             )
 
 
-def _stopped_modes(case: Case) -> Iterator[Array]:
-    """The linear forms of a global rigid motion, (M,), that held or heavy components fix."""
+def _stopped_modes(case: Case, inertia: bool = True) -> Iterator[Array]:
+    """The linear forms of a global rigid motion, (M,), that held or, with inertia, heavy components fix."""
     for body in case.bodies:
         of_body = rigid_motion(np.array(body.position))
         for held, form in zip(body.motion, of_body, strict=True):
-            if held != "free" or body.mass is not None:
+            if held != "free" or (inertia and body.mass is not None):
                 yield form
 
 

@@ -11,6 +11,8 @@ from fsi.section import toml_text
 
 _REMEDY = "write key=value, for instance --set discretisation.degree=2"
 
+_QUOTED = 'domain.mesh="mine.msh"'
+
 
 def override(data: dict[str, Any], text: str) -> None:
     """Set one value in the nested data of a case file, in place.
@@ -58,5 +60,5 @@ def _toml_value(value: str, text: str) -> Any:
             return value
         parsed = {}
     if set(parsed) != {"value"}:
-        raise InputError(f"--set {text}: the value is not TOML; {_REMEDY}")
+        raise InputError(f"--set {text}: the value is not TOML; {_REMEDY}, or '{_QUOTED}' for other text")
     return parsed["value"]

@@ -25,7 +25,8 @@ def solve(
     """Solve a case at time 0: velocities, forces of the fluid on the bodies with their errors, checks.
 
     The errors bound what the mesh and the elements do, estimated with one degree more. A case with
-    discretisation.tolerance is refined until the largest, relative, is below it.
+    discretisation.tolerance is refined until the largest, relative, is below it. Masses play no part: free
+    bodies have the velocity that their loads give them, where fsi run starts heavy ones from rest.
 
     A half-plane or a round container may stand for an infinite one: the solve is repeated with half its
     radius. The change of the results is the reported truncation, and the error at the full radius is less.

@@ -15,6 +15,7 @@ from typing import Protocol
 from fsi.accuracy import ErrorEstimate
 from fsi.bodies import Configuration, Motion
 from fsi.case import Case
+from fsi.casecheck import require_determined_at_rest
 from fsi.drive import drive_of
 from fsi.errors import SolveError
 from fsi.schema import Discretisation
@@ -64,9 +65,13 @@ class Solved:
 def solve_with_errors(case: Case) -> Solved:
     """The solution of a case at time 0 with its estimated errors, refined to its tolerance if it has one.
 
+    Bodies have no inertia here: free ones have the velocity that they would soon reach.
+
     Raises:
+        InputError: only inertia determines the motion.
         MeshError, SolveError: as `StokesModel`; or the tolerance is not reached.
     """
+    require_determined_at_rest(case)
     q = case.configuration()
     motion = case.motion_at(q, 0.0)
     tolerance = case.discretisation.tolerance
@@ -99,7 +104,7 @@ def refine[T: Trial](case: Case, solved: Callable[[Case], T], tolerance: float) 
     """
     best = solved(case)
     for _ in range(ROUNDS):
-        if best.error <= tolerance or best.dofs > MOST_UNKNOWNS:
+        if best.error <= tolerance or best.dofs > MOST_UNKNOWNS or case.domain.mesh is not None:
             break
         better = _better(best, solved)
         if better.error >= best.error:
@@ -141,7 +146,12 @@ def _finer(case: Case, sizes: tuple[str, ...]) -> Case:
 
 
 def _missed(best: Trial, tolerance: float) -> SolveError:
-    given = best.case.discretisation
+    given, mesh = best.case.discretisation, best.case.domain.mesh
+    if mesh is not None:
+        return SolveError(
+            f"discretisation.tolerance = {tolerance:g}: the estimated error is {best.error:.1e} on the mesh "
+            f"of domain.mesh = {mesh}, which is not refined; raise it, or give a finer mesh"
+        )
     if best.dofs > MOST_UNKNOWNS:
         limit = f"{best.dofs} unknowns are the most that is tried"
     else:

@@ -19,6 +19,7 @@ from fsi.run import resume_run, run_case
 from fsi.stokes.error import ROUNDING, estimate_errors
 from fsi.stokes.model import StokesModel
 from fsi.stokes.refine import solve_with_errors
+from meshes.convert import write_mesh
 
 CASES = Path(__file__).parents[2] / "cases"
 
@@ -71,6 +72,16 @@ def test_velocities_that_vanish_by_symmetry_do_not_miss_a_tolerance() -> None:
     solved = solve_with_errors(case)
     assert solved.error <= 1e-3
     assert np.all(np.abs(solved.solution.U[0, [0, 2]]) <= 10.0 * solved.errors.U[0, [0, 2]])
+
+
+def test_a_mesh_of_the_user_is_not_refined(tmp_path: Path) -> None:
+    """Eight rounds of finer sizes changed nothing, and the complaint was about them."""
+    coarse = ["discretisation.cells_per_circle=12", "discretisation.growth=1.0", "discretisation.degree=2"]
+    case = load_case(CASES / "disc_in_box.toml", coarse)
+    write_mesh(StokesModel(case).mesh(case.configuration()), tmp_path / "mine.msh", case.names)
+    own = [*coarse, f'domain.mesh="{tmp_path}/mine.msh"', "discretisation.tolerance=1e-9"]
+    with pytest.raises(SolveError, match=r"on the mesh of domain\.mesh.* not refined.* give a finer mesh"):
+        solve_with_errors(load_case(CASES / "disc_in_box.toml", own))
 
 
 @pytest.mark.parametrize(
