@@ -119,6 +119,15 @@ def test_forces_act_across_the_period() -> None:
         (CHANNEL, {}, "reduced.cutoff: missing"),
         (CHANNEL | {"pressure_gradient": 1.0}, {"cutoff": 0.5}, "domain.pressure_gradient = 1"),
         (CHANNEL | {"net_flux": 2.0}, {"cutoff": 0.5}, "domain.net_flux = 2"),
+        (
+            {
+                "lower": [-4.0, 0.0],
+                "upper": [4.1, 4.0],
+                "walls": {"left": {"pressure": 3.0}, "right": "open"},
+            },
+            {},
+            r"domain.walls.left = \{ pressure = 3 \}",
+        ),
     ],
 )
 def test_what_the_model_does_not_know_is_refused(
