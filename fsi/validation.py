@@ -108,7 +108,8 @@ def swept(path: Path) -> Iterator[tuple[float | None, Case]]:
         return
     for value in case.sweep.values:
         data = tomllib.loads(case.as_toml())
-        override(data, f"{case.sweep.key}={value!r}")
+        number = int(value) if value.is_integer() else value  # some keys take whole numbers only
+        override(data, f"{case.sweep.key}={number!r}")
         yield value, parse_case(data)
 
 

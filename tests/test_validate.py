@@ -108,6 +108,14 @@ def test_the_shipped_cases_have_sound_references(path: Path) -> None:
                 )
 
 
+def test_a_sweep_may_be_one_of_whole_numbers(tmp_path: Path) -> None:
+    path = tmp_path / "case.toml"
+    path.write_text(
+        QUICK.replace('"domain.radius"', '"discretisation.degree"').replace("[4.0, 2.0]", "[2, 3.0]")
+    )
+    assert [case.discretisation.degree for _, case in swept(path)] == [2, 3]
+
+
 def test_values_are_those_of_their_own_kind() -> None:
     """Whatever a body is called: `velocity disc.force.y` is a force."""
     data = changed("bodies.0.name", "velocity disc")
