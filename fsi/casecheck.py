@@ -14,7 +14,6 @@ import numpy as np
 from fsi.bodies import Array, rigid_motion
 from fsi.domain import BoxDomain
 from fsi.errors import InputError
-from fsi.expectedcheck import check_expected
 from fsi.forcelaws import Gravity, PairForce, Tabulated
 from fsi.gaps import find_gaps
 from fsi.reduced.check import check_reduced
@@ -48,7 +47,6 @@ def check_case(case: Case) -> None:
     _check_determined(case)
     _check_files(case)
     _check_time(case)
-    check_expected(case)
     if case.model == "reduced":
         check_reduced(case)
 

@@ -18,7 +18,10 @@ _COMPONENTS = {"planar": ("xy", ""), "axisymmetric": ("z", ""), "spatial": ("xyz
 
 
 def check_expected(case: Case) -> None:
-    """Raise InputError for the first row that the case cannot give."""
+    """Raise InputError for the first row that the case cannot give.
+
+    For `fsi check` and `fsi validate`: whoever solves a case with a change, `--set bodies=[]`, needs no rows.
+    """
     for i, row in enumerate(case.expected):
         if "." in row.quantity and not row.quantity.startswith("time"):
             _check_component(case, row, f"expected.{i}.quantity = {toml_text(row.quantity)}")

@@ -16,6 +16,7 @@ import numpy as np
 from fsi.accuracy import Measured
 from fsi.case import Case, load_case, parse_case
 from fsi.errors import InputError
+from fsi.expectedcheck import check_expected
 from fsi.overrides import override
 from fsi.references import REFERENCES, TIME_AT_GAP, component
 from fsi.schema import APPARENT_VISCOSITY, DISSIPATION, Expected
@@ -119,6 +120,7 @@ def _require_comparable(path: Path, case: Case) -> None:
         raise InputError(f'{path}: model = "{case.model}": only the resolved flow is validated; change it')
     if not case.expected:
         raise InputError(f"{path}: nothing to compare with; give it [[expected]] rows")
+    check_expected(case)
     for i, row in enumerate(case.expected):
         here = f"{path}: expected.{i}.quantity = {toml_text(row.quantity)}"
         if case.time is not None and not row.quantity.startswith(TIME_AT_GAP):

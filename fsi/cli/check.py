@@ -11,7 +11,10 @@ EXAMPLE = "Example: fsi check cases/two_discs.toml --set 'bodies.0.position=[-1.
 
 def check(case_file: CaseFile, overrides: Overrides = None) -> None:
     """Read a case and say what it holds: bodies, gaps, what is free or held, walls. Nothing is computed."""
+    from fsi.expectedcheck import check_expected
+
     case = load(case_file, overrides)
+    check_expected(case)
     if parallel.is_root():
         from fsi.report import print_case
 
