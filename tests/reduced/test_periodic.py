@@ -126,7 +126,7 @@ def test_forces_act_across_the_period() -> None:
                 "walls": {"left": {"pressure": 3.0}, "right": "open"},
             },
             {},
-            r"domain.walls.left = \{ pressure = 3 \}",
+            r"domain.walls.left = \{pressure = 3\}",
         ),
     ],
 )
