@@ -40,7 +40,7 @@ LIGHT = Resolution(cells_per_gap=0.28, cells_per_circle=18, growth=0.25, interio
 CONVERGED = {10: 8.298079598524666, 50: 6.432973, 200: 6.220577, 1000: 6.220577}
 PERIODS = {1: 1, 10: 1, 50: 1, 200: 1, 1000: 5}
 MOVE = 2e-4  # of a shear strain, by which bodies and mesh are moved
-WARM, REPEATS = 2, 3
+WARM, REPEATS = 2, 5
 EXAMPLE = """example:
   OMP_NUM_THREADS=1 python bench/suspension.py 50 200
 
