@@ -5,15 +5,15 @@ All checks concern the start; what happens later is the stepper's to watch.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fsi.bodies import Array, rigid_motion
+from fsi.determined import check_determined
 from fsi.domain import BoxDomain
 from fsi.errors import InputError
+from fsi.fluxcheck import check_flux
 from fsi.forcelaws import Gravity, PairForce, Tabulated
 from fsi.gaps import find_gaps
 from fsi.reduced.check import check_reduced
@@ -21,7 +21,7 @@ from fsi.section import toml_text
 from fsi.series import Component, is_zero
 from fsi.walls import Shear
 from meshes.cell import Cell, Channel
-from meshes.geometry import Box, Container, HalfPlane, boundary_names
+from meshes.geometry import Container, boundary_names
 
 if TYPE_CHECKING:
     from fsi.case import Case
@@ -43,8 +43,8 @@ def check_case(case: Case) -> None:
     _check_loads(case)
     _check_inertia(case)
     _check_forces(case)
-    _check_flux(case)
-    _check_determined(case)
+    check_flux(case)
+    check_determined(case)
     _check_files(case)
     _check_time(case)
     if case.model == "reduced":
@@ -194,135 +194,6 @@ def _check_reach(force: PairForce, k: int, container: Container) -> None:
             f"forces.{k}.{key} = {toml_text(getattr(force, key))}: reaches farther than the periodic domain "
             f"is large; end it at a gap of {farthest:.6g} or less"
         )
-
-
-def _check_flux(case: Case) -> None:
-    """An incompressible fluid that is enclosed all round cannot take a net flux, at any time."""
-    if case.wall_pressure() or not case.domain.walls:
-        return
-    normals = _wall_normals(case.container())
-    for t in case.knots() or (0.0,):
-        outward = {
-            name: float(normals[name][:-1] @ given.velocity + normals[name][-1] * given.shear)
-            for name, given in case.wall_velocity(t).items()
-        }
-        worst = max(outward, key=lambda name: abs(outward[name]))
-        net = sum(outward.values())
-        if abs(net) > 1e-12 * abs(outward[worst]):
-            raise InputError(
-                f"domain.walls.{worst} = {toml_text(case.domain.walls[worst])}: the net flux out of the "
-                f'closed domain is {net:.6g} at t = {t:g}; balance the wall velocities or make a wall "open"'
-            )
-
-
-def _wall_normals(container: Container) -> dict[str, Array]:
-    """For each wall the integrals of `n_x, n_y, y n_x` over it, n the unit normal out of the fluid.
-
-    In space of `n_x, n_y, n_z, z n_x`.
-    """
-    if container.dimension == 3:
-        return _wall_normals_in_space(container)
-    if container.axisymmetric:
-        return _wall_normals_around_axis(container)
-    if isinstance(container, Box):
-        (left, bottom), (right, top) = container.lower, container.upper
-        across, along, moment = top - bottom, right - left, (top**2 - bottom**2) / 2.0
-        rows = [(-across, 0.0, -moment), (across, 0.0, moment), (0.0, -along, 0.0), (0.0, along, 0.0)]
-    elif isinstance(container, Channel):
-        along = float(container.periods[0, 0])
-        rows = [(0.0, -along, 0.0), (0.0, along, 0.0)]
-    elif isinstance(container, HalfPlane):
-        rows = [(0.0, -container.size(), 0.0), (0.0, container.size(), 0.0)]
-    else:
-        rows = [(0.0, 0.0, 0.0)]
-    return {name: np.array(row) for name, row in zip(container.walls, rows, strict=True)}
-
-
-def _wall_normals_in_space(container: Container) -> dict[str, Array]:
-    if isinstance(container, Box):
-        sides = np.subtract(container.upper, container.lower)
-        areas = sides.prod() / sides
-        rows = np.zeros((6, 4))
-        for axis in range(3):
-            rows[2 * axis, axis], rows[2 * axis + 1, axis] = -areas[axis], areas[axis]
-        middle = 0.5 * (container.lower[2] + container.upper[2])
-        rows[:2, 3] = middle * rows[:2, 0]
-    elif isinstance(container, HalfPlane):
-        across = np.pi * (0.5 * container.size()) ** 2
-        rows = np.array([(0.0, 0.0, -across, 0.0), (0.0, 0.0, across, 0.0)])
-    else:
-        rows = np.zeros((1, 4))
-    return dict(zip(container.walls, rows, strict=True))
-
-
-def _wall_normals_around_axis(container: Container) -> dict[str, Array]:
-    """The same with an axis: integrals of `n_r, n_z, 0` over surfaces of revolution."""
-    across = np.pi * (0.5 * container.size()) ** 2
-    if isinstance(container, Box):
-        (_, bottom), (radius, top) = container.lower, container.upper
-        across = np.pi * radius**2
-        rows = [(2.0 * np.pi * radius * (top - bottom), 0.0, 0.0), (0.0, -across, 0.0), (0.0, across, 0.0)]
-    elif isinstance(container, HalfPlane):
-        rows = [(0.0, -across, 0.0), (0.0, across, 0.0)]
-    else:
-        rows = [(0.0, 0.0, 0.0)]
-    return {name: np.array(row) for name, row in zip(container.walls, rows, strict=True)}
-
-
-def require_determined_at_rest(case: Case) -> None:
-    """Raise InputError where masses alone determine the motion: an instant is solved without them."""
-    if case.masses() is None or case.wall_velocity(0.0):
-        return
-    if _rank(case, _stopped_modes(case, inertia=False)) < case.modes.sum():
-        raise InputError(
-            "bodies.0.mass: one instant is solved without inertia, and only the masses determine this "
-            "motion; use `fsi run`, or give a wall a velocity or hold a body"
-        )
-
-
-def _rank(case: Case, stopped: Iterator[Array]) -> int:
-    forms = np.array(list(stopped)).reshape(-1, len(case.modes))[:, case.modes]
-    return int(np.linalg.matrix_rank(forms)) if forms.size else 0
-
-
-def _check_determined(case: Case) -> None:
-    """Some wall, held component or mass must stop every rigid motion of fluid and bodies together."""
-    if case.wall_velocity(0.0):
-        return
-    if isinstance(case.container(), Cell):
-        _check_cell(case)
-        return
-    rank = _rank(case, _stopped_modes(case))
-    if rank < case.modes.sum():
-        free = (
-            "everything is free" if rank == 0 else "what is held leaves a rigid motion of all together free"
-        )
-        raise InputError(
-            f"domain.walls = {toml_text(case.domain.walls)}: no wall has a velocity and {free}, so the "
-            "motion is not determined; give a wall a velocity or hold a body"
-        )
-
-
-def _check_cell(case: Case) -> None:
-    """A cell without walls has bodies, and its mean flow alone fixes their common translation."""
-    if not case.bodies:
-        raise InputError(
-            f"domain.shape = {case.domain.shape!r}: a cell without bodies is not solved; add [[bodies]]"
-        )
-    for i, body in enumerate(case.bodies):
-        if body.mass is not None:
-            raise InputError(
-                f"bodies.{i}.mass = {body.mass!r}: in a cell without walls bodies have no inertia; drop it"
-            )
-
-
-def _stopped_modes(case: Case, inertia: bool = True) -> Iterator[Array]:
-    """The linear forms of a global rigid motion, (M,), that held or, with inertia, heavy components fix."""
-    for body in case.bodies:
-        of_body = rigid_motion(np.array(body.position))
-        for held, form in zip(body.motion, of_body, strict=True):
-            if held != "free" or (inertia and body.mass is not None):
-                yield form
 
 
 def _check_files(case: Case) -> None:

@@ -124,20 +124,6 @@ def gap_of(quantity: str) -> float:
 
 # The container of these is real, and does not stand for an infinite one.
 ENCLOSED = ("concentric_sphere",)
-REFERENCES: dict[str, Reference] = {
-    law.__name__: law
-    for law in (
-        sphere_wall_normal,
-        sphere_beside_plane,
-        two_spheres,
-        concentric_sphere,
-        disc_beside_plane,
-        disc_in_shear,
-        two_discs,
-        sphere_settling,
-        disc_settling,
-    )
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,14 +136,16 @@ class Fitting:
     quantities: str
 
 
-FITTING = {
-    "sphere_wall_normal": Fitting("axisymmetric", "half-plane", 1, "force"),
-    "sphere_beside_plane": Fitting("spatial", "half-plane", 1, "force"),
-    "two_spheres": Fitting("axisymmetric", "round", 2, "force"),
-    "concentric_sphere": Fitting("axisymmetric", "round", 1, "force"),
-    "disc_beside_plane": Fitting("planar", "half-plane", 1, "force"),
-    "disc_in_shear": Fitting("planar", "half-plane", 1, "velocity"),
-    "two_discs": Fitting("planar", "round", 2, "force"),
-    "sphere_settling": Fitting("axisymmetric", "half-plane", 1, "time"),
-    "disc_settling": Fitting("planar", "half-plane", 1, "time"),
-}
+_EXACT: tuple[tuple[Reference, Fitting], ...] = (
+    (sphere_wall_normal, Fitting("axisymmetric", "half-plane", 1, "force")),
+    (sphere_beside_plane, Fitting("spatial", "half-plane", 1, "force")),
+    (two_spheres, Fitting("axisymmetric", "round", 2, "force")),
+    (concentric_sphere, Fitting("axisymmetric", "round", 1, "force")),
+    (disc_beside_plane, Fitting("planar", "half-plane", 1, "force")),
+    (disc_in_shear, Fitting("planar", "half-plane", 1, "velocity")),
+    (two_discs, Fitting("planar", "round", 2, "force")),
+    (sphere_settling, Fitting("axisymmetric", "half-plane", 1, "time")),
+    (disc_settling, Fitting("planar", "half-plane", 1, "time")),
+)
+REFERENCES = {law.__name__: law for law, _ in _EXACT}
+FITTING = {law.__name__: fitting for law, fitting in _EXACT}

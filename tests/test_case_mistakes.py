@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fsi.case import parse_case
-from fsi.casecheck import require_determined_at_rest
+from fsi.determined import require_determined_at_rest
 from fsi.errors import InputError
 from fsi.expectedcheck import check_expected
 from tests.case_data import BOX, changed

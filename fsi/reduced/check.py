@@ -36,14 +36,7 @@ def check_reduced(case: Case) -> None:
 
 
 def _check_periodic(case: Case) -> None:
-    """Images end at the cutoff, and no pressure drives the background flow."""
-    domain = case.domain
-    if isinstance(domain, ChannelDomain) and (domain.pressure_gradient or domain.net_flux is not None):
-        key = "net_flux" if domain.net_flux is not None else "pressure_gradient"
-        raise InputError(
-            f"domain.{key} = {getattr(domain, key):g}: the reduced model knows only flow between moving "
-            "walls; drop it"
-        )
+    """Images end at the cutoff."""
     if case.reduced.cutoff is None and len(case.container().periods):
         raise InputError(
             "reduced.cutoff: missing; a body of a periodic domain has images without end; give the gap from "
@@ -53,6 +46,13 @@ def _check_periodic(case: Case) -> None:
 
 def _check_background(case: Case) -> None:
     """Walls drive a flow that is known at any time, and no pressure drives one."""
+    domain = case.domain
+    if isinstance(domain, ChannelDomain) and (domain.pressure_gradient or domain.net_flux is not None):
+        key = "net_flux" if domain.net_flux is not None else "pressure_gradient"
+        raise InputError(
+            f"domain.{key} = {getattr(domain, key):g}: the reduced model knows only flow between moving "
+            "walls; drop it"
+        )
     pressures = case.wall_pressure()
     if len(set(pressures.values())) > 1:
         name = max(pressures, key=lambda name: abs(pressures[name]))

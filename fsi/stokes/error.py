@@ -116,10 +116,8 @@ def relative_errors(
 
     Arguments and returned names as of `relative_change`; "viscosity" of a periodic flow that has one.
     """
-    found, mu = (
-        relative_change(results, errors, held, arm, drive),
-        getattr(results, "apparent_viscosity", None),
-    )
+    found = relative_change(results, errors, held, arm, drive)
+    mu = getattr(results, "apparent_viscosity", None)
     if mu is not None and errors.apparent_viscosity is not None:
         found["viscosity"] = errors.apparent_viscosity / abs(mu)
     return found

@@ -31,12 +31,13 @@ class Scales:
     Where a flow is a rigid motion of everything, forces and dissipation are rounding errors themselves;
     a small multiple of mu times the nodal velocities then stands in for them, in space and with an axis times
     the smallest radius. Where fluid rests under a pressure, or nearly so, a small multiple of what the loads
-    would drive stands in for the dissipation.
+    would drive stands in for the dissipation, and the flux that goes with it for that through the boundary.
     """
 
     power: float
     force: float
     moment: float
+    flux: float
 
 
 def identities(
@@ -84,16 +85,12 @@ def identities(
     (given_power, all_forces, all_moments, u_u, all_u, b_b), force_sum, moment_sum = np.split(
         sums, [6, 6 + d]
     )
-    length = shares.comm.allreduce(float(np.linalg.norm(x, axis=1).max(initial=0.0)), op=MPI.MAX)
-    length = float(q.radii.min(initial=length))
-    spheres = d == 3 or shares.axisymmetric
-    drag = viscosity * (length if spheres else 1.0)
-    flux_floor = ROUNDING_FLOOR * np.sqrt(b_b) / drag * length ** (2 if spheres else 1)
-    force_floor = ROUNDING_FLOOR * drag * all_u
+    floor = _floor(system, viscosity, q, x, u_u, all_u, b_b)
     scales = Scales(
-        max(dissipation, ROUNDING_FLOOR * drag * u_u, ROUNDING_FLOOR * b_b / drag),
-        max(all_forces, force_floor),
-        max(all_moments, force_floor * length),
+        max(dissipation, floor.power),
+        max(all_forces, floor.force),
+        max(all_moments, floor.moment),
+        max(forms.integrate("speed on boundary"), floor.flux),
     )
     power = float((solution.U * F).sum()) + given_power
     return {
@@ -106,9 +103,27 @@ def identities(
             else {"angular_momentum": _relative(float(np.linalg.norm(moment_sum)), scales.moment)}
         ),
         "balance": _balance(system, solution.U, F, q, scales.force),
-        "net_flux": _relative(forms.integrate("flux"), max(forms.integrate("speed on boundary"), flux_floor)),
+        "net_flux": _relative(forms.integrate("flux"), scales.flux),
         "residual": solution.residual,
     }
+
+
+def _floor(
+    system: System, viscosity: float, q: Configuration, x: Array, u_u: float, all_u: float, b_b: float
+) -> Scales:
+    """The least that defects are compared with, by sums over all nodes of u^2, |u| and b^2; collective."""
+    shares = system.shares
+    farthest = shares.comm.allreduce(float(np.linalg.norm(x, axis=1).max(initial=0.0)), op=MPI.MAX)
+    length = float(q.radii.min(initial=farthest))
+    spheres = shares.dimension == 3 or shares.axisymmetric
+    drag = viscosity * (length if spheres else 1.0)
+    force = ROUNDING_FLOOR * drag * all_u
+    return Scales(
+        ROUNDING_FLOOR * max(drag * u_u, b_b / drag),
+        force,
+        force * length,
+        ROUNDING_FLOOR * float(np.sqrt(b_b)) / drag * length ** (2 if spheres else 1),
+    )
 
 
 def _power_of_jumps(system: System, solution: NodalSolution) -> float:

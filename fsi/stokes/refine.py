@@ -15,7 +15,7 @@ from typing import Protocol
 from fsi.accuracy import ErrorEstimate
 from fsi.bodies import Configuration, Motion
 from fsi.case import Case
-from fsi.casecheck import require_determined_at_rest
+from fsi.determined import require_determined_at_rest
 from fsi.drive import drive_of
 from fsi.errors import SolveError
 from fsi.schema import Discretisation
