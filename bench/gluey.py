@@ -17,7 +17,7 @@ from rich.console import Console
 from rich.table import Table
 
 from bench.scaling import JSON_HELP, Scaling
-from fsi.bodies import Array
+from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
 from fsi.gluey.contacts import Room
 from fsi.gluey.step import advance

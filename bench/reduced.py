@@ -20,9 +20,9 @@ from time import process_time
 import numpy as np
 
 from bench.scaling import JSON_HELP, Scaling
-from fsi.bodies import Array
-from fsi.case import Case, parse_case
-from fsi.configurations.packing import random_arrangement
+from fsi.arrangements.packing import random_arrangement
+from fsi.bodies.configuration import Array
+from fsi.case.case import Case, parse_case
 from fsi.models import make_model
 from fsi.run import make_stepper
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from postprocess.scaling import write_scaling
+from fsi.postprocess.plots.scaling import write_scaling
 
 JSON_HELP = "write the CPU seconds against the size, which `fsi plot FILE` draws"
 

@@ -16,8 +16,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from fsi.bodies import Configuration
-from fsi.case import Case, load_case
+from fsi.bodies.configuration import Configuration
+from fsi.case.case import Case, load_case
 from fsi.lubrication.exact import normal_resistance
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution

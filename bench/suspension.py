@@ -20,17 +20,17 @@ from rich.table import Table
 
 from bench.scaling import JSON_HELP, Scaling
 from bench.step import PHASES, forget_peak, peak_memory
-from fsi.bodies import Array, Configuration, Motion
-from fsi.clock import Clock
-from fsi.stokes.boundary import Boundary
+from fsi.bodies.configuration import Array, Configuration, Motion
+from fsi.meshes.build import FluidMesh, build
+from fsi.meshes.geometry.lattice import Lattice
+from fsi.meshes.geometry.periodic import Channel
+from fsi.meshes.moving.move import Mover
+from fsi.meshes.planar.sizing import Resolution
+from fsi.stokes.clock import Clock
+from fsi.stokes.discretisation.boundary import Boundary
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import solve
-from fsi.stokes.workspace import Workspace
-from meshes.build import FluidMesh, build
-from meshes.cell import Channel
-from meshes.lattice import Lattice
-from meshes.move import Mover
-from meshes.sizing import Resolution
+from fsi.stokes.solvers.workspace import Workspace
 
 REFERENCE = Path(__file__).parents[1] / "tests" / "reference"
 # The cheapest that errs by less than 5e-4 at 10, 50 and 200 discs; cases/suspensions/history.toml has it too.

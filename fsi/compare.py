@@ -9,12 +9,12 @@ from rich.console import Console
 from rich.table import Table
 
 from fsi import parallel
-from fsi.case import Case, load_case, parse_case
-from fsi.checkpoint import replace
+from fsi.case.case import Case, load_case, parse_case
 from fsi.comparison import LIMITS, PART, Comparison, History, compare, comparison_json
 from fsi.errors import InputError
 from fsi.models import make_model
 from fsi.run import Progress, no_progress, resume_run, run_case
+from fsi.run_folder.checkpoint import replace
 
 
 def compare_models(
@@ -55,8 +55,8 @@ def _require_same(folder: Path, case: Case) -> None:
 
 
 def _compare_folders(case: Case, folder: Path) -> tuple[Comparison, dict[str, object]]:
-    from postprocess.comparison import plot_comparison
-    from postprocess.run import open_run
+    from fsi.postprocess.plots.comparison import plot_comparison
+    from fsi.postprocess.run.run import open_run
 
     resolved, reduced = (
         History.of_table(case, open_run(folder / name).columns("bodies")) for name in ("resolved", "reduced")

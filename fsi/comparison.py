@@ -16,13 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
-from fsi.bodies import LOADS, MODES, PLACES, Array, Configuration
-from fsi.case import Case
-from fsi.gaps import find_gaps
+from fsi.bodies.configuration import LOADS, MODES, PLACES, Array, Configuration
+from fsi.bodies.gaps import find_gaps
+from fsi.case.case import Case
+from fsi.meshes.geometry.containers import Container
 from fsi.reduced.model import ReducedModel
 from fsi.reduced.network import gradient
 from fsi.reduced.pairs import find_pairs
-from meshes.geometry import Container
 
 LIMITS = (0.1, 0.01)
 # A gap at which the two models move it in opposite directions has no small relative error; so that one

@@ -1,7 +1,7 @@
 """What a run needs of a model that steps by itself, with a memory of its own, and how it is driven.
 
-Models that give velocities at an instant are stepped by `fsi.stepping`; a model whose step is a projection
-with
+Models that give velocities at an instant are stepped by `fsi.integration.stepper`; a model whose step is a
+projection with
 memory (gluey, macroscopic) is an `Evolution`. Both share the run folder, its tables and its resuming bit by
 bit.
 """
@@ -16,9 +16,9 @@ from typing import Any, Protocol
 
 from numpy.typing import NDArray
 
-from fsi.results import RunFolder, StepRecord
-from fsi.schedule import Schedule
-from fsi.stepping import State
+from fsi.integration.schedule import Schedule
+from fsi.integration.stepper import State
+from fsi.run_folder.folder import RunFolder, StepRecord
 
 type Table = tuple[Sequence[str], Sequence[Sequence[object]]]
 

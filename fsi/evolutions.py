@@ -8,19 +8,19 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from fsi.case import read_toml
+from fsi.case.case import read_toml
+from fsi.case.overrides import override
+from fsi.case.section import explain, tuples
 from fsi.errors import InputError
 from fsi.evolution import Evolution, evolve
-from fsi.gluey.case import GlueyCase
-from fsi.gluey.limit_case import LimitCase
-from fsi.gluey.run import GlueyEvolution
+from fsi.gluey.evolution import GlueyEvolution
+from fsi.gluey.limit_study import LimitCase
+from fsi.gluey.setup import GlueyCase
 from fsi.macroscopic.case import MacroscopicCase
-from fsi.macroscopic.run import MacroscopicEvolution
-from fsi.overrides import override
-from fsi.provenance import launch
-from fsi.results import RunFolder, StepRecord
+from fsi.macroscopic.evolution import MacroscopicEvolution
 from fsi.run import Outcome
-from fsi.section import explain, tuples
+from fsi.run_folder.folder import RunFolder, StepRecord
+from fsi.run_folder.provenance import launch
 
 type EvolvingCase = GlueyCase | MacroscopicCase
 

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fsi.stepping import Model
+from fsi.integration.stepper import Model
 
 if TYPE_CHECKING:
-    from fsi.case import Case
+    from fsi.case.case import Case
 
 
 def make_model(case: Case) -> Model:
     """The model that gives the velocities of the bodies of a case."""
     if case.model == "reduced":
-        from fsi.reduced.inertial import DistanceModel
+        from fsi.reduced.distance_model import DistanceModel
         from fsi.reduced.model import ReducedModel
 
         return ReducedModel(case) if case.reduced.step is None else DistanceModel(case, case.reduced.step)

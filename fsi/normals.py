@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsi.bodies import Array
-from meshes.geometry import Container
+from fsi.bodies.configuration import Array
+from fsi.meshes.geometry.containers import Container
 
 
 def inward_normals(container: Container, x: Array) -> Array:

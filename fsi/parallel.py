@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-import meshes.backend  # noqa: F401  (loads MPI in the right order)
+import fsi.meshes.backend  # noqa: F401  (loads MPI in the right order)
 
 _comm: Any = None
 _alarm: Any = None  # its own communicator, so that an alarm meets no other message

@@ -7,10 +7,10 @@ from typing import Any, Literal, override
 import numpy as np
 from pydantic import Field, field_validator
 
+from fsi.case.walls import MeanDrive, Walled
 from fsi.geometry import Geometry
-from fsi.walls import Walled
-from meshes.cell import Cell, Channel
-from meshes.geometry import Container
+from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.periodic import Cell, Channel
 
 type Vector = tuple[float, float]
 
@@ -76,6 +76,11 @@ class ChannelDomain(_Periodic):
         if net_flux is not None and info.data.get("pressure_gradient"):
             raise ValueError("the pressure gradient is given too; drop one of them")
         return net_flux
+
+    @override
+    def mean_drive(self) -> MeanDrive:
+        """As given."""
+        return MeanDrive(self.pressure_gradient if self.net_flux is None else None, self.net_flux)
 
     def container(self) -> Container:
         """The geometry."""

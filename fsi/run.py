@@ -8,21 +8,21 @@ from functools import partial
 from pathlib import Path
 from time import process_time
 
-from fsi.accuracy import StepErrors
-from fsi.bodies import Configuration
-from fsi.case import Case, load_case
+from fsi.bodies.configuration import Configuration
+from fsi.bodies.gaps import find_gaps
+from fsi.case.case import Case, load_case
+from fsi.case.sections import Time
 from fsi.errors import InputError
-from fsi.gaps import find_gaps
-from fsi.provenance import launch
-from fsi.reduced.inertial import DistanceModel
-from fsi.reduced.stepper import FixedStepper
-from fsi.refining import Refinable, RefiningStepper
-from fsi.results import RunFolder, StepRecord
-from fsi.schedule import Schedule
-from fsi.schema import Time
-from fsi.schemes import AscherRuuthSpiteri, BogackiShampine
-from fsi.stepping import Advance, Model, Scheme, State, Step, Stepper
-from meshes.geometry import Container
+from fsi.integration.fixed_stepper import FixedStepper
+from fsi.integration.refining_stepper import Refinable, RefiningStepper
+from fsi.integration.schedule import Schedule
+from fsi.integration.schemes import AscherRuuthSpiteri, BogackiShampine
+from fsi.integration.stepper import Advance, Model, Scheme, State, Step, Stepper
+from fsi.meshes.geometry.containers import Container
+from fsi.observables.error_estimate import StepErrors
+from fsi.reduced.distance_model import DistanceModel
+from fsi.run_folder.folder import RunFolder, StepRecord
+from fsi.run_folder.provenance import launch
 
 type Progress = Callable[[StepRecord], None]
 

@@ -1,6 +1,6 @@
 """dolfinx's generic types at double precision, named once."""
 
-import meshes.backend  # noqa: F401
+import fsi.meshes.backend  # noqa: F401
 
 import numpy as np
 from dolfinx import fem, mesh

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import comb
 
-import meshes.backend  # noqa: F401
+import fsi.meshes.backend  # noqa: F401
 
 import basix.ufl
 import dolfinx
@@ -14,16 +14,16 @@ import numpy as np
 import ufl
 from mpi4py import MPI
 
-from meshes.aliases import Mesh
-from meshes.curved import SIMPLEX, CurvedCells, curve
-from meshes.errors import MeshError
-from meshes.geometry import Array, Container
-from meshes.lattice import NO_LATTICE, Lattice
-from meshes.quality import require_valid
-from meshes.sizing import Resolution
-from meshes.tetrahedra import fill
-from meshes.triangulate import FarSize, Indices, triangulate
-from meshes.walls import boundary
+from fsi.meshes.aliases import Mesh
+from fsi.meshes.cells.curved import SIMPLEX, CurvedCells, curve
+from fsi.meshes.cells.quality import require_valid
+from fsi.meshes.errors import MeshError
+from fsi.meshes.geometry.containers import Array, Container
+from fsi.meshes.geometry.lattice import NO_LATTICE, Lattice
+from fsi.meshes.planar.boundary import boundary
+from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.planar.triangulate import FarSize, Indices, triangulate
+from fsi.meshes.spatial.tetrahedra import fill
 
 # How much faster sizes may grow in the fluid than along the walls.
 SLOPE = 2.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import meshes.backend  # noqa: F401
+import fsi.meshes.backend  # noqa: F401
 
 from petsc4py import PETSc
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import meshes.backend  # noqa: F401
+import fsi.meshes.backend  # noqa: F401
 
 import numpy as np
 from dolfinx import fem
@@ -12,11 +12,11 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from meshes.aliases import FunctionSpace
-from meshes.build import FluidMesh
-from meshes.errors import MeshError
-from meshes.geometry import Array
-from meshes.lattice import Integers, Lattice, positive
+from fsi.meshes.aliases import FunctionSpace
+from fsi.meshes.build import FluidMesh
+from fsi.meshes.errors import MeshError
+from fsi.meshes.geometry.containers import Array
+from fsi.meshes.geometry.lattice import Integers, Lattice, positive
 
 SAME_PLACE = 1e-9  # of the longest period
 

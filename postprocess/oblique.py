@@ -7,10 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PatchCollection
 from matplotlib.patches import Circle, Polygon
 
-from fsi.bodies import Configuration
-from meshes.cell import Cell
-from meshes.lattice import Lattice
-from postprocess.arrangement import BODY, EDGE, FRAME, IMAGE, IMAGE_EDGE
+from fsi.bodies.configuration import Configuration
+from fsi.meshes.geometry.lattice import Lattice
+from fsi.meshes.geometry.periodic import Cell
+from fsi.postprocess.render.arrangement import BODY, EDGE, FRAME, IMAGE, IMAGE_EDGE
 
 
 def draw_oblique(axes: Axes, container: Cell, q: Configuration) -> None:

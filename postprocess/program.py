@@ -8,8 +8,8 @@ from pathlib import Path
 
 from rich.table import Table
 
-from fsi.console import standard_output
 from fsi.errors import FsiError
+from fsi.report.console import standard_output
 
 
 def program(usage: str | None, work: Callable[..., None], arguments: list[str], most: int = 1) -> int:

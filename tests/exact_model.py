@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.accuracy import ErrorEstimate, StepErrors
-from fsi.bodies import Array, Configuration, Inertia
-from fsi.case import Case, parse_case
+from fsi.bodies.configuration import Array, Configuration, Inertia
+from fsi.case.case import Case, parse_case
+from fsi.integration.stepper import Instant
 from fsi.lubrication.exact import normal_resistance, parallel_resistance, rotation_resistance
-from fsi.stepping import Instant
+from fsi.observables.error_estimate import ErrorEstimate, StepErrors
 
 
 @dataclass(frozen=True)

@@ -9,16 +9,16 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-import meshes.backend  # noqa: F401
+import fsi.meshes.backend  # noqa: F401
 
 import numpy as np
 
 from fsi import parallel
-from fsi.bodies import Array
-from fsi.case import load_case
+from fsi.bodies.configuration import Array
+from fsi.case.case import load_case
 from fsi.run import run_case
-from fsi.stokes import fields
-from fsi.stokes.forms import Forms
+from fsi.stokes.discretisation.forms import Forms
+from fsi.stokes.fields import write as fields
 from fsi.stokes.model import StokesModel
 
 capture, write = fields.capture, fields.write_flow

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fsi.bodies import Array, Configuration, Motion
-from fsi.stokes.boundary import Boundary
+from fsi.bodies.configuration import Array, Configuration, Motion
+from fsi.meshes.build import FluidMesh, build
+from fsi.meshes.geometry.containers import Box, Container, HalfPlane
+from fsi.meshes.planar.sizing import Resolution
+from fsi.stokes.discretisation.boundary import Boundary
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import solve
-from meshes.build import FluidMesh, build
-from meshes.geometry import Box, Container, HalfPlane
-from meshes.sizing import Resolution
 
 BOX = Box((-8.0, 0.0), (8.0, 16.0))
 SMALL_BOX = Box((-3.0, -2.0), (3.0, 2.0))

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-import meshes.backend  # noqa: F401
+import fsi.meshes.backend  # noqa: F401
 
 import numpy as np
 from mpi4py import MPI
 
-from fsi.bodies import Array, Configuration
-from meshes.build import FluidMesh, shared
-from meshes.curved import curve
-from meshes.geometry import Container
-from meshes.sizing import Curve, Resolution
-from meshes.triangulate import Indices, triangulate
-from meshes.walls import boundary
+from fsi.bodies.configuration import Array, Configuration
+from fsi.meshes.build import FluidMesh, shared
+from fsi.meshes.cells.curved import curve
+from fsi.meshes.geometry.containers import Container
+from fsi.meshes.planar.boundary import boundary
+from fsi.meshes.planar.sizing import Curve, Resolution
+from fsi.meshes.planar.triangulate import Indices, triangulate
 
 
 def nested_meshes(

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from fsi.bodies import Configuration, Motion
-from fsi.stokes.boundary import Boundary
+from fsi.bodies.configuration import Configuration, Motion
+from fsi.meshes.geometry.periodic import Cell, Channel
+from fsi.meshes.planar.sizing import Resolution
+from fsi.stokes.discretisation.boundary import Boundary
 from fsi.stokes.solution import StokesSolution
-from meshes.cell import Cell, Channel
-from meshes.sizing import Resolution
 from tests.flows import at_rest, discs, free, solved
 
 REFERENCE = Path(__file__).parent / "reference"

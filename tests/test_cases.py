@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from fsi.case import load_case
+from fsi.case.case import load_case
+from fsi.observables.truncation import halved, truncation
 from fsi.stokes.model import StokesModel
-from fsi.truncation import halved, truncation
-from fsi.validation import computed, reference
+from fsi.validation.rows import computed, reference
 
 CASES = Path(__file__).parents[1] / "cases"
 FILES = sorted(CASES.glob("*.toml"))

@@ -14,10 +14,10 @@ import pyvista as pv
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from fsi.bodies import Array, Configuration
-from fsi.case import load_case
+from fsi.bodies.configuration import Array, Configuration
+from fsi.case.case import load_case
+from fsi.postprocess.run.run import open_run
 from fsi.stokes.model import StokesModel
-from postprocess.run import open_run
 from tests.small_run import contents, launches
 
 ROOT = Path(__file__).parents[1]

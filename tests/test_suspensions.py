@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fsi.bodyfile import read_bodies
-from fsi.case import load_case
-from fsi.configurations.arrangement import Arrangement, Cell
+from fsi.arrangements.arrangement import Arrangement, Cell
+from fsi.case.body_file import read_bodies
+from fsi.case.case import load_case
 
 FOLDER = Path(__file__).parents[1] / "cases" / "suspensions"
 NAMES = ("rows", "random", "oblique_chains", "columns")

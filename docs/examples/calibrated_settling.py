@@ -13,13 +13,13 @@ from pathlib import Path
 import numpy as np
 
 from fsi import open_run
-from fsi.bodies import Array
-from fsi.calibrate import calibrate_case
-from fsi.calibration.report import LAW
-from fsi.case import load_case, parse_case
+from fsi.bodies.configuration import Array
+from fsi.calibration.calibrate import calibrate_case
+from fsi.case.case import load_case, parse_case
 from fsi.models import make_model
+from fsi.postprocess.analysis.settling import exact_gap
+from fsi.report.calibration import LAW
 from fsi.run import run_case
-from postprocess.settling import exact_gap
 
 CALIBRATION = Path(__file__).parents[2] / "cases" / "calibration" / "disc_wall.toml"
 COARSE = ["calibration.range=[0.01, 1.0]", "calibration.samples=8", "calibration.held_out=0"]

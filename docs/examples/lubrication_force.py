@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fsi.bodies import Array
-from fsi.case import load_case
+from fsi.bodies.configuration import Array
+from fsi.case.case import load_case
 from fsi.lubrication.exact import normal_resistance, plane_lubrication
 from fsi.stokes.model import StokesModel
 

@@ -14,14 +14,14 @@ from typing import Any
 
 import numpy as np
 
-from fsi.accuracy import Results
-from fsi.bodies import Array
-from fsi.case import Case, parse_case
+from fsi.bodies.configuration import Array
+from fsi.case.case import Case, parse_case
+from fsi.case.section import toml_text
+from fsi.case.sections import Calibration
+from fsi.case.series import is_zero
 from fsi.errors import InputError
 from fsi.lubrication.expansions import Shape
-from fsi.schema import Calibration
-from fsi.section import toml_text
-from fsi.series import is_zero
+from fsi.observables.error_estimate import Results
 
 # Sections of a case that its samples do not have.
 _LEFT_OUT = {"calibration", "time", "output", "expected", "sweep", "forces", "reduced"}

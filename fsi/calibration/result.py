@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from fsi.bodies import Array
+from fsi.bodies.configuration import Array
 from fsi.calibration.pair import Pair
 from fsi.calibration.samples import Sample, Samples, as_arrays
+from fsi.case.law_file import LawFile, SeriesSection, TableSection
 from fsi.errors import SolveError
-from fsi.law_file import LawFile, SeriesSection, TableSection
 from fsi.lubrication.expansions import EXPONENTS, basis, coefficients
 from fsi.lubrication.fitting import Fit, fit_series
-from fsi.provenance import launch
+from fsi.run_folder.provenance import launch
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,12 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
-import fsi
-import meshes
-from fsi.bodies import Array
+from fsi.bodies.configuration import Array
 from fsi.calibration.pair import Pair
-from fsi.checkpoint import replace
+from fsi.run_folder.checkpoint import replace
 
+_PACKAGE = Path(__file__).parents[1]
 # What computes a sample besides its case.
 _SOLVERS = ("fenics-dolfinx", "dolfinx-solver-real", "gmsh", "petsc4py")
 
@@ -92,8 +91,8 @@ def keep_sample(cache: Path, key: str, sample: Sample) -> None:
 def _code() -> str:
     """Hash of the sources of mesh and resolved model, and the versions of the libraries that they use."""
     found = hashlib.sha256()
-    for folder in (Path(meshes.__file__).parent, Path(fsi.__file__).parent / "stokes"):
-        for path in sorted(folder.glob("*.py")):
+    for folder in (_PACKAGE / "meshes", _PACKAGE / "stokes"):
+        for path in sorted(folder.rglob("*.py")):
             found.update(path.read_bytes())
     for name in _SOLVERS:
         try:

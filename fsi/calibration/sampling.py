@@ -14,9 +14,9 @@ from pathlib import Path
 from fsi import parallel
 from fsi.calibration.pair import Pair, pair_of
 from fsi.calibration.samples import Sample, keep_sample, key_of, planned_gaps, read_sample
-from fsi.case import parse_case
+from fsi.case.case import parse_case
 from fsi.errors import FsiError, SolveError
-from meshes.errors import MeshError
+from fsi.meshes.errors import MeshError
 
 type Task = tuple[float, bool, str]  # gap, held out, key
 
@@ -100,7 +100,7 @@ def _compute_case(case: dict[str, object], task: Task, cache: Path) -> tuple[str
 
 
 def _compute(pair: Pair, task: Task, cache: Path) -> tuple[str, Sample | None, str]:
-    from fsi.stokes.sample import resolved_sample
+    from fsi.calibration.resolved import resolved_sample
 
     gap, held_out, key = task
     try:

@@ -13,7 +13,7 @@ from fsi import parallel
 from fsi.errors import InputError
 
 if TYPE_CHECKING:  # what a command needs is imported in it: `fsi --help` must be quick
-    from fsi.case import Case
+    from fsi.case.case import Case
 
 CaseFile = Annotated[Path, typer.Argument(metavar="CASE", help="A case file (TOML).", show_default=False)]
 RunFolder = Annotated[
@@ -34,7 +34,7 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and 
 
 def load(path: Path, overrides: list[str] | None) -> Case:
     """The case of a file, with changes; all ranks."""
-    from fsi.case import load_case
+    from fsi.case.case import load_case
 
     return parallel.on_root(lambda: load_case(path, overrides or ()))
 

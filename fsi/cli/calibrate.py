@@ -10,7 +10,7 @@ import typer
 
 from fsi import parallel
 from fsi.cli.arguments import CaseFile, Overrides, load_resolved
-from fsi.console import standard_output
+from fsi.report.console import standard_output
 
 EXAMPLE = "Example: fsi calibrate cases/calibration/equal_discs.toml --workers 2"
 
@@ -37,15 +37,15 @@ def calibrate(
     (law.toml), the samples with their error bars and a plot. A sample is kept as soon as it is there and
     never computed again: a command that was killed goes on when it is given again.
     """
-    from fsi.calibrate import calibrate_case
-    from fsi.progress import counting
+    from fsi.calibration.calibrate import calibrate_case
+    from fsi.report.progress import counting
 
     case = load_resolved(case_file, overrides, "calibrate")
     folder = output or Path("runs") / "calibration" / case_file.stem
     with counting("samples") as show:
         found = calibrate_case(case, case_file.name, folder, cache, workers or os.cpu_count() or 1, show)
     if parallel.is_root():
-        from fsi.calibration.report import print_calibration
+        from fsi.report.calibration import print_calibration
 
         print_calibration(standard_output(), found)
         typer.echo(f"wrote {folder}: law.toml, samples.csv, calibration.json, calibration.png")

@@ -16,7 +16,7 @@ def cases(
     folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="A new folder.")] = Path("cases"),
 ) -> None:
     """Write the cases that come with the program into a folder: examples, validation, calibration."""
-    from fsi.shipped import write_cases
+    from fsi.cli.shipped import write_cases
 
     count = parallel.on_root(lambda: write_cases(folder))
     if parallel.is_root():

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from fsi import parallel
 from fsi.cli.arguments import CaseFile, Overrides, load
-from fsi.console import standard_output
+from fsi.report.console import standard_output
 
 EXAMPLE = "Example: fsi check cases/two_discs.toml --set 'bodies.0.position=[-1.5, 0.0]'"
 
 
 def check(case_file: CaseFile, overrides: Overrides = None) -> None:
     """Read a case and say what it holds: bodies, gaps, what is free or held, walls. Nothing is computed."""
-    from fsi.expectedcheck import check_expected
+    from fsi.case.checks.expected import check_expected
 
     case = load(case_file, overrides)
     check_expected(case)
     if parallel.is_root():
-        from fsi.report import print_case
+        from fsi.report.solution import print_case
 
         print_case(standard_output(), case)

@@ -10,7 +10,7 @@ import typer
 
 from fsi import parallel
 from fsi.cli.arguments import AsJson, CaseFile, Overrides, load
-from fsi.console import standard_output
+from fsi.report.console import standard_output
 
 EXAMPLE = "Example: fsi compare cases/settling_discs.toml --law exact --set reduced.drag=12"
 
@@ -33,7 +33,7 @@ def compare(
     [reduced] of the case.
     """
     from fsi.compare import compare_models, print_comparison
-    from fsi.progress import ProgressBar
+    from fsi.report.progress import ProgressBar
 
     case = load(case_file, overrides)
     folder = output or Path("runs") / f"{case_file.stem}_compared"

@@ -25,11 +25,11 @@ def limit(
     Prints when the body sticks and is released, the errors for each eps, and the order of the slides' scheme.
     """
     from fsi.cli.arguments import require_writable
-    from fsi.console import standard_output
     from fsi.errors import InputError
     from fsi.evolutions import load_evolving, model_of
-    from fsi.gluey.limit_case import LimitCase, study
-    from fsi.gluey.limit_report import draw, print_study
+    from fsi.gluey.limit_study import LimitCase, study
+    from fsi.report.console import standard_output
+    from fsi.report.limit import draw, print_study
 
     if not parallel.is_root():
         return

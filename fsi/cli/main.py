@@ -32,9 +32,9 @@ from fsi.cli import (
     solve,
     validate,
 )
+from fsi.cli.missing import explain
 from fsi.errors import FsiError
-from fsi.missing import explain
-from meshes.errors import MeshError
+from fsi.meshes.errors import MeshError
 
 INTERRUPTED = 130
 GOES_ON = "a run goes on with fsi resume, a calibration when repeated"

@@ -27,15 +27,15 @@ def mesh(
     """Write the mesh of a case at time 0, or the one that a run used at a step."""
     require_writable(output)
     if source.is_dir():
-        from postprocess.step_mesh import write_step_mesh
+        from fsi.postprocess.export.step_mesh import write_step_mesh
 
         if overrides:
             raise InputError(f"--set {overrides[0]}: a run is what it is; give a case file to change a value")
         written = parallel.on_root(lambda: write_step_mesh(source, step, output))
         message = f"wrote {output}, step {written}"
     else:
+        from fsi.meshes.files.write import require_suffix, write_mesh
         from fsi.stokes.model import StokesModel
-        from meshes.convert import require_suffix, write_mesh
 
         if step is not None:
             raise InputError(f"--step {step}: a case has no steps; give a run folder")

@@ -12,8 +12,8 @@ from fsi.cli.arguments import require_writable
 from fsi.errors import InputError
 
 if TYPE_CHECKING:
-    from fsi.configurations.arrangement import Arrangement, Cell
-    from fsi.configurations.kinds import Wanted
+    from fsi.arrangements.arrangement import Arrangement, Cell
+    from fsi.arrangements.kinds import Wanted
 
 EXAMPLE = "Example: fsi pack random --number 50 --area-fraction 0.4 --gap 0.02 --seed 1 -o random.json"
 
@@ -106,7 +106,7 @@ def _wanted(
     given: dict[str, Any],
 ) -> Wanted:
     """All values, checked. Raises InputError."""
-    from fsi.configurations.kinds import OPTIONS, Wanted
+    from fsi.arrangements.kinds import OPTIONS, Wanted
 
     for option, value in given.items():
         if value is not None and option not in OPTIONS[kind]:
@@ -144,8 +144,8 @@ def _shape(kind: Kind, number: int, filled: dict[str, Any]) -> dict[str, Any]:
 
 
 def _make(kind: Kind, wanted: Wanted, output: Path, drawn: Path) -> None:
-    from fsi.configurations.kinds import OPTIONS, arrange, write_arrangement
-    from postprocess.arrangement import draw_arrangement
+    from fsi.arrangements.kinds import OPTIONS, arrange, write_arrangement
+    from fsi.postprocess.render.arrangement import draw_arrangement
 
     arrangement = arrange(kind, wanted)
     described = {

@@ -45,9 +45,9 @@ def probe(
     Bodies of axisymmetric runs lie on the axis r = 0: x, y are r, z. In space points have three coordinates,
     and a rectangle lies across one of the axes.
     """
-    from postprocess.probe import on_line, on_plane, read_points, write_values
-    from postprocess.probe import probe as values_at
-    from postprocess.run import open_run
+    from fsi.postprocess.run.probe import on_line, on_plane, read_points, write_values
+    from fsi.postprocess.run.probe import probe as values_at
+    from fsi.postprocess.run.run import open_run
 
     if sum(given is not None for given in (line, plane, points)) != 1:
         raise InputError("probe: give exactly one of --line, --plane and --points")

@@ -52,9 +52,9 @@ def render(
     Axisymmetric flows are mirrored at their axis. Flows in space are shown on a vertical plane, gaps on
     the one that holds the line of centres.
     """
-    from postprocess.choice import Choice
-    from postprocess.render import render_run
-    from postprocess.run import open_run
+    from fsi.postprocess.choice import Choice
+    from fsi.postprocess.render.render import render_run
+    from fsi.postprocess.run.run import open_run
 
     if time is not None and step is not None:
         raise InputError("render: give --time or --step, not both")

@@ -24,8 +24,8 @@ def report(
 
     It opens from disk without a network. A run that was killed half-way is reported as far as it came.
     """
-    from postprocess.page import write_report
-    from postprocess.run import open_run
+    from fsi.postprocess.report import write_report
+    from fsi.postprocess.run.run import open_run
 
     path = output or folder / "report.html"
     parallel.on_root(lambda: write_report(open_run(folder), path))

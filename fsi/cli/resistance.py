@@ -10,8 +10,8 @@ import typer
 
 from fsi import parallel
 from fsi.cli.arguments import AsJson, CaseFile, Overrides, load_resolved, require_writable
-from fsi.console import standard_output
 from fsi.errors import InputError
+from fsi.report.console import standard_output
 
 EXAMPLE = "Example: fsi resistance cases/two_discs.toml -o two_discs.npz"
 
@@ -37,9 +37,9 @@ def resistance(
     error of R, over the diagonal, is estimated with another degree and held to discretisation.tolerance.
     In a container of given radius the change of R with half that radius is reported, as by fsi solve.
     """
-    from fsi.report_resistance import print_resistance, require_format, resistance_json, write_resistance
-    from fsi.resistance import difference
-    from fsi.truncation import halved
+    from fsi.observables.resistance import difference
+    from fsi.observables.truncation import halved
+    from fsi.report.resistance import print_resistance, require_format, resistance_json, write_resistance
 
     if output is not None:
         require_writable(output)

@@ -28,8 +28,8 @@ def revolve(
 
     Fluid and surfaces come as straight cells between the nodes, where all values are those of the run.
     """
-    from postprocess.revolve import export_revolved
-    from postprocess.run import open_run
+    from fsi.postprocess.export.revolve import export_revolved
+    from fsi.postprocess.run.run import open_run
 
     path = output or folder / "revolved"
     parallel.on_root(lambda: export_revolved(open_run(folder), path, degrees, sectors))

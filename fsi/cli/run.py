@@ -11,11 +11,11 @@ from fsi import parallel
 from fsi.cli.arguments import CaseFile, Overrides, RunFolder, load
 
 if TYPE_CHECKING:
-    from fsi.case import Case
-    from fsi.progress import ProgressBar
-    from fsi.results import StepRecord
+    from fsi.case.case import Case
+    from fsi.integration.stepper import Model
+    from fsi.report.progress import ProgressBar
     from fsi.run import Outcome
-    from fsi.stepping import Model
+    from fsi.run_folder.folder import StepRecord
 
 EXAMPLE = "Example: fsi run cases/settling_disc.toml --output runs/settling --set time.end=20"
 RESUME_EXAMPLE = "Example: fsi resume runs/settling_disc"
@@ -35,7 +35,7 @@ def run(
     """
     from fsi.evolutions import model_of
     from fsi.models import make_model
-    from fsi.progress import ProgressBar
+    from fsi.report.progress import ProgressBar
     from fsi.run import run_case
 
     folder = output or Path("runs") / case_file.stem
@@ -53,9 +53,9 @@ def resume(folder: RunFolder) -> None:
     """Continue a run from its last complete step. A finished run is left as it is."""
     from fsi.evolutions import model_of
     from fsi.models import make_model
-    from fsi.progress import ProgressBar
-    from fsi.results import CASE
+    from fsi.report.progress import ProgressBar
     from fsi.run import resume_run
+    from fsi.run_folder.folder import CASE
 
     if (folder / CASE).is_file() and parallel.on_root(lambda: model_of(folder / CASE)) is not None:
         _evolve(folder / CASE, folder, None)
@@ -74,8 +74,8 @@ def _evolve(case_file: Path, folder: Path, overrides: list[str] | None) -> None:
     """Run, or resume from its own case file, a case whose model steps by itself; all ranks do the same."""
     from fsi.errors import InputError
     from fsi.evolutions import load_evolving, resume_evolving, run_evolving
-    from fsi.gluey.limit_case import LimitCase
-    from fsi.progress import ProgressBar
+    from fsi.gluey.limit_study import LimitCase
+    from fsi.report.progress import ProgressBar
 
     case = parallel.on_root(lambda: load_evolving(case_file, overrides or ()))
     if isinstance(case, LimitCase):

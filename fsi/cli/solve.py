@@ -9,10 +9,10 @@ import typer
 
 from fsi import parallel
 from fsi.cli.arguments import AsJson, CaseFile, Overrides, load
-from fsi.console import standard_output
+from fsi.report.console import standard_output
 
 if TYPE_CHECKING:
-    from fsi.case import Case
+    from fsi.case.case import Case
 
 EXAMPLE = "Example: fsi solve cases/disc_in_box.toml --set discretisation.cells_per_gap=2 --json"
 
@@ -37,10 +37,10 @@ def solve(
     if case.model == "reduced":
         _solve_reduced(case, as_json=as_json)
         return
-    from fsi.report import print_solution, solution_json
+    from fsi.observables.truncation import halved, truncation
+    from fsi.report.solution import print_solution, solution_json
+    from fsi.stokes.adapt import solve_with_errors
     from fsi.stokes.model import StokesModel
-    from fsi.stokes.refine import solve_with_errors
-    from fsi.truncation import halved, truncation
 
     solved = solve_with_errors(case)
     case, solution, errors = solved.case, solved.solution, solved.errors
@@ -57,7 +57,7 @@ def solve(
 def _solve_reduced(case: Case, *, as_json: bool) -> None:
     """Without inertia, as the resolved model is solved."""
     from fsi.reduced.model import ReducedModel
-    from fsi.reduced.report import instant_json, print_instant
+    from fsi.report.reduced import instant_json, print_instant
 
     found = ReducedModel(case)(case.configuration(), 0.0)
     if parallel.is_root() and as_json:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fsi.console import standard_output
+from fsi.report.console import standard_output
 
 EXAMPLE = "Example: fsi validate two_discs concentric_sphere"
 
@@ -29,7 +29,7 @@ def validate(
 
     Prints a table, and writes it as JSON, CSV and a plot. Exit code 4 if a value lies outside its tolerance.
     """
-    from fsi.shipped import shipped_cases
-    from fsi.validate import validate_cases
+    from fsi.cli.shipped import shipped_cases
+    from fsi.validation.validate import validate_cases
 
     validate_cases(cases or shipped_cases() / "validation", names or (), output, standard_output())

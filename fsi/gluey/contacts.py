@@ -14,7 +14,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from fsi.bodies import Array
+from fsi.bodies.configuration import Array
 
 SPINS = {1: 0, 2: 1, 3: 3}
 

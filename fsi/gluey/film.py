@@ -13,7 +13,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.special import wrightomega
 
-from fsi.bodies import Array
+from fsi.bodies.configuration import Array
 
 type Shape = Literal["sphere", "disc"]
 

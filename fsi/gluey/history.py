@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 from scipy.interpolate import PPoly
 
-from fsi.section import Section
+from fsi.case.section import Section
 
 
 class Jumping(Section):

@@ -7,7 +7,7 @@ With slacks s of the rows, the conditions
 are followed to mu -> 0 by Mehrotra's predictor and corrector (SIAM J. Optim. 2 (1992) 575), two solves with
 one sparse factor of `M + J^T diag(p/s) J` a step. The number of steps hardly depends on the number of bodies,
 also where rows depend on each other. As mu -> 0 the factors lose digits, so the last ones are left to
-`fsi.gluey.newton`.
+`fsi.gluey.augmented_lagrangian`.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import SuperLU, splu
 
-from fsi.bodies import Array
-from fsi.gluey.program import Program
+from fsi.bodies.configuration import Array
+from fsi.gluey.quadratic_program import Program
 
 STEPS = 40
 # Of the square of the largest rate: where mu is small enough for Newton's method to find what touches.

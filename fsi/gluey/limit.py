@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PPoly
 
-from fsi.bodies import Array
+from fsi.bodies.configuration import Array
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies import Array, turned
+from fsi.bodies.configuration import Array, turned
 from fsi.gluey.contacts import Room
 from fsi.gluey.film import Film, Shape
 

@@ -9,12 +9,12 @@ import numpy as np
 import tomli_w
 from pydantic import Field, field_validator, model_validator
 
-from fsi.bodies import Array
+from fsi.bodies.configuration import Array
+from fsi.case.formula import check, evaluate
+from fsi.case.gluey import Frames, Steps
+from fsi.case.section import Section, toml_text
 from fsi.errors import InputError, SolveError
-from fsi.gluey.sections import Frames, Steps
-from fsi.macroscopic.expression import check, evaluate
 from fsi.macroscopic.model import Parcels, at_rest_in_memory, blocks
-from fsi.section import Section, toml_text
 
 
 class Block(Section):

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import isotonic_regression
 
-from fsi.bodies import Array
+from fsi.bodies.configuration import Array
 
 type Force = Callable[[Array, Array, float], Array]
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies import Array
+from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
 
 # (x) -> K and dK/dx, of an antiderivative K of kappa in D, for some of the pairs.

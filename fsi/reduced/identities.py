@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
-from fsi.bodies import Array, Configuration
+from fsi.bodies.configuration import Array, Configuration
 from fsi.errors import SolveError
 from fsi.reduced.network import Network
 

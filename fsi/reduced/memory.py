@@ -9,8 +9,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies import Array
-from fsi.gaps import row_numbers
+from fsi.bodies.configuration import Array
+from fsi.bodies.gaps import row_numbers
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,19 +11,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies import Array, Configuration, Inertia, Motion
-from fsi.case import Case
+from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
+from fsi.case.case import Case
 from fsi.errors import SolveError
+from fsi.integration.stepper import Instant
 from fsi.parallel import on_root
-from fsi.reduced.files import write_bodies, write_contacts
+from fsi.reduced.gap_laws import make_laws
 from fsi.reduced.identities import identities, require
-from fsi.reduced.laws import make_laws
 from fsi.reduced.network import gradient
 from fsi.reduced.pairs import Pairs, find_pairs
 from fsi.reduced.setting import drag, make_space
 from fsi.reduced.stress import LubricationStress, lubrication_stress
 from fsi.reduced.system import Surroundings, solve_system
-from fsi.stepping import Instant
+from fsi.reduced.write import write_bodies, write_contacts
 
 
 @dataclass(frozen=True, slots=True)

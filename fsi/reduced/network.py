@@ -19,7 +19,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import cg, splu
 
-from fsi.bodies import Array
+from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
 from fsi.reduced.pairs import Pairs
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies import Array, Configuration
-from fsi.gaps import find_gaps, row_numbers
+from fsi.bodies.configuration import Array, Configuration
+from fsi.bodies.gaps import find_gaps, row_numbers
+from fsi.meshes.geometry.lattice import Lattice
 from fsi.reduced.space import Space, wall_gaps
-from meshes.lattice import Lattice
 
 
 @dataclass(frozen=True, slots=True, eq=False)

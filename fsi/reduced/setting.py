@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsi.bodies import Array
-from fsi.case import Case
-from fsi.reduced.background import background
+from fsi.bodies.configuration import Array
+from fsi.case.background_flow import background
+from fsi.case.case import Case
 from fsi.reduced.space import Space
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies import Array
+from fsi.bodies.configuration import Array
+from fsi.meshes.geometry.containers import Container, HalfPlane, Round, lengths
 from fsi.normals import inward_normals
-from meshes.geometry import Container, HalfPlane, Round, lengths
 
 # The rotation of the flow u = E x is the antisymmetric part of E: d = 2 has the mode omega, d = 3 three of
 # them.

@@ -17,10 +17,10 @@ from math import nan
 
 import numpy as np
 
-from fsi.bodies import Array
+from fsi.bodies.configuration import Array
+from fsi.meshes.geometry.periodic import Cell, Channel
 from fsi.reduced.pairs import Pairs
 from fsi.reduced.space import Space
-from meshes.cell import Cell, Channel
 
 _COMPONENTS = {"xx": (0, 0), "xy": (0, 1), "yy": (1, 1)}
 
@@ -65,7 +65,7 @@ def lubrication_stress(
     if not isinstance(container, Channel | Cell):
         return None
     E = 0.5 * (space.gradient + space.gradient.T)
-    found = LubricationStress(_stresslets(pairs, force, radii), container.area, None)
+    found = LubricationStress(_stresslets(pairs, force, radii), container.volume, None)
     rate = float(np.sum(E**2))
     if rate == 0.0:
         return found

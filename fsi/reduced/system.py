@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsi.bodies import Array, Inertia, Motion
+from fsi.bodies.configuration import Array, Inertia, Motion
 from fsi.errors import SolveError
 from fsi.reduced.identities import relative
 from fsi.reduced.network import Network, make_network

@@ -1,3 +1,3 @@
 """The resolved model: Stokes flow around rigid bodies, by finite elements (dolfinx)."""
 
-import meshes.backend  # noqa: F401 before any module of this package imports dolfinx
+import fsi.meshes.backend  # noqa: F401 before any module of this package imports dolfinx

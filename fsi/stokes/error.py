@@ -15,7 +15,8 @@ the default meshes and finer ones, and 9 times on a mesh half as fine. The facto
 Degree 2, which has none below, takes one more.
 
 It sees the mesh and the elements; it does not see how far a container of finite radius is
-from an infinite one (`fsi.truncation` does), nor how a user's own curved mesh differs from its circles.
+from an infinite one (`fsi.observables.truncation` does), nor how a user's own curved mesh differs from its
+circles.
 """
 
 from __future__ import annotations
@@ -26,12 +27,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.accuracy import ErrorEstimate, Results, StepErrors, relative_change
-from fsi.bodies import Array, Configuration, Motion
-from fsi.drive import Drive, drive_of
+from fsi.bodies.configuration import Array, Configuration, Motion
+from fsi.observables.error_estimate import ErrorEstimate, Results, StepErrors, relative_change
+from fsi.observables.flow_scales import Drive, drive_of
 
 if TYPE_CHECKING:
-    from fsi.case import Case
+    from fsi.case.case import Case
     from fsi.stokes.model import StokesModel
     from fsi.stokes.solution import StokesSolution
 

@@ -6,18 +6,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsi.bodies import Array, Configuration
-from fsi.clock import Clock
-from fsi.stokes import fields, surface
-from fsi.stokes.boundary import Boundary, BoundaryNodes, facets_with
-from fsi.stokes.forms import Forms
+from fsi.bodies.configuration import Array, Configuration
+from fsi.meshes.build import FluidMesh
+from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.periodic import Cell, Channel
+from fsi.stokes.clock import Clock
+from fsi.stokes.discretisation.boundary import Boundary, BoundaryNodes, facets_with
+from fsi.stokes.discretisation.forms import Forms
+from fsi.stokes.fields import traction as surface
+from fsi.stokes.fields import write as fields
 from fsi.stokes.identities import identities, require
 from fsi.stokes.solution import StokesSolution
+from fsi.stokes.solvers.elimination import NodalSolution, System, load_of, nodal_vector
 from fsi.stokes.stress import bulk_stress, is_force_free, strain_rate, viscosity_checks
-from fsi.stokes.system import NodalSolution, System, load_of, nodal_vector
-from meshes.build import FluidMesh
-from meshes.cell import Cell, Channel
-from meshes.geometry import Container
 
 
 def fill(forms: Forms, x: Array) -> None:

@@ -15,11 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 from mpi4py import MPI
 
-from fsi.bodies import Array, Configuration
-from fsi.checks import BOUND
+from fsi.bodies.configuration import Array, Configuration
 from fsi.errors import SolveError
-from fsi.stokes.forms import Forms
-from fsi.stokes.system import NodalSolution, System, mode_equations
+from fsi.observables.identities import BOUND
+from fsi.stokes.discretisation.forms import Forms
+from fsi.stokes.solvers.elimination import NodalSolution, System, mode_equations
 
 ROUNDING_FLOOR = 1e-6
 

@@ -10,23 +10,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.accuracy import StepErrors
-from fsi.bodies import Array, Configuration, Inertia, Motion
-from fsi.case import Case
-from fsi.clock import Clock
+from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
+from fsi.case.case import Case
+from fsi.case.walls import WallVelocity
+from fsi.integration.stepper import Instant
+from fsi.meshes.build import FluidMesh, build
+from fsi.meshes.files.read import read_mesh
+from fsi.meshes.geometry.lattice import Lattice
+from fsi.meshes.moving.move import Mover
+from fsi.meshes.planar.sizing import Resolution
+from fsi.observables.error_estimate import StepErrors
 from fsi.periodic import ChannelDomain
-from fsi.stepping import Instant
-from fsi.stokes.boundary import Boundary, Field
+from fsi.stokes.clock import Clock
+from fsi.stokes.discretisation.boundary import Boundary, Field
 from fsi.stokes.error import step_errors
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import solve
-from fsi.stokes.workspace import Workspace
-from fsi.walls import WallVelocity
-from meshes.build import FluidMesh, build
-from meshes.lattice import Lattice
-from meshes.move import Mover
-from meshes.read import read_mesh
-from meshes.sizing import Resolution
+from fsi.stokes.solvers.workspace import Workspace
 
 
 class StokesModel:

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.accuracy import StepErrors
-from fsi.bodies import Configuration, Inertia
-from fsi.case import Case
-from fsi.stepping import Instant
+from fsi.bodies.configuration import Configuration, Inertia
+from fsi.case.case import Case
+from fsi.integration.stepper import Instant
+from fsi.observables.error_estimate import StepErrors
+from fsi.stokes.adapt import SIZES, refined
 from fsi.stokes.error import moved_as_found, step_errors
 from fsi.stokes.model import StokesModel
-from fsi.stokes.refine import SIZES, refined
 from fsi.stokes.solution import StokesSolution
 
 # Bodies move on after a refinement: a tolerance that is just reached would be missed in the next step.

@@ -16,12 +16,12 @@ from itertools import batched
 import numpy as np
 from mpi4py import MPI
 
-from fsi.bodies import Array, Configuration, Motion
-from fsi.case import Case
-from fsi.clock import Clock
+from fsi.bodies.configuration import Array, Configuration, Motion
+from fsi.case.case import Case
 from fsi.errors import InputError
-from fsi.periodic import CellDomain, ChannelDomain
-from fsi.resistance import (
+from fsi.meshes.build import FluidMesh
+from fsi.meshes.geometry.containers import Container
+from fsi.observables.resistance import (
     Resistance,
     all_modes,
     axial_modes,
@@ -30,17 +30,17 @@ from fsi.resistance import (
     positive_eigenvalues,
     symmetrised,
 )
-from fsi.stokes.boundary import Boundary, BoundaryNodes
+from fsi.periodic import CellDomain, ChannelDomain
+from fsi.stokes.adapt import refine
+from fsi.stokes.clock import Clock
+from fsi.stokes.discretisation.boundary import Boundary, BoundaryNodes
+from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.error import other_degree_of
 from fsi.stokes.evaluate import fill
-from fsi.stokes.forms import Forms
 from fsi.stokes.identities import identities, require
 from fsi.stokes.model import StokesModel
-from fsi.stokes.refine import refine
 from fsi.stokes.solve import assembled
-from fsi.stokes.system import NodalSolution, System, factorised, load_of, multiply
-from meshes.build import FluidMesh
-from meshes.geometry import Container
+from fsi.stokes.solvers.elimination import NodalSolution, System, factorised, load_of, multiply
 
 AXIAL_MODE = 1
 # Right-hand sides solved at once: more are hardly faster, and each takes as much memory as the unknowns.

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from math import nan
 from pathlib import Path
 
-from fsi.bodies import MODES, Array
-from fsi.bulk import BulkStress
-from fsi.stokes import fields
+from fsi.bodies.configuration import MODES, Array
+from fsi.observables.bulk_stress import BulkStress
+from fsi.stokes.fields import write as fields
+from fsi.stokes.fields.traction import Surface, traction
 from fsi.stokes.stress import VISCOSITY_CHECKS
-from fsi.stokes.surface import Surface, traction
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,22 +10,22 @@ import numpy as np
 from dolfinx import fem
 from mpi4py import MPI
 
-from fsi.bodies import Array, Configuration, Inertia, Motion
-from fsi.clock import Clock
-from fsi.stokes.boundary import Boundary, BoundaryNodes, facets_with, locate
-from fsi.stokes.coarse import coarse_velocities
-from fsi.stokes.constraints import layout, rigid_modes, wall_offset
+from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
+from fsi.meshes.build import FluidMesh
+from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.periodic import Cell, Channel
+from fsi.stokes.clock import Clock
+from fsi.stokes.discretisation.boundary import Boundary, BoundaryNodes, facets_with, locate
+from fsi.stokes.discretisation.constraints import layout, rigid_modes, wall_offset
+from fsi.stokes.discretisation.forms import Forms
+from fsi.stokes.discretisation.matrices import pressure_mass
 from fsi.stokes.evaluate import Found, evaluated
-from fsi.stokes.forms import Forms
-from fsi.stokes.matrices import pressure_mass
-from fsi.stokes.periodic import averages, jumps, mean_flow, solve_periodic, tied
-from fsi.stokes.saddle import solve_multiplier
 from fsi.stokes.solution import StokesSolution
-from fsi.stokes.system import NodalSolution, System, nodal_vector, solve_eliminated
-from fsi.stokes.workspace import Workspace
-from meshes.build import FluidMesh
-from meshes.cell import Cell, Channel
-from meshes.geometry import Container
+from fsi.stokes.solvers.coarse import coarse_velocities
+from fsi.stokes.solvers.elimination import NodalSolution, System, nodal_vector, solve_eliminated
+from fsi.stokes.solvers.multiplier import solve_multiplier
+from fsi.stokes.solvers.periodic import averages, jumps, mean_flow, solve_periodic, tied
+from fsi.stokes.solvers.workspace import Workspace
 
 # Beyond, in space, the factors of the direct solver cost more time and memory than the iterations.
 MOST_DIRECT = 20_000
@@ -84,7 +84,7 @@ def solve(
         if isinstance(container, Channel | Cell):
             mean = mean_flow(container, motion, boundary.pressure_gradient, boundary.net_flux)
             jump = jumps(system.shares, fluid, forms, q, nodes.x)
-            average = partial(averages, forms, q, nodes.x, container.area)
+            average = partial(averages, forms, q, nodes.x, container.volume)
             system, nodal = solve_periodic(system, solve_system, jump, mean, average)
         else:
             nodal = solve_system(system)

@@ -21,12 +21,12 @@ from dataclasses import replace
 import numpy as np
 from mpi4py import MPI
 
-from fsi.bodies import Array, Configuration
-from fsi.bulk import BulkStress, area_fraction
-from fsi.stokes.boundary import BoundaryNodes
-from fsi.stokes.system import NodalSolution, System
-from meshes.cell import Cell, Channel, Periodic
-from meshes.lattice import Lattice
+from fsi.bodies.configuration import Array, Configuration
+from fsi.meshes.geometry.lattice import Lattice
+from fsi.meshes.geometry.periodic import Cell, Channel, Periodic
+from fsi.observables.bulk_stress import BulkStress, area_fraction
+from fsi.stokes.discretisation.boundary import BoundaryNodes
+from fsi.stokes.solvers.elimination import NodalSolution, System
 
 
 def bulk_stress(
@@ -47,7 +47,7 @@ def bulk_stress(
         interaction: sum of r (x) F of the forces between bodies, (2, 2).
     """
     shares = system.shares
-    viscous = _viscous_part(system, nodes.x, solution) / container.area
+    viscous = _viscous_part(system, nodes.x, solution) / container.volume
     fluid = np.array([[viscous[0], viscous[1]], [viscous[1], viscous[2]]])
     r = nodes.x[shares.on_body // 2] - q.centres[shares.body]
     lattice = Lattice(container.periods)
@@ -60,7 +60,7 @@ def bulk_stress(
     of_pressure = mean_pressure * np.pi * q.radii[:, None, None] ** 2 * np.eye(2)
     S = of_pressure - 0.5 * (moments + moments.swapaxes(1, 2))
     rate = float(np.sum(strain_rate**2))
-    bulk = BulkStress(fluid, S, 0.0 - interaction / container.area, container.area, None)
+    bulk = BulkStress(fluid, S, 0.0 - interaction / container.volume, container.volume, None)
     if rate == 0.0:
         return bulk
     stress = _wall_stress(system, nodes, solution, container)

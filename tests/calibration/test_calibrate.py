@@ -14,10 +14,10 @@ from typing import Any
 import pytest
 from numpy.testing import assert_allclose
 
-from fsi.law_file import load_law
+from fsi.case.law_file import load_law
 from fsi.lubrication.exact_laws import exact_law
 from fsi.lubrication.laws import LubricationLaw
-from tests.test_cli import MPIEXEC, ROOT, call, needs_mpi
+from tests.cli.test_commands import MPIEXEC, ROOT, call, needs_mpi
 
 CASES = ROOT / "cases" / "calibration"
 SETTINGS = (

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fsi.accuracy import ErrorEstimate
 from fsi.calibration.pair import pair_of
-from fsi.case import load_case, parse_case
+from fsi.case.case import load_case, parse_case
 from fsi.errors import InputError
+from fsi.observables.error_estimate import ErrorEstimate
 
 CASES = Path(__file__).parents[2] / "cases" / "calibration"
 

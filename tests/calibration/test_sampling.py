@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-import fsi.stokes.sample
-from fsi.calibrate import calibrate_case
+import fsi.calibration.resolved
+from fsi.calibration.calibrate import calibrate_case
 from fsi.calibration.pair import Pair, pair_of
 from fsi.calibration.samples import Sample, key_of, planned_gaps
 from fsi.calibration.sampling import take_samples
-from fsi.case import Case, load_case
+from fsi.case.case import Case, load_case
+from fsi.case.law_file import load_law
 from fsi.cli.plot import plot
 from fsi.errors import InputError, SolveError
-from fsi.law_file import load_law
 from fsi.lubrication import exact
 
 CASE = Path(__file__).parents[2] / "cases" / "calibration" / "disc_wall.toml"
@@ -44,7 +44,7 @@ class ExactModel:
 @pytest.fixture
 def model(monkeypatch: pytest.MonkeyPatch) -> ExactModel:
     stand_in = ExactModel()
-    monkeypatch.setattr(fsi.stokes.sample, "resolved_sample", stand_in)
+    monkeypatch.setattr(fsi.calibration.resolved, "resolved_sample", stand_in)
     return stand_in
 
 

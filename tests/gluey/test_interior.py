@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import isotonic_regression, lsq_linear
 
+from fsi.gluey.augmented_lagrangian import minimise
+from fsi.gluey.contact_response import Contact
 from fsi.gluey.interior import approach
-from fsi.gluey.newton import minimise
-from fsi.gluey.program import Impulses, Program
-from fsi.gluey.response import Contact
+from fsi.gluey.quadratic_program import Impulses, Program
 
 
 def solved(program: Program) -> Impulses:

@@ -11,10 +11,10 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from fsi.bodies import Array
+from fsi.bodies.configuration import Array
 from fsi.gluey.contacts import Room
-from fsi.gluey.invariant import ESTIMATES, A, log_gap, solve
 from fsi.gluey.limit import Limit, piecewise_constant, slides_scheme
+from fsi.gluey.one_body import ESTIMATES, A, log_gap, solve
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, Law, System
 

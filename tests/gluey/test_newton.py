@@ -7,11 +7,11 @@ import pytest
 import scipy.sparse as sp
 from scipy.optimize import brentq
 
-from fsi.bodies import Array
+from fsi.bodies.configuration import Array
+from fsi.gluey.augmented_lagrangian import minimise
+from fsi.gluey.contact_response import Contact
 from fsi.gluey.film import Film, Shape
-from fsi.gluey.newton import minimise
-from fsi.gluey.program import Program
-from fsi.gluey.response import Contact
+from fsi.gluey.quadratic_program import Program
 
 H = 0.02
 

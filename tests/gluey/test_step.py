@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fsi.bodies import MODES, Array
+from fsi.bodies.configuration import MODES, Array
 from fsi.gluey.contacts import Room, find_contacts
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, Law, System

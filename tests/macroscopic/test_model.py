@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import isotonic_regression
 
-from fsi.bodies import Array
+from fsi.bodies.configuration import Array
 from fsi.gluey.contacts import Room
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, Law, System

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import meshes.backend  # noqa: F401
+import fsi.meshes.backend  # noqa: F401
 
 import numpy as np
 import ufl
 from dolfinx import fem
 
-from meshes.build import FluidMesh, build
-from meshes.geometry import Array, Box, Container, HalfPlane
-from meshes.sizing import Resolution
+from fsi.meshes.build import FluidMesh, build
+from fsi.meshes.geometry.containers import Array, Box, Container, HalfPlane
+from fsi.meshes.planar.sizing import Resolution
 
 CUBE = Box((-2.0, -2.0, -2.0), (2.0, 2.0, 2.0))
 HALF_BALL = HalfPlane(30.0, dimension=3)

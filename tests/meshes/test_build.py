@@ -1,6 +1,6 @@
 """Whole meshes: area, perimeter, tags, hard geometries, determinism."""
 
-import meshes.backend  # noqa: F401
+import fsi.meshes.backend  # noqa: F401
 
 import numpy as np
 import pytest
@@ -10,11 +10,11 @@ from dolfinx.mesh import exterior_facet_indices
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fsi.bodies import Configuration
-from meshes.build import FluidMesh, build
-from meshes.errors import MeshError
-from meshes.geometry import Box, Container
-from meshes.sizing import Resolution
+from fsi.bodies.configuration import Configuration
+from fsi.meshes.build import FluidMesh, build
+from fsi.meshes.errors import MeshError
+from fsi.meshes.geometry.containers import Box, Container
+from fsi.meshes.planar.sizing import Resolution
 from tests.flows import BOX, HALF_PLANE, SMALL_BOX, disc_over_plane, discs, mesh
 
 QUADRATURE = {"quadrature_degree": 12}

@@ -4,11 +4,11 @@ import basix
 import numpy as np
 import pytest
 
-from fsi.bodies import Array
-from meshes.curved import EDGES, CurvedCells, curve, reference_points
-from meshes.sizing import Resolution
-from meshes.triangulate import triangulate
-from meshes.walls import boundary
+from fsi.bodies.configuration import Array
+from fsi.meshes.cells.curved import EDGES, CurvedCells, curve, reference_points
+from fsi.meshes.planar.boundary import boundary
+from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.planar.triangulate import triangulate
 from tests.flows import SMALL_BOX, discs
 
 Q = discs([(-1.2, 0.1), (1.1, -0.2)], [1.0, 0.6])

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from meshes.geometry import Box, HalfPlane
+from fsi.meshes.geometry.containers import Box, HalfPlane
 
 
 def test_distances_in_a_box() -> None:

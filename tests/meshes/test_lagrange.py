@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from vtkmodules.vtkCommonDataModel import vtkLagrangeTetra
 
-from meshes.lagrange import gradient, invert, locate, order_of, reference_nodes, tabulate
+from fsi.meshes.cells.lagrange import gradient, invert, locate, order_of, reference_nodes, tabulate
 
 ORDERS = (1, 2, 3, 4)
 inside = st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)).map(

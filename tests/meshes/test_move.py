@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 
-from fsi.bodies import Configuration
+from fsi.bodies.configuration import Configuration
+from fsi.meshes.build import FluidMesh
+from fsi.meshes.moving import move
+from fsi.meshes.moving.move import Mover
 from fsi.stokes.solve import solve
-from meshes import move
-from meshes.build import FluidMesh
-from meshes.move import Mover
 from tests.flows import SMALL_BOX, discs, held, mesh, resting, solved
 
 Q = discs([(-1.0, 0.1), (1.1, -0.2)], [0.8, 0.5])

@@ -4,10 +4,10 @@ import basix
 import numpy as np
 import pytest
 
-from fsi.bodies import Array
-from meshes.curved import reference_points
-from meshes.errors import MeshError
-from meshes.quality import require_valid, scaled_jacobian
+from fsi.bodies.configuration import Array
+from fsi.meshes.cells.curved import reference_points
+from fsi.meshes.cells.quality import require_valid, scaled_jacobian
+from fsi.meshes.errors import MeshError
 
 ORDERS = [1, 2, 3, 4]
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from meshes.geometry import Array, Box
-from meshes.plugs import Plug, choose, find_gaps
-from meshes.seams import AS_IT_IS, CLEARANCE, SEAM, seam_turn
-from meshes.sizing import Resolution
-from meshes.spacing import Spacing
+from fsi.meshes.geometry.containers import Array, Box
+from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.spatial.gap_prisms import Plug, choose, find_gaps
+from fsi.meshes.spatial.seams import AS_IT_IS, CLEARANCE, SEAM, seam_turn
+from fsi.meshes.spatial.sizing import Spacing
 from tests.meshes.spheres import mesh
 
 BOX = Box((-3.0, -3.0, -3.0), (3.0, 3.0, 3.0))

@@ -1,12 +1,12 @@
-"""Boundary nodes follow the law of sizes in the docstring of `meshes.sizing`."""
+"""Boundary nodes follow the law of sizes in the docstring of `fsi.meshes.planar.sizing`."""
 
 import numpy as np
 import pytest
 
-from fsi.bodies import Array, Configuration
-from meshes.geometry import Container
-from meshes.sizing import Curve, Resolution
-from meshes.walls import boundary
+from fsi.bodies.configuration import Array, Configuration
+from fsi.meshes.geometry.containers import Container
+from fsi.meshes.planar.boundary import boundary
+from fsi.meshes.planar.sizing import Curve, Resolution
 from tests.flows import BOX, HALF_PLANE, disc_over_plane, discs
 
 COARSE = Resolution(1.0, 24, 0.5)

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-import meshes.backend  # noqa: F401
+import fsi.meshes.backend  # noqa: F401
 
 import numpy as np
 import pytest
@@ -15,12 +15,12 @@ from dolfinx.mesh import entities_to_geometry, exterior_facet_indices
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from meshes.build import FluidMesh
-from meshes.errors import MeshError, MeshFileError
-from meshes.geometry import Array, Box, Container, HalfPlane, Round
-from meshes.read import read_mesh
-from meshes.sizing import Resolution
-from meshes.tetrahedra import fill
+from fsi.meshes.build import FluidMesh
+from fsi.meshes.errors import MeshError, MeshFileError
+from fsi.meshes.files.read import read_mesh
+from fsi.meshes.geometry.containers import Array, Box, Container, HalfPlane, Round
+from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.spatial.tetrahedra import fill
 from tests.meshes.spheres import CUBE, HALF_BALL, USUAL, area, cells, mesh, volume
 
 BALL = 4.0 * np.pi / 3.0
@@ -154,7 +154,7 @@ def test_neighbours_share_their_nodes() -> None:
 
 
 RANKS = """
-import meshes.backend
+import fsi.meshes.backend
 from mpi4py import MPI
 from tests.meshes.spheres import CUBE, area, mesh, volume
 fluid = mesh(CUBE, [[0.0, 0.0, -0.99]], [1.0], order=3)

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import meshes.backend  # noqa: F401
+import fsi.meshes.backend  # noqa: F401
 
 import gmsh
 import numpy as np
 import pytest
 import pyvista
 
-from meshes.convert import gather, write_mesh
-from meshes.curved import reference_points
-from meshes.curved_tets import Sphere, curve_tets
-from meshes.geometry import Box, HalfPlane, Round
-from meshes.move import Mover
-from meshes.plugs import prisms
-from meshes.quality import determinant, scaled_jacobian
-from meshes.recover import recover
-from meshes.triangulate import gmsh_model
+from fsi.meshes.cells.curved import reference_points
+from fsi.meshes.cells.quality import determinant, scaled_jacobian
+from fsi.meshes.files.recover import recover
+from fsi.meshes.files.write import gather, write_mesh
+from fsi.meshes.geometry.containers import Box, HalfPlane, Round
+from fsi.meshes.moving.move import Mover
+from fsi.meshes.planar.triangulate import gmsh_model
+from fsi.meshes.spatial.curved_tetrahedra import Sphere, curve_tets
+from fsi.meshes.spatial.gap_prisms import prisms
 from tests.meshes.spheres import CUBE, area, mesh, volume
 
 CENTRES, RADII = np.array([[-0.8, 0.1, 0.0], [0.9, -0.2, 0.3]]), np.array([0.8, 0.5])

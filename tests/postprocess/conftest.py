@@ -9,7 +9,7 @@ import pyvista as pv
 from numpy.typing import NDArray
 
 from fsi.errors import InputError
-from postprocess import opengl
+from fsi.postprocess.render import opengl
 
 RADIUS, HEIGHT, FAR = 1.0, 1.2, 6.0
 AROUND, OUTWARD = 24, 5

@@ -7,7 +7,7 @@ import pyvista as pv
 from numpy.typing import NDArray
 from scipy.spatial import Delaunay
 
-from meshes.lagrange import reference_nodes
+from fsi.meshes.cells.lagrange import reference_nodes
 
 CASE = """
 name = "ball"

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 import pyvista as pv
 
-from fsi.bodies import Configuration
-from meshes.cell import Channel
-from postprocess.tiles import tiled
-from postprocess.view import View, gap_between, narrowest_gap
+from fsi.bodies.configuration import Configuration
+from fsi.meshes.geometry.periodic import Channel
+from fsi.postprocess.render.tiles import tiled
+from fsi.postprocess.render.view import View, gap_between, narrowest_gap
 
 RISE = -0.3
 CHANNEL = Channel((0.0, 0.0), (1.0, 1.0))

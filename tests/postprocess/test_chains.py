@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fsi.case import parse_case
+from fsi.case.case import parse_case
 from fsi.errors import InputError
-from postprocess.chains import main, read_chains
+from fsi.postprocess.analysis.chains import main, read_chains
 
 HEADER = "step,t,body,x,y,angle,V_x,V_y,omega,F_x,F_y,T\n"
 # A chain from wall to wall (a, b, c), a pair (d, e) and a lone disc; V_y closes or opens gaps.

@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 from matplotlib.image import imread
 
 import fsi
-from fsi.bodies import Configuration
-from meshes.geometry import Box
-from postprocess.choice import Choice
-from postprocess.cut import Cut, flow_on, through_gap
-from postprocess.render import render_run
-from postprocess.view import View, gap_between
+from fsi.bodies.configuration import Configuration
+from fsi.meshes.geometry.containers import Box
+from fsi.postprocess.choice import Choice
+from fsi.postprocess.render.cut import Cut, flow_on, through_gap
+from fsi.postprocess.render.render import render_run
+from fsi.postprocess.render.view import View, gap_between
 from tests.postprocess.spatial_run import velocity, write_spatial_run
 
 BOX = Box((-9.0, -9.0, -9.0), (9.0, 9.0, 9.0))

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import fsi
-from fsi.case import parse_case
+from fsi.case.case import parse_case
 from fsi.errors import InputError
-from postprocess.histories import plot_runs, read_history
-from postprocess.settling import asymptotic_gap, exact_gap
+from fsi.postprocess.analysis.settling import asymptotic_gap, exact_gap
+from fsi.postprocess.plots.histories import plot_runs, read_history
 
 Fill = Callable[[list[float], list[float]], Path]
 BODY = {"name": "body", "radius": 0.5, "position": [0.0, 0.6], "force": [0.0, -3.0]}

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import pyvista as pv
 
-from fsi.bodies import Configuration
-from meshes.cell import Cell, Channel, Periodic
-from postprocess.tiles import images, tiled, window
+from fsi.bodies.configuration import Configuration
+from fsi.meshes.geometry.periodic import Cell, Channel, Periodic
+from fsi.postprocess.render.tiles import images, tiled, window
 
 SHEARED = Cell(((4.0, 0.0), (1.0, 3.0)), ((0.0, 0.8), (0.0, 0.0)))
 CHANNEL = Channel((-1.0, 0.0), (5.0, 3.0))
@@ -33,7 +33,7 @@ def test_copies_fill_the_window_without_overlap(container: Periodic, along: floa
     start = along * container.periods[0] / np.linalg.norm(container.periods[0])
     fluid, view = one_period(container, (start[0], start[1])), window(container)
     found = tiled(fluid, container, view)
-    copies = found.area / container.area
+    copies = found.area / container.volume
     assert copies == pytest.approx(round(copies), abs=1e-9)
     low, high = np.array(found.bounds[:4:2]), np.array(found.bounds[1:4:2])
     if isinstance(container, Cell):

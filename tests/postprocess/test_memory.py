@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from fsi.evolutions import load_evolving, run_evolving
-from fsi.gluey.limit_case import LimitCase
-from postprocess.memory import as_table, plot, read_memory
+from fsi.gluey.limit_study import LimitCase
+from fsi.postprocess.analysis.memory import as_table, plot, read_memory
 
 CASES = Path(__file__).parents[2] / "cases"
 

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 import fsi
 from fsi.errors import InputError
-from postprocess.choice import Choice
-from postprocess.network import NetworkArtist, wall_distances
-from postprocess.render import render_run
+from fsi.postprocess.choice import Choice
+from fsi.postprocess.render.network import NetworkArtist, wall_distances
+from fsi.postprocess.render.render import render_run
 
 GLUEY = """
 name = "pile"

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from PIL.GifImagePlugin import GifImageFile
 
 import fsi
-from fsi.bodies import Configuration
+from fsi.bodies.configuration import Configuration
 from fsi.errors import InputError
-from meshes.geometry import Box, HalfPlane
-from postprocess import opengl
-from postprocess.choice import Choice
-from postprocess.figure import round_length
-from postprocess.render import render_run
-from postprocess.view import Gap, View, around_bodies, narrowest_gap
+from fsi.meshes.geometry.containers import Box, HalfPlane
+from fsi.postprocess.choice import Choice
+from fsi.postprocess.render import opengl
+from fsi.postprocess.render.figure import round_length
+from fsi.postprocess.render.render import render_run
+from fsi.postprocess.render.view import Gap, View, around_bodies, narrowest_gap
 
 BODY = (0xF3, 0xEF, 0xE6)
 WALL = (0xC9, 0xC9, 0xC9)

@@ -8,8 +8,8 @@ import pyvista as pv
 
 import fsi
 from fsi.errors import InputError
-from meshes.lagrange import reference_nodes
-from postprocess.revolve import export_revolved, revolved
+from fsi.meshes.cells.lagrange import reference_nodes
+from fsi.postprocess.export.revolve import export_revolved, revolved
 
 
 def meridian() -> pv.UnstructuredGrid:

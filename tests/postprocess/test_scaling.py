@@ -8,7 +8,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from fsi.errors import InputError
-from postprocess.scaling import plot_scaling, write_scaling
+from fsi.postprocess.plots.scaling import plot_scaling, write_scaling
 
 CURVES = {"distance": [(1000, 0.025), (10000, 0.148), (100000, 1.068)], "linear": [(10, 1.0), (40, 4.0)]}
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from fsi.errors import InputError
 from fsi.lubrication.exact import settling_time
-from postprocess.settling import chosen_rows, main, read_settling
+from fsi.postprocess.analysis.settling import chosen_rows, main, read_settling
 
 Fill = Callable[[list[float], list[float]], Path]
 
@@ -87,7 +87,7 @@ def test_other_cases_are_refused_in_one_line(
 
 def test_missing_argument_shows_the_usage(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([]) == 2
-    assert "python -m postprocess.settling RUN" in capsys.readouterr().err
+    assert "python -m fsi.postprocess.analysis.settling RUN" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

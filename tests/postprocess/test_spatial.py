@@ -8,9 +8,9 @@ from matplotlib.image import imread
 
 import fsi
 from fsi.errors import InputError
-from postprocess.choice import Choice
-from postprocess.probe import on_plane, probe
-from postprocess.render import render_run
+from fsi.postprocess.choice import Choice
+from fsi.postprocess.render.render import render_run
+from fsi.postprocess.run.probe import on_plane, probe
 from tests.postprocess.spatial_run import write_spatial_run
 
 

@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fsi.case import parse_case
+from fsi.case.case import parse_case
 from fsi.errors import InputError
+from fsi.meshes.errors import MeshFileError
+from fsi.meshes.files.read import read_mesh
+from fsi.postprocess.export.step_mesh import write_step_mesh
+from fsi.postprocess.run.run import Run, open_run
 from fsi.run import run_case
 from fsi.stokes.model import StokesModel
-from meshes.errors import MeshFileError
-from meshes.read import read_mesh
-from postprocess.run import Run, open_run
-from postprocess.step_mesh import write_step_mesh
 from tests.flows import resting
 
 CASE = {

@@ -8,11 +8,11 @@ import meshio
 import numpy as np
 import pytest
 
-from fsi.case import parse_case
+from fsi.case.case import parse_case
+from fsi.postprocess.export.step_mesh import write_step_mesh
+from fsi.postprocess.run.run import open_run
 from fsi.run import run_case
 from fsi.stokes.model import StokesModel
-from postprocess.run import open_run
-from postprocess.step_mesh import write_step_mesh
 
 CASE = {
     "name": "a ball",

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fsi.case import Case, parse_case
-from postprocess.strain import accumulated_strain
+from fsi.case.case import Case, parse_case
+from fsi.postprocess.analysis.strain import accumulated_strain
 
 
 def sheared(**domain: object) -> Case:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from fsi.errors import InputError
-from postprocess.tables import read_table
+from fsi.postprocess.run.tables import read_table
 
 HEADER = "step,t,body,x,y,angle,V_x,V_y,omega,F_x,F_y,T"
 ROWS = [f"{step},{0.1 * step},{body},1,2,0,0,-1,0,0,-1,0" for step in range(3) for body in ("7", "low")]

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fsi.bodies import Array
-from fsi.case import Case
+from fsi.bodies.configuration import Array
+from fsi.case.case import Case
 from fsi.errors import InputError
 from fsi.models import make_model
 from tests.reduced_data import reduced_case

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from fsi.bodies import Array
+from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
 from fsi.lubrication.laws import CutLaw, LubricationLaw, leading_disc_law, slides_law
 from fsi.reduced.distance import backward_euler_step, first_integral_defect, first_integral_step
-from fsi.reduced.laws import GapLaws
+from fsi.reduced.gap_laws import GapLaws
 
 LAWS: dict[str, LubricationLaw] = {
     "slides": slides_law(1e-2),

@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fsi.bodies import Array
+from fsi.bodies.configuration import Array
+from fsi.integration.stepper import Step
 from fsi.models import make_model
+from fsi.reduced.distance_model import DistanceModel
 from fsi.reduced.identities import BOUND
-from fsi.reduced.inertial import DistanceModel
 from fsi.reduced.memory import Memory, merged
 from fsi.run import make_stepper
-from fsi.stepping import Step
 from tests.reduced_data import INERTIA, heap, reduced_case
 
 REFERENCE = json.loads((Path(__file__).parents[1] / "reference" / "gluey_1d.json").read_text())

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fsi.case.law_file import LawFile, TableSection, save_law
 from fsi.errors import InputError
-from fsi.law_file import LawFile, TableSection, save_law
 from fsi.models import make_model
 from tests.reduced_data import reduced_case
 

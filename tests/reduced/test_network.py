@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fsi.bodies import Configuration
+from fsi.bodies.configuration import Configuration
+from fsi.meshes.geometry.containers import Box
 from fsi.reduced.network import Network, make_network
 from fsi.reduced.pairs import Pairs, find_pairs
 from fsi.reduced.space import Space
-from meshes.geometry import Box
 
 
 def cluster(d: int, number: int, reach: float = 0.5) -> tuple[Configuration, Pairs]:

@@ -8,13 +8,13 @@ from itertools import product
 import numpy as np
 import pytest
 
-from fsi.bodies import Array, Configuration
+from fsi.bodies.configuration import Array, Configuration
+from fsi.meshes.geometry.containers import Box, Container, HalfPlane, Round
+from fsi.meshes.geometry.lattice import reduced
+from fsi.meshes.geometry.periodic import Channel
 from fsi.reduced.network import gradient
 from fsi.reduced.pairs import Pairs, find_pairs, of_keys, turning
 from fsi.reduced.space import Space
-from meshes.cell import Channel
-from meshes.geometry import Box, Container, HalfPlane, Round
-from meshes.lattice import reduced
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,21 +13,21 @@ import meshio
 import numpy as np
 import pytest
 
-from fsi.bodies import Configuration
-from fsi.case import Case
+from fsi.bodies.configuration import Configuration
+from fsi.case.case import Case
+from fsi.case.law_file import LawFile, TableSection, save_law
 from fsi.cli.main import main
 from fsi.cli.solve import solve
 from fsi.comparison import Comparison, History, compare
 from fsi.errors import InputError
-from fsi.law_file import LawFile, TableSection, save_law
 from fsi.lubrication.exact_laws import exact_law
 from fsi.models import make_model
-from fsi.pvd import read_collection
-from fsi.results import StepRecord
+from fsi.postprocess.export.step_mesh import write_step_mesh
+from fsi.postprocess.run.probe import probe
+from fsi.postprocess.run.run import open_run
 from fsi.run import resume_run, run_case
-from postprocess.probe import probe
-from postprocess.run import open_run
-from postprocess.step_mesh import write_step_mesh
+from fsi.run_folder.folder import StepRecord
+from fsi.run_folder.pvd import read_collection
 from tests.exact_model import DiscsBesidePlane
 from tests.reduced_data import INERTIA, heap, reduced_case
 from tests.small_run import contents, rows

@@ -9,22 +9,22 @@ import json
 from pathlib import Path
 from typing import Any
 
-import meshes.backend  # noqa: F401
+import fsi.meshes.backend  # noqa: F401
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.interpolate import CubicSpline
 
-from fsi.bodies import Array, Motion
-from fsi.case import parse_case
+from fsi.bodies.configuration import Array, Motion
+from fsi.case.case import parse_case
+from fsi.meshes.geometry.containers import Box, HalfPlane, Round
+from fsi.meshes.planar.sizing import Resolution
+from fsi.postprocess.run.run import open_run
 from fsi.run import run_case
+from fsi.stokes.fields.traction import traction
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solve import solve
-from fsi.stokes.surface import traction
-from meshes.geometry import Box, HalfPlane, Round
-from meshes.sizing import Resolution
-from postprocess.run import open_run
 from tests.flows import discs, free, mesh, resting, solved
 from tests.nested import nested_meshes
 

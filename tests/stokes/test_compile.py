@@ -8,9 +8,9 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 SCRIPT = """
 from pathlib import Path
-from fsi.stokes import compile
+from fsi.stokes.discretisation import compile
 import ufl
-from meshes.build import coordinate_element
+from fsi.meshes.build import coordinate_element
 
 compile.PATIENCE = 2
 omega = ufl.Mesh(coordinate_element(1))

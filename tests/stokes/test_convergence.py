@@ -1,6 +1,6 @@
 """Orders of convergence: a manufactured flow in L2 and H1, the reaction force, the traction integral."""
 
-import meshes.backend  # noqa: F401
+import fsi.meshes.backend  # noqa: F401
 
 import numpy as np
 import pytest
@@ -8,12 +8,12 @@ import ufl
 from dolfinx import fem
 from mpi4py import MPI
 
-from fsi.bodies import Array
-from fsi.stokes.boundary import Boundary
-from fsi.stokes.forms import velocity_element
+from fsi.bodies.configuration import Array
+from fsi.meshes.build import FluidMesh
+from fsi.meshes.planar.sizing import Resolution
+from fsi.stokes.discretisation.boundary import Boundary
+from fsi.stokes.discretisation.forms import velocity_element
 from fsi.stokes.solve import solve
-from meshes.build import FluidMesh
-from meshes.sizing import Resolution
 from tests.flows import BOX, SMALL_BOX, disc_over_plane, discs, held, resting
 from tests.nested import nested_meshes
 

@@ -8,18 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fsi.accuracy import ErrorEstimate, relative_change
-from fsi.case import Case, load_case, parse_case
-from fsi.drive import drive_of
+from fsi.case.case import Case, load_case, parse_case
 from fsi.errors import SolveError
 from fsi.lubrication import exact, spheres
+from fsi.meshes.files.write import write_mesh
 from fsi.models import make_model
-from fsi.results import StepRecord
+from fsi.observables.error_estimate import ErrorEstimate, relative_change
+from fsi.observables.flow_scales import drive_of
 from fsi.run import resume_run, run_case
+from fsi.run_folder.folder import StepRecord
+from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.error import ROUNDING, estimate_errors
 from fsi.stokes.model import StokesModel
-from fsi.stokes.refine import solve_with_errors
-from meshes.convert import write_mesh
 
 CASES = Path(__file__).parents[2] / "cases"
 
@@ -131,7 +131,7 @@ def test_a_tolerance_refines_until_it_is_reached() -> None:
 
 
 def test_a_tolerance_out_of_reach_says_what_was_reached(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("fsi.stokes.refine.MOST_UNKNOWNS", 5000)
+    monkeypatch.setattr("fsi.stokes.adapt.MOST_UNKNOWNS", 5000)
     case = load_case(CASES / "disc_in_box.toml", ["discretisation.degree=2", "discretisation.tolerance=1e-9"])
     with pytest.raises(SolveError, match=r"tolerance = 1e-09: the estimated error came down to .* unknowns"):
         solve_with_errors(case)
@@ -196,7 +196,7 @@ def test_a_run_refines_where_its_tolerance_asks_and_resumes_with_the_same_meshes
 def test_a_run_whose_tolerance_is_out_of_reach_keeps_its_last_good_state(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("fsi.stokes.refine.ROUNDS", 0)
+    monkeypatch.setattr("fsi.stokes.adapt.ROUNDS", 0)
     case = load_case(CASES / "settling_disc.toml", [*COARSE, "discretisation.tolerance=1e-4"])
     with pytest.raises(SolveError, match=r"discretisation.tolerance = .*: the estimated error came down to"):
         run_case(case, tmp_path / "run", make_model(case))

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fsi.case import parse_case
+from fsi.case.case import parse_case
+from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.model import StokesModel
-from fsi.stokes.refine import solve_with_errors
 from fsi.stokes.solution import StokesSolution
 
 

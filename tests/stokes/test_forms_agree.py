@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fsi.bodies import Configuration, Inertia, Motion
-from fsi.stokes.boundary import Boundary
+from fsi.bodies.configuration import Configuration, Inertia, Motion
+from fsi.meshes.geometry.containers import Box
+from fsi.meshes.planar.sizing import Resolution
+from fsi.stokes.discretisation.boundary import Boundary
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import solve
-from meshes.geometry import Box
-from meshes.sizing import Resolution
 from tests.flows import SMALL_BOX, at_rest, discs, free, held, mesh, resting, shear, solved
 
 COARSE = Resolution(0.7, 14, 0.5)

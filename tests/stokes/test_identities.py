@@ -5,13 +5,13 @@ import dataclasses
 import numpy as np
 import pytest
 
-from fsi.checks import BOUND
 from fsi.errors import SolveError
-from fsi.stokes.boundary import Boundary
+from fsi.meshes.planar.sizing import Resolution
+from fsi.observables.identities import BOUND
+from fsi.stokes.discretisation.boundary import Boundary
 from fsi.stokes.identities import require
 from fsi.stokes.solve import FORMULATIONS, solve
-from fsi.stokes.system import NodalSolution, System, solve_eliminated
-from meshes.sizing import Resolution
+from fsi.stokes.solvers.elimination import NodalSolution, System, solve_eliminated
 from tests.flows import BOX, at_rest, disc_over_plane, discs, free, held, mesh, resting, solved
 
 NAMES = {"power", "momentum", "angular_momentum", "balance", "net_flux", "residual"}

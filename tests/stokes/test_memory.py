@@ -14,8 +14,8 @@ from statistics import median
 import pytest
 
 from fsi import parallel
-from fsi.bodies import Configuration
-from fsi.case import parse_case
+from fsi.bodies.configuration import Configuration
+from fsi.case.case import parse_case
 from fsi.stokes.memory import keep_freed
 from fsi.stokes.model import StokesModel
 

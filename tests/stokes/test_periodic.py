@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fsi.bodies import Configuration
+from fsi.bodies.configuration import Configuration
+from fsi.meshes.geometry.periodic import Cell, Channel
+from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.solve import FORMULATIONS
-from meshes.cell import Cell, Channel
-from meshes.sizing import Resolution
 from tests.flows import discs, free, held
 from tests.periodic import LIGHT, THREE, couette, force_free, in_cell, in_channel, reference, square
 
@@ -164,7 +164,7 @@ def test_an_array_about_to_touch(gap: float) -> None:
     d = 2.0 + gap
     cell = Cell(((d, 0.0), (0.5 * d, 0.5 * np.sqrt(3.0) * d)), ((0.0, 1.0), (0.0, 0.0)))
     found = in_cell(cell, discs([(0.3, 0.2)], [1.0]), resolution=Resolution(1.0, 48, 0.2))
-    leading = 2.0 * (0.25 * np.sqrt(3.0) * d) ** 2 * 1.5 * np.pi * gap**-1.5 / cell.area
+    leading = 2.0 * (0.25 * np.sqrt(3.0) * d) ** 2 * 1.5 * np.pi * gap**-1.5 / cell.volume
     assert found.apparent_viscosity == pytest.approx(leading, rel=2.5 * gap)
     assert found.U[0, 2] == pytest.approx(-0.5, abs=1e-6)
 

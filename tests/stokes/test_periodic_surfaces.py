@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fsi.case import parse_case
+from fsi.case.case import parse_case
 from fsi.errors import InputError
+from fsi.meshes.geometry.periodic import Channel
+from fsi.meshes.planar.sizing import Resolution
+from fsi.stokes.fields.traction import places, traction
 from fsi.stokes.resistance import case_resistance, solve_resistance
-from fsi.stokes.surface import places, traction
-from meshes.cell import Channel
-from meshes.sizing import Resolution
 from tests.case_data import changed
 from tests.flows import discs, held, mesh
 from tests.periodic import in_cell, square

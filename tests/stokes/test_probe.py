@@ -9,11 +9,11 @@ import pytest
 from numpy.typing import NDArray
 
 import fsi
-from fsi.case import parse_case
+from fsi.case.case import parse_case
+from fsi.postprocess.run.probe import probe
+from fsi.postprocess.run.run import Run
 from fsi.run import run_case
 from fsi.stokes.model import StokesModel
-from postprocess.probe import probe
-from postprocess.run import Run
 
 A, R, OMEGA = 1.0, 2.5, 0.8
 

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from fsi.lubrication import exact
-from fsi.stokes.boundary import Boundary
-from meshes.geometry import Box
-from meshes.sizing import Resolution
+from fsi.meshes.geometry.containers import Box
+from fsi.meshes.planar.sizing import Resolution
+from fsi.stokes.discretisation.boundary import Boundary
 from tests.flows import BOX, HALF_PLANE, at_rest, disc_over_plane, discs, free, held, shear, solved
 
 REFERENCE = Path(__file__).parents[1] / "reference"

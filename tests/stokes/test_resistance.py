@@ -12,16 +12,16 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fsi.bodies import Array, Configuration
-from fsi.case import parse_case
+from fsi.bodies.configuration import Array, Configuration
+from fsi.case.case import parse_case
 from fsi.lubrication import exact
-from fsi.resistance import Resistance, difference
-from fsi.stokes.boundary import Boundary
+from fsi.meshes.build import FluidMesh
+from fsi.meshes.geometry.containers import Box, Container, Round
+from fsi.meshes.planar.sizing import Resolution
+from fsi.observables.resistance import Resistance, difference
+from fsi.stokes.discretisation.boundary import Boundary
 from fsi.stokes.resistance import case_resistance, resistance_with_error, solve_resistance
 from fsi.stokes.solve import solve
-from meshes.build import FluidMesh
-from meshes.geometry import Box, Container, Round
-from meshes.sizing import Resolution
 from tests.flows import (
     HALF_PLANE,
     SMALL_BOX,

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from fsi.case import load_case
+from fsi.case.case import load_case
+from fsi.postprocess.run.run import open_run
 from fsi.run import run_case
 from fsi.stokes.model import StokesModel
-from postprocess.run import open_run
 
 ROOT = Path(__file__).parents[2]
 SETTLING = json.loads((ROOT / "tests/reference/settling.json").read_text())

@@ -10,23 +10,23 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import meshes.backend  # noqa: F401
+import fsi.meshes.backend  # noqa: F401
 
 import numpy as np
 import pytest
 import pyvista as pv
 from numpy.testing import assert_allclose
 
-from fsi.bodies import Array
-from fsi.case import Case, parse_case
+from fsi.bodies.configuration import Array
+from fsi.case.case import Case, parse_case
 from fsi.errors import InputError
 from fsi.lubrication import sphere_beside_plane, spheres
+from fsi.postprocess.export.step_mesh import write_step_mesh
 from fsi.run import run_case
+from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.model import StokesModel
-from fsi.stokes.refine import solve_with_errors
 from fsi.stokes.resistance import case_resistance
 from fsi.stokes.solution import StokesSolution
-from postprocess.step_mesh import write_step_mesh
 
 MPIEXEC = Path(sys.executable).with_name("mpiexec")
 LIGHT = {"degree": 2, "cells_per_circle": 10, "cells_per_gap": 0.5, "growth": 0.8}
@@ -139,7 +139,7 @@ def test_solvers_and_forms_agree() -> None:
 
 def test_a_coarse_matrix_may_be_left_to_multigrid(monkeypatch: pytest.MonkeyPatch) -> None:
     factorised = solved(case(BOX, solver="iterative"))
-    monkeypatch.setattr("fsi.stokes.iterative.MOST_FACTORISED", 0)
+    monkeypatch.setattr("fsi.stokes.solvers.fgmres.MOST_FACTORISED", 0)
     multigrid = solved(case(BOX, solver="iterative"))
     assert_allclose(multigrid.F, factorised.F, atol=1e-9 * np.abs(factorised.F).max())
     assert multigrid.iterations < 1.5 * factorised.iterations
@@ -154,7 +154,7 @@ def test_iterations_do_not_grow_with_the_mesh() -> None:
 
 
 def test_a_stagnating_iteration_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("fsi.stokes.iterative.MOST_ITERATIONS", 5)
+    monkeypatch.setattr("fsi.stokes.solvers.fgmres.MOST_ITERATIONS", 5)
     with pytest.raises(Exception, match="iterative solver stagnates"):
         solved(case(BOX, solver="iterative"))
 

@@ -13,19 +13,19 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fsi.bodies import Configuration, Motion
-from fsi.stokes import workspace as kept
-from fsi.stokes.boundary import Boundary
-from fsi.stokes.linear import Factorisation
+from fsi.bodies.configuration import Configuration, Motion
+from fsi.meshes.build import FluidMesh, build
+from fsi.meshes.geometry.containers import Box, Container
+from fsi.meshes.geometry.lattice import Lattice
+from fsi.meshes.geometry.periodic import Channel
+from fsi.meshes.moving.move import Mover
+from fsi.meshes.planar.sizing import Resolution
+from fsi.stokes.discretisation.boundary import Boundary
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import solve
-from fsi.stokes.workspace import Workspace
-from meshes.build import FluidMesh, build
-from meshes.cell import Channel
-from meshes.geometry import Box, Container
-from meshes.lattice import Lattice
-from meshes.move import Mover
-from meshes.sizing import Resolution
+from fsi.stokes.solvers import workspace as kept
+from fsi.stokes.solvers.mumps import Factorisation
+from fsi.stokes.solvers.workspace import Workspace
 from tests.flows import at_rest, discs, free, held
 
 COARSE = Resolution(0.3, 16, 1.0)

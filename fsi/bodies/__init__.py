@@ -1,0 +1,1 @@
+"""Rigid bodies: where they are, how near to each other, what forces act between them."""

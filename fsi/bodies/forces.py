@@ -1,0 +1,87 @@
+"""External forces between bodies, and between bodies and walls, as laws of the gap; and gravity.
+
+    F_i = sum_j f(d_ij) n_ij + sum_walls f(d_iw) n_iw + m_i g
+
+d is the gap, n_ij the unit vector from body j to body i, n_iw the normal of the wall into the fluid, and
+f > 0 repels. The forces of a pair are opposite. None makes a torque, as each acts along the line of centres.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import pi
+
+import numpy as np
+
+from fsi.bodies.configuration import Array, Configuration
+from fsi.bodies.gaps import Gaps, find_gaps
+from fsi.case.force_laws import Force, Gravity, PairForce
+from fsi.meshes.geometry.containers import Container
+from fsi.normals import inward_normals
+
+
+def separations(q: Configuration, gaps: Gaps) -> Array:
+    """From body or image j to body i of the close pairs, the vectors that their gaps belong to, (P, d)."""
+    return q.centres[gaps.pairs[:, 0]] - q.centres[gaps.pairs[:, 1]] - gaps.away
+
+
+def external_forces(
+    forces: Sequence[Force], q: Configuration, container: Container, masses: Array, spheres: bool
+) -> Array:
+    """The sum of all forces on each body, shape (N, d).
+
+    Args:
+        forces: what acts.
+        q: where the bodies are; their gaps are positive.
+        container: what encloses the fluid.
+        masses: of the bodies, shape (N,).
+        spheres: whether bodies are spheres, on an axis or in space, or else discs.
+    """
+    total = np.zeros_like(q.centres)
+    volumes = 4.0 / 3.0 * pi * q.radii**3 if spheres else pi * q.radii**2
+    for force in forces:
+        if isinstance(force, Gravity):
+            heavy = masses if force.density_difference is None else force.density_difference * volumes
+            total += heavy[:, None] * np.array(force.acceleration)
+        else:
+            total += _between_bodies(force, q, container)
+    return total
+
+
+def moment_of_forces(forces: Sequence[Force], q: Configuration, container: Container) -> Array:
+    """What forces between bodies, and bodies and walls, carry across a distance: sum of r (x) F, (d, d).
+
+    r is the vector to the body on which F acts, from the centre of the other body or from the wall.
+    """
+    total = np.zeros((q.dimension, q.dimension))
+    for force in forces:
+        if not isinstance(force, Gravity):
+            gaps = find_gaps(q, container, force.reach)
+            total += np.einsum("pi,pj->ij", separations(q, gaps), _on_first(force, q, gaps))
+            away = (gaps.wall_gaps + q.radii[:, None])[:, :, None] * inward_normals(container, q.centres)
+            total += np.einsum("nwi,nwj->ij", away, _from_walls(force, q, gaps, container))
+    return total
+
+
+def _between_bodies(force: PairForce, q: Configuration, container: Container) -> Array:
+    """Forces of one law on each body, shape (N, d)."""
+    gaps = find_gaps(q, container, force.reach)
+    push, total = _on_first(force, q, gaps), _from_walls(force, q, gaps, container).sum(axis=1)
+    np.add.at(total, gaps.pairs[:, 0], push)
+    np.add.at(total, gaps.pairs[:, 1], -push)
+    return total
+
+
+def _on_first(force: PairForce, q: Configuration, gaps: Gaps) -> Array:
+    """Of each pair, the force on the first body, (P, d)."""
+    between = separations(q, gaps)
+    unit = between / np.linalg.norm(between, axis=1, keepdims=True)
+    push: Array = force.repulsion(gaps.pair_gaps)[:, None] * unit
+    return push
+
+
+def _from_walls(force: PairForce, q: Configuration, gaps: Gaps, container: Container) -> Array:
+    """The force of each wall on each body, (N, walls, d)."""
+    push = force.repulsion(gaps.wall_gaps) if force.walls else np.zeros_like(gaps.wall_gaps)
+    found: Array = push[:, :, None] * inward_normals(container, q.centres)
+    return found

@@ -1,0 +1,1 @@
+"""The case file: its sections as data, and how it is read."""

@@ -1,0 +1,72 @@
+"""Whether the motion of a case is determined: something must stop every rigid motion of all together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fsi.bodies.configuration import Array, rigid_motion
+from fsi.case.section import toml_text
+from fsi.errors import InputError
+from fsi.meshes.geometry.periodic import Cell
+
+if TYPE_CHECKING:
+    from fsi.case.case import Case
+
+
+def require_determined_at_rest(case: Case) -> None:
+    """Raise InputError where masses alone determine the motion: an instant is solved without them."""
+    if case.masses() is None or case.wall_velocity(0.0):
+        return
+    if _rank(case, _stopped_modes(case, inertia=False)) < case.modes.sum():
+        raise InputError(
+            "bodies.0.mass: one instant is solved without inertia, and only the masses determine this "
+            "motion; use `fsi run`, or give a wall a velocity or hold a body"
+        )
+
+
+def _rank(case: Case, stopped: Iterator[Array]) -> int:
+    forms = np.array(list(stopped)).reshape(-1, len(case.modes))[:, case.modes]
+    return int(np.linalg.matrix_rank(forms)) if forms.size else 0
+
+
+def check_determined(case: Case) -> None:
+    """Some wall, held component or mass must stop every rigid motion of fluid and bodies together."""
+    if case.wall_velocity(0.0):
+        return
+    if isinstance(case.container(), Cell):
+        _check_cell(case)
+        return
+    rank = _rank(case, _stopped_modes(case))
+    if rank < case.modes.sum():
+        free = (
+            "everything is free" if rank == 0 else "what is held leaves a rigid motion of all together free"
+        )
+        raise InputError(
+            f"domain.walls = {toml_text(case.domain.walls)}: no wall has a velocity and {free}, so the "
+            "motion is not determined; give a wall a velocity or hold a body"
+        )
+
+
+def _check_cell(case: Case) -> None:
+    """A cell without walls has bodies, and its mean flow alone fixes their common translation."""
+    if not case.bodies:
+        raise InputError(
+            f"domain.shape = {case.domain.shape!r}: a cell without bodies is not solved; add [[bodies]]"
+        )
+    for i, body in enumerate(case.bodies):
+        if body.mass is not None:
+            raise InputError(
+                f"bodies.{i}.mass = {body.mass!r}: in a cell without walls bodies have no inertia; drop it"
+            )
+
+
+def _stopped_modes(case: Case, inertia: bool = True) -> Iterator[Array]:
+    """The linear forms of a global rigid motion, (M,), that held or, with inertia, heavy components fix."""
+    for body in case.bodies:
+        of_body = rigid_motion(np.array(body.position))
+        for held, form in zip(body.motion, of_body, strict=True):
+            if held != "free" or (inertia and body.mass is not None):
+                yield form

@@ -1,0 +1,70 @@
+"""What the rows [[expected]] of a case must satisfy: bodies and components that it has, fitting results."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fsi.case.section import nearest_word, toml_text
+from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, Expected
+from fsi.case.walls import Shear
+from fsi.errors import InputError
+from fsi.validation.references import FITTING, Fitting
+
+if TYPE_CHECKING:
+    from fsi.case.case import Case
+
+# Of vectors and of what turns; in the plane a torque is a number and has none.
+_COMPONENTS = {"planar": ("xy", ""), "axisymmetric": ("z", ""), "spatial": ("xyz", "xyz")}
+
+
+def check_expected(case: Case) -> None:
+    """Raise InputError for the first row that the case cannot give.
+
+    For `fsi check` and `fsi validate`: whoever solves a case with a change, `--set bodies=[]`, needs no rows.
+    """
+    for i, row in enumerate(case.expected):
+        if "." in row.quantity and not row.quantity.startswith("time"):
+            _check_component(case, row, f"expected.{i}.quantity = {toml_text(row.quantity)}")
+        elif row.quantity == APPARENT_VISCOSITY and not len(case.container().periods):
+            raise InputError(
+                f"expected.{i}.quantity = {toml_text(row.quantity)}: is that of a periodic domain; drop it"
+            )
+        if row.exact is not None:
+            _check_exact(case, row, f"expected.{i}.exact = {toml_text(row.exact)}")
+
+
+def _check_component(case: Case, row: Expected, here: str) -> None:
+    body, kind, *axis = row.quantity.split(".")
+    if body not in case.names:
+        nearest = f"the nearest is {nearest_word(body, case.names)!r}" if case.names else "there are none"
+        raise InputError(f"{here}: there is no such body; {nearest}")
+    turning = kind in ("angular_velocity", "torque")
+    letters = _COMPONENTS[case.geometry][turning]
+    if case.axisymmetric and turning:
+        raise InputError(f"{here}: a sphere on the axis does not turn; drop it")
+    if "".join(axis) not in (letters or ("",)) or bool(axis) != bool(letters):
+        choices = ", ".join(f"{body}.{kind}.{letter}" for letter in letters) or f"{body}.{kind}"
+        raise InputError(f'{here}: geometry = "{case.geometry}" has no such component; give {choices}')
+
+
+def _check_exact(case: Case, row: Expected, here: str) -> None:
+    fitting: Fitting = FITTING[row.exact or ""]
+    if (case.geometry, case.domain.shape, len(case.bodies)) != (
+        fitting.geometry, fitting.shape, fitting.bodies,
+    ):  # fmt: skip
+        raise InputError(
+            f'{here}: is for geometry = "{fitting.geometry}", domain.shape = "{fitting.shape}" and '
+            f"{fitting.bodies} of [[bodies]]; give such a case, or a value"
+        )
+    if fitting.quantities != _kind(row.quantity):
+        raise InputError(f"{here}: gives a {fitting.quantities}, not {row.quantity}; change the quantity")
+    if row.exact == "disc_in_shear" and not isinstance(case.domain.walls["far"], Shear):
+        raise InputError(f"{here}: needs a shear flow; give domain.walls.far = {{ shear = 1.0 }}")
+
+
+def _kind(quantity: str) -> str:
+    """`force`, `velocity` or `time`, a torque being a force here and a rotation a velocity."""
+    if "." not in quantity or quantity.startswith("time"):
+        return "dissipation" if quantity == DISSIPATION else quantity.split()[0]
+    kind = quantity.split(".")[1]
+    return {"torque": "force", "angular_velocity": "velocity"}.get(kind, kind)

@@ -1,0 +1,212 @@
+"""What a case must satisfy beyond the types of its keys: names, room, loads, a motion that is determined.
+
+All checks concern the start; what happens later is the stepper's to watch.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fsi.bodies.gaps import find_gaps
+from fsi.case.checks.determined import check_determined
+from fsi.case.checks.flux import check_flux
+from fsi.case.checks.reduced import check_reduced
+from fsi.case.domain import BoxDomain
+from fsi.case.force_laws import Gravity, PairForce, Tabulated
+from fsi.case.section import toml_text
+from fsi.case.series import Component, is_zero
+from fsi.case.walls import Shear
+from fsi.errors import InputError
+from fsi.meshes.geometry.containers import Container, boundary_names
+from fsi.meshes.geometry.periodic import Cell, Channel
+
+if TYPE_CHECKING:
+    from fsi.case.case import Case
+
+# A gap is touching when it is no larger than what rounding makes of coordinates of this size.
+_ROUNDING = 8.0 * float(np.finfo(float).eps)
+# Times the size of a periodic domain: a body so far away has its image to nine digits.
+_FARTHEST = 1e6
+_TAKEN = {"fluid": "fluid", "outside": "space outside the domain"}
+
+
+def check_case(case: Case) -> None:
+    """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
+    _check_names(case)
+    if case.axisymmetric:
+        _check_axis(case)
+    _check_discretisation(case)
+    _check_room(case)
+    _check_loads(case)
+    _check_inertia(case)
+    _check_forces(case)
+    check_flux(case)
+    check_determined(case)
+    _check_files(case)
+    _check_time(case)
+    if case.model == "reduced":
+        check_reduced(case)
+
+
+def _check_names(case: Case) -> None:
+    walls = boundary_names(case.container())
+    first: dict[str, int] = {}
+    for i, name in enumerate(case.names):
+        here = f"bodies.{i}.name = {toml_text(name)}"
+        if first.setdefault(name, i) != i:
+            raise InputError(f"{here}: bodies.{first[name]} has the same name; give each body its own")
+        if name in walls:
+            raise InputError(f"{here}: a wall has this name; give the body another one")
+        if name in _TAKEN:
+            raise InputError(f"{here}: meshes and `fsi probe` call the {_TAKEN[name]} so; give another one")
+
+
+def _check_discretisation(case: Case) -> None:
+    """The iterative solver is for the eliminated form in space, a sparse interior for the plane."""
+    given = case.discretisation
+    if given.interior == "sparse" and case.dimension == 3:
+        raise InputError('discretisation.interior = "sparse": is for the plane; drop it or give "graded"')
+    if given.solver == "iterative" and (case.dimension == 2 or given.formulation == "multiplier"):
+        raise InputError(
+            'discretisation.solver = "iterative": is for geometry = "spatial" and formulation = '
+            '"eliminated"; drop it or give "direct"'
+        )
+
+
+def _check_room(case: Case) -> None:
+    """No body touches a wall or another body."""
+    q, container = case.configuration(), case.container()
+    touching = _ROUNDING * container.size()
+    wall_gaps = container.distances(q.centres) - q.radii[:, None]
+    for i, w in np.argwhere(wall_gaps <= touching)[:1]:
+        raise InputError(
+            f"bodies.{i}.position = {toml_text(case.bodies[i].position)}: body {case.names[i]!r} touches or "
+            f"crosses wall {container.walls[w]!r} (gap {wall_gaps[i, w]:.6g}); move or shrink it"
+        )
+    _check_near(case, container)
+    gaps = find_gaps(q, container, reach=touching)
+    for (i, j), gap in zip(gaps.pairs[:1], gaps.pair_gaps[:1], strict=True):
+        other = repr(case.names[j]) if i != j else "its image"
+        raise InputError(
+            f"bodies.{j}.position = {toml_text(case.bodies[j].position)}: bodies {case.names[i]!r} and "
+            f"{other} overlap or touch (gap {gap:.6g}); move them apart"
+        )
+
+
+def _check_near(case: Case, container: Container) -> None:
+    """Bodies of a periodic domain are given by images so near that rounding leaves their gaps alone."""
+    farthest = _FARTHEST * container.size() if len(container.periods) else np.inf
+    for i, body in enumerate(case.bodies):
+        if np.linalg.norm(body.position) > farthest:
+            raise InputError(
+                f"bodies.{i}.position = {toml_text(body.position)}: rounding hides where its image in "
+                "the periodic domain lies; give the position of an image near the origin"
+            )
+
+
+def _check_axis(case: Case) -> None:
+    """Spheres and walls respect the axis: nothing pushes or moves them off it."""
+    if isinstance(case.domain, BoxDomain) and case.domain.lower[0] != 0.0:
+        raise InputError(
+            f"domain.lower = {toml_text(case.domain.lower)}: an axisymmetric domain begins on the axis;"
+            " give [0.0, z]"
+        )
+    for i, body in enumerate(case.bodies):
+        off_axis = {
+            "position": body.position if body.position[0] != 0.0 else None,
+            "velocity": body.velocity if not _nothing(body.velocity[0]) else None,
+            "angular_velocity": body.angular_velocity if not _nothing(body.motion[2]) else None,
+            "force": body.force if not _nothing(body.force[0]) else None,
+            "torque": body.torque if not _nothing(body.loads[2]) else None,
+            "moment_of_inertia": body.moment_of_inertia,
+        }
+        for key, value in off_axis.items():
+            if value is not None:
+                raise InputError(
+                    f"bodies.{i}.{key} = {toml_text(value)}: a sphere on the axis moves only along z;"
+                    " give [0.0, z] for pairs and drop what turns it"
+                )
+    for name, wall in case.domain.walls.items():
+        if isinstance(wall, Shear) or (name != "right" and isinstance(wall, tuple) and not is_zero(wall[0])):
+            raise InputError(
+                f"domain.walls.{name} = {toml_text(wall)}: is not symmetric about the axis; give [0.0, u_z]"
+            )
+
+
+def _nothing(component: Component) -> bool:
+    """Free, or at rest."""
+    return component == "free" or is_zero(component)
+
+
+def _check_loads(case: Case) -> None:
+    for i, body in enumerate(case.bodies):
+        for held, load, key in zip(body.motion, body.loads, body.keys, strict=True):
+            if held != "free" and not is_zero(load):
+                raise InputError(
+                    f"bodies.{i}.{key} = {toml_text(load)}: body {body.name!r} holds this component, "
+                    'so its load is a result; drop the load or make the velocity "free"'
+                )
+
+
+def _check_inertia(case: Case) -> None:
+    for i, body in enumerate(case.bodies):
+        if not case.axisymmetric and (body.mass is None) != (body.moment_of_inertia is None):
+            given, other = ("mass", "moment_of_inertia")[:: 1 if body.mass is not None else -1]
+            raise InputError(
+                f"bodies.{i}.{given} = {getattr(body, given)!r}: without {other}; give both or neither "
+                "(a uniform disc has moment_of_inertia = mass radius^2 / 2, a sphere 2/5 of it)"
+            )
+
+
+def _check_forces(case: Case) -> None:
+    """Gravity has the dimension of the case and something to act on; nothing pulls a body onto the axis."""
+    for k, force in enumerate(case.forces):
+        if not isinstance(force, Gravity):
+            _check_reach(force, k, case.container())
+            continue
+        here = f"forces.{k}.acceleration = {toml_text(force.acceleration)}"
+        if len(force.acceleration) != case.dimension:
+            raise InputError(f"{here}: has {len(force.acceleration)} components; give {case.dimension}")
+        if case.axisymmetric and force.acceleration[0] != 0.0:
+            raise InputError(f"{here}: is not along the axis; give [0.0, g_z]")
+        if force.density_difference is None and all(body.mass is None for body in case.bodies):
+            raise InputError(f"{here}: no body has a mass; give density_difference, or bodies a mass")
+
+
+def _check_reach(force: PairForce, k: int, container: Container) -> None:
+    """A law of the gap ends before `find_gaps` does, which looks no farther than a periodic domain is large.
+
+    The longer diagonal of a cell of the area A is at least sqrt(2 A) at all times.
+    """
+    match container:
+        case Channel():
+            farthest = container.size()
+        case Cell():
+            farthest = float(np.sqrt(2.0 * container.volume))
+        case _:
+            return
+    if force.reach > farthest:
+        key = "gaps" if isinstance(force, Tabulated) else "cutoff"
+        raise InputError(
+            f"forces.{k}.{key} = {toml_text(getattr(force, key))}: reaches farther than the periodic domain "
+            f"is large; end it at a gap of {farthest:.6g} or less"
+        )
+
+
+def _check_files(case: Case) -> None:
+    mesh = case.domain.mesh
+    if mesh is not None and not Path(mesh).is_file():
+        raise InputError(f"domain.mesh = {toml_text(mesh)}: no such file; give the path of a mesh file")
+
+
+def _check_time(case: Case) -> None:
+    if case.time is None:
+        return
+    end, smallest = case.time.end, case.time.smallest_step
+    if not case.bodies:
+        raise InputError(f"time.end = {end!r}: there are no bodies to move; add [[bodies]] or drop [time]")
+    if smallest >= end:
+        raise InputError(f"time.smallest_step = {smallest!r}: not below time.end = {end!r}; make it smaller")

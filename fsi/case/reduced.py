@@ -1,0 +1,43 @@
+"""The section [reduced] of a case file."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from fsi.case.section import Section
+
+
+class Reduced(Section):
+    """The reduced model: which laws, which drag, how the motion is stepped."""
+
+    law: str = Field(
+        default="exact",
+        min_length=1,
+        description='the law of the gaps: "slides", "leading", "exact" or the path of a law file',
+    )
+    wall_law: str | None = Field(
+        default=None,
+        min_length=1,
+        description="the law of the gaps to walls, as `law`; the same if not given",
+    )
+    drag: float | None = Field(
+        default=None,
+        ge=0.0,
+        description="the drag of a lone disc over mu V, of a sphere over mu a V (6 pi if not given), >= 0",
+    )
+    cutoff: float | None = Field(
+        default=None,
+        gt=0.0,
+        description="the gap beyond which bodies do not feel each other, a length > 0, or none",
+    )
+    extrapolate: bool = Field(
+        default=False, description="true to use a law file outside the range of its gaps, false to stop there"
+    )
+    scheme: Literal["adaptive", "distance", "backward-euler"] = Field(
+        default="adaptive", description='"adaptive", "distance" or "backward-euler"'
+    )
+    step: float | None = Field(
+        default=None, gt=0.0, description='the time step of "distance" and "backward-euler", a number > 0'
+    )

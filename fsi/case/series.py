@@ -1,0 +1,88 @@
+"""Numbers that may depend on time: a constant, or a table with linear interpolation."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Discriminator, Field, Tag, field_validator, model_validator
+
+from fsi.case.section import Section
+
+
+class Table(Section):
+    """Values at given times, linear between them, constant before the first and after the last."""
+
+    times: tuple[float, ...] = Field(min_length=1, description="the times of the table, increasing")
+    values: tuple[float, ...] = Field(description="one value for each time of the table")
+
+    @field_validator("times")
+    @classmethod
+    def _increasing(cls, times: tuple[float, ...]) -> tuple[float, ...]:
+        for before, after in itertools.pairwise(times):
+            if not before < after:
+                raise ValueError(f"must increase, but {after!r} follows {before!r}")
+        return times
+
+    @model_validator(mode="after")
+    def _paired(self) -> Table:
+        if len(self.times) != len(self.values):
+            raise ValueError(f"has {len(self.times)} times but {len(self.values)} values")
+        return self
+
+
+def _series_kind(value: Any) -> str:
+    return "<table>" if isinstance(value, dict | Table) else "<number>"
+
+
+def _component_kind(value: Any) -> str:
+    return "<word>" if isinstance(value, str) else _series_kind(value)
+
+
+Series = Annotated[
+    Annotated[float, Tag("<number>")] | Annotated[Table, Tag("<table>")],
+    Discriminator(_series_kind),
+]
+Component = Annotated[
+    Annotated[Literal["free"], Tag("<word>")]
+    | Annotated[float, Tag("<number>")]
+    | Annotated[Table, Tag("<table>")],
+    Discriminator(_component_kind),
+]
+
+
+def _turning_kind(value: Any) -> str:
+    return "<vector>" if isinstance(value, list | tuple) else "<scalar>"
+
+
+# What turns a body: a scalar in the plane, a vector in space.
+Angle = Annotated[
+    Annotated[float, Tag("<scalar>")] | Annotated[tuple[float, ...], Tag("<vector>")],
+    Discriminator(_turning_kind),
+]
+Torque = Annotated[
+    Annotated[Series, Tag("<scalar>")] | Annotated[tuple[Series, ...], Tag("<vector>")],
+    Discriminator(_turning_kind),
+]
+Spin = Annotated[
+    Annotated[Component, Tag("<scalar>")] | Annotated[tuple[Component, ...], Tag("<vector>")],
+    Discriminator(_turning_kind),
+]
+
+
+def value_at(series: float | Table, t: float) -> float:
+    """The value at time t."""
+    if isinstance(series, Table):
+        return float(np.interp(t, series.times, series.values))
+    return series
+
+
+def kinks(series: float | Table | str) -> tuple[float, ...]:
+    """The times at which the value has a kink; none for a constant."""
+    return series.times if isinstance(series, Table) else ()
+
+
+def is_zero(series: float | Table) -> bool:
+    """True when the value is zero at all times."""
+    return not any(series.values) if isinstance(series, Table) else series == 0.0

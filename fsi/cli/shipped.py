@@ -1,0 +1,28 @@
+"""The cases that come with the program: in an installed package or in a checkout, they are the same."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+from fsi.errors import InputError
+
+_CASES = Path(__file__).parents[1] / "cases"
+
+
+def shipped_cases() -> Path:
+    """The folder of the cases. Raises InputError."""
+    if (_CASES / "validation").is_dir():
+        return _CASES
+    raise InputError(f"{_CASES.parent}: the program has come without its cases; install it anew")
+
+
+def write_cases(folder: Path) -> int:
+    """Copy them into a new folder; gives the number of case files. Raises InputError."""
+    if folder.exists():
+        raise InputError(f"folder = {folder}: is there already; give the name of a new one")
+    try:
+        shutil.copytree(shipped_cases(), folder)
+    except OSError as error:
+        raise InputError(f"folder = {folder}: {error.strerror}; give a folder that can be written") from None
+    return len(list(folder.rglob("*.toml")))

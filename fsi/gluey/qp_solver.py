@@ -1,0 +1,199 @@
+"""`min 1/2 |u - u*|_M^2  s.t.  b + J u >= 0`: the velocity nearest to u* that lets no gap become negative.
+
+Its dual, over the set K of impulses p that are allowed (p >= 0; `fsi.gluey.contact_response` adds friction
+and films), is
+
+    min_{p in K}  1/2 p.W p + c.p,      W = J M^-1 J^T + diag(compliance),   c = b + J u*,      u = u* +
+    M^-1 J^T p.
+
+It is solved by the projected gradient with momentum, which begins anew whenever it points uphill:
+Y. Nesterov, Dokl. Akad. Nauk SSSR 269 (1983) 543; B. O'Donoghue & E. Candes, Found. Comput. Math. 15 (2015)
+715, for rows scaled to the unit diagonal. That is quick where few bodies touch. In a crowd, where
+information must travel through all of it, Newton's method (`fsi.gluey.augmented_lagrangian`) goes on; where
+there are only gaps an interior point method (`fsi.gluey.interior`) brings it near to what touches first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.linalg import LinearOperator, eigsh
+
+from fsi.bodies.configuration import Array
+from fsi.gluey.augmented_lagrangian import minimise
+from fsi.gluey.contact_response import Contact
+from fsi.gluey.interior import approach
+from fsi.gluey.quadratic_program import Impulses, Program
+
+# How often the gradient's residual is looked at, and how many iterations may be spent: it is given up as soon
+# as its mean rate so far asks for more.
+CHECK_EVERY, JUDGE_EVERY, MOST_ITERATIONS = 10, 250, 5000
+# Of the residual after JUDGE_EVERY iterations: gaps that open faster are left out of the following ones,
+# which so cost half. They are looked at again in the end, at most so often.
+NEAR, LOOKS = 10.0, 4
+
+
+def project(program: Program, p: Array, contact: Contact, tolerance: float) -> Impulses:
+    """Solve the dual.
+
+    Args:
+        program: its rows are those of `contact`.
+        p: where to begin, (rows,).
+        contact: which impulses are allowed, and compliances.
+        tolerance: of `kkt`, a velocity.
+
+    Returns:
+        the solution; its `kkt`, the largest natural residual `|p - P_K(p - (W p + c) / W_ii)| W_ii`, a rate
+        of a gap, may exceed the tolerance, which is the caller's to judge.
+    """
+    dual = _Dual.of(program, contact)
+    if contact.only_gaps:
+        p, iterations = _of_gaps(dual, program, p, tolerance)
+    else:
+        reached = _by_gradient(dual, _Reached(p), tolerance, MOST_ITERATIONS)
+        p, iterations = reached.p, reached.iterations
+    u = program.velocity(p)
+    kkt = contact.residual(program.rate(u), p, program.weight)
+    if kkt <= tolerance:
+        return Impulses(p, u, kkt, iterations, 0)
+    if contact.only_gaps:
+        p = approach(program, p)
+    return replace(minimise(program, p, contact, tolerance), iterations=iterations)
+
+
+def _of_gaps(dual: _Dual, program: Program, p: Array, tolerance: float) -> tuple[Array, int]:
+    """The gradient's impulses, and its iterations, most of them without rows that stay open."""
+    weight = program.weight
+    reached = _by_gradient(dual, _Reached(p), tolerance, JUDGE_EVERY)
+    p = reached.p
+    for _ in range(LOOKS):
+        r = program.rate(program.velocity(p))
+        kkt = dual.contact.residual(r, p, weight)
+        if kkt <= tolerance:
+            break
+        near = np.flatnonzero((p > 0.0) | (r < NEAR * kkt))
+        begin = replace(reached, p=p[near])
+        reached = _by_gradient(dual.of_gaps(near), begin, tolerance, MOST_ITERATIONS)
+        p = np.zeros(len(p))
+        p[near] = reached.p
+        if reached.residual > tolerance:
+            break
+    return p, reached.iterations
+
+
+@dataclass(frozen=True, slots=True)
+class _Reached:
+    """Impulses p, after how many iterations since the first, the first residual, and the best since then."""
+
+    p: Array
+    iterations: int = 0
+    first: float = np.inf
+    residual: float = np.inf
+
+
+@dataclass(frozen=True, slots=True)
+class _Dual:
+    """The dual in `z = p / scale`, in which a step of length 1 against the gradient is stable.
+
+    B, Bt: `W = B Bt + diag(own)`, own being None without compliance; c, scale: (rows,); step: that length in
+    z of rows with unit diagonal; contact: which impulses are allowed.
+    """
+
+    B: sp.csr_matrix
+    Bt: sp.csr_matrix
+    own: Array | None
+    c: Array
+    scale: Array
+    step: float
+    contact: Contact
+
+    @classmethod
+    def of(cls, program: Program, contact: Contact) -> _Dual:
+        """Rows scaled to the unit diagonal, then by the largest eigenvalue."""
+        J, compliance = program.J, contact.compliance
+        s = 1.0 / np.sqrt(program.weight + compliance)
+        moved = np.unique(J.indices)  # what no row moves costs time
+        B = sp.csr_matrix(sp.diags(s) @ J[:, moved] @ sp.diags(1.0 / np.sqrt(program.mass[moved])))
+        own = s * s * compliance if compliance.any() else None
+        zero = np.zeros(len(s))
+        step = 1.0 / _largest(cls(B, B.T.tocsr(), own, zero, s, 1.0, contact).gradient, len(s))
+        B *= np.sqrt(step)
+        s *= np.sqrt(step)
+        c = s * program.rate(program.u_star)
+        return cls(B, B.T.tocsr(), None if own is None else step * own, c, s, step, contact)
+
+    def of_gaps(self, chosen: NDArray[np.intp]) -> _Dual:
+        """That of these rows, gaps all of them; fewer rows have no larger an eigenvalue."""
+        B = self.B[chosen]
+        contact = Contact.of_gaps(len(chosen))
+        return _Dual(B, B.T.tocsr(), None, self.c[chosen], self.scale[chosen], self.step, contact)
+
+    def gradient(self, z: Array) -> Array:
+        """`W z + c`."""
+        g: Array = self.B @ (self.Bt @ z)
+        g += self.c
+        if self.own is not None:
+            g += self.own * z
+        return g
+
+    def onto(self, z: Array) -> Array:
+        """The projection onto the impulses that are allowed; z may be overwritten."""
+        least = self.contact.least
+        if len(least) == len(z):
+            return np.maximum(z, least / self.scale if least.any() else 0.0, out=z)
+        return self.contact.onto(self.scale * z) / self.scale
+
+    def residual(self, z: Array) -> float:
+        """The largest natural residual, a rate."""
+        misses = np.abs(z - self.onto(z - self.gradient(z) / self.step))
+        return float((misses * (self.step / self.scale)).max(initial=0.0))
+
+
+def _by_gradient(dual: _Dual, begin: _Reached, tolerance: float, most: int) -> _Reached:
+    """Goes on until the residual is tolerated or falls too slowly, to `most` iterations since the first.
+
+    With many bodies most of the time goes into reading and writing vectors, so they are overwritten.
+    """
+    z = dual.onto(begin.p / dual.scale)
+    y, theta = z.copy(), 1.0
+    best, first = np.inf, begin.first
+    for iteration in range(begin.iterations, most):
+        if iteration % CHECK_EVERY == 0:
+            best = min(best, dual.residual(z))
+            first = best if iteration == 0 else first
+            judged = iteration > begin.iterations and iteration % JUDGE_EVERY == 0
+            if best <= tolerance or (judged and _in_vain(iteration, first, best, tolerance)):
+                return _Reached(dual.scale * z, iteration, first, best)
+        new = dual.gradient(y)
+        new = dual.onto(np.subtract(y, new, out=new))
+        moves = np.subtract(new, z, out=z)
+        y -= new
+        if y @ moves > 0.0:
+            theta, y[:] = 1.0, new
+        else:
+            following = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * theta * theta))
+            moves *= (theta - 1.0) / following
+            moves += new
+            theta, y = following, moves
+        z = new
+    return _Reached(dual.scale * z, most, first, best)
+
+
+def _in_vain(iteration: int, first: float, best: float, tolerance: float) -> bool:
+    """True if the mean rate from the first residual to the best asks for more than MOST_ITERATIONS."""
+    if tolerance == 0.0:
+        return True
+    return bool(MOST_ITERATIONS * np.log(best / first) > iteration * np.log(tolerance / first))
+
+
+def _largest(W: Callable[[Array], Array], rows: int) -> float:
+    """An upper bound of the largest eigenvalue of W, by Lanczos with a margin for its tolerance."""
+    if rows < 3:
+        return float(np.linalg.norm(np.column_stack([W(e) for e in np.eye(rows)]), 2)) if rows else 1.0
+    operator = LinearOperator((rows, rows), matvec=W, dtype=float)
+    start = np.cos(np.arange(rows, dtype=float))  # any vector that is not special, the same in every run
+    return 1.05 * float(eigsh(operator, k=1, which="LA", tol=1e-2, v0=start, return_eigenvectors=False)[0])

@@ -1,0 +1,112 @@
+"""The gap limiter: what fraction of the gaps, of bodies and walls, a displacement closes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsi.bodies.configuration import Array, Configuration
+from fsi.bodies.gaps import Gaps, find_gaps
+from fsi.meshes.geometry.containers import Container
+
+# What is predicted from the present velocity aims below the limit, so that the stages, whose
+# velocities differ a little, seldom exceed it; with the stretch of Schedule.landing it stays below 1.
+SAFETY = 0.9
+
+
+@dataclass(frozen=True, slots=True)
+class Approach:
+    """The gap that closes most, relative to itself.
+
+    loss: fraction of the gap lost on the way, 1 or more for contact, negative when it opens;
+    gap: its value before; between: the two sides, as positions in the bodies followed by the walls.
+    """
+
+    loss: float
+    gap: float
+    between: tuple[int, int]
+
+
+class GapRefusedError(Exception):
+    """A displacement closes a gap by more than the limit: the step is tried again, shorter."""
+
+    def __init__(self, approach: Approach) -> None:
+        super().__init__(approach)
+        self.approach = approach
+
+
+def _closest_pass(q: Configuration, displacement: Array, gaps: Gaps, away_moves: Array) -> Array:
+    """Smallest gap of the pairs on the straight way, shape (P,): none can jump through another.
+
+    away_moves: how much further the images of a sheared cell come, (P, d).
+    """
+    i, j = gaps.pairs.T
+    separation = q.centres.take(i, axis=0) - q.centres.take(j, axis=0) - gaps.away
+    change = displacement.take(i, axis=0) - displacement.take(j, axis=0) - away_moves
+    length2 = np.einsum("pk,pk->p", change, change)
+    nearest = -np.einsum("pk,pk->p", separation, change) / np.where(length2 > 0.0, length2, 1.0)
+    passed = separation + np.clip(nearest, 0.0, 1.0)[:, None] * change
+    closest: Array = np.sqrt(np.einsum("pk,pk->p", passed, passed)) - q.radii[i] - q.radii[j]
+    return closest
+
+
+def _losing(gaps: Gaps, displacement: Array, away_moves: Array, loss: float) -> NDArray[np.intp]:
+    """The pairs that would lose `loss` if they moved straight towards each other; all if none would."""
+    way, (i, j) = np.linalg.norm(displacement, axis=1), gaps.pairs.T
+    images = np.linalg.norm(away_moves, axis=1)
+    would = np.flatnonzero(way[i] + way[j] + images >= loss * gaps.pair_gaps)
+    return would if len(would) else np.arange(len(gaps.pairs))
+
+
+def greatest_approach(
+    q: Configuration, container: Container, displacement: Array, gap_loss: float, duration: float = 0.0
+) -> Approach:
+    """The gap that loses most of itself when the bodies move straight by `displacement` (N, d or M).
+
+    The container is that at the beginning; in `duration` its images move too.
+
+    Whatever can lose more than `gap_loss` counts, however far apart, and of the neighbours those that can
+    lose half of it, or all if none can. Containers are convex, so that the gap to a wall is smallest at an
+    end of the way.
+    """
+    displacement = displacement[:, : q.dimension]
+    fastest = float(np.linalg.norm(displacement, axis=1).max())
+    reach = max(2.0 * float(q.radii.max()), 2.0 * fastest / gap_loss)
+    gaps = find_gaps(q, container, reach)
+    away_moves = container.carried(gaps.away, duration) - gaps.away
+    losing = _losing(gaps, displacement, away_moves, 0.5 * gap_loss)
+    gaps, away_moves = gaps.of(losing), away_moves.take(losing, axis=0)
+    wall_left = container.distances(q.centres + displacement) - q.radii[:, None]
+    before = np.concatenate([gaps.pair_gaps, gaps.wall_gaps.ravel()])
+    left = np.concatenate([_closest_pass(q, displacement, gaps, away_moves), wall_left.ravel()])
+    loss = 1.0 - left / before
+    if len(loss) == 0:
+        return Approach(-np.inf, np.inf, (0, 0))
+    worst = int(np.argmax(loss))
+    return Approach(float(loss[worst]), float(before[worst]), _sides(worst, gaps.pairs, gaps.wall_gaps.shape))
+
+
+def _sides(index: int, pairs: NDArray[np.intp], bodies_walls: tuple[int, ...]) -> tuple[int, int]:
+    """The two sides of an entry of the list of all pairs followed by all (body, wall), row by row."""
+    if index < len(pairs):
+        return int(pairs[index, 0]), int(pairs[index, 1])
+    bodies, walls = bodies_walls
+    body, wall = divmod(index - len(pairs), walls)
+    return body, bodies + wall
+
+
+def limited_step(
+    q: Configuration, container: Container, velocity: Array, h: float, gap_loss: float
+) -> tuple[float, Approach]:
+    """The longest step up to h in which the present velocity (N, M) closes no gap by more than `gap_loss`.
+
+    Returns:
+        the step, and the gap that limits it (that closes most, if none does).
+    """
+    approach = greatest_approach(q, container, h * velocity, gap_loss, h)
+    while approach.loss > gap_loss:
+        h *= SAFETY * gap_loss / approach.loss
+        approach = greatest_approach(q, container, h * velocity, gap_loss, h)
+    return h, approach

@@ -1,0 +1,264 @@
+"""Motion of the bodies in time: step size by the error and by the gaps, landing on the times that matter.
+
+Two seams: a `Model` gives the velocities of the bodies at one instant (`fsi.stokes.model` resolves
+the flow; a reduced model satisfies the same protocol) and a `Scheme` (`fsi.integration.schemes`) makes one
+step.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsi.bodies.configuration import Array, Configuration, Inertia
+from fsi.bodies.gaps import find_gaps, pair_gaps
+from fsi.errors import SolveError
+from fsi.integration.gap_limiter import Approach, GapRefusedError, greatest_approach, limited_step
+from fsi.integration.schedule import Schedule
+from fsi.meshes.geometry.containers import Container
+from fsi.observables.error_estimate import StepErrors
+
+# Step controller of Hairer, Norsett & Wanner, Solving ODEs I, section II.4. Both schemes estimate a
+# local error of order h^3.
+SAFETY = 0.9
+LARGEST_GROWTH = 2.0
+ERROR_ORDER = 3
+
+
+class Instant(Protocol):
+    """What a model knows at one instant; U, F and `record` are the same on all ranks, to the last bit."""
+
+    @property
+    def U(self) -> Array:
+        """Velocities of the bodies, shape (N, M)."""
+
+    @property
+    def F(self) -> Array:
+        """`int sigma n` over each body: the external load in balance, shape (N, M)."""
+
+    @property
+    def record(self) -> Mapping[str, float]:
+        """The model's columns of steps.csv; `cpu_*` are CPU seconds, the others deterministic."""
+
+    def write(self, folder: Path, step: int) -> dict[str, list[str]]:
+        """Write VTU files into the folder, all ranks together; unfinished ones have names with a leading dot.
+
+        Returns:
+            the names of the files by series ("fluid", "surface"), the same on all ranks.
+        """
+
+
+class Model(Protocol):
+    """Gives the velocities of the bodies; all ranks call it together."""
+
+    def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> Instant:
+        """The instant at configuration q and time t, with the load `F - D (U - U0)` if inertia is given."""
+
+    def errors(self, q: Configuration, t: float, instant: Instant) -> StepErrors | None:
+        """The estimated errors of an instant that this model gave; None of a model without a mesh."""
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """What must be restored so that a resumed run repeats an unbroken one bit by bit (root's is kept)."""
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Take back what `state` gave."""
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """All that the next step depends on.
+
+    t: time; step: its number; U: velocities at (q, t), shape (N, M); h: the next step to try.
+    """
+
+    t: float
+    step: int
+    q: Configuration
+    U: Array
+    h: float
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """One step of a scheme: where it ends, the instant there, estimated error of the displacement (N, M)."""
+
+    q: Configuration
+    instant: Instant
+    error: Array
+
+
+class Scheme(Protocol):
+    """A one-step method with an error estimate."""
+
+    def start(self, model: Model, q: Configuration) -> Instant:
+        """The instant at time 0."""
+
+    def step(self, model: Model, state: State, t_end: float) -> Trial:
+        """One step from `state` to `t_end`; the instant of the trial is that at its end."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """An accepted step: the state it ends in, the instant there, its length, how many tries were rejected."""
+
+    state: State
+    instant: Instant
+    h: float
+    rejected: int
+
+
+class Advance(Protocol):
+    """What a run needs of a stepper: `Stepper` chooses its steps, `FixedStepper` takes given ones."""
+
+    @property
+    def model(self) -> Model:
+        """The model."""
+
+    @property
+    def container(self) -> Container:
+        """What encloses the fluid."""
+
+    @property
+    def schedule(self) -> Schedule:
+        """The times to land on."""
+
+    def start(self, q: Configuration, first_step: float | None = None) -> Step:
+        """The step of length 0 that begins a run."""
+
+    def advance(self, state: State) -> Step:
+        """One accepted step. Raises SolveError."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Guarded:
+    """A model that refuses configurations in which a gap has lost more than `gap_loss` since `start`."""
+
+    model: Model
+    start: Configuration
+    begin: float
+    container: Container
+    gap_loss: float
+
+    def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> Instant:
+        displacement = q.centres - self.start.centres
+        approach = greatest_approach(self.start, self.container, displacement, self.gap_loss, t - self.begin)
+        if not approach.loss <= self.gap_loss:  # also where it is not a number
+            raise GapRefusedError(approach)
+        return self.model(q, t, inertia)
+
+    def errors(self, q: Configuration, t: float, instant: Instant) -> StepErrors | None:
+        return self.model.errors(q, t, instant)
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        return self.model.state()
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        self.model.restore(state)
+
+
+@dataclass(frozen=True, slots=True)
+class Stepper:
+    """Advances the bodies with a model and a scheme.
+
+    names: of the bodies; tolerance: error of a step's displacement relative to the smaller of the
+    body's radius and its smallest gap, which is what lubrication feels, and of its angle in radians;
+    gap_loss: largest fraction that a gap may lose in a step, in (0, 1); smallest_step: a time.
+    """
+
+    model: Model
+    scheme: Scheme
+    container: Container
+    names: Sequence[str]
+    schedule: Schedule
+    tolerance: float
+    gap_loss: float
+    smallest_step: float
+
+    def start(self, q: Configuration, first_step: float | None = None) -> Step:
+        """The step of length 0 that begins a run."""
+        instant = self.scheme.start(self.model, q)
+        h = self._first_step(q, instant.U) if first_step is None else first_step
+        return Step(State(0.0, 0, q, instant.U, h), instant, 0.0, 0)
+
+    def advance(self, state: State) -> Step:
+        """One accepted step; a rejected one is halved.
+
+        Raises:
+            SolveError: the step would have to be shorter than `smallest_step`.
+        """
+        h, rejected = state.h, 0
+        while True:
+            h, approach = limited_step(state.q, self.container.at(state.t), state.U, h, self.gap_loss)
+            if not h >= self.smallest_step:
+                raise self._blocked(state, approach)
+            t_end = self.schedule.landing(state.t, h)
+            try:
+                trial = self.scheme.step(self._guarded(state), state, t_end)
+                error = self._norm(state.q, state.t, trial.error)
+            except GapRefusedError as refusal:
+                approach, error = refusal.approach, math.inf
+            if error <= 1.0:
+                break
+            rejected += 1
+            h = 0.5 * (t_end - state.t)
+            if h < self.smallest_step:
+                raise self._blocked(state, approach)
+        used = t_end - state.t
+        q, instant = trial.q, trial.instant
+        new = State(t_end, state.step + 1, q, instant.U, self._next_step(h, used, error, rejected))
+        return Step(new, instant, used, rejected)
+
+    def _guarded(self, start: State) -> Model:
+        return _Guarded(self.model, start.q, start.t, self.container.at(start.t), self.gap_loss)
+
+    def _norm(self, q: Configuration, t: float, displacement: Array) -> float:
+        """Largest error that displacements (N, M) make, relative to what is tolerated: accepted up to 1.
+
+        Each displacement counts over the radius, each angle in radians, and each gap's change over the gap,
+        which is what lubrication feels; bodies that are close and move together are not held to their gap.
+        """
+        d = q.dimension
+        of_bodies = np.linalg.norm(displacement[:, :d], axis=1) / q.radii
+        errors = [of_bodies, np.abs(displacement[:, d:]), self._gap_changes(q, t, displacement)]
+        return float(max(e.max(initial=0.0) for e in errors)) / self.tolerance
+
+    def _gap_changes(self, q: Configuration, t: float, displacement: Array) -> Array:
+        """|gap'| / gap of all near pairs and walls, for gaps that change at the rate of the displacements."""
+        gaps = find_gaps(q, self.container.at(t))
+        furthest = float(np.linalg.norm(displacement[:, : q.dimension], axis=1).max(initial=0.0))
+        if furthest == 0.0:
+            return np.zeros(1)
+        small = 1e-3 * min(gaps.smallest(), float(q.radii.min())) / furthest
+        moved = q.moved(small * displacement)
+        walls = self.container.distances(moved.centres) - q.radii[:, None]
+        of_pairs = (pair_gaps(moved, gaps.pairs, gaps.away) - gaps.pair_gaps) / gaps.pair_gaps
+        of_walls = (walls - gaps.wall_gaps) / gaps.wall_gaps
+        return np.abs(np.concatenate([of_pairs, of_walls.ravel()])) / small
+
+    def _first_step(self, q: Configuration, U: Array) -> float:
+        """The step whose error is the tolerance if it is the cube of the displacement, both relative."""
+        speed = self.tolerance * self._norm(q, 0.0, U)
+        longest = self.schedule.end
+        return min(longest, self.tolerance ** (1.0 / ERROR_ORDER) / speed) if speed > 0.0 else longest
+
+    def _next_step(self, h: float, used: float, error: float, rejected: int) -> float:
+        """The next step to try, after one of length `used` that was proposed as h."""
+        growth = SAFETY * error ** (-1.0 / ERROR_ORDER) if error > 0.0 else LARGEST_GROWTH
+        growth = min(growth, 1.0 if rejected else LARGEST_GROWTH)
+        # A step cut short to land on a time says nothing against the longer one that was proposed.
+        return max(used * growth, h) if growth == LARGEST_GROWTH else used * growth
+
+    def _blocked(self, state: State, approach: Approach) -> SolveError:
+        sides = [*self.names, *(f"wall {name}" for name in self.container.walls)]
+        i, j = approach.between
+        one, other = sides[i], "its own image" if i == j else sides[j]
+        return SolveError(
+            f"time.smallest_step = {self.smallest_step:g}: a shorter step is needed at t = {state.t:.9g}, "
+            f"where the gap between {one} and {other} is {approach.gap:.3g}; lower it or end the run before"
+        )

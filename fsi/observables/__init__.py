@@ -1,0 +1,1 @@
+"""What is measured of any flow: resistance, bulk stress, identities, error bars."""

@@ -1,0 +1,66 @@
+"""The stress of a suspension as a whole: its parts, and the apparent viscosity."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import nan
+
+import numpy as np
+
+from fsi.bodies.configuration import Array
+
+
+@dataclass(frozen=True, slots=True)
+class BulkStress:
+    """The mean stress over a periodic domain, of the area |Omega| with the bodies in it.
+
+        Sigma = fluid + 1/|Omega| sum_i S_i + forces
+
+    fluid: int over the fluid of sigma over |Omega|, (2, 2), with the mean pressure of the fluid zero;
+    stresslets: S_i = - sym int r (x) sigma n, n out of the fluid, (N, 2, 2): what the fluid does to body i
+    (Batchelor 1970, J. Fluid Mech. 41:545); forces: - 1/|Omega| sum r (x) F, (2, 2), what forces between
+    bodies carry, r from the one to the other on which F acts (Batchelor 1977, J. Fluid Mech. 83:97); area:
+    |Omega|; apparent_viscosity: over that of the fluid, None without a mean strain rate.
+    """
+
+    fluid: Array
+    stresslets: Array
+    forces: Array
+    area: float
+    apparent_viscosity: float | None
+
+    @property
+    def mean(self) -> Array:
+        """Sigma, (2, 2)."""
+        total: Array = self.fluid + self.stresslets.sum(axis=0) / self.area + self.forces
+        return total
+
+    @property
+    def normal_stress_difference(self) -> float:
+        """N_1 = Sigma_xx - Sigma_yy; a second one needs a third dimension."""
+        return float(self.mean[0, 0] - self.mean[1, 1])
+
+    @property
+    def record(self) -> Mapping[str, float]:
+        """Columns of steps.csv; the apparent viscosity is not a number at instants without a strain rate."""
+        mu = nan if self.apparent_viscosity is None else self.apparent_viscosity
+        (xx, xy), (_, yy) = self.mean.tolist()
+        return {
+            "apparent_viscosity": mu,
+            "stress_xx": xx,
+            "stress_xy": xy,
+            "stress_yy": yy,
+            "N_1": self.normal_stress_difference,
+        }
+
+    @property
+    def body_columns(self) -> Mapping[str, Array]:
+        """Columns of bodies.csv."""
+        S = self.stresslets
+        return {"S_xx": S[:, 0, 0], "S_xy": S[:, 0, 1], "S_yy": S[:, 1, 1]}
+
+
+def area_fraction(radii: Array, area: float) -> float:
+    """phi of discs."""
+    return float(np.pi * np.sum(radii**2) / area)

@@ -1,0 +1,126 @@
+"""The grand resistance matrix R of rigid bodies, F = R U, its inverse, and what it must satisfy.
+
+U stacks the velocities (V_x, V_y, omega) of every body, F their loads (F_x, F_y, T); with an axis V_z and F_z
+alone, in space all six. F are the EXTERNAL loads that the motion needs in fluid between resting walls; the
+fluid exerts -F. R is symmetric (Lorentz reciprocity), and positive unless everything can move rigidly at no
+cost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from fsi.bodies.configuration import LOADS, MODES, Array, arms
+from fsi.errors import SolveError
+
+BOUND = 1e-9
+# A positive matrix has no eigenvalue below this part of its largest: at a gap of 1e-6 radii it is 1e-10.
+ROUNDING = 1e-12
+
+
+@dataclass(frozen=True, slots=True)
+class Modes:
+    """The modes of all bodies, in the order of rows and columns.
+
+    velocities, loads: their labels, "disc.V_x" and "disc.F_x"; scale: s with R_ij / (s_i s_j) dimensionless,
+    sqrt(mu) for a translation in the plane, a sqrt(mu) for a rotation, both times sqrt(a) for spheres, (n,).
+    """
+
+    velocities: tuple[str, ...]
+    loads: tuple[str, ...]
+    scale: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Resistance:
+    """A resistance matrix and how it was found.
+
+    R: symmetric, shape (n, n); mobility: its inverse, U = mobility F, None where no wall is at rest and R is
+    singular; eigenvalues: of R made dimensionless, increasing, (n,); checks: worst relative defects of the
+    identities over all columns, and `reciprocity`, the asymmetry before R was made symmetric; dofs, cells:
+    size of the mesh; seconds: CPU seconds of this process by phase.
+    """
+
+    modes: Modes
+    R: Array
+    mobility: Array | None
+    eigenvalues: Array
+    checks: dict[str, float]
+    dofs: int
+    cells: int
+    seconds: dict[str, float]
+
+
+def all_modes(names: Sequence[str], radii: Array, viscosity: float, dimension: int) -> Modes:
+    """All M modes of every body."""
+    scale = np.sqrt(viscosity) * arms(radii, dimension)
+    if dimension == 3:
+        scale *= np.sqrt(radii)[:, None]
+    return Modes(_labels(names, MODES[dimension]), _labels(names, LOADS[dimension]), scale.ravel())
+
+
+def axial_modes(names: Sequence[str], radii: Array, viscosity: float) -> Modes:
+    """V_z of every body on an axis."""
+    return Modes(_labels(names, ("V_z",)), _labels(names, ("F_z",)), np.sqrt(viscosity * radii))
+
+
+def _labels(names: Sequence[str], parts: Sequence[str]) -> tuple[str, ...]:
+    return tuple(f"{name}.{part}" for name in names for part in parts)
+
+
+def symmetrised(columns: Array, scale: Array) -> tuple[Array, float]:
+    """The symmetric part of the computed columns (n, n), and their relative asymmetry.
+
+    Raises:
+        SolveError: it exceeds 1e-9.
+    """
+    asymmetry = difference(columns, columns.T, scale)
+    if not asymmetry <= BOUND:
+        raise SolveError(
+            f"the resistance matrix violates reciprocity: relative asymmetry {asymmetry:.2g}, bound {BOUND:g}"
+        )
+    return 0.5 * (columns + columns.T), asymmetry
+
+
+def positive_eigenvalues(R: Array, scale: Array, *, resting: bool) -> Array:
+    """The eigenvalues of R made dimensionless, increasing, shape (n,).
+
+    Args:
+        R: symmetric, (n, n).
+        scale: of the modes.
+        resting: whether a wall is at rest. If not, rigid motions of everything cost nothing, and their
+            eigenvalues are zero but for rounding.
+
+    Raises:
+        SolveError: one is negative, or zero although a wall is at rest.
+    """
+    eigenvalues: Array = np.linalg.eigvalsh(R / np.outer(scale, scale))
+    bound = ROUNDING if resting else -BOUND
+    if not eigenvalues[0] > bound * max(1.0, eigenvalues[-1]):
+        raise SolveError(
+            f"the resistance matrix is not positive: it has the eigenvalue {eigenvalues[0]:.2g}, "
+            f"the largest is {eigenvalues[-1]:.2g}"
+        )
+    return eigenvalues
+
+
+def inverse(R: Array) -> Array:
+    """The mobility matrix: inverse of a symmetric positive matrix, symmetric itself.
+
+    Cholesky's factors bear rows of any size, so that units and small gaps cost no digits.
+    """
+    found: Array = cho_solve(cho_factor(R), np.eye(len(R)))
+    return 0.5 * (found + found.T)
+
+
+def difference(R: Array, other: Array, scale: Array) -> float:
+    """Largest |R_ij - other_ij| / sqrt(R_ii R_jj), which |R_ij| itself never exceeds.
+
+    A diagonal entry counts at least s_i^2, so that bodies which nothing resists compare as well.
+    """
+    size = np.sqrt(np.maximum(np.diag(R), scale**2))
+    return float(np.max(np.abs(R - other) / np.outer(size, size)))

@@ -1,0 +1,87 @@
+"""What a solved instant tells of itself, and how far the size of its container shows in it."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+
+from fsi.bodies.configuration import Array
+from fsi.case.case import Case, parse_case
+from fsi.case.domain import HalfPlaneDomain, RoundDomain
+from fsi.errors import InputError
+from fsi.observables.bulk_stress import BulkStress
+from fsi.observables.error_estimate import ErrorEstimate, relative_change
+from fsi.observables.flow_scales import drive_of
+
+
+class Solution(Protocol):
+    """What a solved instant must tell."""
+
+    @property
+    def U(self) -> Array:
+        """Velocities of the bodies, shape (N, M)."""
+
+    @property
+    def F(self) -> Array:
+        """External loads, `int sigma n`, from the reactions, shape (N, M)."""
+
+    @property
+    def traction_F(self) -> Array:
+        """The same loads as integrals of the traction of the computed fields, less accurate, shape (N, M)."""
+
+    @property
+    def dissipation(self) -> float:
+        """`2 mu int e:e`."""
+
+    @property
+    def checks(self) -> dict[str, float]:
+        """The identities that a solve must satisfy, relative."""
+
+    @property
+    def bulk(self) -> BulkStress | None:
+        """Mean stress and apparent viscosity of a periodic flow."""
+
+    @property
+    def dofs(self) -> int:
+        """Number of unknowns."""
+
+    @property
+    def cells(self) -> int:
+        """Number of cells."""
+
+    @property
+    def iterations(self) -> int:
+        """Of the linear solver; 0 of the direct one."""
+
+    @property
+    def seconds(self) -> dict[str, float]:
+        """CPU seconds by phase."""
+
+
+def halved(case: Case) -> Case | None:
+    """The case in a container of half the radius; None where there is no radius or the bodies do not fit."""
+    if not isinstance(case.domain, HalfPlaneDomain | RoundDomain) or case.domain.mesh is not None:
+        return None
+    data: dict[str, Any] = case.model_dump(exclude_none=True)
+    data["domain"]["radius"] /= 2.0
+    try:
+        return parse_case(data)
+    except InputError:
+        return None
+
+
+def truncation(case: Case, whole: Solution, half: Solution) -> dict[str, float]:
+    """How much the results change when the radius R of the container is halved.
+
+    The effect of R decays like R^-1 (a net force in a ball) or faster, so the error at R is at most this
+    change; with a plane it decays like R^-2 or faster, and the error is at most a third of it. Results are
+    the loads on held components and the velocities of free ones; torques count over the radius of the body,
+    rotations times it.
+
+    Returns:
+        "force" and "velocity": largest |change| / largest |result|, each only if there is such a result.
+    """
+    change = ErrorEstimate(np.abs(half.U - whole.U), np.abs(half.F - whole.F))
+    q = case.configuration()
+    return relative_change(whole, change, case.motion(0.0).held, q.arms, drive_of(case, 0.0))

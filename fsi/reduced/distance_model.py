@@ -1,0 +1,180 @@
+"""The decoupled distance scheme of the slides for `M u' + zeta (u - u_inf) + A u = Phi`: pairs store gaps.
+
+Each step h
+  1. advances the distance of each pair by itself, `D'' = -g kappa(D) D' + f` (`fsi.reduced.distance`); f
+  holds the
+     other pairs, drag and `G'.u` at the beginning of the step, and the loads. So stored gaps are positive;
+  2. takes A with kappa(D^{n+1}) and G at q^n, and solves `(M + h Z + h A) u^{n+1} = M u^n + h Phi`;
+  3. moves the bodies, `q += h u^{n+1}`.
+The energy inequality `1/2 |u^{n+1}|^2_M + h A u.u + ... <= 1/2 |u^n|^2_M + h Phi.u^{n+1}` holds at each
+step. Stored gaps drift away from those of the bodies, at first order in h; the drift is recorded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from time import process_time
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsi.bodies.configuration import Array, Configuration, Inertia
+from fsi.case.case import Case
+from fsi.errors import SolveError
+from fsi.integration.stepper import State
+from fsi.reduced.distance import backward_euler_step, first_integral_defect, first_integral_step
+from fsi.reduced.identities import identities, require
+from fsi.reduced.memory import Memory, merged
+from fsi.reduced.model import ReducedInstant, ReducedModel
+from fsi.reduced.network import gradient, own_mobility
+from fsi.reduced.pairs import Pairs, find_pairs, of_keys, own_speed, turning
+from fsi.reduced.stress import lubrication_stress
+from fsi.reduced.system import Surroundings, solve_system
+
+CHECKS = (
+    "invariant", "momentum", "angular_momentum", "kernel", "residual", "power", "balance", "energy",
+)  # fmt: skip
+
+
+class DistanceModel(ReducedModel):
+    """The reduced model with inertia and a memory of its gaps; `begin` and then `march` make the steps."""
+
+    def __init__(self, case: Case, step: float) -> None:
+        """A model of a case whose bodies have masses, without memory yet; step: h. Raises InputError."""
+        super().__init__(case)
+        self.step = step
+        masses = case.masses()
+        self.masses = np.zeros_like(self.zeta) if masses is None else masses
+        self.literal = case.reduced.scheme == "backward-euler"
+        self._memory: Memory | None = None
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """The memory."""
+        return {} if self._memory is None else self._memory.arrays()
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Take the memory back."""
+        self._memory = Memory.of_arrays(state) if state else None
+
+    def begin(self, q: Configuration) -> ReducedInstant:
+        """The instant at time 0, with free bodies at rest; the memory begins."""
+        around = self.surroundings(q, 0.0)
+        U = np.where(around.motion.held, around.motion.U, 0.0)
+        pairs = find_pairs(q, around.space, self.reach)
+        self._memory = self._fresh(pairs, around, U)
+        checks = CHECKS[1:] if self.literal else CHECKS
+        nothing = dict.fromkeys(("pairs", "dissipation", *checks, "drift"), 0.0)
+        found = self._instant(q, U, pairs, around, nothing | {"pairs": len(pairs)})
+        return replace(found, record={**found.record, "cpu_solve": 0.0})
+
+    def march(self, state: State, t_end: float) -> tuple[Configuration, ReducedInstant]:
+        """One step from `state` to `t_end`: where it ends, and the instant there.
+
+        Raises:
+            SolveError: new neighbours overlap, or an identity is violated.
+        """
+        began = process_time()
+        assert self._memory is not None
+        h = t_end - state.t
+        around = self._during(state.q, state.t, t_end)
+        pairs = of_keys(state.q, around.space, self._memory.key)
+        memory, checks = self._advance_distances(state, pairs, around, h)
+        kappa = self.laws.kappa(memory.x, pairs.radius, pairs.is_wall)
+        solved = solve_system(around, pairs, kappa, Inertia(self.masses / h, state.U))
+        checks |= identities(solved.network, state.q, solved.U, solved.alone, solved.force)
+        checks |= solved.balances() | {"energy": solved.energy(self.masses, state.U, h)}
+        require(checks, t_end)
+        record = {"pairs": len(pairs), "dissipation": solved.dissipation, **checks}
+        q = state.q.moved(h * solved.U)
+        found = self._meet(q, solved.U, replace(memory, force=solved.force), t_end, record)
+        return q, replace(found, record={**found.record, "cpu_solve": process_time() - began})
+
+    def _during(self, q: Configuration, t: float, t_end: float) -> Surroundings:
+        """Held velocities of the end of the step, loads of its middle: linear ones are integrated exactly."""
+        around = self.surroundings(q, t_end)
+        return replace(around, motion=replace(around.motion, F=self.motion(q, 0.5 * (t + t_end)).F))
+
+    def _advance_distances(
+        self, state: State, pairs: Pairs, around: Surroundings, h: float
+    ) -> tuple[Memory, dict[str, float]]:
+        """Step 1: the memory with the gaps of the end of the step, and the defect of the first integral."""
+        old = self._memory
+        assert old is not None
+        f, g = self._drive(state, pairs, around, h)
+        if self.literal:
+            x, V = backward_euler_step(old.x, old.w, f, h, g * self.case.fluid.viscosity)
+            return replace(old, x=x, w=V), {}
+
+        def integral(x: Array, part: NDArray[np.intp]) -> tuple[Array, Array]:
+            return self.laws.integral(x, pairs.radius[part], pairs.is_wall[part])
+
+        w = old.w + h * f
+        x = first_integral_step(old.x, w, h, g, integral)
+        return replace(old, x=x, w=w), {"invariant": first_integral_defect(x, old.x, w, h, g, integral)}
+
+    def _drive(self, state: State, pairs: Pairs, around: Surroundings, h: float) -> tuple[Array, Array]:
+        """f, all that changes D' but the pair's own lubrication, and `g = G.M^-1 G`; (P,)."""
+        assert self._memory is not None
+        d, force, motion = pairs.n.shape[1], self._memory.force, around.motion
+        U, before = state.U, self.surroundings(state.q, state.t)
+        G, M_inverse = gradient(pairs, len(U)), self._inverse_masses(around, d)
+        load = (motion.F - before.zeta * (U - before.background))[:, :d] - (G.T @ force).reshape(-1, d)
+        given = (motion.U - U)[:, :d] / h
+        a = np.where(motion.held[:, :d], given, M_inverse * load)
+        g = own_mobility(G, M_inverse)
+        wall = np.where(pairs.is_wall, pairs.j - len(U), -1)
+        b_before = own_speed(pairs.n, pairs.shift, wall, before.space)
+        f = G @ a.ravel() + g * force + turning(pairs, U[:, :d]) - (pairs.b - b_before) / h
+        return f, g
+
+    def _inverse_masses(self, around: Surroundings, d: int) -> Array:
+        """M^-1 of the translations, 0 where held, (N, d)."""
+        inverse: Array = np.where(around.motion.held[:, :d], 0.0, 1.0 / self.masses[:, :d])
+        return inverse
+
+    def _meet(
+        self, q: Configuration, U: Array, memory: Memory, t: float, record: Mapping[str, float]
+    ) -> ReducedInstant:
+        """Carry the memory to the pairs at q: those near now, and those in contact by their stored gaps."""
+        around = self.surroundings(q, t)
+        pairs = find_pairs(q, around.space, self.reach, memory.key[np.exp(memory.x) < self.reach])
+        own, stored = memory.positions(pairs.key)
+        new = np.setdiff1d(np.arange(len(pairs)), own, assume_unique=True)
+        fresh = self._fresh(of_keys(q, around.space, pairs.key[new]), around, U)
+        self._memory = merged(pairs.key, (own, stored, memory), (new, np.arange(len(new)), fresh))
+        drift = np.abs(np.exp(memory.x[stored]) - pairs.gap[own]).max(initial=0.0)
+        return self._instant(q, U, pairs, around, {**record, "drift": float(drift)})
+
+    def _fresh(self, pairs: Pairs, around: Surroundings, U: Array) -> Memory:
+        """The memory of pairs that have just come near: their stored gap is the one they have."""
+        if np.any(pairs.gap <= 0.0):
+            raise SolveError(
+                f"reduced.step = {self.step:g}: bodies came near and overlapped within one step "
+                f"(gap {pairs.gap.min():.3g}); shorten it or give a larger reduced.cutoff"
+            )
+        d, x = pairs.n.shape[1], np.log(pairs.gap)
+        G = gradient(pairs, len(U))
+        rates = G @ U[:, :d].ravel() - pairs.b
+        force = self.laws.kappa(x, pairs.radius, pairs.is_wall) * rates
+        if self.literal:
+            return Memory(pairs.key, x, rates, force)
+        K, _ = self.laws.integral(x, pairs.radius, pairs.is_wall)
+        return Memory(pairs.key, x, rates + own_mobility(G, self._inverse_masses(around, d)) * K, force)
+
+    def _instant(
+        self, q: Configuration, U: Array, pairs: Pairs, around: Surroundings, record: Mapping[str, float]
+    ) -> ReducedInstant:
+        """What is known at the end of a step; gamma = g K of the stored gaps."""
+        assert self._memory is not None
+        d, memory = pairs.n.shape[1], self._memory
+        G = gradient(pairs, len(U))
+        K, _ = self.laws.integral(memory.x, pairs.radius, pairs.is_wall)
+        gamma = own_mobility(G, self._inverse_masses(around, d)) * K
+        F = around.zeta * (U - around.background)
+        F[:, :d] += (G.T @ memory.force).reshape(-1, d)
+        stored = {"log10_stored_gap": float(memory.x.min(initial=np.inf) / np.log(10.0))}
+        stress = lubrication_stress(around.space, pairs, memory.force, q.radii, self.case.fluid.viscosity)
+        columns = {**record, **({} if stress is None else stress.record), **stored}
+        return ReducedInstant(q, U, F, pairs, memory.x, memory.force, gamma, columns, stress)

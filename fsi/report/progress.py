@@ -1,0 +1,78 @@
+"""Progress on a terminal: of a run its time, smallest gap and time left; of other things their number."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import TracebackType
+from typing import Self
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
+
+from fsi import parallel
+from fsi.run_folder.folder import StepRecord
+
+
+@contextmanager
+def counting(what: str) -> Iterator[Callable[[int, int], None]]:
+    """Yields `show(there, all)`, which shows how many there are of what is counted."""
+    with _new_bar() as bar:
+        task = bar.add_task(what, total=None)
+        yield lambda there, total: bar.update(
+            task, completed=there, total=total, description=f"{there} of {total} {what}"
+        )
+
+
+def _new_bar() -> Progress:
+    """A bar that is silent on all ranks but root and where stderr is no terminal."""
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.percentage:.0f} %"),
+        TimeRemainingColumn(),
+        console=Console(stderr=True),
+        disable=not (parallel.is_root() and sys.stderr.isatty()),
+    )
+
+
+class ProgressBar:
+    """A context in which `show` follows a run; silent on all ranks but root and where stderr is no terminal.
+
+    smallest_gap, smallest_at: the smallest gap seen and its time; elapsed: wall-clock seconds.
+    """
+
+    def __init__(self) -> None:
+        self.smallest_gap = math.inf
+        self.smallest_at = 0.0
+        self._began = time.monotonic()
+        self._bar = _new_bar()
+        self._task: TaskID = self._bar.add_task("first mesh", total=None)
+
+    @property
+    def elapsed(self) -> float:
+        """Wall-clock seconds since the beginning."""
+        return time.monotonic() - self._began
+
+    def begin(self, end: float | None) -> None:
+        """Take the end of time."""
+        self._bar.update(self._task, total=end)
+
+    def show(self, record: StepRecord) -> None:
+        """Show an accepted step."""
+        if record.smallest_gap < self.smallest_gap:
+            self.smallest_gap, self.smallest_at = record.smallest_gap, record.t
+        text = f"step {record.step}  t = {record.t:.4g}  smallest gap {record.smallest_gap:.3e}"
+        self._bar.update(self._task, completed=record.t, description=text)
+
+    def __enter__(self) -> Self:
+        self._bar.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._bar.stop()

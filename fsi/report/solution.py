@@ -1,0 +1,229 @@
+"""What the commands show: one instant as a JSON object or as tables, and the summary of a case.
+
+Here, unlike in the arrays, a force is the one that the FLUID exerts on the body, `-F`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from fsi.bodies.configuration import Array
+from fsi.case.case import Case
+from fsi.case.section import toml_text
+from fsi.meshes.geometry.lattice import Lattice
+from fsi.observables.bulk_stress import BulkStress
+from fsi.observables.error_estimate import ErrorEstimate
+from fsi.observables.truncation import Solution
+
+
+def components(case: Case) -> tuple[str, ...]:
+    """What the modes are called."""
+    if case.dimension == 3:
+        return ("x", "y", "z", "rotation x", "rotation y", "rotation z")
+    return ("r", "z", "rotation") if case.axisymmetric else ("x", "y", "rotation")
+
+
+def solution_json(
+    case: Case, solution: Solution, errors: ErrorEstimate, truncated: Mapping[str, float] | None
+) -> dict[str, Any]:
+    """The object that `fsi solve --json` prints; `truncation` is there where it could be measured."""
+    d = case.dimension
+    bodies = [
+        body
+        | {
+            "velocity_error": errors.U[i, :d].tolist(),
+            "angular_velocity_error": turning(errors.U[i, d:]),
+            "force_error": errors.F[i, :d].tolist(),
+            "torque_error": turning(errors.F[i, d:]),
+        }
+        for i, body in enumerate(bodies_json(case, solution.U, solution.F))
+    ]
+    found: dict[str, Any] = {
+        "name": case.name,
+        "bodies": bodies,
+        "dissipation": float(solution.dissipation),
+        "checks": {name: float(value) for name, value in solution.checks.items()},
+        "discretisation": case.discretisation.model_dump(exclude_none=True),
+        "dofs": int(solution.dofs),
+        "cells": int(solution.cells),
+        "solver": _solver(solution),
+        "seconds": float(sum(solution.seconds.values())),
+        "seconds_by_phase": {phase: float(spent) for phase, spent in solution.seconds.items()},
+    }
+    if solution.bulk is not None:
+        _add_stress(found, solution.bulk, errors)
+    return found if truncated is None else found | {"truncation": dict(truncated)}
+
+
+def bodies_json(case: Case, U: Array, F: Array) -> list[dict[str, Any]]:
+    """Each body with its velocity and the force that the fluid exerts on it, -F; U, F: (N, modes)."""
+    q, d = case.configuration(), case.dimension
+    exerted = -F + 0.0  # no -0.0
+    return [
+        {
+            "name": name,
+            "position": q.centres[i].tolist(),
+            "velocity": U[i, :d].tolist(),
+            "angular_velocity": turning(U[i, d:]),
+            "force": exerted[i, :d].tolist(),
+            "torque": turning(exerted[i, d:]),
+        }
+        for i, name in enumerate(case.names)
+    ]
+
+
+def _solver(solution: Solution) -> str:
+    """Which linear solver was used."""
+    return f"FGMRES with {solution.iterations} iterations" if solution.iterations else "direct solver"
+
+
+def _add_stress(found: dict[str, Any], bulk: BulkStress, errors: ErrorEstimate) -> None:
+    """The mean stress of a periodic flow with its parts, and the stresslet of each body."""
+    if bulk.apparent_viscosity is not None:
+        found["apparent_viscosity"] = bulk.apparent_viscosity
+        found["apparent_viscosity_error"] = errors.apparent_viscosity
+    found["mean_stress"] = bulk.mean.tolist()
+    found["mean_stress_of_fluid"] = bulk.fluid.tolist()
+    found["mean_stress_of_forces"] = bulk.forces.tolist()
+    found["normal_stress_difference"] = bulk.normal_stress_difference
+    for body, stresslet in zip(found["bodies"], bulk.stresslets.tolist(), strict=True):
+        body["stresslet"] = stresslet
+
+
+def turning(components: Array) -> float | list[float]:
+    """A number in the plane, a list of three in space."""
+    return float(components[0]) if len(components) == 1 else components.tolist()
+
+
+def print_solution(
+    console: Console,
+    case: Case,
+    solution: Solution,
+    errors: ErrorEstimate,
+    truncated: Mapping[str, float] | None,
+) -> None:
+    """The same for a reader: a table of the bodies, then one of the checks."""
+    console.print(
+        _bodies_table(case, solution, errors),
+        *([] if solution.bulk is None else [_stress_table(solution.bulk, errors)]),
+        _checks_table(solution, truncated),
+        _cost(case, solution),
+        sep="\n",
+    )
+
+
+def _bodies_table(case: Case, solution: Solution, errors: ErrorEstimate) -> Table:
+    table = Table(
+        title=case.name,
+        title_justify="left",
+        caption="forces and torques per unit length, rotation counterclockwise"
+        if case.geometry == "planar"
+        else "",
+    )
+    table.add_column("body")
+    table.add_column("component")
+    table.add_column("motion")
+    for heading in ("velocity", "±", "force of the fluid", "±", "by its traction"):
+        table.add_column(heading, justify="right", overflow="fold")
+    held = case.motion(0.0).held
+    for i, name in enumerate(case.names):
+        modes = np.flatnonzero(case.modes)
+        for k in modes:
+            table.add_row(
+                name if k == modes[0] else "",
+                components(case)[k],
+                "held" if held[i, k] else "free",
+                f"{solution.U[i, k]:.8g}",
+                "" if held[i, k] else f"{errors.U[i, k]:.0e}",
+                f"{0.0 - solution.F[i, k]:.8g}",
+                f"{errors.F[i, k]:.0e}" if held[i, k] else "",
+                f"{0.0 - solution.traction_F[i, k]:.8g}",
+                end_section=bool(k == modes[-1]),
+            )
+    return table
+
+
+def _stress_table(bulk: BulkStress, errors: ErrorEstimate) -> Table:
+    """The mean stress and its parts."""
+    mu, error = bulk.apparent_viscosity, errors.apparent_viscosity or 0.0
+    viscosity = "" if mu is None else f"apparent viscosity {mu:.8g} ± {error:.0e}, "
+    table = Table(
+        "stress, mean over fluid and bodies",
+        caption=f"{viscosity}N_1 = {bulk.normal_stress_difference:.8g}; "
+        "the mean pressure of the fluid is zero",
+    )
+    for component in ("xx", "xy", "yy"):
+        table.add_column(component, justify="right")
+    parts = {"fluid": bulk.fluid, "stresslets of the bodies": bulk.mean - bulk.fluid - bulk.forces}
+    if bulk.forces.any():
+        parts["forces between bodies"] = bulk.forces
+    parts["together"] = bulk.mean
+    for name, part in parts.items():
+        table.add_row(name, *(f"{part[i, j]:.8g}" for i, j in ((0, 0), (0, 1), (1, 1))))
+    return table
+
+
+def _checks_table(solution: Solution, truncated: Mapping[str, float] | None) -> Table:
+    table = Table("check, relative")
+    table.add_column("value", justify="right")
+    for name, value in solution.checks.items():
+        table.add_row(name, f"{value:.1e}")
+    for name, value in (truncated or {}).items():
+        table.add_row(f"truncation: change of {name} when the radius is halved", f"{value:.1e}")
+    return table
+
+
+def _cost(case: Case, solution: Solution) -> Text:
+    phases = ", ".join(f"{phase} {spent:.2f}" for phase, spent in solution.seconds.items())
+    given = case.discretisation
+    return Text(
+        f"degree {given.degree}, cells_per_gap {given.cells_per_gap:.4g}, "
+        f"cells_per_circle {given.cells_per_circle}, growth {given.growth:.4g}; "
+        f"dissipation {solution.dissipation:.8g}; {solution.cells} cells, {solution.dofs} unknowns, "
+        f"{_solver(solution)}, "
+        f"{sum(solution.seconds.values()):.2f} CPU s ({phases})"
+    )
+
+
+def print_case(console: Console, case: Case) -> None:
+    """What a case holds: bodies with their smallest gaps, what is free or held, walls."""
+    console.print(_case_table(case), _walls_table(case), sep="\n")
+
+
+def _walls_table(case: Case) -> Table:
+    table = Table("wall", "what holds there")
+    for name, wall in case.domain.walls.items():
+        table.add_row(name, "at rest" if wall == (0.0,) * case.dimension else toml_text(wall))
+    return table
+
+
+def _case_table(case: Case) -> Table:
+    table = Table("body", "position", "radius", "smallest gap", "to", title=case.name, title_justify="left")
+    for k in np.flatnonzero(case.modes):
+        table.add_column(components(case)[k])
+    held = case.motion(0.0).held
+    for i, body in enumerate(case.bodies):
+        gap, neighbour = _nearest(case, i)
+        position = ", ".join(f"{x:.6g}" for x in body.position)
+        motion = ("held" if is_held else "free" for is_held in held[i, case.modes])
+        table.add_row(body.name, position, f"{body.radius:.6g}", f"{gap:.6g}", neighbour, *motion)
+    return table
+
+
+def _nearest(case: Case, i: int) -> tuple[float, str]:
+    """The smallest gap of body i and the name of what lies there, a body or a wall."""
+    q, container = case.configuration(), case.container()
+    lattice = Lattice(container.periods)
+    apart = q.centres - q.centres[i]
+    apart = apart - lattice.shift(lattice.nearest(apart))
+    to_bodies = np.linalg.norm(apart, axis=1) - q.radii
+    own_images = lattice.shift(lattice.near()[1:])
+    to_bodies[i] = np.linalg.norm(own_images, axis=1).min(initial=np.inf) - q.radii[i]
+    gaps = np.append(to_bodies, container.distances(q.centres[i : i + 1])) - q.radii[i]
+    return float(gaps.min()), (*case.names, *container.walls)[int(gaps.argmin())]

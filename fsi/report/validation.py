@@ -1,0 +1,100 @@
+"""What `fsi validate` shows: the table of all rows, and the comparison with the law of lubrication."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+from fsi.lubrication.spheres import normal_resistance, plane_expansion
+from fsi.validation.rows import Row
+
+WIDTH = 100  # below it the numbers would be folded
+SPHERE = "sphere_wall_normal"
+TERMS = {1: "leading", 2: "two-term", 3: "three-term"}
+
+
+def print_rows(console: Console, rows: Sequence[Row]) -> None:
+    """The table of all rows, the sphere's, and what they come to."""
+    console.width = max(console.width, WIDTH)
+    console.print(_table(rows))
+    for case in dict.fromkeys(row.case for row in rows):
+        console.print(*dict.fromkeys(f"{case}: {row.source}" for row in rows if row.case == case), sep="\n")
+    for row in rows:
+        if row.failure:
+            console.print(f"{row.case}: {row.failure}", style="red")
+    records = sphere_records(rows)
+    if records:
+        console.print(_sphere_table(records))
+    console.print(summary(rows))
+
+
+def summary(rows: Sequence[Row]) -> str:
+    """How many rows pass, and how many error bars hold."""
+    passed = sum(row.passed for row in rows)
+    known = [row.bar_holds for row in rows if row.bar_holds is not None and not row.failure]
+    text = f"{passed} of {len(rows)} rows pass; "
+    if known:
+        text += (
+            f"{sum(known)} of {len(known)} error bars ({100.0 * sum(known) / len(known):.0f} %) bracket the "
+            "true error and are within a factor 10 of it"
+        )
+    unknown = len(rows) - len(known) - sum(bool(row.failure) for row in rows)
+    return text + (f"; {unknown} more agree to all digits of the reference" if unknown else "")
+
+
+def sphere_records(rows: Sequence[Row]) -> list[dict[str, float | str | bool | None]]:
+    """Resolved force of a sphere moving normal to a plane over 1, 2, 3 terms of its expansion at small gaps.
+
+    The ratio to the exact force turns the expansions, of a unit sphere, into those of the row.
+    """
+    found: list[dict[str, float | str | bool | None]] = []
+    for row in rows:
+        if row.exact == SPHERE and not row.failure:
+            scale = row.value / row.reference * normal_resistance(row.gap, 1.0, 1.0)
+            ratios = {
+                f"resolved/{name}": float(scale / plane_expansion(row.gap, 1.0, 1.0, terms))
+                for terms, name in TERMS.items()
+            }
+            found.append({"case": row.case, "gap/radius": row.gap, "resolved": row.value, **ratios})
+    return found
+
+
+def _sphere_table(records: Sequence[dict[str, float | str | bool | None]]) -> Table:
+    table = Table(
+        title="a sphere and a plane: the resolved force over 6 pi mu a U (a/q + ln(a/q)/5 + 0.97128)"
+    )
+    for heading in records[0]:
+        table.add_column(heading, justify="left" if heading == "case" else "right")
+    for record in records:
+        table.add_row(
+            *(f"{value:.8g}" if isinstance(value, float) else str(value) for value in record.values())
+        )
+    return table
+
+
+def _table(rows: Sequence[Row]) -> Table:
+    table = Table(title="validation; errors are relative to the reference", box=SIMPLE_HEAD, padding=(0, 1))
+    for heading in ("case, quantity", "gap/a", "resolved", "± est.", "reference", "true", "rtol", ""):
+        right = heading not in ("case, quantity", "")
+        table.add_column(heading, justify="right" if right else "left", no_wrap=True)
+    previous = ""
+    for row in rows:
+        if row.case != previous:
+            if previous:
+                table.add_section()
+            table.add_row(f"[bold]{row.case}[/]")
+            previous = row.case
+        table.add_row(
+            f"  {row.quantity}",
+            f"{row.gap:.6g}",
+            f"{row.value:.10g}",
+            f"{row.error_bar:.1e}",
+            f"{row.reference:.10g}",
+            f"{row.true_error:.1e}" if row.true_error > row.digits else f"< {row.digits:.0e}",
+            f"{row.rtol:.0e}",
+            "[green]ok[/]" if row.passed else "[red]FAIL[/]",
+        )
+    return table

@@ -1,0 +1,1 @@
+"""The folder of a run: tables, checkpoints, provenance, the files of ParaView."""

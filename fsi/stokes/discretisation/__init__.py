@@ -1,0 +1,1 @@
+"""Taylor-Hood elements: forms, boundary data, constraints, matrices."""

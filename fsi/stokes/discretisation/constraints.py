@@ -1,0 +1,239 @@
+"""The constraints of the discrete Stokes system, as one prolongation P and one offset g.
+
+All unknowns x = (u, p) are written with the independent ones y = (u inside, p, free modes of U):
+
+    x = P y + g
+
+The rows of P are unit rows for free unknowns, the rigid modes `V + omega x r` at the nodes on bodies, and
+empty for given wall velocities, which stand in g together with the held modes. On one side of the cut of a
+periodic domain the rows are those of the nodes' images on the other, and the jump from image to image stands
+in g. `rigid`, called K in the
+saddle-point system of `saddle`, is the part for all M N modes, M of each body:  u = rigid U on the
+bodies, and the total load of any nodal reaction is  (F, T) = rigid^T lambda.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from fsi.bodies.configuration import MODES, Array, Configuration, rigid_motion
+from fsi.meshes.build import FluidMesh
+from fsi.meshes.geometry.lattice import Lattice
+from fsi.meshes.matching import columns_of_masters
+from fsi.stokes.discretisation.boundary import BoundaryNodes
+
+NO_COLUMN = -1
+# For each component of the velocity the modes that give it: its translation, rotations about the other axes.
+ACTING = {2: ((0, 2), (1, 2)), 3: ((0, 4, 5), (1, 5, 3), (2, 3, 4))}
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """How the rows of x = (u, p) are shared: this rank owns d `velocity_nodes` + `pressure_nodes` of them.
+
+    fixed: rows whose value is given (walls, the pinned pressure), local numbers; on_body: rows of nodes on
+    bodies; body: the body of each of these; modes: M N, all owned by rank 0; dimension: d, components of the
+    velocity; axisymmetric: u_r = 0 on the axis, and V_z is a body's only mode; slave, master: rows, local,
+    whose unknowns are those of other rows, by global numbers, at their images; away: how far each lies from
+    its master, (slaves, d).
+    """
+
+    comm: MPI.Intracomm
+    dimension: int
+    velocity_nodes: int
+    pressure_nodes: int
+    fixed: NDArray[np.int64]
+    on_body: NDArray[np.int64]
+    body: NDArray[np.int64]
+    modes: int
+    axisymmetric: bool
+    slave: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    master: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    away: Array = field(default_factory=lambda: np.empty((0, 2)))
+
+    @property
+    def rows(self) -> int:
+        """Rows that this rank owns."""
+        return self.velocities + self.pressure_nodes
+
+    @property
+    def velocities(self) -> int:
+        """Rows of u that this rank owns."""
+        return self.dimension * self.velocity_nodes
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Which rows are unknowns themselves: neither given, nor on a body, nor images of others, (rows,)."""
+        free = np.ones(self.rows, dtype=bool)
+        free[self.constrained] = False
+        return free
+
+    @property
+    def constrained(self) -> NDArray[np.int64]:
+        """The other rows."""
+        return np.concatenate([self.fixed, self.slave, self.on_body])
+
+    @property
+    def modes_of_each(self) -> int:
+        """M, modes of each body."""
+        return len(MODES[self.dimension])
+
+    @property
+    def own_modes(self) -> int:
+        """Modes that this rank owns."""
+        return self.modes if self.comm.rank == 0 else 0
+
+
+def layout(
+    comm: MPI.Intracomm,
+    nodes: BoundaryNodes,
+    walls: tuple[str, ...],
+    pressure_nodes: int,
+    pin: int | None,
+    fluid: FluidMesh,
+) -> Layout:
+    """Rows of walls with given velocity.
+
+    Of the axis, of bodies, and the pressure row to pin (local, its owner's only).
+    """
+    given = [nodes.wall_nodes[wall] for wall in walls]
+    wall_nodes = np.unique(np.concatenate([*given, np.empty(0, dtype=np.int32)])).astype(np.int64)
+    d = fluid.dimension
+    axis = d * nodes.axis.astype(np.int64)
+    fixed = np.union1d((d * wall_nodes[:, None] + np.arange(d)).ravel(), axis)
+    if pin is not None:
+        fixed = np.append(fixed, d * len(nodes.x) + pin)
+    on_body = (d * nodes.body_nodes.astype(np.int64)[:, None] + np.arange(d)).ravel()
+    body = np.repeat(nodes.body, d)
+    off_axis = ~np.isin(on_body, axis)
+    return Layout(
+        comm, d, len(nodes.x), pressure_nodes, fixed, on_body[off_axis], body[off_axis],
+        len(MODES[d]) * fluid.bodies, fluid.axisymmetric,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class RigidModes:
+    """The matrix `rigid`, (rows, M N), and its entries on this rank by rows.
+
+    rows: local numbers, (n,); modes, values: of the entries of each, (n, k).
+    """
+
+    matrix: PETSc.Mat
+    rows: NDArray[np.int64]
+    modes: NDArray[np.int64]
+    values: Array
+
+    def entries(self) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+        """Rows, modes and values, (n k,) each; the matrix itself would give them row by row."""
+        return np.repeat(self.rows, self.modes.shape[1]), self.modes.ravel(), self.values.ravel()
+
+
+def rigid_modes(shares: Layout, nodes: BoundaryNodes, q: Configuration, lattice: Lattice) -> RigidModes:
+    """The matrix `rigid`: nodal velocities (rows of x) of the unit modes of every body, `V + omega x r`.
+
+    r begins at the centre of the body's image there. With an axis the modes V_x and omega are empty.
+    """
+    node, component = np.divmod(shares.on_body, shares.dimension)
+    acting = np.array(ACTING[shares.dimension])[component]
+    r = nodes.x[node] - q.centres[shares.body]
+    r -= lattice.shift(lattice.nearest(r))
+    values = np.take_along_axis(rigid_motion(r)[np.arange(len(r)), component], acting, axis=1)
+    columns = shares.modes_of_each * shares.body[:, None] + acting
+    rows = shares.on_body
+    if shares.axisymmetric:
+        along = component == 1
+        rows, columns, values = rows[along], columns[along, :1], values[along, :1]
+    matrix = _matrix(shares, (shares.own_modes, shares.modes), rows, columns, values)
+    return RigidModes(matrix, rows, columns, values)
+
+
+class Prolongation:
+    """P with the modes that are kept as unknowns.
+
+    With `eliminate_bodies` false, the nodes on bodies stay unknowns and P has no modes: this is the
+    space of the multiplier form.
+    """
+
+    def __init__(
+        self, shares: Layout, rigid: RigidModes, kept: NDArray[np.bool_], eliminate_bodies: bool = True
+    ) -> None:
+        """Make P. kept: of all modes, bool (M N,)."""
+        free = shares.free
+        columns = np.full(shares.modes, NO_COLUMN, dtype=np.int64)
+        if not eliminate_bodies:
+            free[shares.on_body] = True
+            free[np.concatenate([shares.fixed, shares.slave])] = False
+        own_free = int(free.sum())
+        first = shares.comm.exscan(own_free) or 0
+        if eliminate_bodies:
+            # Rank 0 owns the modes: they come after its own free unknowns.
+            root_free = shares.comm.bcast(own_free)
+            columns[kept] = root_free + np.arange(kept.sum())
+            first += int(kept.sum()) if shares.comm.rank > 0 else 0
+        own_columns = own_free + (int((columns != NO_COLUMN).sum()) if shares.comm.rank == 0 else 0)
+        rows = np.flatnonzero(free)
+        unit = first + np.arange(own_free)
+        first_row = shares.comm.exscan(shares.rows) or 0
+        known, of_master = columns_of_masters(shares.comm, shares.master, first_row + rows, unit)
+        rows, unit = np.concatenate([rows, shares.slave[known]]), np.concatenate([unit, of_master])
+        mode_row, mode, value = rigid.entries()
+        self._used, self._ones = columns[mode] != NO_COLUMN, np.ones(len(rows))
+        all_rows = np.concatenate([rows, mode_row[self._used]])
+        all_columns = np.concatenate([unit, columns[mode[self._used]]])
+        values = np.concatenate([self._ones, value[self._used]])
+        self.matrix = _matrix(shares, (own_columns, None), all_rows, all_columns[:, None], values[:, None])
+
+    def update(self, rigid: RigidModes) -> None:
+        """P with other values of the same rigid modes, in place."""
+        _, _, value = rigid.entries()
+        self.matrix.setValuesCOO(np.concatenate([self._ones, value[self._used]]))
+
+
+def wall_offset(
+    shares: Layout, nodes: BoundaryNodes, velocities: dict[str, Array], corner_axes: dict[str, int]
+) -> Array:
+    """Given velocities of the wall nodes in an array over this rank's rows, zero elsewhere.
+
+    velocities: for each wall its velocity at its own nodes, shape (nodes, d). Where walls meet, each
+    keeps its normal component, so that nothing leaks through the corner of a moving lid.
+    """
+    d = shares.dimension
+    g = np.zeros(shares.rows)
+    u_of_nodes = g[: shares.velocities].reshape(-1, d)
+    times_met = np.zeros(shares.velocity_nodes, dtype=int)
+    for wall, u in velocities.items():
+        node = nodes.wall_nodes[wall].astype(np.int64)
+        times_met[node] += 1
+        u_of_nodes[node] = u
+    for wall, u in velocities.items():
+        node = nodes.wall_nodes[wall].astype(np.int64)
+        corner = times_met[node] > 1
+        axis = corner_axes[wall]
+        u_of_nodes[node[corner], axis] = u[corner, axis]
+    u_of_nodes[nodes.axis, 0] = 0.0
+    return g
+
+
+def _matrix(
+    shares: Layout,
+    columns: tuple[int, int | None],
+    rows: NDArray[np.int64],
+    column: NDArray[np.int64],
+    value: Array,
+) -> PETSc.Mat:
+    """Sparse matrix with `value[k, :]` in row `rows[k]` at columns `column[k, :]`; rows may repeat.
+
+    `setValuesCOO` with values in the same order fills it anew.
+    """
+    first = shares.comm.exscan(shares.rows) or 0
+    row = np.repeat(first + rows, column.shape[1]).astype(PETSc.IntType)
+    matrix = PETSc.Mat().createAIJ(size=((shares.rows, None), columns), comm=shares.comm)
+    matrix.setPreallocationCOO(row, column.ravel().astype(PETSc.IntType))
+    matrix.setValuesCOO(value.ravel())
+    return matrix

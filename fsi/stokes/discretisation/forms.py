@@ -1,0 +1,233 @@
+"""The weak forms, each under the name that a textbook gives it.
+
+Stokes flow, with `e(u) = (grad u + grad u^T) / 2` and `sigma = 2 mu e(u) - p I`:
+
+    a(u, v) + b(v, p) = (f, v) + <t, v>      a(u, v) = int 2 mu e(u) : e(v)
+    b(u, q)           = 0                    b(v, q) = - int q div v
+
+Only the form with e(u), not grad u, gives the physical traction `sigma n`. Forms are compiled once
+for each pair of element orders, without a mesh, and bound to each new mesh: compiling costs seconds,
+binding microseconds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import basix.ufl
+import numpy as np
+import ufl
+from dolfinx import fem
+from dolfinx.mesh import exterior_facet_indices
+from numpy.typing import NDArray
+
+from fsi.meshes.aliases import Form
+from fsi.meshes.build import FluidMesh, coordinate_element
+from fsi.meshes.cells.curved import reference_points
+from fsi.stokes.discretisation.compile import compile_form
+
+CELL = fem.IntegralType.cell
+FACET = fem.IntegralType.exterior_facet
+EVERYWHERE = -1
+MARKED = 1
+CURVED, STRAIGHT = 1, 2
+SIMPLEX = {2: "triangle", 3: "tetrahedron"}
+
+MATRICES = ("a", "b", "b^T")
+BENT = 1e-12  # distance of a node from its place in a straight cell, in sizes of the cell
+
+type Expr = ufl.core.expr.Expr
+
+
+def velocity_element(degree: int, dimension: int) -> basix.ufl._ElementBase:
+    """Continuous vector elements of the given degree; equispaced nodes, which VTK draws as they are."""
+    return basix.ufl.element(
+        "Lagrange", SIMPLEX[dimension], degree, basix.LagrangeVariant.equispaced, shape=(dimension,)
+    )
+
+
+def pressure_element(degree: int, dimension: int) -> basix.ufl._ElementBase:
+    """Continuous scalar elements one degree below the velocity (Taylor and Hood 1973)."""
+    return basix.ufl.element("Lagrange", SIMPLEX[dimension], degree - 1, basix.LagrangeVariant.equispaced)
+
+
+@dataclass(frozen=True, slots=True)
+class Coordinates:
+    """The differential operators of Cartesian or axisymmetric (r, z, theta) coordinates.
+
+    Axisymmetric flow without swirl has the hoop strain u_r / r as its third diagonal component, and integrals
+    carry the circumference 2 pi r.
+    """
+
+    omega: ufl.Mesh
+    axisymmetric: bool
+
+    @property
+    def weight(self) -> Expr:
+        """What an element of the domain of computation stands for: 1, or 2 pi r."""
+        r = ufl.SpatialCoordinate(self.omega)[0]
+        weight: Expr = 2 * ufl.pi * r if self.axisymmetric else ufl.as_ufl(1)
+        return weight
+
+    def hoop(self, u: Expr) -> Expr:
+        """u_r / r."""
+        hoop: Expr = u[0] / ufl.SpatialCoordinate(self.omega)[0]
+        return hoop
+
+    def strain_rate(self, u: Expr) -> Expr:
+        """e(u) = (grad u + grad u^T) / 2."""
+        e: Expr = ufl.sym(ufl.grad(u))
+        if self.axisymmetric:
+            e = ufl.as_matrix([[e[0, 0], e[0, 1], 0], [e[1, 0], e[1, 1], 0], [0, 0, self.hoop(u)]])
+        return e
+
+    def div(self, u: Expr) -> Expr:
+        """div u = tr e(u)."""
+        div: Expr = ufl.div(u) + self.hoop(u) if self.axisymmetric else ufl.div(u)
+        return div
+
+    def traction(self, u: Expr, p: Expr, mu: Expr, n: Expr) -> Expr:
+        """sigma n with sigma = 2 mu e(u) - p I; n lies in the plane of computation."""
+        t: Expr = 2 * mu * ufl.dot(ufl.sym(ufl.grad(u)), n) - p * n
+        return t
+
+
+@dataclass(frozen=True, slots=True)
+class Compiled:
+    """Compiled forms, the test and trial spaces of each ("V", "Q"), and the placeholders in them."""
+
+    forms: dict[str, fem.forms.CompiledForm]
+    arguments: dict[str, str]
+    coefficients: dict[str, ufl.Coefficient]
+    constants: dict[str, ufl.Constant]
+
+
+@cache
+def compile_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -> Compiled:
+    """All forms for cells of the given order and velocities of the given degree.
+
+    The quadrature is exact on straight cells in the plane. On curved ones, where the integrands are rational,
+    degree 2 k is enough for forces of order 2 k: with more points those of P3 at default sizes change by
+    1e-10 and less. Where integrals carry r its degree is added. Matrices, which cost most, are integrated
+    over straight cells apart: half the points are exact there.
+    """
+    omega = ufl.Mesh(coordinate_element(order, dimension))
+    V = ufl.FunctionSpace(omega, velocity_element(degree, dimension))
+    Q = ufl.FunctionSpace(omega, pressure_element(degree, dimension))
+    u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
+    p, q = ufl.TrialFunction(Q), ufl.TestFunction(Q)
+    u_h, f_h, p_h = ufl.Coefficient(V), ufl.Coefficient(V), ufl.Coefficient(Q)
+    mu, zero = (ufl.Constant(omega) for _ in range(2))
+    n = ufl.FacetNormal(omega)
+    space = Coordinates(omega, axisymmetric)
+    curved_degree = 2 * degree + order * axisymmetric
+    quadrature = {"quadrature_degree": curved_degree}
+    w = space.weight
+    dx, ds, dS = (
+        ufl.dx(omega, metadata=quadrature),
+        ufl.ds(omega, metadata=quadrature),
+        ufl.ds(MARKED, domain=omega, metadata=quadrature),
+    )
+    on_straight = {"quadrature_degree": curved_degree if axisymmetric else 2 * (degree - 1)}
+    dX = ufl.dx(CURVED, domain=omega, metadata=quadrature) + ufl.dx(
+        STRAIGHT, domain=omega, metadata=on_straight
+    )
+    nothing = ufl.dx(omega, metadata={"quadrature_degree": 0})
+    e_u, e_v, e_h = space.strain_rate(u), space.strain_rate(v), space.strain_rate(u_h)
+    forms = {
+        "a": ("VV", 2 * mu * ufl.inner(e_u, e_v) * w * dX),
+        "b": ("QV", -q * space.div(u) * w * dX),
+        "b^T": ("VQ", -p * space.div(v) * w * dX),
+        # Zero, but it stores the diagonal of the pressure block: without it MUMPS fails on several ranks.
+        "zero": ("QQ", zero * p * q * w * nothing),
+        "pressure mass": ("QQ", p * q / mu * w * dx),
+        "load": ("V", ufl.inner(f_h, v) * w * dx),
+        "pressure weights": ("Q", q * w * dx),
+        "dissipation": ("", 2 * mu * ufl.inner(e_h, e_h) * w * dx),
+        "flux": ("", ufl.inner(u_h, n) * w * ds),
+        "speed on boundary": ("", ufl.sqrt(ufl.inner(u_h, u_h)) * w * ds),
+        "normal": ("V", ufl.inner(n, v) * w * dS),
+        "traction": ("V", ufl.inner(space.traction(u_h, p_h, mu, n), v) * w * dS),
+    }
+    compiled = {name: compile_form(form) for name, (_, form) in forms.items()}
+    return Compiled(
+        compiled,
+        {name: spaces for name, (spaces, _) in forms.items()},
+        {"u": u_h, "f": f_h, "p": p_h},
+        {"mu": mu, "zero": zero},
+    )
+
+
+class Forms:
+    """The compiled forms, bound to one mesh.
+
+    V, Q: velocity and pressure spaces; u, p, f: the functions that stand in the forms of a known flow.
+    """
+
+    def __init__(self, fluid: FluidMesh, degree: int, viscosity: float) -> None:
+        """Bind the forms to a mesh; degree of the velocity, at least the order of the cells."""
+        self._compiled = compile_forms(fluid.order, degree, fluid.dimension, fluid.axisymmetric)
+        self.mesh = fluid.mesh
+        self._degree, self._viscosity = degree, viscosity
+        self.axisymmetric = fluid.axisymmetric
+        self._curved, self._straight = _cells(fluid)
+        self.V = fem.functionspace(fluid.mesh, velocity_element(degree, fluid.dimension))
+        self.Q = fem.functionspace(fluid.mesh, pressure_element(degree, fluid.dimension))
+        self.u, self.f, self.p = fem.Function(self.V), fem.Function(self.V), fem.Function(self.Q)
+        values = {"mu": viscosity, "zero": 0.0}
+        constants = self._compiled.constants
+        self._constants = {constants[name]: fem.Constant(fluid.mesh, value) for name, value in values.items()}
+
+    def fit(self, fluid: FluidMesh, degree: int, viscosity: float) -> bool:
+        """Whether these are the forms of that mesh, which may have moved, with these parameters."""
+        return self.mesh is fluid.mesh and (self._degree, self._viscosity) == (degree, viscosity)
+
+    @property
+    def velocities(self) -> int:
+        """Unknowns of u that this rank owns."""
+        return int(self.V.dofmap.index_map.size_local * self.V.dofmap.index_map_bs)
+
+    @property
+    def dofs(self) -> int:
+        """Unknowns (u, p) of all ranks, before constraints."""
+        V, Q = self.V.dofmap, self.Q.dofmap
+        return int(V.index_map.size_global * V.index_map_bs + Q.index_map.size_global)
+
+    def bind(self, name: str, facets: NDArray[np.int32] | None = None) -> Form:
+        """The form of that name; those over marked facets need the facets."""
+        compiled = self._compiled
+        form = compiled.forms[name]
+        spaces = [self.V if letter == "V" else self.Q for letter in compiled.arguments[name]]
+        subdomains: dict[fem.IntegralType, list[tuple[int, NDArray[np.int32]]]] = {}
+        topology = self.mesh.topology
+        if facets is not None:
+            entities = fem.compute_integration_domains(FACET, topology, facets)
+            subdomains[FACET] = [(MARKED, entities)]
+        elif name in ("flux", "speed on boundary"):
+            facets = exterior_facet_indices(topology)
+            subdomains[FACET] = [(EVERYWHERE, fem.compute_integration_domains(FACET, topology, facets))]
+        elif name in MATRICES:
+            subdomains[CELL] = [(CURVED, self._curved), (STRAIGHT, self._straight)]
+        else:
+            cells = np.arange(topology.index_map(topology.dim).size_local, dtype=np.int32)
+            subdomains[CELL] = [(EVERYWHERE, cells)]
+        functions = {
+            compiled.coefficients[letter]: f for letter, f in (("u", self.u), ("p", self.p), ("f", self.f))
+        }
+        return fem.create_form(form, spaces, self.mesh, subdomains, functions, self._constants)
+
+    def integrate(self, name: str) -> float:
+        """Value of a form without arguments, over all ranks."""
+        return float(self.mesh.comm.allreduce(fem.assemble_scalar(self.bind(name))))
+
+
+def _cells(fluid: FluidMesh) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """This rank's curved and straight cells."""
+    geometry, d = fluid.mesh.geometry, fluid.dimension
+    x = geometry.x[geometry.dofmaps[0][: fluid.mesh.topology.index_map(d).size_local]][:, :, :d]
+    X = reference_points(fluid.order, d)
+    barycentric = np.column_stack([1.0 - X.sum(axis=1), X])
+    off = np.abs(x - barycentric @ x[:, : d + 1]).max(axis=(1, 2))
+    bent = off > BENT * np.ptp(x[:, : d + 1], axis=1).max(axis=1)
+    return np.flatnonzero(bent).astype(np.int32), np.flatnonzero(~bent).astype(np.int32)

@@ -1,0 +1,1 @@
+"""The flow as fields: values at nodes, rates of strain, tractions, their files."""

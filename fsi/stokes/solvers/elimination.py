@@ -1,0 +1,231 @@
+"""The discrete Stokes system around rigid bodies, and its solution by elimination.
+
+Without constraints, for nodal values x = (u, p), the rows of u read
+
+    M x = b + lambda      M = [A B^T; B 0],   b = loads (f, v) and <t, v> on open walls,
+
+where lambda, the nodal reaction, is zero inside and unknown on bodies, walls and the sides of periodic
+domains. With x = P y + g (see `constraints`), rigid^T lambda = (F, T) for every free mode closes the system:
+
+    P^T M P y = P^T (b - M g) + (F, T)
+
+and lambda comes back as M x - b. Both g and lambda live on constrained rows; of M itself only those rows are
+needed. This is EXACTLY the saddle-point system of `saddle`, with its multiplier and the rigid boundary values
+eliminated.
+
+The direct solver leaves held modes out of y; the iterative one, which wants whole bodies, keeps all modes in
+y and sets the held ones to zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+from dolfinx import fem, la
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
+from fsi.meshes.aliases import Form
+from fsi.stokes.discretisation.constraints import Layout, RigidModes
+from fsi.stokes.solvers.coarse import Coarse, transfer
+from fsi.stokes.solvers.fgmres import Blocks, Iteration
+from fsi.stokes.solvers.mumps import Factorisation
+from fsi.stokes.solvers.workspace import Elimination, Workspace
+
+
+@dataclass(frozen=True, slots=True)
+class System:
+    """Everything that a solve needs on one mesh at one instant.
+
+    M: Stokes matrix of all unknowns; rigid: rigid modes at the nodes on bodies; b: loads,
+    g: given wall velocities, arrays over this rank's rows; q: the bodies; motion, inertia: what drives them;
+    x: coordinates of this rank's velocity nodes, (n, d); weights: int q over the fluid for each of its
+    rows of p; mass: of the pressure / mu, and coarse: velocities of degree 1, for the iterative solver, None
+    for the direct one; closed: no wall is open; workspace: whose M is, and that keeps the factors.
+    """
+
+    shares: Layout
+    M: PETSc.Mat
+    rigid: RigidModes
+    b: Array
+    g: Array
+    q: Configuration
+    motion: Motion
+    inertia: Inertia | None
+    x: Array
+    weights: Array
+    mass: PETSc.Mat | None
+    coarse: Coarse | None
+    closed: bool
+    workspace: Workspace
+
+    @property
+    def kept(self) -> NDArray[np.bool_]:
+        """The modes that stand in y, (M N,)."""
+        held = self.motion.held.ravel()
+        return ~held if self.mass is None else np.ones_like(held)
+
+    @property
+    def own_kept(self) -> int:
+        """How many modes stand in this rank's part of y: all on rank 0, where they come last."""
+        return int(self.kept.sum()) if self.shares.comm.rank == 0 else 0
+
+
+@dataclass(frozen=True, slots=True)
+class NodalSolution:
+    """What the linear system gives.
+
+    x: values of (u, p), and reaction: lambda, arrays over this rank's rows; on those of masters it is left
+    out, being minus that of their slaves; U: (N, M) on all ranks;
+    residual: relative residual of the linear system; iterations: most of them, 0 by the direct solver.
+    """
+
+    x: Array
+    reaction: Array
+    U: Array
+    residual: float
+    iterations: int = 0
+
+
+def nodal_vector(form: Form) -> Array:
+    """A linear form on the velocity space, summed over ranks; this rank's rows of u."""
+    vector = fem.assemble_vector(form)
+    vector.scatter_reverse(la.InsertMode.add)
+    owned: Array = vector.array[: vector.index_map.size_local * vector.block_size].copy()
+    return owned
+
+
+def multiply(matrix: PETSc.Mat, values: Array) -> Array:
+    """This rank's rows of a matrix times a vector given by this rank's values."""
+    x, y = matrix.createVecs()
+    x.array[:] = values
+    matrix.mult(x, y)
+    return _taken(y, x)
+
+
+def multiply_transpose(matrix: PETSc.Mat, values: Array) -> Array:
+    """This rank's rows of a transposed matrix times a vector given by this rank's values."""
+    x, y = matrix.createVecs()
+    y.array[:] = values
+    matrix.multTranspose(y, x)
+    return _taken(x, y)
+
+
+def _taken(vector: PETSc.Vec, used: PETSc.Vec) -> Array:
+    """The values of a vector; both are destroyed."""
+    values: Array = vector.array.copy()
+    vector.destroy()
+    used.destroy()
+    return values
+
+
+def load_of(system: System, nodal: Array) -> Array:
+    """(F, T) = rigid^T lambda of a nodal reaction, (N, M), on all ranks."""
+    load: Array = system.shares.comm.bcast(multiply_transpose(system.rigid.matrix, nodal))
+    return load.reshape(-1, system.shares.modes_of_each)
+
+
+def body_velocity(system: System, U: Array) -> Array:
+    """Nodal values rigid U on this rank's rows, for modes (N, M) known on all ranks."""
+    return multiply(system.rigid.matrix, U.ravel() if system.shares.comm.rank == 0 else np.empty(0))
+
+
+def mode_equations(system: System) -> tuple[Array, Array]:
+    """D and F + D U0 of all modes, (M N,), of the balance `rigid^T lambda + D U = F + D U0`; 0 if held."""
+    free = ~system.motion.held.ravel()
+    load = system.motion.F.ravel() * free
+    if system.inertia is None:
+        return np.zeros(len(load)), load
+    D = system.inertia.D.ravel() * free
+    return D, load + D * system.inertia.U0.ravel()
+
+
+def solve_eliminated(system: System) -> NodalSolution:
+    """Solve for y, then x = P y + g and lambda = M x - b.
+
+    Raises:
+        SolveError: the system is singular, or its residual is not small.
+    """
+    with factorised(system) as responses:
+        return next(responses(system.motion.U[None]))
+
+
+@contextmanager
+def factorised(system: System) -> Iterator[Callable[[Array], Iterator[NodalSolution]]]:
+    """Factorise P^T M P once: gives the solutions for any velocities (k, N, M) of the held modes; collective.
+
+    Or set up the iterative solver once.
+
+    Raises:
+        SolveError: the system is singular, or the residual of a solution is not small.
+    """
+    elimination = system.workspace.elimination(system.M, system.shares, system.rigid, system.kept)
+    reduced, own = elimination.reduced, system.own_kept
+    first_mode = reduced.getLocalSize()[0] - own
+    D, _ = mode_equations(system)
+    _add_to_diagonal(reduced, first_mode, D[system.kept][:own])
+    if system.mass is None or system.coarse is None:
+        factors = elimination.factors(lasting=system.workspace.lasting)
+        yield lambda U: _respond(system, elimination, factors, U)
+        return
+    try:
+        with _iteration(system, system.mass, system.coarse, reduced, first_mode) as iteration:
+            yield lambda U: _respond(system, elimination, iteration, U)
+    finally:
+        system.workspace.forget_elimination()
+
+
+def _iteration(
+    system: System, mass: PETSc.Mat, coarse: Coarse, reduced: PETSc.Mat, first_mode: int
+) -> Iteration:
+    """The iterative solver; it changes the matrix."""
+    shares, start = system.shares, reduced.getOwnershipRange()[0]
+    held = np.flatnonzero(system.motion.held.ravel())[: system.own_kept]
+    reduced.zeroRowsColumns((start + first_mode + held).astype(PETSc.IntType), diag=1.0)
+    pressures = shares.pressure_nodes
+    modes = np.arange(first_mode, first_mode + system.own_kept)
+    blocks = Blocks(
+        u=start + np.concatenate([np.arange(first_mode - pressures), modes]),
+        p=start + np.arange(first_mode - pressures, first_mode),
+        transfer=transfer(coarse, shares.free[: shares.velocities], system.motion.held.ravel()),
+        rigid=coarse.rigid,
+        mass=mass,
+        closed=system.closed,
+    )
+    return Iteration(reduced, blocks)
+
+
+def _respond(
+    system: System, elimination: Elimination, solver: Factorisation | Iteration, held_U: Array
+) -> Iterator[NodalSolution]:
+    """The solutions with velocities held_U (k, N, M) of the held modes, zero on the free ones."""
+    free, kept, own = ~system.motion.held, system.kept, system.own_kept
+    P, M, rows = elimination.P, elimination.constrained, system.shares.constrained
+    g = [system.g + body_velocity(system, U) for U in held_U]
+    # M is symmetric.
+    loads = [system.b - multiply_transpose(M, offset[rows]) for offset in g]
+    rhs = np.column_stack([multiply_transpose(P, load) for load in loads])
+    first_mode = len(rhs) - own
+    rhs[first_mode:] += mode_equations(system)[1][kept][:own, None]
+    rhs[first_mode:][~free.ravel()[kept][:own]] = 0.0
+    solutions, residuals = solver.solve(rhs)
+    for U, offset, y, residual in zip(held_U, g, solutions.T, residuals, strict=True):
+        x = multiply(P, y) + offset
+        moved = U.copy()
+        moved[free] = system.shares.comm.bcast(y[first_mode:])[free.ravel()[kept]]
+        reaction = np.zeros(len(x))
+        reaction[rows] = multiply(M, x) - system.b[rows]
+        yield NodalSolution(x, reaction, moved, float(residual), solver.iterations)
+
+
+def _add_to_diagonal(matrix: PETSc.Mat, first: int, values: Array) -> None:
+    """Add to this rank's rows from `first` on."""
+    start, _ = matrix.getOwnershipRange()
+    for k, value in enumerate(values):
+        row = start + first + k
+        matrix.setValue(row, row, value, PETSc.InsertMode.ADD_VALUES)
+    matrix.assemble()

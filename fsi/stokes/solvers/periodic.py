@@ -1,0 +1,249 @@
+"""Periodic flow: `u = E x + periodic`, `p = G.x + periodic`, on a domain opened along its cut.
+
+Nodes on one side of the cut (slaves) have their images on the other (masters): at a lattice vector e
+
+    u(x + e) = u(x) + E e,      p(x + e) = p(x) + G.e,
+
+which is a row of P and a jump in g. The traction jumps by -G.e n; with test functions that do not jump it
+loads the slaves by  - (G.e) <n, v>. The same holds on arcs of bodies that the cut has left at another image
+than the rest of the body, so that every force is that of one image in one pressure field.
+
+The mean pressure gradient G is given, or follows from the forces (in a cell without walls it balances
+them), or is found such that the mean velocity has its given value. Where all bodies of such a cell are free,
+the flow is determined up to a translation: one body rests, and then the mean of u - E x over fluid and bodies
+is brought to zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from dolfinx import mesh as dolfinx_mesh
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from fsi.bodies.configuration import Array, Configuration, Motion
+from fsi.meshes.build import FluidMesh
+from fsi.meshes.geometry.lattice import Integers
+from fsi.meshes.geometry.periodic import Cell, Periodic
+from fsi.meshes.matching import matching_nodes, matching_points
+from fsi.stokes.discretisation.boundary import facets_with
+from fsi.stokes.discretisation.constraints import Layout
+from fsi.stokes.discretisation.forms import Forms
+from fsi.stokes.solvers.elimination import NodalSolution, System, nodal_vector
+
+type Solver = Callable[[System], NodalSolution]
+
+
+@dataclass(frozen=True, slots=True)
+class MeanFlow:
+    """What is imposed on the whole of a periodic flow.
+
+    gradient: E, (2, 2); pressure_gradient: G, (2,), NaN where it is to be found; velocity: mean of u - E x
+    over fluid and bodies, (2,), which counts where G is to be found, and where `drifting`; drifting:
+    components in which nothing but this mean fixes a translation of everything, bool (2,).
+    """
+
+    gradient: Array
+    pressure_gradient: Array
+    velocity: Array
+    drifting: NDArray[np.bool_]
+
+
+def mean_flow(
+    container: Periodic, motion: Motion, pressure_gradient: float | None, net_flux: float
+) -> MeanFlow:
+    """The mean flow of a channel with dp/dx, or None and a net flux; or of a cell."""
+    still, nowhere = np.zeros((2, 2)), np.zeros(2, dtype=bool)
+    if isinstance(container, Cell):
+        held = motion.held[:, :2].any(axis=0)
+        G = np.where(held, np.nan, motion.F[:, :2].sum(axis=0) / container.volume)
+        return MeanFlow(np.array(container.gradient), G, np.zeros(2), ~held)
+    G = np.array([np.nan if pressure_gradient is None else pressure_gradient, 0.0])
+    height = container.upper[1] - container.lower[1]
+    return MeanFlow(still, G, np.array([net_flux / height, 0.0]), nowhere)
+
+
+def tied(shares: Layout, fluid: FluidMesh, forms: Forms, x: Array) -> Layout:
+    """The layout with its slaves; collective. x: velocity nodes, ghosts last, (n, 2)."""
+    of_pressure = forms.Q.tabulate_dof_coordinates()
+    pairs = [matching_nodes(fluid, space, nodes) for space, nodes in ((forms.V, x), (forms.Q, of_pressure))]
+    V, Q = forms.V.dofmap.index_map, forms.Q.dofmap.index_map
+    starts = np.array(shares.comm.allgather((V.local_range[0], Q.local_range[0], V.size_local, shares.rows)))
+    first_row = np.concatenate([[0], np.cumsum(starts[:, 3])])
+
+    def rows(numbers: NDArray[np.int64], space: int, component: int) -> NDArray[np.int64]:
+        """Global rows of nodes, given by their global numbers, of V (0) or Q (1)."""
+        owner = np.searchsorted(starts[:, space], numbers, side="right") - 1
+        local = numbers - starts[owner, space]
+        of_rank = 2 * local + component if space == 0 else 2 * starts[owner, 2] + local
+        row: NDArray[np.int64] = first_row[owner] + of_rank
+        return row
+
+    parts = [(pairs[0], 0, 0), (pairs[0], 0, 1), (pairs[1], 1, 0)]
+    slave, master = (
+        np.concatenate([rows(getattr(p, side), space, c) for p, space, c in parts])
+        for side in ("slave", "master")
+    )
+    shift = fluid.lattice.shift(np.concatenate([p.shift for p, _, _ in parts]))
+    slave -= first_row[shares.comm.rank]
+    own = (slave >= 0) & (slave < shares.rows)
+    own[own] = ~np.isin(slave[own], np.concatenate([shares.fixed, shares.on_body]))
+    return replace(shares, slave=slave[own], master=master[own], away=shift[own])
+
+
+@dataclass(frozen=True, slots=True)
+class Jumps:
+    """What a velocity gradient and a pressure gradient put into g and b; of this rank.
+
+    to_body: how far the node of each row on a body lies from that of the body at q_i, (on_body, 2); normals:
+    pairs of a lattice vector e and the nodal values of <n, v> over all that lies at e, on slaves and on
+    opened bodies.
+    """
+
+    shares: Layout
+    to_body: Array
+    normals: list[tuple[Array, Array]]
+
+    def of_velocity(self, E: Array) -> Array:
+        """The part of g for u(x + e) = u(x) + E e, this rank's rows."""
+        shares, g = self.shares, np.zeros(self.shares.rows)
+        of_flow = shares.slave < 2 * shares.velocity_nodes
+        slave = shares.slave[of_flow]
+        g[slave] = (shares.away[of_flow] @ E.T)[np.arange(len(slave)), slave % 2]
+        g[shares.on_body] = (self.to_body @ E.T)[np.arange(len(shares.on_body)), shares.on_body % 2]
+        return g
+
+    def of_pressure(self, G: Array) -> tuple[Array, Array]:
+        """The parts of g and of b for p(x + e) = p(x) + G.e, this rank's rows."""
+        shares, g, b = self.shares, np.zeros(self.shares.rows), np.zeros(self.shares.rows)
+        of_pressure = shares.slave >= 2 * shares.velocity_nodes
+        g[shares.slave[of_pressure]] = shares.away[of_pressure] @ G
+        for e, normal in self.normals:
+            b[: len(normal)] -= (G @ e) * normal
+        return g, b
+
+
+def jumps(shares: Layout, fluid: FluidMesh, forms: Forms, q: Configuration, x: Array) -> Jumps:
+    """The jumps of a domain that was opened; collective. x: this rank's velocity nodes, (n, 2)."""
+    lattice = fluid.lattice
+    r = x[shares.on_body // 2] - q.centres[shares.body]
+    return Jumps(shares, lattice.shift(lattice.nearest(r)), _normals(fluid, forms, q))
+
+
+def _normals(fluid: FluidMesh, forms: Forms, q: Configuration) -> list[tuple[Array, Array]]:
+    """Lattice vectors e and <n, v> over the facets at e: slaves of the cut, and arcs of bodies."""
+    comm, lattice = fluid.mesh.comm, fluid.lattice
+    facets = np.concatenate(
+        [facets_with(fluid, 1, fluid.bodies), facets_with(fluid, fluid.cut_tag, fluid.cut_tag)]
+    )
+    tags = fluid.facet_tags.values[np.searchsorted(fluid.facet_tags.indices, facets)]
+    middle = dolfinx_mesh.compute_midpoints(fluid.mesh, 1, facets)[:, :2]
+    m = np.zeros((len(facets), lattice.dimension), dtype=np.int64)
+    on_body = tags <= fluid.bodies
+    body = tags[on_body] - 1
+    m[on_body] = lattice.nearest(middle[on_body] - q.centres[body])
+    first = np.full((fluid.bodies, lattice.dimension), np.iinfo(np.int64).max)
+    np.minimum.at(first, body, m[on_body])
+    comm.Allreduce(MPI.IN_PLACE, first, op=MPI.MIN)
+    m[on_body] -= first[body]
+    m[~on_body] = _shifts_on_cut(fluid, middle[~on_body])
+    found = []
+    for e in np.unique(np.concatenate(comm.allgather(m)), axis=0):
+        if e.any():
+            here = facets[np.all(m == e, axis=1)]
+            found.append((lattice.shift(e[None])[0], nodal_vector(forms.bind("normal", here))))
+    return found
+
+
+def _shifts_on_cut(fluid: FluidMesh, middle: Array) -> Integers:
+    """How far facets of the cut with these middles (n, 2) lie from their images there: zero for masters."""
+    comm, lattice = fluid.mesh.comm, fluid.lattice
+    everywhere = np.concatenate(comm.allgather(middle))
+    pairs = matching_points(everywhere, lattice)
+    m = np.zeros((len(everywhere), lattice.dimension), dtype=np.int64)
+    m[pairs.slave] = pairs.shift
+    first = comm.exscan(len(middle)) or 0
+    return m[first : first + len(middle)]
+
+
+@dataclass(frozen=True, slots=True)
+class Averages:
+    """Averages over fluid and bodies together.
+
+    weights: int v_c over the fluid for each row of u, (rows of u, 2), of this rank; x: this rank's velocity
+    nodes, (n, 2); q: the bodies; area: of fluid and bodies.
+    """
+
+    comm: MPI.Intracomm
+    weights: Array
+    x: Array
+    q: Configuration
+    area: float
+
+    def velocity(self, solution: NodalSolution, E: Array) -> Array:
+        """The mean of u - E x, (2,)."""
+        u = solution.x[: len(self.weights)] - (self.x @ E.T).ravel()
+        V = solution.U[:, :2] - self.q.centres @ E.T
+        of_fluid = np.asarray(self.comm.allreduce(u @ self.weights, op=MPI.SUM))
+        mean: Array = (of_fluid + (np.pi * self.q.radii**2) @ V) / self.area
+        return mean
+
+
+def averages(forms: Forms, q: Configuration, x: Array, area: float) -> Averages:
+    """The averages over a periodic domain; collective. x: this rank's velocity nodes, (n, 2)."""
+    columns = []
+    for direction in np.eye(2):
+        forms.f.x.array[:] = np.tile(direction, len(forms.f.x.array) // 2)
+        columns.append(nodal_vector(forms.bind("load")))
+    return Averages(forms.mesh.comm, np.column_stack(columns), x, q, area)
+
+
+def solve_periodic(
+    system: System, solver: Solver, jump: Jumps, mean: MeanFlow, average_of: Callable[[], Averages]
+) -> tuple[System, NodalSolution]:
+    """The flow with the given mean, and the system with the loads that it took; collective.
+
+    It is linear in G: the flow for what is known of G, plus what each unknown component drives alone. The
+    averages are made where a mean is given.
+
+    Raises:
+        SolveError: as the solver.
+    """
+    E, G = mean.gradient, np.nan_to_num(mean.pressure_gradient)
+    held = system.motion.held.copy()
+    held[:1, :2] |= mean.drifting
+    at_rest = Motion(held, np.zeros_like(system.motion.U), np.zeros_like(system.motion.F))
+    g, b = jump.of_pressure(G)
+    known = replace(
+        system, g=system.g + g + jump.of_velocity(E), b=system.b + b, motion=replace(system.motion, held=held)
+    )
+    solution, total_g, total_b = solver(known), known.g, known.b
+    unknown = np.flatnonzero(np.isnan(mean.pressure_gradient))
+    if len(unknown) or mean.drifting.any():
+        average = average_of()
+    if len(unknown):
+        pushes = [jump.of_pressure(direction) for direction in np.eye(2)[unknown]]
+        driven = [solver(replace(known, g=g, b=b, motion=at_rest, inertia=None)) for g, b in pushes]
+        response = np.column_stack([average.velocity(flow, np.zeros((2, 2)))[unknown] for flow in driven])
+        missing = (mean.velocity - average.velocity(solution, E))[unknown]
+        for s, flow, (g, b) in zip(np.linalg.solve(response, missing), driven, pushes, strict=True):
+            solution, total_g, total_b = _sum(solution, flow, s), total_g + s * g, total_b + s * b
+    if mean.drifting.any():
+        drift = np.where(mean.drifting, mean.velocity - average.velocity(solution, E), 0.0)
+        u = solution.x.copy()
+        u[: len(average.weights)] += np.tile(drift, len(average.x))
+        solution = replace(solution, x=u, U=solution.U + np.append(drift, 0.0))
+    return replace(known, g=total_g, b=total_b, motion=system.motion), solution
+
+
+def _sum(one: NodalSolution, other: NodalSolution, s: float) -> NodalSolution:
+    """one + s other."""
+    return NodalSolution(
+        one.x + s * other.x,
+        one.reaction + s * other.reaction,
+        one.U + s * other.U,
+        max(one.residual, other.residual),
+    )

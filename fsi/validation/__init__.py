@@ -1,0 +1,1 @@
+"""The resolved model against exact solutions."""

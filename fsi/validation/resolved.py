@@ -1,0 +1,142 @@
+"""The resolved model's side of `fsi validate`: solves and runs of a case, and their errors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from fsi import parallel
+from fsi.bodies.configuration import Array
+from fsi.bodies.gaps import find_gaps
+from fsi.case.case import Case
+from fsi.case.sections import Expected
+from fsi.errors import InputError, SolveError
+from fsi.integration.stepper import ERROR_ORDER
+from fsi.meshes.errors import MeshError
+from fsi.models import make_model
+from fsi.observables.error_estimate import ErrorEstimate
+from fsi.observables.truncation import halved
+from fsi.run import run_case
+from fsi.run_folder.folder import STEPS
+from fsi.stokes.adapt import solve_with_errors
+from fsi.stokes.model import StokesModel
+from fsi.validation.references import ENCLOSED, TIME_AT_GAP, gap_of
+from fsi.validation.rows import Row, computed, reference, swept
+
+# A second run has steps that many times as long: at order 2 or more its error is more than twice as large.
+STRETCH = 1.5
+
+
+def rows_of(path: Path, runs: Path) -> Iterator[list[Row]]:
+    """The rows of one case file, a list for each value of its sweep; collective.
+
+    Args:
+        path: the case file.
+        runs: where a case with [time] leaves its run folders.
+
+    Raises:
+        InputError: the case is not sound. A solve that fails gives rows without value.
+    """
+    for value, case in swept(path):
+        try:
+            found = _instant(case) if case.time is None else _history(case, runs / path.stem)
+            failure = ""
+        except (SolveError, MeshError) as error:
+            found, failure = [(np.nan, np.nan, np.nan)] * len(case.expected), str(error)
+        yield [
+            _row(path.stem, value, case, row, *numbers, failure)
+            for row, numbers in zip(case.expected, found, strict=True)
+        ]
+
+
+def _row(
+    name: str, sweep: float | None, case: Case, row: Expected,
+    value: float, error: float, truncation: float, failure: str,
+) -> Row:  # fmt: skip
+    expected, digits = reference(case, row)
+    size = abs(expected) or 1.0
+    q = case.configuration()
+    gap = find_gaps(q, case.container(), reach=case.container().size()).smallest() / float(q.radii.min())
+    return Row(
+        name, sweep, gap, row.quantity, value, error / size, truncation / size, expected, digits, row.rtol,
+        row.exact or "", row.source, failure,
+    )  # fmt: skip
+
+
+def _instant(case: Case) -> list[tuple[float, float, float]]:
+    """(value, error of the elements, truncation) of each expected row at time 0."""
+    solved = solve_with_errors(case)
+    solution, errors = solved.solution, solved.errors
+    enclosed = any(row.exact in ENCLOSED for row in case.expected)
+    half = None if enclosed else halved(solved.case)
+    smaller = solution if half is None else StokesModel(half)(half.configuration(), 0.0)
+    thicker = (smaller.apparent_viscosity or 0.0) - (solution.apparent_viscosity or 0.0)
+    lost = smaller.dissipation - solution.dissipation
+    change = ErrorEstimate(smaller.U - solution.U, smaller.F - solution.F, lost, thicker)
+    return [
+        (
+            computed(case, solution, row.quantity),
+            abs(computed(case, errors, row.quantity)),
+            abs(computed(case, change, row.quantity)),
+        )
+        for row in case.expected
+    ]
+
+
+def _history(case: Case, folder: Path) -> list[tuple[float, float, float]]:
+    """The same of times at gaps, from two runs; the error is that of the elements and of the time steps."""
+    assert case.time is not None
+    steps = {
+        "tolerance": STRETCH**ERROR_ORDER * case.time.tolerance,
+        "gap_loss": STRETCH * case.time.gap_loss,
+    }
+    coarser = case.time.model_copy(update=steps)
+    fine = _run(case, folder)
+    rough = _run(case.model_copy(update={"time": coarser}), folder.with_name(f"{folder.name}-coarser"))
+    truncation = _relative_truncation(case)
+    found = []
+    for row in case.expected:
+        at, late = time_at(gap_of(row.quantity), *fine[:2]), time_at(gap_of(row.quantity), *rough[:2])
+        elements = float(np.sum(np.where(fine[0] <= at, fine[2], 0.0)))
+        found.append((at, elements + abs(late - at), truncation * at))
+    return found
+
+
+def _run(case: Case, folder: Path) -> tuple[Array, Array, Array]:
+    """t, smallest gap, and the delay that the error of the velocity may have caused in each step."""
+    output = case.output.model_copy(update={"fields": False, "error_estimates": True})
+    case = case.model_copy(update={"output": output})
+    run_case(case, folder, make_model(case))
+    table = parallel.on_root(lambda: np.genfromtxt(folder / STEPS, delimiter=",", names=True))
+    return table["t"], table["smallest_gap"], table["h"] * table["err_U"]
+
+
+def _relative_truncation(case: Case) -> float:
+    """Change of the velocities at time 0 when the radius of the container is halved."""
+    half = halved(case)
+    if half is None:
+        return 0.0
+    U, smaller = (StokesModel(one)(one.configuration(), 0.0).U for one in (case, half))
+    return float(np.abs(smaller - U).max() / np.abs(U).max())
+
+
+def time_at(gap: float, t: Array, gaps: Array) -> float:
+    """When the smallest gap first became `gap`, by a cubic spline of t over ln gap where the gap decreases.
+
+    Raises:
+        InputError: it never did.
+    """
+    if gaps.min() > gap:
+        raise InputError(
+            f"{TIME_AT_GAP}{gap:g}: the smallest gap of the run is {gaps.min():.3g}; raise time.end"
+        )
+    last = int(np.argmax(gaps <= gap))
+    rises = np.flatnonzero(np.diff(gaps[: last + 1]) >= 0.0)
+    first = int(rises[-1]) + 1 if len(rises) else 0
+    later = np.flatnonzero(np.diff(gaps[last:]) >= 0.0)
+    end = last + int(later[0]) + 1 if len(later) else len(gaps)
+    y, s = np.log(gaps[first:end][::-1]), t[first:end][::-1]
+    return float(CubicSpline(y, s)(np.log(gap)))

@@ -1,0 +1,172 @@
+"""Validation: rows of computed values against references, their verdicts, and the files that keep them."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import tomllib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from pathlib import Path
+
+import numpy as np
+
+from fsi.case.case import Case, load_case, parse_case
+from fsi.case.checks.expected import check_expected
+from fsi.case.overrides import override
+from fsi.case.section import nearest_word, toml_text
+from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, Expected
+from fsi.errors import InputError
+from fsi.observables.error_estimate import Measured
+from fsi.validation.references import REFERENCES, TIME_AT_GAP, component
+
+EXACT_DIGITS = 1e-13  # relative error of the functions in `fsi.lubrication`
+WIDEST_BAR = 10.0  # an error bar holds if the true error is between a tenth of it and all of it
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One computed number and its reference. Errors are relative to the reference.
+
+    case: file name without suffix; sweep: value of the swept key, None without sweep; gap: smallest gap over
+    smallest radius at time 0; mesh_error: estimated error of the elements (and of the time steps);
+    truncation: of the finite container; digits: how exact the reference is; failure: why there is no value,
+    or empty.
+    """
+
+    case: str
+    sweep: float | None
+    gap: float
+    quantity: str
+    value: float
+    mesh_error: float
+    truncation: float
+    reference: float
+    digits: float
+    rtol: float
+    exact: str
+    source: str
+    failure: str = ""
+
+    @property
+    def error_bar(self) -> float:
+        """Estimated error, of all origins."""
+        return self.mesh_error + self.truncation
+
+    @property
+    def true_error(self) -> float:
+        """What it really is."""
+        return abs(self.value - self.reference) / (abs(self.reference) or 1.0)
+
+    @property
+    def passed(self) -> bool:
+        """Within the tolerance; a row without a value fails."""
+        return self.true_error <= self.rtol
+
+    @property
+    def bar_holds(self) -> bool | None:
+        """Whether the bar brackets the true error and is within a factor 10 of it.
+
+        None where the true error is below the reference's own digits, so that it is not known.
+        """
+        if self.true_error <= self.digits:
+            return None
+        return self.true_error <= self.error_bar <= WIDEST_BAR * self.true_error
+
+    @property
+    def record(self) -> dict[str, float | str | bool | None]:
+        """All of it, for JSON and CSV."""
+        fields = {name: getattr(self, name) for name in Row.__dataclass_fields__}
+        return fields | {
+            "error_bar": self.error_bar,
+            "true_error": self.true_error,
+            "passed": self.passed,
+            "bar_holds": self.bar_holds,
+        }
+
+
+def chosen_cases(folder: Path, names: Sequence[str]) -> list[Path]:
+    """The case files of these names in the folder, all of them if there are none. Raises InputError."""
+    found = {path.stem: path for path in sorted(folder.glob("*.toml"))}
+    if not found:
+        raise InputError(
+            f"--cases {folder}: no case files there; drop it for those that come with the program"
+        )
+    for name in names:
+        if name not in found:
+            raise InputError(f"{name}: no such validation case; the nearest is {nearest_word(name, found)}")
+    return [found[name] for name in names] if names else list(found.values())
+
+
+def swept(path: Path) -> Iterator[tuple[float | None, Case]]:
+    """The case, or one for each value of its sweep. Raises InputError."""
+    case = load_case(path)
+    _require_comparable(path, case)
+    if case.sweep is None:
+        yield None, case
+        return
+    for value in case.sweep.values:
+        data = tomllib.loads(case.as_toml())
+        number = int(value) if value.is_integer() else value  # some keys take whole numbers only
+        override(data, f"{case.sweep.key}={number!r}")
+        yield value, parse_case(data)
+
+
+def _require_comparable(path: Path, case: Case) -> None:
+    """Raise InputError unless the resolved flow gives every expected row, of an instant or of a run."""
+    if case.model != "resolved":
+        raise InputError(f'{path}: model = "{case.model}": only the resolved flow is validated; change it')
+    if not case.expected:
+        raise InputError(f"{path}: nothing to compare with; give it [[expected]] rows")
+    check_expected(case)
+    for i, row in enumerate(case.expected):
+        here = f"{path}: expected.{i}.quantity = {toml_text(row.quantity)}"
+        if case.time is not None and not row.quantity.startswith(TIME_AT_GAP):
+            raise InputError(f"{here}: a case with [time] is validated by `{TIME_AT_GAP}...` alone; drop it")
+        if case.time is None and row.quantity.startswith(TIME_AT_GAP):
+            raise InputError(f"{here}: is that of a run; add a section [time] with its end")
+        if case.time is None and row.quantity.split(".")[1:2] == ["position"]:
+            raise InputError(f"{here}: a position is given at time 0; expect a velocity or a force")
+
+
+def reference(case: Case, row: Expected) -> tuple[float, float]:
+    """The reference of a row, and its relative error: half a unit of the last digit given."""
+    if row.value is None:
+        return REFERENCES[row.exact or ""](case, row.quantity), EXACT_DIGITS
+    exponent = Decimal(repr(row.value)).as_tuple().exponent
+    return row.value, 0.5 * 10.0 ** int(exponent) / (abs(row.value) or 1.0)
+
+
+def computed(case: Case, results: Measured, quantity: str) -> float:
+    """The value of `disc.force.y`, by the fluid on the body, `disc.velocity.x`, `dissipation`, ..."""
+    if quantity == DISSIPATION:
+        return results.dissipation
+    if quantity == APPARENT_VISCOSITY:
+        return float("nan") if results.apparent_viscosity is None else results.apparent_viscosity
+    body, mode = component(case, quantity)
+    values = results.U if quantity.split(".")[1] in ("velocity", "angular_velocity") else -results.F
+    return float(values[case.names.index(body), mode])
+
+
+def write_rows(rows: Sequence[Row], folder: Path) -> None:
+    """Write validation.json and validation.csv."""
+    records = [row.record for row in rows]
+    text = json.dumps([{key: _json(value) for key, value in record.items()} for record in records], indent=1)
+    (folder / "validation.json").write_text(text + "\n", encoding="utf-8")
+    (folder / "validation.csv").write_text(csv_text(records), encoding="utf-8")
+
+
+def csv_text(records: Sequence[dict[str, float | str | bool | None]]) -> str:
+    """Records of the same keys as a table with a header."""
+    table = io.StringIO()
+    writer = csv.DictWriter(table, list(records[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(records)
+    return table.getvalue()
+
+
+def _json(value: float | str | bool | None) -> float | str | bool | None:
+    """JSON knows no nan."""
+    return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -1,0 +1,1 @@
+"""Cells of high order: their nodes, their curved sides, their quality."""

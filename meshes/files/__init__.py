@@ -1,0 +1,1 @@
+"""Mesh files: written, read, recovered from a run."""

@@ -1,0 +1,199 @@
+"""Write the mesh of any step, through meshio.
+
+A file has curved triangles and the tagged edges of bodies and walls; in space curved tetrahedra and tagged
+triangles. In .msh files the tags are physical
+groups that bear the names of the bodies and walls, as `fsi.meshes.files.read` wants them; in .vtu files they
+are the cell data `tag`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import fsi.meshes.backend  # noqa: F401
+
+import meshio
+import numpy as np
+from dolfinx import cpp
+from dolfinx.mesh import CellType, entities_to_geometry
+from numpy.typing import NDArray
+
+from fsi.meshes.build import FluidMesh
+from fsi.meshes.cells.curved import CurvedCells, reference_points
+from fsi.meshes.cells.lagrange import lattice
+from fsi.meshes.errors import MeshFileError
+from fsi.meshes.geometry.containers import Array
+from fsi.meshes.planar.triangulate import Indices
+
+VTK_CELLS = {1: CellType.interval, 2: CellType.triangle, 3: CellType.tetrahedron}
+# Names that meshio gives to cells of order 1 ... 4, nodes in gmsh's order.
+LINES = ("line", "line3", "line4", "line5")
+TRIANGLES = ("triangle", "triangle6", "triangle10", "triangle15")
+TETRAHEDRA = ("tetra", "tetra10", "tetra20", "tetra35")
+SIMPLICES = (LINES, TRIANGLES, TETRAHEDRA)  # of dimension 1, 2, 3
+VTK_SIMPLICES = ("VTK_LAGRANGE_CURVE", "VTK_LAGRANGE_TRIANGLE", "VTK_LAGRANGE_TETRAHEDRON")
+
+
+def write_mesh(fluid: FluidMesh, path: Path, names: Sequence[str]) -> None:
+    """Write the mesh; collective, rank 0 writes.
+
+    Args:
+        fluid: the mesh.
+        path: .msh (gmsh 2.2) or .vtu.
+        names: of the bodies.
+
+    Raises:
+        MeshFileError: unknown suffix, or the disk refuses.
+    """
+    require_suffix(path)
+    cells, problem = gather(fluid), None
+    if cells is not None:
+        try:
+            write_cells(cells, path, [*names, *fluid.boundary_names])
+        except MeshFileError as error:
+            problem = error
+    problem = fluid.mesh.comm.bcast(problem)
+    if problem is not None:
+        raise problem
+
+
+def require_suffix(path: Path) -> None:
+    """The suffix must be one that `write_mesh` knows.
+
+    Raises:
+        MeshFileError: it is not.
+    """
+    if path.suffix not in FORMATS:
+        raise MeshFileError(f"output = {path}: unknown suffix {path.suffix!r}; give {' or '.join(FORMATS)}")
+
+
+def gather(fluid: FluidMesh) -> CurvedCells | None:
+    """The whole mesh on rank 0, None elsewhere; collective."""
+    mesh, tags, d = fluid.mesh, fluid.facet_tags, fluid.dimension
+    geometry = mesh.geometry
+    cells = geometry.dofmaps[0][: mesh.topology.index_map(d).size_local]
+    owned = geometry.index_map().size_local
+    numbers = geometry.index_map().local_to_global(np.arange(len(geometry.x), dtype=np.int32))
+    edges = entities_to_geometry(mesh, d - 1, tags.indices)[:, :d]
+    parts = mesh.comm.gather((geometry.x[:owned, :d], numbers[cells], numbers[edges], tags.values))
+    if parts is None:
+        return None
+    x, all_cells, all_edges, values = (np.concatenate([part[k] for part in parts]) for k in range(4))
+    return CurvedCells(x, all_cells, all_edges, values.astype(np.int64), fluid.order)
+
+
+def write_cells(cells: CurvedCells, path: Path, names: Sequence[str]) -> None:
+    """Write cells that are all here, to a temporary name that is then renamed.
+
+    Args:
+        cells: the mesh.
+        path: .msh (gmsh 2.2) or .vtu.
+        names: of the tags 1, 2, ...: bodies, then walls.
+
+    Raises:
+        MeshFileError: unknown suffix, or the disk refuses.
+    """
+    require_suffix(path)
+    file_format, convert = FORMATS[path.suffix]
+    temporary = path.with_name(f".partial-{path.name}")
+    try:
+        meshio.write(temporary, convert(cells, names), file_format=file_format)
+        temporary.replace(path)
+    except OSError as error:
+        raise MeshFileError(f"output = {path}: {error.strerror}; give another path") from error
+
+
+def _gmsh_mesh(cells: CurvedCells, names: Sequence[str]) -> meshio.Mesh:
+    """Cells and tagged facets in physical groups: the names, and `fluid`."""
+    d, order = cells.nodes.shape[1], cells.order
+    # meshio takes this one kind in VTK's order and turns it itself.
+    columns = vtk_order(10, 3) if (d, order) == (3, 2) else gmsh_order(order, d)
+    inside, facets = cells.cells[:, columns], _facet_nodes(cells)
+    if d == 3:
+        facets = facets[:, gmsh_order(order, 2)]
+    blocks = [(SIMPLICES[d - 1][order - 1], inside), (SIMPLICES[d - 2][order - 1], facets)]
+    tags = _tags(cells, len(names))
+    groups = {name: np.array([k + 1, d - 1]) for k, name in enumerate(names)}
+    groups["fluid"] = np.array([len(names) + 1, d])
+    cell_data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
+    return meshio.Mesh(_in_space(cells.nodes), blocks, cell_data=cell_data, field_data=groups)
+
+
+def _vtu_mesh(cells: CurvedCells, names: Sequence[str]) -> meshio.Mesh:
+    """Lagrange cells and facets with the cell data `tag`."""
+    d = cells.nodes.shape[1]
+    inside, facets = cells.cells[:, vtk_order(cells.cells.shape[1], d)], _facet_nodes(cells)
+    if d == 3:
+        facets = facets[:, vtk_order(facets.shape[1], 2)]
+    blocks = [(VTK_SIMPLICES[d - 1], inside), (VTK_SIMPLICES[d - 2], facets)]
+    return meshio.Mesh(_in_space(cells.nodes), blocks, cell_data={"tag": _tags(cells, len(names))})
+
+
+# What meshio calls the format of a suffix. Version 2.2 of gmsh's keeps the physical groups without a
+# description of the geometry.
+FORMATS: dict[str, tuple[str, Callable[[CurvedCells, Sequence[str]], meshio.Mesh]]] = {
+    ".msh": ("gmsh22", _gmsh_mesh),
+    ".vtu": ("vtu", _vtu_mesh),
+}
+
+
+def _in_space(x: Array) -> Array:
+    """Points with three coordinates, z = 0 in the plane."""
+    return np.column_stack([x, np.zeros((len(x), 3 - x.shape[1]))])
+
+
+def _tags(cells: CurvedCells, groups: int) -> list[Indices]:
+    """Tags of the cells, all the same, and of the facets."""
+    return [np.full(len(cells.cells), groups + 1), cells.tags]
+
+
+def vtk_order(nodes: int, dimension: int = 2) -> NDArray[np.int64]:
+    """Columns that put the nodes of simplices of that dimension from the order of basix into VTK's."""
+    return np.argsort(cpp.io.perm_vtk(VTK_CELLS[dimension], nodes))
+
+
+def gmsh_order(order: int, dimension: int = 2) -> NDArray[np.int64]:
+    """Columns that put the nodes of simplices from the order of basix into gmsh's (dolfinx knows up to 3)."""
+    points = np.array(lattice(order) if dimension == 2 else _gmsh_lattice_in_space(order)) / order
+    return np.abs(points[:, None] - reference_points(order, dimension)).sum(axis=2).argmin(axis=1)
+
+
+def _gmsh_lattice_in_space(order: int) -> list[tuple[int, ...]]:
+    """The same of a tetrahedron: vertices, edges, faces, then the tetrahedron inside (a point of order 4)."""
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    points = [order * corner for corner in corners]
+    for i, j in ((0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1)):
+        points += [(order - k) * corners[i] + k * corners[j] for k in range(1, order)]
+    for i, j, k in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (3, 1, 2)):
+        for a, b in lattice(order - 3):
+            points.append((order - 2 - a - b) * corners[i] + (a + 1) * corners[j] + (b + 1) * corners[k])
+    if order == 4:
+        points.append(np.ones(3, dtype=int))
+    return [tuple(int(c) for c in point) for point in points]
+
+
+def _facet_nodes(cells: CurvedCells) -> Indices:
+    """All nodes of the tagged facets in the order of basix, (F, nodes); edges have their ends first."""
+    d = cells.nodes.shape[1]
+    columns = facet_columns(cells.order, d)
+    sides = cells.cells[:, columns].reshape(-1, columns.shape[1])
+    radix = len(cells.nodes) ** np.arange(d)[::-1]
+    keys = np.sort(sides[:, :d], axis=1) @ radix
+    order = np.argsort(keys)
+    wanted = np.sort(cells.edges, axis=1) @ radix
+    facets: Indices = sides[order[np.searchsorted(keys[order], wanted)]]
+    return facets
+
+
+def facet_columns(order: int, dimension: int) -> Indices:
+    """Columns of the nodes of each facet of a cell, in the order of basix, (facets, nodes)."""
+    X = reference_points(order, dimension)
+    corners = np.concatenate([np.zeros((1, dimension)), np.eye(dimension)])
+    line = np.array([0.0, 1.0, *np.arange(1, order) / order])[:, None]
+    Y = line if dimension == 2 else reference_points(order)
+    weights = np.column_stack([1.0 - Y.sum(axis=1), Y])
+    facets = [np.delete(np.arange(dimension + 1), k) for k in range(dimension + 1)]
+    places = np.array([weights @ corners[facet] for facet in facets])
+    columns: Indices = np.abs(places[:, :, None] - X).sum(axis=3).argmin(axis=2)
+    return columns

@@ -1,0 +1,1 @@
+"""What encloses the fluid: boxes, planes, round containers, periodic domains."""

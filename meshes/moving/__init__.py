@@ -1,0 +1,1 @@
+"""Meshes that move with the bodies."""

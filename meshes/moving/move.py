@@ -1,0 +1,253 @@
+"""Carry a mesh along with the bodies, without gmsh.
+
+The displacement d of the vertices extends those of the bodies harmonically,
+
+    div( (1 / volume) grad d ) = 0,    d = displacement of body i on its surface,
+
+where `volume`, in the plane the area, of the cell in the base mesh, makes small cells stiff. On the two sides
+of the cut of a periodic domain d differs by what the lattice has moved. In the plane nodes on discs, and on
+the walls of a channel, slip along their surfaces where that saves the mesh (see `rolling`); other walls keep
+theirs. Curved nodes follow by linear interpolation; how far they are off a straight cell turns with their
+disc, so that discs and spheres stay exactly what they are. Every move starts from the base mesh: it depends
+on where the bodies are, not on how they came there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from math import factorial
+
+import fsi.meshes.backend  # noqa: F401
+
+import basix.ufl
+import numpy as np
+import ufl
+from dolfinx import fem
+from dolfinx.fem.petsc import assemble_matrix
+from mpi4py import MPI
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from fsi.meshes.build import FluidMesh, coordinate_element
+from fsi.meshes.cells.curved import SIMPLEX
+from fsi.meshes.cells.quality import determinant, scaled_jacobian
+from fsi.meshes.cholesky import factorised
+from fsi.meshes.geometry.containers import Array
+from fsi.meshes.matching import columns_of_masters, matching_nodes
+from fsi.meshes.moving.rims import Rims, along, linear_weights, turned
+from fsi.meshes.moving.slip import Rolling, Slips
+
+# A moved cell may differ from its base by this ratio of stretches at most, and keeps this scaled Jacobian.
+LARGEST_DISTORTION = 2.0
+SMALLEST_JACOBIAN = 0.2
+
+
+class Mover:
+    """Moves one base mesh and keeps its factorised Laplace matrix; `close` frees that."""
+
+    def __init__(self, fluid: FluidMesh, centres: Array) -> None:
+        """Prepare to move `fluid`, which was built around bodies at `centres` (N, dimension); collective."""
+        self.fluid = fluid
+        self.centres = centres
+        self._x = fluid.mesh.geometry.x[:, : fluid.dimension].copy()
+        self._vertices = fem.functionspace(fluid.mesh, vertex_element(fluid.dimension))
+        self._inverse_sides = np.linalg.inv(_sides(self._x[fluid.mesh.geometry.dofmaps[0]]))
+        tags = self._boundary_tags()
+        self._rims = Rims.of(fluid, tags[self._vertices.dofmap.list], self._x)
+        self._tags = tags[: self._vertices.dofmap.index_map.size_local]
+        self._on_body = np.flatnonzero((self._tags >= 1) & (self._tags <= fluid.bodies))
+        self._body = self._tags[self._on_body] - 1
+        places = self._vertices.tabulate_dof_coordinates()[self._on_body, : fluid.dimension]
+        r = places - centres[self._body]
+        self._to_image = fluid.lattice.shift(fluid.lattice.nearest(r))
+        self._r = r - self._to_image
+        self._slave, self._away, self._P = self._inside()
+        self._stiffness = self._laplace()
+        self._solver = factorised(self._stiffness, self._P)
+        slips = self._slips()
+        self._rolling = None if slips is None else Rolling(self._stiffness, self._P, slips)
+
+    def close(self) -> None:
+        """Free matrix and factors."""
+        if self._rolling is not None:
+            self._rolling.close()
+        self._solver.destroy()
+        self._stiffness.destroy()
+        self._P.destroy()
+
+    def move(self, centres: Array, carried: Callable[[Array], Array] = np.copy) -> float | None:
+        """Move the bodies to `centres` (N, dimension), in place; collective.
+
+        Args:
+            centres: where the bodies shall be.
+            carried: what vectors (n, 2) between images have become.
+
+        Returns:
+            the worst scaled Jacobian, or None (and the base mesh again) if the moved mesh is not good enough.
+        """
+        given, turns = self._given(centres - self.centres, carried)
+        geometry = self.fluid.mesh.geometry
+        linear, d = linear_weights(self.fluid.order, self.fluid.dimension), self.fluid.dimension
+        of_nodes = np.tensordot(self._extension(given), linear, axes=(1, 1)).transpose(0, 2, 1)
+        if self._rolling is not None:
+            of_nodes[self._rims.cells] += turned(self._rims.off_straight, turns[self._rims.body])
+        geometry.x[geometry.dofmaps[0], :d] = self._x[geometry.dofmaps[0]] + of_nodes
+        quality = self._quality()
+        if quality is None:
+            geometry.x[:, :d] = self._x
+        return quality
+
+    def _boundary_tags(self) -> NDArray[np.int32]:
+        """Tag of each vertex, ghosts last, 0 inside. Vertices at the corner of walls have either's tag."""
+        marker = fem.Function(self._vertices)
+        for tag in range(1, self.fluid.bodies + len(self.fluid.walls) + 1):
+            marker.x.array[
+                fem.locate_dofs_topological(
+                    self._vertices, self.fluid.dimension - 1, self.fluid.facet_tags.find(tag)
+                )
+            ] = tag
+        marker.x.scatter_forward()
+        return np.rint(marker.x.array).astype(np.int32)
+
+    def _laplace(self) -> PETSc.Mat:
+        """Stiffness matrix with weights 1 / volume."""
+        mesh = self.fluid.mesh
+        d = self.fluid.dimension
+        form, weight = _stiffness_form(self.fluid.order, d)
+        inverse_volume = fem.Function(fem.functionspace(mesh, cell_element(d)))
+        sides = _sides(self._x[mesh.geometry.dofmaps[0]])
+        inverse_volume.x.array[:] = factorial(d) / np.abs(determinant(sides))
+        cells = np.arange(mesh.topology.index_map(d).size_local, dtype=np.int32)
+        domain = {fem.IntegralType.cell: [(-1, cells)]}
+        matrix = assemble_matrix(
+            fem.create_form(form, [self._vertices] * 2, mesh, domain, {weight: inverse_volume}, {})
+        )
+        matrix.assemble()
+        return matrix
+
+    def _inside(self) -> tuple[NDArray[np.int64], Array, PETSc.Mat]:
+        """Slaves on the cut, local rows, how far from their masters, and P: d = P y + what is given."""
+        comm, numbers = self.fluid.mesh.comm, self._vertices.dofmap.index_map
+        first, rows = numbers.local_range[0], numbers.size_local
+        pairs = matching_nodes(self.fluid, self._vertices, self._vertices.tabulate_dof_coordinates())
+        own = (pairs.slave >= first) & (pairs.slave < first + rows)
+        own[own] = self._tags[pairs.slave[own] - first] == 0
+        slave, away = pairs.slave[own] - first, self.fluid.lattice.shift(pairs.shift[own])
+        free = self._tags == 0
+        free[slave] = False
+        unit = (comm.exscan(int(free.sum())) or 0) + np.arange(int(free.sum()))
+        known, tied = columns_of_masters(comm, pairs.master[own], first + np.flatnonzero(free), unit)
+        column = np.full(rows, -1)
+        column[free], column[slave[known]] = unit, tied
+        indptr = np.concatenate([[0], np.cumsum(column >= 0)]).astype(PETSc.IntType)
+        entries = column[column >= 0].astype(PETSc.IntType)
+        P = PETSc.Mat().createAIJ(
+            ((rows, None), (len(unit), None)), csr=(indptr, entries, np.ones(len(entries))), comm=comm
+        )
+        return slave, away, P
+
+    def _given(self, displacements: Array, carried: Callable[[Array], Array]) -> tuple[Array, Array]:
+        """What is known of d at this rank's vertices, (n, 2), and by which angle each rim turns, (N,)."""
+        given = np.zeros((len(self._tags), self.fluid.dimension))
+        given[self._on_body] = displacements[self._body] + carried(self._to_image) - self._to_image
+        given[self._slave] = carried(self._away) - self._away
+        if self._rolling is None:
+            return given, np.zeros(self.fluid.bodies)
+        slips = self._rolling.slips(given)
+        turns, slides = np.split(slips, [self.fluid.bodies])
+        given[self._on_body] += turned(self._r, turns[self._body])
+        for k, slide in enumerate(slides):
+            given[self._tags == self.fluid.bodies + 1 + k] = slide * along(self.fluid.lattice)
+        return given, turns
+
+    def _slips(self) -> Slips | None:
+        """Discs turn, and the walls of a channel slide; None with an axis and in space."""
+        fluid = self.fluid
+        if fluid.dimension == 3 or fluid.axisymmetric or fluid.bodies == 0:
+            return None
+        quarter = np.column_stack([-self._r[:, 1], self._r[:, 0]])
+        sliding = len(fluid.walls) if fluid.lattice.dimension == 1 else 0
+        on_wall = np.flatnonzero((self._tags > fluid.bodies) & (self._tags <= fluid.bodies + sliding))
+        direction = np.tile(along(fluid.lattice), (len(on_wall), 1))
+        return Slips(
+            np.concatenate([self._on_body, on_wall]),
+            np.concatenate([self._body, self._tags[on_wall] - 1]).astype(np.int64),
+            np.concatenate([quarter, direction]),
+            fluid.bodies + sliding,
+        )
+
+    def _extension(self, known: Array) -> Array:
+        """Displacements of the corners of this rank's cells (T, d + 1, d) from what is known at vertices."""
+        d = self.fluid.dimension
+        result = fem.Function(self._vertices)
+        corners = np.empty((len(self._vertices.dofmap.list), d + 1, d))
+        moved, load = self._stiffness.createVecs()
+        y, rhs = self._P.createVecRight(), self._P.createVecRight()
+        for axis in range(d):
+            moved.array[:] = known[:, axis]
+            self._stiffness.mult(moved, load)
+            self._P.multTranspose(load, rhs)
+            self._solver.solve(rhs, y)
+            self._P.mult(y, moved)
+            result.x.array[: len(known)] = known[:, axis] - moved.array
+            result.x.scatter_forward()
+            corners[:, :, axis] = result.x.array[self._vertices.dofmap.list]
+        for vector in (moved, load, y, rhs):
+            vector.destroy()
+        return corners
+
+    def _quality(self) -> float | None:
+        """Worst scaled Jacobian over all ranks, None if a cell is distorted too much."""
+        mesh = self.fluid.mesh
+        x = mesh.geometry.x[mesh.geometry.dofmaps[0]][:, :, : self.fluid.dimension]
+        worst = float(scaled_jacobian(x, self.fluid.order).min(initial=1.0))
+        distortion = float(_distortion(_sides(x) @ self._inverse_sides).max(initial=1.0))
+        worst = mesh.comm.allreduce(worst, op=MPI.MIN)
+        distortion = mesh.comm.allreduce(distortion, op=MPI.MAX)
+        return worst if worst >= SMALLEST_JACOBIAN and distortion <= LARGEST_DISTORTION else None
+
+
+def vertex_element(dimension: int = 2) -> basix.ufl._ElementBase:
+    """Continuous linear functions."""
+    return basix.ufl.element("Lagrange", SIMPLEX[dimension], 1)
+
+
+def cell_element(dimension: int = 2) -> basix.ufl._ElementBase:
+    """Functions constant on each cell."""
+    return basix.ufl.element("Discontinuous Lagrange", SIMPLEX[dimension], 0)
+
+
+@cache
+def _stiffness_form(order: int, dimension: int) -> tuple[fem.forms.CompiledForm, ufl.Coefficient]:
+    """`int w grad d . grad v`, compiled without a mesh, and its weight w."""
+    omega = ufl.Mesh(coordinate_element(order, dimension))
+    space = ufl.FunctionSpace(omega, vertex_element(dimension))
+    w = ufl.Coefficient(ufl.FunctionSpace(omega, cell_element(dimension)))
+    d, v = ufl.TrialFunction(space), ufl.TestFunction(space)
+    form = (
+        w
+        * ufl.inner(ufl.grad(d), ufl.grad(v))
+        * ufl.dx(omega, metadata={"quadrature_degree": dimension * (order - 1)})
+    )
+    return fem.compile_form(MPI.COMM_WORLD, form), w
+
+
+def _sides(x: Array) -> Array:
+    """The d sides of each cell (T, nodes, d) that leave its first corner, as columns, (T, d, d)."""
+    sides: Array = (x[:, 1 : x.shape[2] + 1] - x[:, :1]).transpose(0, 2, 1)
+    return sides
+
+
+def _distortion(gradients: Array) -> Array:
+    """Ratio of the largest to the smallest stretch of deformation gradients (T, d, d), (T,)."""
+    if gradients.shape[-1] == 2:
+        # s1^2 + s2^2 = sum of squares, s1 s2 = |det|: ten times as fast as LAPACK.
+        squares, area = np.square(gradients).sum(axis=(1, 2)), np.abs(determinant(gradients))
+        # A flat cell has no finite ratio; 1e100 is as much too large, and its square a number.
+        half = 0.5 * squares / np.maximum(area, 1e-100)
+        of_two: Array = half + np.sqrt(np.maximum(half**2 - 1.0, 0.0))
+        return of_two
+    stretches = np.linalg.svd(gradients, compute_uv=False)
+    ratio: Array = stretches[:, 0] / stretches[:, -1]
+    return ratio

@@ -1,0 +1,1 @@
+"""Meshes of the plane and of the meridional plane: nodes on curves, then triangles."""

@@ -1,0 +1,203 @@
+"""Where a periodic domain is opened: along the shortest ways between neighbouring surfaces.
+
+A plane mesh needs a domain without periods. A straight side would cut bodies, and leave slivers where it
+grazes them. Instead the cut runs from surface to surface along links, the straight lines that join
+neighbours (bodies, their images, walls) where their gap is smallest, and inside the bodies, where there is no
+fluid. What opens the domain is a chain of links from wall to wall, or on a torus two loops; the fluid between
+them and their images is then a polygon of links and arcs with the other bodies as holes.
+
+The chain is a shortest path with the SQUARES of the gaps as lengths. If a third body reached into the circle
+over a link of gap g, the two links to that body would have g1^2 + g2^2 < g^2 and the path would go there. So
+every link has its circle to itself, no link meets another or a body, and narrow gaps are preferred, where
+a mesh has lines from surface to surface anyway.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
+from scipy.spatial import cKDTree
+
+from fsi.meshes.errors import MeshError
+from fsi.meshes.geometry.containers import Array
+from fsi.meshes.geometry.lattice import Integers, Lattice, positive
+from fsi.meshes.geometry.periodic import Periodic
+
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Links:
+    """Neighbours and the ways between them.
+
+    first, second: nodes, (n,): bodies 0 ... N - 1, then walls; shift: the link ends at the image of `second`
+    by these integers, (n, k); step: from the centre of `first` to that of the image, (n, 2), where a wall's
+    centre is the nearest point on it; gap: (n,).
+    """
+
+    first: Indices
+    second: Indices
+    shift: Integers
+    step: Array
+    gap: Array
+
+    def __getitem__(self, chosen: NDArray[np.bool_] | Indices) -> Links:
+        """Some of them."""
+        return Links(
+            self.first[chosen], self.second[chosen], self.shift[chosen], self.step[chosen], self.gap[chosen]
+        )
+
+    def __len__(self) -> int:
+        """How many."""
+        return len(self.gap)
+
+
+def cut(container: Periodic, lattice: Lattice, centres: Array, radii: Array) -> Links:
+    """The links that open the domain.
+
+    Args:
+        container: the periodic domain.
+        lattice: of its periods.
+        centres: of the bodies, wrapped into one cell, (N, 2).
+        radii: (N,).
+
+    Raises:
+        MeshError: a cell without walls has no body.
+    """
+    walls = len(container.walls)
+    if walls + len(radii) == 0:
+        raise MeshError("a periodic cell without walls needs a body; give it one")
+    open_by = _from_wall_to_wall if walls else _two_loops
+    reach = float(radii.max()) if len(radii) else container.size()
+    while True:
+        links = neighbours(container, lattice, centres, radii, reach)
+        chosen, length = open_by(links, len(radii))
+        # A link that was not looked at is longer than all of the way found.
+        if length <= reach**2 or reach > container.size():
+            return links[chosen]
+        reach *= 2.0
+
+
+def neighbours(container: Periodic, lattice: Lattice, centres: Array, radii: Array, reach: float) -> Links:
+    """All links with gaps up to `reach` between bodies, and those of all bodies to the walls."""
+    n, m = len(radii), lattice.near()
+    images = (lattice.shift(m)[:, None] + centres).reshape(-1, 2)
+    pairs = cKDTree(centres).sparse_distance_matrix(
+        cKDTree(images), 2.0 * radii.max(initial=0.0) + reach, output_type="ndarray"
+    )
+    first, (which, second) = pairs["i"], np.divmod(pairs["j"], max(n, 1))
+    # Each link once: to a later body, or to the body's own image by the first of two opposite shifts.
+    once = (second > first) | ((second == first) & positive(m[which]))
+    first, second, shift = first[once], second[once], m[which[once]]
+    step = centres[second] + lattice.shift(shift) - centres[first]
+    gap = np.hypot(*step.T) - radii[first] - radii[second]
+    between = Links(first, second, shift, step, gap)[gap <= reach]
+    return _joined(between, _to_walls(container, lattice, centres, radii))
+
+
+def _to_walls(container: Periodic, lattice: Lattice, centres: Array, radii: Array) -> Links:
+    """From each body straight to each wall; without bodies from the bottom to the top."""
+    n, walls = len(radii), len(container.walls)
+    if n == 0:
+        first, second, gap = np.array([0]), np.array([1]), container.distances(np.zeros((1, 2))).sum(axis=1)
+        step = gap[:, None] * [0.0, 1.0]
+    else:
+        distances = container.distances(centres)
+        first, wall = np.divmod(np.arange(n * walls), max(walls, 1))
+        step = distances[first, wall, None] * np.array([[0.0, -1.0], [0.0, 1.0]])[wall]
+        second, gap = n + wall, distances[first, wall] - radii[first]
+    return Links(first, second, np.zeros((len(first), lattice.dimension), dtype=np.int64), step, gap)
+
+
+def _joined(one: Links, other: Links) -> Links:
+    """The links of both."""
+    names = ("first", "second", "shift", "step", "gap")
+    return Links(*(np.concatenate([getattr(one, name), getattr(other, name)]) for name in names))
+
+
+@dataclass(frozen=True, slots=True)
+class _Tree:
+    """Shortest ways from one node to all.
+
+    length: (nodes,), infinite where there is none; link: that ends it, -1 at the root and where there is
+    none; parent: the node before.
+    """
+
+    length: Array
+    link: Indices
+    parent: Indices
+
+    def way(self, node: int) -> list[int]:
+        """The links from a node back to the root."""
+        found = []
+        while self.link[node] >= 0:
+            found.append(int(self.link[node]))
+            node = int(self.parent[node])
+        return found
+
+
+def _tree(links: Links, root: int, nodes: int) -> _Tree:
+    """The shortest ways from `root` with the squares of the gaps as lengths."""
+    low, high = np.minimum(links.first, links.second), np.maximum(links.first, links.second)
+    order = np.lexsort((links.gap, low * nodes + high))
+    keys = (low * nodes + high)[order]
+    best = order[np.append(True, keys[1:] != keys[:-1])] if len(keys) else order
+    best = best[low[best] != high[best]]
+    weights = np.maximum(links.gap[best], np.finfo(float).tiny) ** 2
+    graph = csr_array((weights, (low[best], high[best])), shape=(nodes, nodes))
+    length, parent = dijkstra(graph, directed=False, indices=root, return_predecessors=True)
+    of_pair = dict(zip((low * nodes + high)[best].tolist(), best.tolist(), strict=True))
+    reached = np.flatnonzero(parent >= 0)
+    link = np.full(nodes, -1, dtype=np.int64)
+    link[reached] = [
+        of_pair[min(a, b) * nodes + max(a, b)] for a, b in zip(reached, parent[reached], strict=True)
+    ]
+    return _Tree(length, link, parent.astype(np.int64))
+
+
+def _from_wall_to_wall(links: Links, bodies: int) -> tuple[Indices, float]:
+    """The shortest chain of links from the bottom to the top, and its length (infinite without any)."""
+    bottom, top = bodies, bodies + 1
+    tree = _tree(links, bottom, bodies + 2)
+    return np.array(tree.way(top)), float(tree.length[top])
+
+
+def _two_loops(links: Links, bodies: int) -> tuple[Indices, float]:
+    """The shortest two loops through body 0 that together open a torus, and the length of the longer.
+
+    They are the two shortest of those that a tree of shortest ways and one more link close, with independent
+    translations (Erickson and Whittlesey 2005, Proc. SODA 16:1038).
+    """
+    tree = _tree(links, 0, bodies)
+    place = np.zeros((bodies, 2), dtype=np.int64)
+    for node in np.argsort(tree.length, kind="stable")[1:]:
+        link, parent = tree.link[node], tree.parent[node]
+        if link >= 0:
+            forward = links.first[link] == parent
+            place[node] = place[parent] + (links.shift[link] if forward else -links.shift[link])
+    around = place[links.first] + links.shift - place[links.second]
+    length = tree.length[links.first] + links.gap**2 + tree.length[links.second]
+    chosen: list[int] = []
+    for link in np.argsort(length, kind="stable"):
+        independent = np.linalg.matrix_rank(around[[*chosen, int(link)]]) == len(chosen) + 1
+        if independent and np.isfinite(length[link]):
+            chosen.append(int(link))
+        if len(chosen) == 2:
+            ends = [int(node) for c in chosen for node in (links.first[c], links.second[c])]
+            both = np.unique([*chosen, *(step for node in ends for step in tree.way(node))])
+            return _without_leaves(links, both, bodies), float(length[chosen[1]])
+    return np.empty(0, dtype=np.int64), np.inf
+
+
+def _without_leaves(links: Links, chosen: Indices, nodes: int) -> Indices:
+    """The same without links that lead nowhere."""
+    while True:
+        degree = np.bincount(np.concatenate([links.first[chosen], links.second[chosen]]), minlength=nodes)
+        kept = chosen[(degree[links.first[chosen]] > 1) & (degree[links.second[chosen]] > 1)]
+        if len(kept) == len(chosen):
+            return chosen
+        chosen = kept

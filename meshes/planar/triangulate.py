@@ -1,0 +1,190 @@
+"""gmsh, and nothing else of it: triangles between given boundary nodes.
+
+gmsh gets discrete curves and fills them by its planar algorithms; it never moves, adds or renumbers
+a boundary node, and takes its sizes from them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import fsi.meshes.backend  # noqa: F401
+
+import gmsh
+import numpy as np
+from numpy.typing import NDArray
+
+from fsi.meshes.errors import MeshError
+from fsi.meshes.geometry.containers import Array
+from fsi.meshes.planar.sizing import Curve
+
+BODIES, REST = 1, 2  # the curves that gmsh gets
+DELAUNAY = 5  # grades better than the frontal algorithm in large containers
+
+Indices = NDArray[np.int64]
+
+
+@contextmanager
+def gmsh_model() -> Iterator[None]:
+    """A fresh, silent, deterministic gmsh model, cleared afterwards (or it leaks 200 kB a mesh)."""
+    if not gmsh.isInitialized():
+        gmsh.initialize(interruptible=False)
+    gmsh.option.restoreDefaults()
+    gmsh.option.setNumber("General.Terminal", 0)
+    gmsh.option.setNumber("General.NumThreads", 1)  # with two, meshes differ from run to run
+    gmsh.option.setNumber("Mesh.Renumber", 0)  # keeps the numbers of the boundary nodes
+    gmsh.option.setNumber("Mesh.Algorithm", DELAUNAY)
+    gmsh.model.add("fluid")
+    try:
+        yield
+    except MeshError:
+        raise
+    except Exception as error:
+        raise MeshError(
+            f"gmsh failed: {error}; try a finer discretisation.cells_per_gap or cells_per_circle"
+        ) from error
+    finally:
+        gmsh.clear()
+
+
+def chain(curves: Sequence[Curve]) -> tuple[Array, list[Indices]]:
+    """All boundary nodes (n, 2) without repetition, and each curve as a chain of node numbers.
+
+    Open curves share their end nodes; the chain of a closed curve ends where it starts.
+    """
+    x = np.concatenate([curve.nodes for curve in curves])
+    parts = np.split(np.arange(len(x)), np.cumsum([len(curve.nodes) for curve in curves])[:-1])
+    ends = [part[[0, -1]] for curve, part in zip(curves, parts, strict=True) if not curve.closed]
+    corners = np.concatenate([*ends, np.empty(0, dtype=np.int64)])
+    _, first, place = np.unique(x[corners], axis=0, return_index=True, return_inverse=True)
+    same = np.arange(len(x))
+    same[corners] = corners[first[place]]
+    own = same == np.arange(len(x))
+    number = (np.cumsum(own) - 1)[same]
+    chains = [number[part] for part in parts]
+    closed = [np.append(c, c[0]) if curve.closed else c for curve, c in zip(curves, chains, strict=True)]
+    return x[own], closed
+
+
+@dataclass(frozen=True, slots=True)
+class FarSize:
+    """A bound on the element size in the fluid: `smallest + slope d` at the distance d from the nearest body.
+
+    Without it gmsh, which interpolates between distant boundaries, leaves the surroundings of bodies too
+    coarse. bodies: how many, with the tags 1 ... N; reach: a length that no distance exceeds; alone: whether
+    the sizes of the boundary do not count in the fluid.
+    """
+
+    bodies: int
+    smallest: float
+    slope: float
+    reach: float
+    alone: bool = False
+
+    def apply(self) -> None:
+        """Make it gmsh's background size."""
+        field = gmsh.model.mesh.field
+        distance, bound = field.add("Distance"), field.add("Threshold")
+        field.setNumbers(distance, "CurvesList", [BODIES])
+        numbers = {
+            "InField": distance,
+            "DistMin": 0.0,
+            "SizeMin": self.smallest,
+            "DistMax": self.reach,
+            "SizeMax": self.smallest + self.slope * self.reach,
+        }
+        for name, number in numbers.items():
+            field.setNumber(bound, name, number)
+        field.setAsBackgroundMesh(bound)
+        if self.alone:
+            gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
+
+
+def triangulate(
+    curves: Sequence[Curve], far: FarSize | None = None
+) -> tuple[Array, Indices, Indices, Indices]:
+    """Triangles between the curves: the fluid lies inside the open ones and outside the closed ones.
+
+    Args:
+        curves: the boundary.
+        far: bound on the size far from the bodies.
+
+    Returns:
+        vertices (n, 2); triangles (T, 3), counterclockwise; boundary edges (E, 2); their tags (E,).
+
+    Raises:
+        MeshError: gmsh fails, or loses a boundary edge.
+    """
+    nodes, chains = chain(curves)
+    edges = np.concatenate([np.column_stack([c[:-1], c[1:]]) for c in chains])
+    tags = np.concatenate([np.full(len(c) - 1, curve.tag) for c, curve in zip(chains, curves, strict=True)])
+    with gmsh_model():
+        bodies = 0 if far is None else far.bodies
+        _add_boundary(nodes, edges, tags <= bodies)
+        if far is not None and bodies:
+            far.apply()
+        gmsh.model.mesh.generate(2)
+        vertices, triangles = _read_triangles()
+    _require_boundary(triangles, edges)
+    return vertices, triangles, edges, tags
+
+
+def _add_boundary(nodes: Array, edges: Indices, on_body: NDArray[np.bool_]) -> None:
+    """Give gmsh the boundary as two curves, the bodies and the rest: node k of ours is node k + 1 of gmsh's.
+
+    gmsh does not mind that a curve is in pieces. With one curve for each piece it would evaluate every one of
+    them 40 000 times in vain, to find out which way the normal of the surface points: at 200 discs that took
+    0.8 of 1.2 s. It makes no triangles where a curve has no node of its own: edges that only join bodies, the
+    cut through gaps of one cell each, go with the bodies.
+    """
+    model = gmsh.model
+    model.addDiscreteEntity(0, 1)
+    model.mesh.addNodes(0, 1, [1], [*nodes[0], 0.0])
+    model.mesh.addElementsByType(1, 15, [], [1])
+    of_body = np.zeros(len(nodes), dtype=bool)
+    of_body[edges[on_body]] = True
+    if of_body[1:].all():
+        on_body = np.ones_like(on_body)
+    loops = []
+    for curve, chosen, placed in ((BODIES, on_body, of_body), (REST, ~on_body, ~of_body)):
+        if chosen.any():
+            model.addDiscreteEntity(1, curve, [1, 1])
+            inner = np.flatnonzero(placed[1:]) + 1
+            x = np.column_stack([nodes[inner], np.zeros(len(inner))])
+            model.mesh.addNodes(1, curve, inner + 1, x.ravel())
+            model.mesh.addElementsByType(curve, 1, [], edges[chosen].ravel() + 1)
+            loops.append(model.geo.addCurveLoop([curve]))
+    model.geo.addPlaneSurface(loops[::-1])
+    model.geo.synchronize()
+
+
+def _read_triangles() -> tuple[Array, Indices]:
+    """Vertices in the order of gmsh's numbers, and counterclockwise triangles."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    _, corners = gmsh.model.mesh.getElementsByType(2)
+    order = np.argsort(tags)
+    vertices = coordinates.reshape(-1, 3)[order, :2]
+    triangles = np.searchsorted(tags[order], corners).astype(np.int64).reshape(-1, 3)
+    if len(triangles) == 0:
+        raise MeshError("gmsh made no triangles; do two boundaries cross?")
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    clockwise = (b - a)[:, 0] * (c - a)[:, 1] < (b - a)[:, 1] * (c - a)[:, 0]
+    triangles[clockwise] = triangles[clockwise][:, [0, 2, 1]]
+    return vertices, triangles
+
+
+def _require_boundary(triangles: Indices, edges: Indices) -> None:
+    """The edges that belong to one triangle must be the given ones."""
+    n = int(triangles.max()) + 1
+    sides = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [0, 2]]])
+    found, count = np.unique(edge_keys(sides, n), return_counts=True)
+    if not np.array_equal(found[count == 1], np.unique(edge_keys(edges, n))):
+        raise MeshError("gmsh lost a part of the boundary; try a finer discretisation.cells_per_gap")
+
+
+def edge_keys(edges: Indices, n: int) -> Indices:
+    """One number for each edge (E, 2) between n vertices, whichever of its ends comes first."""
+    key: Indices = edges.min(axis=1) * n + edges.max(axis=1)
+    return key

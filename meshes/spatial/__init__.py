@@ -1,0 +1,1 @@
+"""Meshes of space: sizes, prisms in gaps, tetrahedra."""

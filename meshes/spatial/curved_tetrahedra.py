@@ -1,0 +1,196 @@
+"""Curved tetrahedra of order k: the nodes of isoparametric cells around spheres, in NumPy.
+
+Let p(X) be the straight place of a point of a facet on a sphere of radius a around c, and
+
+    Phi(X) = c + a (p - c) / |p - c|
+
+its place on the sphere. Edges follow Phi through their Gauss-Lobatto points. A facet's inner nodes have the
+tangential place of Phi; their radial place makes the moments of |x - c| - a with polynomials of degree
+k - 3, over solid angles, vanish, so that order 3, like order 2, has volumes and forces of order 2 k.
+The bend `x - p` goes on into the cells by polynomials of degree k in the barycentric coordinates l (Szabo
+and Babuska, Finite Element Analysis, 1991, section 6.1):
+
+    edge ij:   l_i l_j c((1 + l_j - l_i) / 2),       facet ijk:   l_i l_j l_k (c_i l_i + ...),
+
+zero on all other sides. The derivatives of order m of the map are O(h^m) (Lenoir 1986, SIAM J. Numer. Anal.
+23:562), as Phi is one smooth map for edges and facets.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from itertools import combinations, permutations
+
+import basix
+import numpy as np
+
+from fsi.meshes.cells.curved import CurvedCells, reference_points
+from fsi.meshes.geometry.containers import Array
+from fsi.meshes.planar.triangulate import Indices
+
+NEWTON_STEPS = 3  # for the radial place of a facet: linear but for (h / a)^2
+
+
+@dataclass(frozen=True, slots=True)
+class Sphere:
+    """The surface |x - centre| = radius."""
+
+    centre: Array
+    radius: float
+
+    def project(self, x: Array) -> Array:
+        """The points of the surface on the rays from the centre through x, any shape (..., 3)."""
+        from_centre = x - self.centre
+        length = np.sqrt((from_centre**2).sum(axis=-1, keepdims=True))
+        onto: Array = self.centre + self.radius * from_centre / length
+        return onto
+
+
+def curve_tets(
+    vertices: Array, tets: Indices, facets: Indices, tags: Indices, spheres: Mapping[int, Sphere], order: int
+) -> CurvedCells:
+    """Cells of the given order from straight ones.
+
+    Args:
+        vertices: (n, 3), those of the facets on a sphere on it.
+        tets: (T, 4).
+        facets: of the boundary, (F, 3).
+        tags: of the facets, (F,).
+        spheres: the surface of a tag, where that is curved.
+        order: 1 ... 4.
+    """
+    barycentric = _barycentric(reference_points(order, 3))
+    x = np.einsum("nv,tvd->tnd", barycentric, vertices[tets])
+    for tag, sphere in spheres.items():
+        faces = np.sort(facets[tags == tag], axis=1)
+        edges = np.unique(faces[:, [0, 1, 0, 2, 1, 2]].reshape(-1, 2), axis=0)
+        bends = _edge_bends(vertices[edges], sphere, order)
+        for ij in permutations(range(4), 2):
+            cells, found = _matches(tets[:, ij], edges)
+            x[cells] += np.einsum("nm,cmd->cnd", _edge_lift(barycentric[:, ij], order), bends[found])
+        if order < 3:
+            continue
+        bubbles = _face_bends(vertices[faces], bends, _find(faces, edges), sphere, order)
+        for ijk in permutations(range(4), 3):
+            cells, found = _matches(tets[:, ijk], faces)
+            x[cells] += np.einsum("nm,cmd->cnd", _bubbles(barycentric[:, ijk], order), bubbles[found])
+    nodes, cells = _numbered(x, tets, np.rint(order * barycentric).astype(np.int64))
+    nodes[: len(vertices)] = vertices
+    return CurvedCells(nodes, cells, facets, tags, order)
+
+
+def _barycentric(X: Array) -> Array:
+    """Barycentric coordinates of reference points."""
+    return np.column_stack([1.0 - X.sum(axis=1), X])
+
+
+def _keys(rows: Indices, n: int) -> Indices:
+    """One number for each row of vertex numbers below n."""
+    keys: Indices = rows @ (n ** np.arange(rows.shape[1])[::-1])
+    return keys
+
+
+def _matches(corners: Indices, sides: Indices) -> tuple[Indices, Indices]:
+    """Which rows of `corners` are rows of `sides` (sorted each), and which rows those are."""
+    n = int(max(corners.max(), sides.max())) + 1
+    keys = _keys(sides, n)
+    order = np.argsort(keys)
+    wanted = _keys(corners, n)
+    place = np.minimum(np.searchsorted(keys[order], wanted), len(keys) - 1)
+    rows = np.flatnonzero(keys[order][place] == wanted)
+    return rows, order[place[rows]]
+
+
+def _find(faces: Indices, edges: Indices) -> Indices:
+    """Numbers of the edges 01, 02, 12 of each face, (F, 3)."""
+    return np.column_stack([_matches(faces[:, ij], edges)[1] for ij in combinations(range(3), 2)])
+
+
+@cache
+def _along(order: int) -> basix.finite_element.FiniteElement:
+    """Polynomials along an edge by their values at the Gauss-Lobatto points."""
+    return basix.create_element(
+        basix.ElementFamily.P, basix.CellType.interval, order, basix.LagrangeVariant.gll_isaac
+    )
+
+
+def _edge_bends(ends: Array, sphere: Sphere, order: int) -> Array:
+    """Phi minus chord at the inner Gauss-Lobatto points of edges (E, 2, 3), shape (E, order - 1, 3)."""
+    t = _along(order).points[2:]
+    chord = ends[:, :1] * (1.0 - t) + ends[:, 1:] * t
+    bends: Array = sphere.project(chord) - chord
+    return bends
+
+
+def _edge_lift(barycentric: Array, order: int) -> Array:
+    """What each inner node of an edge adds at points whose l_i, l_j are (points, 2); (points, order - 1)."""
+    a, b = barycentric.T
+    t = 0.5 * (1.0 + b - a)
+    at_end = a * b == 0.0
+    t = np.where(at_end, 0.5, t)
+    basis = _along(order).tabulate(0, t[:, None])[0, :, 2:, 0]
+    lift: Array = np.where(at_end, 0.0, a * b / (t * (1.0 - t)))[:, None] * basis
+    return lift
+
+
+def _bubbles(barycentric: Array, order: int) -> Array:
+    """Polynomials of a facet that vanish on its edges, at points whose l_i, l_j, l_k are (points, 3)."""
+    bubble: Array = barycentric.prod(axis=1)[:, None] * _moments(barycentric, order)
+    return bubble
+
+
+def _moments(barycentric: Array, order: int) -> Array:
+    """Polynomials of degree order - 3 on a facet: 1 for order 3, l_i, l_j, l_k for order 4."""
+    return np.ones((len(barycentric), 1)) if order == 3 else barycentric
+
+
+def _face_bends(corners: Array, edge_bends: Array, edges: Indices, sphere: Sphere, order: int) -> Array:
+    """Coefficients (F, m, 3) of `_bubbles` for facets with the corners (F, 3, 3) and edges (F, 3)."""
+
+    def without_bubbles(l: Array) -> Array:  # noqa: E741
+        x: Array = np.einsum("nv,fvd->fnd", l, corners)
+        for e, ij in enumerate(combinations(range(3), 2)):
+            x += np.einsum("nm,fmd->fnd", _edge_lift(l[:, ij], order), edge_bends[edges[:, e]])
+        return x
+
+    inner = _barycentric(reference_points(order)[3 * order :])
+    straight = np.einsum("nv,fvd->fnd", inner, corners)
+    bend = sphere.project(straight) - without_bubbles(inner)
+    coefficients: Array = np.linalg.inv(_bubbles(inner, order)) @ bend
+
+    points, weights = basix.make_quadrature(basix.CellType.triangle, 2 * order + 2)
+    l = _barycentric(points)  # noqa: E741
+    # The solid angle that a piece of the facet is seen under from the centre.
+    away = np.linalg.norm(np.einsum("nv,fvd->fnd", l, corners) - sphere.centre, axis=2)
+    moments = np.einsum("ni,n,fn->fin", _moments(l, order), weights, away**-3.0)
+    bubbles = _bubbles(l, order)
+    x = without_bubbles(l)
+    normal = corners.mean(axis=1) - sphere.centre
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    for _ in range(NEWTON_STEPS):
+        off = np.linalg.norm(x + bubbles @ coefficients - sphere.centre, axis=2) - sphere.radius
+        amount = np.linalg.solve(moments @ bubbles, moments @ off[:, :, None])
+        coefficients -= amount * normal[:, None]
+    return coefficients
+
+
+def _numbered(x: Array, tets: Indices, weights: Indices) -> tuple[Array, Indices]:
+    """Nodes without repetition, vertices first, and cells, from the nodes x (T, nodes, 3) of each cell.
+
+    A node is known by its barycentric coordinates, in steps of 1 / order, to vertices: `weights` (nodes, 4).
+    """
+    order, n = int(weights[0].sum()), int(tets.max()) + 1
+    names = np.array([np.repeat(np.arange(4), w) for w in weights])
+    inner = slice(4, None)
+    ids = np.sort(tets[:, names[inner]], axis=2).reshape(-1, order)
+    key = ids[:, 0]
+    for column in ids.T[1:]:
+        key = np.unique(key, return_inverse=True)[1] * n + column
+    _, first, number = np.unique(key, return_index=True, return_inverse=True)
+    cells = np.concatenate([tets, n + number.reshape(len(tets), -1)], axis=1)
+    nodes = np.empty((n + len(first), 3))
+    nodes[tets] = x[:, :4]
+    nodes[n:] = x[:, inner].reshape(-1, 3)[first]
+    return nodes, cells

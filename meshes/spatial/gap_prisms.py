@@ -1,0 +1,189 @@
+"""The narrow part of a gap: one layer of prisms, each split in three tetrahedra.
+
+A plug is what a cylinder around the line of the shortest distance cuts out of a gap. Its cells, longer than
+the gap is wide, stand between two triangulations of the same pattern, one on either surface: so they are
+valid and alike however narrow the gap is, where free tetrahedra would be slivers. The cylinder ends where
+the gap is as wide as its elements are long.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.spatial import Delaunay
+
+from fsi.meshes.geometry.containers import Array, Box, HalfPlane, lengths
+from fsi.meshes.planar.nodes_on_curves import equidistribute
+from fsi.meshes.planar.triangulate import Indices
+from fsi.meshes.spatial.sizing import Spacing
+
+WIDEST = 0.5  # radius of a plug, in radii of the smaller body
+CLEARANCE = 0.35  # radius of a plug over the distance to what else is there
+ROW = 0.5 * np.sqrt(3.0)  # height of an equilateral triangle
+FEWEST_ON_RIM = 8
+SAMPLES = 400
+
+
+@dataclass(frozen=True, slots=True)
+class Gap:
+    """A body and the surface that faces it, another body or a wall, both round about the axis `along`.
+
+    tags: of the two surfaces; centre, radius: of the body; along: unit vector towards the other surface,
+    whose height above the centre is `height + bend sqrt(curvature_radius^2 - rho^2)` at the distance rho from
+    the axis; bend: 0 for a flat wall; smallest: radius of the smaller body.
+    """
+
+    tags: tuple[int, int]
+    centre: Array
+    radius: float
+    along: Array
+    height: float
+    bend: float
+    curvature_radius: float
+    smallest: float
+
+    def heights(self, rho: Array | float) -> tuple[Array, Array]:
+        """Of both surfaces above the body's centre at the distance rho from the axis."""
+        below = np.sqrt(self.radius**2 - np.square(rho))
+        above = self.height + self.bend * np.sqrt(self.curvature_radius**2 - np.square(rho))
+        return below, above
+
+    def width(self, rho: Array | float) -> Array:
+        """Of the gap, along the axis."""
+        below, above = self.heights(rho)
+        return above - below
+
+    def middle(self) -> Array:
+        """The point half-way between the surfaces."""
+        below, above = self.heights(0.0)
+        return self.centre + 0.5 * (below + above) * self.along
+
+    def frame(self) -> tuple[Array, Array]:
+        """Two unit vectors across the axis; with it they are right-handed."""
+        first = np.cross(self.along, np.eye(3)[np.argmin(np.abs(self.along))])
+        first /= np.linalg.norm(first)
+        return first, np.cross(self.along, first)
+
+    def places(self, y: Array, side: int) -> Array:
+        """Points of a surface (0: the body, 1: the other) at places y (n, 2) across the axis."""
+        first, second = self.frame()
+        height = np.broadcast_to(self.heights(lengths(y))[side], len(y))
+        x: Array = self.centre + y[:, :1] * first + y[:, 1:] * second + height[:, None] * self.along
+        return x
+
+
+@dataclass(frozen=True, slots=True)
+class Plug:
+    """A gap that is filled up to the radius `rho`, with `rim` nodes on either edge."""
+
+    gap: Gap
+    rho: float
+    rim: int
+
+
+def find_gaps(spacing: Spacing) -> list[Gap]:
+    """All gaps that are narrower than the elements there would be long.
+
+    Raises:
+        MeshError: a sphere touches another or a wall.
+    """
+    gaps = []
+    for near in spacing.near():
+        i, wall = near.body, near.other - len(spacing.radii)
+        if wall >= 0:
+            gaps.append(_to_wall(spacing, i, wall))
+            continue
+        apart = spacing.centres[near.other] - spacing.centres[i]
+        distance = float(np.linalg.norm(apart))
+        a, b = float(spacing.radii[i]), float(spacing.radii[near.other])
+        tags = (i + 1, near.other + 1)
+        gaps.append(Gap(tags, spacing.centres[i], a, apart / distance, distance, -1.0, b, near.smallest))
+    return [gap for gap in gaps if gap.width(0.0) < spacing.in_gap(gap.width(0.0), gap.smallest)]
+
+
+def _to_wall(spacing: Spacing, i: int, k: int) -> Gap:
+    """The gap between body i and wall k."""
+    centre, a, container = spacing.centres[i], float(spacing.radii[i]), spacing.container
+    distance = float(container.distances(centre[None])[0, k])
+    tags = (i + 1, len(spacing.radii) + 1 + k)
+    if isinstance(container, Box):
+        along = np.eye(3)[k // 2] * (1.0 if k % 2 else -1.0)
+        return Gap(tags, centre, a, along, distance, 0.0, a, a)
+    if isinstance(container, HalfPlane) and k == 0:
+        return Gap(tags, centre, a, np.array([0.0, 0.0, -1.0]), distance, 0.0, a, a)
+    off = float(np.linalg.norm(centre))
+    along = centre / off if off > 0.0 else np.array([0.0, 0.0, 1.0])
+    return Gap(tags, centre, a, along, -off, 1.0, off + distance, a)
+
+
+def choose(gaps: Sequence[Gap], spacing: Spacing) -> list[Plug]:
+    """The plugs of those gaps that have room for one."""
+    middles = np.array([gap.middle() for gap in gaps]).reshape(-1, 3)
+    plugs = []
+    for k, gap in enumerate(gaps):
+        others = np.arange(1, len(spacing.radii) + 1)
+        to_bodies = lengths(spacing.centres - middles[k]) - spacing.radii
+        to_walls = spacing.container.distances(middles[k : k + 1])[0]
+        walls = len(others) + 1 + np.arange(len(to_walls))
+        clear = np.concatenate([to_bodies[~np.isin(others, gap.tags)], to_walls[~np.isin(walls, gap.tags)]])
+        to_middles = np.delete(lengths(middles - middles[k]), k)
+        room = min(clear.min(initial=np.inf), to_middles.min(initial=np.inf))
+        plug = _plug(gap, spacing, min(WIDEST * gap.smallest, CLEARANCE * room))
+        if plug is not None:
+            plugs.append(plug)
+    return plugs
+
+
+def _plug(gap: Gap, spacing: Spacing, widest: float) -> Plug | None:
+    """As wide as the elements are longer than the gap, and at most `widest`; None if that is one element."""
+
+    def excess(rho: float) -> float:
+        return float(gap.width(rho) - spacing.in_gap(gap.width(rho), gap.smallest))
+
+    rho = widest if excess(widest) < 0.0 else float(brentq(excess, 0.0, widest, rtol=1e-6))
+    size = float(spacing.in_gap(gap.width(rho), gap.smallest))
+    if rho < size:
+        return None
+    return Plug(gap, rho, 4 * max(FEWEST_ON_RIM // 4, round(0.5 * np.pi * rho / size)))
+
+
+def pattern(plug: Plug, spacing: Spacing) -> tuple[Array, Indices]:
+    """Places across the axis, inner ones (n, 2) before the rim's, and the triangles between them.
+
+    The places stand in rings, each turned by half an element against the next.
+    """
+    s = np.linspace(0.0, plug.rho, SAMPLES)
+    size = spacing.in_gap(plug.gap.width(s), plug.gap.smallest)
+    rings = equidistribute(s, 1.0 / (ROW * size), least=1)
+    places = [np.zeros((1, 2))]
+    for k, rho in enumerate(rings[1:], start=1):
+        last = k == len(rings) - 1
+        count = plug.rim if last else max(5, round(2.0 * np.pi * rho / float(np.interp(rho, s, size))))
+        turn = 0.5 * ((len(rings) - 1 - k) % 2)
+        angle = 2.0 * np.pi * (np.arange(count) + turn) / count
+        places.append(rho * np.column_stack([np.cos(angle), np.sin(angle)]))
+    y = np.concatenate(places)
+    return y, Delaunay(y).simplices.astype(np.int64)
+
+
+def prisms(triangles: Indices, below: Indices, above: Indices, backwards: Indices) -> Indices:
+    """Three tetrahedra for each prism over a triangle (a, b, c) of places.
+
+    On the side over places u < v the diagonal goes from `below[u]` to `above[v]`; over the pairs of rim
+    places in `backwards` (m, 2), sorted, it goes from `below[v]` to `above[u]`. A prism has one side on the
+    rim at most, and its third place is an inner one, which comes first: no three diagonals run in a circle.
+    """
+    v = np.sort(triangles, axis=1)
+    n = int(v.max()) + 1
+    turned = np.isin(v[:, 1] * n + v[:, 2], backwards @ [n, 1])
+    v[turned] = v[turned][:, [0, 2, 1]]
+    low, high = below[v], above[v]
+    split = [
+        np.column_stack([low, high[:, 2]]),
+        np.column_stack([low[:, :2], high[:, 1:]]),
+        np.column_stack([low[:, 0], high]),
+    ]
+    return np.concatenate(split)

@@ -1,0 +1,122 @@
+"""How large the tetrahedra around spheres are: element sizes from the gaps, everywhere in the fluid.
+
+With the distances b_i of a point to the bodies and w_k to the walls,
+
+    h = min over bodies i of (h_body_i + growth b_i),   h_body = 2 pi a / cells_per_circle,
+
+and in gaps so narrow that it matters, min over the pairs of surfaces of h_gap(b_i + b_j), h_gap(b_i + w_k):
+on a surface the argument is the distance to the other one. The flow in a narrow gap varies along it over the
+lubrication length sqrt(a gap), thus
+
+    h_gap(d) = 0.3 sqrt(a d) / cells_per_gap,   but within [0.3 d, 10 d] / cells_per_gap,
+
+a: the smaller radius. No element is larger than a quarter of a box, or than 2 pi R / cells_per_circle in a
+container of radius R. The law is said in gmsh's own language: a function in Python takes ten times as long.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import fsi.meshes.backend  # noqa: F401
+
+import gmsh
+import numpy as np
+
+from fsi.meshes.errors import MeshError, at
+from fsi.meshes.geometry.containers import Array, Box, Container, HalfPlane, lengths
+from fsi.meshes.planar.sizing import Resolution
+
+LENGTH, SHORTEST, LONGEST = 0.3, 0.3, 10.0
+LARGEST = 0.25  # of the diagonal of a box
+
+
+@dataclass(frozen=True, slots=True)
+class Near:
+    """A gap so narrow that it has smaller elements than its bodies elsewhere.
+
+    body: i; other: the other body j, or N + k for wall k; smallest: radius of the smaller body.
+    """
+
+    body: int
+    other: int
+    smallest: float
+
+
+@dataclass(frozen=True, slots=True)
+class Spacing:
+    """The law of sizes around bodies with centres (N, 3) and radii (N,)."""
+
+    container: Container
+    centres: Array
+    radii: Array
+    resolution: Resolution
+
+    def around(self) -> Array:
+        """Size of the elements on each body without neighbours, (N,)."""
+        size: Array = 2.0 * np.pi * self.radii / self.resolution.cells_per_circle
+        return size
+
+    def largest(self) -> float:
+        """What no element exceeds: on a round container as on a body, elsewhere a part of its size."""
+        size = self.container.size()
+        if isinstance(self.container, Box):
+            return LARGEST * size
+        return float(np.pi * size / self.resolution.cells_per_circle)
+
+    def in_gap(self, gap: Array | float, radius: float) -> Array:
+        """h_gap where the gap is `gap` and the smallest radius beside it `radius`."""
+        size = np.minimum(LENGTH * np.sqrt(radius * gap), LONGEST * gap)
+        law: Array = np.maximum(size, SHORTEST * gap) / self.resolution.cells_per_gap
+        return law
+
+    def near(self) -> list[Near]:
+        """All gaps where h_gap is smaller than the size on the larger body.
+
+        Raises:
+            MeshError: a sphere touches another or a wall.
+        """
+        found, size = [], self.around()
+        to_walls = self.container.distances(self.centres) - self.radii[:, None]
+        for i, (centre, a) in enumerate(zip(self.centres, self.radii, strict=True)):
+            gaps = np.concatenate([lengths(self.centres - centre) - self.radii - a, to_walls[i]])
+            gaps[i] = np.inf
+            if gaps.min() <= 0.0:
+                raise MeshError(f"the sphere at {at(centre)} touches a sphere or wall; move it")
+            smallest = np.minimum(a, np.append(self.radii, np.full(to_walls.shape[1], a)))
+            largest = np.maximum(size[i], np.append(size, np.full(to_walls.shape[1], size[i])))
+            close = np.flatnonzero(self.in_gap(gaps, smallest) < largest)
+            found += [Near(i, int(j), float(smallest[j])) for j in close[close > i]]
+        return found
+
+    def apply(self) -> None:
+        """Make it gmsh's background size."""
+        bodies = [
+            f"(sqrt((x-({c[0]!r}))^2+(y-({c[1]!r}))^2+(z-({c[2]!r}))^2)-{a!r})"
+            for c, a in zip(self.centres.tolist(), self.radii.tolist(), strict=True)
+        ]
+        away = [*bodies, *_to_walls(self.container)]
+        growth = float(self.resolution.growth)
+        sizes = [f"{h!r}+{growth!r}*{b}" for h, b in zip(self.around().tolist(), bodies, strict=True)]
+        for gap in self.near():
+            d, across = f"({away[gap.body]}+{away[gap.other]})", float(self.resolution.cells_per_gap)
+            along = f"min({LENGTH!r}*sqrt({gap.smallest!r}*abs({d})),{LONGEST!r}*{d})"
+            sizes.append(f"max({along},{SHORTEST!r}*{d})/{across!r}")
+        sizes.append(repr(self.largest()))
+        field = gmsh.model.mesh.field
+        numbers = []
+        for expression in sizes:
+            numbers.append(field.add("MathEval"))
+            field.setString(numbers[-1], "F", expression)
+        smallest = field.add("Min")
+        field.setNumbers(smallest, "FieldsList", numbers)
+        field.setAsBackgroundMesh(smallest)
+
+
+def _to_walls(container: Container) -> list[str]:
+    """The distance to each wall, as gmsh has it."""
+    if isinstance(container, Box):
+        sides = zip("xyz", container.lower, container.upper, strict=True)
+        return [side for s, low, high in sides for side in (f"({s}-({low!r}))", f"(({high!r})-{s})")]
+    far = f"({container.size() / 2.0!r}-sqrt(x^2+y^2+z^2))"
+    return ["z", far] if isinstance(container, HalfPlane) else [far]

@@ -1,0 +1,1 @@
+"""What a run tells: chains, memory of contacts, settling, strain."""

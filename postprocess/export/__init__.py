@@ -1,0 +1,1 @@
+"""A run's meshes and fields in other forms."""

@@ -1,0 +1,1 @@
+"""Curves over time, gap or size, with matplotlib."""

@@ -1,0 +1,1 @@
+"""Pictures of fields, networks and spaces, with pyvista."""

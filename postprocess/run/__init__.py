@@ -1,0 +1,1 @@
+"""A run folder read back: its tables, fields and values at points."""

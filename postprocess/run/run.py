@@ -1,0 +1,256 @@
+"""A run as Python sees it: its case, tables as pandas frames, fields as pyvista grids.
+
+    run = fsi.open_run("runs/settling_discs")
+    run.steps, run.bodies                       # the tables; run.table(NAME) for NAME.csv
+    for step, t in run.times.items():
+        fluid = run.mesh(step)                  # curved cells with velocity, pressure, vorticity, strain_rate
+
+A run that is still going on, or that was killed, can be opened too: it then ends at its last complete step.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import warnings
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pyvista as pv
+from scipy.spatial import cKDTree
+
+from fsi.bodies.configuration import PLACES, Array, Configuration
+from fsi.case.case import Case, load_case, read_toml
+from fsi.errors import InputError
+from fsi.meshes.geometry.containers import Container
+from fsi.postprocess.run.tables import read_table
+from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint
+from fsi.run_folder.folder import CASE
+from fsi.run_folder.pvd import Entry, read_collection
+
+_SAME_NODE = 1e-13  # of the size of the domain: ranks agree on the nodes that they share to rounding
+
+
+def open_run(path: Path | str) -> Run:
+    """Open the folder of a run, without changing anything in it.
+
+    Raises:
+        InputError: it is not a run folder.
+    """
+    path = Path(path)
+    if not (path / CASE).is_file():
+        raise InputError(f"run = {path}: there is no {CASE}; give the folder that `fsi run` has written")
+    return Run(path)
+
+
+# What shows a run that has no flow field.
+_INSTEAD = {
+    "reduced": "`fsi render`, `fsi plot` or `fsi report`",
+    "gluey": "`fsi render`, `fsi plot` or `fsi report`",
+    "macroscopic": "`fsi plot` or `fsi report`",
+}
+
+
+@dataclass(frozen=True)
+class Run:
+    """An open run folder. What the tables and series held when they were first asked for is kept.
+
+    path: the folder.
+    """
+
+    path: Path
+
+    @cached_property
+    def case(self) -> Case:
+        """The resolved case. Raises InputError: it is that of a model which has other keys."""
+        if not self.has_flow:
+            raise InputError(
+                f'model = "{self.model}": the run in {self.path} has no fluid; use {_INSTEAD[self.model]}'
+            )
+        return load_case(self.path / CASE)
+
+    @cached_property
+    def name(self) -> str:
+        """The name that the case has, of whatever model."""
+        return str(self.data["name"])
+
+    @property
+    def model(self) -> str:
+        """The model of the run: resolved, reduced, gluey or macroscopic."""
+        return str(self.data.get("model", "resolved"))
+
+    @property
+    def has_flow(self) -> bool:
+        """Whether it is of a model with a viscous fluid, whose case `case` is; the limits have other keys."""
+        return self.model in ("resolved", "reduced")
+
+    @cached_property
+    def dimension(self) -> int:
+        """2 or 3; with an axis 2."""
+        return 3 if "z" in self.bodies else 2
+
+    @cached_property
+    def data(self) -> dict[str, Any]:
+        """The case file. Raises InputError."""
+        return read_toml(self.path / CASE)
+
+    @cached_property
+    def steps(self) -> pd.DataFrame:
+        """steps.csv, a row for each step. Raises InputError, as does `bodies`."""
+        return self.table("steps")
+
+    @cached_property
+    def bodies(self) -> pd.DataFrame:
+        """bodies.csv, a row for each step and body."""
+        return self.table("bodies")
+
+    def table(self, name: str) -> pd.DataFrame:
+        """The complete rows of the table `name`.csv. Raises InputError: none, or someone has changed them."""
+        path = self.path / f"{name}.csv"
+        return read_table(path, self._commit.lengths.get(path.name) if self._commit else None)
+
+    def columns(self, name: str) -> dict[str, Array]:
+        """The columns of numbers of `name`.csv, each of shape (rows,). Raises InputError."""
+        frame = self.table(name).drop(columns="body", errors="ignore")
+        return {str(column): frame[column].to_numpy(dtype=float) for column in frame}
+
+    @property
+    def times(self) -> pd.Series[float]:
+        """Time of each step that has field files, by the number of the step; empty where there are none."""
+        return self.times_of("fluid")
+
+    def times_of(self, series: str) -> pd.Series[float]:
+        """The same for another series, such as "surface"."""
+        found = {_step(entry): entry.t for entry in self._entries(series)}
+        return pd.Series(found, name="t", dtype=float).rename_axis("step")
+
+    def mesh(self, step: int | None = None, series: str = "fluid") -> pv.UnstructuredGrid:
+        """The fields of a step (default: the last that has any), all ranks' parts in one grid.
+
+        The series "fluid" has curved cells whose nodes, and values there, are the finite element's own;
+        "surface" has the curved edges of the bodies. A gluey run has the series "bodies" and "contacts", a
+        macroscopic one "profile".
+
+        Raises:
+            InputError: there are no fields of that step.
+        """
+        step = self.step(step, series)
+        files = [self.path / entry.file for entry in self._entries(series) if _step(entry) == step]
+        try:
+            with warnings.catch_warnings(action="error"):  # pyvista only warns of a broken file
+                return _joined([pv.read(file) for file in files])
+        except (OSError, RuntimeError, ValueError, UserWarning) as error:
+            raise InputError(f"{files[0]}: cannot be read ({error}); mend it with `fsi resume`") from None
+
+    def step(self, step: int | None = None, series: str = "fluid") -> int:
+        """That step, or the last one, if it has fields. Raises InputError."""
+        written = self.times_of(series).index
+        if written.empty:
+            if self.model == "reduced" and series in ("fluid", "surface"):
+                raise InputError(
+                    f'model = "reduced": the run in {self.path} has no flow field; use {_INSTEAD["reduced"]}'
+                )
+            raise InputError(
+                f"{self.path / series}.pvd: the run has written no fields; set output.fields = true"
+                " and run it again"
+            )
+        if step is None:
+            return int(written[-1])
+        if step not in written:
+            some = ", ".join(map(str, written))
+            some = some if len(written) < 5 else f"{written[0]}, {written[1]}, ..., {written[-1]}"
+            raise InputError(f"step = {step}: has no fields; give one of {some}")
+        return step
+
+    def nearest(self, time: float, series: str = "fluid") -> int:
+        """The step with fields nearest to a time. Raises InputError."""
+        self.step(None, series)
+        times = self.times_of(series)
+        return int((times - time).abs().idxmin())
+
+    def container(self, step: int) -> Container:
+        """What encloses the fluid at a step; the lattice of a sheared cell moves."""
+        return self.case.container().at(float(self.times[step]))
+
+    def configuration(self, step: int) -> Configuration:
+        """Where the bodies were at a step."""
+        start = self.case.configuration()
+        if not len(start):
+            return start
+        now = self.bodies[self.bodies["step"] == step]
+        d = start.centres.shape[1]
+        place = now[list(PLACES[d])].to_numpy()
+        return Configuration(place[:, :d], place[:, d:].reshape(start.angles.shape), start.radii)
+
+    @property
+    def end(self) -> float:
+        """Time of the last complete step. Raises InputError where there is none."""
+        return float(self.steps["t"].iloc[-1])
+
+    @property
+    def asked(self) -> float | None:
+        """The time until which the case asks it to run; None where it has no [time]."""
+        time = self.data.get("time")
+        return None if time is None else float(time["end"])
+
+    @property
+    def finished(self) -> bool:
+        """Whether the run has reached that end."""
+        return self.asked is not None and self.end >= self.asked
+
+    @cached_property
+    def launches(self) -> list[dict[str, Any]]:
+        """What provenance.json says of each launch. Raises InputError."""
+        path = self.path / "provenance.json"
+        try:
+            found: list[dict[str, Any]] = json.loads(path.read_text(encoding="utf-8"))["launches"]
+        except (OSError, ValueError, KeyError) as error:
+            raise InputError(f"{path}: cannot be read ({error}); give a run folder") from None
+        return found
+
+    @cached_property
+    def _commit(self) -> Checkpoint | None:
+        """How far the files are complete; None where nothing tells."""
+        path = self.path / "state.npz"
+        return read_checkpoint(path) if path.is_file() else None
+
+    def _entries(self, series: str) -> list[Entry]:
+        path = self.path / f"{series}.pvd"
+        if not path.is_file():
+            return []
+        return read_collection(path)[: self._commit.entries.get(series) if self._commit else None]
+
+
+def _step(entry: Entry) -> int:
+    """The number of the step in the name of its file."""
+    number = re.search(r"_(\d+)", Path(entry.file).stem)
+    return int(number[1]) if number else 0
+
+
+def _joined(parts: list[pv.UnstructuredGrid]) -> pv.UnstructuredGrid:
+    """One grid, in which nodes that parts share are one."""
+    if len(parts) == 1:
+        return parts[0]
+    grid = pv.merge(parts, merge_points=False)
+    pairs = cKDTree(grid.points).query_pairs(_SAME_NODE * grid.length, output_type="ndarray")
+    same = np.arange(grid.n_points)
+    np.minimum.at(same, pairs.max(axis=1), pairs.min(axis=1))
+    kept, number = np.unique(same, return_inverse=True)
+    joined = pv.UnstructuredGrid(
+        np.insert(number[grid.cell_connectivity.reshape(grid.n_cells, -1)], 0, _nodes(grid), axis=1).ravel(),
+        grid.celltypes,
+        grid.points[kept],
+    )
+    for name, values in grid.point_data.items():
+        joined.point_data[name] = values[kept]
+    for name, values in grid.cell_data.items():
+        joined.cell_data[name] = values
+    return joined
+
+
+def _nodes(grid: pv.UnstructuredGrid) -> int:
+    return int(len(grid.cell_connectivity) // grid.n_cells)

@@ -1,0 +1,58 @@
+"""Gaps across periodic sides against a plain search through many images."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fsi.bodies.configuration import Configuration
+from fsi.bodies.gaps import find_gaps, pair_gaps
+from fsi.meshes.geometry.periodic import Cell, Channel, Periodic, mean_velocity
+
+type Found = list[tuple[int, int, float, float, float]]
+
+
+def by_brute_force(q: Configuration, container: Periodic, reach: float) -> Found:
+    """(i, j, away, gap) for all images up to six periods off; a body and its own image once."""
+    found, periods = [], container.periods
+    for i, j in product(range(len(q)), repeat=2):
+        for m in product(range(-6, 7), repeat=len(periods)):
+            away = np.array(m) @ periods
+            gap = float(np.hypot(*(q.centres[i] - q.centres[j] - away)) - q.radii[i] - q.radii[j])
+            if gap <= reach and (i < j or (i == j and next((k for k in m if k), 0) > 0)):
+                found.append((i, j, *away.tolist(), gap))
+    return sorted(found)
+
+
+@settings(max_examples=60)
+@given(seed=st.integers(0, 10**6), number=st.integers(1, 6), strain=st.floats(-1.0, 1.0), cell=st.booleans())
+def test_all_near_pairs_and_no_others(seed: int, number: int, strain: float, cell: bool) -> None:
+    """Bodies lie up to two periods away from the cell; none may be missed or found twice."""
+    rng = np.random.default_rng(seed)
+    container: Periodic = Channel((1.0, -4.0), (9.0, 4.0))
+    if cell:
+        container = Cell(((8.0, 0.0), (0.0, 9.0)), ((0.0, 1.0), (0.0, 0.0)), strain)
+    centres = rng.uniform(-16.0, 16.0, (number, 2)) * ([1.0, 1.0] if cell else [1.0, 0.1])
+    q = Configuration.unturned(centres, rng.uniform(0.1, 1.2, number))
+    reach = 3.0
+    gaps = find_gaps(q, container, reach)
+    rows = zip(gaps.pairs.tolist(), gaps.away.tolist(), gaps.pair_gaps.tolist(), strict=True)
+    found = sorted((i, j, *away, gap) for (i, j), away, gap in rows)
+    expected = by_brute_force(q, container, reach)
+    assert [row[:2] for row in found] == [row[:2] for row in expected]
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+    np.testing.assert_allclose(pair_gaps(q, gaps.pairs, gaps.away), gaps.pair_gaps, atol=0)
+
+
+def test_images_are_carried_at_the_mean_velocity() -> None:
+    """`carried` over a short time against E e, which is what gaps across the sides change by."""
+    cell = Cell(((5.0, 0.0), (1.0, 4.0)), ((0.7, 0.0), (0.0, -0.7)))
+    e, h = np.array([[5.0, 0.0], [1.0, -4.0]]), 1e-6
+    slope = (cell.carried(e, h) - cell.carried(e, -h)) / (2.0 * h)
+    np.testing.assert_allclose(mean_velocity(cell, e), slope, atol=1e-8)
+    assert mean_velocity(cell, e)[0, 0] == pytest.approx(3.5)
+    np.testing.assert_array_equal(mean_velocity(Channel((0.0, 0.0), (1.0, 1.0)), e), np.zeros((2, 2)))

@@ -1,0 +1,124 @@
+"""Law files: what is written comes back; mistakes are one line with key, value and remedy."""
+
+from __future__ import annotations
+
+import tomllib
+from math import inf, pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tomli_w
+from numpy.testing import assert_allclose, assert_array_equal
+
+from fsi.case.law_file import LawFile, SeriesSection, TableSection, load_law, read_law_file, save_law
+from fsi.errors import InputError
+from fsi.lubrication.exact_laws import exact_law
+from fsi.lubrication.laws import RangeError
+
+SERIES = LawFile(
+    form="series",
+    shape="spheres",
+    ratio=2.0,
+    viscosity=0.5,
+    range=(1e-4, 1.0),
+    series=SeriesSection(
+        powers=(-1.0, 0.0),
+        logs=(False, True),
+        coefficients=(6.0 * pi, 3.7),
+        covariance=((1e-8, 0.0), (0.0, 1e-4)),
+    ),
+    source={"case": "sphere.toml", "chi2": 0.1 + 0.2},
+)
+GAPS = np.array([1e-3, 1e-2])
+
+
+def written(path: Path, law: LawFile) -> Path:
+    save_law(path, law)
+    return path
+
+
+def test_a_series_comes_back_bit_by_bit(tmp_path: Path) -> None:
+    path = written(tmp_path / "law.toml", SERIES)
+    assert read_law_file(path) == SERIES
+    assert_array_equal(load_law(path).kappa(GAPS, 0.5), SERIES.law().kappa(GAPS, 0.5))
+    assert_allclose(
+        load_law(path).kappa(GAPS, 0.5), 0.5 * (6.0 * pi * 0.25 / GAPS + 3.7 * 0.5 * np.log(0.5 / GAPS))
+    )
+    assert not list(tmp_path.glob("*.tmp"))
+
+
+def test_the_error_of_a_series_is_that_of_its_covariance() -> None:
+    """1.96 standard deviations of mu a_r (c1/s + c2 ln(1/s)), with c1 and c2 independent."""
+    error = SERIES.error(GAPS, 0.5)
+    assert error is not None
+    s = GAPS / 0.5
+    assert_allclose(error, 0.25 * 1.959964 * np.hypot(1e-4 / s, 1e-2 * np.log(1.0 / s)), rtol=1e-6)
+    assert LawFile(form="slides", viscosity=1.0).error(GAPS, 1.0) is None
+
+
+def test_a_table_comes_back(tmp_path: Path) -> None:
+    table = TableSection(s=(1e-3, 1e-2, 0.1), K=(900.0, 100.0, 20.0))
+    law = LawFile(form="table", shape="discs", viscosity=1.0, table=table)
+    found = load_law(written(tmp_path / "law.toml", law))
+    assert_allclose(found.kappa([2e-3, 2e-2], 2.0), [900.0, 100.0])
+    with pytest.raises(RangeError, match=r"holds from 0.001 to 0.1"):
+        found.kappa(0.3, 2.0)
+    beyond = load_law(tmp_path / "law.toml", extrapolate=True)
+    assert 0.0 < float(beyond.kappa(0.3, 2.0)) < 20.0
+
+
+@pytest.mark.parametrize("ratio", [None, 3.0])
+def test_short_forms(tmp_path: Path, ratio: float | None) -> None:
+    given = {} if ratio is None else {"ratio": ratio}
+    path = tmp_path / "law.toml"
+    path.write_text(tomli_w.dumps({"form": "exact", "shape": "discs", "viscosity": 2.0} | given))
+    expected = exact_law("discs", inf if ratio is None else ratio, 2.0).kappa(GAPS, 0.5)
+    assert_array_equal(load_law(path).kappa(GAPS, 0.5), expected)
+    path.write_text('form = "slides"\nviscosity = 2.0')
+    assert_allclose(load_law(path).kappa(GAPS, 0.5), 2.0 / GAPS)
+    path.write_text('form = "leading"\nshape = "spheres"\nviscosity = 2.0')
+    assert_allclose(load_law(path).kappa(GAPS, 0.5), 12.0 * pi * 0.25 / GAPS)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "complaint"),
+    [
+        ('form = "series"', 'form = "serie"', 'form = "serie": not one of the choices; give'),
+        ("viscosity = 0.5", "viscosity = 0.0", r"viscosity = 0\.0: .*greater than 0; give the viscosity mu"),
+        ("viscosity = 0.5", "viscositty = 0.5", "viscositty = 0.5: unknown key; use viscosity"),
+        ("[series]", "[serious]", "serious = .* unknown key; use series"),
+        ('form = "series"', 'form = "table"', r"needs the section \[series\] if and only if"),
+        ("logs = [", "logs = [ true,", r"has 2 powers, but not as many logs"),
+        ("    0.0001,\n    1.0,\n", "    1.0,\n    0.0001,\n", "a series needs a range of s"),
+        ("form", "form = ", "not TOML: "),
+    ],
+)
+def test_mistakes(old: str, new: str, complaint: str, tmp_path: Path) -> None:
+    path = written(tmp_path / "law.toml", SERIES)
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(InputError, match=complaint) as caught:
+        load_law(path)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_table_must_decrease(tmp_path: Path) -> None:
+    path = tmp_path / "law.toml"
+    data = {"form": "table", "viscosity": 1.0, "table": {"s": [1e-3, 1e-2], "K": [1.0, 2.0]}}
+    path.write_text(tomli_w.dumps(data))
+    with pytest.raises(InputError, match="is not a positive resistance that decreases with the gap"):
+        load_law(path)
+
+
+def test_no_such_file(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="No such file or directory; give the path of a law file"):
+        load_law(tmp_path / "law.toml")
+
+
+def test_the_file_is_plain_toml(tmp_path: Path) -> None:
+    data = tomllib.loads(written(tmp_path / "law.toml", SERIES).read_text())
+    assert data["series"]["powers"] == [-1.0, 0.0]
+    assert data["source"] == {"case": "sphere.toml", "chi2": 0.1 + 0.2}

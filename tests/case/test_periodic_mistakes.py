@@ -1,0 +1,92 @@
+"""The one line that each mistake in a periodic domain gives."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from fsi.case.case import parse_case
+from fsi.errors import InputError
+from tests.case_data import changed
+
+CHANNEL = {"lower": [-8.0, 0.0], "upper": [8.0, 16.0], "periodic": ["x"]}
+CELL = {"shape": "cell", "vectors": [[8.0, 0.0], [1.0, 8.0]]}
+
+
+@pytest.mark.parametrize(
+    ("domain", "parts"),
+    [
+        (CHANNEL | {"periodic": ["z"]}, ["domain.periodic", '"x"']),
+        (CHANNEL | {"walls": {"left": [0.0, 1.0]}}, ["domain.walls", "no wall left", "drop walls.left"]),
+        (CHANNEL | {"walls": {"botom": [0.0, 1.0]}}, ["domain.walls", "bottom"]),
+        (CHANNEL | {"upper": [-9.0, 16.0]}, ["domain.upper", "right of and above"]),
+        (CHANNEL | {"net_flux": 1.0, "pressure_gradient": 2.0}, ["domain.net_flux", "drop one"]),
+        (CHANNEL | {"mesh": "own.msh"}, ["domain.mesh", "drop it"]),
+        (CHANNEL | {"presure_gradient": 1.0}, ["domain.presure_gradient", "use domain.pressure_gradient"]),
+        (CHANNEL | {"upper": [-4.5, 16.0]}, ["bodies.", "overlap", "move them apart"]),
+        (CELL | {"vectors": [[8.0, 0.0], [16.0, 0.0]]}, ["domain.vectors", "parallel"]),
+        (CELL | {"vectors": [[8.0, 0.0]]}, ["domain.vectors"]),
+        (
+            CELL | {"vectors": [[1.9, 0.0], [0.0, 8.0]]},
+            ["bodies.0.position", "its image", "overlap"],
+        ),
+        (CELL | {"shear": 1.0, "extension": 1.0}, ["domain.extension", "drop one"]),
+        (CELL | {"walls": {"top": [1.0, 0.0]}}, ["domain.walls", "no walls", "drop it"]),
+        (CELL | {"vectors": [[1e-300, 0.0], [0.0, 1e300]]}, ["domain.vectors", "far too short"]),
+        (CELL | {"vectors": [[8e12, 0.0], [0.0, 8.0]]}, ["domain.vectors", "far too short"]),
+        (CELL | {"geometry": "planar"}, ["domain.geometry", "unknown key", "use domain.vectors"]),
+        (CHANNEL | {"periodic": ["x", "y"]}, ["domain.periodic", 'for both give shape = "cell"']),
+        ({"vectors": CELL["vectors"]}, ["domain.shape", "missing", '"cell"']),
+    ],
+)
+def test_mistakes(domain: dict[str, Any], parts: list[str]) -> None:
+    with pytest.raises(InputError) as caught:
+        parse_case(changed("domain", domain))
+    assert "\n" not in str(caught.value)
+    for part in parts:
+        assert part in str(caught.value)
+
+
+@pytest.mark.parametrize("domain", [CHANNEL, CELL])
+def test_only_planar_domains_are_periodic(domain: dict[str, Any]) -> None:
+    body = {"name": "ball", "radius": 1.0, "position": [0.0, 3.0]}
+    data = changed("bodies", [body]) | {"domain": domain, "geometry": "axisymmetric"}
+    with pytest.raises(InputError, match="planar"):
+        parse_case(data)
+
+
+@pytest.mark.parametrize("domain", [CHANNEL, CELL])
+def test_an_image_too_far_away_to_be_told(domain: dict[str, Any]) -> None:
+    """1e30 is rounded to whole multiples of 1e14 periods: where the body lies in the cell is not known."""
+    body = {"name": "disc", "radius": 1.0, "position": [1e30, 3.0]}
+    with pytest.raises(InputError, match=r"bodies\.0\.position = \[1e\+30, 3\.0\]: .* near the origin"):
+        parse_case(changed("bodies", [body]) | {"domain": domain})
+
+
+@pytest.mark.parametrize("domain", [CHANNEL, CELL])
+def test_a_force_that_reaches_beyond_the_images_that_are_looked_for(domain: dict[str, Any]) -> None:
+    """It would be cut off unsaid: 22.6 in the channel, and sqrt(2 64) in the cell at any strain."""
+    body = {"name": "disc", "radius": 1.0, "position": [0.0, 3.0]}
+    law = {"kind": "repulsion", "law": "power", "strength": 1.0, "length": 0.1, "exponent": 1.0}
+    data = changed("bodies", [body]) | {"domain": domain}
+    with pytest.raises(
+        InputError, match=r"forces\.0\.cutoff = 30\.0: reaches farther .* gap of (22\.6|11\.3)"
+    ):
+        parse_case(data | {"forces": [law | {"cutoff": 30.0}]})
+    parse_case(data | {"forces": [law | {"cutoff": 11.0}]})
+    table = {"kind": "repulsion", "law": "table", "gaps": [0.1, 30.0], "values": [1.0, 0.0]}
+    with pytest.raises(InputError, match=r"forces\.0\.gaps = \[0\.1, 30\.0\]: reaches farther"):
+        parse_case(data | {"forces": [table]})
+
+
+def test_bodies_of_a_cell_have_no_inertia() -> None:
+    body = {"name": "disc", "radius": 1.0, "position": [0.0, 3.0], "mass": 1.0, "moment_of_inertia": 1.0}
+    with pytest.raises(InputError, match=r"bodies\.0\.mass = 1\.0: .*no inertia; drop it"):
+        parse_case(changed("bodies", [body]) | {"domain": CELL})
+
+
+def test_the_iterative_solver_is_not_for_periodic_domains() -> None:
+    data = changed("domain", CHANNEL) | {"discretisation": {"solver": "iterative"}}
+    with pytest.raises(InputError, match=r'discretisation\.solver = "iterative"'):
+        parse_case(data)

@@ -1,0 +1,79 @@
+"""`fsi pack` from the command line."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+from typing import Literal
+
+import pytest
+
+from fsi.case.case import load_case
+from fsi.cli.pack import pack
+from fsi.errors import InputError
+
+
+def test_what_it_writes_is_what_a_case_takes(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "fsi", "pack", "random", "-n", "12", "--cell", "box", "--seed", "5"]
+    more = ["--sizes", "bidisperse", "-o", str(tmp_path / "discs.json")]
+    done = subprocess.run([*command, *more], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    said = done.stdout.splitlines()
+    assert said[0].startswith("12 bodies, area fraction 0.4, smallest gap ")
+    text = ['name = "packed"', 'bodies_from = "discs.json"', "fluid.viscosity = 1.0", *said[1:3]]
+    (tmp_path / "case.toml").write_text("\n".join(text))
+    case = load_case(tmp_path / "case.toml")
+    written = json.loads((tmp_path / "discs.json").read_text())
+    assert [list(body.position) for body in case.bodies] == [[b["x"], b["y"]] for b in written["bodies"]]
+    assert {round(b["radius"], 12) for b in written["bodies"]} == {round(2 / 2.4, 12), round(2.8 / 2.4, 12)}
+    assert (written["kind"], written["seed"], written["spread"]) == ("random", 5, 1.4)
+    assert (tmp_path / "discs.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("cell", ["channel", "periodic", "box"])
+def test_what_it_prints_is_the_domain(
+    cell: Literal["channel", "periodic", "box"], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pack("square", output=tmp_path / "discs.json", number=4, cell=cell)
+    lines = capsys.readouterr().out.splitlines()[1:-1]
+    text = ['name = "packed"', 'bodies_from = "discs.json"', "fluid.viscosity = 1.0", *lines]
+    (tmp_path / "case.toml").write_text("\n".join(text))
+    sides = json.loads((tmp_path / "discs.json").read_text())["upper"]
+    container = load_case(tmp_path / "case.toml").container()
+    assert len(container.periods) == {"channel": 1, "periodic": 2, "box": 0}[cell]
+    assert container.size() == pytest.approx(math.hypot(*sides))
+
+
+@pytest.mark.parametrize(
+    ("options", "parts"),
+    [
+        ({"kind": "square", "seed": 3}, ["--seed 3", "square has no such option", "--rows"]),
+        ({"kind": "rows", "aspect": 2.0}, ["--aspect 2.0", "rows has no such option"]),
+        ({"area_fraction": 0.9}, ["area fraction = 0.9", "largest possible is 0.7"]),
+        ({"area_fraction": 1.0}, ["--area-fraction 1", "below 1"]),
+        ({"area_fraction": 0.0}, ["--area-fraction 0", "above 0"]),
+        ({"radius": -1.0}, ["--radius -1"]),
+        ({"gap": -0.1}, ["--gap -0.1"]),
+        ({"spread": 2.0}, ["--spread 2", "equal", "--sizes"]),
+        ({"sizes": "bidisperse", "spread": 0.5}, ["--spread 0.5", "above 1"]),
+        ({"kind": "chains", "number": 10, "length": 4}, ["number = 10", "give 8"]),
+        ({"kind": "chains", "number": 8, "angle": 0.0}, ["angle = 0", "take rows"]),
+        ({"kind": "columns", "cell": "periodic"}, ["columns stand between walls"]),
+        ({"kind": "rows", "cell": "box"}, ["periodic along x"]),
+        ({"kind": "hexagonal", "cell": "periodic", "number": 15, "rows": 3}, ["rows = 3", "even"]),
+        ({"kind": "rows", "area_fraction": 0.8}, ["area fraction = 0.8", "largest possible is 0.7623"]),
+        ({"output": Path("a.csv")}, ["a.csv", ".json"]),
+        ({"output": Path("/nowhere/a.json")}, ["/nowhere/a.json", "no file can be written"]),
+    ],
+)
+def test_mistakes(tmp_path: Path, options: dict[str, object], parts: list[str]) -> None:
+    given = {"kind": "random", "output": tmp_path / "a.json"} | options
+    with pytest.raises(InputError) as caught:
+        pack(**given)  # type: ignore[arg-type]
+    assert "\n" not in str(caught.value)
+    for part in parts:
+        assert part in str(caught.value)
+    assert list(tmp_path.iterdir()) == []

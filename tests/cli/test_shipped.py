@@ -1,0 +1,73 @@
+"""Cases for those who have no checkout, and what is said of a machine that lacks something."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from fsi.cli import missing, shipped
+from fsi.cli.missing import explain
+from fsi.errors import InputError
+from tests.cli.test_commands import ROOT, fsi
+
+CASES = ROOT / "cases"
+
+
+def test_the_cases_are_written_as_they_are(tmp_path: Path) -> None:
+    found = fsi("cases", str(tmp_path / "new"))
+    assert found.returncode == 0
+    wanted = {path.relative_to(CASES): path.read_bytes() for path in CASES.rglob("*") if path.is_file()}
+    written = {
+        path.relative_to(tmp_path / "new"): path.read_bytes()
+        for path in (tmp_path / "new").rglob("*")
+        if path.is_file()
+    }
+    assert written == wanted
+    with pytest.raises(InputError, match=r"folder = .*: is there already; give the name of a new one"):
+        shipped.write_cases(tmp_path / "new")
+
+
+def test_a_package_without_its_cases_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shipped, "_CASES", tmp_path / "cases")
+    with pytest.raises(InputError, match="has come without its cases"):
+        shipped.shipped_cases()
+    (tmp_path / "cases" / "validation").mkdir(parents=True)
+    assert shipped.shipped_cases() == tmp_path / "cases"
+
+
+@pytest.mark.parametrize(
+    ("error", "line"),
+    [
+        (ModuleNotFoundError("No module named 'dolfinx'", name="dolfinx"), "pip install 'fsi-stokes"),
+        (
+            OSError("libGLU.so.1: cannot open shared object file: No such file or directory"),
+            "libGLU.so.1 is missing on this machine; as root: apt-get install -y libgl1 libegl1 libglu1-mesa",
+        ),
+    ],
+)
+def test_what_is_missing_has_its_remedy(error: Exception, line: str) -> None:
+    assert line in str(explain(error))
+
+
+@pytest.mark.parametrize("error", [ModuleNotFoundError("no", name="fsi.x"), OSError("disk full"), KeyError()])
+def test_other_errors_are_not_explained_away(error: Exception) -> None:
+    assert explain(error) is None
+
+
+def test_a_missing_compiler_is_blamed_for_what_came_through_ffcx(monkeypatch: pytest.MonkeyPatch) -> None:
+    """FFCx ends in an AttributeError that says nothing of a compiler."""
+    compiled = {"__name__": "ffcx.codegeneration.jit"}
+    exec("def compile_forms():\n    raise AttributeError('_solver')", compiled)
+    with pytest.raises(AttributeError) as caught:
+        compiled["compile_forms"]()  # type: ignore[operator]
+    assert explain(caught.value) is None or missing._lacking()
+    monkeypatch.setenv("CC", "no-such-compiler")
+    assert "a C compiler is missing on this machine" in str(explain(caught.value))
+    assert explain(AttributeError("_solver")) is None
+
+
+def test_the_packages_are_those_of_the_bootstrap() -> None:
+    text = (ROOT / "bootstrap.sh").read_text()
+    for package in f"{missing.LIBRARIES} {missing.COMPILER}".split():
+        assert f" {package}\n" in text or f"{package} " in text or f' {package}"' in text, package

@@ -1,0 +1,71 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fsi.bodies.configuration import Array, Configuration
+from fsi.bodies.gaps import find_gaps
+from fsi.integration.gap_limiter import SAFETY, greatest_approach, limited_step
+from fsi.meshes.geometry.containers import Box, HalfPlane
+
+BOX = Box((-10.0, -10.0), (10.0, 10.0))
+THREE = Configuration(
+    np.array([[-4.0, 0.0], [0.0, 1.0], [5.0, -2.0]]), np.zeros(3), np.array([1.0, 2.0, 0.5])
+)
+displacements = st.lists(st.floats(-20.0, 20.0), min_size=9, max_size=9).map(
+    lambda values: np.array(values).reshape(3, 3)
+)
+
+
+@given(displacement=displacements)
+def test_no_gap_on_the_way_is_smaller_than_said(displacement: Array) -> None:
+    """Sampled along the way: bodies that jump through each other are seen."""
+    said = greatest_approach(THREE, BOX, displacement, 0.2)
+    before = find_gaps(THREE, BOX, reach=np.inf)
+    seen = -np.inf
+    for part in np.linspace(0.0, 1.0, 41):
+        after = find_gaps(THREE.moved(part * displacement), BOX, reach=np.inf)
+        lost = [1.0 - after.wall_gaps / before.wall_gaps, 1.0 - after.pair_gaps / before.pair_gaps]
+        seen = max(seen, *(float(loss.max()) for loss in lost))
+    if max(seen, said.loss) > 0.2:
+        assert seen <= said.loss + 1e-12
+        # Between samples a gap of at least 1 changes by 2 |d| / 40 at most.
+        assert said.loss <= seen + 2.0 * 30.0 / 40.0
+
+
+@given(velocity=displacements, h=st.floats(1e-3, 10.0))
+def test_the_limited_step_is_safe_and_not_timid(velocity: Array, h: float) -> None:
+    limited, approach = limited_step(THREE, BOX, velocity, h, 0.2)
+    assert approach.loss <= 0.2
+    assert greatest_approach(THREE, BOX, limited * velocity, 0.2) == approach
+    if limited < h:
+        assert approach.loss >= 0.5 * SAFETY * 0.2
+
+
+def test_a_step_towards_a_wall_loses_what_safety_says() -> None:
+    velocity = np.array([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
+    limited, approach = limited_step(THREE, BOX, velocity, 100.0, 0.2)
+    assert limited == pytest.approx(SAFETY * 0.2 * 7.0, rel=1e-14)
+    # The bodies are 0, 1, 2, the walls left, right, bottom, top follow.
+    assert (approach.between, approach.gap) == ((1, 6), 7.0)
+
+
+def test_names_the_pair_that_closes() -> None:
+    velocity = np.array([[1.0, 0.25, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    assert limited_step(THREE, BOX, velocity, 1.0, 0.2)[1].between == (0, 1)
+
+
+def test_a_fast_body_does_not_jump_through_another() -> None:
+    """Far apart and far on the other side after the displacement, in contact on the way."""
+    two = Configuration(np.array([[-300.0, 50.0], [300.0, 50.0]]), np.zeros(2), np.ones(2))
+    displacement = np.array([[600.5, 1.5, 0.0], [0.0, 0.0, 0.0]])
+    approach = greatest_approach(two, HalfPlane(1000.0), displacement, 0.2)
+    assert approach.loss > 1.0
+    assert approach.between == (0, 1)
+
+
+def test_spinning_or_nothing_at_all_loses_nothing() -> None:
+    spin = np.array([[0.0, 0.0, 5.0]] * 3)
+    assert limited_step(THREE, BOX, spin, 10.0, 0.2)[0] == 10.0

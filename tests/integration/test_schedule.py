@@ -1,0 +1,41 @@
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fsi.integration.schedule import STRETCH, Schedule
+
+END = 10.0
+
+
+@given(
+    knots=st.lists(st.floats(-1.0, 12.0), max_size=4),
+    interval=st.none() | st.floats(0.05, 3.0),
+    h=st.floats(0.1, 20.0),
+)
+def test_every_stop_is_met_without_slivers(knots: list[float], interval: float | None, h: float) -> None:
+    schedule = Schedule(END, tuple(sorted(set(knots))), interval)
+    times = [0.0]
+    while times[-1] < END:
+        left = schedule.next_stop(times[-1]) - times[-1]
+        step = schedule.landing(times[-1], h) - times[-1]
+        assert min(left, h / 2) * (1 - 1e-9) <= step <= min(left, STRETCH * h) * (1 + 1e-9)
+        times.append(times[-1] + step if step < left else schedule.next_stop(times[-1]))
+    assert times[-1] == END
+    stops = [knot for knot in knots if 0.0 <= knot <= END]
+    outputs = [k * interval for k in range(int(END / interval) + 1)] if interval else times
+    for stop in stops + outputs:
+        assert min(abs(stop - t) for t in times) <= 1e-11
+    written = [t for t in times if schedule.is_output(t)]
+    assert len(outputs) <= len(written) <= len(outputs) + 1
+
+
+def test_multiples_that_round_differently_are_one_time() -> None:
+    """3 * 0.1 is not 0.3."""
+    schedule = Schedule(1.0, knots=(0.3,), interval=0.1)
+    times = [0.0]
+    while times[-1] < 1.0:
+        times.append(schedule.landing(times[-1], 1.0))
+    assert len(times) == 11
+    assert all(schedule.is_output(t) for t in times)
+    assert not schedule.is_output(0.25)

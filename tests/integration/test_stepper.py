@@ -1,0 +1,183 @@
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fsi.bodies.configuration import Array, Configuration
+from fsi.case.case import Case
+from fsi.errors import SolveError
+from fsi.integration.schedule import Schedule
+from fsi.integration.schemes import BogackiShampine
+from fsi.integration.stepper import Advance, Step, Stepper
+from fsi.lubrication.exact import settling_time
+from fsi.meshes.geometry.containers import Box
+from fsi.run import make_stepper
+from tests.exact_model import DiscsBesidePlane, plane_case, settling_case
+from tests.integration.test_schemes import Field
+
+SETTLING = json.loads((Path(__file__).parents[1] / "reference" / "settling.json").read_text())
+
+
+def run(stepper: Advance, q: Configuration) -> list[Step]:
+    steps = [stepper.start(q)]
+    while steps[-1].state.t < stepper.schedule.end:
+        steps.append(stepper.advance(steps[-1].state))
+    return steps
+
+
+def run_case(case: Case) -> list[Step]:
+    return run(make_stepper(case, DiscsBesidePlane(case)), case.configuration())
+
+
+def gaps(steps: list[Step]) -> Array:
+    return np.array([step.state.q.centres[0, 1] - 1.0 for step in steps])
+
+
+def test_a_disc_turning_in_place_relaxes_exponentially() -> None:
+    """Its resistance is constant: from rest under a torque T, `omega = T/R (1 - exp(-R t / I))`."""
+    torque, moment = 3.0, 20.0
+    body = {
+        "name": "disc",
+        "radius": 1.0,
+        "position": [0.0, 2.0],
+        "torque": torque,
+        "mass": 1.0,
+        "moment_of_inertia": moment,
+    }
+    case = plane_case([body], 2.0, tolerance=1e-7)
+    end = run_case(case)[-1].state
+    R = DiscsBesidePlane(case).resistance(end.q)[0, 2]
+    rate, final = R / moment, torque / R
+    assert end.U[0, 2] == pytest.approx(final * -math.expm1(-rate * 2.0), rel=1e-5)
+    # At most 1e-7 radians an accepted step, in about 60 steps.
+    assert end.q.angles[0] == pytest.approx(final * (2.0 + math.expm1(-rate * 2.0) / rate), abs=1e-5)
+    assert np.all(end.U[0, :2] == 0.0)
+
+
+def test_a_vanishing_mass_gives_the_motion_without_inertia() -> None:
+    light = run_case(settling_case(3.0, tolerance=1e-7, body={"mass": 1e-9, "moment_of_inertia": 1e-9}))
+    without = run_case(settling_case(3.0, tolerance=1e-7))
+    assert gaps(light)[-1] == pytest.approx(gaps(without)[-1], rel=2e-5)
+    assert light[-1].state.U[0, 1] == pytest.approx(without[-1].state.U[0, 1], rel=2e-5)
+
+
+def test_with_inertia_bodies_start_at_rest_and_held_and_massless_ones_move_at_once() -> None:
+    bodies = [
+        {"name": "heavy", "radius": 1.0, "position": [0.0, 2.0], "force": [0.0, -1.0], "mass": 1.0},
+        {"name": "light", "radius": 1.0, "position": [5.0, 2.0], "force": [0.0, -1.0]},
+        {"name": "held", "radius": 1.0, "position": [10.0, 2.0], "velocity": [0.0, -0.1], "mass": 1.0},
+    ]
+    for body in (bodies[0], bodies[2]):
+        body["moment_of_inertia"] = 0.5
+    case = plane_case(bodies, 1.0)
+    start = run_case(case)[0]
+    light = -1.0 / DiscsBesidePlane(case).resistance(case.configuration())[1, 1]
+    assert start.state.U[:, 1] == pytest.approx([0.0, light, -0.1], abs=2e-9)
+    assert start.instant.F[0, 1] == pytest.approx(0.0, abs=1e-7)
+
+
+@pytest.mark.parametrize(("tolerance", "rtol"), [(1e-4, 3e-4), (1e-6, 3e-6)])
+@pytest.mark.parametrize("s", [0.1, 0.01])
+def test_settling_times(s: float, tolerance: float, rtol: float) -> None:
+    """The gap is s at the reference's time; its error, turned into one of time, is a few tolerances."""
+    tau = SETTLING["disc"]["tau"][str(s)]
+    end = run_case(settling_case(tau, tolerance=tolerance))[-1].state
+    assert end.t == tau
+    assert (end.q.centres[0, 1] - 1.0 - s) / end.U[0, 1] == pytest.approx(0.0, abs=rtol * tau)
+
+
+def test_settling_never_touches() -> None:
+    steps = run_case(settling_case(213.0))
+    gap = gaps(steps)
+    assert np.all(np.diff(gap) < 0.0)
+    assert np.all(gap[1:] >= 0.8 * gap[:-1])
+    assert gap[-1] < 1e-4
+    assert settling_time(gap[-1], 1.0, 1.0, 1.0, -4 * math.pi) == pytest.approx(213.0, rel=3e-4)
+
+
+def test_long_steps_are_rejected_before_the_model_sees_an_overlap() -> None:
+    """At rest the present velocity foresees nothing: the stages themselves must be refused."""
+    heavy = {"mass": 1e-3, "moment_of_inertia": 1e-3, "force": [0.0, -1000.0]}
+    steps = run_case(settling_case(0.5, first_step=0.5, body=heavy))
+    assert steps[1].rejected > 0
+    gap = gaps(steps)
+    assert np.all(gap[1:] >= 0.8 * gap[:-1] * (1 - 1e-12))
+
+
+def test_a_body_driven_into_a_wall_stops_at_the_smallest_step() -> None:
+    case = settling_case(2.0, smallest_step=1e-4, body={"velocity": ["free", -1.0], "force": [0.0, 0.0]})
+    stepper = make_stepper(case, DiscsBesidePlane(case))
+    with pytest.raises(
+        SolveError, match=r"smallest_step = 0\.0001: .* t = 0\.99.* disc and wall plane is 0\.00"
+    ):
+        run(stepper, case.configuration())
+
+
+def test_steps_land_on_the_kinks_of_the_data_and_on_the_end() -> None:
+    table = {"times": [0.0, 0.3, 0.7], "values": [0.0, 1.0, -1.0]}
+    case = settling_case(1.0, body={"force": [0.0, 0.0], "torque": table})
+    times = [step.state.t for step in run_case(case)]
+    assert {0.0, 0.3, 0.7, 1.0} <= set(times)
+
+
+def test_the_integral_of_a_table_is_exact() -> None:
+    """Between kinks the torque is linear in time, so that the pair integrates it exactly."""
+    table = {"times": [0.0, 0.3, 0.7], "values": [0.0, 1.0, -1.0]}
+    case = settling_case(1.0, body={"force": [0.0, 0.0], "torque": table})
+    end = run_case(case)[-1].state
+    R = DiscsBesidePlane(case).resistance(end.q)[0, 2]
+    assert end.q.angles[0] == pytest.approx((0.15 + 0.0 - 0.3) / R, rel=1e-13)
+
+
+def drift(q: Configuration, _: float) -> Array:
+    """Uniform motion, in which every step is exact."""
+    return np.ones((len(q), 3))
+
+
+def test_a_step_cut_short_to_land_does_not_shorten_the_next() -> None:
+    stepper = replace(in_a_large_box(drift), schedule=Schedule(4.0, knots=(1.0, 1.001)))
+    start = stepper.start(Configuration(np.zeros((1, 2)), np.zeros(1), np.ones(1)), first_step=1.0)
+    first = stepper.advance(start.state)
+    second = stepper.advance(first.state)
+    assert (first.state.t, second.state.t) == (1.0, 1.001)
+    assert second.state.h == first.state.h == 2.0
+
+
+def repulsion(q: Configuration, _: float) -> Array:
+    """Discs that repel and turn each other: a field without preferred direction."""
+    separation = q.centres[:, None] - q.centres[None]
+    distance = np.hypot(separation[..., 0], separation[..., 1]) + np.eye(len(q))
+    push = (separation / distance[..., None] ** 3).sum(axis=1)
+    return np.column_stack([push, (1.0 - np.eye(len(q))).sum(axis=1) / distance.sum(axis=1)])
+
+
+def in_a_large_box(velocity: Callable[[Configuration, float], Array]) -> Stepper:
+    box = Box((-1e4, -1e4), (1e4, 1e4))
+    return Stepper(Field(velocity), BogackiShampine(), box, "abcd", Schedule(4.0), 1e-4, 0.2, 1e-9)
+
+
+CENTRES = np.array([[0.0, 0.0], [3.0, 0.5], [0.5, 2.7], [-2.5, 2.0]])
+RADII = np.array([1.0, 1.2, 0.7, 1.1])
+
+
+@given(angle=st.floats(0.0, 6.28), order=st.permutations(range(4)))
+def test_motion_does_not_depend_on_the_frame_nor_on_the_order_of_bodies(
+    angle: float, order: list[int]
+) -> None:
+    turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+    first = run(in_a_large_box(repulsion), Configuration(CENTRES, np.zeros(4), RADII))
+    second = run(
+        in_a_large_box(repulsion), Configuration((CENTRES @ turn.T)[order], np.zeros(4), RADII[order])
+    )
+    assert len(first) == len(second) > 3
+    a, b = first[-1].state, second[-1].state
+    assert b.q.centres == pytest.approx((a.q.centres @ turn.T)[order], abs=1e-9)
+    assert b.q.angles == pytest.approx(a.q.angles[order], abs=1e-9)

@@ -1,0 +1,81 @@
+"""Reports of runs of every model as a browser reads them: well formed, complete, in need of no other file."""
+
+from __future__ import annotations
+
+import base64
+import io
+import sys
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+import fsi
+from fsi.cli import main
+from fsi.models import make_model
+from fsi.postprocess.render import opengl
+from fsi.postprocess.report import write_report
+from fsi.run import run_case
+from fsi.run_folder.folder import StepRecord
+from tests.reduced_data import heap, reduced_case
+from tests.strict_html import StrictReader
+
+CASES = Path(__file__).parents[2] / "cases"
+
+
+def page(folder: Path) -> str:
+    """The text of the report; all pictures are inside and can be decoded."""
+    write_report(fsi.open_run(folder), folder / "report.html")
+    text = (folder / "report.html").read_text(encoding="utf-8")
+    found = StrictReader(text)
+    assert found.errors == []
+    assert "url(" not in text
+    assert "@import" not in text
+    assert found.sources
+    for address in found.sources:
+        kind, _, data = address.partition(",")
+        assert kind in ("data:image/png;base64", "data:image/gif;base64")
+        with Image.open(io.BytesIO(base64.b64decode(data, validate=True))) as picture:
+            picture.load()
+            assert min(picture.size) >= 100
+    return found.words
+
+
+@pytest.fixture(autouse=True)
+def _no_opengl(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Histories only, as pictures by OpenGL take seconds; tests/postprocess/test_page.py has them."""
+    monkeypatch.setattr(opengl, "_DRAW", "raise SystemExit(1)")
+
+
+@pytest.mark.parametrize("name", ["gluey/two_discs", "macroscopic/blocks"])
+def test_limits_of_vanishing_viscosity(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Their cases have other keys than those of the models with a fluid."""
+    few = ["--set", "time.end=0.1"] + (["--set", "parcels=40"] if "blocks" in name else [])
+    monkeypatch.setattr(
+        sys, "argv", ["fsi", "run", str(CASES / f"{name}.toml"), "-o", str(tmp_path / "run"), *few]
+    )
+    assert main() == 0
+    words = page(tmp_path / "run")
+    assert "Finished:" in words
+    assert "unknown key" not in words
+    assert "VIOLATED" not in words
+    assert f"{name.split('/')[0]} model" in words
+
+
+@pytest.mark.parametrize("killed", [False, True])
+def test_reduced(killed: bool, tmp_path: Path) -> None:
+    case = reduced_case(heap(), {"drag": 12.0, "cutoff": 0.5}, time={"end": 0.2, "tolerance": 1e-3})
+
+    def stop(record: StepRecord) -> None:
+        if killed and record.step == 1:
+            raise KeyboardInterrupt
+
+    try:
+        run_case(case, tmp_path / "run", make_model(case), stop)
+    except KeyboardInterrupt:
+        assert killed
+    words = page(tmp_path / "run")
+    assert ("Not finished" in words) == killed
+    assert ("Finished:" in words) != killed
+    assert "1e-12" in words  # the bound of this model
+    assert "VIOLATED" not in words

@@ -1,0 +1,131 @@
+"""What `fsi solve` prints, for a solution made by hand."""
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from fsi.bodies.configuration import Array
+from fsi.case.case import Case, load_case
+from fsi.observables.error_estimate import ErrorEstimate
+from fsi.observables.truncation import halved, truncation
+from fsi.report.console import standard_output
+from fsi.report.solution import print_solution, solution_json
+
+CASES = Path(__file__).parents[2] / "cases"
+
+
+@dataclass
+class Solved:
+    """Some numbers in place of a flow."""
+
+    bulk: None = field(default=None, init=False)
+
+    U: Array
+    F: Array
+    dissipation: float = 7.0
+    dofs: int = 120
+    iterations: int = 0
+    cells: int = 30
+    checks: dict[str, float] = field(default_factory=lambda: {"power": 1e-13})
+    seconds: dict[str, float] = field(default_factory=lambda: {"mesh": 0.25, "solve": 0.5})
+
+    @property
+    def traction_F(self) -> Array:
+        return self.F + 1.0
+
+
+ERRORS = ErrorEstimate(U=np.array([[0.0, 0.0, 2e-7]]), F=np.array([[1e-6, 3e-3, 0.0]]))
+
+
+@pytest.fixture
+def case() -> Case:
+    return load_case(
+        CASES / "disc_beside_plane.toml", ["bodies.0.angular_velocity=free", "bodies.0.radius=0.5"]
+    )
+
+
+def test_the_force_is_that_of_the_fluid_on_the_body(case: Case) -> None:
+    solution = Solved(U=np.array([[0.0, -1.0, 0.5]]), F=np.array([[0.0, -466.0, 0.0]]))
+    found = json.loads(json.dumps(solution_json(case, solution, ERRORS, {"force": 1e-6})))
+    assert found == {
+        "name": "disc beside a plane",
+        "bodies": [
+            {
+                "name": "disc",
+                "position": [0.0, 1.1],
+                "velocity": [0.0, -1.0],
+                "angular_velocity": 0.5,
+                "force": [0.0, 466.0],
+                "torque": 0.0,
+                "velocity_error": [0.0, 0.0],
+                "angular_velocity_error": 2e-7,
+                "force_error": [1e-6, 3e-3],
+                "torque_error": 0.0,
+            }
+        ],
+        "dissipation": 7.0,
+        "checks": {"power": 1e-13},
+        "discretisation": {
+            "degree": 3,
+            "cells_per_gap": 1.0,
+            "cells_per_circle": 48,
+            "growth": 0.2,
+            "interior": "graded",
+            "formulation": "eliminated",
+            "solver": "automatic",
+        },
+        "dofs": 120,
+        "cells": 30,
+        "solver": "direct solver",
+        "seconds": 0.75,
+        "seconds_by_phase": {"mesh": 0.25, "solve": 0.5},
+        "truncation": {"force": 1e-6},
+    }
+
+
+def test_the_table_shows_reaction_traction_and_checks(case: Case) -> None:
+    console = Console(width=110, record=True, quiet=True)
+    solution = Solved(U=np.array([[0.0, -1.0, 0.5]]), F=np.array([[0.0, -466.0, 0.0]]))
+    with console.capture() as printed:
+        console.quiet = False
+        print_solution(console, case, solution, ERRORS, {"force": 2e-6})
+    text = printed.get()
+    assert all(
+        word in text
+        for word in ("466", "465", "power", "1.0e-13", "truncation", "2.0e-06", "120 unknowns", "3e-03")
+    )
+
+
+def test_truncation_compares_results_only_with_torques_over_the_radius(case: Case) -> None:
+    # held: V_x, V_y; free: omega. The load on the free rotation and the held velocity are no results.
+    whole = Solved(U=np.array([[0.0, -1.0, 0.2]]), F=np.array([[1.0, -4.0, 9.0]]))
+    half = Solved(U=np.array([[0.0, -1.0, 0.3]]), F=np.array([[1.0, -5.0, 0.0]]))
+    found = truncation(case, whole, half)
+    assert found == {"force": pytest.approx(1.0 / 4.0), "velocity": pytest.approx(0.5)}
+
+
+def test_truncation_leaves_out_what_is_zero(case: Case) -> None:
+    whole = Solved(U=np.array([[0.0, -1.0, 0.0]]), F=np.array([[0.0, -4.0, 0.0]]))
+    assert truncation(case, whole, whole) == {"force": 0.0}
+
+
+def test_only_a_half_disc_that_still_holds_the_bodies_is_halved(case: Case) -> None:
+    smaller = halved(case)
+    assert smaller is not None
+    assert smaller.container().size() == case.container().size() / 2.0
+    assert smaller.bodies == case.bodies
+    assert halved(load_case(CASES / "disc_in_box.toml")) is None
+    assert halved(load_case(CASES / "disc_beside_plane.toml", ["domain.radius=4.0"])) is None
+
+
+def test_no_number_is_cut_where_there_is_no_terminal(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At 80 columns rich ends the columns of a wide table with an ellipsis, its verdict too."""
+    monkeypatch.delenv("COLUMNS", raising=False)
+    standard_output().print("-" * 130)
+    assert capsys.readouterr().out == "-" * 130 + "\n"

@@ -1,0 +1,111 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from fsi.bodies.configuration import Configuration, Inertia
+from fsi.case.case import load_case, parse_case
+from fsi.errors import InputError, SolveError
+from fsi.run import resume_run, run_case
+from fsi.run_folder.folder import StepRecord
+from fsi.run_folder.provenance import git_commit, launch
+from tests.exact_model import DiscsBesidePlane, ExactInstant
+from tests.small_run import launches, make_model, rows, small_case, start
+
+
+@pytest.fixture(scope="module")
+def unbroken(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("runs") / "unbroken"
+    start(small_case(), folder)
+    return folder
+
+
+def test_tables_tell_every_step_with_all_digits(tmp_path: Path) -> None:
+    records: list[StepRecord] = []
+    case = small_case()
+    outcome = run_case(case, tmp_path / "run", make_model(case), records.append)
+    steps, bodies = rows(tmp_path / "run" / "steps.csv"), rows(tmp_path / "run" / "bodies.csv")
+    assert outcome.steps == len(records) - 1 == len(steps) - 1
+    assert list(steps[0])[:5] == ["step", "t", "h", "smallest_gap", "rejected"]
+    assert list(steps[0])[-2:] == ["cpu_solve", "cpu_step"]
+    assert [float(row["t"]) for row in steps] == [record.t for record in records]
+    assert (steps[0]["step"], steps[0]["t"], steps[0]["h"]) == ("0", "0.0", "0.0")
+    assert [row["body"] for row in bodies[-2:]] == ["left", "right"]
+    columns = ("x", "y", "angle", "V_x", "V_y", "omega", "F_x", "F_y", "T")
+    last = [[float(row[column]) for column in columns] for row in bodies[-2:]]
+    q = records[-1].q
+    expected = np.column_stack([q.centres, q.angles, records[-1].U, records[-1].F])
+    assert np.array_equal(last, expected)
+    assert min(row[1] for row in last) - 1.0 == float(steps[-1]["smallest_gap"])
+
+
+def test_series_list_the_fields_at_the_output_times(unbroken: Path) -> None:
+    entries = list(ElementTree.parse(unbroken / "fluid.pvd").iter("DataSet"))
+    times = [0.0, 0.25, 0.5, 0.75, 1.0]
+    assert [float(e.attrib["timestep"]) for e in entries] == [t for t in times for _ in range(2)]
+    assert [e.attrib["part"] for e in entries] == ["0", "1"] * 5
+    assert all((unbroken / e.attrib["file"]).is_file() for e in entries)
+    assert len(list(ElementTree.parse(unbroken / "surface.pvd").iter("DataSet"))) == 5
+    assert {"0.35"} < {row["t"] for row in rows(unbroken / "steps.csv")}
+
+
+def test_the_case_in_the_folder_is_the_case(unbroken: Path) -> None:
+    assert load_case(unbroken / "case.toml") == small_case()
+
+
+def test_provenance(unbroken: Path) -> None:
+    (entry,) = launches(unbroken)
+    assert entry["packages"]["numpy"] == np.__version__
+    assert (entry["ranks"], entry["seed"]) == (1, None)
+
+
+def test_git_commit_is_that_of_the_checkout_only(tmp_path: Path) -> None:
+    assert git_commit(tmp_path) is None
+    assert launch()["git"] is None or len(launch()["git"].removesuffix("+dirty")) == 40
+
+
+def test_without_fields_only_tables_are_written(tmp_path: Path) -> None:
+    start(small_case(output={"fields": False}), tmp_path / "run")
+    assert not list((tmp_path / "run" / "fields").iterdir())
+    assert not list((tmp_path / "run").glob("*.pvd"))
+
+
+def test_folders_that_cannot_be_used(tmp_path: Path) -> None:
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "thesis.tex").write_text("")
+    (tmp_path / "file").write_text("")
+    for name in ("full", "file", "file/below"):
+        with pytest.raises(InputError, match=rf"output = .*{name}: .*; give "):
+            start(small_case(), tmp_path / name)
+    with pytest.raises(InputError, match="not a run folder"):
+        resume_run(tmp_path / "full", make_model)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "full"]
+    (tmp_path / "empty").mkdir()
+    start(small_case(), tmp_path / "empty")
+
+
+def test_rows_with_other_columns_than_their_table_are_refused(tmp_path: Path) -> None:
+    """A step without a column would shift all that follow; also where another launch began the table."""
+    case = small_case()
+
+    class Forgetful(DiscsBesidePlane):
+        def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> ExactInstant:
+            found = super().__call__(q, t, inertia)
+            return replace(found, record={k: v for k, v in found.record.items() if t < 0.3})
+
+    with pytest.raises(SolveError, match=r"the new rows of steps\.csv have other columns than it has"):
+        run_case(case, tmp_path / "run", Forgetful(case, noise=1e-4))
+    kept = len(rows(tmp_path / "run" / "steps.csv"))
+    with pytest.raises(SolveError, match=r"the new rows of steps\.csv have other columns"):
+        resume_run(tmp_path / "run", lambda case: Forgetful(case, noise=1e-4))
+    assert len(rows(tmp_path / "run" / "steps.csv")) == kept
+
+
+def test_a_case_without_time_cannot_be_run(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="time: missing"):
+        start(parse_case(small_case().model_dump(exclude={"time"}, exclude_none=True)), tmp_path / "run")
+    assert not list(tmp_path.iterdir())
