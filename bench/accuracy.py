@@ -11,7 +11,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from fsi.case.case import load_case
+from fsi.case.load import load_case
 from fsi.lubrication import exact
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution

@@ -22,7 +22,8 @@ import numpy as np
 from bench.scaling import JSON_HELP, Scaling
 from fsi.arrangements.packing import random_arrangement
 from fsi.bodies.configuration import Array
-from fsi.case.case import Case, parse_case
+from fsi.case.case import Case
+from fsi.case.load import parse_case
 from fsi.models import make_model
 from fsi.run import make_stepper
 

@@ -22,7 +22,8 @@ from rich.table import Table
 
 from bench.scaling import JSON_HELP, Scaling
 from bench.step import PHASES, forget_peak, peak_memory
-from fsi.case.case import Case, load_case
+from fsi.case.case import Case
+from fsi.case.load import load_case
 from fsi.lubrication.spheres import normal_resistance
 from fsi.stokes.model import StokesModel
 

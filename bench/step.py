@@ -17,7 +17,8 @@ from rich.console import Console
 from rich.table import Table
 
 from fsi.bodies.configuration import Configuration
-from fsi.case.case import Case, load_case
+from fsi.case.case import Case
+from fsi.case.load import load_case
 from fsi.lubrication.exact import normal_resistance
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution

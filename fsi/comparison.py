@@ -1,29 +1,36 @@
-"""The reduced model against the resolved one: gap rates at the same configurations, and the two trajectories.
+"""One case at several levels: the trajectories that they give, and how good the reduced model's rates are.
 
-At each step of the resolved run the reduced model is asked for its velocities at the same configuration under
-the same loads on the fluid, inertia in them, so that what the two laws of motion say can be told apart from
-where earlier errors have carried the bodies. The relative error of a gap is that of its rate D',
-`|D'_reduced - D'_resolved| / |D'_resolved|`.
+The trajectories of all levels are compared with those of the first. Of the reduced model against the resolved
+one more is known. At each step of the resolved run the reduced model is asked for its velocities at the same
+configuration under the same loads on the fluid, inertia in them, so that what the two laws of motion say can
+be told apart from where earlier errors have carried the bodies. The relative error of a gap is that of its
+rate D', `|D'_reduced - D'_resolved| / |D'_resolved|`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline
+from scipy.interpolate import CubicHermiteSpline, make_interp_spline
 
 from fsi.bodies.configuration import LOADS, MODES, PLACES, Array, Configuration
 from fsi.bodies.gaps import find_gaps
-from fsi.case.case import Case
-from fsi.meshes.geometry.containers import Container
+from fsi.case.case import MODELS, Case
+from fsi.case.load import load_case, parse_case
+from fsi.errors import InputError
+from fsi.models import INSTANTS
+from fsi.parallel import on_root
 from fsi.reduced.model import ReducedModel
 from fsi.reduced.network import gradient
 from fsi.reduced.pairs import find_pairs
+from fsi.run import Progress, no_progress, resume, run
 
+# Of a table and a plot.
+TIMES = 601
 LIMITS = (0.1, 0.01)
 # A gap at which the two models move it in opposite directions has no small relative error; so that one
 # turning point does not decide, a model is called good below a gap if this part of the samples is.
@@ -54,14 +61,46 @@ class History:
         centres: Array = CubicHermiteSpline(self.t, self.centres, self.U[:, :, :d])(t)
         return centres
 
+    def between(self, t: Array) -> Array:
+        """The centres at other times, (t, N, d), linear between steps: for velocities that jump."""
+        centres: Array = make_interp_spline(self.t, self.centres, k=1)(t)
+        return centres
+
 
 @dataclass(frozen=True, slots=True)
-class Comparison:
-    """What came of it.
+class Trajectories:
+    """The smallest gap of each body at all levels.
 
-    t (T,); gap, reduced_gap: smallest gap of each body along the two trajectories, (T, N); velocity:
-    resolved, and reduced_velocity: of the reduced model at the resolved configurations, (T, N, d); of S
-    samples (time and pair): sample_gap, rate, reduced_rate, (S,).
+    Attributes:
+        t: times, equally far from each other, shape (T,).
+        gap: of each level, shape (T, N); the first level is what others are compared with.
+    """
+
+    t: Array
+    gap: Mapping[str, Array]
+
+    @property
+    def smallest(self) -> dict[str, Array]:
+        """The smallest gap of all over time, (T,), of each level."""
+        return {level: gap.min(axis=1, initial=np.inf) for level, gap in self.gap.items()}
+
+    @property
+    def differences(self) -> dict[str, float]:
+        """sup over time and bodies of the difference from the first level."""
+        first = next(iter(self.gap.values()))
+        return {level: float(np.abs(gap - first).max(initial=0.0)) for level, gap in self.gap.items()}
+
+
+@dataclass(frozen=True, slots=True)
+class RateComparison:
+    """The reduced model at the configurations of a resolved run.
+
+    Attributes:
+        t: times of its steps, shape (T,).
+        gap, reduced_gap: smallest gap of each body along the two trajectories, shape (T, N).
+        velocity: resolved, shape (T, N, d).
+        reduced_velocity: of the reduced model at the resolved configurations, shape (T, N, d).
+        sample_gap, rate, reduced_rate: of S samples (time and pair), shape (S,).
     """
 
     t: Array
@@ -106,14 +145,68 @@ class Comparison:
         ]
 
 
-def compare(case: Case, resolved: History, reduced: History) -> Comparison:
-    """Compare two runs of a case; `case` is the reduced one.
+def case_at_levels(case: Case, levels: Sequence[str], law: str | None = None) -> dict[str, Case]:
+    """The case at each level, with another law of the reduced model if one is given.
+
+    Raises:
+        InputError: there is no such level, or the case is not one for it.
+    """
+    if len(levels) < 2 or len(set(levels)) < len(levels):
+        raise InputError(
+            f"--levels {','.join(levels)}: give at least two different ones of {', '.join(MODELS)}"
+        )
+    for level in levels:
+        if level not in MODELS:
+            raise InputError(f"--levels {level}: there is no such level; give some of {', '.join(MODELS)}")
+    data = case.as_data()
+    if law is not None:
+        data["reduced"] = data["reduced"] | {"law": law}
+    return {level: parse_case(data | {"model": level}) for level in levels}
+
+
+def run_levels(cases: Mapping[str, Case], folder: Path, progress: Progress = no_progress) -> None:
+    """Run all levels, or go on with what is in the folder; collective.
+
+    Raises:
+        InputError: the folder holds the run of another case; nothing is written.
+        SolveError: a run cannot go on.
+    """
+    for level, case in cases.items():
+        on_root(lambda level=level, case=case: _require_same(folder / level, case))  # type: ignore[misc]
+    on_root(lambda: folder.mkdir(parents=True, exist_ok=True))
+    for level, case in cases.items():
+        if (folder / level).exists():
+            resume(folder / level, progress)
+        else:
+            run(case, folder / level, progress)
+
+
+def _require_same(folder: Path, case: Case) -> None:
+    """A run that is there already must be one of this case."""
+    if folder.exists() and load_case(folder / "case.toml") != case:
+        raise InputError(f"output = {folder}: holds the run of another case; give a new folder")
+
+
+def trajectories(cases: Mapping[str, Case], histories: Mapping[str, History]) -> Trajectories:
+    """The gaps of all levels at the same times."""
+    end = min(history.t[-1] for history in histories.values())
+    t = np.linspace(0.0, end, TIMES)
+    gaps = {}
+    for level, history in histories.items():
+        # Where a model takes steps of given length its velocities jump, on contact for instance.
+        centres = history.at(t) if level in INSTANTS else history.between(t)
+        gaps[level] = _gaps_over_time(cases[level], t, centres)
+    return Trajectories(t, gaps)
+
+
+def compare_rates(case: Case, resolved: History, reduced: History) -> RateComparison:
+    """Compare the reduced run of a case with its resolved one; `case` is the reduced one.
 
     Raises:
         SolveError: the reduced model fails at a configuration of the resolved run.
     """
     model, d = ReducedModel(case), case.dimension
-    radii, container = case.configuration().radii, case.container()
+    radii = case.configuration().radii
     reach = 2.0 * float(radii.max()) if case.reduced.cutoff is None else case.reduced.cutoff
     velocities, samples = [], []
     for t, x, U, F in zip(resolved.t, resolved.centres, resolved.U, resolved.F, strict=True):
@@ -129,30 +222,42 @@ def compare(case: Case, resolved: History, reduced: History) -> Comparison:
     table = np.vstack(samples)
     table = table[table[:, 1] != 0.0]
 
-    def gaps(centres: Array) -> Array:
-        return np.array(
-            [
-                _gaps_of_each(Configuration.unturned(x, radii), container.at(float(t)))
-                for t, x in zip(resolved.t, centres, strict=True)
-            ]
-        )
-
-    return Comparison(
+    return RateComparison(
         resolved.t,
-        gaps(resolved.centres),
-        gaps(reduced.at(resolved.t)),
+        _gaps_over_time(case, resolved.t, resolved.centres),
+        _gaps_over_time(case, resolved.t, reduced.at(resolved.t)),
         resolved.U[:, :, :d],
         np.array(velocities),
         *table.T,
     )
 
 
-def _gaps_of_each(q: Configuration, container: Container) -> NDArray[np.float64]:
-    return find_gaps(q, container, reach=container.size()).smallest_of_each()
+def _gaps_over_time(case: Case, t: Array, centres: Array) -> Array:
+    """The smallest gap of each body for centres (T, N, d) at times t, (T, N)."""
+    radii, container = case.configuration().radii, case.container()
+    return np.array(
+        [
+            find_gaps(
+                Configuration.unturned(x, radii), container.at(float(at)), container.size()
+            ).smallest_of_each()
+            for at, x in zip(t, centres, strict=True)
+        ]
+    )
 
 
-def comparison_json(names: Sequence[str], law: str, found: Comparison) -> dict[str, Any]:
-    """The object that `fsi compare --json` prints."""
+def comparison_json(paths: Trajectories) -> dict[str, Any]:
+    """What `fsi compare --json` prints of the levels."""
+    return {
+        "levels": list(paths.gap),
+        "times": paths.t.tolist(),
+        "gaps": {level: gap.tolist() for level, gap in paths.gap.items()},
+        "smallest_gaps": {level: float(gap.min()) for level, gap in paths.smallest.items()},
+        "differences": paths.differences,
+    }
+
+
+def rates_json(names: Sequence[str], law: str, found: RateComparison) -> dict[str, Any]:
+    """What `fsi compare --json` adds for the reduced level against the resolved one."""
     return {
         "law": law,
         "bodies": [{"name": name, **row} for name, row in zip(names, found.bodies(), strict=True)],

@@ -1,24 +1,103 @@
-"""Which model a case asks for."""
+"""The levels by name: what steps a case of each, and which of them give velocities at an instant.
+
+Libraries are imported where they are needed: only the resolved model wants DOLFINx.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
-from fsi.integration.stepper import Model
+import numpy as np
 
-if TYPE_CHECKING:
-    from fsi.case.case import Case
+from fsi.case.case import Case
+from fsi.errors import InputError
+from fsi.integration.evolution import Evolution, SteppedEvolution
+from fsi.integration.fixed_stepper import FixedStepper
+from fsi.integration.refining_stepper import Refinable, RefiningStepper
+from fsi.integration.schedule import Schedule
+from fsi.integration.schemes import Beginning, scheme_for
+from fsi.integration.state import Advance, Model
+from fsi.integration.stepper import Stepper
 
 
 def make_model(case: Case) -> Model:
-    """The model that gives the velocities of the bodies of a case."""
-    if case.model == "reduced":
-        from fsi.reduced.distance_model import DistanceModel
-        from fsi.reduced.model import ReducedModel
+    """The model that gives the velocities of the bodies of a case at an instant.
 
-        return ReducedModel(case) if case.reduced.step is None else DistanceModel(case, case.reduced.step)
-    # dolfinx is imported where it is needed, and only there
+    Raises:
+        InputError: its level has none: it steps by itself.
+    """
+    if case.model not in INSTANTS:
+        raise InputError(
+            f'model = "{case.model}": has no velocities at an instant, only a motion in time; use `fsi run`'
+        )
+    return INSTANTS[case.model](case)
+
+
+def make_evolution(case: Case) -> Evolution:
+    """What moves the bodies of a case in time. Raises InputError if the case has no [time]."""
+    _ = case.timing
+    return EVOLUTIONS[case.model](case) if case.model in EVOLUTIONS else stepped(case, make_model(case))
+
+
+def stepped(case: Case, model: Model) -> SteppedEvolution:
+    """The motion of a case with a model that gives velocities at an instant."""
+    estimated = case.output.error_estimates or case.discretisation.tolerance is not None
+    q, first = case.configuration(), case.timing.first_step
+    return SteppedEvolution(make_stepper(case, model), case.names, q, first, estimated)
+
+
+def make_stepper(case: Case, model: Model) -> Advance:
+    """The stepper that a case asks for by `time.scheme`, or by whether any body has a mass."""
+    time, masses = case.timing, case.masses()
+    kind = scheme_for(time.scheme, inertia=masses is not None)
+    U = case.initial_velocity()
+    scheme = kind.make(Beginning(np.zeros_like(U) if masses is None else masses, U, time.smallest_step))
+    schedule = Schedule(time.end, case.knots(), case.output.interval)
+    if kind.fixed:
+        assert time.step is not None  # checked with the case
+        return FixedStepper(model, scheme, case.container(), schedule, time.step)
+    stepper = Stepper(
+        model=model,
+        scheme=scheme,
+        container=case.container(),
+        names=case.names,
+        schedule=schedule,
+        tolerance=time.tolerance,
+        gap_loss=time.gap_loss,
+        smallest_step=time.smallest_step,
+    )
+    tolerance = case.discretisation.tolerance
+    if tolerance is not None and isinstance(model, Refinable):
+        return RefiningStepper(stepper, model, tolerance)
+    return stepper
+
+
+def _resolved(case: Case) -> Model:
     from fsi.stokes.model import StokesModel
     from fsi.stokes.refined import RefinedModel
 
     return StokesModel(case) if case.discretisation.tolerance is None else RefinedModel(case)
+
+
+def _reduced(case: Case) -> Model:
+    from fsi.reduced.distance_model import DistanceModel
+    from fsi.reduced.model import ReducedModel
+
+    fixed = case.time is not None and scheme_for(case.time.scheme, inertia=True).fixed
+    return DistanceModel(case) if fixed else ReducedModel(case)
+
+
+def _gluey(case: Case) -> Evolution:
+    from fsi.gluey.evolution import GlueyEvolution
+
+    return GlueyEvolution(case)
+
+
+def _macroscopic(case: Case) -> Evolution:
+    from fsi.macroscopic.evolution import MacroscopicEvolution
+
+    return MacroscopicEvolution(case)
+
+
+INSTANTS: dict[str, Callable[[Case], Model]] = {"resolved": _resolved, "reduced": _reduced}
+EVOLUTIONS: dict[str, Callable[[Case], Evolution]] = {"gluey": _gluey, "macroscopic": _macroscopic}

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Any, Literal, override
 
 import numpy as np
-from pydantic import Field, field_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticCustomError
 
+from fsi.case.section import Geometry, told
 from fsi.case.walls import MeanDrive, Walled
-from fsi.geometry import Geometry
 from fsi.meshes.geometry.containers import Container
 from fsi.meshes.geometry.periodic import Cell, Channel
 
@@ -25,12 +26,14 @@ class _Periodic(Walled):
             raise ValueError("a periodic domain is meshed by this program; drop it")
         return mesh
 
-    @field_validator("geometry")
+    @model_validator(mode="before")
     @classmethod
-    def _planar(cls, geometry: Geometry) -> Geometry:
-        if geometry != "planar":
-            raise ValueError('only planar domains are periodic; give geometry = "planar"')
-        return geometry
+    def _planar(cls, data: Any, info: ValidationInfo) -> Any:
+        if told(info).geometry != "planar":
+            raise PydanticCustomError(
+                "not_planar", 'only planar domains are periodic; give geometry = "planar"'
+            )
+        return data
 
 
 class ChannelDomain(_Periodic):

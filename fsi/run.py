@@ -1,30 +1,23 @@
-"""A run from its case to its folder, and the continuation of a run that was broken off."""
+"""A run from its case to its folder, and the continuation of one that was broken off, at all levels."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from time import process_time
 
-from fsi.bodies.configuration import Configuration
-from fsi.bodies.gaps import find_gaps
-from fsi.case.case import Case, load_case
-from fsi.case.sections import Time
-from fsi.errors import InputError
-from fsi.integration.fixed_stepper import FixedStepper
-from fsi.integration.refining_stepper import Refinable, RefiningStepper
-from fsi.integration.schedule import Schedule
-from fsi.integration.schemes import AscherRuuthSpiteri, BogackiShampine
-from fsi.integration.stepper import Advance, Model, Scheme, State, Step, Stepper
-from fsi.meshes.geometry.containers import Container
-from fsi.observables.error_estimate import StepErrors
-from fsi.reduced.distance_model import DistanceModel
-from fsi.run_folder.folder import RunFolder, StepRecord
+from fsi.case.case import Case
+from fsi.case.load import load_case
+from fsi.integration.evolution import Evolution, Moment
+from fsi.integration.state import State, StepRecord
+from fsi.models import make_evolution
+from fsi.parallel import on_root
+from fsi.run_folder.folder import Commit, RunFolder
 from fsi.run_folder.provenance import launch
 
 type Progress = Callable[[StepRecord], None]
+type MakeEvolution = Callable[[Case], Evolution]
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,108 +32,68 @@ def no_progress(record: StepRecord) -> None:
     """Show nothing."""
 
 
-def run_case(case: Case, folder: Path, model: Model, progress: Progress = no_progress) -> Outcome:
+def run(
+    case: Case, folder: Path, progress: Progress = no_progress, make: MakeEvolution = make_evolution
+) -> Outcome:
     """Run a case into a new folder. All ranks call it, and `progress` is called on all of them.
+
+    Args:
+        case: what moves, at any level.
+        folder: a new one.
+        progress: called with each step that is kept.
+        make: what steps the case; the level that it names if not given.
 
     Raises:
         InputError: the case has no [time] or the folder is not new; nothing has been written.
         SolveError: the run cannot go on; the folder keeps the last good state.
     """
-    stepper = make_stepper(case, model)
-    run = RunFolder.create(folder, case.as_toml(), launch())
-    return _drive(case, run, stepper, progress)
+    evolution = make(case)
+    return _drive(case, RunFolder.create(folder, case.as_toml(), launch()), evolution, progress)
 
 
-def resume_run(
-    folder: Path, make_model: Callable[[Case], Model], progress: Progress = no_progress
-) -> Outcome:
+def resume(folder: Path, progress: Progress = no_progress, make: MakeEvolution = make_evolution) -> Outcome:
     """Continue a run after its last committed step; a finished run is left as it is.
 
     Raises:
         InputError: it is not the folder of a run, or files are missing in it.
-        SolveError: as in `run_case`.
+        SolveError: as in `run`.
     """
     run = RunFolder.reopen(folder)
-    case = load_case(run.case)
-    if run.checkpoint is not None and run.checkpoint.state.t >= _time(case).end:
+    case = on_root(lambda: load_case(run.case))
+    if run.checkpoint is not None and run.checkpoint.state.t >= case.timing.end:
         return Outcome(run.checkpoint.state, 0)
-    stepper = make_stepper(case, make_model(case))
+    evolution = make(case)
     run.rewind(launch())
-    return _drive(case, run, stepper, progress)
+    return _drive(case, run, evolution, progress)
 
 
-def make_stepper(case: Case, model: Model) -> Advance:
-    """The stepper that a case asks for: with inertia if any body has a mass. Raises InputError."""
-    given = _time(case)
-    schedule = Schedule(given.end, case.knots(), case.output.interval)
-    if isinstance(model, DistanceModel):
-        return FixedStepper(model, case.container(), schedule, model.step)
-    masses = case.masses()
-    scheme: Scheme = BogackiShampine() if masses is None else AscherRuuthSpiteri(masses, given.smallest_step)
-    stepper = Stepper(
-        model=model,
-        scheme=scheme,
-        container=case.container(),
-        names=case.names,
-        schedule=schedule,
-        tolerance=given.tolerance,
-        gap_loss=given.gap_loss,
-        smallest_step=given.smallest_step,
-    )
-    tolerance = case.discretisation.tolerance
-    if tolerance is not None and isinstance(model, Refinable):
-        return RefiningStepper(stepper, model, tolerance)
-    return stepper
-
-
-def _drive(case: Case, run: RunFolder, stepper: Advance, progress: Progress) -> Outcome:
+def _drive(case: Case, run: RunFolder, evolution: Evolution, progress: Progress) -> Outcome:
     """Step from the last commit, or from the start, to the end; keep each step."""
-    estimated = case.output.error_estimates or case.discretisation.tolerance is not None
 
-    def kept(advance: Callable[[], Step]) -> State:
-        began = process_time()
-        step = advance()
-        q, t = step.state.q, step.state.t
-        errors = stepper.model.errors(q, t, step.instant) if estimated else None
-        record = _record(step, errors, stepper.container.at(t), process_time() - began)
-        writes = case.output.fields and stepper.schedule.is_output(record.t)
-        files = step.instant.write(run.fields, record.step) if writes else {}
-        run.keep(record, case.names, files, step.state, stepper.model.state())
+    def keep(moment: Moment, began: float) -> State:
+        record = moment.record.timed(process_time() - began)
+        output = evolution.schedule.is_output(record.t)
+        run.keep(
+            Commit(
+                record,
+                moment.names,
+                moment.write(run.fields) if output and case.output.fields else {},
+                moment.tables() if output else {},
+                moment.state,
+                evolution.memory(),
+            )
+        )
         progress(record)
-        return step.state
+        return moment.state
 
+    began = process_time()
     if run.checkpoint is None:
-        state = kept(partial(stepper.start, case.configuration(), _time(case).first_step))
+        state = keep(evolution.start(), began)
     else:
-        stepper.model.restore(run.checkpoint.model)
+        evolution.restore(run.checkpoint.model)
         state = run.checkpoint.state
     first = state.step
-    while state.t < stepper.schedule.end:
-        state = kept(partial(stepper.advance, state))
+    while state.t < evolution.schedule.end:
+        began = process_time()
+        state = keep(evolution.advance(state), began)
     return Outcome(state, state.step - first)
-
-
-def _record(step: Step, errors: StepErrors | None, container: Container, cpu: float) -> StepRecord:
-    """The step as the tables show it; cpu: CPU seconds of all its solves, rejected ones too."""
-    state, instant = step.state, step.instant
-    columns = {**instant.record, **(errors.columns if errors else {}), "cpu_step": cpu}
-    gap = _smallest_gap(state.q, container)
-    known = getattr(instant, "body_columns", {})  # of models that know more of each body
-    of_bodies = {**known, **(errors.body_columns if errors else {})}
-    return StepRecord(
-        state.step, state.t, step.h, gap, step.rejected, state.q, instant.U, instant.F, columns, of_bodies
-    )
-
-
-def _smallest_gap(q: Configuration, container: Container) -> float:
-    """The smallest of all gaps, also where no two bodies are near each other."""
-    gaps = find_gaps(q, container)
-    if len(gaps.pairs) == 0:
-        gaps = find_gaps(q, container, reach=gaps.smallest())
-    return gaps.smallest()
-
-
-def _time(case: Case) -> Time:
-    if case.time is None:
-        raise InputError("time: missing; add a section [time] with its end, or use `fsi solve`")
-    return case.time

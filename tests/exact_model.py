@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Inertia
-from fsi.case.case import Case, parse_case
-from fsi.integration.stepper import Instant
+from fsi.case.case import Case
+from fsi.case.load import parse_case
+from fsi.integration.state import Instant
 from fsi.lubrication.exact import normal_resistance, parallel_resistance, rotation_resistance
 from fsi.observables.error_estimate import ErrorEstimate, StepErrors
 

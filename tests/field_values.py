@@ -15,7 +15,7 @@ import numpy as np
 
 from fsi import parallel
 from fsi.bodies.configuration import Array
-from fsi.case.case import load_case
+from fsi.case.load import load_case
 from fsi.run import run_case
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.fields import write as fields

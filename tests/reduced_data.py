@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from fsi.case.case import Case, parse_case
+from fsi.case.case import Case
+from fsi.case.load import parse_case
 
 
 def reduced_case(bodies: list[dict[str, Any]], reduced: dict[str, Any], **sections: Any) -> Case:

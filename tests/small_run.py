@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from fsi.case.case import Case, parse_case
+from fsi.case.case import Case
+from fsi.case.load import parse_case
 from fsi.run import Outcome, run_case
 from tests.exact_model import DiscsBesidePlane
 

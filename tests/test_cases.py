@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from fsi.case.case import load_case
+from fsi.case.load import load_case
 from fsi.observables.truncation import halved, truncation
 from fsi.stokes.model import StokesModel
 from fsi.validation.rows import computed, reference

@@ -4,7 +4,7 @@ import re
 import tomllib
 from pathlib import Path
 
-from fsi.case.case import parse_case
+from fsi.case.load import parse_case
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]

@@ -16,8 +16,8 @@ import pytest
 
 from fsi.case.case import Case
 from fsi.errors import InputError, SolveError
+from fsi.integration.state import StepRecord
 from fsi.run import resume_run, run_case
-from fsi.run_folder.folder import StepRecord
 from tests.small_run import contents, launches, make_model, rows, small_case, start
 
 

@@ -8,14 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fsi.case.case import Case, parse_case
+from fsi.case.case import Case
+from fsi.case.load import parse_case
 from fsi.errors import SolveError
+from fsi.integration.state import StepRecord
 from fsi.meshes.geometry.periodic import Cell
 from fsi.meshes.planar.sizing import Resolution
 from fsi.postprocess.analysis.strain import accumulated_strain
 from fsi.postprocess.run.run import open_run
 from fsi.run import resume_run, run_case
-from fsi.run_folder.folder import StepRecord
 from fsi.stokes.model import StokesModel
 from tests.flows import discs
 from tests.periodic import in_cell

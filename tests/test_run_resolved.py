@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.case.case import load_case
+from fsi.case.load import load_case
 from fsi.postprocess.run.run import open_run
 from fsi.stokes.model import StokesModel
 from tests.small_run import contents, launches

@@ -7,7 +7,7 @@ import pytest
 
 from fsi.arrangements.arrangement import Arrangement, Cell
 from fsi.case.body_file import read_bodies
-from fsi.case.case import load_case
+from fsi.case.load import load_case
 
 FOLDER = Path(__file__).parents[1] / "cases" / "suspensions"
 NAMES = ("rows", "random", "oblique_chains", "columns")

@@ -11,7 +11,7 @@ difference is the last column.
 
 from pathlib import Path
 
-from fsi.case.case import load_case
+from fsi.case.load import load_case
 from fsi.stokes.model import StokesModel
 
 CASE = Path(__file__).parents[2] / "cases" / "couette_N10.toml"

@@ -15,7 +15,7 @@ import numpy as np
 from fsi import open_run
 from fsi.bodies.configuration import Array
 from fsi.calibration.calibrate import calibrate_case
-from fsi.case.case import load_case, parse_case
+from fsi.case.load import load_case, parse_case
 from fsi.models import make_model
 from fsi.postprocess.analysis.settling import exact_gap
 from fsi.report.calibration import LAW

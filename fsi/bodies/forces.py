@@ -9,6 +9,7 @@ f > 0 repels. The forces of a pair are opposite. None makes a torque, as each ac
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import pi
 
 import numpy as np
@@ -16,6 +17,7 @@ import numpy as np
 from fsi.bodies.configuration import Array, Configuration
 from fsi.bodies.gaps import Gaps, find_gaps
 from fsi.case.force_laws import Force, Gravity, PairForce
+from fsi.case.series import Table, value_at
 from fsi.meshes.geometry.containers import Container
 from fsi.normals import inward_normals
 
@@ -25,27 +27,50 @@ def separations(q: Configuration, gaps: Gaps) -> Array:
     return q.centres[gaps.pairs[:, 0]] - q.centres[gaps.pairs[:, 1]] - gaps.away
 
 
+@dataclass(frozen=True, slots=True)
+class Bulk:
+    """What gravity acts on: the masses of the bodies and their volumes (in the plane areas), shape (N,)."""
+
+    masses: Array
+    volumes: Array
+
+    @classmethod
+    def of(cls, masses: Array, radii: Array, *, spheres: bool) -> Bulk:
+        """Of spheres, on an axis or in space, or of discs."""
+        return cls(masses, 4.0 / 3.0 * pi * radii**3 if spheres else pi * radii**2)
+
+
 def external_forces(
-    forces: Sequence[Force], q: Configuration, container: Container, masses: Array, spheres: bool
+    forces: Sequence[Force], q: Configuration, container: Container, bulk: Bulk, t: float
 ) -> Array:
-    """The sum of all forces on each body, shape (N, d).
+    """The sum of all forces on each body at time t, shape (N, d).
 
     Args:
         forces: what acts.
         q: where the bodies are; their gaps are positive.
-        container: what encloses the fluid.
-        masses: of the bodies, shape (N,).
-        spheres: whether bodies are spheres, on an axis or in space, or else discs.
+        container: what encloses the fluid at that time.
+        bulk: what is heavy.
+        t: the time.
     """
     total = np.zeros_like(q.centres)
-    volumes = 4.0 / 3.0 * pi * q.radii**3 if spheres else pi * q.radii**2
+    for heavy, acceleration in weights(forces, bulk):
+        total += heavy[:, None] * np.array([value_at(part, t) for part in acceleration])
     for force in forces:
-        if isinstance(force, Gravity):
-            heavy = masses if force.density_difference is None else force.density_difference * volumes
-            total += heavy[:, None] * np.array(force.acceleration)
-        else:
-            total += _between_bodies(force, q, container)
+        if not isinstance(force, Gravity):
+            total += between_bodies(force, q, container)
     return total
+
+
+def weights(forces: Sequence[Force], bulk: Bulk) -> list[tuple[Array, tuple[float | Table, ...]]]:
+    """Of each gravity what it acts on, m or the difference of densities times V, (N,), and g over time."""
+    return [
+        (
+            bulk.masses if force.density_difference is None else force.density_difference * bulk.volumes,
+            force.acceleration,
+        )
+        for force in forces
+        if isinstance(force, Gravity)
+    ]
 
 
 def moment_of_forces(forces: Sequence[Force], q: Configuration, container: Container) -> Array:
@@ -63,7 +88,7 @@ def moment_of_forces(forces: Sequence[Force], q: Configuration, container: Conta
     return total
 
 
-def _between_bodies(force: PairForce, q: Configuration, container: Container) -> Array:
+def between_bodies(force: PairForce, q: Configuration, container: Container) -> Array:
     """Forces of one law on each body, shape (N, d)."""
     gaps = find_gaps(q, container, force.reach)
     push, total = _on_first(force, q, gaps), _from_walls(force, q, gaps, container).sum(axis=1)

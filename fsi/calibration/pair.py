@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from fsi.bodies.configuration import Array
-from fsi.case.case import Case, parse_case
+from fsi.case.case import Case
+from fsi.case.load import parse_case
 from fsi.case.section import toml_text
 from fsi.case.sections import Calibration
 from fsi.case.series import is_zero

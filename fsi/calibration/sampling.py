@@ -14,7 +14,7 @@ from pathlib import Path
 from fsi import parallel
 from fsi.calibration.pair import Pair, pair_of
 from fsi.calibration.samples import Sample, keep_sample, key_of, planned_gaps, read_sample
-from fsi.case.case import parse_case
+from fsi.case.load import parse_case
 from fsi.errors import FsiError, SolveError
 from fsi.meshes.errors import MeshError
 

@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Discriminator, Field, Tag, field_validator
 
+from fsi.case.section import Geometry, dimension_of, require_components, told
 from fsi.case.walls import Walled
-from fsi.geometry import Geometry, dimension_of, require_components
 from fsi.meshes.geometry.containers import Box, Container, HalfPlane, Round
 from fsi.periodic import CellDomain, ChannelDomain
 
@@ -35,7 +35,7 @@ class BoxDomain(Walled):
     @field_validator("lower", "upper")
     @classmethod
     def _all_components(cls, corner: tuple[float, ...], info: Any) -> tuple[float, ...]:
-        return require_components(corner, dimension_of(info.data["geometry"]), "a corner")
+        return require_components(corner, told(info).dimension, "a corner")
 
     @field_validator("upper")
     @classmethod
@@ -84,12 +84,27 @@ class RoundDomain(Walled):
         return Round(self.radius, self.geometry == "axisymmetric", dimension_of(self.geometry))
 
 
+class UnboundedDomain(Walled):
+    """No container: for models without a fluid that must be enclosed."""
+
+    shape: Literal["unbounded"] = Field(description=_SHAPES)
+
+    @classmethod
+    def wall_names(cls, geometry: Geometry) -> tuple[str, ...]:  # noqa: ARG003
+        """None."""
+        return ()
+
+    def container(self) -> Container:
+        """The geometry."""
+        return Round(np.inf, self.geometry == "axisymmetric", dimension_of(self.geometry))
+
+
 def _domain_kind(value: Any) -> str:
     """The shape; for a misspelt or missing one that whose keys are given, which then refuses its name."""
     if not isinstance(value, dict):
         return "<channel>" if isinstance(value, ChannelDomain) else f"<{getattr(value, 'shape', 'box')}>"
     shape = value.get("shape", "box" if "lower" in value else None)
-    if shape not in ("box", "half-plane", "round", "cell"):
+    if shape not in ("box", "half-plane", "round", "cell", "unbounded"):
         shape = "half-plane" if "radius" in value else "cell" if "vectors" in value else "box"
     return "<channel>" if shape == "box" and "periodic" in value else f"<{shape}>"
 
@@ -99,6 +114,7 @@ Domain = Annotated[
     | Annotated[ChannelDomain, Tag("<channel>")]
     | Annotated[CellDomain, Tag("<cell>")]
     | Annotated[HalfPlaneDomain, Tag("<half-plane>")]
-    | Annotated[RoundDomain, Tag("<round>")],
+    | Annotated[RoundDomain, Tag("<round>")]
+    | Annotated[UnboundedDomain, Tag("<unbounded>")],
     Discriminator(_domain_kind),
 ]

@@ -11,6 +11,7 @@ from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
 from fsi.bodies.configuration import Array
 from fsi.case.section import Section, nearest_word
+from fsi.case.series import Series
 
 _KINDS = '"gravity", "attraction" or "repulsion"'
 _LAWS = '"exponential", "power" or "table"'
@@ -23,7 +24,9 @@ class Gravity(Section):
     """
 
     kind: Literal["gravity"] = Field(description=_KINDS)
-    acceleration: tuple[float, ...] = Field(description="the acceleration g, [g_x, g_y] or [g_x, g_y, g_z]")
+    acceleration: tuple[Series, ...] = Field(
+        description="the acceleration g, [g_x, g_y] or [g_x, g_y, g_z], each a number or a table in time"
+    )
     density_difference: float | None = Field(
         default=None,
         description="the density of bodies less that of the fluid; their masses act if not given",

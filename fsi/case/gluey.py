@@ -1,81 +1,71 @@
-"""The sections of a gluey case file: room, bodies, contact, steps, output."""
+"""The section [gluey] of a case file: what happens where surfaces touch, further walls, the limit's study."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from fsi.case.section import Section
-from fsi.gluey.history import History
-from fsi.gluey.system import Law
+from fsi.case.body import NAME
+from fsi.case.section import Section, require_components, told
 
-Vector = tuple[float, ...]
-_POINT = "two or three finite numbers, as many as for all others"
+type Variant = Literal["shifted", "cone", "film"]
 
 
-class Cell(Section):
-    """A box: walls at its sides, or periodic."""
+@dataclass(frozen=True, slots=True)
+class ContactLaw:
+    """What happens between two surfaces that touch.
 
-    lower: Vector = Field(min_length=2, max_length=3, description=f"the lower corner, {_POINT}")
-    upper: Vector = Field(min_length=2, max_length=3, description=f"the upper corner, {_POINT}")
-    periodic: tuple[Literal["x", "y", "z"], ...] = Field(
-        default=(), description='the periodic directions, like ["x"]'
-    )
+    Attributes:
+        variant: "shifted", in which release costs no step, or "cone", the set C_q of the slides; "film" is
+        the
+            model before the limit, with a viscosity.
+        gamma_min: the memory at which roughness stops the film from draining, `eps ln(delta/delta0)`, <= 0,
+        or
+            -inf for smooth bodies; at it the contact is solid.
+        friction: Coulomb's coefficient mu_f at solid contact, >= 0.
+        tangential: c in the viscous force `-c |gamma| slip / a` with `a = a_i a_j/(a_i + a_j)`, >= 0: the
+        film
+            gives gamma resists slip as well, and both resistances grow as ln D. Two equal spheres have c =
+            1/3.
+        eps: of films, `gamma = eps Psi'(D)` below the gap delta0 (`fsi.gluey.film`), > 0 for "film".
+        delta0: that gap, > 0 for "film".
+    """
 
-
-class Wall(Section):
-    """A plane wall."""
-
-    name: str = Field(pattern=r"^\w[\w -]*$", description="a name of letters, digits, blanks, - and _")
-    point: Vector = Field(min_length=2, max_length=3, description=f"a point of the wall, {_POINT}")
-    normal: Vector = Field(min_length=2, max_length=3, description="its normal, into the room, not zero")
-
-
-class GlueyBody(Section):
-    """A disc or sphere."""
-
-    name: str = Field(pattern=r"^\w[\w -]*$", description="a name of letters, digits, blanks, - and _")
-    radius: float = Field(gt=0.0, description="the radius, a number > 0")
-    position: Vector = Field(min_length=2, max_length=3, description=f"the centre at time 0, {_POINT}")
-    velocity: Vector | None = Field(default=None, description="the velocity at time 0, 0 if not given")
-    mass: float | None = Field(
-        default=None, gt=0.0, description="the mass, a number > 0 (density times volume if not given)"
-    )
-    force: tuple[History, ...] | None = Field(
-        default=None, description="components, each a number or a table {times = [...], values = [...]}"
-    )
+    variant: Variant = "shifted"
+    gamma_min: float = -np.inf
+    friction: float = 0.0
+    tangential: float = 0.0
+    eps: float = 0.0
+    delta0: float = 0.0
 
 
-class Grid(Section):
-    """Rows of like bodies, a little disturbed."""
+class PlaneWall(Section):
+    """A plane wall besides those of the domain."""
 
-    name: str = Field(pattern=r"^\w[\w -]*$", description="a name of letters, digits, blanks, - and _")
-    counts: tuple[Annotated[int, Field(ge=1)], ...] = Field(
-        min_length=2, max_length=3, description="how many in each direction, at least 1"
-    )
-    lower: Vector = Field(min_length=2, max_length=3, description="the centre of the first, a point")
-    spacing: float = Field(gt=0.0, description="the distance between neighbours' centres, a number > 0")
-    radius: tuple[Annotated[float, Field(gt=0.0)], Annotated[float, Field(gt=0.0)]] = Field(
-        description="the smallest and the largest radius, two numbers > 0"
-    )
-    velocity: Vector | None = Field(default=None, description="their velocity at time 0, 0 if not given")
-    jitter: float = Field(default=0.0, ge=0.0, description="the largest disturbance of a coordinate, >= 0")
-    seed: int = Field(default=0, ge=0, description="of the random numbers, a whole number >= 0")
+    name: str = Field(pattern=NAME, description="a name of letters, digits, blanks, - and _")
+    point: tuple[float, ...] = Field(description="a point of the wall")
+    normal: tuple[float, ...] = Field(description="its normal, into the room, not zero")
 
-    @field_validator("radius")
+    @field_validator("point", "normal")
     @classmethod
-    def _in_order(cls, radius: tuple[float, float]) -> tuple[float, float]:
-        if radius[0] > radius[1]:
-            raise ValueError("has the largest before the smallest")
-        return radius
+    def _all_components(cls, vector: tuple[float, ...], info: ValidationInfo) -> tuple[float, ...]:
+        return require_components(vector, told(info).dimension, "a vector")
+
+    @field_validator("normal")
+    @classmethod
+    def _has_a_direction(cls, normal: tuple[float, ...]) -> tuple[float, ...]:
+        if not any(normal):
+            raise ValueError("is zero")
+        return normal
 
 
-class Contact(Section):
-    """What happens where surfaces touch."""
+class Gluey(Section):
+    """The limit of vanishing viscosity: what happens where surfaces touch."""
 
-    variant: Literal["shifted", "cone", "film"] = Field(
+    variant: Variant = Field(
         default="shifted", description='"shifted" or "cone" (gluey), or "film": viscosity eps > 0'
     )
     gamma_min: float | None = Field(
@@ -96,9 +86,15 @@ class Contact(Section):
         ge=0.0,
         description="the viscous slip resistance over |gamma|/a, >= 0; 1/3 for equal spheres",
     )
+    density: float = Field(
+        default=1.0, gt=0.0, description="the density of the bodies to which no mass is given, a number > 0"
+    )
+    walls: tuple[PlaneWall, ...] = Field(
+        default=(), description="one section [[gluey.walls]] for each plane besides the walls of the domain"
+    )
 
     @model_validator(mode="after")
-    def _whole(self) -> Contact:
+    def _whole(self) -> Gluey:
         film = (self.eps, self.reference_gap, self.roughness)
         if self.gamma_min is not None and film != (None, None, None):
             raise ValueError("gives gamma_min and what it follows from; drop one of them")
@@ -125,23 +121,18 @@ class Contact(Section):
             return self.eps * float(np.log(self.roughness / self.reference_gap))
         return -np.inf if self.gamma_min is None else self.gamma_min
 
-    def law(self) -> Law:
+    def law(self) -> ContactLaw:
         """As the step takes it."""
         eps, delta0 = (self.eps, self.reference_gap) if self.variant == "film" else (None, None)
-        return Law(self.variant, self.least, self.friction, self.tangential, eps or 0.0, delta0 or 0.0)
+        return ContactLaw(self.variant, self.least, self.friction, self.tangential, eps or 0.0, delta0 or 0.0)
 
 
-class Steps(Section):
-    """How the motion is stepped."""
+class LimitStudy(Section):
+    """For `fsi limit`: the viscosities that go to zero, and the numbers of steps of the slides' scheme."""
 
-    end: float = Field(gt=0.0, description="the time at which the run ends, a number > 0")
-    step: float = Field(gt=0.0, description="the length of a step, a number > 0")
-
-
-class Frames(Section):
-    """What a run writes beyond steps.csv."""
-
-    interval: float | None = Field(
-        default=None, gt=0.0, description="the time between rows of bodies, contacts and files, a number > 0"
+    eps: tuple[Annotated[float, Field(gt=0.0)], ...] = Field(
+        default=(1e-1, 1e-2, 1e-4, 1e-6, 1e-8), min_length=1, description="viscosities, numbers > 0"
     )
-    fields: bool = Field(default=True, description="true to write files for ParaView, false for tables only")
+    steps: tuple[Annotated[int, Field(ge=1)], ...] = Field(
+        default=(100, 200, 400, 800), min_length=1, description="numbers of steps of the scheme, at least 1"
+    )

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 from pydantic import Field
 
 from fsi.case.section import Section
 
 
 class Reduced(Section):
-    """The reduced model: which laws, which drag, how the motion is stepped."""
+    """The reduced model: which laws, which drag."""
+
+    renamed = {"scheme": "use time.scheme", "step": "use time.step"}  # noqa: RUF012
 
     law: str = Field(
         default="exact",
@@ -34,10 +34,4 @@ class Reduced(Section):
     )
     extrapolate: bool = Field(
         default=False, description="true to use a law file outside the range of its gaps, false to stop there"
-    )
-    scheme: Literal["adaptive", "distance", "backward-euler"] = Field(
-        default="adaptive", description='"adaptive", "distance" or "backward-euler"'
-    )
-    step: float | None = Field(
-        default=None, gt=0.0, description='the time step of "distance" and "backward-euler", a number > 0'
     )

@@ -8,11 +8,13 @@ one alternative that was meant; the tags are dropped from the key that the user 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
-from typing import Any, get_args
+from collections.abc import Iterable, Mapping
+from typing import Any, ClassVar, Literal, NamedTuple, get_args
 
-from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, ValidationError, ValidationInfo, model_validator
 from pydantic_core import ErrorDetails, PydanticCustomError
+
+type Geometry = Literal["planar", "axisymmetric", "spatial"]
 
 _LONGEST_VALUE = 60
 _COMPLAINTS = {
@@ -24,20 +26,57 @@ _COMPLAINTS = {
 _CONSEQUENCES = ("default_factory_not_called",)  # of another mistake in the same section
 
 
+class CaseContext(NamedTuple):
+    """What sections learn of the case that they stand in, as the context of pydantic's validation.
+
+    geometry: decides how many components vectors have; bodies: their number, which decides sizes of the mesh.
+    """
+
+    geometry: Geometry = "planar"
+    bodies: int = 0
+
+    @property
+    def dimension(self) -> int:
+        """How many coordinates a point has."""
+        return dimension_of(self.geometry)
+
+
 class Section(BaseModel):
-    """A table of the case file: frozen, strict, finite numbers, known keys only."""
+    """A table of the case file: frozen, strict, finite numbers, known keys only.
+
+    renamed: keys of earlier versions, each with the whole key that took its place.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    renamed: ClassVar[Mapping[str, str]] = {}
 
     @model_validator(mode="before")
     @classmethod
     def _known_keys(cls, data: Any) -> Any:
         if isinstance(data, dict):
-            known = [name for name, field in cls.model_fields.items() if not _is_tag(field.alias or name)]
             for key in data:
-                if not _is_tag(key):
-                    refuse_unknown(key, known)
+                if key in cls.renamed and key not in cls.model_fields:
+                    context = {"key": key, "now": cls.renamed[key]}
+                    raise PydanticCustomError("renamed_key", "renamed key", context)
+                refuse_unknown(key, cls.model_fields)
         return data
+
+
+def dimension_of(geometry: Geometry) -> int:
+    """How many coordinates a point has: (x, y), (r, z) or (x, y, z)."""
+    return 3 if geometry == "spatial" else 2
+
+
+def require_components[T](vector: tuple[T, ...], number: int, what: str) -> tuple[T, ...]:
+    """The vector, if it has that many components. Raises ValueError."""
+    if len(vector) != number:
+        raise ValueError(f"{what} has {len(vector)} components where this geometry has {number}")
+    return vector
+
+
+def told(info: ValidationInfo) -> CaseContext:
+    """What the whole case tells its sections while they are validated."""
+    return info.context if isinstance(info.context, CaseContext) else CaseContext()
 
 
 def refuse_unknown(key: str, known: Iterable[str]) -> None:
@@ -95,6 +134,9 @@ def explain(error: ValidationError, root: type[Section]) -> str:
 
 def _explain_one(mistake: ErrorDetails, root: type[Section]) -> str:
     path, given = mistake["loc"], mistake["input"]
+    if mistake["type"] == "renamed_key":
+        key, now = mistake["ctx"]["key"], mistake["ctx"]["now"]
+        return f"{dotted((*path, key))} = {toml_text(given[key])}: an old key; {now}"
     if mistake["type"] == "unknown_key":
         key = mistake["ctx"]["key"]
         nearest = dotted((*path, mistake["ctx"]["nearest"]))

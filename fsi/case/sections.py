@@ -1,105 +1,24 @@
-"""The sections of a case file below the top: fluid, bodies, discretisation, time, output, expected rows."""
+"""The sections of a case file below the top: fluid, discretisation, time, output, expected rows."""
 
 from __future__ import annotations
 
 from typing import Any, Literal, NamedTuple
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from fsi.case.section import Section, nearest_word
-from fsi.case.series import Angle, Component, Series, Spin, Torque
-from fsi.geometry import Geometry, dimension_of, require_components
+from fsi.case.section import CaseContext, Section, nearest_word, told
 from fsi.validation.references import REFERENCES
 
-FREE: Literal["free"] = "free"
-_LOAD = "a number or a table {times = [...], values = [...]}"
 _COMPONENT = r"(velocity|force|position|angular_velocity|torque)\.[xyrz]|angular_velocity|torque"
 APPARENT_VISCOSITY = "apparent viscosity"
 DISSIPATION = "dissipation"
 _QUANTITY = rf"^({DISSIPATION}|{APPARENT_VISCOSITY}|time at gap [\d.e-]+|[\w -]+\.({_COMPONENT}))$"
-_MOTION = f'"free", {_LOAD}'
 
 
 class Fluid(Section):
     """The fluid."""
 
     viscosity: float = Field(gt=0.0, description="the dynamic viscosity mu, a number > 0")
-
-
-class Body(Section):
-    """A rigid disc or sphere: where it starts, what moves it, what it weighs.
-
-    In space what turns (angle, angular_velocity, torque) is a vector of three.
-    """
-
-    geometry: Geometry = Field(default="planar", alias="<geometry>", exclude=True)
-
-    name: str = Field(pattern=r"^\w[\w -]*$", description="a name of letters, digits, blanks, - and _")
-    radius: float = Field(gt=0.0, description="the radius, a number > 0")
-    position: tuple[float, ...] = Field(
-        description="the centre [x, y] (in space [x, y, z]) at time 0, finite numbers"
-    )
-    angle: Angle = Field(
-        default_factory=lambda known: _turning(known, 0.0),
-        description="the angle at time 0 in radians (in space a rotation vector)",
-    )
-    velocity: tuple[Component, ...] = Field(
-        default_factory=lambda known: (FREE,) * _dimension(known),
-        description=f"two components (in space three), each {_MOTION}",
-    )
-    angular_velocity: Spin = Field(
-        default_factory=lambda known: _turning(known, FREE), description=f"(in space three times) {_MOTION}"
-    )
-    force: tuple[Series, ...] = Field(
-        default_factory=lambda known: (0.0,) * _dimension(known),
-        description=f"two components (in space three), each {_LOAD}",
-    )
-    torque: Torque = Field(
-        default_factory=lambda known: _turning(known, 0.0), description=f"(in space three times) {_LOAD}"
-    )
-    mass: float | None = Field(
-        default=None, gt=0.0, description="the mass per unit length, a number > 0, or none"
-    )
-    moment_of_inertia: float | None = Field(
-        default=None, gt=0.0, description="the moment of inertia per unit length, a number > 0, or none"
-    )
-
-    @field_validator("position", "velocity", "force")
-    @classmethod
-    def _all_components[T](cls, vector: tuple[T, ...], info: Any) -> tuple[T, ...]:
-        return require_components(vector, dimension_of(info.data["geometry"]), "a vector")
-
-    @field_validator("angle", "angular_velocity", "torque")
-    @classmethod
-    def _turns_in_its_dimension(cls, turning: Any, info: Any) -> Any:
-        spatial, vector = info.data["geometry"] == "spatial", isinstance(turning, tuple)
-        if spatial and vector:
-            return require_components(turning, 3, "a vector")
-        if spatial != vector:
-            raise ValueError("must be a vector of three in space" if spatial else "must not be a vector")
-        return turning
-
-    @property
-    def motion(self) -> tuple[Component, ...]:
-        """What is prescribed for each mode, (M,)."""
-        turning = self.angular_velocity
-        return (*self.velocity, *(turning if isinstance(turning, tuple) else (turning,)))
-
-    @property
-    def loads(self) -> tuple[Series, ...]:
-        """The external load on each mode, (M,)."""
-        turning = self.torque
-        return (*self.force, *(turning if isinstance(turning, tuple) else (turning,)))
-
-    @property
-    def keys(self) -> tuple[str, ...]:
-        """The keys of the loads on each mode: `force.0`, ..., `torque` (in space `torque.2`), (M,)."""
-        turning = ["torque"] if self.geometry != "spatial" else [f"torque.{k}" for k in range(3)]
-        return (*(f"force.{k}" for k in range(len(self.force))), *turning)
-
-
-def _dimension(known: dict[str, Any]) -> int:
-    return dimension_of(known.get("geometry", "planar"))
 
 
 class _Sizes(NamedTuple):
@@ -115,37 +34,22 @@ _FEW, _MANY, _SPATIAL = _Sizes(1.0, 48, 0.2), _Sizes(0.5, 24, 0.5), _Sizes(0.8, 
 MOST_FEW = 20
 
 
-def _sizes(known: dict[str, Any]) -> _Sizes:
-    if known.get("geometry") == "spatial":
+def _sizes(case: CaseContext) -> _Sizes:
+    if case.geometry == "spatial":
         return _SPATIAL
-    return _MANY if known.get("bodies", 0) > MOST_FEW else _FEW
-
-
-def _turning[T](known: dict[str, Any], value: T) -> T | tuple[T, ...]:
-    return (value,) * 3 if known.get("geometry") == "spatial" else value
+    return _MANY if case.bodies > MOST_FEW else _FEW
 
 
 class Discretisation(Section):
     """The mesh and the finite elements; with many bodies and in space, a coarser mesh by default."""
 
-    geometry: Geometry = Field(default="planar", alias="<geometry>", exclude=True)
-    bodies: int = Field(default=0, alias="<bodies>", exclude=True)
     degree: int = Field(default=3, ge=2, le=4, description="the degree of the velocity, 2, 3 or 4")
     cells_per_gap: float = Field(
-        default_factory=lambda known: _sizes(known).cells_per_gap,
-        gt=0.0,
-        description="the number of cells across a gap of 0.012 radii, a number > 0",
+        gt=0.0, description="the number of cells across a gap of 0.012 radii, a number > 0"
     )
-    cells_per_circle: int = Field(
-        default_factory=lambda known: _sizes(known).cells_per_circle,
-        ge=6,
-        description="the number of cells around a lone body, at least 6",
-    )
+    cells_per_circle: int = Field(ge=6, description="the number of cells around a lone body, at least 6")
     growth: float = Field(
-        default_factory=lambda known: _sizes(known).growth,
-        gt=0.0,
-        le=1.0,
-        description="the cell size over the distance to the nearest body, in (0, 1]",
+        gt=0.0, le=1.0, description="the cell size over the distance to the nearest body, in (0, 1]"
     )
     interior: Literal["graded", "sparse"] = Field(
         default="graded", description='"graded" or, in the plane, "sparse"'
@@ -163,11 +67,28 @@ class Discretisation(Section):
         default="automatic", description='"automatic", "direct" or, in space, "iterative"'
     )
 
+    @model_validator(mode="before")
+    @classmethod
+    def _as_fine_as_the_case_needs(cls, data: Any, info: ValidationInfo) -> Any:
+        return _sizes(told(info))._asdict() | data if isinstance(data, dict) else data
+
 
 class Time(Section):
     """How the motion is stepped."""
 
     end: float = Field(gt=0.0, description="the time at which the run ends, a number > 0")
+    scheme: str | None = Field(
+        default=None,
+        min_length=1,
+        description="the name of a time scheme; one that suits model and masses if not given",
+    )
+    step: float | None = Field(
+        default=None,
+        gt=0.0,
+        description="the length of a step, a number > 0, for models and schemes that do not choose their "
+        "own: "
+        'gluey, macroscopic, "distance", "backward-euler"',
+    )
     first_step: float | None = Field(default=None, gt=0.0, description="the first step to try, a number > 0")
     smallest_step: float = Field(
         default_factory=lambda known: 1e-9 * known.get("end", 1.0),

@@ -1,4 +1,4 @@
-"""Numbers that may depend on time: a constant, or a table with linear interpolation."""
+"""Numbers that may depend on time: a constant, or a table with linear interpolation, perhaps with jumps."""
 
 from __future__ import annotations
 
@@ -7,22 +7,31 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Discriminator, Field, Tag, field_validator, model_validator
+from scipy.interpolate import PPoly
 
 from fsi.case.section import Section
 
 
 class Table(Section):
-    """Values at given times, linear between them, constant before the first and after the last."""
+    """Values at given times, linear between them, constant before the first and after the last.
 
-    times: tuple[float, ...] = Field(min_length=1, description="the times of the table, increasing")
+    A time that stands twice is a jump. Models whose steps take the integral of a load allow it (gluey and
+    macroscopic); the others want a steep ramp.
+    """
+
+    times: tuple[float, ...] = Field(
+        min_length=1, description="the times of the table, not decreasing; a time given twice is a jump"
+    )
     values: tuple[float, ...] = Field(description="one value for each time of the table")
 
     @field_validator("times")
     @classmethod
-    def _increasing(cls, times: tuple[float, ...]) -> tuple[float, ...]:
+    def _in_order(cls, times: tuple[float, ...]) -> tuple[float, ...]:
         for before, after in itertools.pairwise(times):
-            if not before < after:
-                raise ValueError(f"must increase, but {after!r} follows {before!r}")
+            if after < before:
+                raise ValueError(f"must not decrease, but {after!r} follows {before!r}")
+        if any(first == third for first, third in zip(times, times[2:], strict=False)):
+            raise ValueError("a time may be given twice, before and after a jump, not more often")
         return times
 
     @model_validator(mode="after")
@@ -79,8 +88,30 @@ def value_at(series: float | Table, t: float) -> float:
 
 
 def kinks(series: float | Table | str) -> tuple[float, ...]:
-    """The times at which the value has a kink; none for a constant."""
+    """The times at which the value has a kink or jumps; none for a constant."""
     return series.times if isinstance(series, Table) else ()
+
+
+def jumps(series: float | Table | str) -> tuple[float, ...]:
+    """The times at which the value jumps."""
+    return tuple(one for one, other in itertools.pairwise(kinks(series)) if one == other)
+
+
+def polynomial(series: float | Table, end: float) -> PPoly:
+    """The values on [0, end] as a piecewise polynomial: its integrals are exact across kinks and jumps."""
+    if not isinstance(series, Table):
+        return PPoly(np.array([[0.0], [series]]), np.array([0.0, end]))
+    times, values = np.array(series.times), np.array(series.values)
+    # Long constant ends make one table of it all.
+    times = np.concatenate([[min(times[0], 0.0) - 1.0], times, [max(times[-1], end) + 1.0]])
+    values = np.concatenate([values[:1], values, values[-1:]])
+    pieces = np.diff(times) > 0.0
+    left, width = times[:-1][pieces], np.diff(times)[pieces]
+    slope = np.diff(values)[pieces] / width
+    whole = PPoly(np.array([slope, values[:-1][pieces]]), np.append(left, times[-1]))
+    breaks = np.unique(np.concatenate([[0.0, end], left[(left > 0.0) & (left < end)]]))
+    starts = breaks[:-1]
+    return PPoly(np.array([whole.derivative()(starts), whole(starts)]), breaks)
 
 
 def is_zero(series: float | Table) -> bool:

@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, override
 
 import numpy as np
-from pydantic import Discriminator, Field, Tag, field_validator
+from pydantic import Discriminator, Field, PrivateAttr, Tag, ValidationInfo, field_validator
 
 from fsi.bodies.configuration import Array
-from fsi.case.section import Section, nearest_word, refuse_unknown
+from fsi.case.section import (
+    CaseContext,
+    Geometry,
+    Section,
+    dimension_of,
+    nearest_word,
+    refuse_unknown,
+    require_components,
+    told,
+)
 from fsi.case.series import Series, kinks, value_at
-from fsi.geometry import Geometry, dimension_of, require_components
 from fsi.meshes.geometry.containers import Container
 
 
@@ -75,7 +83,7 @@ class MeanDrive(NamedTuple):
 class Walled(Section):
     """What all domains have: a condition at every wall, and perhaps the user's own mesh of the shape."""
 
-    geometry: Geometry = Field(default="planar", alias="<geometry>", exclude=True)
+    _geometry: Geometry = PrivateAttr("planar")
     walls: dict[str, Wall] = Field(
         default={},
         validate_default=True,
@@ -86,12 +94,21 @@ class Walled(Section):
         default=None, description="the path of a mesh file of this shape, seen from the case file's folder"
     )
 
+    @override
+    def model_post_init(self, context: Any) -> None:
+        """Keep the geometry of the case, which says what the container looks like."""
+        if isinstance(context, CaseContext):
+            self._geometry = context.geometry
+
+    @property
+    def geometry(self) -> Geometry:
+        """That of the case."""
+        return self._geometry
+
     @field_validator("walls")
     @classmethod
-    def _complete(cls, walls: dict[str, Wall], info: Any) -> dict[str, Wall]:
-        if "geometry" not in info.data:
-            return walls  # this shape has not that geometry, which is refused already
-        geometry: Geometry = info.data["geometry"]
+    def _complete(cls, walls: dict[str, Wall], info: ValidationInfo) -> dict[str, Wall]:
+        geometry = told(info).geometry
         return _all_walls(walls, cls.wall_names(geometry), dimension_of(geometry))
 
     @classmethod

@@ -34,7 +34,7 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and 
 
 def load(path: Path, overrides: list[str] | None) -> Case:
     """The case of a file, with changes; all ranks."""
-    from fsi.case.case import load_case
+    from fsi.case.load import load_case
 
     return parallel.on_root(lambda: load_case(path, overrides or ()))
 

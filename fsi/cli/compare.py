@@ -1,25 +1,34 @@
-"""`fsi compare`: reduced against resolved."""
+"""`fsi compare`: one case at several levels."""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.cli.arguments import AsJson, CaseFile, Overrides, load
 from fsi.report.console import standard_output
 
-EXAMPLE = "Example: fsi compare cases/settling_discs.toml --law exact --set reduced.drag=12"
+EXAMPLE = "Example: fsi compare cases/levels.toml --levels resolved,reduced,gluey,macroscopic"
 
 
 def compare(
     case_file: CaseFile,
+    levels: Annotated[
+        str,
+        typer.Option(
+            help="Levels, with commas between them; the first is what the others are compared with."
+        ),
+    ] = "resolved,reduced",
     law: Annotated[
-        str, typer.Option(help='The law of the reduced model: "slides", "leading", "exact" or a law file.')
-    ] = "exact",
+        str | None,
+        typer.Option(
+            help="The law of the reduced model: a name, or a law file.", show_default="that of the case"
+        ),
+    ] = None,
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", help="The folder.", show_default="runs/<case file>_compared"),
@@ -27,22 +36,53 @@ def compare(
     as_json: AsJson = False,
     overrides: Overrides = None,
 ) -> None:
-    """Run a case with the resolved and with the reduced model, and say how far they differ.
+    """Run a case at several levels, and say how far they differ.
 
-    What is in the folder already is not run again. The reduced model takes drag and cutoff from the section
-    [reduced] of the case.
+    What is in the folder already is not run again. Of the reduced level against the resolved one the rates of
+    the gaps are compared too, at the same configurations.
     """
-    from fsi.compare import compare_models, print_comparison
+    from fsi.comparison import case_at_levels, run_levels
     from fsi.report.progress import ProgressBar
 
     case = load(case_file, overrides)
     folder = output or Path("runs") / f"{case_file.stem}_compared"
-    path = str(Path(law).resolve()) if Path(law).is_file() else law
+    path = str(Path(law).resolve()) if law is not None and Path(law).is_file() else law
+    cases = parallel.on_root(lambda: case_at_levels(case, levels.split(","), path))
     with ProgressBar() as bar:
-        bar.begin(case.time.end if case.time else None)
-        found, data = compare_models(case, path, folder, bar.show)
+        bar.begin(case.timing.end)
+        run_levels(cases, folder, bar.show)
+    data = parallel.on_root(lambda: _compare(cases, folder, quiet=as_json))
     if parallel.is_root() and as_json:
         typer.echo(json.dumps(data))
     elif parallel.is_root():
-        print_comparison(standard_output(), case, found)
         typer.echo(f"wrote {folder}/comparison.json and .png")
+
+
+def _compare(cases: dict[str, Any], folder: Path, *, quiet: bool) -> dict[str, Any]:
+    """Compare the runs in a folder, on root: what is printed unless it is quiet, drawn and kept as JSON."""
+    from fsi.comparison import History, compare_rates, comparison_json, rates_json, trajectories
+    from fsi.postprocess.plots.comparison import plot_comparison
+    from fsi.postprocess.plots.levels import plot_levels
+    from fsi.postprocess.run.run import open_run
+    from fsi.report.comparison import print_rates, print_trajectories
+    from fsi.run_folder.checkpoint import replace
+
+    histories = {
+        level: History.of_table(case, open_run(folder / level).columns("bodies"))
+        for level, case in cases.items()
+    }
+    paths = trajectories(cases, histories)
+    data, picture = comparison_json(paths), folder / "comparison.png"
+    if set(cases) == {"resolved", "reduced"}:
+        reduced = cases["reduced"]
+        rates = compare_rates(reduced, histories["resolved"], histories["reduced"])
+        data |= rates_json(reduced.names, reduced.reduced.law, rates)
+        plot_comparison(reduced.names, rates, picture)
+        if not quiet:
+            print_rates(standard_output(), reduced, rates)
+    else:
+        plot_levels(paths.t, paths.smallest, picture)
+        if not quiet:
+            print_trajectories(standard_output(), next(iter(cases.values())), paths)
+    replace(folder / "comparison.json", (json.dumps(data) + "\n").encode())
+    return data

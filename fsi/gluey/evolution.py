@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -11,50 +12,75 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.evolution import Moment, Table
+from fsi.case.case import Case
+from fsi.errors import SolveError
 from fsi.gluey.contacts import find_contacts
-from fsi.gluey.setup import GlueyCase
+from fsi.gluey.setup import FAR, gluey_state, gluey_system, wall_names
 from fsi.gluey.step import Checks, Touching, advance
 from fsi.gluey.system import GlueyState
+from fsi.integration.evolution import CsvTable, Moment
 from fsi.integration.schedule import Schedule
-from fsi.integration.stepper import State
-from fsi.run_folder.folder import StepRecord
+from fsi.integration.state import State, StepRecord
 from fsi.run_folder.vtu import write_lines, write_points
 
 CONTACTS = "contacts.csv"
 CONTACT_COLUMNS = ("step", "t", "side", "body", "gap", "gamma", "impulse", "solid_impulse")
 
 
-class GlueyEvolution:
-    """Steps a gluey case; an `fsi.evolution.Evolution`."""
+@dataclass(frozen=True, slots=True)
+class Stepped:
+    """What a step came to.
 
-    def __init__(self, case: GlueyCase) -> None:
+    Attributes:
+        t, step, h: its end, number and length.
+        state: all that the next one depends on.
+        touching: its contacts.
+        checks: how good it is.
+        load: the external loads over it, (N, modes).
+    """
+
+    t: float
+    step: int
+    h: float
+    state: GlueyState
+    touching: Touching
+    checks: Checks
+    load: Array
+
+
+class GlueyEvolution:
+    """Steps a gluey case, as an `fsi.integration.evolution.Evolution`."""
+
+    def __init__(self, case: Case) -> None:
+        """A case with [time]. Raises InputError."""
         self.case = case
-        self.system = case.system()
-        self.names = case.names
-        self.schedule = Schedule(case.time.end, (), case.output.interval)
+        self.system = gluey_system(case)
+        self.schedule = Schedule(case.timing.end, (), case.output.interval)
         self._sides = (*case.names, *(f"wall {name}" for name in wall_names(case)))
+        self._far = [k for k, name in enumerate(case.container().walls) if name == FAR]
         self._key = np.empty(0, dtype=np.int64)
         self._gamma = np.empty(0)
+        self._step = case.timing.step or case.timing.end
 
     def start(self) -> Moment:
         """The moment at time 0: nothing has touched."""
-        begin = self.case.state()
+        begin = gluey_state(self.case)
         contacts = find_contacts(begin.centres, self.system.radii, self.system.room, 0.0)
         nothing = np.zeros(len(contacts))
         touching = Touching(contacts, nothing, nothing, nothing)
-        return self._moment(0.0, 0, 0.0, begin, touching, Checks(0.0, 0.0, 0.0, 0, 0))
+        checks = Checks(0.0, 0.0, 0.0, 0, 0)
+        return self._moment(Stepped(0.0, 0, 0.0, begin, touching, checks, np.zeros_like(begin.U)))
 
     def advance(self, state: State) -> Moment:
         """One step. Raises SolveError."""
-        t_end = self.schedule.landing(state.t, self.case.time.step)
+        t_end = self.schedule.landing(state.t, self._step)
         h = t_end - state.t
-        d = self.system.dimension
         angles = state.q.angles.reshape(len(state.q), -1)
         now = GlueyState(state.q.centres, angles, state.U, self._key, self._gamma)
         new, touching, checks = advance(self.system, now, state.t, h)
-        assert new.U.shape[1] == state.U.shape[1] == d + angles.shape[1]
-        return self._moment(t_end, state.step + 1, h, new, touching, checks)
+        self._require_room(new, t_end)
+        load = self.system.load(now.centres, state.t, t_end) / h
+        return self._moment(Stepped(t_end, state.step + 1, h, new, touching, checks, load))
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """The pairs that remember, and what."""
@@ -64,13 +90,24 @@ class GlueyEvolution:
         """Take back what `memory` gave."""
         self._key, self._gamma = memory["key"], memory["gamma"]
 
-    def _moment(
-        self, t: float, step: int, h: float, new: GlueyState, touching: Touching, checks: Checks
-    ) -> Moment:
+    def _require_room(self, new: GlueyState, t: float) -> None:
+        """What stands for infinity in other models is no wall here, and nothing may come so far."""
+        if not self._far:
+            return
+        away = self.case.container().distances(new.centres)[:, self._far].min(axis=1) - self.system.radii
+        i = int(away.argmin())
+        if away[i] <= 0.0:
+            raise SolveError(
+                f"domain.radius: body {self.case.names[i]} has come to the far end of the domain at t = "
+                f"{t:.9g}, "
+                "which stands for infinity; enlarge it, or give a box"
+            )
+
+    def _moment(self, now: Stepped) -> Moment:
+        new, touching, checks = now.state, now.touching, now.checks
         self._key, self._gamma = new.key, new.gamma
         angles = new.angles[:, 0] if self.system.dimension == 2 else new.angles
         q = Configuration(new.centres, angles, self.system.radii)
-        load = self.system.impulse(t - h, t) / h if h > 0.0 else np.zeros_like(new.U)
         kinetic = 0.5 * float((self.system.mass * new.U**2).sum())
         columns = {
             "contacts": int((touching.p > 0.0).sum()),
@@ -83,10 +120,10 @@ class GlueyEvolution:
             "iterations": checks.iterations,
             "newton_steps": checks.newton,
         }
-        record = StepRecord(step, t, h, self._smallest_gap(new), 0, q, new.U, load, columns)
-        fields = partial(self._write, step=step, new=new, touching=touching)
-        tables = partial(self._tables, step, t, touching)
-        return Moment(State(t, step, q, new.U, self.case.time.step), record, fields, tables)
+        record = StepRecord(now.step, now.t, now.h, self._smallest_gap(new), 0, q, new.U, now.load, columns)
+        names = self.case.names if self.schedule.is_output(now.t) else ()
+        state = State(now.t, now.step, q, new.U, self._step)
+        return Moment(state, record, names, partial(self._write, now), partial(self._tables, now))
 
     def _smallest_gap(self, state: GlueyState) -> float:
         film = self.system.film(1.0)
@@ -96,13 +133,14 @@ class GlueyEvolution:
         gaps = find_contacts(state.centres, self.system.radii, self.system.room, reach).D
         return float(gaps.min(initial=np.inf))
 
-    def _tables(self, step: int, t: float, touching: Touching) -> dict[str, Table]:
+    def _tables(self, now: Stepped) -> dict[str, CsvTable]:
         """Contacts that carry an impulse or remember; the gap is that at the beginning of the step."""
+        touching = now.touching
         c = touching.contacts
         rows = [
             [
-                step,
-                t,
+                now.step,
+                now.t,
                 self._sides[c.i[k]],
                 self._sides[c.j[k]],
                 *map(float, (c.D[k], touching.gamma[k])),
@@ -113,10 +151,9 @@ class GlueyEvolution:
         ]
         return {CONTACTS: (CONTACT_COLUMNS, rows)}
 
-    def _write(
-        self, folder: Path, step: int, new: GlueyState, touching: Touching
-    ) -> dict[str, Sequence[str]]:
+    def _write(self, now: Stepped, folder: Path) -> dict[str, Sequence[str]]:
         """Bodies as points with radius and velocity, contacts as lines from centre (or wall) to centre."""
+        new, touching, step = now.state, now.touching, now.step
         d = self.system.dimension
         bodies, lines = f"bodies_{step:06d}.vtu", f"contacts_{step:06d}.vtu"
         write_points(
@@ -134,15 +171,6 @@ class GlueyEvolution:
         }
         write_lines(folder / lines, *ends, values)
         return {"bodies": [bodies], "contacts": [lines]}
-
-
-def wall_names(case: GlueyCase) -> tuple[str, ...]:
-    """Names of the walls in the order of the room."""
-    sides: list[str] = []
-    for axis, letter in enumerate("xyz"[: case.dimension]):
-        if case.cell is not None and letter not in case.cell.periodic:
-            sides += [("left", "right"), ("bottom", "top"), ("back", "front")][axis]
-    return (*sides, *(wall.name for wall in case.walls))
 
 
 def _in_space(vectors: Array) -> Array:

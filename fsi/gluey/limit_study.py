@@ -1,39 +1,98 @@
-"""The case file of one body above a wall as the viscosity vanishes, and its convergence to the limit."""
+"""One gap as the viscosity vanishes, and its convergence to the limit."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field
+from scipy.interpolate import PPoly
 
 from fsi.bodies.configuration import Array
-from fsi.case.section import Section
-from fsi.gluey.history import History, polynomial
+from fsi.bodies.forces import Bulk, weights
+from fsi.case.case import Case
+from fsi.case.gluey import LimitStudy
+from fsi.case.section import toml_text
+from fsi.case.series import Table, polynomial
+from fsi.errors import InputError
 from fsi.gluey.limit import Limit, slides_scheme
 from fsi.gluey.one_body import Path, solve
+from fsi.gluey.setup import FAR
+from fsi.normals import inward_normals
 
 SAMPLES = 400
 
 
-class LimitCase(Section):
-    """`q'' = -eps q'/q + f`."""
+@dataclass(frozen=True, slots=True)
+class OneGap:
+    """`q'' = -eps q'/q + f` on [0, end]: the gap of one body above a wall, or of two on a line.
 
-    name: str = Field(min_length=1, description="a few words that name the case")
-    model: Literal["limit"] = Field(description='"limit"')
-    q0: float = Field(gt=0.0, description="the distance at time 0, a number > 0")
-    u0: float = Field(default=0.0, description="the velocity at time 0, a number")
-    force: History = Field(
-        default=0.0, description="per mass, a number or a table {times = [...], values = [...]}"
-    )
-    end: float = Field(gt=0.0, description="the time at which it ends, a number > 0")
-    eps: tuple[Annotated[float, Field(gt=0.0)], ...] = Field(
-        default=(1e-1, 1e-2, 1e-4, 1e-6, 1e-8), min_length=1, description="viscosities, numbers > 0"
-    )
-    steps: tuple[Annotated[int, Field(ge=1)], ...] = Field(
-        default=(100, 200, 400, 800), min_length=1, description="numbers of steps of the scheme, at least 1"
-    )
+    Attributes:
+        q0: the gap at time 0, > 0.
+        u0: its rate at time 0.
+        f: what drives it apart, per mass.
+        end: of time.
+    """
+
+    q0: float
+    u0: float
+    f: PPoly
+    end: float
+
+
+def one_gap(case: Case) -> OneGap:
+    """The gap of a case with one body that a wall faces, or with two bodies along an axis.
+
+    Raises:
+        InputError: it has more, or none.
+    """
+    end, masses = case.timing.end, case.masses()
+    if masses is None or len(case.bodies) not in (1, 2):
+        raise InputError(
+            f"bodies: there are {len(case.bodies)}; `fsi limit` is for one gap, of a body with a mass and a "
+            "wall, or of "
+            "two such bodies on a line along an axis"
+        )
+    q, U = case.configuration(), case.initial_velocity()
+    if len(case.bodies) == 2:
+        between = q.centres[1] - q.centres[0]
+        axis = int(np.abs(between).argmax())
+        sides, n = (1, 0) if between[axis] > 0.0 else (0, 1), 1.0
+        gap = float(abs(between[axis]) - q.radii.sum())
+        if np.count_nonzero(between) > 1:
+            raise InputError(
+                f"bodies.1.position = {toml_text(case.bodies[1].position)}: not on a line along an axis with "
+                "the other "
+                "one; `fsi limit` is for one gap"
+            )
+        terms = [
+            (s / masses[i, axis], case.bodies[i].loads[axis]) for s, i in zip((1.0, -1.0), sides, strict=True)
+        ]
+        return OneGap(gap, float(U[sides[0], axis] - U[sides[1], axis]), _sum(terms, end), end)
+    container = case.container()
+    free = [axis for axis in range(case.dimension) if case.bodies[0].motion[axis] == "free"]
+    axis = free[-1] if free else case.dimension - 1
+    facing = [w for w, name in enumerate(container.walls) if name != FAR and container.corner_axes[w] == axis]
+    if not facing:
+        raise InputError(
+            "domain: no wall faces the body; `fsi limit` is for one gap; give a half-plane or a box"
+        )
+    gaps = container.distances(q.centres)[0, facing] - q.radii[0]
+    wall = facing[int(gaps.argmin())]
+    n = float(inward_normals(container, q.centres)[0, wall, axis])
+    terms = [(n / masses[0, axis], case.bodies[0].loads[axis])]
+    bulk = Bulk.of(masses[:, 0], q.radii, spheres=case.spheres)
+    terms += [(n * float(heavy[0]) / masses[0, axis], g[axis]) for heavy, g in weights(case.forces, bulk)]
+    return OneGap(float(gaps.min()), n * float(U[0, axis]), _sum(terms, end), end)
+
+
+def _sum(terms: Sequence[tuple[float, float | Table]], end: float) -> PPoly:
+    """A sum of multiples of tables on [0, end], as one piecewise polynomial."""
+    parts = [(factor, polynomial(series, end)) for factor, series in terms]
+    breaks = np.unique(np.concatenate([part.x for _, part in parts]))
+    starts = breaks[:-1]
+    slopes = sum(factor * part.derivative()(starts) for factor, part in parts)
+    return PPoly(np.array([slopes, sum(factor * part(starts) for factor, part in parts)]), breaks)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,30 +111,31 @@ class Study:
     errors_gamma: Array
     scheme: Array
     contacts: list[tuple[float, float]]
+    wanted: LimitStudy
 
 
-def study(case: LimitCase) -> Study:
-    """Solve a case for each eps and each number of steps."""
-    f = polynomial(case.force, case.end)
-    limit = Limit.of(case.q0, case.u0, f)
+def study(case: Case) -> Study:
+    """Solve for the one gap of a case, for each eps and number of steps of [limit]. Raises InputError."""
+    gap, wanted = one_gap(case), case.limit or LimitStudy()
+    limit = Limit.of(gap.q0, gap.u0, gap.f)
     contacts = limit.contacts()
     events = [time for pair in contacts for time in pair if np.isfinite(time)]
-    t = np.unique(np.concatenate([np.linspace(0.0, case.end, SAMPLES + 1), events]))
+    t = np.unique(np.concatenate([np.linspace(0.0, gap.end, SAMPLES + 1), events]))
     q, gamma = limit.q(t), limit.gamma(t)
-    paths = tuple(solve(case.q0, case.u0, f, eps, t) for eps in case.eps)
+    paths = tuple(solve(gap.q0, gap.u0, gap.f, eps, t) for eps in wanted.eps)
     arrivals = [begin for begin, _ in contacts]  # there gamma jumps
-    width = np.where(np.isin(t, arrivals), 0.0, np.gradient(t)) / case.end
+    width = np.where(np.isin(t, arrivals), 0.0, np.gradient(t)) / gap.end
     return Study(
         t, q, gamma, paths,
         np.array([np.abs(path.q - q).max() for path in paths]),
         np.array([(width * np.abs(path.gamma - gamma)).sum() for path in paths]),
-        np.array([_scheme_error(case, limit, steps) for steps in case.steps]),
-        contacts,
+        np.array([_scheme_error(gap, limit, steps) for steps in wanted.steps]),
+        contacts, wanted,
     )  # fmt: skip
 
 
-def _scheme_error(case: LimitCase, limit: Limit, steps: int) -> float:
-    t = np.linspace(0.0, case.end, steps + 1)
+def _scheme_error(gap: OneGap, limit: Limit, steps: int) -> float:
+    t = np.linspace(0.0, gap.end, steps + 1)
     impulses = np.diff(limit.utilde(t))
-    q, _, _ = slides_scheme(case.q0, case.u0, impulses, np.diff(t))
+    q, _, _ = slides_scheme(gap.q0, gap.u0, impulses, np.diff(t))
     return float(np.abs(q - limit.q(t)).max())

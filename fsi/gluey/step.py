@@ -22,6 +22,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
@@ -97,8 +99,11 @@ def advance(system: System, state: GlueyState, t: float, h: float) -> tuple[Glue
     Raises:
         SolveError: friction does not settle, or a check fails, as the projection has not converged.
     """
-    load = system.impulse(t, t + h)
-    found = _project_far_enough(system, state, state.U + load / system.mass, h)
+    load = system.load(state.centres, t, t + h)
+    free = state.U + load / system.mass
+    if system.held is not None:
+        free = np.where(system.held.modes, system.held.velocity(t, t + h), free)
+    found = _project_far_enough(system, state, free, h)
     contacts, rows, u = found.contacts, found.rows, found.impulses.u
     p, U = found.impulses.p[: len(contacts)], u.reshape(load.shape)
     gamma = _memory(system, found.gamma, p)
@@ -163,6 +168,8 @@ def _project(system: System, state: GlueyState, contacts: Contacts, free: Array,
     if film is not None:
         contacts, gamma = _in_films(film, contacts, gamma)
     rows = make_rows(system, contacts, gamma, h)
+    if system.held is not None:
+        rows = _past_held(rows, system.held.modes, free, system.dimension)
     u_star = free.ravel() + inverse_mass * (rows.J.T @ _shift(system, gamma, rows))
     speed = max(AT_REST * _speed(system, u_star.reshape(free.shape)), _speed(system, free))
     tolerance = min(TOLERANCE * speed, DEPTH * float(system.radii.min()) / h)
@@ -172,6 +179,16 @@ def _project(system: System, state: GlueyState, contacts: Contacts, free: Array,
     else:
         impulses = minimise(program, rows.p, film, tolerance)
     return _Found(contacts, gamma, rows, impulses, speed)
+
+
+def _past_held(rows: Rows, held: NDArray[np.bool_], free: Array, d: int) -> Rows:
+    """The rows for the free modes: what is held moves as prescribed, and takes up impulses like a wall."""
+    prescribed = held.ravel()
+    b = rows.b + rows.J @ np.where(prescribed, free.ravel(), 0.0)
+    centres = held & (np.arange(held.shape[1]) < d)
+    touches = abs(rows.J) @ centres.ravel().astype(float) > 0.0
+    J = sp.csr_matrix(rows.J @ sp.diags((~prescribed).astype(float)))
+    return replace(rows, J=J, b=b, of_wall=rows.of_wall | touches)
 
 
 def _in_films(film: Film, contacts: Contacts, gamma: Array) -> tuple[Contacts, Array]:
@@ -220,7 +237,10 @@ def _momentum_defect(system: System, U: Array, U_new: Array, load: Array, found:
     d, shape, rows = system.dimension, system.mass.shape, found.rows
     p, shift = found.impulses.p, _shift(system, found.gamma, rows)
     of_walls = rows.J[rows.of_wall].T @ (p + shift)[rows.of_wall]
-    defect = (system.mass * (U_new - U) - load - of_walls.reshape(shape))[:, :d].sum(axis=0)
+    defect = system.mass * (U_new - U) - load - of_walls.reshape(shape)
+    if system.held is not None:
+        defect[system.held.modes] = 0.0
+    defect = defect[:, :d].sum(axis=0)
     exchanged = (abs(rows.J).T @ (np.abs(p) + np.abs(shift))).reshape(shape)[:, :d].sum()
     scale = exchanged + np.abs(load[:, :d]).sum() + np.abs((system.mass * U)[:, :d]).sum()
     return float(np.abs(defect).max() / scale) if scale > 0.0 else 0.0

@@ -4,58 +4,64 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, turned
+from fsi.case.gluey import ContactLaw
 from fsi.gluey.contacts import Room
 from fsi.gluey.film import Film, Shape
 
-type Variant = Literal["shifted", "cone", "film"]
-
 
 @dataclass(frozen=True, slots=True)
-class Law:
-    """What happens between two surfaces that touch.
+class Held:
+    """What is prescribed.
 
-    variant: "shifted", in which release costs no step, or "cone", the set C_q of the slides; "film" is the
-        model before the limit, with a viscosity.
-    gamma_min: the memory at which roughness stops the film from draining, `eps ln(delta/delta0)`, <= 0, or
-        -inf for smooth bodies; at it the contact is solid.
-    friction: Coulomb's coefficient mu_f at solid contact, >= 0.
-    tangential: c in the viscous force `-c |gamma| slip / a` with `a = a_i a_j/(a_i + a_j)`, >= 0: the film
-        gives gamma resists slip as well, and both resistances grow as ln D. Two equal spheres have c = 1/3.
-    eps, delta0: of films, `gamma = eps Psi'(D)` below the gap delta0 (`fsi.gluey.film`), > 0 for "film".
+    Attributes:
+        modes: which modes of which bodies, bool, shape (N, modes).
+        velocity: `(t0, t1) -> int U dt / (t1 - t0)`, shape (N, modes), 0 where free.
     """
 
-    variant: Variant = "shifted"
-    gamma_min: float = -np.inf
-    friction: float = 0.0
-    tangential: float = 0.0
-    eps: float = 0.0
-    delta0: float = 0.0
+    modes: NDArray[np.bool_]
+    velocity: Callable[[float, float], Array]
 
 
 @dataclass(frozen=True, slots=True)
 class System:
     """The bodies and what acts on them.
 
-    radii: shape (N,); mass: `(m, .., I, ..)` of each body's modes, shape (N, modes); room: walls and periods;
-    impulse: `(t0, t1) -> int (F, T) dt`, shape (N, modes).
+    Attributes:
+        radii: shape (N,).
+        mass: `(m, .., I, ..)` of each body's modes, shape (N, modes).
+        room: walls and periods.
+        impulse: `(t0, t1) -> int (F, T) dt` of the loads that depend on time alone, shape (N, modes).
+        law: what happens where surfaces touch.
+        held: what is prescribed; nothing if None.
+        forces: F of the bodies at centres (N, d) and a time, shape (N, d); none if None.
+        film_shape: of the surfaces between which films are; by the dimension if None.
     """
 
     radii: Array
     mass: Array
     room: Room
     impulse: Callable[[float, float], Array]
-    law: Law
+    law: ContactLaw
+    held: Held | None = None
+    forces: Callable[[Array, float], Array] | None = None
+    film_shape: Shape | None = None
 
     def film(self, h: float) -> Film | None:
         """What the rows answer in a step h: None in the limit, where gamma says it all."""
-        shape: Shape = "disc" if self.dimension == 2 else "sphere"
+        shape: Shape = self.film_shape or ("disc" if self.dimension == 2 else "sphere")
         return Film(self.law.eps, self.law.delta0, h, shape) if self.law.variant == "film" else None
+
+    def load(self, centres: Array, t0: float, t1: float) -> Array:
+        """`int (F, T) dt` over a step, forces between bodies taken where it begins, shape (N, modes)."""
+        load = self.impulse(t0, t1)
+        if self.forces is not None:
+            load[:, : self.dimension] += (t1 - t0) * self.forces(centres, t0)
+        return load
 
     @property
     def dimension(self) -> int:
@@ -67,9 +73,12 @@ class System:
 class GlueyState:
     """All that the next step depends on.
 
-    centres: (N, d); angles: turned since the start, (N, r), in space rotation vectors; U: velocities, (N,
-    d + r);
-    key, gamma: the pairs that remember, by `Contacts.key`, increasing, and what: gamma < 0, an impulse.
+    Attributes:
+        centres: shape (N, d).
+        angles: turned since the start, shape (N, r), in space rotation vectors.
+        U: velocities, shape (N, d + r).
+        key: the pairs that remember, by `Contacts.key`, increasing.
+        gamma: what they remember, an impulse < 0.
     """
 
     centres: Array

@@ -10,7 +10,7 @@ from typing import Protocol, runtime_checkable
 from fsi.bodies.configuration import Configuration
 from fsi.errors import SolveError
 from fsi.integration.schedule import Schedule
-from fsi.integration.stepper import Advance, Instant, Model, State, Step
+from fsi.integration.state import Advance, Instant, Model, State, Step
 from fsi.meshes.geometry.containers import Container
 from fsi.observables.error_estimate import StepErrors
 

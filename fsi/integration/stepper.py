@@ -1,17 +1,11 @@
-"""Motion of the bodies in time: step size by the error and by the gaps, landing on the times that matter.
-
-Two seams: a `Model` gives the velocities of the bodies at one instant (`fsi.stokes.model` resolves
-the flow; a reduced model satisfies the same protocol) and a `Scheme` (`fsi.integration.schemes`) makes one
-step.
-"""
+"""Motion of the bodies in time: step size by the error and by the gaps, landing on the times that matter."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,118 +15,13 @@ from fsi.bodies.gaps import find_gaps, pair_gaps
 from fsi.errors import SolveError
 from fsi.integration.gap_limiter import Approach, GapRefusedError, greatest_approach, limited_step
 from fsi.integration.schedule import Schedule
+from fsi.integration.state import Instant, Model, Scheme, State, Step
 from fsi.meshes.geometry.containers import Container
 from fsi.observables.error_estimate import StepErrors
 
-# Step controller of Hairer, Norsett & Wanner, Solving ODEs I, section II.4. Both schemes estimate a
-# local error of order h^3.
+# Step controller of Hairer, Norsett & Wanner, Solving ODEs I, section II.4.
 SAFETY = 0.9
 LARGEST_GROWTH = 2.0
-ERROR_ORDER = 3
-
-
-class Instant(Protocol):
-    """What a model knows at one instant; U, F and `record` are the same on all ranks, to the last bit."""
-
-    @property
-    def U(self) -> Array:
-        """Velocities of the bodies, shape (N, M)."""
-
-    @property
-    def F(self) -> Array:
-        """`int sigma n` over each body: the external load in balance, shape (N, M)."""
-
-    @property
-    def record(self) -> Mapping[str, float]:
-        """The model's columns of steps.csv; `cpu_*` are CPU seconds, the others deterministic."""
-
-    def write(self, folder: Path, step: int) -> dict[str, list[str]]:
-        """Write VTU files into the folder, all ranks together; unfinished ones have names with a leading dot.
-
-        Returns:
-            the names of the files by series ("fluid", "surface"), the same on all ranks.
-        """
-
-
-class Model(Protocol):
-    """Gives the velocities of the bodies; all ranks call it together."""
-
-    def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> Instant:
-        """The instant at configuration q and time t, with the load `F - D (U - U0)` if inertia is given."""
-
-    def errors(self, q: Configuration, t: float, instant: Instant) -> StepErrors | None:
-        """The estimated errors of an instant that this model gave; None of a model without a mesh."""
-
-    def state(self) -> dict[str, NDArray[Any]]:
-        """What must be restored so that a resumed run repeats an unbroken one bit by bit (root's is kept)."""
-
-    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
-        """Take back what `state` gave."""
-
-
-@dataclass(frozen=True, slots=True)
-class State:
-    """All that the next step depends on.
-
-    t: time; step: its number; U: velocities at (q, t), shape (N, M); h: the next step to try.
-    """
-
-    t: float
-    step: int
-    q: Configuration
-    U: Array
-    h: float
-
-
-@dataclass(frozen=True, slots=True)
-class Trial:
-    """One step of a scheme: where it ends, the instant there, estimated error of the displacement (N, M)."""
-
-    q: Configuration
-    instant: Instant
-    error: Array
-
-
-class Scheme(Protocol):
-    """A one-step method with an error estimate."""
-
-    def start(self, model: Model, q: Configuration) -> Instant:
-        """The instant at time 0."""
-
-    def step(self, model: Model, state: State, t_end: float) -> Trial:
-        """One step from `state` to `t_end`; the instant of the trial is that at its end."""
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """An accepted step: the state it ends in, the instant there, its length, how many tries were rejected."""
-
-    state: State
-    instant: Instant
-    h: float
-    rejected: int
-
-
-class Advance(Protocol):
-    """What a run needs of a stepper: `Stepper` chooses its steps, `FixedStepper` takes given ones."""
-
-    @property
-    def model(self) -> Model:
-        """The model."""
-
-    @property
-    def container(self) -> Container:
-        """What encloses the fluid."""
-
-    @property
-    def schedule(self) -> Schedule:
-        """The times to land on."""
-
-    def start(self, q: Configuration, first_step: float | None = None) -> Step:
-        """The step of length 0 that begins a run."""
-
-    def advance(self, state: State) -> Step:
-        """One accepted step. Raises SolveError."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -242,14 +131,18 @@ class Stepper:
         return np.abs(np.concatenate([of_pairs, of_walls.ravel()])) / small
 
     def _first_step(self, q: Configuration, U: Array) -> float:
-        """The step whose error is the tolerance if it is the cube of the displacement, both relative."""
+        """The step whose error is the tolerance if it is that power of the displacement, both relative."""
         speed = self.tolerance * self._norm(q, 0.0, U)
         longest = self.schedule.end
-        return min(longest, self.tolerance ** (1.0 / ERROR_ORDER) / speed) if speed > 0.0 else longest
+        return (
+            min(longest, self.tolerance ** (1.0 / self.scheme.error_order) / speed)
+            if speed > 0.0
+            else longest
+        )
 
     def _next_step(self, h: float, used: float, error: float, rejected: int) -> float:
         """The next step to try, after one of length `used` that was proposed as h."""
-        growth = SAFETY * error ** (-1.0 / ERROR_ORDER) if error > 0.0 else LARGEST_GROWTH
+        growth = SAFETY * error ** (-1.0 / self.scheme.error_order) if error > 0.0 else LARGEST_GROWTH
         growth = min(growth, 1.0 if rejected else LARGEST_GROWTH)
         # A step cut short to land on a time says nothing against the longer one that was proposed.
         return max(used * growth, h) if growth == LARGEST_GROWTH else used * growth

@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Configuration
-from fsi.evolution import Moment, Table
+from fsi.case.case import Case
+from fsi.integration.evolution import CsvTable, Moment
 from fsi.integration.schedule import Schedule
-from fsi.integration.stepper import State
-from fsi.macroscopic.case import MacroscopicCase
+from fsi.integration.state import State, StepRecord
 from fsi.macroscopic.model import Parcels
-from fsi.run_folder.folder import StepRecord
+from fsi.macroscopic.setup import matter
 from fsi.run_folder.vtu import write_polyline
 
 PROFILES = "profiles.csv"
@@ -25,13 +25,15 @@ NO_BODIES = Configuration.unturned(np.empty((0, 2)), np.empty(0))
 
 
 class MacroscopicEvolution:
-    """Steps a macroscopic case, as an `fsi.evolution.Evolution`: the parcels are its memory, no bodies."""
+    """Steps a macroscopic case, as an `fsi.integration.evolution.Evolution`: the parcels are its memory."""
 
-    def __init__(self, case: MacroscopicCase) -> None:
+    def __init__(self, case: Case) -> None:
+        """A case with [time]. Raises InputError."""
         self.case = case
-        self.names: tuple[str, ...] = ()
-        self.schedule = Schedule(case.time.end, (), case.output.interval)
-        self.parcels = case.start()
+        self.line = matter(case)
+        self.parcels = self.line.parcels
+        self.schedule = Schedule(case.timing.end, (), case.output.interval)
+        self._step = case.timing.step or case.timing.end
 
     def start(self) -> Moment:
         """The moment at time 0."""
@@ -39,9 +41,9 @@ class MacroscopicEvolution:
 
     def advance(self, state: State) -> Moment:
         """One step."""
-        t_end = self.schedule.landing(state.t, self.case.time.step)
+        t_end = self.schedule.landing(state.t, self._step)
         h = t_end - state.t
-        self.parcels = self.parcels.advance(self.case.f, state.t, h)
+        self.parcels = self.parcels.advance(self.line.force, state.t, h)
         return self._moment(t_end, state.step + 1, h)
 
     def memory(self) -> dict[str, NDArray[Any]]:
@@ -61,13 +63,18 @@ class MacroscopicEvolution:
             "momentum": float(parcels.u.sum() * parcels.dm),
             "kinetic_energy": 0.5 * float((parcels.u**2).sum() * parcels.dm),
         }
-        gap = float(np.diff(parcels.X).min() - parcels.dm)
-        nothing = np.empty((0, 3))
-        record = StepRecord(step, t, h, gap, 0, NO_BODIES, nothing, nothing, columns)
-        state = State(t, step, NO_BODIES, nothing, self.case.time.step)
-        return Moment(
-            state, record, partial(_write, step=step, parcels=parcels), partial(_tables, step, t, parcels)
-        )
+        bodies = self.line.bodies
+        if bodies is None:
+            q, U, F = NO_BODIES, np.empty((0, 3)), np.empty((0, 3))
+            gap = float(np.diff(parcels.X).min() - parcels.dm)
+        else:
+            q, gap, F = bodies.at(parcels.X), bodies.smallest_gap(parcels), bodies.load(t)
+            U = np.zeros_like(F)
+            U[:, bodies.axis] = bodies.mean(parcels.u)
+        record = StepRecord(step, t, h, gap, 0, q, U, F, columns)
+        state = State(t, step, q, U, self._step)
+        write, tables = partial(_write, step, parcels), partial(_tables, step, t, parcels)
+        return Moment(state, record, self.case.names, write, tables)
 
 
 def profile(parcels: Parcels) -> dict[str, NDArray[np.float64]]:
@@ -81,12 +88,12 @@ def profile(parcels: Parcels) -> dict[str, NDArray[np.float64]]:
     return {"rho": parcels.dm / room, "u": parcels.u, "gamma": gamma}
 
 
-def _tables(step: int, t: float, parcels: Parcels) -> dict[str, Table]:
+def _tables(step: int, t: float, parcels: Parcels) -> dict[str, CsvTable]:
     numbers = np.column_stack([parcels.m, parcels.X, *profile(parcels).values()])
     return {PROFILES: (PROFILE_COLUMNS, [[step, t, *row] for row in numbers.tolist()])}
 
 
-def _write(folder: Path, step: int, parcels: Parcels) -> dict[str, Sequence[str]]:
+def _write(step: int, parcels: Parcels, folder: Path) -> dict[str, Sequence[str]]:
     name = f"profile_{step:06d}.vtu"
     write_polyline(folder / name, parcels.X[:, None], profile(parcels))
     return {"profile": [name]}

@@ -7,8 +7,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from fsi.bodies.configuration import Array
-from fsi.case.case import Case, parse_case
+from fsi.case.case import Case
 from fsi.case.domain import HalfPlaneDomain, RoundDomain
+from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.error_estimate import ErrorEstimate, relative_change

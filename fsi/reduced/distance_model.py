@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Configuration, Inertia
 from fsi.case.case import Case
 from fsi.errors import SolveError
-from fsi.integration.stepper import State
+from fsi.integration.state import State
 from fsi.reduced.distance import backward_euler_step, first_integral_defect, first_integral_step
 from fsi.reduced.identities import identities, require
 from fsi.reduced.memory import Memory, merged
@@ -41,13 +41,12 @@ CHECKS = (
 class DistanceModel(ReducedModel):
     """The reduced model with inertia and a memory of its gaps; `begin` and then `march` make the steps."""
 
-    def __init__(self, case: Case, step: float) -> None:
-        """A model of a case whose bodies have masses, without memory yet; step: h. Raises InputError."""
+    def __init__(self, case: Case) -> None:
+        """A model of a case whose bodies have masses, without memory yet. Raises InputError."""
         super().__init__(case)
-        self.step = step
         masses = case.masses()
         self.masses = np.zeros_like(self.zeta) if masses is None else masses
-        self.literal = case.reduced.scheme == "backward-euler"
+        self.literal = case.timing.scheme == "backward-euler"
         self._memory: Memory | None = None
 
     def state(self) -> dict[str, NDArray[Any]]:
@@ -58,10 +57,9 @@ class DistanceModel(ReducedModel):
         """Take the memory back."""
         self._memory = Memory.of_arrays(state) if state else None
 
-    def begin(self, q: Configuration) -> ReducedInstant:
-        """The instant at time 0, with free bodies at rest; the memory begins."""
+    def begin(self, q: Configuration, U: Array) -> ReducedInstant:
+        """The instant at time 0 with the velocities U (N, M); the memory begins."""
         around = self.surroundings(q, 0.0)
-        U = np.where(around.motion.held, around.motion.U, 0.0)
         pairs = find_pairs(q, around.space, self.reach)
         self._memory = self._fresh(pairs, around, U)
         checks = CHECKS[1:] if self.literal else CHECKS
@@ -151,7 +149,7 @@ class DistanceModel(ReducedModel):
         """The memory of pairs that have just come near: their stored gap is the one they have."""
         if np.any(pairs.gap <= 0.0):
             raise SolveError(
-                f"reduced.step = {self.step:g}: bodies came near and overlapped within one step "
+                f"time.step = {self.case.timing.step:g}: bodies came near and overlapped within one step "
                 f"(gap {pairs.gap.min():.3g}); shorten it or give a larger reduced.cutoff"
             )
         d, x = pairs.n.shape[1], np.log(pairs.gap)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
 from fsi.case.case import Case
 from fsi.errors import SolveError
-from fsi.integration.stepper import Instant
+from fsi.integration.state import Instant
 from fsi.parallel import on_root
 from fsi.reduced.gap_laws import make_laws
 from fsi.reduced.identities import identities, require

@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
 
 from fsi import parallel
-from fsi.run_folder.folder import StepRecord
+from fsi.integration.state import StepRecord
 
 
 @contextmanager

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Configuration
-from fsi.integration.stepper import State
+from fsi.integration.state import State
 
 TEMPORARY = ".tmp"
 

@@ -23,10 +23,8 @@ import os
 import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
-from dataclasses import replace as replace_fields
+from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, Self
 from xml.etree.ElementTree import ParseError
 from zipfile import BadZipFile
@@ -34,9 +32,9 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import LOADS, MODES, PLACES, Array, Configuration
+from fsi.bodies.configuration import LOADS, MODES, PLACES
 from fsi.errors import FsiError, InputError, SolveError
-from fsi.integration.stepper import State
+from fsi.integration.state import State, StepRecord
 from fsi.parallel import on_root
 from fsi.run_folder.checkpoint import TEMPORARY, Checkpoint, read_checkpoint, replace, write_checkpoint
 from fsi.run_folder.pvd import Entry, collection, read_collection
@@ -44,30 +42,28 @@ from fsi.run_folder.pvd import Entry, collection, read_collection
 CASE, PROVENANCE, STATE, FIELDS = "case.toml", "provenance.json", "state.npz", "fields"
 STEPS, BODIES = "steps.csv", "bodies.csv"
 STEP_COLUMNS = ("step", "t", "h", "smallest_gap", "rejected")
+# Of the folder: what its files mean. Those of before the number have case files with other keys.
+FORMAT = 2
 
 
 @dataclass(frozen=True, slots=True)
-class StepRecord:
-    """One accepted step as the tables show it; step 0, of length 0, is the start.
+class Commit:
+    """A step as the folder keeps it.
 
-    rejected: how many tries came before; U, F: velocities and external loads, shape (N, M);
-    columns: the further columns of steps.csv; body_columns: those of bodies.csv, (N,) each.
+    Attributes:
+        record: its row of steps.csv, and the bodies.
+        names: of the bodies that bodies.csv shall have of this step; empty for none.
+        files: the field files that it has written, by series.
+        tables: further tables, header and rows.
+        state, memory: all that the next step depends on.
     """
 
-    step: int
-    t: float
-    h: float
-    smallest_gap: float
-    rejected: int
-    q: Configuration
-    U: Array
-    F: Array
-    columns: Mapping[str, float]
-    body_columns: Mapping[str, Array] = field(default_factory=dict)
-
-    def timed(self, cpu: float) -> StepRecord:
-        """With the CPU seconds of the step."""
-        return replace_fields(self, columns={**self.columns, "cpu_step": cpu})
+    record: StepRecord
+    names: Sequence[str]
+    files: Mapping[str, Sequence[str]]
+    tables: Mapping[str, tuple[Sequence[str], Iterable[Sequence[object]]]]
+    state: State
+    memory: Mapping[str, NDArray[Any]]
 
 
 class RunFolder:
@@ -122,42 +118,29 @@ class RunFolder:
         """
         on_root(lambda: self._rewind(launch))
 
-    def keep(
-        self,
-        record: StepRecord,
-        names: Sequence[str],
-        files: Mapping[str, Sequence[str]],
-        state: State,
-        model: Mapping[str, NDArray[Any]],
-        tables: Mapping[str, tuple[Sequence[str], Iterable[Sequence[object]]]] = MappingProxyType({}),
-    ) -> None:
+    def keep(self, commit: Commit) -> None:
         """Append a step to the tables and its field files, by series, to their series; then commit.
 
         Raises:
             SolveError: the folder can no longer be written (the disk is full).
         """
-        on_root(lambda: self._keep(record, names, files, state, model, tables))
+        on_root(lambda: self._keep(commit))
 
-    def _keep(
-        self,
-        record: StepRecord,
-        names: Sequence[str],
-        files: Mapping[str, Sequence[str]],
-        state: State,
-        model: Mapping[str, NDArray[Any]],
-        tables: Mapping[str, tuple[Sequence[str], Iterable[Sequence[object]]]],
-    ) -> None:
+    def _keep(self, commit: Commit) -> None:
+        record = commit.record
         with _disk(self.path, SolveError, f"make it writable and `fsi resume {self.path}`"):
             self._append(STEPS, *_step_table(record))
-            self._append(BODIES, *_body_table(record, names))
-            for table, (header, rows) in tables.items():
+            self._append(BODIES, *_body_table(record, commit.names))
+            for table, (header, rows) in commit.tables.items():
                 self._append(table, header, rows)
-            for series, added in files.items():
+            for series, added in commit.files.items():
                 entries = self._series.setdefault(series, [])
                 entries += [Entry(record.t, part, f"{FIELDS}/{name}") for part, name in enumerate(added)]
                 replace(self._collection(series), collection(entries))
             counts = {series: len(entries) for series, entries in self._series.items()}
-            write_checkpoint(self.path / STATE, Checkpoint(state, model, self._lengths, counts))
+            write_checkpoint(
+                self.path / STATE, Checkpoint(commit.state, commit.memory, self._lengths, counts)
+            )
 
     def _append(self, table: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
         text = io.StringIO()
@@ -195,8 +178,7 @@ class RunFolder:
             for pattern in ("*.pvd", f"*{TEMPORARY}", f"{FIELDS}/*.vtu", f"{FIELDS}/.*"):
                 for file in set(self.path.glob(pattern)) - kept:
                     file.unlink()
-            provenance = json.loads((self.path / PROVENANCE).read_text(encoding="utf-8"))
-            _write_launches(self.path, [*provenance["launches"], launch])
+            _write_launches(self.path, [*_provenance(self.path)["launches"], launch])
 
     def _collection(self, series: str) -> Path:
         return self.path / f"{series}.pvd"
@@ -220,6 +202,13 @@ def _last_commit(path: Path) -> Checkpoint | None:
     if not (path / CASE).is_file():
         raise InputError(f"output = {path}: not a run folder (it has no {CASE}); give one made by `fsi run`")
     with _disk(path, InputError, "put that right or run the case again"):
+        written = _provenance(path).get("format", 1)
+        if written != FORMAT:
+            raise InputError(
+                f"output = {path}: a run of another version of this program (format {written}, this one "
+                "writes "
+                f"{FORMAT}); run the case again, or resume with that version"
+            )
         return read_checkpoint(path / STATE) if (path / STATE).exists() else None
 
 
@@ -230,8 +219,14 @@ def _cut(table: Path, length: int) -> None:
     os.truncate(table, length)
 
 
+def _provenance(path: Path) -> dict[str, Any]:
+    data: dict[str, Any] = json.loads((path / PROVENANCE).read_text(encoding="utf-8"))
+    return data
+
+
 def _write_launches(path: Path, launches: Sequence[Mapping[str, Any]]) -> None:
-    replace(path / PROVENANCE, (json.dumps({"launches": launches}, indent=2) + "\n").encode())
+    data = {"format": FORMAT, "launches": launches}
+    replace(path / PROVENANCE, (json.dumps(data, indent=2) + "\n").encode())
 
 
 def _step_table(record: StepRecord) -> tuple[list[str], list[list[object]]]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
 from fsi.case.case import Case
 from fsi.case.walls import WallVelocity
-from fsi.integration.stepper import Instant
+from fsi.integration.state import Instant
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.files.read import read_mesh
 from fsi.meshes.geometry.lattice import Lattice

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Configuration, Inertia
 from fsi.case.case import Case
-from fsi.integration.stepper import Instant
+from fsi.integration.state import Instant
 from fsi.observables.error_estimate import StepErrors
 from fsi.stokes.adapt import SIZES, refined
 from fsi.stokes.error import moved_as_found, step_errors

@@ -14,12 +14,11 @@ from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
 from fsi.case.sections import Expected
 from fsi.errors import InputError, SolveError
-from fsi.integration.stepper import ERROR_ORDER
+from fsi.integration.schemes import BogackiShampine
 from fsi.meshes.errors import MeshError
-from fsi.models import make_model
 from fsi.observables.error_estimate import ErrorEstimate
 from fsi.observables.truncation import halved
-from fsi.run import run_case
+from fsi.run import run
 from fsi.run_folder.folder import STEPS
 from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.model import StokesModel
@@ -90,7 +89,7 @@ def _history(case: Case, folder: Path) -> list[tuple[float, float, float]]:
     """The same of times at gaps, from two runs; the error is that of the elements and of the time steps."""
     assert case.time is not None
     steps = {
-        "tolerance": STRETCH**ERROR_ORDER * case.time.tolerance,
+        "tolerance": STRETCH**BogackiShampine.error_order * case.time.tolerance,
         "gap_loss": STRETCH * case.time.gap_loss,
     }
     coarser = case.time.model_copy(update=steps)
@@ -109,7 +108,7 @@ def _run(case: Case, folder: Path) -> tuple[Array, Array, Array]:
     """t, smallest gap, and the delay that the error of the velocity may have caused in each step."""
     output = case.output.model_copy(update={"fields": False, "error_estimates": True})
     case = case.model_copy(update={"output": output})
-    run_case(case, folder, make_model(case))
+    run(case, folder)
     table = parallel.on_root(lambda: np.genfromtxt(folder / STEPS, delimiter=",", names=True))
     return table["t"], table["smallest_gap"], table["h"] * table["err_U"]
 

@@ -13,8 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-from fsi.case.case import Case, load_case, parse_case
+from fsi.case.case import Case
 from fsi.case.checks.expected import check_expected
+from fsi.case.load import load_case, parse_case
 from fsi.case.overrides import override
 from fsi.case.section import nearest_word, toml_text
 from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, Expected

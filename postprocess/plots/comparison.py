@@ -11,13 +11,13 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fsi.comparison import LIMITS, Comparison
+from fsi.comparison import LIMITS, RateComparison
 from fsi.errors import InputError
 
 _NAMED = 10  # most bodies that get a colour and a name
 
 
-def plot_comparison(names: Sequence[str], found: Comparison, path: Path) -> None:
+def plot_comparison(names: Sequence[str], found: RateComparison, path: Path) -> None:
     """Draw into a PNG file. Raises InputError where it cannot be written."""
     with mpl.rc_context({"font.size": 11, "axes.spines.top": False, "axes.spines.right": False}):
         figure = Figure(figsize=(11.0, 4.5), layout="constrained")
@@ -30,7 +30,7 @@ def plot_comparison(names: Sequence[str], found: Comparison, path: Path) -> None
             raise InputError(f"{path}: {error.strerror}; give a folder that can be written") from None
 
 
-def _draw_gaps(axes: Axes, names: Sequence[str], found: Comparison) -> None:
+def _draw_gaps(axes: Axes, names: Sequence[str], found: RateComparison) -> None:
     """The smallest gap of each body: resolved as a line, reduced dashed."""
     many = len(names) > _NAMED
     for i, name in enumerate(names):
@@ -45,7 +45,7 @@ def _draw_gaps(axes: Axes, names: Sequence[str], found: Comparison) -> None:
     axes.grid(which="major", alpha=0.3)
 
 
-def _draw_errors(axes: Axes, found: Comparison) -> None:
+def _draw_errors(axes: Axes, found: RateComparison) -> None:
     """Relative errors of the rates of all gaps, at the same configurations."""
     axes.loglog(found.sample_gap, np.maximum(found.rate_error, 1e-6), ".", color="#0072b2", ms=4, alpha=0.5)
     for limit in LIMITS:

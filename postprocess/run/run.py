@@ -24,7 +24,8 @@ import pyvista as pv
 from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import PLACES, Array, Configuration
-from fsi.case.case import Case, load_case, read_toml
+from fsi.case.case import Case
+from fsi.case.load import load_case, read_toml
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Container
 from fsi.postprocess.run.tables import read_table

@@ -13,7 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.case.case import Case, parse_case
+from fsi.case.case import Case
+from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Box, Container, HalfPlane, Round
 from fsi.normals import inward_normals

@@ -11,7 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fsi.calibration.pair import pair_of
-from fsi.case.case import load_case, parse_case
+from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
 from fsi.observables.error_estimate import ErrorEstimate
 

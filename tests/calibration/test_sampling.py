@@ -16,8 +16,9 @@ from fsi.calibration.calibrate import calibrate_case
 from fsi.calibration.pair import Pair, pair_of
 from fsi.calibration.samples import Sample, key_of, planned_gaps
 from fsi.calibration.sampling import take_samples
-from fsi.case.case import Case, load_case
+from fsi.case.case import Case
 from fsi.case.law_file import load_law
+from fsi.case.load import load_case
 from fsi.cli.plot import plot
 from fsi.errors import InputError, SolveError
 from fsi.lubrication import exact

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from fsi.case.body_file import read_bodies
-from fsi.case.case import load_case
+from fsi.case.load import load_case
 from fsi.errors import InputError
 from fsi.run import run_case
 from tests.exact_model import DiscsBesidePlane

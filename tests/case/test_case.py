@@ -11,7 +11,8 @@ import tomli_w
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fsi.case.case import Case, load_case, parse_case
+from fsi.case.case import Case
+from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
 from tests.case_data import BOX, changed
 

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fsi.case.case import parse_case
 from fsi.case.checks.determined import require_determined_at_rest
 from fsi.case.checks.expected import check_expected
+from fsi.case.load import parse_case
 from fsi.errors import InputError
 from tests.case_data import BOX, changed
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from fsi.case.case import parse_case
+from fsi.case.load import parse_case
 from fsi.errors import InputError
 from tests.case_data import changed
 

@@ -11,7 +11,7 @@ from typing import Literal
 
 import pytest
 
-from fsi.case.case import load_case
+from fsi.case.load import load_case
 from fsi.cli.pack import pack
 from fsi.errors import InputError
 

@@ -6,13 +6,13 @@ import re
 from pathlib import Path
 
 import pytest
+from fsi.evolutions import EvolvingCase, load_evolving, model_of, resume_evolving, run_evolving
 
 import fsi
-from fsi.case.case import load_case
+from fsi.case.load import load_case
 from fsi.errors import InputError, SolveError
-from fsi.evolutions import EvolvingCase, load_evolving, model_of, resume_evolving, run_evolving
 from fsi.gluey.limit_study import LimitCase
-from fsi.run_folder.folder import StepRecord
+from fsi.integration.state import StepRecord
 from tests.small_run import contents, rows
 
 CASES = Path(__file__).parents[2] / "cases"

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from fsi.bodies.configuration import Array, Configuration, Inertia
 from fsi.integration.schemes import AscherRuuthSpiteri, BogackiShampine
-from fsi.integration.stepper import Instant, Model, Scheme, State
+from fsi.integration.state import Instant, Model, Scheme, State
 from tests.exact_model import DiscsBesidePlane, ExactInstant, settling_case
 
 

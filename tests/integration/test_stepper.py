@@ -16,7 +16,8 @@ from fsi.case.case import Case
 from fsi.errors import SolveError
 from fsi.integration.schedule import Schedule
 from fsi.integration.schemes import BogackiShampine
-from fsi.integration.stepper import Advance, Step, Stepper
+from fsi.integration.state import Advance, Step
+from fsi.integration.stepper import Stepper
 from fsi.lubrication.exact import settling_time
 from fsi.meshes.geometry.containers import Box
 from fsi.run import make_stepper

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fsi.case.case import parse_case
+from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.postprocess.analysis.chains import main, read_chains
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import fsi
-from fsi.case.case import parse_case
+from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.postprocess.analysis.settling import asymptotic_gap, exact_gap
 from fsi.postprocess.plots.histories import plot_runs, read_history

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-
 from fsi.evolutions import load_evolving, run_evolving
+
 from fsi.gluey.limit_study import LimitCase
 from fsi.postprocess.analysis.memory import as_table, plot, read_memory
 

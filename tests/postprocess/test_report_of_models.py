@@ -12,11 +12,11 @@ from PIL import Image
 
 import fsi
 from fsi.cli import main
+from fsi.integration.state import StepRecord
 from fsi.models import make_model
 from fsi.postprocess.render import opengl
 from fsi.postprocess.report import write_report
 from fsi.run import run_case
-from fsi.run_folder.folder import StepRecord
 from tests.reduced_data import heap, reduced_case
 from tests.strict_html import StrictReader
 

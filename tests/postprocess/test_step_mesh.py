@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fsi.case.case import parse_case
+from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.meshes.errors import MeshFileError
 from fsi.meshes.files.read import read_mesh

@@ -8,7 +8,7 @@ import meshio
 import numpy as np
 import pytest
 
-from fsi.case.case import parse_case
+from fsi.case.load import parse_case
 from fsi.postprocess.export.step_mesh import write_step_mesh
 from fsi.postprocess.run.run import open_run
 from fsi.run import run_case

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from fsi.case.case import Case, parse_case
+from fsi.case.case import Case
+from fsi.case.load import parse_case
 from fsi.postprocess.analysis.strain import accumulated_strain
 
 

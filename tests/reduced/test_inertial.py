@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fsi.bodies.configuration import Array
-from fsi.integration.stepper import Step
+from fsi.integration.state import Step
 from fsi.models import make_model
 from fsi.reduced.distance_model import DistanceModel
 from fsi.reduced.identities import BOUND

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fsi.case.case import Case, parse_case
+from fsi.case.case import Case
+from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.models import make_model
 from fsi.reduced.model import ReducedInstant

@@ -20,13 +20,13 @@ from fsi.cli.main import main
 from fsi.cli.solve import solve
 from fsi.comparison import Comparison, History, compare
 from fsi.errors import InputError
+from fsi.integration.state import StepRecord
 from fsi.lubrication.exact_laws import exact_law
 from fsi.models import make_model
 from fsi.postprocess.export.step_mesh import write_step_mesh
 from fsi.postprocess.run.probe import probe
 from fsi.postprocess.run.run import open_run
 from fsi.run import resume_run, run_case
-from fsi.run_folder.folder import StepRecord
 from fsi.run_folder.pvd import read_collection
 from tests.exact_model import DiscsBesidePlane
 from tests.reduced_data import INERTIA, heap, reduced_case

@@ -9,7 +9,8 @@ import pytest
 from rich.console import Console
 
 from fsi.bodies.configuration import Array
-from fsi.case.case import Case, load_case
+from fsi.case.case import Case
+from fsi.case.load import load_case
 from fsi.observables.error_estimate import ErrorEstimate
 from fsi.observables.truncation import halved, truncation
 from fsi.report.console import standard_output

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from fsi.bodies.configuration import Configuration, Inertia
-from fsi.case.case import load_case, parse_case
+from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError, SolveError
+from fsi.integration.state import StepRecord
 from fsi.run import resume_run, run_case
-from fsi.run_folder.folder import StepRecord
 from fsi.run_folder.provenance import git_commit, launch
 from tests.exact_model import DiscsBesidePlane, ExactInstant
 from tests.small_run import launches, make_model, rows, small_case, start

@@ -17,7 +17,7 @@ from numpy.testing import assert_allclose
 from scipy.interpolate import CubicSpline
 
 from fsi.bodies.configuration import Array, Motion
-from fsi.case.case import parse_case
+from fsi.case.load import parse_case
 from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.planar.sizing import Resolution
 from fsi.postprocess.run.run import open_run

@@ -8,15 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fsi.case.case import Case, load_case, parse_case
+from fsi.case.case import Case
+from fsi.case.load import load_case, parse_case
 from fsi.errors import SolveError
+from fsi.integration.state import StepRecord
 from fsi.lubrication import exact, spheres
 from fsi.meshes.files.write import write_mesh
 from fsi.models import make_model
 from fsi.observables.error_estimate import ErrorEstimate, relative_change
 from fsi.observables.flow_scales import drive_of
 from fsi.run import resume_run, run_case
-from fsi.run_folder.folder import StepRecord
 from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.error import ROUNDING, estimate_errors
 from fsi.stokes.model import StokesModel

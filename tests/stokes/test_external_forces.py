@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fsi.case.case import parse_case
+from fsi.case.load import parse_case
 from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution

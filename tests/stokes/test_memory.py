@@ -15,7 +15,7 @@ import pytest
 
 from fsi import parallel
 from fsi.bodies.configuration import Configuration
-from fsi.case.case import parse_case
+from fsi.case.load import parse_case
 from fsi.stokes.memory import keep_freed
 from fsi.stokes.model import StokesModel
 

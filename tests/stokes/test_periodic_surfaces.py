@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fsi.case.case import parse_case
+from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.meshes.geometry.periodic import Channel
 from fsi.meshes.planar.sizing import Resolution

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 import fsi
-from fsi.case.case import parse_case
+from fsi.case.load import parse_case
 from fsi.postprocess.run.probe import probe
 from fsi.postprocess.run.run import Run
 from fsi.run import run_case

@@ -13,7 +13,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.case.case import parse_case
+from fsi.case.load import parse_case
 from fsi.lubrication import exact
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.containers import Box, Container, Round

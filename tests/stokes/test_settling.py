@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from fsi.case.case import load_case
+from fsi.case.load import load_case
 from fsi.postprocess.run.run import open_run
 from fsi.run import run_case
 from fsi.stokes.model import StokesModel

@@ -18,7 +18,8 @@ import pyvista as pv
 from numpy.testing import assert_allclose
 
 from fsi.bodies.configuration import Array
-from fsi.case.case import Case, parse_case
+from fsi.case.case import Case
+from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.lubrication import sphere_beside_plane, spheres
 from fsi.postprocess.export.step_mesh import write_step_mesh

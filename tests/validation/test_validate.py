@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fsi.case.case import load_case, parse_case
+from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
 from fsi.observables.error_estimate import ErrorEstimate
 from fsi.report.validation import summary

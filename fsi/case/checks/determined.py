@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fsi.bodies.configuration import Array, rigid_motion
+from fsi.case.case import Case
 from fsi.case.section import toml_text
 from fsi.errors import InputError
 from fsi.meshes.geometry.periodic import Cell
-
-if TYPE_CHECKING:
-    from fsi.case.case import Case
 
 
 def require_determined_at_rest(case: Case) -> None:

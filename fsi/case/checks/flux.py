@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from fsi.bodies.configuration import Array
+from fsi.case.case import Case
 from fsi.case.section import toml_text
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Box, Container, HalfPlane
 from fsi.meshes.geometry.periodic import Channel
-
-if TYPE_CHECKING:
-    from fsi.case.case import Case
 
 
 def check_flux(case: Case) -> None:

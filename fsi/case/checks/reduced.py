@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from fsi.case.background_flow import background
+from fsi.case.case import Case
 from fsi.errors import InputError
 from fsi.periodic import ChannelDomain
-
-if TYPE_CHECKING:
-    from fsi.case.case import Case
 
 
 def check_reduced(case: Case) -> None:
     """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
-    given = case.reduced
-    if case.drag == 0.0 and given.scheme == "adaptive" and case.masses() is None:
+    if case.drag == 0.0 and case.masses() is None:
         raise InputError(
             "reduced.drag = 0: only lubrication would resist bodies without mass; give them drag or mass"
         )
@@ -25,14 +20,14 @@ def check_reduced(case: Case) -> None:
         )
     _check_periodic(case)
     _check_background(case)
-    if given.scheme == "adaptive":
-        if given.step is not None:
-            raise InputError(
-                f'reduced.step = {given.step:g}: scheme "adaptive" chooses its steps; drop it or give '
-                'reduced.scheme = "distance"'
-            )
-        return
-    _check_distance_scheme(case)
+    laws = {case.reduced.law, case.reduced.wall_law or case.reduced.law}
+    literal = case.time is not None and case.time.scheme == "backward-euler"
+    if literal and (laws != {"slides"} or case.reduced.cutoff is not None):
+        raise InputError(
+            f'reduced.law = "{case.reduced.law}": scheme "backward-euler" is for "slides" without a cutoff; '
+            "use "
+            'time.scheme = "distance"'
+        )
 
 
 def _check_periodic(case: Case) -> None:
@@ -62,21 +57,3 @@ def _check_background(case: Case) -> None:
         )
     for t in case.knots() or (0.0,):
         background(case.container(), case.wall_velocity(t))
-
-
-def _check_distance_scheme(case: Case) -> None:
-    given = case.reduced
-    if given.step is None:
-        raise InputError(f'reduced.step: missing; scheme "{given.scheme}" needs the length of its steps')
-    for i, body in enumerate(case.bodies):
-        if body.mass is None:
-            raise InputError(
-                f'bodies.{i}.mass: missing; scheme "{given.scheme}" is for bodies with inertia: give each a '
-                'mass, or use reduced.scheme = "adaptive"'
-            )
-    laws = {given.law, given.wall_law or given.law}
-    if given.scheme == "backward-euler" and (laws != {"slides"} or given.cutoff is not None):
-        raise InputError(
-            f'reduced.law = "{given.law}": scheme "backward-euler" is for "slides" without a cutoff; '
-            'use reduced.scheme = "distance"'
-        )

@@ -1,4 +1,4 @@
-"""What a case must satisfy beyond the types of its keys: names, room, loads, a motion that is determined.
+"""What every case must satisfy beyond the types of its keys: names, room, loads; then what its level wants.
 
 All checks concern the start; what happens later is the stepper's to watch.
 """
@@ -6,14 +6,17 @@ All checks concern the start; what happens later is the stepper's to watch.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fsi.bodies.gaps import find_gaps
+from fsi.case.case import Case
 from fsi.case.checks.determined import check_determined
 from fsi.case.checks.flux import check_flux
+from fsi.case.checks.gluey import check_gluey
+from fsi.case.checks.macroscopic import check_macroscopic
 from fsi.case.checks.reduced import check_reduced
+from fsi.case.checks.time import check_time
 from fsi.case.domain import BoxDomain
 from fsi.case.force_laws import Gravity, PairForce, Tabulated
 from fsi.case.section import toml_text
@@ -22,9 +25,6 @@ from fsi.case.walls import Shear
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Container, boundary_names
 from fsi.meshes.geometry.periodic import Cell, Channel
-
-if TYPE_CHECKING:
-    from fsi.case.case import Case
 
 # A gap is touching when it is no larger than what rounding makes of coordinates of this size.
 _ROUNDING = 8.0 * float(np.finfo(float).eps)
@@ -38,15 +38,29 @@ def check_case(case: Case) -> None:
     _check_names(case)
     if case.axisymmetric:
         _check_axis(case)
-    _check_discretisation(case)
-    _check_room(case)
     _check_loads(case)
     _check_inertia(case)
     _check_forces(case)
+    _check_files(case)
+    if case.model in _OF_LEVEL:
+        _OF_LEVEL[case.model](case)
+    else:
+        _check_fluid(case)
+    check_time(case)
+
+
+# Levels without a fluid: what else they want.
+_OF_LEVEL = {"gluey": check_gluey, "macroscopic": check_macroscopic}
+
+
+def _check_fluid(case: Case) -> None:
+    """What holds wherever a viscous fluid moves the bodies, resolved or reduced."""
+    if "fluid" not in case.model_fields_set:
+        raise InputError("fluid: missing; give a section [fluid] with its viscosity")
+    _check_discretisation(case)
+    _check_room(case)
     check_flux(case)
     check_determined(case)
-    _check_files(case)
-    _check_time(case)
     if case.model == "reduced":
         check_reduced(case)
 
@@ -152,12 +166,39 @@ def _check_loads(case: Case) -> None:
 
 
 def _check_inertia(case: Case) -> None:
+    """Mass and moment of inertia come together, and only what has one of them begins with a velocity."""
     for i, body in enumerate(case.bodies):
+        _check_beginning(case, i)
+        if case.model == "gluey" and body.moment_of_inertia is None:
+            continue  # that of a uniform body
         if not case.axisymmetric and (body.mass is None) != (body.moment_of_inertia is None):
             given, other = ("mass", "moment_of_inertia")[:: 1 if body.mass is not None else -1]
             raise InputError(
                 f"bodies.{i}.{given} = {getattr(body, given)!r}: without {other}; give both or neither "
                 "(a uniform disc has moment_of_inertia = mass radius^2 / 2, a sphere 2/5 of it)"
+            )
+
+
+def _check_beginning(case: Case, i: int) -> None:
+    """Only a free component of a body with inertia begins with a velocity of its own."""
+    body = case.bodies[i]
+    begun = {
+        "initial_velocity": body.initial_velocity,
+        "initial_angular_velocity": body.initial_angular_velocity,
+    }
+    for key, velocity in begun.items():
+        if velocity is not None and body.mass is None and case.model in ("resolved", "reduced"):
+            raise InputError(
+                f"bodies.{i}.{key} = {toml_text(velocity)}: without a mass the velocity is a result; drop it "
+                "or "
+                "give mass and moment_of_inertia"
+            )
+    for held, begin in zip(body.motion, body.initial_motion, strict=True):
+        if held != "free" and begin != 0.0:
+            raise InputError(
+                f"bodies.{i}.initial_velocity = {toml_text(body.initial_motion)}: body {body.name!r} holds "
+                "this "
+                'component; drop it there or make the velocity "free"'
             )
 
 
@@ -170,9 +211,10 @@ def _check_forces(case: Case) -> None:
         here = f"forces.{k}.acceleration = {toml_text(force.acceleration)}"
         if len(force.acceleration) != case.dimension:
             raise InputError(f"{here}: has {len(force.acceleration)} components; give {case.dimension}")
-        if case.axisymmetric and force.acceleration[0] != 0.0:
+        if case.axisymmetric and not is_zero(force.acceleration[0]):
             raise InputError(f"{here}: is not along the axis; give [0.0, g_z]")
-        if force.density_difference is None and all(body.mass is None for body in case.bodies):
+        weightless = all(body.mass is None for body in case.bodies) and case.model != "gluey"
+        if force.density_difference is None and weightless:
             raise InputError(f"{here}: no body has a mass; give density_difference, or bodies a mass")
 
 
@@ -200,13 +242,3 @@ def _check_files(case: Case) -> None:
     mesh = case.domain.mesh
     if mesh is not None and not Path(mesh).is_file():
         raise InputError(f"domain.mesh = {toml_text(mesh)}: no such file; give the path of a mesh file")
-
-
-def _check_time(case: Case) -> None:
-    if case.time is None:
-        return
-    end, smallest = case.time.end, case.time.smallest_step
-    if not case.bodies:
-        raise InputError(f"time.end = {end!r}: there are no bodies to move; add [[bodies]] or drop [time]")
-    if smallest >= end:
-        raise InputError(f"time.smallest_step = {smallest!r}: not below time.end = {end!r}; make it smaller")

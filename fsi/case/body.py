@@ -1,0 +1,192 @@
+"""The section [[bodies]] of a case file, and [[grids]], rows of like bodies."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
+
+from fsi.case.section import Section, explain, require_components, told, tuples
+from fsi.case.series import Angle, Component, Series, Spin, Torque
+from fsi.errors import InputError
+
+FREE: Literal["free"] = "free"
+NAME = r"^\w[\w -]*$"
+_LOAD = "a number or a table {times = [...], values = [...]}"
+_MOTION = f'"free", {_LOAD}'
+
+
+class Body(Section):
+    """A rigid disc or sphere: where it starts, what moves it, what it weighs.
+
+    In space what turns (angle, angular_velocity, torque) is a vector of three.
+    """
+
+    name: str = Field(pattern=NAME, description="a name of letters, digits, blanks, - and _")
+    radius: float = Field(gt=0.0, description="the radius, a number > 0")
+    position: tuple[float, ...] = Field(
+        description="the centre [x, y] (in space [x, y, z]) at time 0, finite numbers"
+    )
+    angle: Angle = Field(
+        description="the angle at time 0 in radians (in space a rotation vector), 0 if not given"
+    )
+    velocity: tuple[Component, ...] = Field(
+        description=f"the prescribed velocity, two components (in space three), each {_MOTION}; free if not "
+        f"given"
+    )
+    angular_velocity: Spin = Field(
+        description=f"the prescribed angular velocity, (in space three times) {_MOTION}; free if not given"
+    )
+    initial_velocity: tuple[float, ...] | None = Field(
+        default=None,
+        description="the velocity at time 0 of a body with a mass, two numbers (in space three); at rest if "
+        "not "
+        "given",
+    )
+    initial_angular_velocity: Angle | None = Field(
+        default=None,
+        description="the angular velocity at time 0 of a body with a mass, a number (in space three); 0 if "
+        "not given",
+    )
+    force: tuple[Series, ...] = Field(
+        description=f"the external force, two components (in space three), each {_LOAD}; 0 if not given"
+    )
+    torque: Torque = Field(description=f"the external torque, (in space three times) {_LOAD}; 0 if not given")
+    mass: float | None = Field(
+        default=None, gt=0.0, description="the mass (in the plane per unit length), a number > 0, or none"
+    )
+    moment_of_inertia: float | None = Field(
+        default=None,
+        gt=0.0,
+        description="the moment of inertia (in the plane per unit length), a number > 0, or none",
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _as_many_components_as_the_case_has(cls, data: Any, info: ValidationInfo) -> Any:
+        """What is not given is free and without a load, in the dimension of the case."""
+        if not isinstance(data, dict):
+            return data
+        case = told(info)
+        d = case.dimension
+        turning = (lambda value: (value,) * 3) if case.geometry == "spatial" else (lambda value: value)
+        return {
+            "angle": turning(0.0),
+            "velocity": (FREE,) * d,
+            "angular_velocity": turning(FREE),
+            "force": (0.0,) * d,
+            "torque": turning(0.0),
+        } | data
+
+    @field_validator("position", "velocity", "force", "initial_velocity")
+    @classmethod
+    def _all_components[T](cls, vector: tuple[T, ...] | None, info: ValidationInfo) -> tuple[T, ...] | None:
+        return None if vector is None else require_components(vector, told(info).dimension, "a vector")
+
+    @field_validator("angle", "angular_velocity", "torque", "initial_angular_velocity")
+    @classmethod
+    def _turns_in_its_dimension(cls, turning: Any, info: ValidationInfo) -> Any:
+        if turning is None:
+            return None
+        spatial, vector = told(info).geometry == "spatial", isinstance(turning, tuple)
+        if spatial and vector:
+            return require_components(turning, 3, "a vector")
+        if spatial != vector:
+            raise ValueError("must be a vector of three in space" if spatial else "must not be a vector")
+        return turning
+
+    @property
+    def motion(self) -> tuple[Component, ...]:
+        """What is prescribed for each mode, (M,)."""
+        turning = self.angular_velocity
+        return (*self.velocity, *(turning if isinstance(turning, tuple) else (turning,)))
+
+    @property
+    def loads(self) -> tuple[Series, ...]:
+        """The external load on each mode, (M,)."""
+        turning = self.torque
+        return (*self.force, *(turning if isinstance(turning, tuple) else (turning,)))
+
+    @property
+    def initial_motion(self) -> tuple[float, ...]:
+        """The velocity of each mode at time 0, (M,); 0 where none is given."""
+        turning = self.initial_angular_velocity or (0.0,) * (len(self.motion) - len(self.velocity))
+        velocity = self.initial_velocity or (0.0,) * len(self.velocity)
+        return (*velocity, *(turning if isinstance(turning, tuple) else (turning,)))
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The keys of the loads on each mode: `force.0`, ..., `torque` (in space `torque.2`), (M,)."""
+        turning = [f"torque.{k}" for k in range(3)] if isinstance(self.torque, tuple) else ["torque"]
+        return (*(f"force.{k}" for k in range(len(self.force))), *turning)
+
+
+class Grid(Section):
+    """Rows of like bodies, a little disturbed; the case holds them one by one, named `NAME k` from 0."""
+
+    name: str = Field(pattern=NAME, description="a name of letters, digits, blanks, - and _")
+    counts: tuple[Annotated[int, Field(ge=1)], ...] = Field(
+        min_length=2, max_length=3, description="how many in each direction, at least 1"
+    )
+    lower: tuple[float, ...] = Field(description="the centre of the first, a point")
+    spacing: float = Field(gt=0.0, description="the distance between neighbours' centres, a number > 0")
+    radius: tuple[Annotated[float, Field(gt=0.0)], Annotated[float, Field(gt=0.0)]] = Field(
+        description="the smallest and the largest radius, two numbers > 0"
+    )
+    jitter: float = Field(default=0.0, ge=0.0, description="the largest disturbance of a coordinate, >= 0")
+    seed: int = Field(default=0, ge=0, description="of the random numbers, a whole number >= 0")
+    initial_velocity: tuple[float, ...] | None = Field(
+        default=None, description="their velocity at time 0, as in [[bodies]]; at rest if not given"
+    )
+
+    @field_validator("counts", "lower", "initial_velocity")
+    @classmethod
+    def _all_components[T](cls, vector: tuple[T, ...] | None, info: ValidationInfo) -> tuple[T, ...] | None:
+        return None if vector is None else require_components(vector, told(info).dimension, "a vector")
+
+    @field_validator("radius")
+    @classmethod
+    def _in_order(cls, radius: tuple[float, float]) -> tuple[float, float]:
+        if radius[0] > radius[1]:
+            raise ValueError("has the largest before the smallest")
+        return radius
+
+    def bodies(self) -> list[dict[str, Any]]:
+        """Its members as entries of [[bodies]], the last coordinate running first."""
+        random = np.random.default_rng(self.seed)
+        places = np.array(list(itertools.product(*map(range, self.counts))), dtype=float)
+        disturbance = random.uniform(-self.jitter, self.jitter, places.shape)
+        centres = np.array(self.lower) + self.spacing * places + disturbance
+        radii = random.uniform(*self.radius, len(places))
+        moving = {} if self.initial_velocity is None else {"initial_velocity": self.initial_velocity}
+        return [
+            {"name": f"{self.name} {k}", "radius": float(a), "position": tuple(x.tolist())} | moving
+            for k, (x, a) in enumerate(zip(centres, radii, strict=True))
+        ]
+
+
+def with_grids(data: Mapping[str, Any], context: object) -> dict[str, Any]:
+    """The data of a case with the members of its [[grids]] after the bodies that it lists.
+
+    Raises:
+        InputError: a grid is not sound.
+    """
+    grids, bodies = data.get("grids", ()), data.get("bodies", ())
+    if not (isinstance(grids, list | tuple) and isinstance(bodies, list | tuple)):
+        return dict(data)  # the schema says what is wrong
+    members: list[dict[str, Any]] = []
+    names: set[str] = set()
+    for i, grid in enumerate(grids):
+        try:
+            sound = Grid.model_validate(tuples(grid), context=context)
+        except ValidationError as error:
+            raise InputError(f"grids.{i}.{explain(error, Grid)}") from None
+        if sound.name in names:
+            raise InputError(f'grids.{i}.name = "{sound.name}": given twice; give each its own')
+        names.add(sound.name)
+        members += sound.bodies()
+    rest = {key: value for key, value in data.items() if key != "grids"}
+    return rest | {"bodies": (*bodies, *members)} if members else rest

@@ -1,0 +1,97 @@
+"""What the section [time] of a case must satisfy: bodies that move, a scheme that suits, no jumps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from fsi.case.case import Case
+from fsi.case.section import nearest_word, toml_text
+from fsi.case.series import Table, jumps
+from fsi.errors import InputError
+from fsi.integration.schemes import SCHEMES, scheme_for
+
+# Levels whose only step is their own, of given length.
+_OWN_STEP = ("gluey", "macroscopic")
+
+
+def check_time(case: Case) -> None:
+    """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
+    if case.model not in _OWN_STEP:
+        _check_jumps(case)
+    if case.time is None:
+        return
+    end, smallest = case.time.end, case.time.smallest_step
+    if not case.bodies and case.model != "macroscopic":
+        raise InputError(f"time.end = {end!r}: there are no bodies to move; add [[bodies]] or drop [time]")
+    if smallest >= end:
+        raise InputError(f"time.smallest_step = {smallest!r}: not below time.end = {end!r}; make it smaller")
+    _check_scheme(case)
+
+
+def _check_scheme(case: Case) -> None:
+    time = case.timing
+    if case.model in _OWN_STEP:
+        if time.scheme is not None:
+            raise InputError(
+                f'time.scheme = {toml_text(time.scheme)}: model = "{case.model}" has a scheme of its own; '
+                "drop it"
+            )
+        _require_step(case, f'model = "{case.model}"')
+        return
+    if time.scheme is not None and time.scheme not in SCHEMES:
+        nearest = nearest_word(time.scheme, SCHEMES)
+        raise InputError(
+            f"time.scheme = {toml_text(time.scheme)}: there is no such scheme; the nearest is {nearest!r}, "
+            "of "
+            f"{', '.join(SCHEMES)}"
+        )
+    scheme = scheme_for(time.scheme, inertia=case.masses() is not None)
+    here = f"time.scheme = {toml_text(scheme.name)}"
+    if case.model not in scheme.models:
+        raise InputError(
+            f'{here}: is not for model = "{case.model}"; drop it or give model = "{scheme.models[0]}"'
+        )
+    if scheme.fixed:
+        _require_step(case, f'scheme "{scheme.name}"')
+    if scheme.inertia == "none" and case.masses() is not None:
+        raise InputError(f"{here}: is for bodies without mass; drop it or their masses")
+    if scheme.inertia == "all":
+        for i, body in enumerate(case.bodies):
+            if body.mass is None:
+                raise InputError(
+                    f"bodies.{i}.mass: missing; {here} is for bodies with inertia: give each a mass, or "
+                    "another scheme"
+                )
+
+
+def _require_step(case: Case, what: str) -> None:
+    step, end = case.timing.step, case.timing.end
+    if step is None:
+        raise InputError(f"time.step: missing; {what} needs the length of its steps, a number > 0")
+    if step > end:
+        raise InputError(f"time.step = {step!r}: longer than time.end = {end!r}; make it shorter")
+
+
+def _check_jumps(case: Case) -> None:
+    """Only steps that take the integral of a load cross its jumps."""
+    for key, series in _tables(case):
+        for t in jumps(series):
+            raise InputError(
+                f'{key}: jumps at t = {t:g}, which model = "{case.model}" does not step over; give a steep '
+                "ramp, "
+                f"times {t:g} and a little later"
+            )
+
+
+def _tables(case: Case) -> Iterator[tuple[str, float | Table | str]]:
+    for i, body in enumerate(case.bodies):
+        for part in body.motion:
+            yield f"bodies.{i}.velocity", part
+        for key, part in zip(body.keys, body.loads, strict=True):
+            yield f"bodies.{i}.{key}", part
+    for k, force in enumerate(case.forces):
+        for part in getattr(force, "acceleration", ()):
+            yield f"forces.{k}.acceleration", part
+    for name, wall in case.domain.walls.items():
+        for part in wall if isinstance(wall, tuple) else ():
+            yield f"domain.walls.{name}", part

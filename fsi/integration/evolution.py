@@ -1,0 +1,128 @@
+"""What a run needs of anything that moves: moments, from the first to the last.
+
+A model that steps by itself, with a memory of its own (gluey, macroscopic), is an `Evolution`; one that gives
+velocities at an instant becomes one by a stepper, in a `SteppedEvolution`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from numpy.typing import NDArray
+
+from fsi.bodies.configuration import Configuration
+from fsi.bodies.gaps import find_gaps
+from fsi.integration.schedule import Schedule
+from fsi.integration.state import Advance, State, Step, StepRecord
+from fsi.meshes.geometry.containers import Container
+
+type CsvTable = tuple[Sequence[str], Sequence[Sequence[object]]]
+
+
+def no_tables() -> Mapping[str, CsvTable]:
+    """None beyond steps.csv and bodies.csv."""
+    return {}
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """The end of a step.
+
+    Attributes:
+        state: all that the next step depends on, but what the evolution remembers.
+        record: the row of steps.csv, and the bodies.
+        names: of the bodies that bodies.csv shall have of this moment; empty for none.
+        write: writes field files into a folder and names them by series.
+        tables: further tables, header and rows, at the times of output.
+    """
+
+    state: State
+    record: StepRecord
+    names: Sequence[str]
+    write: Callable[[Path], Mapping[str, Sequence[str]]]
+    tables: Callable[[], Mapping[str, CsvTable]] = no_tables
+
+
+class Evolution(Protocol):
+    """What moves in time, step by step."""
+
+    @property
+    def schedule(self) -> Schedule:
+        """When it writes and ends."""
+
+    def start(self) -> Moment:
+        """The moment at time 0."""
+
+    def advance(self, state: State) -> Moment:
+        """One step. Raises SolveError."""
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """What the next step depends on besides the state."""
+
+    def restore(self, memory: Mapping[str, NDArray[Any]]) -> None:
+        """Take back what `memory` gave."""
+
+
+@dataclass(frozen=True, slots=True)
+class SteppedEvolution:
+    """The motion that a stepper gives, with the estimated errors of each instant if they are wanted.
+
+    Attributes:
+        stepper: makes the steps, with a model.
+        names: of the bodies.
+        q: where they begin.
+        first_step: the first step to try; one by the tolerance if None.
+        estimated: true to estimate the discretisation error of each step.
+    """
+
+    stepper: Advance
+    names: Sequence[str]
+    q: Configuration
+    first_step: float | None
+    estimated: bool
+
+    @property
+    def schedule(self) -> Schedule:
+        """When it writes and ends."""
+        return self.stepper.schedule
+
+    def start(self) -> Moment:
+        """The moment at time 0."""
+        return self._moment(self.stepper.start(self.q, self.first_step))
+
+    def advance(self, state: State) -> Moment:
+        """One accepted step. Raises SolveError."""
+        return self._moment(self.stepper.advance(state))
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """That of the model."""
+        return self.stepper.model.state()
+
+    def restore(self, memory: Mapping[str, NDArray[Any]]) -> None:
+        """Take back what `memory` gave."""
+        self.stepper.model.restore(memory)
+
+    def _moment(self, step: Step) -> Moment:
+        state, instant = step.state, step.instant
+        errors = self.stepper.model.errors(state.q, state.t, instant) if self.estimated else None
+        columns = {**instant.record, **(errors.columns if errors else {})}
+        # Only some models know more of each body than velocity and load.
+        of_bodies = {
+            **getattr(instant, "body_columns", {}), **(errors.body_columns if errors else {}),
+        }  # fmt: skip
+        gap = smallest_gap(state.q, self.stepper.container.at(state.t))
+        record = StepRecord(
+            state.step, state.t, step.h, gap, step.rejected, state.q, instant.U, instant.F, columns, of_bodies
+        )
+        return Moment(state, record, self.names, lambda folder: instant.write(folder, state.step))
+
+
+def smallest_gap(q: Configuration, container: Container) -> float:
+    """The smallest of all gaps, also where no two bodies are near each other."""
+    gaps = find_gaps(q, container)
+    if len(gaps.pairs) == 0:
+        gaps = find_gaps(q, container, reach=gaps.smallest())
+    return gaps.smallest()

@@ -1,0 +1,158 @@
+"""What steps are made of: models and their instants, the state between two steps, schemes, steppers.
+
+A `Model` gives the velocities of the bodies at one instant (`fsi.stokes.model` resolves the flow; the reduced
+model satisfies the same protocol), a `Scheme` (`fsi.integration.schemes`) makes one step, a stepper chooses
+its length.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, ClassVar, Protocol
+
+from numpy.typing import NDArray
+
+from fsi.bodies.configuration import Array, Configuration, Inertia
+from fsi.integration.schedule import Schedule
+from fsi.meshes.geometry.containers import Container
+from fsi.observables.error_estimate import StepErrors
+
+
+class Instant(Protocol):
+    """What a model knows at one instant; U, F and `record` are the same on all ranks, to the last bit."""
+
+    @property
+    def U(self) -> Array:
+        """Velocities of the bodies, shape (N, M)."""
+
+    @property
+    def F(self) -> Array:
+        """`int sigma n` over each body: the external load in balance, shape (N, M)."""
+
+    @property
+    def record(self) -> Mapping[str, float]:
+        """The model's columns of steps.csv; `cpu_*` are CPU seconds, the others deterministic."""
+
+    def write(self, folder: Path, step: int) -> dict[str, list[str]]:
+        """Write VTU files into the folder, all ranks together; unfinished ones have names with a leading dot.
+
+        Returns:
+            the names of the files by series ("fluid", "surface"), the same on all ranks.
+        """
+
+
+class Model(Protocol):
+    """Gives the velocities of the bodies; all ranks call it together."""
+
+    def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> Instant:
+        """The instant at configuration q and time t, with the load `F - D (U - U0)` if inertia is given."""
+
+    def errors(self, q: Configuration, t: float, instant: Instant) -> StepErrors | None:
+        """The estimated errors of an instant that this model gave; None of a model without a mesh."""
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """What must be restored so that a resumed run repeats an unbroken one bit by bit (root's is kept)."""
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Take back what `state` gave."""
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """All that the next step depends on.
+
+    t: time; step: its number; U: velocities at (q, t), shape (N, M); h: the next step to try.
+    """
+
+    t: float
+    step: int
+    q: Configuration
+    U: Array
+    h: float
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """One step of a scheme: where it ends, the instant there, estimated error of the displacement (N, M)."""
+
+    q: Configuration
+    instant: Instant
+    error: Array
+
+
+class Scheme(Protocol):
+    """A one-step method.
+
+    Attributes:
+        error_order: the power of the step with which the estimated error of a step goes to zero.
+    """
+
+    error_order: ClassVar[int]
+
+    def start(self, model: Model, q: Configuration) -> Instant:
+        """The instant at time 0."""
+
+    def step(self, model: Model, state: State, t_end: float) -> Trial:
+        """One step from `state` to `t_end`; the instant of the trial is that at its end."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """An accepted step: the state it ends in, the instant there, its length, how many tries were rejected."""
+
+    state: State
+    instant: Instant
+    h: float
+    rejected: int
+
+
+class Advance(Protocol):
+    """What a run needs of a stepper: `Stepper` chooses its steps, `FixedStepper` takes given ones."""
+
+    @property
+    def model(self) -> Model:
+        """The model."""
+
+    @property
+    def container(self) -> Container:
+        """What encloses the fluid."""
+
+    @property
+    def schedule(self) -> Schedule:
+        """The times to land on."""
+
+    def start(self, q: Configuration, first_step: float | None = None) -> Step:
+        """The step of length 0 that begins a run."""
+
+    def advance(self, state: State) -> Step:
+        """One accepted step. Raises SolveError."""
+
+
+@dataclass(frozen=True, slots=True)
+class StepRecord:
+    """One accepted step as the tables show it; step 0, of length 0, is the start.
+
+    Attributes:
+        rejected: how many tries came before.
+        U: velocities, shape (N, M).
+        F: external loads, shape (N, M).
+        columns: the further columns of steps.csv.
+        body_columns: those of bodies.csv, (N,) each.
+    """
+
+    step: int
+    t: float
+    h: float
+    smallest_gap: float
+    rejected: int
+    q: Configuration
+    U: Array
+    F: Array
+    columns: Mapping[str, float]
+    body_columns: Mapping[str, Array] = field(default_factory=dict)
+
+    def timed(self, cpu: float) -> StepRecord:
+        """With the CPU seconds of the step."""
+        return replace(self, columns={**self.columns, "cpu_step": cpu})
