@@ -18,10 +18,11 @@ from rich.table import Table
 
 from bench.scaling import JSON_HELP, Scaling
 from fsi.bodies.configuration import Array
+from fsi.case.gluey import ContactLaw
 from fsi.errors import SolveError
 from fsi.gluey.contacts import Room
 from fsi.gluey.step import advance
-from fsi.gluey.system import GlueyState, Law, System
+from fsi.gluey.system import GlueyState, System
 
 H = 0.01
 HEADINGS = ("discs", "step", "contacts", "closed", "iterations", "Newton", "kkt", "overlap", "CPU s")
@@ -46,7 +47,7 @@ def crowd(n: int, how: str) -> tuple[System, GlueyState]:
     U = np.zeros((len(q), 3))
     agitation = random.normal(size=(len(q), 2))
     U[:, :2] = agitation if how == "agitated" else -0.3 * q + 0.1 * agitation
-    return System(radii, mass, room, impulse, Law()), GlueyState.at(q, U)
+    return System(radii, mass, room, impulse, ContactLaw()), GlueyState.at(q, U)
 
 
 def main() -> None:

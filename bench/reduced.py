@@ -24,8 +24,7 @@ from fsi.arrangements.packing import random_arrangement
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.load import parse_case
-from fsi.models import make_model
-from fsi.run import make_stepper
+from fsi.models import make_model, make_stepper
 
 AREA_FRACTION, GAP, PERIOD = 0.55, 0.01, 2500
 STEPS, MEASURED = 20, 3

@@ -27,7 +27,7 @@ from fsi.parallel import on_root
 from fsi.reduced.model import ReducedModel
 from fsi.reduced.network import gradient
 from fsi.reduced.pairs import find_pairs
-from fsi.run import Progress, no_progress, resume, run
+from fsi.runs import Progress, no_progress, resume, run
 
 # Of a table and a plot.
 TIMES = 601

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,9 +14,11 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Configuration, Inertia
 from fsi.case.case import Case
 from fsi.case.load import parse_case
-from fsi.integration.state import Instant
+from fsi.integration.state import Instant, Model
 from fsi.lubrication.exact import normal_resistance, parallel_resistance, rotation_resistance
+from fsi.models import stepped
 from fsi.observables.error_estimate import ErrorEstimate, StepErrors
+from fsi.runs import MakeEvolution
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,11 @@ class DiscsBesidePlane:
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         self.calls = int(state["calls"])
+
+
+def by(model: Callable[[Case], Model]) -> MakeEvolution:
+    """What steps a case with such a model."""
+    return lambda case: stepped(case, model(case))
 
 
 def plane_case(bodies: list[dict[str, Any]], end: float, **time: Any) -> Case:

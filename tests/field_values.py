@@ -16,10 +16,9 @@ import numpy as np
 from fsi import parallel
 from fsi.bodies.configuration import Array
 from fsi.case.load import load_case
-from fsi.run import run_case
+from fsi.runs import run
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.fields import write as fields
-from fsi.stokes.model import StokesModel
 
 capture, write = fields.capture, fields.write_flow
 evaluated: dict[int, tuple[Array, Array]] = {}
@@ -48,4 +47,4 @@ def keep(flow: fields.Flow, folder: Path, step: int) -> list[str]:
 if __name__ == "__main__":
     fields.capture, fields.write_flow = evaluate, keep
     case = load_case(Path(sys.argv[1]))
-    run_case(case, Path(sys.argv[2]), StokesModel(case))
+    run(case, Path(sys.argv[2]))

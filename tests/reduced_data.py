@@ -9,17 +9,19 @@ from fsi.case.load import parse_case
 
 
 def reduced_case(bodies: list[dict[str, Any]], reduced: dict[str, Any], **sections: Any) -> Case:
-    """Bodies above a plane; `sections` replace the others."""
+    """Bodies above a plane; `sections` replace the others. `scheme` and `step` go to [time]."""
+    stepping = {key: reduced[key] for key in ("scheme", "step") if key in reduced}
     data: dict[str, Any] = {
         "name": "test",
         "model": "reduced",
         "fluid": {"viscosity": 1.0},
         "domain": {"shape": "half-plane", "radius": 1000.0},
         "bodies": bodies,
-        "reduced": reduced,
+        "reduced": {key: value for key, value in reduced.items() if key not in stepping},
         "time": {"end": 1.0},
-    }
-    return parse_case(data | sections)
+    } | sections
+    data["time"] = data["time"] | stepping
+    return parse_case(data)
 
 
 def heap(**more: Any) -> list[dict[str, Any]]:

@@ -12,8 +12,8 @@ import numpy as np
 
 from fsi.case.case import Case
 from fsi.case.load import parse_case
-from fsi.run import Outcome, run_case
-from tests.exact_model import DiscsBesidePlane
+from fsi.runs import Outcome, run
+from tests.exact_model import DiscsBesidePlane, by
 
 BODIES = [
     {"name": "left", "radius": 1.0, "position": [-3.0, 2.0], "force": [1.0, -20.0]},
@@ -42,7 +42,7 @@ def small_case(**sections: Any) -> Case:
 
 
 def start(case: Case, folder: Path) -> Outcome:
-    return run_case(case, folder, make_model(case))
+    return run(case, folder, make=by(make_model))
 
 
 def contents(folder: Path) -> dict[str, Any]:

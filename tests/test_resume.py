@@ -17,7 +17,8 @@ import pytest
 from fsi.case.case import Case
 from fsi.errors import InputError, SolveError
 from fsi.integration.state import StepRecord
-from fsi.run import resume_run, run_case
+from fsi.runs import resume, run
+from tests.exact_model import by
 from tests.small_run import contents, launches, make_model, rows, small_case, start
 
 
@@ -30,7 +31,7 @@ def unbroken(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_resuming_a_finished_run_changes_nothing(unbroken: Path) -> None:
     before = contents(unbroken)
-    assert resume_run(unbroken, make_model).steps == 0
+    assert resume(unbroken, make=by(make_model)).steps == 0
     assert contents(unbroken) == before
     assert len(launches(unbroken)) == 1
 
@@ -45,7 +46,7 @@ def break_off(folder: Path, case: Case, step: int) -> None:
             raise KilledError
 
     with pytest.raises(KilledError):
-        run_case(case, folder, make_model(case), progress)
+        run(case, folder, progress, make=by(make_model))
 
 
 def test_what_comes_after_the_last_commit_is_cut_off(unbroken: Path, tmp_path: Path) -> None:
@@ -58,7 +59,7 @@ def test_what_comes_after_the_last_commit_is_cut_off(unbroken: Path, tmp_path: P
     (folder / "state.npz.tmp").write_text("half a st")
     (folder / "fluid.pvd").write_bytes((unbroken / "fluid.pvd").read_bytes())
     (folder / "notes.txt").write_text("the user's own")
-    assert resume_run(folder, make_model).steps > 0
+    assert resume(folder, make=by(make_model)).steps > 0
     (folder / "notes.txt").unlink()
     assert contents(folder) == contents(unbroken)
     assert len(launches(folder)) == 2
@@ -68,14 +69,14 @@ def test_lost_rows_are_noticed(tmp_path: Path) -> None:
     break_off(tmp_path / "run", small_case(), step=4)
     (tmp_path / "run" / "bodies.csv").write_text("step\n")
     with pytest.raises(InputError, match=r"bodies\.csv has lost rows"):
-        resume_run(tmp_path / "run", make_model)
+        resume(tmp_path / "run", make=by(make_model))
 
 
 def test_a_damaged_state_is_one_line(tmp_path: Path) -> None:
     break_off(tmp_path / "run", small_case(), step=4)
     (tmp_path / "run" / "state.npz").write_bytes(b"PK\x03\x04 nothing")
     with pytest.raises(InputError, match=r"output = .*run"):
-        resume_run(tmp_path / "run", make_model)
+        resume(tmp_path / "run", make=by(make_model))
 
 
 def test_a_blocked_run_keeps_its_last_good_state(tmp_path: Path) -> None:
@@ -86,7 +87,7 @@ def test_a_blocked_run_keeps_its_last_good_state(tmp_path: Path) -> None:
     before = contents(tmp_path / "run")
     assert float(rows(tmp_path / "run" / "steps.csv")[-1]["t"]) > 0.99
     with pytest.raises(SolveError, match=r"wall plane"):
-        resume_run(tmp_path / "run", make_model)
+        resume(tmp_path / "run", make=by(make_model))
     assert contents(tmp_path / "run") == before
 
 
@@ -150,7 +151,7 @@ class _Bomb:
 def continue_run(case: Case, folder: Path) -> None:
     """What a user does after a crash: resume if there is a folder, else run."""
     if folder.exists():
-        resume_run(folder, make_model)
+        resume(folder, make=by(make_model))
     else:
         start(case, folder)
 

@@ -16,8 +16,8 @@ from fsi.meshes.geometry.periodic import Cell
 from fsi.meshes.planar.sizing import Resolution
 from fsi.postprocess.analysis.strain import accumulated_strain
 from fsi.postprocess.run.run import open_run
-from fsi.run import resume_run, run_case
-from fsi.stokes.model import StokesModel
+from fsi.runs import resume
+from fsi.runs import run as run_case
 from tests.flows import discs
 from tests.periodic import in_cell
 from tests.small_run import contents, rows
@@ -54,10 +54,10 @@ def test_a_resumed_run_in_a_sheared_cell_repeats_the_unbroken_one(tmp_path: Path
             raise KilledError
 
     whole, broken = tmp_path / "whole", tmp_path / "broken"
-    run_case(case, whole, StokesModel(case))
+    run_case(case, whole)
     with pytest.raises(KilledError):
-        run_case(case, broken, StokesModel(case), kill)
-    assert resume_run(broken, StokesModel).steps > 0
+        run_case(case, broken, kill)
+    assert resume(broken).steps > 0
     assert contents(broken) == contents(whole)
     cells = {row["cells"] for row in rows(whole / "steps.csv")}
     assert len(cells) > 1  # it was made anew at least once
@@ -74,7 +74,7 @@ def test_tables_keep_their_columns_where_a_viscosity_has_no_meaning(tmp_path: Pa
     bodies = [(2.0, 2.2, 0.5), (3.5, 1.9, 0.5)]
     case = case_of(domain, bodies, end=0.3, tolerance=1e-2, first_step=0.1)
     case = parse_case(case.model_dump(exclude_none=True, by_alias=False) | {"forces": [force]})
-    run_case(case, tmp_path / "run", StokesModel(case))
+    run_case(case, tmp_path / "run")
     run = open_run(tmp_path / "run")
     mu, checked, moving = run.steps["apparent_viscosity"], run.steps["stress"], run.steps["t"] > 0.0
     apart = np.linalg.norm(np.diff(run.bodies[["x", "y"]].to_numpy().reshape(-1, 2, 2), axis=1)[:, 0], axis=1)
@@ -89,7 +89,7 @@ def test_one_disc_in_extension_is_carried_by_the_mean_flow(tmp_path: Path) -> No
     """By symmetry V = E q, so that q(t) = (x e^t, y e^-t); the disc may turn."""
     domain = {"shape": "cell", "vectors": [[3.0, 1.0], [-1.0, 3.0]], "extension": 1.0}
     case = case_of(domain, [(0.7, -1.1, 1.0)], end=0.2, tolerance=1e-3, remesh="when-needed")
-    state = run_case(case, tmp_path / "run", StokesModel(case)).state
+    state = run_case(case, tmp_path / "run").state
     np.testing.assert_allclose(state.q.centres, [[0.7 * np.exp(0.2), -1.1 * np.exp(-0.2)]], rtol=1e-5)
 
 
@@ -115,4 +115,4 @@ def test_a_lattice_that_shrinks_below_a_disc_ends_the_run(tmp_path: Path) -> Non
         domain, [(0.4, -1.3, 1.0)], end=2.0, tolerance=1e-1, smallest_step=5e-2, remesh="when-needed"
     )
     with pytest.raises(SolveError, match=r"at t = 0\.[3-6].* the gap between d0 and its own image is"):
-        run_case(case, tmp_path / "run", StokesModel(case))
+        run_case(case, tmp_path / "run")

@@ -16,10 +16,9 @@ from fsi import open_run
 from fsi.bodies.configuration import Array
 from fsi.calibration.calibrate import calibrate_case
 from fsi.case.load import load_case, parse_case
-from fsi.models import make_model
 from fsi.postprocess.analysis.settling import exact_gap
 from fsi.report.calibration import LAW
-from fsi.run import run_case
+from fsi.runs import run
 
 CALIBRATION = Path(__file__).parents[2] / "cases" / "calibration" / "disc_wall.toml"
 COARSE = ["calibration.range=[0.01, 1.0]", "calibration.samples=8", "calibration.held_out=0"]
@@ -45,7 +44,7 @@ def settled(law: Path, folder: Path) -> Array:
             "time": {"end": 20.0, "tolerance": 1e-6},
         }
     )
-    run_case(case, folder / "run", make_model(case))
+    run(case, folder / "run")
     bodies = open_run(folder / "run").bodies
     t, gap = bodies["t"].to_numpy(), bodies["y"].to_numpy() - 1.0
     return np.column_stack([t, gap, exact_gap(case, t)])

@@ -128,6 +128,8 @@ def _toml(value: object) -> str:
 def explain(error: ValidationError, root: type[Section]) -> str:
     """The first mistake as `key = value: what is wrong; what to do`, and how many others there are."""
     found = [mistake for mistake in error.errors(include_url=False) if mistake["type"] not in _CONSEQUENCES]
+    # An old file has many mistakes, and its old keys explain the others.
+    found.sort(key=lambda mistake: mistake["type"] != "renamed_key")
     others = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
     return _explain_one(found[0], root) + others
 

@@ -14,7 +14,7 @@ from fsi.cli.arguments import CaseFile, Overrides, RunFolder, load
 if TYPE_CHECKING:
     from fsi.integration.state import StepRecord
     from fsi.report.progress import ProgressBar
-    from fsi.run import MakeEvolution, Outcome
+    from fsi.runs import MakeEvolution, Outcome
 
 EXAMPLE = "Example: fsi run cases/settling_disc.toml --output runs/settling --set time.end=20"
 RESUME_EXAMPLE = "Example: fsi resume runs/settling_disc"
@@ -32,7 +32,7 @@ def run(
 
     A run that was broken off, at any moment, goes on with fsi resume.
     """
-    from fsi.run import run as run_case
+    from fsi.runs import run as run_case
 
     folder = output or Path("runs") / case_file.stem
     case = load(case_file, overrides)
@@ -41,7 +41,7 @@ def run(
 
 def resume(folder: RunFolder) -> None:
     """Continue a run from its last complete step. A finished run is left as it is."""
-    from fsi.run import resume as resume_run
+    from fsi.runs import resume as resume_run
 
     _follow(folder, lambda show, make: resume_run(folder, show, make))
 

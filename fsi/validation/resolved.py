@@ -18,8 +18,8 @@ from fsi.integration.schemes import BogackiShampine
 from fsi.meshes.errors import MeshError
 from fsi.observables.error_estimate import ErrorEstimate
 from fsi.observables.truncation import halved
-from fsi.run import run
 from fsi.run_folder.folder import STEPS
+from fsi.runs import run
 from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.model import StokesModel
 from fsi.validation.references import ENCLOSED, TIME_AT_GAP, gap_of

@@ -18,9 +18,9 @@ from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Box, Container, HalfPlane, Round
 from fsi.normals import inward_normals
-from fsi.run import run_case
+from fsi.runs import run
 from tests.case_data import changed
-from tests.exact_model import DiscsBesidePlane, plane_case
+from tests.exact_model import DiscsBesidePlane, by, plane_case
 
 EXPONENTIAL = {"kind": "repulsion", "law": "exponential", "strength": 3.0, "length": 0.2, "cutoff": 5.0}
 POWER = {"kind": "attraction", "law": "power", "strength": 3.0, "length": 0.2, "exponent": 2.0, "cutoff": 5.0}
@@ -155,7 +155,7 @@ def test_a_disc_floats_where_repulsion_carries_its_weight(tmp_path: Path) -> Non
     body = {"name": "disc", "radius": 0.5, "position": [0.0, 1.2]}
     start = plane_case([body], 200.0)
     case = parse_case(start.model_dump(exclude_none=True) | {"forces": forces})
-    outcome = run_case(case, tmp_path / "run", DiscsBesidePlane(case))
+    outcome = run(case, tmp_path / "run", make=by(DiscsBesidePlane))
     expected = 0.2 * math.log(3.0 / (math.pi / 4))
     assert outcome.state.q.centres[0, 1] - 0.5 == pytest.approx(expected, rel=1e-3)
 

@@ -10,8 +10,8 @@ import pytest
 from fsi.case.body_file import read_bodies
 from fsi.case.load import load_case
 from fsi.errors import InputError
-from fsi.run import run_case
-from tests.exact_model import DiscsBesidePlane
+from fsi.runs import run
+from tests.exact_model import DiscsBesidePlane, by
 
 REFERENCE = Path(__file__).parents[1] / "reference" / "couette_N50.json"
 CASE = """
@@ -83,7 +83,7 @@ def test_the_resolved_case_stands_alone(tmp_path: Path) -> None:
         tmp_path, "two.json", json.dumps(OWN), more="time.end = 0.01\nbody_defaults.torque = 1.0"
     )
     case = load_case(path)
-    run_case(case, tmp_path / "run", DiscsBesidePlane(case))
+    run(case, tmp_path / "run", make=by(DiscsBesidePlane))
     (tmp_path / "discs" / "two.json").unlink()
     resolved = (tmp_path / "run" / "case.toml").read_text()
     assert "bodies_from" not in resolved

@@ -2,30 +2,33 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import pytest
-from fsi.evolutions import EvolvingCase, load_evolving, model_of, resume_evolving, run_evolving
 
 import fsi
+from fsi.case.case import Case
 from fsi.case.load import load_case
 from fsi.errors import InputError, SolveError
-from fsi.gluey.limit_study import LimitCase
 from fsi.integration.state import StepRecord
+from fsi.runs import resume
+from fsi.runs import run as run_case
 from tests.small_run import contents, rows
 
 CASES = Path(__file__).parents[2] / "cases"
 SMALL = {
     "gluey/two_discs.toml": ("time.end=3", "time.step=0.05", "output.interval=0.5"),
-    "macroscopic/blocks.toml": ("time.end=2", "time.step=0.1", "output.interval=0.5", "parcels=20"),
+    "macroscopic/blocks.toml": (
+        "time.end=2",
+        "time.step=0.1",
+        "output.interval=0.5",
+        "macroscopic.parcels=20",
+    ),
 }
 
 
-def small(name: str) -> EvolvingCase:
-    case = load_evolving(CASES / name, SMALL[name])
-    assert not isinstance(case, LimitCase)
-    return case
+def small(name: str) -> Case:
+    return load_case(CASES / name, SMALL[name])
 
 
 @pytest.mark.parametrize(
@@ -33,12 +36,11 @@ def small(name: str) -> EvolvingCase:
 )
 def test_a_run_can_be_opened(name: str, series: str, tmp_path: Path) -> None:
     """Tables and fields by `fsi.open_run`; what needs a fluid says that there is none."""
-    run_evolving(small(name), tmp_path / "run", lambda _: None)
+    run_case(small(name), tmp_path / "run")
     run = fsi.open_run(tmp_path / "run")
-    assert run.end == run.steps["t"].iloc[-1] == small(name).time.end
+    assert run.end == run.steps["t"].iloc[-1] == small(name).timing.end
     assert run.mesh(series=series).n_points == (2 if series == "bodies" else 20)
-    with pytest.raises(InputError, match="no fluid"):
-        _ = run.case
+    assert run.case == small(name)
 
 
 class KilledError(Exception):
@@ -56,22 +58,19 @@ def test_a_resumed_run_is_the_unbroken_one(name: str, at: int, tmp_path: Path) -
         if record.step == at:
             raise KilledError
 
-    run_evolving(small(name), tmp_path / "whole", lambda _: None)
+    run_case(small(name), tmp_path / "whole")
     with pytest.raises(KilledError):
-        run_evolving(small(name), tmp_path / "broken", kill)
-    resumed = load_evolving(tmp_path / "broken" / "case.toml")
-    assert not isinstance(resumed, LimitCase)
-    assert resume_evolving(resumed, tmp_path / "broken", lambda _: None).steps > 0
+        run_case(small(name), tmp_path / "broken", kill)
+    assert resume(tmp_path / "broken").steps > 0
     assert contents(tmp_path / "broken") == contents(tmp_path / "whole")
-    assert resume_evolving(resumed, tmp_path / "broken", lambda _: None).steps == 0
+    assert resume(tmp_path / "broken").steps == 0
 
 
 @pytest.mark.slow
 def test_two_discs_part_when_the_pull_has_paid_back(tmp_path: Path) -> None:
     """They meet at t = 1, stay until t = 4, and are a gap (t - 4)^2 apart: first order in the step 0.01."""
-    case = load_evolving(CASES / "gluey" / "two_discs.toml", ["output.interval=6", "output.fields=false"])
-    assert not isinstance(case, LimitCase)
-    run_evolving(case, tmp_path / "run", lambda _: None)
+    case = load_case(CASES / "gluey" / "two_discs.toml", ["output.interval=6", "output.fields=false"])
+    run_case(case, tmp_path / "run")
     table = rows(tmp_path / "run" / "steps.csv")
     stuck = [float(row["t"]) for row in table if float(row["smallest_gamma"]) < 0.0]
     assert abs(stuck[0] - 1.0) <= 0.02
@@ -86,45 +85,53 @@ def test_two_discs_part_when_the_pull_has_paid_back(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ("contact.friction=0.3", "contact"),
-        ("contact.gamma_min=1.0", "gamma_min"),
+        ("gluey.friction=0.3", "gluey = .*has friction, but no solid contact"),
+        ("gluey.gamma_min=1.0", r"gluey\.gamma_min"),
         ("bodies.0.position=[0.0, 0.0]", "overlap"),
-        ("contact={variant='film',eps=0.1,reference_gap=0.1}", "touch"),
+        ("gluey={variant='film',eps=0.1,reference_gap=0.1}", "touch"),
         ("bodies.0.position=[0.0, 0.0, 0.0]", "components"),
         ("bodies.0.raduis=1.0", "radius"),
         ("time.step=10", r"time\.step"),
+        ("time.scheme='distance'", r"time\.scheme = \"distance\": model = \"gluey\" has a scheme of its own"),
         ("model='gluy'", "model"),
-        ("bodies.1.name='left'", "given twice"),
-        ("grids=[{name='left',counts=[2,2],lower=[9,9],spacing=3,radius=[1,1]}]", r"grids\.0\.name"),
+        ("bodies.1.name='left'", "has the same name"),
         ("grids=[{name='g',counts=[0,2],lower=[9,9],spacing=3,radius=[1,1]}]", r"grids\.0\.counts"),
         ("grids=[{name='g',counts=[2,2],lower=[9,9],spacing=3,radius=[-1,1]}]", r"grids\.0\.radius"),
         ("grids=[{name='g',counts=[2,2],lower=[9,9],spacing=3,radius=[2,1]}]", r"grids\.0\.radius"),
-        ("cell={lower=[-9,-9],upper=[9,9],periodic=['z']}", r"cell\.periodic"),
-        ("cell={lower=[-9,-9],upper=[9,9],periodic=['x','x']}", r"cell\.periodic"),
+        ("grids=[{name='g',counts=[2,2],lower=[9,9,9],spacing=3,radius=[1,1]}]", r"grids\.0\.lower"),
+        ("gluey.walls=[{name='w',point=[0,-9],normal=[0,0]}]", r"gluey\.walls\.0\.normal"),
+        ("gluey.walls=[{name='left',point=[0,-9],normal=[0,1]}]", r"gluey\.walls\.0\.name"),
+        ("gluey.walls=[{name='w',point=[0,-0.5],normal=[0,1]}]", "left and wall w overlap by 0.5"),
+        ("domain={lower=[-9,-9],upper=[9,9],periodic=['z']}", r"domain\.periodic"),
+        ("domain={shape='cell',vectors=[[9,0],[0,9]],shear=1.0}", "no fluid drives gluey bodies"),
+        ("domain={shape='cell',vectors=[[9,0],[5,9]]}", "periods along the axes"),
+        ("domain={shape='cell',vectors=[[7,0],[0,9]]}", "below four diameters"),
+        ("domain={shape='half-plane',radius=50,walls={plane=[1.0,0.0]}}", r"domain\.walls\.plane.*at rest"),
+        ("bodies.0.initial_velocity=[1.0,0.0,0.0]", r"bodies\.0\.initial_velocity"),
     ],
 )
 def test_mistakes_are_one_line(change: str, message: str) -> None:
     touching = ["bodies.0.position=[-0.5, 0.0]"] if "film" in change else []
     with pytest.raises(InputError, match=message) as mistake:
-        load_evolving(CASES / "gluey" / "two_discs.toml", [*touching, change])
+        load_case(CASES / "gluey" / "two_discs.toml", [*touching, change])
     assert "\n" not in str(mistake.value)
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ("force='1/0'", "force"),
-        ("force='9**9**9**9'", "force"),  # of whole numbers it would never end
-        ("force='sin(x, m, t, 1)'", "force"),
-        ("force='where(x, 1)'", "force"),
-        ("blocks.0.velocity='1/(x-x)'", r"blocks\.0\.velocity"),
+        ("macroscopic.force_per_mass='1/0'", r"macroscopic\.force_per_mass"),
+        # of whole numbers it would never end
+        ("macroscopic.force_per_mass='9**9**9**9'", r"macroscopic\.force_per_mass"),
+        ("macroscopic.force_per_mass='sin(x, m, t, 1)'", r"macroscopic\.force_per_mass"),
+        ("macroscopic.force_per_mass='where(x, 1)'", r"macroscopic\.force_per_mass"),
+        ("macroscopic.blocks.0.initial_velocity='1/(x-x)'", r"macroscopic\.blocks\.0\.initial_velocity"),
     ],
 )
 def test_formulas_without_a_value_are_refused(change: str, message: str, tmp_path: Path) -> None:
     def run() -> None:
-        case = load_evolving(CASES / "macroscopic" / "blocks.toml", [change])
-        assert not isinstance(case, LimitCase)
-        run_evolving(case, tmp_path / "run", lambda _: None)
+        case = load_case(CASES / "macroscopic" / "blocks.toml", [change])
+        run_case(case, tmp_path / "run")
 
     with pytest.raises(InputError, match=message) as mistake:
         run()
@@ -134,41 +141,42 @@ def test_formulas_without_a_value_are_refused(change: str, message: str, tmp_pat
 
 def test_a_force_that_ceases_to_be_ends_the_run(tmp_path: Path) -> None:
     """At the middle of the second step of 0.1; the first is kept."""
-    case = load_evolving(CASES / "macroscopic" / "blocks.toml", ["force='sqrt(0.12-t)'", "time.step=0.1"])
-    assert not isinstance(case, LimitCase)
+    force = "macroscopic.force_per_mass='sqrt(0.12-t)'"
+    case = load_case(CASES / "macroscopic" / "blocks.toml", [force, "time.step=0.1"])
     with pytest.raises(SolveError, match="force"):
-        run_evolving(case, tmp_path / "run", lambda _: None)
+        run_case(case, tmp_path / "run")
     assert len(rows(tmp_path / "run" / "steps.csv")) == 2
 
 
-@pytest.mark.parametrize(
-    ("name", "commands"),
-    [
-        ("gluey/two_discs.toml", ["render", "plot", "report"]),
-        ("macroscopic/blocks.toml", ["plot", "report"]),
-    ],
-)
-def test_commands_for_a_fluid_name_those_that_work(name: str, commands: list[str], tmp_path: Path) -> None:
-    """Of the case `fsi run`; of the run those that draw it. The quick ones are called."""
+@pytest.mark.parametrize("name", SMALL)
+def test_commands_that_draw_take_every_run(name: str, tmp_path: Path) -> None:
     from typer.testing import CliRunner
 
     from fsi.cli.main import app
 
-    with pytest.raises(InputError, match="use `fsi run`"):
-        load_case(CASES / name)
-    run_evolving(small(name), tmp_path / "run", lambda _: None)
-    with pytest.raises(InputError, match="no fluid") as refused:
-        _ = fsi.open_run(tmp_path / "run").case
-    assert re.findall("`fsi ([a-z]+)`", str(refused.value)) == commands
-    for command in commands if "render" not in commands else ["plot"]:
+    run_case(small(name), tmp_path / "run")
+    for command in ("plot", "report"):
         assert CliRunner().invoke(app, [command, str(tmp_path / "run")]).exit_code == 0
 
 
-def test_every_case_loads() -> None:
-    for folder in ("gluey", "macroscopic"):
-        for path in sorted((CASES / folder).glob("*.toml")):
-            assert model_of(path) is not None
-            load_evolving(path)
+@pytest.mark.parametrize(
+    ("text", "remedy"),
+    [
+        ('model = "limit"', "is now `fsi limit` of a case of one gluey body"),
+        ('model = "gluey"\n[contact]\nfriction = 0.1', r"contact = .*: an old key; use \[gluey\]"),
+        ('model = "gluey"\n[cell]\nlower = [0.0, 0.0]', r"cell = .*: an old key; use \[domain\]"),
+        ('model = "gluey"\ngravity = [0.0, -1.0]', r"gravity = .*: an old key; use \[\[forces\]\]"),
+        ('model = "gluey"', "domain: missing"),
+        ('model = "macroscopic"\nparcels = 4', "parcels = 4: an old key; use macroscopic.parcels"),
+        ('[reduced]\nscheme = "distance"', 'reduced.scheme = "distance": an old key; use time.scheme'),
+        ("[reduced]\nstep = 0.1", "reduced.step = 0.1: an old key; use time.step"),
+    ],
+)
+def test_old_keys_name_the_new_ones(text: str, remedy: str, tmp_path: Path) -> None:
+    path = tmp_path / "old.toml"
+    path.write_text(f'name = "old"\n{text}\n')
+    with pytest.raises(InputError, match=remedy):
+        load_case(path)
 
 
 @pytest.mark.slow
@@ -177,15 +185,14 @@ def test_films_of_a_case_keep_gaps_and_tend_to_the_gluey_motion(tmp_path: Path) 
 
     def distance(name: str, *contact: str) -> float:
         times = ["time.end=5", "time.step=0.02", "output.interval=5", "output.fields=false"]
-        case = load_evolving(CASES / "gluey" / "two_discs.toml", [*times, *contact])
-        assert not isinstance(case, LimitCase)
-        run_evolving(case, tmp_path / name, lambda _: None)
+        case = load_case(CASES / "gluey" / "two_discs.toml", [*times, *contact])
+        run_case(case, tmp_path / name)
         x = [float(row["x"]) for row in rows(tmp_path / name / "bodies.csv")[-2:]]
         return x[1] - x[0]
 
     errors, gluey = [], distance("gluey")
     for eps in ("1e-2", "1e-3", "1e-4"):
-        film = ("contact.variant=film", f"contact.eps={eps}", "contact.reference_gap=0.1")
+        film = ("gluey.variant=film", f"gluey.eps={eps}", "gluey.reference_gap=0.1")
         errors.append(abs(distance(eps, *film) - gluey))
         assert min(float(row["smallest_gap"]) for row in rows(tmp_path / eps / "steps.csv")) > 0.0
     assert errors[0] > 2.0 * errors[1] > 4.0 * errors[2]
@@ -196,7 +203,7 @@ def test_a_case_says_where_films_are_thinner_than_the_roughness(tmp_path: Path) 
 
     from fsi.cli.main import app
 
-    rough = ["contact.eps=0.1", "contact.reference_gap=0.1", "contact.roughness=0.01", "time.end=2"]
+    rough = ["gluey.eps=0.1", "gluey.reference_gap=0.1", "gluey.roughness=0.01", "time.end=2"]
     overrides = [part for text in rough for part in ("--set", text)]
     case = str(CASES / "gluey" / "two_discs.toml")
     said = CliRunner().invoke(app, ["run", case, "-o", str(tmp_path / "run"), *overrides]).output

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from fsi.bodies.configuration import MODES, Array
+from fsi.case.gluey import ContactLaw
 from fsi.gluey.contacts import Room, find_contacts
 from fsi.gluey.step import advance
-from fsi.gluey.system import GlueyState, Law, System
+from fsi.gluey.system import GlueyState, System
 
 H = 0.01
 
@@ -20,7 +21,7 @@ def bodies(
     centres: Any,
     force: Callable[[float], Any],
     room: Room | None = None,
-    law: Law | None = None,
+    law: ContactLaw | None = None,
     radius: float = 0.5,
 ) -> tuple[System, GlueyState]:
     """Bodies of mass 1, uniform, at rest; the force per mass is constant within a step."""
@@ -36,7 +37,7 @@ def bodies(
         load[:, :d] = (t1 - t0) * np.array(force(0.5 * (t0 + t1)))
         return load
 
-    return System(np.full(n, radius), mass, room, impulse, law or Law()), GlueyState.at(
+    return System(np.full(n, radius), mass, room, impulse, law or ContactLaw()), GlueyState.at(
         q, np.zeros((n, modes))
     )
 
@@ -57,7 +58,11 @@ def test_release_from_an_inclined_plane(gamma_min: float, variant: Any) -> None:
     impact = np.sqrt(2.0 * (start - a) / (g * cos))
     room = slope(alpha)
     system, state = bodies(
-        start * room.normals[0], lambda t: (0.0, -g if t < t_inv else g), room, Law(variant, gamma_min), a
+        start * room.normals[0],
+        lambda t: (0.0, -g if t < t_inv else g),
+        room,
+        ContactLaw(variant, gamma_min),
+        a,
     )
     gamma_inv = max(gamma_min, -g * t_inv * cos)
     release = t_inv - gamma_inv / (g * cos)
@@ -88,7 +93,7 @@ def test_a_body_rolls_until_the_slope_is_too_steep(d: int, threshold: float, sid
     alpha = np.arctan(side * threshold * mu_f)
     room = slope(alpha, d)
     gravity = np.array([0.0, -g, 0.0][:d])
-    system, state = bodies(a * room.normals[0], lambda _t: gravity, room, Law("shifted", 0.0, mu_f), a)
+    system, state = bodies(a * room.normals[0], lambda _t: gravity, room, ContactLaw("shifted", 0.0, mu_f), a)
     for k in range(20):
         state, _, checks = advance(system, state, k * H, H)
         assert checks.kkt <= 1e-8
@@ -108,7 +113,9 @@ def test_a_film_slows_slip() -> None:
     """With k = c |gamma| / a constant over a step: an implicit step of m u' = -k slip; gamma from a push."""
     c, push, a = 2.0, 1.0, 0.5
     room = slope(0.0)
-    system, state = bodies((0.0, a), lambda t: (1.0 if t > 0.5 else 0.0, -push), room, Law(tangential=c), a)
+    system, state = bodies(
+        (0.0, a), lambda t: (1.0 if t > 0.5 else 0.0, -push), room, ContactLaw(tangential=c), a
+    )
     for k in range(50):
         state, _, _ = advance(system, state, k * H, H)
     assert state.gamma[0] == pytest.approx(-0.5, abs=1e-12)
@@ -189,7 +196,7 @@ def test_contacts_are_all_pairs() -> None:
 
 def test_an_overlap_within_the_tolerance_is_undone_by_the_next_step_of_a_film() -> None:
     """Gaps are remembered by gamma, and centres were not corrected by it: errors added up to a stop."""
-    law, deep = Law("film", eps=0.05, delta0=0.2), 4e-11
+    law, deep = ContactLaw("film", eps=0.05, delta0=0.2), 4e-11
     system, state = bodies([[0.0, 0.5 - deep, 0.0]], lambda _: (0.0, -1.0, 0.0), slope(0.0, 3), law)
     key = find_contacts(state.centres, system.radii, system.room, 0.1).key
     state = GlueyState(state.centres, state.angles, state.U, key, np.array([-1.0]))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from fsi.bodies.configuration import Array, Configuration, Inertia
-from fsi.integration.schemes import AscherRuuthSpiteri, BogackiShampine
+from fsi.integration.schemes import AscherRuuthSpiteri, Beginning, BogackiShampine
 from fsi.integration.state import Instant, Model, Scheme, State
 from tests.exact_model import DiscsBesidePlane, ExactInstant, settling_case
 
@@ -83,7 +83,9 @@ def test_inertia_has_order_two_with_the_resistance_of_the_film() -> None:
     """The force depends on time too, which tells whether each stage takes it at its own."""
     force = {"times": [0.0, 2.0], "values": [-5.0, -50.0]}
     case = settling_case(0.5, body={"force": [0.0, force], "mass": 10.0, "moment_of_inertia": 1.0})
-    scheme, model = AscherRuuthSpiteri(np.array([[10.0, 10.0, 1.0]]), rest=1e-12), DiscsBesidePlane(case)
+    masses = np.array([[10.0, 10.0, 1.0]])
+    scheme = AscherRuuthSpiteri(Beginning(masses, np.zeros((1, 3)), rest=1e-12))
+    model = DiscsBesidePlane(case)
 
     def newton(t: float, y: Array) -> list[float]:
         R = model.resistance(disc_at(0.0, y[0]))[0, 1]

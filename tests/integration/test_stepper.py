@@ -20,7 +20,7 @@ from fsi.integration.state import Advance, Step
 from fsi.integration.stepper import Stepper
 from fsi.lubrication.exact import settling_time
 from fsi.meshes.geometry.containers import Box
-from fsi.run import make_stepper
+from fsi.models import make_stepper
 from tests.exact_model import DiscsBesidePlane, plane_case, settling_case
 from tests.integration.test_schemes import Field
 

@@ -7,9 +7,10 @@ import pytest
 from scipy.optimize import isotonic_regression
 
 from fsi.bodies.configuration import Array
+from fsi.case.gluey import ContactLaw
 from fsi.gluey.contacts import Room
 from fsi.gluey.step import advance
-from fsi.gluey.system import GlueyState, Law, System
+from fsi.gluey.system import GlueyState, System
 from fsi.macroscopic.model import Force, Parcels, at_rest_in_memory, blocks
 
 NUMBERS = (200, 800, 3200)
@@ -81,7 +82,7 @@ def chain(n: int, X: Array, u: Array, dm: float) -> tuple[System, GlueyState]:
     """n spheres of diameter dm and mass dm on a line."""
     room = Room(np.empty((0, 1)), np.empty((0, 1)), np.zeros(1))
     mass = np.full((n, 1), dm)
-    system = System(np.full(n, dm / 2), mass, room, lambda _t0, _t1: np.zeros((n, 1)), Law())
+    system = System(np.full(n, dm / 2), mass, room, lambda _t0, _t1: np.zeros((n, 1)), ContactLaw())
     return system, GlueyState.at(X[:, None], u[:, None])
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from fsi.evolutions import load_evolving, run_evolving
 
-from fsi.gluey.limit_study import LimitCase
+from fsi.case.load import load_case
 from fsi.postprocess.analysis.memory import as_table, plot, read_memory
+from fsi.runs import run
 
 CASES = Path(__file__).parents[2] / "cases"
 
@@ -16,9 +16,8 @@ CASES = Path(__file__).parents[2] / "cases"
 def test_two_discs_come_off_after_the_push(tmp_path: Path) -> None:
     """Pushed by 1 for 2, pulled by 1: P = 2, a lag of 2, to one time of output, and the mean pull is 1."""
     overrides = ["time.step=0.02", "output.interval=0.1", "output.fields=false", "time.end=5"]
-    case = load_evolving(CASES / "gluey" / "two_discs.toml", overrides)
-    assert not isinstance(case, LimitCase)
-    run_evolving(case, tmp_path / "run", lambda _: None)
+    case = load_case(CASES / "gluey" / "two_discs.toml", overrides)
+    run(case, tmp_path / "run")
     memory = read_memory(tmp_path / "run")
     np.testing.assert_allclose(memory.stored, 2.0, atol=0.05)
     np.testing.assert_allclose(memory.lag, 2.0, atol=0.11)

@@ -13,10 +13,9 @@ from PIL import Image
 import fsi
 from fsi.cli import main
 from fsi.integration.state import StepRecord
-from fsi.models import make_model
 from fsi.postprocess.render import opengl
 from fsi.postprocess.report import write_report
-from fsi.run import run_case
+from fsi.runs import run
 from tests.reduced_data import heap, reduced_case
 from tests.strict_html import StrictReader
 
@@ -71,7 +70,7 @@ def test_reduced(killed: bool, tmp_path: Path) -> None:
             raise KeyboardInterrupt
 
     try:
-        run_case(case, tmp_path / "run", make_model(case), stop)
+        run(case, tmp_path / "run", stop)
     except KeyboardInterrupt:
         assert killed
     words = page(tmp_path / "run")

@@ -13,8 +13,7 @@ from fsi.meshes.errors import MeshFileError
 from fsi.meshes.files.read import read_mesh
 from fsi.postprocess.export.step_mesh import write_step_mesh
 from fsi.postprocess.run.run import Run, open_run
-from fsi.run import run_case
-from fsi.stokes.model import StokesModel
+from fsi.runs import run as run_case
 from tests.flows import resting
 
 CASE = {
@@ -34,7 +33,7 @@ CASE = {
 def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     case = parse_case(CASE)
     folder = tmp_path_factory.mktemp("runs") / "run"
-    run_case(case, folder, StokesModel(case))
+    run_case(case, folder)
     return folder
 
 

@@ -11,8 +11,7 @@ import pytest
 from fsi.case.load import parse_case
 from fsi.postprocess.export.step_mesh import write_step_mesh
 from fsi.postprocess.run.run import open_run
-from fsi.run import run_case
-from fsi.stokes.model import StokesModel
+from fsi.runs import run as run_case
 
 CASE = {
     "name": "a ball",
@@ -29,7 +28,7 @@ CASE = {
 def test_the_mesh_of_a_step_is_that_of_its_bodies(tmp_path: Path) -> None:
     """All cells, and the nodes of the group "ball" on the moved sphere, as curved cells have them."""
     case = parse_case(CASE)
-    run_case(case, tmp_path / "run", StokesModel(case))
+    run_case(case, tmp_path / "run")
     step = write_step_mesh(tmp_path / "run", None, tmp_path / "step.msh")
     run, mesh = open_run(tmp_path / "run"), meshio.read(tmp_path / "step.msh")
     assert step == run.steps["step"].iloc[-1] > 0

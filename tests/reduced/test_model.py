@@ -12,12 +12,11 @@ from scipy.interpolate import CubicHermiteSpline
 
 from fsi.errors import InputError, SolveError
 from fsi.lubrication import exact, spheres
-from fsi.models import make_model
+from fsi.models import make_model, make_stepper
 from fsi.reduced.identities import BOUND, identities
 from fsi.reduced.model import ReducedInstant, ReducedModel
 from fsi.reduced.pairs import find_pairs
 from fsi.reduced.system import solve_system
-from fsi.run import make_stepper
 from tests.reduced_data import INERTIA, heap, reduced_case
 
 SETTLING = json.loads((Path(__file__).parents[1] / "reference" / "settling.json").read_text())
@@ -163,9 +162,9 @@ BODIES = heap()
         ({"drag": 0.0}, {}, r"^reduced\.drag = 0: only lubrication"),
         ({"drag": -1.0}, {}, r"^reduced\.drag = -1\.0: must be greater"),
         ({"drag": 1.0, "law": "exakt"}, {}, r'^reduced\.law = "exakt": no such file'),
-        ({"drag": 1.0, "scheme": "distance"}, {}, r"^reduced\.step: missing"),
+        ({"drag": 1.0, "scheme": "distance"}, {}, r"^time\.step: missing"),
         ({"drag": 1.0, "scheme": "distance", "step": 0.1}, {}, r"^bodies\.0\.mass: missing"),
-        ({"drag": 1.0, "step": 0.1}, {}, r"^reduced\.step = 0\.1"),
+        ({"drag": 1.0, "scheme": "euler"}, {}, r'^time\.scheme = "euler": there is no such scheme'),
         ({"drag": 1.0, "cutof": 0.1}, {}, r"use reduced\.cutoff or drop it"),
         (
             {"drag": 1.0, "scheme": "backward-euler", "step": 0.1},

@@ -11,9 +11,10 @@ import pytest
 from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.errors import InputError
-from fsi.models import make_model
+from fsi.models import make_model, make_stepper
 from fsi.reduced.model import ReducedInstant
-from fsi.run import make_stepper, run_case
+from fsi.runs import run
+from tests.exact_model import by
 from tests.reduced_data import INERTIA, reduced_case
 from tests.small_run import rows
 
@@ -92,7 +93,7 @@ def test_the_sheared_cell_returns_to_itself() -> None:
 def test_a_run_in_a_channel_writes_the_stress(scheme: str, tmp_path: Path) -> None:
     more: dict[str, Any] = {"reduced": {"scheme": "distance", "step": 0.05}, "body": INERTIA}
     case = periodic("channel", time={"end": 0.5, "tolerance": 1e-3}, **(more if scheme == "distance" else {}))
-    run_case(case, tmp_path / "run", make_model(case))
+    run(case, tmp_path / "run", make=by(make_model))
     last = rows(tmp_path / "run" / "steps.csv")[-1]
     assert {"lubrication_viscosity", "lubrication_stress_xy"} <= set(last)
     assert not {"apparent_viscosity", "stress_xy"} & set(last)  # which would miss single bodies and shear

@@ -18,7 +18,7 @@ from fsi.case.case import Case
 from fsi.case.law_file import LawFile, TableSection, save_law
 from fsi.cli.main import main
 from fsi.cli.solve import solve
-from fsi.comparison import Comparison, History, compare
+from fsi.comparison import History, RateComparison, compare_rates
 from fsi.errors import InputError
 from fsi.integration.state import StepRecord
 from fsi.lubrication.exact_laws import exact_law
@@ -26,9 +26,10 @@ from fsi.models import make_model
 from fsi.postprocess.export.step_mesh import write_step_mesh
 from fsi.postprocess.run.probe import probe
 from fsi.postprocess.run.run import open_run
-from fsi.run import resume_run, run_case
 from fsi.run_folder.pvd import read_collection
-from tests.exact_model import DiscsBesidePlane
+from fsi.runs import resume
+from fsi.runs import run as run_case
+from tests.exact_model import DiscsBesidePlane, by
 from tests.reduced_data import INERTIA, heap, reduced_case
 from tests.small_run import contents, rows
 
@@ -55,21 +56,21 @@ class KilledError(Exception):
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_a_resumed_run_is_the_unbroken_one_bit_by_bit(scheme: str, tmp_path: Path) -> None:
     case = case_of(scheme)
-    outcome = run_case(case, tmp_path / "whole", make_model(case))
+    outcome = run_case(case, tmp_path / "whole", make=by(make_model))
 
     def stop(record: StepRecord) -> None:
         if record.step == outcome.state.step // 2:
             raise KilledError
 
     with pytest.raises(KilledError):
-        run_case(case, tmp_path / "broken", make_model(case), stop)
-    assert resume_run(tmp_path / "broken", make_model).steps > 0
+        run_case(case, tmp_path / "broken", stop, make=by(make_model))
+    assert resume(tmp_path / "broken", make=by(make_model)).steps > 0
     assert contents(tmp_path / "broken") == contents(tmp_path / "whole")
 
 
 def test_files_for_paraview_hold_bodies_and_contacts(tmp_path: Path) -> None:
     case = case_of("distance")
-    run_case(case, tmp_path / "run", make_model(case))
+    run_case(case, tmp_path / "run", make=by(make_model))
     last = {name: read_collection(tmp_path / "run" / f"{name}.pvd")[-1] for name in ("bodies", "contacts")}
     assert {entry.t for entry in last.values()} == {0.8}
     bodies, contacts = (meshio.read(tmp_path / "run" / entry.file) for entry in last.values())
@@ -140,30 +141,32 @@ def test_a_run_compared_with_itself(
     """
     reduced = {"drag": 12.0, "cutoff": 1.5}
     case = reduced_case(bodies, reduced, time={"end": 0.3, "tolerance": 1e-2}, **more)
-    run_case(case, tmp_path / "run", make_model(case))
+    run_case(case, tmp_path / "run", make=by(make_model))
     table = open_run(tmp_path / "run").columns("bodies")
     history = History.of_table(case, table)
-    found = compare(case, history, history)
+    found = compare_rates(case, history, history)
     assert max(body["velocity_difference"] for body in found.bodies()) < 1e-6
     assert found.good_below(1e-6) == found.sample_gap.max()
     smallest = [float(step["smallest_gap"]) for step in rows(tmp_path / "run" / "steps.csv")]
     assert found.gap.min(axis=1) == pytest.approx(smallest, rel=1e-12)
 
 
-def compare_with_exact(bodies: list[dict[str, object]], exact: DiscsBesidePlane, drag: float) -> Comparison:
+def compare_with_exact(
+    bodies: list[dict[str, object]], exact: DiscsBesidePlane, drag: float
+) -> RateComparison:
     case = reduced_case(bodies, {"drag": drag, "cutoff": 2.0})
     t, centres = np.linspace(0.0, 1.0, 40), np.zeros((40, 1, 2))
     centres[:, 0, 1] = 1.0 + np.geomspace(0.5, 1e-3, 40)
     instants = [exact(Configuration.unturned(x, np.ones(1)), 0.0) for x in centres]
     U, F = (np.array([getattr(one, name) for one in instants]) for name in "UF")
     history = History(t, centres, U, F)
-    return compare(case, history, history)
+    return compare_rates(case, history, history)
 
 
 def test_two_ranks_write_the_same_files(tmp_path: Path) -> None:
     """Every rank computes all, and root writes: bit by bit what one process writes."""
     case = case_of("adaptive")
-    run_case(case, tmp_path / "one", make_model(case))
+    run_case(case, tmp_path / "one", make=by(make_model))
     (tmp_path / "case.toml").write_text(case.as_toml())
     command = [str(MPIEXEC), "-n", "2", sys.executable, "-m", "fsi", "run", "case.toml", "-o", "two"]
     root = Path(__file__).parents[2]
@@ -176,7 +179,7 @@ def test_two_ranks_write_the_same_files(tmp_path: Path) -> None:
 def test_commands_for_the_flow_name_those_that_work(tmp_path: Path) -> None:
     """A reduced run has no flow field, whatever output.fields says; those are not called here."""
     case = reduced_case(heap(), {"drag": 12.0}, time={"end": 0.01})
-    run_case(case, tmp_path / "run", make_model(case))
+    run_case(case, tmp_path / "run", make=by(make_model))
     run = open_run(tmp_path / "run")
     with pytest.raises(InputError, match="has no flow field; use `fsi render`"):
         probe(run, np.zeros((1, 2)))

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -11,9 +12,9 @@ from fsi.bodies.configuration import Configuration, Inertia
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError, SolveError
 from fsi.integration.state import StepRecord
-from fsi.run import resume_run, run_case
 from fsi.run_folder.provenance import git_commit, launch
-from tests.exact_model import DiscsBesidePlane, ExactInstant
+from fsi.runs import resume, run
+from tests.exact_model import DiscsBesidePlane, ExactInstant, by
 from tests.small_run import launches, make_model, rows, small_case, start
 
 
@@ -27,7 +28,7 @@ def unbroken(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_tables_tell_every_step_with_all_digits(tmp_path: Path) -> None:
     records: list[StepRecord] = []
     case = small_case()
-    outcome = run_case(case, tmp_path / "run", make_model(case), records.append)
+    outcome = run(case, tmp_path / "run", records.append, make=by(make_model))
     steps, bodies = rows(tmp_path / "run" / "steps.csv"), rows(tmp_path / "run" / "bodies.csv")
     assert outcome.steps == len(records) - 1 == len(steps) - 1
     assert list(steps[0])[:5] == ["step", "t", "h", "smallest_gap", "rejected"]
@@ -82,7 +83,7 @@ def test_folders_that_cannot_be_used(tmp_path: Path) -> None:
         with pytest.raises(InputError, match=rf"output = .*{name}: .*; give "):
             start(small_case(), tmp_path / name)
     with pytest.raises(InputError, match="not a run folder"):
-        resume_run(tmp_path / "full", make_model)
+        resume(tmp_path / "full", make=by(make_model))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "full"]
     (tmp_path / "empty").mkdir()
     start(small_case(), tmp_path / "empty")
@@ -98,10 +99,10 @@ def test_rows_with_other_columns_than_their_table_are_refused(tmp_path: Path) ->
             return replace(found, record={k: v for k, v in found.record.items() if t < 0.3})
 
     with pytest.raises(SolveError, match=r"the new rows of steps\.csv have other columns than it has"):
-        run_case(case, tmp_path / "run", Forgetful(case, noise=1e-4))
+        run(case, tmp_path / "run", make=by(partial(Forgetful, noise=1e-4)))
     kept = len(rows(tmp_path / "run" / "steps.csv"))
     with pytest.raises(SolveError, match=r"the new rows of steps\.csv have other columns"):
-        resume_run(tmp_path / "run", lambda case: Forgetful(case, noise=1e-4))
+        resume(tmp_path / "run", make=by(partial(Forgetful, noise=1e-4)))
     assert len(rows(tmp_path / "run" / "steps.csv")) == kept
 
 

@@ -21,9 +21,8 @@ from fsi.case.load import parse_case
 from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.planar.sizing import Resolution
 from fsi.postprocess.run.run import open_run
-from fsi.run import run_case
+from fsi.runs import run
 from fsi.stokes.fields.traction import traction
-from fsi.stokes.model import StokesModel
 from fsi.stokes.solve import solve
 from tests.flows import discs, free, mesh, resting, solved
 from tests.nested import nested_meshes
@@ -177,7 +176,7 @@ def test_settling_sphere(tmp_path: Path) -> None:
             "output": {"fields": False},
         }
     )
-    run_case(case, tmp_path / "run", StokesModel(case))
+    run(case, tmp_path / "run")
     table = open_run(tmp_path / "run").columns("steps")
     for s, tau in reference("settling")["sphere"]["tau"].items():
         assert time_at(float(s), table["t"], table["smallest_gap"]) == pytest.approx(tau, rel=1e-3), s

@@ -14,10 +14,9 @@ from fsi.errors import SolveError
 from fsi.integration.state import StepRecord
 from fsi.lubrication import exact, spheres
 from fsi.meshes.files.write import write_mesh
-from fsi.models import make_model
 from fsi.observables.error_estimate import ErrorEstimate, relative_change
 from fsi.observables.flow_scales import drive_of
-from fsi.run import resume_run, run_case
+from fsi.runs import resume, run
 from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.error import ROUNDING, estimate_errors
 from fsi.stokes.model import StokesModel
@@ -163,10 +162,10 @@ def stop(record: StepRecord) -> None:
 
 def whole_as_resumed(case: Case, folder: Path) -> list[dict[str, str]]:
     """The steps of a run, which one that was broken off and resumed has repeated."""
-    run_case(case, folder / "whole", make_model(case))
+    run(case, folder / "whole")
     with pytest.raises(StoppedError):
-        run_case(case, folder / "broken", make_model(case), stop)
-    resume_run(folder / "broken", make_model)
+        run(case, folder / "broken", stop)
+    resume(folder / "broken")
     whole = columns(folder / "whole")
     assert columns(folder / "broken") == whole
     return whole
@@ -200,13 +199,13 @@ def test_a_run_whose_tolerance_is_out_of_reach_keeps_its_last_good_state(
     monkeypatch.setattr("fsi.stokes.adapt.ROUNDS", 0)
     case = load_case(CASES / "settling_disc.toml", [*COARSE, "discretisation.tolerance=1e-4"])
     with pytest.raises(SolveError, match=r"discretisation.tolerance = .*: the estimated error came down to"):
-        run_case(case, tmp_path / "run", make_model(case))
+        run(case, tmp_path / "run")
 
 
 def test_a_body_with_mass_has_the_error_of_its_force(tmp_path: Path) -> None:
     mass = ("bodies.0.mass=1.0", "bodies.0.moment_of_inertia=0.5", "time.end=0.3")
     case = load_case(CASES / "settling_disc.toml", [*COARSE, *mass])
-    run_case(case, tmp_path / "run", StokesModel(case))
+    run(case, tmp_path / "run")
     last = columns(tmp_path / "run")[-1]
     assert float(last["err_U"]) == 0.0
     assert 1e-6 < float(last["err_F"]) < 0.1

@@ -12,8 +12,7 @@ import fsi
 from fsi.case.load import parse_case
 from fsi.postprocess.run.probe import probe
 from fsi.postprocess.run.run import Run
-from fsi.run import run_case
-from fsi.stokes.model import StokesModel
+from fsi.runs import run as run_case
 
 A, R, OMEGA = 1.0, 2.5, 0.8
 
@@ -33,7 +32,7 @@ def turning(tmp_path_factory: pytest.TempPathFactory) -> Run:
         }
     )
     folder = tmp_path_factory.mktemp("turning") / "run"
-    run_case(case, folder, StokesModel(case))
+    run_case(case, folder)
     return fsi.open_run(folder)
 
 
@@ -90,7 +89,7 @@ def test_stokes_flow_past_spheres_has_a_hoop_strain(tmp_path: Path) -> None:
             "time": {"end": 1e-6, "first_step": 1e-6},
         }
     )
-    run_case(case, tmp_path / "run", StokesModel(case))
+    run_case(case, tmp_path / "run")
     run = fsi.open_run(tmp_path / "run")
     nodes, weights = np.polynomial.legendre.leggauss(40)
     r, theta = (A + R + (R - A) * nodes) / 2.0, 0.5 * np.pi * (nodes + 1.0)

@@ -11,8 +11,7 @@ from scipy.interpolate import CubicSpline
 
 from fsi.case.load import load_case
 from fsi.postprocess.run.run import open_run
-from fsi.run import run_case
-from fsi.stokes.model import StokesModel
+from fsi.runs import run
 
 ROOT = Path(__file__).parents[2]
 SETTLING = json.loads((ROOT / "tests/reference/settling.json").read_text())
@@ -23,7 +22,7 @@ COARSE = ("discretisation.cells_per_circle=28", "discretisation.growth=0.3")
 def gap_history(folder: Path, *overrides: str) -> tuple[np.ndarray, np.ndarray]:
     """t and q/a of a run of cases/settling_disc.toml, whose unit of time is 4 pi mu a / F."""
     case = load_case(ROOT / "cases/settling_disc.toml", ("output.fields=false", *overrides))
-    run_case(case, folder, StokesModel(case))
+    run(case, folder)
     table = open_run(folder).columns("steps")
     return table["t"], table["smallest_gap"]
 

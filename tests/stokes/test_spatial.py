@@ -23,7 +23,7 @@ from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.lubrication import sphere_beside_plane, spheres
 from fsi.postprocess.export.step_mesh import write_step_mesh
-from fsi.run import run_case
+from fsi.runs import run
 from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.model import StokesModel
 from fsi.stokes.resistance import case_resistance
@@ -203,7 +203,7 @@ def test_ranks_agree_in_space(tmp_path: Path, solver: str) -> None:
 def test_spheres_move_in_space(tmp_path: Path) -> None:
     data = BOX | {"time": {"end": 0.2, "tolerance": 1e-2}}
     one = case(data)
-    run_case(one, tmp_path / "run", StokesModel(one))
+    run(one, tmp_path / "run")
     with (tmp_path / "run" / "bodies.csv").open(newline="") as lines:
         small = [row for row in csv.DictReader(lines) if row["body"] == "small"]
     assert float(small[-1]["x"]) == pytest.approx(0.7 + 0.3 * 0.2, abs=1e-12)
