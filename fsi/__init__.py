@@ -1,25 +1,30 @@
-"""Rigid bodies moving in Stokes flow, resolved down to the lubrication film."""
+"""Rigid bodies moving in Stokes flow, resolved down to the lubrication film.
+
+What a Python user needs stands here, from `fsi.api`: `load_case`, `make_case`, `solve`, `run`, `resume`,
+`calibrate`, `open_run`. It is imported when it is first used, as the command `fsi --help` needs none of it.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import fsi.meshes as _meshes  # noqa: F401  before NumPy: it sets the number of threads
 
-if TYPE_CHECKING:
-    from pathlib import Path
 
-    from fsi.postprocess.run.run import Run
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib import metadata
+
+        return metadata.version("fsi-stokes")
+    if not name.startswith("_"):
+        import fsi.api as api
+
+        if name in api.__all__:
+            return getattr(api, name)
+    raise AttributeError(f"module 'fsi' has no attribute {name!r}")
 
 
-def open_run(path: Path | str) -> Run:
-    """The run in a folder: its case, tables (pandas) and fields (pyvista); see `fsi.postprocess.run.run.Run`.
+def __dir__() -> list[str]:
+    import fsi.api as api
 
-    Raises:
-        fsi.errors.InputError: it is not a run folder.
-    """
-    from fsi.postprocess.run.run import (
-        open_run,  # pandas and pyvista are heavy, and whoever computes needs neither
-    )
-
-    return open_run(path)
+    return [*globals(), *api.__all__]

@@ -28,14 +28,16 @@ def counting(what: str) -> Iterator[Callable[[int, int], None]]:
 
 
 def _new_bar() -> Progress:
-    """A bar that is silent on all ranks but root and where stderr is no terminal."""
+    """A bar that is silent on all ranks but root, and where stderr is neither a terminal nor a notebook's."""
+    console = Console(stderr=True)
+    shown = parallel.is_root() and (sys.stderr.isatty() or console.is_jupyter)
     return Progress(
         TextColumn("{task.description}"),
         BarColumn(),
         TextColumn("{task.percentage:.0f} %"),
         TimeRemainingColumn(),
-        console=Console(stderr=True),
-        disable=not (parallel.is_root() and sys.stderr.isatty()),
+        console=console,
+        disable=not shown,
     )
 
 

@@ -1,0 +1,253 @@
+"""What a Python user imports: a case, its solution at one instant, its run, a calibration.
+
+    import fsi
+
+    case = fsi.load_case("cases/disc_in_box.toml")
+    solution = fsi.solve(case)
+    solution["disc"].force                  # that the fluid exerts on the body
+    u, p = solution.evaluate([[0.0, 4.0]])  # at points
+    run = fsi.run(case, "runs/disc")        # tables (pandas) and fields (pyvista)
+
+Under MPI all ranks call these functions together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fsi.bodies.configuration import Array
+from fsi.calibration.calibrate import calibrate_case
+from fsi.calibration.result import CalibrationResult
+from fsi.calibration.sampling import Sampling
+from fsi.case.case import Case
+from fsi.case.load import load_case, parse_case
+from fsi.errors import FsiError, InputError, SolveError
+from fsi.integration.evolution import Evolution
+from fsi.integration.state import Instant, StepRecord
+from fsi.models import make_evolution, make_model
+from fsi.observables.error_estimate import ErrorEstimate
+from fsi.observables.resistance import Resistance
+from fsi.postprocess.run.run import Run, open_run
+from fsi.report.progress import ProgressBar
+from fsi.runs import MakeEvolution, no_progress
+from fsi.runs import resume as resume_run
+from fsi.runs import run as run_case
+
+__all__ = [
+    "BodySolution",
+    "CalibrationResult",
+    "Case",
+    "FsiError",
+    "InputError",
+    "Resistance",
+    "Run",
+    "Solution",
+    "SolveError",
+    "StepRecord",
+    "calibrate",
+    "load_case",
+    "make_case",
+    "open_run",
+    "resume",
+    "run",
+    "solve",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class BodySolution:
+    """One body of a solved instant; in space what turns is a vector of three.
+
+    Attributes:
+        name: of the body.
+        position: of its centre, shape (d,).
+        velocity: of its centre, shape (d,).
+        angular_velocity: positive counterclockwise in the plane.
+        force: that the FLUID exerts on the body, shape (d,), in the plane per unit length.
+        torque: likewise, about the centre.
+    """
+
+    name: str
+    position: Array
+    velocity: Array
+    angular_velocity: Array
+    force: Array
+    torque: Array
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A case solved at time 0.
+
+    Attributes:
+        case: what was solved; with `discretisation.tolerance` the refined one.
+        instant: velocities U and external loads F, shape (N, M), and what the model knows besides.
+        errors: estimated errors of U and F, of the dissipation and the apparent viscosity; None of a model
+            without a mesh.
+    """
+
+    case: Case
+    instant: Instant
+    errors: ErrorEstimate | None
+
+    @property
+    def bodies(self) -> tuple[BodySolution, ...]:
+        """The bodies, in the order of the case."""
+        q, d = self.case.configuration(), self.case.dimension
+        U, F = self.instant.U, 0.0 - self.instant.F
+        return tuple(
+            BodySolution(name, q.centres[i], U[i, :d], U[i, d:].squeeze(), F[i, :d], F[i, d:].squeeze())
+            for i, name in enumerate(self.case.names)
+        )
+
+    def __getitem__(self, name: str) -> BodySolution:
+        """The body of that name. Raises KeyError."""
+        return dict(zip(self.case.names, self.bodies, strict=True))[name]
+
+    def __iter__(self) -> Iterator[BodySolution]:
+        """Body by body."""
+        return iter(self.bodies)
+
+    @property
+    def dissipation(self) -> float:
+        """`2 mu int e:e`, in a reduced model that of gaps and drag."""
+        return float(self.instant.record["dissipation"])
+
+    @property
+    def apparent_viscosity(self) -> float | None:
+        """Over the viscosity of the fluid; None but for a periodic flow with a mean strain rate."""
+        mu: float | None = getattr(self.instant, "apparent_viscosity", None)
+        return mu
+
+    def evaluate(self, points: ArrayLike) -> tuple[Array, Array]:
+        """Velocity (n, d) and pressure (n,) at points (n, d); NaN where there is no fluid.
+
+        Raises:
+            InputError: the model has no flow field.
+        """
+        return self._resolved("evaluate").evaluate(np.atleast_2d(np.asarray(points, dtype=float)))  # type: ignore[no-any-return]
+
+    def resistance(self) -> Resistance:
+        """The resistance matrix R of all bodies, F = R U, and its inverse, with walls at rest.
+
+        Raises:
+            InputError: the model has no flow field, or no resistance alone determines the loads.
+        """
+        self._resolved("resistance")
+        from fsi.stokes.resistance import case_resistance  # dolfinx, only where it is needed
+
+        return case_resistance(self.case)
+
+    def write(self, folder: Path | str) -> dict[str, list[str]]:
+        """Write the fields as VTU files into a folder; gives their names by series."""
+        folder = Path(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        return self.instant.write(folder, 0)
+
+    def _resolved(self, what: str) -> Any:
+        if self.case.model != "resolved":
+            raise InputError(f'model = "{self.case.model}": has no flow to {what}; solve the resolved case')
+        return self.instant
+
+    def __repr__(self) -> str:
+        """What it is, in one line, and a line for each of the first bodies."""
+        d = self.case.dimension
+        shown = [
+            f"  {body.name}: V = {_text(body.velocity)}, force of the fluid = {_text(body.force)}"
+            for body in self.bodies[:_SHOWN]
+        ]
+        more = [f"  ... {len(self.bodies) - _SHOWN} more"] if len(self.bodies) > _SHOWN else []
+        head = f"<Solution of {self.case.name!r}: {self.case.model}, {len(self.bodies)} bodies in {d} dimensions"
+        return "\n".join([f"{head}, dissipation {self.dissipation:.8g}>", *shown, *more])
+
+
+_SHOWN = 5
+
+
+def _text(vector: Array) -> str:
+    return "[" + ", ".join(f"{x:.6g}" for x in vector) + "]"
+
+
+def make_case(**sections: Any) -> Case:
+    """A case built in Python: the sections of a case file as keywords, dictionaries and lists.
+
+        fsi.make_case(name="disc", fluid={"viscosity": 1.0}, domain={...}, bodies=[{...}])
+
+    Raises:
+        InputError: it is not sound, in one line that names the key.
+    """
+    return parse_case(sections)
+
+
+def solve(case: Case) -> Solution:
+    """The velocities of all bodies and the forces of the fluid on them at time 0, without inertia.
+
+    A resolved case has error bars, and is refined to `discretisation.tolerance` if it has one.
+
+    Raises:
+        InputError: its level steps by itself and has no instant.
+        SolveError: the solve fails, or a check of it.
+    """
+    if case.model != "resolved":
+        return Solution(case, make_model(case)(case.configuration(), 0.0), None)
+    from fsi.stokes.adapt import solve_with_errors  # dolfinx, only where it is needed
+
+    solved = solve_with_errors(case)
+    return Solution(solved.case, solved.solution, solved.errors)
+
+
+def run(case: Case, folder: Path | str, callback: Callable[[StepRecord], None] = no_progress) -> Run:
+    """Move the bodies of a case in time, at its level, into a new run folder.
+
+    Args:
+        case: with a section [time].
+        folder: a new one.
+        callback: called with each step that is kept, on all ranks; an exception in it ends the run, which
+            `resume` continues.
+
+    Raises:
+        InputError: the case has no [time], or the folder is not new.
+        SolveError: the run cannot go on; the folder keeps the last good state.
+    """
+    _follow(callback, partial(run_case, case, Path(folder)))
+    return open_run(folder)
+
+
+def resume(folder: Path | str, callback: Callable[[StepRecord], None] = no_progress) -> Run:
+    """Continue a run after its last complete step; a finished one is left as it is. Raises as `run`."""
+    _follow(callback, partial(resume_run, Path(folder)))
+    return open_run(folder)
+
+
+def calibrate(case: Case, folder: Path | str, processes: int = 1) -> CalibrationResult:
+    """Sample a resistance as [calibration] says, fit a law, write both into a folder.
+
+    Raises:
+        InputError: the case cannot be calibrated, or the folder not be written.
+        SolveError: a sample failed.
+    """
+    return calibrate_case(case, case.name, Path(folder), Sampling(processes))
+
+
+def _follow(
+    callback: Callable[[StepRecord], None], launch: Callable[[Callable[[StepRecord], None], MakeEvolution], Any]
+) -> None:
+    """Launch a run with a progress bar, on terminals and in notebooks."""
+
+    def show(record: StepRecord) -> None:
+        bar.show(record)
+        callback(record)
+
+    def make(case: Case) -> Evolution:
+        bar.begin(case.timing.end)
+        return make_evolution(case)
+
+    with ProgressBar() as bar:
+        launch(show, make)
