@@ -177,14 +177,14 @@ def _meaning(path: tuple[int | str, ...], root: type[Section]) -> str:
             field = section.model_fields.get(str(part))
             if field is not None:
                 meaning = field.description or meaning
-                candidates = list(_sections(field.annotation))
+                candidates = list(sections_in(field.annotation))
                 break
     return meaning
 
 
-def _sections(annotation: Any) -> Iterable[type[Section]]:
+def sections_in(annotation: Any) -> Iterable[type[Section]]:
     """The section classes that an annotation mentions."""
     if isinstance(annotation, type) and issubclass(annotation, Section):
         yield annotation
     for inner in get_args(annotation):
-        yield from _sections(inner)
+        yield from sections_in(inner)

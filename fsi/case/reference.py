@@ -1,0 +1,105 @@
+"""The keys of the case file, section by section, from the schema: what `fsi keys` prints."""
+
+from __future__ import annotations
+
+import inspect
+import types
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, Any, Union, get_args, get_origin
+
+from pydantic.fields import FieldInfo
+
+from fsi.case.body import Grid
+from fsi.case.case import Case
+from fsi.case.section import Section, sections_in, toml_text
+from fsi.integration.schemes import SCHEMES
+from fsi.lubrication.named_laws import LAWS
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """One key: its name in the section, what it means, what holds if it is not given."""
+
+    name: str
+    meaning: str
+    default: str
+
+
+@dataclass(frozen=True, slots=True)
+class SectionKeys:
+    """One section: where it stands in the file, what it is for, its keys."""
+
+    title: str
+    purpose: str
+    keys: tuple[Key, ...]
+
+
+# Keys whose choices stand in registries, which grow by what is registered.
+_CHOICES = {"time.scheme": SCHEMES, "reduced.law": LAWS, "reduced.wall_law": LAWS}
+# Where the schema has none: a grid is told apart from bodies when a case is read.
+_INSTEAD = {"grids": Grid}
+
+
+def sections_of_case() -> list[SectionKeys]:
+    """All sections of the case file; the keys that stand above them come first."""
+    return list(_walk(Case, "", ""))
+
+
+def as_markdown(sections: list[SectionKeys]) -> str:
+    """A table of the keys of each section."""
+    lines: list[str] = []
+    for section in sections:
+        lines += [f"### {section.title or 'Above all sections'}", "", section.purpose, ""]
+        lines += ["| key | meaning | if not given |", "|---|---|---|"]
+        lines += [f"| `{key.name}` | {_cell(key.meaning)} | {_cell(key.default)} |" for key in section.keys]
+        lines.append("")
+    return "\n".join(lines)
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|")
+
+
+def _walk(section: type[Section], path: str, title: str) -> Iterator[SectionKeys]:
+    """The section, then those that stand in it."""
+    keys, inner = [], []
+    for name, field in section.model_fields.items():
+        here = f"{path}.{name}" if path else name
+        sections = [_INSTEAD[name]] if name in _INSTEAD else list(dict.fromkeys(sections_in(field.annotation)))
+        keys.append(Key(name, _meaning(here, field), _default(field)))
+        several = name in _INSTEAD or _is_list(field.annotation)
+        inner += [(each, here, _title(here, each, many=several, alone=len(sections) == 1)) for each in sections]
+    yield SectionKeys(title, inspect.getdoc(section) or "", tuple(keys))
+    for each, here, its_title in inner:
+        # A series stands in many places; it is described where it is met first.
+        yield from _walk(each, here, its_title)
+
+
+def _title(path: str, section: type[Section], *, many: bool, alone: bool) -> str:
+    brackets = f"[[{path}]]" if many else f"[{path}]"
+    what = "" if alone else f" ({(inspect.getdoc(section) or '').splitlines()[0].rstrip('.')})"
+    return f"`{brackets}`{what}"
+
+
+def _is_list(annotation: Any) -> bool:
+    if get_origin(annotation) in (Annotated, Union, types.UnionType):
+        return any(map(_is_list, get_args(annotation)))
+    return get_origin(annotation) is tuple
+
+
+def _meaning(path: str, field: FieldInfo) -> str:
+    choices = _CHOICES.get(path)
+    listed = "" if choices is None else f" ({', '.join(choices)})"
+    return f"{field.description or ''}{listed}"
+
+
+def _default(field: FieldInfo) -> str:
+    """The value as TOML, or what the description says of it."""
+    if "if not given" in (field.description or ""):
+        return "as it says"
+    if field.is_required():
+        return "must be given"
+    if field.default_factory is not None or field.default is None or field.default == ():
+        return "none" if field.default is None else "its own defaults"
+    return f"`{toml_text(field.default)}`"
