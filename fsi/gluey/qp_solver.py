@@ -70,7 +70,7 @@ def project(program: Program, p: Array, contact: Contact, tolerance: float) -> I
 
 
 def by_interior_points(program: Program) -> Array:
-    """Impulses p >= 0, (rows,), of a program whose rows are gaps, near the solution; 0 where the gap is open."""
+    """Impulses p >= 0, (rows,), near the solution, of a program whose rows are gaps; 0 where one is open."""
     # In y = M^(1/2) (u - u*) and with rows scaled to the unit diagonal all numbers have one size.
     s = 1.0 / np.sqrt(program.weight)
     G = sp.csc_matrix(sp.diags(s) @ program.J @ sp.diags(1.0 / np.sqrt(program.mass)))

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from fsi.case.law_file import LawFile, read_law_file
 from fsi.errors import InputError
-from fsi.lubrication.exact_laws import exact_resistance
 from fsi.lubrication.expansions import EXPONENTS
+from fsi.lubrication.named_laws import exact_resistance
 from fsi.report.calibration import LAW, SUMMARY
 
 Array = NDArray[np.float64]
