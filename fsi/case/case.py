@@ -22,11 +22,12 @@ from fsi.bodies.forces import external_forces, moment_of_forces
 from fsi.case.body_file import with_bodies
 from fsi.case.checks.sound import check_case
 from fsi.case.domain import Domain
+from fsi.case.expected import Expected, Sweep
 from fsi.case.force_laws import Force
 from fsi.case.overrides import override
 from fsi.case.reduced import Reduced
 from fsi.case.section import Section, explain, toml_text, tuples
-from fsi.case.sections import Body, Calibration, Discretisation, Expected, Fluid, Output, Sweep, Time
+from fsi.case.sections import Body, Calibration, Discretisation, Fluid, Output, Time
 from fsi.case.series import kinks, value_at
 from fsi.case.walls import WallVelocity, wall_kinks, wall_pressure, wall_velocity
 from fsi.errors import InputError

@@ -25,7 +25,7 @@ BALLS = [
 
 @pytest.fixture
 def asked() -> Iterator[list[SqueezeFilm]]:
-    """kappa = mu (a_r/d)^2 of discs, 5 mu a_r (a_r/d)^2 of spheres; yields the films that it was asked for."""
+    """kappa = mu (a_r/d)^2 of discs, 5 mu a_r (a_r/d)^2 of spheres; yields the films it was asked for."""
     films: list[SqueezeFilm] = []
 
     @named("quadratic")
