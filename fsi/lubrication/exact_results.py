@@ -1,4 +1,4 @@
-"""Exact results by name, which a case may be compared with: `exact = "sphere_wall_normal"` in an expected row.
+"""Exact results by name, with which a case may be compared: `exact = "two_discs"` in an expected row.
 
 One more is one more function here, or anywhere that is imported, which `exact_result` enters with the cases
 that it is of. It takes the bodies as they are at time 0 and gives the number that is asked for, with forces

@@ -1,4 +1,4 @@
-"""The lubrication laws by name, as cases (`reduced.law = "exact"`) and law files (`form = "exact"`) call them.
+"""Lubrication laws by name, as cases (`reduced.law = "exact"`) and law files (`form = "exact"`) call them.
 
 One more law is one more function here, or anywhere that is imported, which `named` enters: it takes the
 squeeze film of a pair and gives the law of its gap. The schema's choices, its help and its complaints follow.

@@ -63,6 +63,7 @@ def test_a_killed_calibration_goes_on_and_its_law_is_right(tmp_path: Path) -> No
     assert leading["inside"]
     assert abs(leading["difference"]) < 5e-3
     assert data["held_out_passed"]
+    assert (tmp_path / "out" / "calibration.png").stat().st_size > 10_000
     assert "s^-1.5" in done.stdout
     assert "inside" in done.stdout
     assert f"wrote {tmp_path}/out" in "".join(done.stdout.split("\n"))
