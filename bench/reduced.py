@@ -20,6 +20,7 @@ from time import process_time
 import numpy as np
 
 from bench.scaling import JSON_HELP, Scaling
+from fsi.arrangements.arrangement import Wanted
 from fsi.arrangements.packing import random_arrangement
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
@@ -33,7 +34,7 @@ STEPS, MEASURED = 20, 3
 def positions(number: int) -> tuple[Array, Array]:
     """Centres (N, 2) and the sides of the channel: periods of a fluid of hard discs, as many as needed."""
     one = min(number, PERIOD)
-    part = random_arrangement(np.ones(one), AREA_FRACTION, (True, True), 1.0, GAP, seed=0)
+    part = random_arrangement(np.ones(one), Wanted(one, AREA_FRACTION, GAP, cell="periodic", seed=0))
     columns, rows = (number // one, 1) if number <= 4 * one else (2 * (number // (8 * one)), 4)
     i, j = np.meshgrid(np.arange(columns), np.arange(rows), indexing="ij")
     corners = np.column_stack([i.ravel(), j.ravel()]) * part.cell.sides

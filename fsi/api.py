@@ -13,7 +13,7 @@ Under MPI all ranks call these functions together.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -36,7 +36,7 @@ from fsi.observables.error_estimate import ErrorEstimate
 from fsi.observables.resistance import Resistance
 from fsi.postprocess.run.run import Run, open_run
 from fsi.report.progress import ProgressBar
-from fsi.runs import MakeEvolution, no_progress
+from fsi.runs import MakeEvolution, Progress, no_progress
 from fsi.runs import resume as resume_run
 from fsi.runs import run as run_case
 
@@ -164,7 +164,9 @@ class Solution:
             for body in self.bodies[:_SHOWN]
         ]
         more = [f"  ... {len(self.bodies) - _SHOWN} more"] if len(self.bodies) > _SHOWN else []
-        head = f"<Solution of {self.case.name!r}: {self.case.model}, {len(self.bodies)} bodies in {d} dimensions"
+        head = (
+            f"<Solution of {self.case.name!r}: {self.case.model}, {len(self.bodies)} bodies in {d} dimensions"
+        )
         return "\n".join([f"{head}, dissipation {self.dissipation:.8g}>", *shown, *more])
 
 
@@ -203,7 +205,7 @@ def solve(case: Case) -> Solution:
     return Solution(solved.case, solved.solution, solved.errors)
 
 
-def run(case: Case, folder: Path | str, callback: Callable[[StepRecord], None] = no_progress) -> Run:
+def run(case: Case, folder: Path | str, callback: Progress = no_progress) -> Run:
     """Move the bodies of a case in time, at its level, into a new run folder.
 
     Args:
@@ -220,7 +222,7 @@ def run(case: Case, folder: Path | str, callback: Callable[[StepRecord], None] =
     return open_run(folder)
 
 
-def resume(folder: Path | str, callback: Callable[[StepRecord], None] = no_progress) -> Run:
+def resume(folder: Path | str, callback: Progress = no_progress) -> Run:
     """Continue a run after its last complete step; a finished one is left as it is. Raises as `run`."""
     _follow(callback, partial(resume_run, Path(folder)))
     return open_run(folder)
@@ -229,15 +231,22 @@ def resume(folder: Path | str, callback: Callable[[StepRecord], None] = no_progr
 def calibrate(case: Case, folder: Path | str, processes: int = 1) -> CalibrationResult:
     """Sample a resistance as [calibration] says, fit a law, write both into a folder.
 
+    Args:
+        case: with a section [calibration].
+        folder: for the law; samples that are there already are not computed again.
+        processes: how many of this machine work on different samples.
+
     Raises:
         InputError: the case cannot be calibrated, or the folder not be written.
         SolveError: a sample failed.
     """
-    return calibrate_case(case, case.name, Path(folder), Sampling(processes))
+    folder = Path(folder)
+    return calibrate_case(case, case.name, folder, Sampling(folder / "samples", processes))
 
 
 def _follow(
-    callback: Callable[[StepRecord], None], launch: Callable[[Callable[[StepRecord], None], MakeEvolution], Any]
+    callback: Callable[[StepRecord], None],
+    launch: Callable[[Callable[[StepRecord], None], MakeEvolution], Any],
 ) -> None:
     """Launch a run with a progress bar, on terminals and in notebooks."""
 

@@ -7,7 +7,8 @@ import pytest
 from fsi.case.load import load_case
 from fsi.observables.truncation import halved, truncation
 from fsi.stokes.model import StokesModel
-from fsi.validation.rows import computed, reference
+from fsi.validation.references import reference
+from fsi.validation.rows import computed
 
 CASES = Path(__file__).parents[1] / "cases"
 FILES = sorted(CASES.glob("*.toml"))

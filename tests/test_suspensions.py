@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fsi.arrangements.arrangement import Arrangement, Cell
+from fsi.arrangements.arrangement import Arrangement, SimulationCell
 from fsi.case.body_file import read_bodies
 from fsi.case.load import load_case
 
@@ -19,7 +19,7 @@ def test_their_bodies(name: str) -> None:
     assert file.sides is not None
     centres = np.array([body["position"] for body in file.bodies])
     radii = np.array([body["radius"] for body in file.bodies])
-    found = Arrangement(Cell(file.sides, (True, False)), centres, radii)
+    found = Arrangement(SimulationCell(file.sides, (True, False)), centres, radii)
     assert len(radii) == 40
     assert found.fraction() == pytest.approx(0.4, rel=1e-12)
     assert found.smallest_gap() >= 0.02 - 1e-12

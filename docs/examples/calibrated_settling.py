@@ -15,9 +15,10 @@ import numpy as np
 from fsi import open_run
 from fsi.bodies.configuration import Array
 from fsi.calibration.calibrate import calibrate_case
+from fsi.calibration.files import LAW
+from fsi.calibration.sampling import Sampling
 from fsi.case.load import load_case, parse_case
 from fsi.postprocess.analysis.settling import exact_gap
-from fsi.report.calibration import LAW
 from fsi.runs import run
 
 CALIBRATION = Path(__file__).parents[2] / "cases" / "calibration" / "disc_wall.toml"
@@ -27,7 +28,7 @@ COARSE = ["calibration.range=[0.01, 1.0]", "calibration.samples=8", "calibration
 def calibrated(folder: Path) -> Path:
     """The file of the law; the same as `fsi calibrate cases/calibration/disc_wall.toml --set ...`."""
     case = load_case(CALIBRATION, COARSE)
-    calibrate_case(case, CALIBRATION.name, folder / "law", folder / "samples", 1, lambda *_: None)
+    calibrate_case(case, CALIBRATION.name, folder / "law", Sampling(folder / "samples"))
     return folder / "law" / LAW
 
 

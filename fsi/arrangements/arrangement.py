@@ -14,6 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 Array = NDArray[np.float64]
+# For each kind of cell whether it is periodic along the flow, and across it.
+CELLS = {"channel": (True, False), "periodic": (True, True), "box": (False, False)}
 
 
 def volumes(radii: ArrayLike, dimension: int) -> Array:
@@ -24,10 +26,57 @@ def volumes(radii: ArrayLike, dimension: int) -> Array:
 
 
 @dataclass(frozen=True, slots=True)
-class Cell:
+class Wanted:
+    """Which arrangement is asked for; see `fsi pack --help`.
+
+    Attributes:
+        number: of bodies.
+        fraction: of the area, in space of the volume, that they fill.
+        gap: the smallest between bodies, and to walls.
+        radius: the mean radius.
+        cell: one of CELLS.
+        aspect, seed, sizes, spread, dimension: of random arrangements.
+        rows, length, angle: of the others; degrees to x.
+    """
+
+    number: int
+    fraction: float
+    gap: float
+    radius: float = 1.0
+    cell: str = "channel"
+    aspect: float = 1.0
+    seed: int = 1
+    sizes: str = "equal"
+    spread: float = 0.0
+    dimension: int = 2
+    rows: int = 1
+    length: int = 1
+    angle: float = 90.0
+
+    @property
+    def periodic(self) -> tuple[bool, ...]:
+        """For each axis whether it is periodic; in space a channel is periodic along x and y."""
+        along, across = CELLS[self.cell]
+        return (along,) * (self.dimension - 1) + (across,)
+
+    @property
+    def disc_area(self) -> float:
+        """That of one of equal discs."""
+        return pi * self.radius**2
+
+    @property
+    def apart(self) -> float:
+        """The distance s = 2 a + g of the centres of two neighbours."""
+        return 2.0 * self.radius + self.gap
+
+
+@dataclass(frozen=True, slots=True)
+class SimulationCell:
     """The box from the origin to `sides`.
 
-    sides: d lengths > 0; periodic: for each axis whether it is; walls stand across the others.
+    Attributes:
+        sides: d lengths > 0.
+        periodic: for each axis whether it is; walls stand across the others.
     """
 
     sides: tuple[float, ...]
@@ -78,10 +127,13 @@ class Cell:
 class Arrangement:
     """Bodies in a cell.
 
-    centres: shape (N, d), periodic coordinates in [0, side); radii: shape (N,).
+    Attributes:
+        cell: in which they are.
+        centres: shape (N, d), periodic coordinates in [0, side).
+        radii: shape (N,).
     """
 
-    cell: Cell
+    cell: SimulationCell
     centres: Array
     radii: Array
 
@@ -93,12 +145,12 @@ class Arrangement:
         """The smallest gap between bodies, their images included; infinite for one body between walls."""
         largest = float(self.radii.max())
         periodic_sides = np.array(self.cell.sides)[np.array(self.cell.periodic)]
-        own_image = float(np.min(periodic_sides, initial=np.inf)) - 2.0 * largest
+        to_image = float(np.min(periodic_sides, initial=np.inf)) - 2.0 * largest
         reach = 4.0 * largest
         while True:
             pairs = self.cell.near_pairs(self.centres, reach)
             gaps = self._gaps(pairs)
-            smallest = min(own_image, float(gaps.min(initial=np.inf)))
+            smallest = min(to_image, float(gaps.min(initial=np.inf)))
             if smallest <= reach - 2.0 * largest or reach > 2.0 * sum(self.cell.sides):
                 return smallest
             reach *= 2.0

@@ -10,94 +10,54 @@ from typing import Any
 
 import numpy as np
 
-from fsi.arrangements import ordered, sizes
-from fsi.arrangements.arrangement import Arrangement, Array
+from fsi.arrangements import ordered
+from fsi.arrangements.arrangement import Arrangement, Array, Wanted
 from fsi.arrangements.packing import random_arrangement
 from fsi.errors import InputError
 from fsi.run_folder.checkpoint import replace
 
-CELLS = {"channel": (True, False), "periodic": (True, True), "box": (False, False)}
-SIZES = ("equal", "bidisperse", "lognormal")
+
+def radii_of(w: Wanted) -> Array:
+    """Radii of the mean that is asked for, exactly: all equal, of two sizes, or lognormal.
+
+    Of two sizes half of them, rounded down, are `spread` >= 1 times the others. The logarithm of lognormal
+    ones is normal; `spread` is the standard deviation over the mean of that distribution, from which they are
+    drawn independently.
+    """
+    if w.sizes == "bidisperse":
+        radii = np.where(np.arange(w.number) < w.number // 2, w.spread, 1.0)
+    elif w.sizes == "lognormal":
+        # The places come from `seed` itself, so that they do not depend on the radii.
+        random = np.random.default_rng((w.seed, 1))
+        radii = np.exp(np.sqrt(np.log1p(w.spread**2)) * random.standard_normal(w.number))
+    else:
+        return np.full(w.number, w.radius)
+    scaled: Array = w.radius * radii / radii.mean()
+    return scaled
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
-    """What is asked for, with every value filled in; see `fsi pack --help`."""
+class Kind:
+    """A kind of arrangement.
 
-    number: int
-    fraction: float
-    radius: float
-    gap: float
-    cell: str
-    aspect: float
-    seed: int
-    sizes: str
-    spread: float
-    dimension: int
-    rows: int
-    length: int
-    angle: float
+    Attributes:
+        arranged: what makes it.
+        options: that it takes besides number, area fraction, radius, gap and cell.
+    """
 
-    @property
-    def periodic(self) -> tuple[bool, ...]:
-        """For each axis whether it is periodic; in space a channel is periodic along x and y."""
-        along, across = CELLS[self.cell]
-        return (along,) * (self.dimension - 1) + (across,)
+    arranged: Callable[[Wanted], Arrangement]
+    options: tuple[str, ...]
 
 
-def _random(w: Wanted) -> Arrangement:
-    return random_arrangement(_radii(w), w.fraction, w.periodic, w.aspect, w.gap, w.seed)
-
-
-def _radii(w: Wanted) -> Array:
-    match w.sizes:
-        case "bidisperse":
-            return sizes.bidisperse(w.number, w.radius, w.spread)
-        case "lognormal":
-            # the places come from `seed` itself, so that they do not depend on the radii
-            return sizes.lognormal(w.number, w.radius, w.spread, np.random.default_rng((w.seed, 1)))
-        case _:
-            return sizes.monodisperse(w.number, w.radius)
-
-
-def _square(w: Wanted) -> Arrangement:
-    return ordered.square_array(w.number, w.rows, w.radius, w.fraction, w.gap, w.periodic)
-
-
-def _hexagonal(w: Wanted) -> Arrangement:
-    return ordered.hexagonal_array(w.number, w.rows, w.radius, w.fraction, w.gap, w.periodic)
-
-
-def _rows(w: Wanted) -> Arrangement:
-    return ordered.flow_aligned_rows(w.number, w.rows, w.radius, w.fraction, w.gap, w.periodic)
-
-
-def _chains(w: Wanted) -> Arrangement:
-    return ordered.oblique_chains(
-        w.number, w.rows, w.length, w.angle, w.radius, w.fraction, w.gap, w.periodic
-    )
-
-
-def _columns(w: Wanted) -> Arrangement:
-    return ordered.wall_to_wall_columns(w.number, w.length, w.angle, w.radius, w.fraction, w.gap, w.periodic)
-
-
-# The options that a kind takes besides number, area fraction, radius, gap and cell.
-OPTIONS: Mapping[str, tuple[str, ...]] = {
-    "random": ("aspect", "seed", "sizes", "spread", "dimension"),
-    "square": ("rows",),
-    "hexagonal": ("rows",),
-    "rows": ("rows",),
-    "chains": ("rows", "length", "angle"),
-    "columns": ("length", "angle"),
-}
-_MAKERS: Mapping[str, Callable[[Wanted], Arrangement]] = {
-    "random": _random,
-    "square": _square,
-    "hexagonal": _hexagonal,
-    "rows": _rows,
-    "chains": _chains,
-    "columns": _columns,
+KINDS: Mapping[str, Kind] = {
+    "random": Kind(
+        lambda w: random_arrangement(radii_of(w), w), ("aspect", "seed", "sizes", "spread", "dimension")
+    ),
+    "square": Kind(ordered.square_array, ("rows",)),
+    "hexagonal": Kind(ordered.hexagonal_array, ("rows",)),
+    "rows": Kind(ordered.flow_aligned_rows, ("rows",)),
+    "chains": Kind(ordered.oblique_chains, ("rows", "length", "angle")),
+    "columns": Kind(ordered.wall_to_wall_columns, ("length", "angle")),
 }
 
 
@@ -107,15 +67,15 @@ def arrange(kind: str, wanted: Wanted) -> Arrangement:
     Raises:
         InputError: the bodies do not fit in this way; the largest area fraction that would is named.
     """
-    arrangement = _MAKERS[kind](wanted)
+    arrangement = KINDS[kind].arranged(wanted)
     rounding = 1e-9 * wanted.radius
-    for what, found in (
+    for what, smallest in (
         ("gap between bodies", arrangement.smallest_gap()),
         ("gap to a wall", arrangement.smallest_wall_gap()),
     ):
-        if found < wanted.gap - rounding:
+        if smallest < wanted.gap - rounding:
             raise InputError(
-                f"number = {wanted.number}: the smallest {what} would be {found:.4g}, not {wanted.gap:g};"
+                f"number = {wanted.number}: the smallest {what} would be {smallest:.4g}, not {wanted.gap:g};"
                 " place more bodies side by side, or lower the area fraction or the gap"
             )
     return arrangement

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize
 
-from fsi.arrangements.arrangement import Arrangement, Cell, volumes
+from fsi.arrangements.arrangement import Arrangement, SimulationCell, Wanted, volumes
 from fsi.arrangements.shaking import shaken
 from fsi.errors import InputError
 
@@ -25,46 +25,43 @@ Array = NDArray[np.float64]
 LIMITS = {2: 0.78, 3: 0.55}
 _TRIES = 5
 _ITERATIONS = 5000
-_MARGIN = (
-    1e-4  # over the smallest radius: E is minimised for a gap larger by this, and so reached in finite time
-)
+# Over the smallest radius: E is minimised for a gap larger by this, and so reached in finite time.
+_MARGIN = 1e-4
 _ROUNDING = 1e-12  # over the largest side: what wrapping and reading may cost a gap
 
 
-def cell_for(radii: Array, fraction: float, periodic: tuple[bool, ...], aspect: float) -> Cell:
+def cell_for(radii: Array, fraction: float, periodic: tuple[bool, ...], aspect: float) -> SimulationCell:
     """The cell with this fraction of bodies; all sides but the last are `aspect` times the last."""
     d = len(periodic)
     volume = float(volumes(radii, d).sum()) / fraction
     last = (volume / aspect ** (d - 1)) ** (1.0 / d)
-    return Cell((aspect * last,) * (d - 1) + (last,), periodic)
+    return SimulationCell((aspect * last,) * (d - 1) + (last,), periodic)
 
 
-def random_arrangement(
-    radii: Array, fraction: float, periodic: tuple[bool, ...], aspect: float, gap: float, seed: int
-) -> Arrangement:
-    """Bodies at random, no two nearer than `gap`, and none nearer to a wall.
+def random_arrangement(radii: Array, w: Wanted) -> Arrangement:
+    """Bodies of these radii at random, no two nearer than the gap, and none nearer to a wall.
 
     The same seed gives the same arrangement.
 
     Raises:
         InputError: the area fraction is above what this can do (named), or no arrangement was found.
     """
-    largest = largest_fraction(radii, periodic, aspect, gap)
-    if fraction > largest:
+    largest = largest_fraction(radii, w.periodic, w.aspect, w.gap)
+    if w.fraction > largest:
         raise InputError(
-            f"area fraction = {fraction:g}: too large for {len(radii)} bodies at random with gaps of {gap:g};"
-            f" the largest possible is {np.floor(1e4 * largest) / 1e4:g}"
+            f"area fraction = {w.fraction:g}: too large for {len(radii)} bodies at random with gaps of "
+            f"{w.gap:g}; the largest possible is {np.floor(1e4 * largest) / 1e4:g}"
         )
-    cell = cell_for(radii, fraction, periodic, aspect)
-    kept = gap + _ROUNDING * max(cell.sides)
-    rng = np.random.default_rng(seed)
+    cell = cell_for(radii, w.fraction, w.periodic, w.aspect)
+    gap = w.gap + _ROUNDING * max(cell.sides)
+    rng = np.random.default_rng(w.seed)
     for _ in range(_TRIES):
-        x = _without_overlaps(cell, radii, kept, rng.random((len(radii), cell.dimension)) * cell.sides)
+        x = _without_overlaps(cell, radii, gap, rng.random((len(radii), cell.dimension)) * cell.sides)
         if x is not None:
-            return Arrangement(cell, shaken(cell, x, radii, kept, rng), radii)
+            return Arrangement(cell, shaken(cell, x, radii, gap, rng), radii)
     raise InputError(
-        f"area fraction = {fraction:g}: no arrangement of {len(radii)} bodies with gaps of {gap:g} found in "
-        f"{_TRIES} tries; lower it or the gap, or place more bodies"
+        f"area fraction = {w.fraction:g}: no arrangement of {len(radii)} bodies with gaps of {w.gap:g} "
+        f"found in {_TRIES} tries; lower it or the gap, or place more bodies"
     )
 
 
@@ -83,7 +80,7 @@ def largest_fraction(radii: Array, periodic: tuple[bool, ...], aspect: float, ga
     return float(brentq(excess, 1e-9, 1.0, xtol=1e-12))
 
 
-def _without_overlaps(cell: Cell, radii: Array, gap: float, x: Array) -> Array | None:
+def _without_overlaps(cell: SimulationCell, radii: Array, gap: float, x: Array) -> Array | None:
     """The points moved to the nearest minimum of E; None if overlaps remain there."""
     target = gap + _MARGIN * float(radii.min())
 
@@ -95,14 +92,12 @@ def _without_overlaps(cell: Cell, radii: Array, gap: float, x: Array) -> Array |
             raise StopIteration
 
     options = {"maxiter": _ITERATIONS, "maxfun": 2 * _ITERATIONS, "ftol": 0.0, "gtol": 0.0, "maxcor": 20}
-    found = minimize(
-        energy, x.ravel(), jac=True, method="L-BFGS-B", callback=stop_when_apart, options=options
-    )
-    moved = found.x.reshape(x.shape)
+    best = minimize(energy, x.ravel(), jac=True, method="L-BFGS-B", callback=stop_when_apart, options=options)
+    moved = best.x.reshape(x.shape)
     return cell.wrapped(moved) if _smallest_excess(cell, radii, gap, moved) >= 0.0 else None
 
 
-def _energy(cell: Cell, radii: Array, gap: float, x: Array) -> tuple[float, Array]:
+def _energy(cell: SimulationCell, radii: Array, gap: float, x: Array) -> tuple[float, Array]:
     """E and its gradient, flat."""
     pairs = cell.near_pairs(x, 2.0 * float(radii.max()) + gap)
     i, j = pairs[:, 0], pairs[:, 1]
@@ -119,7 +114,7 @@ def _energy(cell: Cell, radii: Array, gap: float, x: Array) -> tuple[float, Arra
     return 0.5 * float(overlap @ overlap + np.sum(into_walls**2)), gradient.ravel()
 
 
-def _smallest_excess(cell: Cell, radii: Array, gap: float, x: Array) -> float:
+def _smallest_excess(cell: SimulationCell, radii: Array, gap: float, x: Array) -> float:
     """The smallest gap, of pairs and walls, less the asked one."""
     pairs = cell.near_pairs(x, 2.0 * float(radii.max()) + gap)
     i, j = pairs[:, 0], pairs[:, 1]

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.arrangements.arrangement import Cell
+from fsi.arrangements.arrangement import SimulationCell
 
 Array = NDArray[np.float64]
 
@@ -24,7 +24,13 @@ _LENGTH, _MARGIN = 0.2, 0.8  # of a move, and of the list of neighbours, over th
 
 @dataclass(frozen=True, slots=True)
 class _Neighbours:
-    """Pairs (i, j) that may meet while no body is further than half the margin from `start`."""
+    """Pairs that may meet while no body is further than half the margin from where it was.
+
+    Attributes:
+        start: where the bodies were, shape (N, d).
+        i, j: the pairs, (P,).
+        contact: the least distance of their centres, (P,).
+    """
 
     start: Array
     i: NDArray[np.intp]
@@ -32,7 +38,7 @@ class _Neighbours:
     contact: Array
 
 
-def shaken(cell: Cell, x: Array, radii: Array, gap: float, rng: np.random.Generator) -> Array:
+def shaken(cell: SimulationCell, x: Array, radii: Array, gap: float, rng: np.random.Generator) -> Array:
     """The bodies at x (N, d) after some 200 moves each (100 in space), gaps at least `gap`."""
     margin, length = _MARGIN * float(radii.mean()), _LENGTH * float(radii.mean())
     diameter = 2.0 * float(radii.max()) + gap
@@ -48,13 +54,13 @@ def shaken(cell: Cell, x: Array, radii: Array, gap: float, rng: np.random.Genera
     return cell.wrapped(x)
 
 
-def _neighbours(cell: Cell, x: Array, radii: Array, gap: float, reach: float) -> _Neighbours:
+def _neighbours(cell: SimulationCell, x: Array, radii: Array, gap: float, reach: float) -> _Neighbours:
     i, j = cell.near_pairs(x, reach).T
     return _Neighbours(x, i, j, radii[i] + radii[j] + gap)
 
 
 def _proposal(
-    cell: Cell, x: Array, width: float, length: float, rng: np.random.Generator
+    cell: SimulationCell, x: Array, width: float, length: float, rng: np.random.Generator
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Where the bodies try to go, and which of them try."""
     sides = np.array(cell.sides)

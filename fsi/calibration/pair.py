@@ -26,17 +26,20 @@ from fsi.observables.error_estimate import Results
 
 # Sections of a case that its samples do not have.
 _LEFT_OUT = {"calibration", "time", "output", "expected", "sweep", "forces", "reduced"}
-_FLAT = (
-    1e-9  # a wall is plane if a body moved along its normal finds it as far away as it should, so relative
-)
+# A wall is plane if a body moved along its normal is as far away as it should be, relative to its radius.
+_FLAT = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
 class Pair:
     """A body and a plane wall, or two bodies.
 
-    case: with its [calibration]; first: index of the body that moves; second: of the other, None for a
-    wall; normal: unit vector from the other to the first, shape (d,); gap: between them in the case.
+    Attributes:
+        case: with its [calibration].
+        first: index of the body that moves.
+        second: index of the other, None for a wall.
+        normal: unit vector from the other to the first, shape (d,).
+        gap: between them in the case.
     """
 
     case: Case
@@ -80,8 +83,8 @@ class Pair:
         data: dict[str, Any] = self.case.model_dump(exclude_none=True, exclude=_LEFT_OUT)
         data["bodies"] = list(data["bodies"])
         for i, body in enumerate(data["bodies"]):
-            given = {key: body[key] for key in ("name", "radius", "position")}
-            data["bodies"][i] = given | self._motion(i)
+            place = {key: body[key] for key in ("name", "radius", "position")}
+            data["bodies"][i] = place | self._motion(i)
         data["bodies"][self.first]["position"] = tuple(centre.tolist())
         try:
             return parse_case(data)

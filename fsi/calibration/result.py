@@ -22,7 +22,11 @@ from fsi.run_folder.provenance import launch
 class Coefficient:
     """One coefficient c_k of kappa/(mu a_r^n), without dimension.
 
-    term: phi_k in s = d/a_r; value, interval: c_k and half its 95 % interval; theory: exact, or None.
+    Attributes:
+        term: phi_k in s = d/a_r.
+        value: c_k.
+        interval: half of its 95 % interval.
+        theory: the exact one, or None.
     """
 
     term: str
@@ -43,7 +47,13 @@ class Coefficient:
 
 @dataclass(frozen=True, slots=True)
 class HeldOut:
-    """Samples that were held out, and at their gaps the law and half its 95 % interval, shapes (n,)."""
+    """What tests the law.
+
+    Attributes:
+        samples: those that were held out.
+        law: at their gaps, shape (n,).
+        band: half of its 95 % interval there, (n,).
+    """
 
     samples: Samples
     law: Array
@@ -56,8 +66,15 @@ class HeldOut:
 
 
 @dataclass(frozen=True, slots=True)
-class Calibration:
-    """Samples and what has been made of them; fit, coefficients and test are None or empty for a table."""
+class CalibrationResult:
+    """Samples and what has been made of them.
+
+    Attributes:
+        pair: what was sampled.
+        samples: of it, also those held out.
+        law: as its file has it.
+        fit, coefficients, test: of a series; None or empty for a table.
+    """
 
     pair: Pair
     samples: list[Sample]
@@ -67,7 +84,7 @@ class Calibration:
     test: HeldOut | None
 
 
-def calibration(pair: Pair, samples: list[Sample], case: str) -> Calibration:
+def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
     """The law that the case asks for.
 
     Args:
@@ -78,9 +95,9 @@ def calibration(pair: Pair, samples: list[Sample], case: str) -> Calibration:
     Raises:
         SolveError: the samples do not decrease with the gap.
     """
-    taken, a = as_arrays(samples, held_out=False), pair.reduced_radius
+    fitted, a = as_arrays(samples, held_out=False), pair.reduced_radius
     unit = pair.case.fluid.viscosity * a ** EXPONENTS[pair.shape, pair.plan.mode]
-    s, K, bars = taken.d / a, taken.kappa / unit, taken.bars / unit
+    s, K, bars = fitted.d / a, fitted.kappa / unit, fitted.bars / unit
     if np.any(K <= 0.0) or np.any(np.diff(K) >= 0.0):
         raise SolveError("the sampled resistances do not decrease with the gap; refine the discretisation")
     common: dict[str, Any] = {
@@ -93,11 +110,11 @@ def calibration(pair: Pair, samples: list[Sample], case: str) -> Calibration:
     }
     if pair.plan.form == "table":
         table = TableSection(s=tuple(s.tolist()), K=tuple(K.tolist()))
-        return Calibration(pair, samples, LawFile(**common, table=table), None, [], None)
+        return CalibrationResult(pair, samples, LawFile(**common, table=table), None, [], None)
     fit = fit_series(s, K, bars, basis(pair.shape, pair.plan.mode))
     common["source"] |= {"chi2": fit.chi2, "degrees_of_freedom": fit.dof, "used": int(fit.used.sum())}
     law = LawFile(**common, range=fit.range, series=_section(fit))
-    return Calibration(pair, samples, law, fit, _compared(pair, fit), _tested(pair, samples, law))
+    return CalibrationResult(pair, samples, law, fit, _compared(pair, fit), _tested(pair, samples, law))
 
 
 def _section(fit: Fit) -> SeriesSection:
@@ -130,12 +147,11 @@ def _compared(pair: Pair, fit: Fit) -> list[Coefficient]:
 def _tested(pair: Pair, samples: list[Sample], law: LawFile) -> HeldOut | None:
     """The held-out samples within the law's range."""
     held = as_arrays(samples, held_out=True)
-    smallest, largest = law.law().range
-    s = held.d / pair.reduced_radius
-    inside = (s >= smallest) & (s <= largest)
+    kappa, a = law.law(), pair.reduced_radius
+    inside = (held.d / a >= kappa.range[0]) & (held.d / a <= kappa.range[1])
     if not np.any(inside):
         return None
     held = Samples(held.d[inside], held.kappa[inside], held.bars[inside])
-    band = law.error(held.d, pair.reduced_radius)
+    band = law.error(held.d, a)
     assert band is not None  # of a series
-    return HeldOut(held, law.law().kappa(held.d, pair.reduced_radius), band)
+    return HeldOut(held, kappa.kappa(held.d, a), band)

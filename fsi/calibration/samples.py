@@ -23,9 +23,15 @@ _SOLVERS = ("fenics-dolfinx", "dolfinx-solver-real", "gmsh", "petsc4py")
 class Sample:
     """A resolved resistance.
 
-    gap: d; held_out: whether it tests the law instead of making it; kappa: F/U; mesh_error: bound of what
-    mesh and elements do; truncation: change of kappa in a container of half the radius, 0 without one;
-    dofs: unknowns; defect: worst of the identities; seconds: CPU seconds for all of it.
+    Attributes:
+        gap: d.
+        held_out: whether it tests the law instead of making it.
+        kappa: F/U.
+        mesh_error: bound of what mesh and elements do.
+        truncation: change of kappa in a container of half the radius, 0 without one.
+        dofs: unknowns.
+        defect: worst of the identities.
+        seconds: CPU seconds for all of it.
     """
 
     gap: float
@@ -90,13 +96,13 @@ def keep_sample(cache: Path, key: str, sample: Sample) -> None:
 
 def _code() -> str:
     """Hash of the sources of mesh and resolved model, and the versions of the libraries that they use."""
-    found = hashlib.sha256()
+    sources = hashlib.sha256()
     for folder in (_PACKAGE / "meshes", _PACKAGE / "stokes"):
         for path in sorted(folder.rglob("*.py")):
-            found.update(path.read_bytes())
+            sources.update(path.read_bytes())
     for name in _SOLVERS:
         try:
-            found.update(f"{name} {metadata.version(name)}".encode())
+            sources.update(f"{name} {metadata.version(name)}".encode())
         except metadata.PackageNotFoundError:  # one of two names of the same library
             continue
-    return found.hexdigest()
+    return sources.hexdigest()

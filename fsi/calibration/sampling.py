@@ -8,6 +8,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
 from multiprocessing.connection import wait
 from pathlib import Path
 
@@ -19,38 +20,56 @@ from fsi.errors import FsiError, SolveError
 from fsi.meshes.errors import MeshError
 
 type Task = tuple[float, bool, str]  # gap, held out, key
+type Outcome = tuple[str, Sample | None, str]  # key, sample, why there is none
 
 
-def take_samples(pair: Pair, cache: Path, workers: int, show: Callable[[int, int], None]) -> list[Sample]:
+def _silent(there: int, total: int) -> None:
+    """Show nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sampling:
+    """How samples are taken.
+
+    Attributes:
+        cache: folder of all samples ever computed.
+        workers: local processes; on several ranks they work together on one sample after the other instead.
+        show: is told how many samples there are of how many.
+    """
+
+    cache: Path
+    workers: int = 1
+    show: Callable[[int, int], None] = _silent
+
+
+def take_samples(pair: Pair, sampling: Sampling) -> list[Sample]:
     """The samples that the case asks for, in increasing gaps; collective.
 
     Each is kept as soon as it is there, so that a killed calibration goes on where it was.
 
     Args:
         pair: what is sampled.
-        cache: folder of all samples ever computed.
-        workers: local processes; on several ranks they work together on one sample after the other instead.
-        show: is told how many samples there are of how many.
+        sampling: where they are kept, and who computes them.
 
     Raises:
         SolveError: some samples failed; the message names the first. All others are in the cache.
     """
     tasks = [(gap, held_out, key_of(pair, gap)) for gap, held_out in planned_gaps(pair)]
-    found = parallel.on_root(lambda: _cached(tasks, cache))
-    missing = [task for task in tasks if task[2] not in found]
+    samples = parallel.on_root(lambda: _cached(tasks, sampling.cache))
+    missing = [task for task in tasks if task[2] not in samples]
     failures: list[str] = []
-    show(len(found), len(tasks))
-    for key, sample, failure in _computed(pair, missing, cache, workers):
+    sampling.show(len(samples), len(tasks))
+    for key, sample, failure in _computed(pair, missing, sampling):
         if sample is None:
             failures.append(failure)
         else:
-            found[key] = sample
-        show(len(found) + len(failures), len(tasks))
+            samples[key] = sample
+        sampling.show(len(samples) + len(failures), len(tasks))
     if failures:
         raise SolveError(
             f"{len(failures)} of {len(tasks)} samples failed, first {failures[0]}; the others are kept"
         )
-    return sorted(found.values(), key=lambda sample: sample.gap)
+    return sorted(samples.values(), key=lambda sample: sample.gap)
 
 
 def _cached(tasks: list[Task], cache: Path) -> dict[str, Sample]:
@@ -59,10 +78,9 @@ def _cached(tasks: list[Task], cache: Path) -> dict[str, Sample]:
     return {key: sample for key, sample in samples.items() if sample is not None}
 
 
-def _computed(
-    pair: Pair, tasks: list[Task], cache: Path, workers: int
-) -> Iterator[tuple[str, Sample | None, str]]:
-    """(key, sample, why there is none) of each task, as they come."""
+def _computed(pair: Pair, tasks: list[Task], sampling: Sampling) -> Iterator[Outcome]:
+    """The outcome of each task, as they come."""
+    cache, workers = sampling.cache, sampling.workers
     if parallel.size() > 1 or workers == 1 or len(tasks) < 2:
         yield from (_compute(pair, task, cache) for task in tasks)
         return
@@ -94,12 +112,12 @@ def _leave_with_parent() -> None:
     threading.Thread(target=watch, daemon=True).start()
 
 
-def _compute_case(case: dict[str, object], task: Task, cache: Path) -> tuple[str, Sample | None, str]:
+def _compute_case(case: dict[str, object], task: Task, cache: Path) -> Outcome:
     """`_compute` in another process."""
     return _compute(pair_of(parse_case(case)), task, cache)
 
 
-def _compute(pair: Pair, task: Task, cache: Path) -> tuple[str, Sample | None, str]:
+def _compute(pair: Pair, task: Task, cache: Path) -> Outcome:
     from fsi.calibration.resolved import resolved_sample
 
     gap, held_out, key = task

@@ -18,12 +18,13 @@ from fsi.bodies.configuration import MODES, Array, Configuration, Motion
 from fsi.bodies.forces import Bulk, external_forces, moment_of_forces
 from fsi.case.body import FREE, Body
 from fsi.case.domain import Domain
+from fsi.case.expected import Expected, Sweep
 from fsi.case.force_laws import Force
 from fsi.case.gluey import Gluey, LimitStudy
 from fsi.case.macroscopic import Macroscopic
 from fsi.case.reduced import Reduced
 from fsi.case.section import Geometry, Section, dimension_of
-from fsi.case.sections import Calibration, Discretisation, Expected, Fluid, Output, Sweep, Time
+from fsi.case.sections import Calibration, Discretisation, Fluid, Output, Time
 from fsi.case.series import kinks, value_at
 from fsi.case.walls import WallVelocity, wall_kinks, wall_pressure, wall_velocity
 from fsi.errors import InputError

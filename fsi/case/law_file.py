@@ -13,8 +13,8 @@
     covariance = [[...], ...]  # of the coefficients
     [source]                   # free: case, samples, chi2, versions ...
 
-The other forms are "table" (section [table] with s and K), and without section and range "exact", "leading"
-and "slides", which is viscosity/d.
+The other forms are "table" (section [table] with s and K), and without section and range each law that has a
+name (`fsi.lubrication.named_laws`): "exact", "leading", or "slides", which is viscosity/d.
 """
 
 from __future__ import annotations
@@ -22,21 +22,25 @@ from __future__ import annotations
 import tomllib
 from math import inf
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import tomli_w
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic_core import PydanticCustomError
 
 from fsi.bodies.configuration import Array
 from fsi.case.section import Section, explain, tuples
 from fsi.errors import InputError
-from fsi.lubrication.exact_laws import exact_law
-from fsi.lubrication.expansions import EXPONENTS
+from fsi.lubrication.expansions import EXPONENTS, Mode, Shape
 from fsi.lubrication.fitting import band
-from fsi.lubrication.laws import ScaledLaw, Series, Term, leading_disc_law, leading_sphere_law, slides_law
-from fsi.lubrication.tables import Table
+from fsi.lubrication.laws import LubricationLaw, Profile, ScaledLaw, Series, Term
+from fsi.lubrication.named_laws import LAWS, SqueezeFilm, names_of_laws
+from fsi.lubrication.tables import TabulatedProfile
 from fsi.run_folder.checkpoint import replace
+
+# Forms that have a section of their own.
+_SAMPLED = ("series", "table")
 
 
 class SeriesSection(Section):
@@ -64,6 +68,10 @@ class SeriesSection(Section):
         """phi_k."""
         return tuple(Term(power, log) for power, log in zip(self.powers, self.logs, strict=True))
 
+    def profile(self, range_of_s: tuple[float, float]) -> Profile:
+        """K(s), for s in the range."""
+        return Series(self.terms, self.coefficients, range_of_s)
+
 
 class TableSection(Section):
     """Points of K(s)."""
@@ -84,17 +92,17 @@ class TableSection(Section):
             raise ValueError("is not a positive resistance that decreases with the gap")
         return self
 
+    def profile(self) -> Profile:
+        """K(s), from the first point to the last."""
+        return TabulatedProfile(np.array(self.s), np.array(self.K))
+
 
 class LawFile(Section):
     """What a law file holds."""
 
-    form: Literal["series", "table", "exact", "leading", "slides"] = Field(
-        description='"series", "table", "exact", "leading" or "slides"'
-    )
-    shape: Literal["spheres", "discs"] = Field(default="spheres", description='"spheres" or "discs"')
-    mode: Literal["squeeze", "shear", "rotation"] = Field(
-        default="squeeze", description='"squeeze", "shear" or "rotation"'
-    )
+    form: str = Field(description=f'"series", "table" or a name: {names_of_laws()}')
+    shape: Shape = Field(default="spheres", description='"spheres" or "discs"')
+    mode: Mode = Field(default="squeeze", description='"squeeze", "shear" or "rotation"')
     ratio: float | None = Field(default=None, gt=0.0, description="b/a of the pair, or none beside a plane")
     viscosity: float = Field(gt=0.0, description="the viscosity mu, a number > 0")
     range: tuple[float, float] | None = Field(
@@ -104,34 +112,46 @@ class LawFile(Section):
     table: TableSection | None = Field(default=None, description="a section [table]")
     source: dict[str, Any] = Field(default={}, description="a section [source]")
 
+    @field_validator("form")
+    @classmethod
+    def _known(cls, form: str) -> str:
+        if form not in (*_SAMPLED, *LAWS):
+            raise PydanticCustomError("literal_error", "not one of the choices")
+        return form
+
     @model_validator(mode="after")
     def _complete(self) -> LawFile:
-        for form in ("series", "table"):
+        for form in _SAMPLED:
             if (getattr(self, form) is not None) != (self.form == form):
                 raise ValueError(f'a law needs the section [{form}] if and only if its form is "{form}"')
         if self.form == "series" and (self.range is None or not 0.0 <= self.range[0] < self.range[1]):
             raise ValueError("a series needs a range of s")
-        if self.form in ("exact", "leading", "slides") and self.mode != "squeeze":
+        if self.form in LAWS and self.mode != "squeeze":
             raise ValueError(f'the form "{self.form}" is known for mode = "squeeze" only')
         return self
 
-    def law(self, *, extrapolate: bool = False) -> ScaledLaw:
-        """The law; `extrapolate` allows gaps outside its range."""
-        if self.form == "slides":
-            return slides_law(self.viscosity)
-        if self.form == "leading":
-            return (leading_sphere_law if self.shape == "spheres" else leading_disc_law)(self.viscosity)
-        if self.form == "exact":
-            ratio = inf if self.ratio is None else self.ratio
-            return exact_law(self.shape, ratio, self.viscosity, extrapolate=extrapolate)
-        exponent = EXPONENTS[self.shape, self.mode]
-        return ScaledLaw(self._profile(), self.viscosity, exponent, extrapolate)
+    def law(self, *, viscosity: float | None = None, extrapolate: bool = False) -> LubricationLaw:
+        """The law, which is linear in mu: at this viscosity, or at its own.
 
-    def _profile(self) -> Series | Table:
+        Args:
+            viscosity: mu of the fluid.
+            extrapolate: whether gaps outside its range are allowed.
+        """
+        mu = self.viscosity if viscosity is None else viscosity
+        if self.form in LAWS:
+            return LAWS[self.form].of(SqueezeFilm(self.shape, mu, self.ratio or inf, extrapolate))
+        return ScaledLaw(self._profile(), mu, EXPONENTS[self.shape, self.mode], extrapolate)
+
+    def _profile(self) -> Profile:
         if self.series is not None and self.range is not None:
-            return Series(self.series.terms, self.series.coefficients, self.range)
+            return self.series.profile(self.range)
         assert self.table is not None  # by `_complete`
-        return Table(np.array(self.table.s), np.array(self.table.K))
+        return self.table.profile()
+
+    def squeezes(self, shape: Shape) -> bool:
+        """Whether it is a law of squeeze between bodies of this shape."""
+        any_shape = self.form in LAWS and LAWS[self.form].any_shape
+        return self.mode == "squeeze" and (self.shape == shape or any_shape)
 
     def error(self, d: Array, radius: float) -> Array | None:
         """Half width of the 95 % interval of kappa(d), shape of d; None for laws that state no error."""
@@ -156,7 +176,7 @@ def read_law_file(path: Path) -> LawFile:
         raise InputError(f"{path}: {explain(error, LawFile)}") from None
 
 
-def load_law(path: Path, *, extrapolate: bool = False) -> ScaledLaw:
+def load_law(path: Path, *, extrapolate: bool = False) -> LubricationLaw:
     """The law of a file. Raises InputError."""
     return read_law_file(path).law(extrapolate=extrapolate)
 

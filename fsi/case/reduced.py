@@ -5,6 +5,7 @@ from __future__ import annotations
 from pydantic import Field
 
 from fsi.case.section import Section
+from fsi.lubrication.named_laws import names_of_laws
 
 
 class Reduced(Section):
@@ -15,7 +16,7 @@ class Reduced(Section):
     law: str = Field(
         default="exact",
         min_length=1,
-        description='the law of the gaps: "slides", "leading", "exact" or the path of a law file',
+        description=f"the law of the gaps: {names_of_laws()} or the path of a law file",
     )
     wall_law: str | None = Field(
         default=None,

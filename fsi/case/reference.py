@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import types
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Union, get_args, get_origin
 
@@ -36,14 +36,18 @@ class SectionKeys:
 
 
 # Keys whose choices stand in registries, which grow by what is registered.
-_CHOICES = {"time.scheme": SCHEMES, "reduced.law": LAWS, "reduced.wall_law": LAWS}
+_CHOICES: Mapping[str, Iterable[str]] = {
+    "time.scheme": SCHEMES,
+    "reduced.law": LAWS,
+    "reduced.wall_law": LAWS,
+}
 # Where the schema has none: a grid is told apart from bodies when a case is read.
 _INSTEAD = {"grids": Grid}
 
 
 def sections_of_case() -> list[SectionKeys]:
-    """All sections of the case file; the keys that stand above them come first."""
-    return list(_walk(Case, "", ""))
+    """All sections of the case file, each once; the keys that stand above them come first."""
+    return list(_walk(Case, "", "", set()))
 
 
 def as_markdown(sections: list[SectionKeys]) -> str:
@@ -61,25 +65,29 @@ def _cell(text: str) -> str:
     return text.replace("|", "\\|")
 
 
-def _walk(section: type[Section], path: str, title: str) -> Iterator[SectionKeys]:
-    """The section, then those that stand in it."""
+def _walk(section: type[Section], path: str, title: str, seen: set[type[Section]]) -> Iterator[SectionKeys]:
+    """The section, then those that stand in it and have not been met before, like the table of a series."""
+    seen.add(section)
     keys, inner = [], []
     for name, field in section.model_fields.items():
         here = f"{path}.{name}" if path else name
-        sections = [_INSTEAD[name]] if name in _INSTEAD else list(dict.fromkeys(sections_in(field.annotation)))
+        in_it = [_INSTEAD[name]] if name in _INSTEAD else list(dict.fromkeys(sections_in(field.annotation)))
         keys.append(Key(name, _meaning(here, field), _default(field)))
-        several = name in _INSTEAD or _is_list(field.annotation)
-        inner += [(each, here, _title(here, each, many=several, alone=len(sections) == 1)) for each in sections]
+        brackets = f"[[{here}]]" if name in _INSTEAD or _is_list(field.annotation) else f"[{here}]"
+        inner += [(each, here, f"`{brackets}`{_kind(each)}") for each in in_it]
     yield SectionKeys(title, inspect.getdoc(section) or "", tuple(keys))
     for each, here, its_title in inner:
-        # A series stands in many places; it is described where it is met first.
-        yield from _walk(each, here, its_title)
+        if each not in seen:
+            yield from _walk(each, here, its_title, seen)
 
 
-def _title(path: str, section: type[Section], *, many: bool, alone: bool) -> str:
-    brackets = f"[[{path}]]" if many else f"[{path}]"
-    what = "" if alone else f" ({(inspect.getdoc(section) or '').splitlines()[0].rstrip('.')})"
-    return f"`{brackets}`{what}"
+def _kind(section: type[Section]) -> str:
+    """What tells this section from others in the same place: its shape or its law."""
+    for key in ("shape", "law"):
+        choices = get_args(section.model_fields[key].annotation) if key in section.model_fields else ()
+        if len(choices) == 1:
+            return f', `{key} = "{choices[0]}"`'
+    return ""
 
 
 def _is_list(annotation: Any) -> bool:
@@ -89,7 +97,7 @@ def _is_list(annotation: Any) -> bool:
 
 
 def _meaning(path: str, field: FieldInfo) -> str:
-    choices = _CHOICES.get(path)
+    choices: Iterable[str] | None = _CHOICES.get(path)
     listed = "" if choices is None else f" ({', '.join(choices)})"
     return f"{field.description or ''}{listed}"
 

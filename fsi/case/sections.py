@@ -1,4 +1,4 @@
-"""The sections of a case file below the top: fluid, discretisation, time, output, expected rows."""
+"""The sections of a case file below the top: fluid, discretisation, time, output, calibration."""
 
 from __future__ import annotations
 
@@ -6,13 +6,7 @@ from typing import Any, Literal, NamedTuple
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from fsi.case.section import CaseContext, Section, nearest_word, told
-from fsi.validation.references import REFERENCES
-
-_COMPONENT = r"(velocity|force|position|angular_velocity|torque)\.[xyrz]|angular_velocity|torque"
-APPARENT_VISCOSITY = "apparent viscosity"
-DISSIPATION = "dissipation"
-_QUANTITY = rf"^({DISSIPATION}|{APPARENT_VISCOSITY}|time at gap [\d.e-]+|[\w -]+\.({_COMPONENT}))$"
+from fsi.case.section import CaseContext, Section, told
 
 
 class Fluid(Section):
@@ -116,48 +110,6 @@ class Output(Section):
     error_estimates: bool = Field(
         default=False, description="true to estimate the discretisation error of each step, false not to"
     )
-
-
-class Expected(Section):
-    """A number that the case must give: a value, or the name of an exact result of `validation.references`.
-
-    quantity: `dissipation`, `apparent viscosity`, or of a body `disc.velocity.x`, `disc.force.y` (by the
-    fluid on the body), `disc.angular_velocity`, `disc.torque`, at the end of a run `disc.position.y`; for a
-    run also `time at gap 0.1`, the first time at which the smallest gap is 0.1.
-    """
-
-    quantity: str = Field(
-        pattern=_QUANTITY,
-        description='"dissipation", "apparent viscosity", "BODY.force.x" (velocity, position; y), '
-        '"BODY.torque", '
-        '"time at gap 0.1"',
-    )
-    value: float | None = Field(default=None, description="the expected number, or give `exact`")
-    exact: str | None = Field(default=None, description=f"one of {', '.join(REFERENCES)}, or give `value`")
-    rtol: float = Field(gt=0.0, description="the relative tolerance, a number > 0")
-    source: str = Field(min_length=1, description="where the number comes from")
-
-    @field_validator("exact")
-    @classmethod
-    def _known(cls, exact: str | None) -> str | None:
-        if exact is not None and exact not in REFERENCES:
-            raise ValueError(f"no such exact result; the nearest is {nearest_word(exact, REFERENCES)!r}")
-        return exact
-
-    @model_validator(mode="after")
-    def _one_of_them(self) -> Expected:
-        if (self.value is None) == (self.exact is None):
-            raise ValueError("needs either a value or the name of an exact result")
-        return self
-
-
-class Sweep(Section):
-    """For `fsi validate`: the same case with one number changed, for each of several values."""
-
-    key: str = Field(
-        pattern=r"^[\w.-]+$", description='the dotted key of a number, like "bodies.0.position.1"'
-    )
-    values: tuple[float, ...] = Field(min_length=1, description="the values of that key, at least one")
 
 
 class Calibration(Section):

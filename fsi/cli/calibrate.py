@@ -38,14 +38,17 @@ def calibrate(
     never computed again: a command that was killed goes on when it is given again.
     """
     from fsi.calibration.calibrate import calibrate_case
+    from fsi.calibration.sampling import Sampling
+    from fsi.postprocess.plots.calibration import plot_calibration
+    from fsi.report.calibration import print_calibration
     from fsi.report.progress import counting
 
     case = load_resolved(case_file, overrides, "calibrate")
     folder = output or Path("runs") / "calibration" / case_file.stem
     with counting("samples") as show:
-        found = calibrate_case(case, case_file.name, folder, cache, workers or os.cpu_count() or 1, show)
+        sampling = Sampling(cache, workers or os.cpu_count() or 1, show)
+        result = calibrate_case(case, case_file.name, folder, sampling)
+    parallel.on_root(lambda: plot_calibration(folder, folder / "calibration.png"))
     if parallel.is_root():
-        from fsi.report.calibration import print_calibration
-
-        print_calibration(standard_output(), found)
+        print_calibration(standard_output(), result)
         typer.echo(f"wrote {folder}: law.toml, samples.csv, calibration.json, calibration.png")

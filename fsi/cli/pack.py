@@ -12,8 +12,7 @@ from fsi.cli.arguments import require_writable
 from fsi.errors import InputError
 
 if TYPE_CHECKING:
-    from fsi.arrangements.arrangement import Arrangement, Cell
-    from fsi.arrangements.kinds import Wanted
+    from fsi.arrangements.arrangement import Arrangement, SimulationCell, Wanted
 
 EXAMPLE = "Example: fsi pack random --number 50 --area-fraction 0.4 --gap 0.02 --seed 1 -o random.json"
 
@@ -21,11 +20,7 @@ Kind = Literal["random", "square", "hexagonal", "rows", "chains", "columns"]
 CellKind = Literal["channel", "periodic", "box"]
 Sizes = Literal["equal", "bidisperse", "lognormal"]
 
-# What an option is if it is not given; None in the command line says that it was not.
-_DEFAULTS: dict[str, Any] = {
-    "aspect": 1.0, "seed": 1, "sizes": "equal", "spread": {"equal": 0.0, "bidisperse": 1.4, "lognormal": 0.2},
-    "dimension": 2, "rows": None, "length": None, "angle": None,
-}  # fmt: skip
+_SPREADS = {"equal": 0.0, "bidisperse": 1.4, "lognormal": 0.2}  # unless it is given
 
 
 def pack(
@@ -85,66 +80,58 @@ def pack(
     The file is one that a case takes by `bodies_from`; it is drawn as well. The cell begins at the origin,
     and the area fraction determines its size. Random is the equilibrium fluid of hard bodies.
     """
-    given = {"seed": seed, "aspect": aspect, "sizes": sizes, "spread": spread, "dimension": dimension,
-             "rows": rows, "length": length, "angle": angle}  # fmt: skip
     if output.suffix != ".json":
         raise InputError(f"output = {output}: ends in {output.suffix or 'nothing'}; give a .json file")
     drawn = picture or output.with_suffix(".png")
     for path in (output, drawn):
         require_writable(path)
-    wanted = _wanted(kind, number, area_fraction, radius, gap, cell, given)
+    smallest = 0.02 * radius if gap is None else gap
+    common = {"number": number, "fraction": area_fraction, "radius": radius, "gap": smallest, "cell": cell}
+    options = {"seed": seed, "aspect": aspect, "sizes": sizes, "spread": spread, "dimension": dimension,
+               "rows": rows, "length": length, "angle": angle}  # fmt: skip
+    wanted = _wanted(kind, common, {name: value for name, value in options.items() if value is not None})
     parallel.on_root(lambda: _make(kind, wanted, output, drawn))
 
 
-def _wanted(
-    kind: Kind,
-    number: int,
-    fraction: float,
-    radius: float,
-    gap: float | None,
-    cell: str,
-    given: dict[str, Any],
-) -> Wanted:
-    """All values, checked. Raises InputError."""
-    from fsi.arrangements.kinds import OPTIONS, Wanted
+def _wanted(kind: Kind, common: dict[str, Any], options: dict[str, Any]) -> Wanted:
+    """All values, checked; options are those that were given. Raises InputError."""
+    from fsi.arrangements.arrangement import Wanted
+    from fsi.arrangements.kinds import KINDS
 
-    for option, value in given.items():
-        if value is not None and option not in OPTIONS[kind]:
-            takes = ", ".join(f"--{name}" for name in OPTIONS[kind])
+    for option, value in options.items():
+        if option not in KINDS[kind].options:
+            takes = ", ".join(f"--{name}" for name in KINDS[kind].options)
             raise InputError(f"--{option} {value}: {kind} has no such option; drop it ({kind} takes {takes})")
-    gap = 0.02 * radius if gap is None else gap
-    filled = _DEFAULTS | {option: value for option, value in given.items() if value is not None}
-    if given["spread"] is None:
-        filled["spread"] = _DEFAULTS["spread"][filled["sizes"]]
-    elif filled["sizes"] == "equal":
+    sizes = options.get("sizes", "equal")
+    if "spread" in options and sizes == "equal":
         raise InputError(
-            f"--spread {given['spread']:g}: the radii are equal; give --sizes bidisperse or lognormal"
+            f"--spread {options['spread']:g}: the radii are equal; give --sizes bidisperse or lognormal"
         )
-    filled |= _shape(kind, number, filled)
-    smallest_spread = 1.0 if filled["sizes"] == "bidisperse" else 0.0
+    filled = {"spread": _SPREADS[sizes]} | _shape(kind, common["number"]) | options
+    wanted = Wanted(**common, **filled)
     for name, value, least in (
-        ("area-fraction", fraction, 0.0), ("radius", radius, 0.0), ("gap", gap, 0.0),
-        ("aspect", filled["aspect"], 0.0), ("spread", filled["spread"], smallest_spread),
+        ("area-fraction", wanted.fraction, 0.0), ("radius", wanted.radius, 0.0), ("gap", wanted.gap, 0.0),
+        ("aspect", wanted.aspect, 0.0), ("spread", wanted.spread, 1.0 if sizes == "bidisperse" else 0.0),
     ):  # fmt: skip
         if not least <= value < float("inf") or (value == 0.0 and name not in ("gap", "spread")):
             raise InputError(f"--{name} {value:g}: out of range; give a number above {least:g}")
-    if fraction >= 1.0:
-        raise InputError(f"--area-fraction {fraction:g}: bodies cannot fill all; give a number below 1")
-    return Wanted(number=number, fraction=fraction, radius=radius, gap=gap, cell=cell, **filled)
+    if wanted.fraction >= 1.0:
+        raise InputError(
+            f"--area-fraction {wanted.fraction:g}: bodies cannot fill all; give a number below 1"
+        )
+    return wanted
 
 
-def _shape(kind: Kind, number: int, filled: dict[str, Any]) -> dict[str, Any]:
+def _shape(kind: Kind, number: int) -> dict[str, Any]:
     """Rows, length and angle where they are not given."""
-    divisors = [k for k in range(1, number + 1) if number % k == 0]
-    middle = min(divisors, key=lambda k: abs(k - number**0.5))
-    rows = filled["rows"] or (1 if kind == "chains" else middle)
-    length = filled["length"] or (4 if kind == "chains" else middle)
-    angle = filled["angle"] if filled["angle"] is not None else (135.0 if kind == "chains" else 90.0)
-    return {"rows": rows, "length": length, "angle": angle}
+    if kind == "chains":
+        return {"rows": 1, "length": 4, "angle": 135.0}
+    middle = min((k for k in range(1, number + 1) if number % k == 0), key=lambda k: abs(k - number**0.5))
+    return {"rows": middle, "length": middle, "angle": 90.0}
 
 
 def _make(kind: Kind, wanted: Wanted, output: Path, drawn: Path) -> None:
-    from fsi.arrangements.kinds import OPTIONS, arrange, write_arrangement
+    from fsi.arrangements.kinds import KINDS, arrange, write_arrangement
     from fsi.postprocess.render.arrangement import draw_arrangement
 
     arrangement = arrange(kind, wanted)
@@ -152,7 +139,7 @@ def _make(kind: Kind, wanted: Wanted, output: Path, drawn: Path) -> None:
         "kind": kind,
         "area_fraction": arrangement.fraction(),
         "gap": wanted.gap,
-        **{option: getattr(wanted, option) for option in OPTIONS[kind]},
+        **{option: getattr(wanted, option) for option in KINDS[kind].options},
     }
     write_arrangement(arrangement, output, described)
     draw_arrangement(arrangement, drawn)
@@ -169,7 +156,7 @@ def _tell(arrangement: Arrangement, output: Path, drawn: Path) -> None:
     typer.echo(f"wrote {output} and {drawn}")
 
 
-def _domain(cell: Cell) -> list[str]:
+def _domain(cell: SimulationCell) -> list[str]:
     """The lines of a case that make this cell its domain; in space there is none with periodic sides."""
     if cell.dimension == 2 and all(cell.periodic):
         length, height = cell.sides

@@ -46,11 +46,11 @@ def plot(
     A single body that settles onto a plane comes with its exact law and that law's asymptote. The file that a
     benchmark writes with --json gives its CPU seconds against N.
     """
+    from fsi.calibration.files import SUMMARY
     from fsi.postprocess.plots.calibration import plot_calibration
     from fsi.postprocess.plots.histories import plot_runs, require_figure
     from fsi.postprocess.plots.scaling import plot_scaling
     from fsi.postprocess.run.run import open_run
-    from fsi.report.calibration import SUMMARY
 
     calibrated = parallel.on_root(lambda: len(folders) == 1 and (folders[0] / SUMMARY).is_file())
     draw: Callable[[Path, Path], None] | None = None

@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from fsi.report.console import standard_output
+from fsi import parallel
+from fsi.report.console import standard_error, standard_output
 
 EXAMPLE = "Example: fsi validate two_discs concentric_sphere"
 
@@ -30,6 +31,15 @@ def validate(
     Prints a table, and writes it as JSON, CSV and a plot. Exit code 4 if a value lies outside its tolerance.
     """
     from fsi.cli.shipped import shipped_cases
-    from fsi.validation.validate import validate_cases
+    from fsi.postprocess.plots.validation import plot_rows
+    from fsi.report.validation import print_errors, print_rows
+    from fsi.validation.validate import require_passed, validate_cases
 
-    validate_cases(cases or shipped_cases() / "validation", names or (), output, standard_output())
+    progress, console = standard_error(), standard_output()
+    folder = cases or shipped_cases() / "validation"
+    rows = validate_cases(folder, names or (), output, lambda rows: print_errors(progress, rows))
+    parallel.on_root(lambda: plot_rows(rows, output / "validation.png"))
+    if parallel.is_root():
+        print_rows(console, rows)
+        console.print(f"wrote {output}/validation.json, .csv and .png", highlight=False)
+    require_passed(rows)

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 
@@ -39,12 +37,6 @@ class Program:
         """`r = b + J u`, (rows,)."""
         r: Array = self.b + self.J @ u
         return r
-
-    def of_rows(self, chosen: NDArray[np.intp]) -> Program:
-        """The program with these rows, and only the modes that they move."""
-        J = self.J[chosen]
-        moved = np.unique(J.indices)
-        return Program(J[:, moved].tocsr(), self.b[chosen], self.mass[moved], self.u_star[moved])
 
 
 @dataclass(frozen=True, slots=True)

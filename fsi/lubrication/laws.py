@@ -12,6 +12,7 @@ antiderivative of kappa in d, the `ln d` or `-2 d^(-1/2)` of the distance equati
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -59,8 +60,14 @@ class Profile(Protocol):
 class ScaledLaw:
     """The law kappa = mu a_r^n K(d/a_r).
 
-    profile: K; viscosity: mu; exponent: n; extrapolate: whether gaps outside the range of the profile are
-    allowed. Raises RangeError where they are not, and for gaps that are not positive in any case.
+    Raises RangeError for gaps outside the range of the profile where they are not allowed, and for gaps that
+    are not positive in any case.
+
+    Attributes:
+        profile: K.
+        viscosity: mu.
+        exponent: n.
+        extrapolate: whether gaps outside the range of the profile are allowed.
     """
 
     profile: Profile
@@ -103,8 +110,11 @@ class ScaledLaw:
 class CutLaw:
     """A law less its value at the gap d_c, and zero beyond, so that far drag is not counted twice.
 
-    law: any law; cut: d_c > 0, a length. kappa is continuous, and never negative if that of `law` decreases.
-    The integral is that from d_c.
+    kappa is continuous, and never negative if that of `law` decreases. The integral is that from d_c.
+
+    Attributes:
+        law: any law.
+        cut: d_c > 0, a length.
     """
 
     law: LubricationLaw
@@ -159,7 +169,10 @@ class Term:
 class Series:
     """K(s) = sum_k c_k phi_k(s).
 
-    terms: phi_k; coefficients: c_k, as many; range: where it holds; all s > 0 if not given.
+    Attributes:
+        terms: phi_k.
+        coefficients: c_k, as many.
+        range: where it holds; all s > 0 if not given.
     """
 
     terms: tuple[Term, ...]
@@ -168,25 +181,12 @@ class Series:
 
     def value(self, s: Array) -> Array:
         """K(s)."""
-        parts = [c * term.value(s) for c, term in zip(self.coefficients, self.terms, strict=True)]
-        return np.sum(parts, axis=0)
+        return self._sum(term.value(s) for term in self.terms)
 
     def integral(self, s: Array) -> Array:
         """The sum of the antiderivatives of the terms."""
-        parts = [c * term.integral(s) for c, term in zip(self.coefficients, self.terms, strict=True)]
-        return np.sum(parts, axis=0)
+        return self._sum(term.integral(s) for term in self.terms)
 
-
-def slides_law(coefficient: float) -> ScaledLaw:
-    """kappa = coefficient/d for every pair, the `mu/d` of A. Lefebvre and B. Maury: no radius enters."""
-    return ScaledLaw(Series((Term(-1.0),), (1.0,)), coefficient, -1)
-
-
-def leading_sphere_law(viscosity: float) -> ScaledLaw:
-    """kappa = 6 pi mu a_r^2/d: of a sphere and a plane 6 pi mu a^2/d, of equal spheres (3/2) pi mu a^2/d."""
-    return ScaledLaw(Series((Term(-1.0),), (6.0 * np.pi,)), viscosity, 1)
-
-
-def leading_disc_law(viscosity: float) -> ScaledLaw:
-    """kappa = 3 sqrt2 pi mu (a_r/d)^(3/2): of equal discs (3/2) pi mu (a/d)^(3/2)."""
-    return ScaledLaw(Series((Term(-1.5),), (3.0 * np.sqrt(2.0) * np.pi,)), viscosity, 0)
+    def _sum(self, values: Iterable[Array]) -> Array:
+        """sum_k c_k v_k."""
+        return np.sum([c * v for c, v in zip(self.coefficients, values, strict=True)], axis=0)

@@ -20,6 +20,7 @@ from fsi.lubrication.bispherical import sum_common, sum_cross, sum_self
 from fsi.lubrication.exact import gap_ratio
 
 Array = NDArray[np.float64]
+type Both = tuple[ArrayLike, ArrayLike]  # of the first sphere and of the second
 
 
 def normal_resistance(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -> Array:
@@ -33,7 +34,7 @@ def pair_resistance(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -> 
 
     Spheres approaching at speed V (each at V/2) need opposite forces of this times V.
     """
-    force, _ = line_forces(gap, radius, radius, viscosity, 0.5, -0.5)
+    force, _ = line_forces(gap, (radius, radius), viscosity, (0.5, -0.5))
     return force
 
 
@@ -43,27 +44,20 @@ def relative_resistance(gap: ArrayLike, radius: ArrayLike, other: ArrayLike, vis
     `-R_12 + C_1 C_2/(C_1 + C_2)`, C_i the force on sphere i when both move as one body: opposite forces need
     `C_1 V_1 + C_2 V_2 = 0`.
     """
-    alone, other_alone = line_forces(gap, radius, other, viscosity, 1.0, 1.0)
-    cross, _ = line_forces(gap, radius, other, viscosity, 0.0, 1.0)
+    alone, other_alone = line_forces(gap, (radius, other), viscosity, (1.0, 1.0))
+    cross, _ = line_forces(gap, (radius, other), viscosity, (0.0, 1.0))
     return alone * other_alone / (alone + other_alone) - cross
 
 
-def line_forces(
-    gap: ArrayLike,
-    radius: ArrayLike,
-    other: ArrayLike,
-    viscosity: ArrayLike,
-    velocity: ArrayLike,
-    other_velocity: ArrayLike,
-) -> tuple[Array, Array]:
-    """(F_1, F_2) of two spheres with the given velocities V_1, V_2 along their line of centres.
+def line_forces(gap: ArrayLike, radii: Both, viscosity: ArrayLike, velocities: Both) -> tuple[Array, Array]:
+    """(F_1, F_2) of two spheres of radii (a, b) with the velocities (V_1, V_2) along their line of centres.
 
     `F_i = C_i W + R_i1 (V_1 - W) + R_i2 (V_2 - W)`, where W is the velocity that both share, and C_i the
     resistance of the pair moving as one body: R_11 + R_12, which cancels at small gaps, is never formed.
     """
-    a, b = np.asarray(radius, dtype=np.float64), np.asarray(other, dtype=np.float64)
+    a, b = (np.asarray(radius, dtype=np.float64) for radius in radii)
     al, be = _line_angles(gap, a, b)
-    v1, v2 = np.asarray(velocity, dtype=np.float64), np.asarray(other_velocity, dtype=np.float64)
+    v1, v2 = (np.asarray(velocity, dtype=np.float64) for velocity in velocities)
     shared = np.where(v1 * v2 > 0.0, np.sign(v1) * np.minimum(np.abs(v1), np.abs(v2)), 0.0)
     v1, v2 = v1 - shared, v2 - shared
     scale, cross = _scale(al, a, viscosity), sum_cross(al, be)

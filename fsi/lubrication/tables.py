@@ -15,11 +15,14 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class TabulatedProfile:
     """K(s) through the given points; beyond them the power of s that fits value and slope of the last.
 
-    s: increasing, > 0; K: positive, decreasing; both of shape (n,), n >= 2; smooth: whether ln K is a spline
-    of degree 5, for values exact to many digits, n >= 6; otherwise Fritsch and Carlson's monotone cubic.
+    Attributes:
+        s: increasing, > 0, shape (n,), n >= 2.
+        K: positive, decreasing, (n,).
+        smooth: whether ln K is a spline of degree 5, for values exact to many digits, n >= 6; otherwise
+            Fritsch and Carlson's monotone cubic.
     """
 
     s: Array

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 from typing import Literal
@@ -14,15 +14,8 @@ from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.law_file import read_law_file
 from fsi.errors import InputError, SolveError
-from fsi.lubrication.exact_laws import exact_law
-from fsi.lubrication.laws import (
-    CutLaw,
-    LubricationLaw,
-    RangeError,
-    leading_disc_law,
-    leading_sphere_law,
-    slides_law,
-)
+from fsi.lubrication.laws import CutLaw, LubricationLaw, RangeError
+from fsi.lubrication.named_laws import LAWS, SqueezeFilm, names_of_laws
 
 # Below this gap, in reduced radii, a law is continued by its leading term in the logarithm of the gap: exact
 # for kappa ~ 1/d, whose gaps underflow, and never reached with kappa ~ d^(-3/2).
@@ -33,8 +26,12 @@ _SMALLEST = 1e-150
 class GapLaws:
     """kappa and its integral for pairs of bodies and for bodies and walls; arrays are (P,).
 
-    Gaps are given as x = ln D, see `_SMALLEST`; radius: the reduced radius; is_wall: which law. Raises
-    SolveError where a law does not hold.
+    Gaps are given as x = ln D, see `_SMALLEST`, with the reduced radius of each pair and whether it is one of
+    a body and a wall. Raises SolveError where a law does not hold.
+
+    Attributes:
+        bodies: the law between bodies.
+        walls: the law between bodies and walls.
     """
 
     bodies: LubricationLaw
@@ -57,50 +54,39 @@ class GapLaws:
     def _each(
         self, method: Literal["kappa", "integral"], D: Array, radius: Array, is_wall: NDArray[np.bool_]
     ) -> Array:
-        found = np.empty(len(D))
+        values = np.empty(len(D))
         for law, here in ((self.bodies, ~is_wall), (self.walls, is_wall)):
             if np.any(here):
                 try:
-                    found[here] = getattr(law, method)(D[here], radius[here])
+                    values[here] = getattr(law, method)(D[here], radius[here])
                 except RangeError as error:
                     raise SolveError(f"reduced.law: {error} with reduced.extrapolate = true") from None
-        return found
+        return values
 
 
 def make_laws(case: Case) -> GapLaws:
     """The laws that the section [reduced] asks for.
 
-    "exact" is that of a plane for walls and that of equal bodies for pairs, whose leading term holds for all
-    radii. Raises InputError.
+    Laws that depend on the ratio of the radii are those of a plane for walls and those of equal bodies for
+    pairs, whose leading term holds for all radii. Raises InputError.
     """
-    given = case.reduced
-    return GapLaws(
-        _cut(_law(case, "law", given.law, 1.0), given.cutoff),
-        _cut(_law(case, "wall_law", given.wall_law or given.law, inf), given.cutoff),
-    )
+    name = case.reduced.law
+    return GapLaws(_law(case, "law", name, 1.0), _law(case, "wall_law", case.reduced.wall_law or name, inf))
 
 
 def _law(case: Case, key: str, name: str, ratio: float) -> LubricationLaw:
-    mu = case.fluid.viscosity
-    if name == "slides":
-        return slides_law(mu)
-    if name == "leading":
-        return leading_sphere_law(mu) if case.spheres else leading_disc_law(mu)
-    if name == "exact":
-        return exact_law("spheres" if case.spheres else "discs", ratio, mu, extrapolate=True)
+    film = SqueezeFilm("spheres" if case.spheres else "discs", case.fluid.viscosity, ratio, extrapolate=True)
+    law = LAWS[name].of(film) if name in LAWS else _of_file(case, f'reduced.{key} = "{name}"', name, film)
+    return law if case.reduced.cutoff is None else CutLaw(law, case.reduced.cutoff)
+
+
+def _of_file(case: Case, here: str, name: str, film: SqueezeFilm) -> LubricationLaw:
+    """The law of a file at the viscosity of the fluid, not at that at which it was calibrated."""
     if not Path(name).is_file():
+        raise InputError(f"{here}: there is no such law; give {names_of_laws()} or the path of a law file")
+    file = read_law_file(Path(name))
+    if not file.squeezes(film.shape):
         raise InputError(
-            f'reduced.{key} = "{name}": no such file; give "slides", "leading", "exact" or a law file'
+            f"{here}: a law of {file.mode} between {file.shape}; give one of squeeze between {film.shape}"
         )
-    file, shape = read_law_file(Path(name)), "spheres" if case.spheres else "discs"
-    if file.mode != "squeeze" or (file.shape != shape and file.form != "slides"):
-        raise InputError(
-            f'reduced.{key} = "{name}": a law of {file.mode} between {file.shape}; give one of squeeze '
-            f"between {shape}"
-        )
-    # A law is linear in mu: that of the fluid counts, not that at which the law was calibrated.
-    return replace(file.law(extrapolate=case.reduced.extrapolate), viscosity=mu)
-
-
-def _cut(law: LubricationLaw, cutoff: float | None) -> LubricationLaw:
-    return law if cutoff is None else CutLaw(law, cutoff)
+    return file.law(viscosity=film.viscosity, extrapolate=case.reduced.extrapolate)

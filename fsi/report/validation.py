@@ -8,12 +8,15 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from fsi.lubrication.spheres import normal_resistance, plane_expansion
-from fsi.validation.rows import Row
+from fsi.validation.rows import Record, Row, sphere_records
 
 WIDTH = 100  # below it the numbers would be folded
-SPHERE = "sphere_wall_normal"
-TERMS = {1: "leading", 2: "two-term", 3: "three-term"}
+
+
+def print_errors(console: Console, rows: Sequence[Row]) -> None:
+    """One line as soon as a case is computed."""
+    worst = max(row.true_error for row in rows)
+    console.print(f"{rows[0].case}: gap/a {rows[0].gap:.3g}, error {worst:.1e}", highlight=False)
 
 
 def print_rows(console: Console, rows: Sequence[Row]) -> None:
@@ -45,24 +48,7 @@ def summary(rows: Sequence[Row]) -> str:
     return text + (f"; {unknown} more agree to all digits of the reference" if unknown else "")
 
 
-def sphere_records(rows: Sequence[Row]) -> list[dict[str, float | str | bool | None]]:
-    """Resolved force of a sphere moving normal to a plane over 1, 2, 3 terms of its expansion at small gaps.
-
-    The ratio to the exact force turns the expansions, of a unit sphere, into those of the row.
-    """
-    found: list[dict[str, float | str | bool | None]] = []
-    for row in rows:
-        if row.exact == SPHERE and not row.failure:
-            scale = row.value / row.reference * normal_resistance(row.gap, 1.0, 1.0)
-            ratios = {
-                f"resolved/{name}": float(scale / plane_expansion(row.gap, 1.0, 1.0, terms))
-                for terms, name in TERMS.items()
-            }
-            found.append({"case": row.case, "gap/radius": row.gap, "resolved": row.value, **ratios})
-    return found
-
-
-def _sphere_table(records: Sequence[dict[str, float | str | bool | None]]) -> Table:
+def _sphere_table(records: Sequence[Record]) -> Table:
     table = Table(
         title="a sphere and a plane: the resolved force over 6 pi mu a U (a/q + ln(a/q)/5 + 0.97128)"
     )

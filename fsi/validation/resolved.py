@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +13,10 @@ from fsi import parallel
 from fsi.bodies.configuration import Array
 from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
-from fsi.case.sections import Expected
+from fsi.case.expected import TIME_AT_GAP, Expected, gap_of
 from fsi.errors import InputError, SolveError
 from fsi.integration.schemes import BogackiShampine
+from fsi.lubrication.exact_results import EXACT
 from fsi.meshes.errors import MeshError
 from fsi.observables.error_estimate import ErrorEstimate
 from fsi.observables.truncation import halved
@@ -22,8 +24,8 @@ from fsi.run_folder.folder import STEPS
 from fsi.runs import run
 from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.model import StokesModel
-from fsi.validation.references import ENCLOSED, TIME_AT_GAP, gap_of
-from fsi.validation.rows import Row, computed, reference, swept
+from fsi.validation.references import reference
+from fsi.validation.rows import Row, computed, swept
 
 # A second run has steps that many times as long: at order 2 or more its error is more than twice as large.
 STRETCH = 1.5
@@ -39,44 +41,57 @@ def rows_of(path: Path, runs: Path) -> Iterator[list[Row]]:
     Raises:
         InputError: the case is not sound. A solve that fails gives rows without value.
     """
-    for value, case in swept(path):
+    for sweep, case in swept(path):
         try:
-            found = _instant(case) if case.time is None else _history(case, runs / path.stem)
-            failure = ""
+            numbers = _instant(case) if case.time is None else _history(case, runs / path.stem)
         except (SolveError, MeshError) as error:
-            found, failure = [(np.nan, np.nan, np.nan)] * len(case.expected), str(error)
+            numbers = [Number(np.nan, np.nan, np.nan, str(error))] * len(case.expected)
         yield [
-            _row(path.stem, value, case, row, *numbers, failure)
-            for row, numbers in zip(case.expected, found, strict=True)
+            _row(path.stem, sweep, case, row, number)
+            for row, number in zip(case.expected, numbers, strict=True)
         ]
 
 
-def _row(
-    name: str, sweep: float | None, case: Case, row: Expected,
-    value: float, error: float, truncation: float, failure: str,
-) -> Row:  # fmt: skip
+@dataclass(frozen=True, slots=True)
+class Number:
+    """A computed number.
+
+    Attributes:
+        value: as it was computed.
+        error: of the elements, and of the time steps.
+        truncation: what the finite container changes.
+        failure: why there is none, or empty.
+    """
+
+    value: float
+    error: float
+    truncation: float
+    failure: str = ""
+
+
+def _row(name: str, sweep: float | None, case: Case, row: Expected, number: Number) -> Row:
     expected, digits = reference(case, row)
     size = abs(expected) or 1.0
     q = case.configuration()
     gap = find_gaps(q, case.container(), reach=case.container().size()).smallest() / float(q.radii.min())
     return Row(
-        name, sweep, gap, row.quantity, value, error / size, truncation / size, expected, digits, row.rtol,
-        row.exact or "", row.source, failure,
+        name, sweep, gap, row.quantity, number.value, number.error / size, number.truncation / size,
+        expected, digits, row.rtol, row.exact or "", row.source, number.failure,
     )  # fmt: skip
 
 
-def _instant(case: Case) -> list[tuple[float, float, float]]:
-    """(value, error of the elements, truncation) of each expected row at time 0."""
+def _instant(case: Case) -> list[Number]:
+    """Those of the expected rows at time 0."""
     solved = solve_with_errors(case)
     solution, errors = solved.solution, solved.errors
-    enclosed = any(row.exact in ENCLOSED for row in case.expected)
+    enclosed = any(row.exact and EXACT[row.exact].fitting.enclosed for row in case.expected)
     half = None if enclosed else halved(solved.case)
     smaller = solution if half is None else StokesModel(half)(half.configuration(), 0.0)
     thicker = (smaller.apparent_viscosity or 0.0) - (solution.apparent_viscosity or 0.0)
     lost = smaller.dissipation - solution.dissipation
     change = ErrorEstimate(smaller.U - solution.U, smaller.F - solution.F, lost, thicker)
     return [
-        (
+        Number(
             computed(case, solution, row.quantity),
             abs(computed(case, errors, row.quantity)),
             abs(computed(case, change, row.quantity)),
@@ -85,8 +100,8 @@ def _instant(case: Case) -> list[tuple[float, float, float]]:
     ]
 
 
-def _history(case: Case, folder: Path) -> list[tuple[float, float, float]]:
-    """The same of times at gaps, from two runs; the error is that of the elements and of the time steps."""
+def _history(case: Case, folder: Path) -> list[Number]:
+    """Those of times at gaps, from two runs; the error is that of the elements and of the time steps."""
     assert case.time is not None
     steps = {
         "tolerance": STRETCH**BogackiShampine.error_order * case.time.tolerance,
@@ -96,12 +111,12 @@ def _history(case: Case, folder: Path) -> list[tuple[float, float, float]]:
     fine = _run(case, folder)
     rough = _run(case.model_copy(update={"time": coarser}), folder.with_name(f"{folder.name}-coarser"))
     truncation = _relative_truncation(case)
-    found = []
+    numbers = []
     for row in case.expected:
         at, late = time_at(gap_of(row.quantity), *fine[:2]), time_at(gap_of(row.quantity), *rough[:2])
         elements = float(np.sum(np.where(fine[0] <= at, fine[2], 0.0)))
-        found.append((at, elements + abs(late - at), truncation * at))
-    return found
+        numbers.append(Number(at, elements + abs(late - at), truncation * at))
+    return numbers
 
 
 def _run(case: Case, folder: Path) -> tuple[Array, Array, Array]:

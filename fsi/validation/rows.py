@@ -3,38 +3,51 @@
 from __future__ import annotations
 
 import csv
-import io
 import json
 import tomllib
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from decimal import Decimal
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 
 from fsi.case.case import Case
 from fsi.case.checks.expected import check_expected
+from fsi.case.expected import APPARENT_VISCOSITY, DISSIPATION, TIME_AT_GAP
 from fsi.case.load import load_case, parse_case
 from fsi.case.overrides import override
 from fsi.case.section import nearest_word, toml_text
-from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, Expected
 from fsi.errors import InputError
+from fsi.lubrication.spheres import normal_resistance, plane_expansion
 from fsi.observables.error_estimate import Measured
-from fsi.validation.references import REFERENCES, TIME_AT_GAP, component
+from fsi.validation.references import component
 
-EXACT_DIGITS = 1e-13  # relative error of the functions in `fsi.lubrication`
+SPHERE = "sphere_wall_normal"
+TERMS = {1: "leading", 2: "two-term", 3: "three-term"}
 WIDEST_BAR = 10.0  # an error bar holds if the true error is between a tenth of it and all of it
+
+
+type Record = dict[str, float | str | bool | None]
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
     """One computed number and its reference. Errors are relative to the reference.
 
-    case: file name without suffix; sweep: value of the swept key, None without sweep; gap: smallest gap over
-    smallest radius at time 0; mesh_error: estimated error of the elements (and of the time steps);
-    truncation: of the finite container; digits: how exact the reference is; failure: why there is no value,
-    or empty.
+    Attributes:
+        case: file name without suffix.
+        sweep: value of the swept key, None without sweep.
+        gap: smallest gap over smallest radius at time 0.
+        quantity: of the expected row.
+        value: as it was computed.
+        mesh_error: estimated error of the elements (and of the time steps).
+        truncation: of the finite container.
+        reference: what the value should be.
+        digits: how exact that is.
+        rtol: the tolerance of the expected row.
+        exact: the name of an exact result, or empty.
+        source: of the reference.
+        failure: why there is no value, or empty.
     """
 
     case: str
@@ -77,10 +90,9 @@ class Row:
         return self.true_error <= self.error_bar <= WIDEST_BAR * self.true_error
 
     @property
-    def record(self) -> dict[str, float | str | bool | None]:
+    def record(self) -> Record:
         """All of it, for JSON and CSV."""
-        fields = {name: getattr(self, name) for name in Row.__dataclass_fields__}
-        return fields | {
+        return asdict(self) | {
             "error_bar": self.error_bar,
             "true_error": self.true_error,
             "passed": self.passed,
@@ -90,15 +102,15 @@ class Row:
 
 def chosen_cases(folder: Path, names: Sequence[str]) -> list[Path]:
     """The case files of these names in the folder, all of them if there are none. Raises InputError."""
-    found = {path.stem: path for path in sorted(folder.glob("*.toml"))}
-    if not found:
+    files = {path.stem: path for path in sorted(folder.glob("*.toml"))}
+    if not files:
         raise InputError(
             f"--cases {folder}: no case files there; drop it for those that come with the program"
         )
     for name in names:
-        if name not in found:
-            raise InputError(f"{name}: no such validation case; the nearest is {nearest_word(name, found)}")
-    return [found[name] for name in names] if names else list(found.values())
+        if name not in files:
+            raise InputError(f"{name}: no such validation case; the nearest is {nearest_word(name, files)}")
+    return [files[name] for name in names or files]
 
 
 def swept(path: Path) -> Iterator[tuple[float | None, Case]]:
@@ -132,14 +144,6 @@ def _require_comparable(path: Path, case: Case) -> None:
             raise InputError(f"{here}: a position is given at time 0; expect a velocity or a force")
 
 
-def reference(case: Case, row: Expected) -> tuple[float, float]:
-    """The reference of a row, and its relative error: half a unit of the last digit given."""
-    if row.value is None:
-        return REFERENCES[row.exact or ""](case, row.quantity), EXACT_DIGITS
-    exponent = Decimal(repr(row.value)).as_tuple().exponent
-    return row.value, 0.5 * 10.0 ** int(exponent) / (abs(row.value) or 1.0)
-
-
 def computed(case: Case, results: Measured, quantity: str) -> float:
     """The value of `disc.force.y`, by the fluid on the body, `disc.velocity.x`, `dissipation`, ..."""
     if quantity == DISSIPATION:
@@ -148,24 +152,42 @@ def computed(case: Case, results: Measured, quantity: str) -> float:
         return float("nan") if results.apparent_viscosity is None else results.apparent_viscosity
     body, mode = component(case, quantity)
     values = results.U if quantity.split(".")[1] in ("velocity", "angular_velocity") else -results.F
-    return float(values[case.names.index(body), mode])
+    return float(values[body, mode])
+
+
+def sphere_records(rows: Sequence[Row]) -> list[Record]:
+    """Resolved force of a sphere moving normal to a plane over 1, 2, 3 terms of its expansion at small gaps.
+
+    The ratio to the exact force turns the expansions, of a unit sphere, into those of the row.
+    """
+    records: list[Record] = []
+    for row in rows:
+        if row.exact == SPHERE and not row.failure:
+            scale = row.value / row.reference * normal_resistance(row.gap, 1.0, 1.0)
+            ratios = {
+                f"resolved/{name}": float(scale / plane_expansion(row.gap, 1.0, 1.0, terms))
+                for terms, name in TERMS.items()
+            }
+            records.append({"case": row.case, "gap/radius": row.gap, "resolved": row.value, **ratios})
+    return records
 
 
 def write_rows(rows: Sequence[Row], folder: Path) -> None:
-    """Write validation.json and validation.csv."""
+    """Write validation.json and validation.csv, and of a sphere beside a plane sphere_wall_ratios.csv."""
     records = [row.record for row in rows]
     text = json.dumps([{key: _json(value) for key, value in record.items()} for record in records], indent=1)
     (folder / "validation.json").write_text(text + "\n", encoding="utf-8")
-    (folder / "validation.csv").write_text(csv_text(records), encoding="utf-8")
+    _write_csv(records, folder / "validation.csv")
+    if ratios := sphere_records(rows):
+        _write_csv(ratios, folder / "sphere_wall_ratios.csv")
 
 
-def csv_text(records: Sequence[dict[str, float | str | bool | None]]) -> str:
+def _write_csv(records: Sequence[Record], path: Path) -> None:
     """Records of the same keys as a table with a header."""
-    table = io.StringIO()
-    writer = csv.DictWriter(table, list(records[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(records)
-    return table.getvalue()
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, list(records[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(records)
 
 
 def _json(value: float | str | bool | None) -> float | str | bool | None:

@@ -14,11 +14,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
+from fsi.calibration.files import LAW, SUMMARY
 from fsi.case.law_file import LawFile, read_law_file
 from fsi.errors import InputError
-from fsi.lubrication.exact_laws import exact_resistance
 from fsi.lubrication.expansions import EXPONENTS
-from fsi.report.calibration import LAW, SUMMARY
+from fsi.lubrication.named_laws import exact_resistance
 
 Array = NDArray[np.float64]
 

@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 
 from fsi.errors import InputError
 from fsi.lubrication.spheres import normal_resistance, plane_expansion
-from fsi.report.validation import SPHERE, TERMS
-from fsi.validation.rows import Row
+from fsi.validation.rows import SPHERE, TERMS, Row
 
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")  # Okabe and Ito: told apart by every eye
 _SPACE = 2  # between the rows of two cases

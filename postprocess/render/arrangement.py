@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
-from fsi.arrangements.arrangement import Arrangement, Array, Cell
+from fsi.arrangements.arrangement import Arrangement, Array, SimulationCell
 from fsi.bodies.configuration import Configuration
 from fsi.case.case import Case
 from fsi.errors import InputError
@@ -39,7 +39,7 @@ def draw_arrangement(arrangement: Arrangement, path: Path) -> None:
             raise InputError(f"picture = {path}: {error}; give a .png that can be written") from None
 
 
-def figure_size(cell: Cell) -> tuple[float, float]:
+def figure_size(cell: SimulationCell) -> tuple[float, float]:
     """Inches, with room for a title."""
     width, height = cell.sides[0], cell.sides[-1]
     scale = _LONGEST_SIDE / max(width, height)
@@ -52,7 +52,7 @@ def arrangement_of(case: Case, q: Configuration) -> Arrangement:
     if "lower" not in given or "upper" not in given:
         raise InputError(f'domain.shape = "{given["shape"]}": only bodies in a box can be drawn')
     lower, sides = np.array(given["lower"]), np.subtract(given["upper"], given["lower"])
-    cell = Cell(
+    cell = SimulationCell(
         tuple(sides.tolist()), tuple(axis in given.get("periodic", ()) for axis in "xyz"[: len(sides)])
     )
     return Arrangement(cell, cell.wrapped(q.centres - lower), q.radii)
@@ -94,7 +94,7 @@ def close_links(arrangement: Arrangement, close: float = CLOSE) -> NDArray[np.fl
     return np.concatenate([from_i, from_j])
 
 
-def _images(cell: Cell, centres: Array, radii: Array) -> list[Circle]:
+def _images(cell: SimulationCell, centres: Array, radii: Array) -> list[Circle]:
     """Images that reach into the cell."""
     sides = np.array([cell.sides[0], cell.sides[-1]])
     shifts = [(-1, 0, 1) if so else (0,) for so in (cell.periodic[0], cell.periodic[-1])]
@@ -107,7 +107,7 @@ def _images(cell: Cell, centres: Array, radii: Array) -> list[Circle]:
     return found
 
 
-def _draw_frame(axes: Axes, cell: Cell) -> None:
+def _draw_frame(axes: Axes, cell: SimulationCell) -> None:
     width, height = cell.sides[0], cell.sides[-1]
     for k, periodic in enumerate((cell.periodic[0], cell.periodic[-1])):
         style = {"ls": "--", "lw": 0.9} if periodic else {"ls": "-", "lw": 3.0}

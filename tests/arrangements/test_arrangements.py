@@ -12,12 +12,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fsi.arrangements import ordered, shaking
-from fsi.arrangements.arrangement import Arrangement, Cell
+from fsi.arrangements.arrangement import Arrangement, SimulationCell, Wanted
+from fsi.arrangements.kinds import KINDS, radii_of
 from fsi.arrangements.packing import largest_fraction, random_arrangement
-from fsi.arrangements.sizes import bidisperse, lognormal, monodisperse
 from fsi.errors import InputError
 
-CHANNEL, PERIODIC, BOX = (True, False), (True, True), (False, False)
+CELLS = ["channel", "periodic", "box"]
+
+
+def random_discs(
+    number: int, fraction: float, gap: float, cell: str = "channel", seed: int = 1
+) -> Arrangement:
+    return random_arrangement(np.ones(number), Wanted(number, fraction, gap, cell=cell, seed=seed))
 
 
 def gaps_by_brute_force(a: Arrangement) -> tuple[float, float]:
@@ -62,24 +68,20 @@ def check(a: Arrangement, fraction: float, gap: float) -> None:
     number=st.integers(10, 30),
     fraction=st.floats(0.05, 0.7),
     gap=st.floats(0.0, 0.05),
-    periodic=st.sampled_from([CHANNEL, PERIODIC, BOX]),
-    kind=st.sampled_from(["equal", "bidisperse", "lognormal"]),
+    cell=st.sampled_from(CELLS),
+    sizes=st.sampled_from(["equal", "bidisperse", "lognormal"]),
     seed=st.integers(0, 2**32),
 )
-def test_random(
-    number: int, fraction: float, gap: float, periodic: tuple[bool, ...], kind: str, seed: int
-) -> None:
+def test_random(number: int, fraction: float, gap: float, cell: str, sizes: str, seed: int) -> None:
     """Either it is right, or it is refused near the largest fraction or above it."""
-    radii = {
-        "equal": monodisperse(number, 1.0),
-        "bidisperse": bidisperse(number, 1.0, 1.4),
-        "lognormal": lognormal(number, 1.0, 0.2, np.random.default_rng(seed)),
-    }[kind]
+    spread = {"equal": 0.0, "bidisperse": 1.4, "lognormal": 0.2}[sizes]
+    wanted = Wanted(number, fraction, gap, cell=cell, seed=seed, sizes=sizes, spread=spread)
     try:
         with patch.object(shaking, "_MOVES", 100):  # enough to see a move that makes an overlap
-            found = random_arrangement(radii, fraction, periodic, 1.0, gap, seed)
+            found = KINDS["random"].arranged(wanted)
     except InputError as error:
-        assert fraction > 0.85 * largest_fraction(radii, periodic, 1.0, gap), error  # noqa: PT017
+        largest = largest_fraction(radii_of(wanted), wanted.periodic, 1.0, gap)
+        assert fraction > 0.85 * largest, error  # noqa: PT017
     else:
         check(found, fraction, gap)
 
@@ -89,53 +91,40 @@ def test_random(
     kind=st.sampled_from(["square", "hexagonal", "rows", "chains", "columns"]),
     rows=st.integers(1, 5), abreast=st.integers(1, 5), length=st.integers(1, 6), angle=st.floats(1.0, 179.0),
     fraction=st.floats(0.01, 0.9), gap=st.floats(0.0, 0.3), radius=st.floats(0.1, 10.0),
-    periodic=st.sampled_from([CHANNEL, PERIODIC, BOX]),
+    cell=st.sampled_from(CELLS),
 )  # fmt: skip
 def test_ordered(
     kind: str, rows: int, abreast: int, length: int, angle: float, fraction: float, gap: float, radius: float,
-    periodic: tuple[bool, ...],
+    cell: str,
 ) -> None:  # fmt: skip
+    number = abreast * (rows if kind != "columns" else 1) * (length if kind in ("chains", "columns") else 1)
     gap = gap * radius
+    wanted = Wanted(number, fraction, gap, radius, cell, rows=rows, length=length, angle=angle)
     try:
-        match kind:
-            case "square":
-                found = ordered.square_array(rows * abreast, rows, radius, fraction, gap, periodic)
-            case "hexagonal":
-                found = ordered.hexagonal_array(rows * abreast, rows, radius, fraction, gap, periodic)
-            case "rows":
-                found = ordered.flow_aligned_rows(rows * abreast, rows, radius, fraction, gap, periodic)
-            case "chains":
-                n = rows * length * abreast
-                found = ordered.oblique_chains(n, rows, length, angle, radius, fraction, gap, periodic)
-            case _:
-                n = length * abreast
-                found = ordered.wall_to_wall_columns(n, length, angle, radius, fraction, gap, periodic)
+        found = KINDS[kind].arranged(wanted)
     except InputError as error:
         assert any(word in str(error) for word in ("largest possible", "walls", "odd"))  # noqa: PT017
     else:
         check(found, fraction, gap)
 
 
-@pytest.mark.parametrize(
-    ("periodic", "largest"),
-    [(PERIODIC, pi / 4), (CHANNEL, pi / 4)],
-)
-def test_square_arrays_touch_at_pi_over_4(periodic: tuple[bool, ...], largest: float) -> None:
-    full = ordered.square_array(16, 4, 1.0, largest, 0.0, periodic)
+@pytest.mark.parametrize("cell", ["periodic", "channel"])
+def test_square_arrays_touch_at_pi_over_4(cell: str) -> None:
+    full = ordered.square_array(Wanted(16, pi / 4, 0.0, cell=cell, rows=4))
     assert full.smallest_gap() == pytest.approx(0.0, abs=1e-12)
     with pytest.raises(InputError, match=r"the largest possible is 0\.7853"):
-        ordered.square_array(16, 4, 1.0, largest + 1e-4, 0.0, periodic)
+        ordered.square_array(Wanted(16, pi / 4 + 1e-4, 0.0, cell=cell, rows=4))
 
 
 def test_hexagonal_arrays_touch_at_pi_over_two_sqrt3() -> None:
-    full = ordered.hexagonal_array(16, 4, 1.0, pi / (2 * sqrt(3)), 0.0, PERIODIC)
+    full = ordered.hexagonal_array(Wanted(16, pi / (2 * sqrt(3)), 0.0, cell="periodic", rows=4))
     assert full.smallest_gap() == pytest.approx(0.0, abs=1e-12)
     with pytest.raises(InputError, match=r"the largest possible is 0\.9068"):
-        ordered.hexagonal_array(16, 4, 1.0, 0.907, 0.0, PERIODIC)
+        ordered.hexagonal_array(Wanted(16, 0.907, 0.0, cell="periodic", rows=4))
 
 
 def test_columns_reach_from_wall_to_wall() -> None:
-    found = ordered.wall_to_wall_columns(12, 4, 60.0, 1.0, 0.4, 0.01, CHANNEL)
+    found = ordered.wall_to_wall_columns(Wanted(12, 0.4, 0.01, length=4, angle=60.0))
     to_walls = found.cell.wall_distances(found.centres) - 1.0
     assert np.sort(to_walls.ravel())[:6] == pytest.approx(0.01)  # both ends of three columns
     first = found.centres[:4]
@@ -145,27 +134,27 @@ def test_columns_reach_from_wall_to_wall() -> None:
 
 
 def test_the_same_seed_gives_the_same_arrangement_and_another_another() -> None:
-    one, same, other = (random_arrangement(np.ones(20), 0.4, CHANNEL, 1.0, 0.02, seed) for seed in (3, 3, 4))
+    one, same, other = (random_discs(20, 0.4, 0.02, seed=seed) for seed in (3, 3, 4))
     np.testing.assert_array_equal(one.centres, same.centres)
     assert np.abs(one.centres - other.centres).max() > 0.1
 
 
 def test_a_thousand_discs_at_seven_tenths() -> None:
-    found = random_arrangement(np.ones(1000), 0.7, PERIODIC, 1.0, 0.02, 1)
+    found = random_discs(1000, 0.7, 0.02, "periodic")
     check(found, 0.7, 0.02)
 
 
 def test_spheres() -> None:
-    found = random_arrangement(np.ones(100), 0.4, (True, True, False), 1.5, 0.02, 1)
+    found = random_arrangement(np.ones(100), Wanted(100, 0.4, 0.02, aspect=1.5, dimension=3))
     assert found.cell.sides[0] == pytest.approx(1.5 * found.cell.sides[2])
     check(found, 0.4, 0.02)
 
 
 def test_too_large_a_fraction_is_refused_with_the_largest() -> None:
-    largest = largest_fraction(np.ones(100), PERIODIC, 1.0, 0.02)
+    largest = largest_fraction(np.ones(100), (True, True), 1.0, 0.02)
     assert largest == pytest.approx(0.78 / 1.01**2)  # the grown discs fill 0.78
     with pytest.raises(InputError, match=r"area fraction = 0.8: .* the largest possible is 0.7646"):
-        random_arrangement(np.ones(100), 0.8, PERIODIC, 1.0, 0.02, 1)
+        random_discs(100, 0.8, 0.02, "periodic")
 
 
 @pytest.mark.slow
@@ -177,7 +166,7 @@ def test_random_is_the_hard_disc_fluid() -> None:
     """
     phi, width, counted, expected = 0.4, 0.02, 0, 0.0
     for seed in range(12):
-        a = random_arrangement(np.ones(400), phi, PERIODIC, 1.0, 0.0, seed)
+        a = random_discs(400, phi, 0.0, "periodic", seed)
         counted += len(a.cell.near_pairs(a.centres, 2.0 * (1.0 + width)))
         shell = 4.0 * pi * ((1.0 + width) ** 2 - 1.0)
         expected += 0.5 * 400 * 399 * shell / a.cell.volume * (1.0 - 7.0 * phi / 16.0) / (1.0 - phi) ** 2
@@ -185,7 +174,7 @@ def test_random_is_the_hard_disc_fluid() -> None:
 
 
 def test_a_separation_is_that_of_the_nearest_image() -> None:
-    cell = Cell((4.0, 3.0), CHANNEL)
+    cell = SimulationCell((4.0, 3.0), (True, False))
     between = cell.separation(np.array([[3.9, 2.9]]), np.array([[0.1, 0.1]]))
     np.testing.assert_allclose(between, [[-0.2, 2.8]])
     assert cell.near_pairs(np.array([[-0.1, 1.0], [4.1, 1.0], [2.0, 1.0]]), 0.3).tolist() == [[0, 1]]
@@ -194,25 +183,20 @@ def test_a_separation_is_that_of_the_nearest_image() -> None:
 @settings(max_examples=50)
 @given(number=st.integers(1, 40), mean=st.floats(0.1, 10.0), seed=st.integers(0, 100))
 def test_radii_have_their_mean(number: int, mean: float, seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    for radii in (
-        monodisperse(number, mean),
-        bidisperse(number, mean, 1.4),
-        lognormal(number, mean, 0.3, rng),
-    ):
+    for sizes, spread in (("equal", 0.0), ("bidisperse", 1.4), ("lognormal", 0.3)):
+        radii = radii_of(Wanted(number, 0.4, 0.0, mean, seed=seed, sizes=sizes, spread=spread))
         assert len(radii) == number
         assert radii.min() > 0.0
         assert radii.mean() == pytest.approx(mean, rel=1e-13)
 
 
 def test_lognormal_radii_have_their_deviation() -> None:
-    radii = lognormal(20000, 1.0, 0.3, np.random.default_rng(0))
+    radii = radii_of(Wanted(20000, 0.4, 0.0, seed=0, sizes="lognormal", spread=0.3))
     assert radii.std() == pytest.approx(0.3, rel=0.03)  # standard error 0.7 %
     assert np.log(radii).std() == pytest.approx(sqrt(np.log1p(0.09)), rel=0.03)
 
 
-@pytest.mark.parametrize("periodic", [CHANNEL, BOX])
-def test_a_channel_so_low_that_the_chequerboard_is_one_square_high(periodic: tuple[bool, ...]) -> None:
+@pytest.mark.parametrize("cell", ["channel", "box"])
+def test_a_channel_so_low_that_the_chequerboard_is_one_square_high(cell: str) -> None:
     """Laid across it, two squares of one colour met there, and of their bodies both moved."""
-    radii = monodisperse(30, 1.0)
-    check(random_arrangement(radii, 0.4, periodic, 20.0, 0.02, 1), 0.4, 0.02)
+    check(random_arrangement(np.ones(30), Wanted(30, 0.4, 0.02, cell=cell, aspect=20.0)), 0.4, 0.02)

@@ -15,8 +15,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fsi.case.law_file import load_law
-from fsi.lubrication.exact_laws import exact_law
 from fsi.lubrication.laws import LubricationLaw
+from fsi.lubrication.named_laws import SqueezeFilm, exact_law
 from tests.cli.test_commands import MPIEXEC, ROOT, call, needs_mpi
 
 CASES = ROOT / "cases" / "calibration"
@@ -63,13 +63,14 @@ def test_a_killed_calibration_goes_on_and_its_law_is_right(tmp_path: Path) -> No
     assert leading["inside"]
     assert abs(leading["difference"]) < 5e-3
     assert data["held_out_passed"]
+    assert (tmp_path / "out" / "calibration.png").stat().st_size > 10_000
     assert "s^-1.5" in done.stdout
     assert "inside" in done.stdout
     assert f"wrote {tmp_path}/out" in "".join(done.stdout.split("\n"))
 
 
 def exact_discs() -> LubricationLaw:
-    return exact_law("discs", 2.0, 1.0)
+    return exact_law(SqueezeFilm("discs", 1.0, 2.0))
 
 
 @pytest.mark.slow

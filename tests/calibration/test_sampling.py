@@ -15,7 +15,7 @@ import fsi.calibration.resolved
 from fsi.calibration.calibrate import calibrate_case
 from fsi.calibration.pair import Pair, pair_of
 from fsi.calibration.samples import Sample, key_of, planned_gaps
-from fsi.calibration.sampling import take_samples
+from fsi.calibration.sampling import Sampling, take_samples
 from fsi.case.case import Case
 from fsi.case.law_file import load_law
 from fsi.case.load import load_case
@@ -70,15 +70,13 @@ def test_the_gaps_are_the_range_and_middles() -> None:
 
 def test_no_sample_is_computed_twice(model: ExactModel, tmp_path: Path) -> None:
     """Neither in the same calibration nor in one that shares gaps with it."""
-    first = take_samples(pair_of(small_case()), tmp_path, 1, silent)
+    first = take_samples(pair_of(small_case()), Sampling(tmp_path, 1, silent))
     assert len(model.asked) == len(first) == 10
-    assert take_samples(pair_of(small_case()), tmp_path, 1, silent) == first
+    assert take_samples(pair_of(small_case()), Sampling(tmp_path, 1, silent)) == first
     assert len(model.asked) == 10
     take_samples(
         pair_of(small_case("calibration.held_out=3", "calibration.form=table", "name=other")),
-        tmp_path,
-        1,
-        silent,
+        Sampling(tmp_path, 1, silent),
     )
     assert len(model.asked) == 11
 
@@ -110,10 +108,10 @@ def test_a_sample_that_fails_costs_no_other(model: ExactModel, tmp_path: Path) -
     with pytest.raises(
         SolveError, match=r"2 of 10 samples failed, first at the gap .*: singular; the others"
     ):
-        take_samples(pair_of(small_case()), tmp_path, 1, silent)
+        take_samples(pair_of(small_case()), Sampling(tmp_path, 1, silent))
     assert len(model.asked) == 10
     model.fails = set()
-    assert len(take_samples(pair_of(small_case()), tmp_path, 1, silent)) == 10
+    assert len(take_samples(pair_of(small_case()), Sampling(tmp_path, 1, silent))) == 10
     assert len(model.asked) == 12
 
 
@@ -125,22 +123,17 @@ def test_a_broken_off_calibration_goes_on(model: ExactModel, tmp_path: Path) -> 
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        take_samples(pair_of(small_case()), tmp_path, 1, interrupt)
+        take_samples(pair_of(small_case()), Sampling(tmp_path, 1, interrupt))
     assert len(model.asked) == 4
-    take_samples(pair_of(small_case()), tmp_path, 1, silent)
+    take_samples(pair_of(small_case()), Sampling(tmp_path, 1, silent))
     assert len(set(model.asked)) == len(model.asked) == 10
 
 
 def test_the_folder_of_a_law(model: ExactModel, tmp_path: Path) -> None:  # noqa: ARG001
     out = tmp_path / "out"
     case = small_case("fluid.viscosity=2.0", "bodies.0.radius=0.5")
-    found = calibrate_case(case, "disc.toml", out, tmp_path / "cache", 1, silent)
-    assert {path.name for path in out.iterdir()} == {
-        "law.toml",
-        "samples.csv",
-        "calibration.json",
-        "calibration.png",
-    }
+    found = calibrate_case(case, "disc.toml", out, Sampling(tmp_path / "cache", 1, silent))
+    assert {path.name for path in out.iterdir()} == {"law.toml", "samples.csv", "calibration.json"}
     plot([out], tmp_path / "law.svg")  # as the command does
     assert (tmp_path / "law.svg").read_bytes().startswith(b"<?xml")
     law = load_law(out / "law.toml")
@@ -153,12 +146,15 @@ def test_the_folder_of_a_law(model: ExactModel, tmp_path: Path) -> None:  # noqa
     assert abs(data["exponent"] + 1.5) < 1e-4
     assert len(data["samples"]) == 10
     assert found.law.source["case"] == "disc.toml"
-    calibrate_case(case, "disc.toml", out, tmp_path / "cache", 1, silent)  # replaces its own folder
+    calibrate_case(case, "disc.toml", out, Sampling(tmp_path / "cache", 1, silent))  # replaces its own folder
 
 
 def test_a_table_is_an_alternative(model: ExactModel, tmp_path: Path) -> None:  # noqa: ARG001
     found = calibrate_case(
-        small_case("calibration.form=table"), "disc.toml", tmp_path / "out", tmp_path / "cache", 1, silent
+        small_case("calibration.form=table"),
+        "disc.toml",
+        tmp_path / "out",
+        Sampling(tmp_path / "cache", 1, silent),
     )
     taken = [sample for sample in found.samples if not sample.held_out]
     law = load_law(tmp_path / "out" / "law.toml")
@@ -169,5 +165,5 @@ def test_a_table_is_an_alternative(model: ExactModel, tmp_path: Path) -> None:  
 def test_a_folder_of_something_else_is_left_alone(model: ExactModel, tmp_path: Path) -> None:
     (tmp_path / "mine.txt").write_text("mine")
     with pytest.raises(InputError, match="exists and is no calibration; give another folder"):
-        calibrate_case(small_case(), "disc.toml", tmp_path, tmp_path / "cache", 1, silent)
+        calibrate_case(small_case(), "disc.toml", tmp_path, Sampling(tmp_path / "cache", 1, silent))
     assert model.asked == []

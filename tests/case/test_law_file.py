@@ -13,8 +13,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from fsi.case.law_file import LawFile, SeriesSection, TableSection, load_law, read_law_file, save_law
 from fsi.errors import InputError
-from fsi.lubrication.exact_laws import exact_law
 from fsi.lubrication.laws import RangeError
+from fsi.lubrication.named_laws import SqueezeFilm, exact_law
 
 SERIES = LawFile(
     form="series",
@@ -73,7 +73,7 @@ def test_short_forms(tmp_path: Path, ratio: float | None) -> None:
     given = {} if ratio is None else {"ratio": ratio}
     path = tmp_path / "law.toml"
     path.write_text(tomli_w.dumps({"form": "exact", "shape": "discs", "viscosity": 2.0} | given))
-    expected = exact_law("discs", inf if ratio is None else ratio, 2.0).kappa(GAPS, 0.5)
+    expected = exact_law(SqueezeFilm("discs", 2.0, ratio or inf)).kappa(GAPS, 0.5)
     assert_array_equal(load_law(path).kappa(GAPS, 0.5), expected)
     path.write_text('form = "slides"\nviscosity = 2.0')
     assert_allclose(load_law(path).kappa(GAPS, 0.5), 2.0 / GAPS)

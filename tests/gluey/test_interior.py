@@ -9,23 +9,27 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import isotonic_regression, lsq_linear
 
+from bench.gluey import H, crowd
+from fsi.bodies.configuration import Array
+from fsi.gluey import qp_solver
 from fsi.gluey.augmented_lagrangian import minimise
 from fsi.gluey.contact_response import Contact
-from fsi.gluey.interior import approach
+from fsi.gluey.qp_solver import by_interior_points
 from fsi.gluey.quadratic_program import Impulses, Program
+from fsi.gluey.step import advance
 
 
 def solved(program: Program) -> Impulses:
     rows = len(program.b)
-    return minimise(program, approach(program, np.zeros(rows)), Contact.of_gaps(rows), 1e-12)
+    return minimise(program, by_interior_points(program), Contact.of_gaps(rows), 1e-13)
 
 
 @pytest.mark.parametrize(("u", "expected"), [(-3.0, 4.0), (-1.0, 0.0), (1.0, 0.0)])
 def test_one_body_above_a_wall(u: float, expected: float) -> None:
     """Mass 2, gap rate -1 allowed: p = max(0, -m (u + 1)) = 4 for u = -3; 0 if it does not arrive."""
     program = Program(sp.csr_matrix([[1.0]]), np.array([1.0]), np.array([2.0]), np.array([u]))
-    p = approach(program, np.zeros(1))
-    assert p[0] == pytest.approx(expected, abs=1e-4)  # near: mu is 1e-10 of the rates' square
+    p = by_interior_points(program)
+    assert p[0] == pytest.approx(expected, abs=1e-4)  # near: to 1e-10 of the rate
     assert solved(program).p[0] == pytest.approx(expected, abs=1e-12)
 
 
@@ -81,3 +85,21 @@ def test_newton_does_not_believe_a_wrong_guess() -> None:
     program = Program(sp.csr_matrix(np.eye(2)), np.zeros(2), np.ones(2), np.array([3.0, -1.0]))
     found = minimise(program, np.array([1.0, 0.0]), Contact.of_gaps(2), 1e-12)
     np.testing.assert_allclose(found.p, [0.0, 1.0], atol=1e-12)
+
+
+def test_a_squeezed_crowd_is_the_same_bit_by_bit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Interior points begin afresh, so that a resumed run goes on as an unbroken one."""
+    asked: list[Program] = []
+
+    def counted(program: Program) -> Array:
+        asked.append(program)
+        return by_interior_points(program)
+
+    monkeypatch.setattr(qp_solver, "by_interior_points", counted)
+    system, begin = crowd(1000, "squeezed")
+    (one, touching, checks), (other, again, _) = (advance(system, begin, 0.0, H) for _ in range(2))
+    assert len(asked) == 2
+    assert checks.kkt <= 1e-9
+    np.testing.assert_array_equal(one.U, other.U)
+    np.testing.assert_array_equal(one.gamma, other.gamma)
+    np.testing.assert_array_equal(touching.p, again.p)

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
-from fsi.lubrication.mode_sums import gram_rule, mode_rule
+from fsi.lubrication.bispherical import gram_rule, mode_rule
 
 
 @pytest.mark.parametrize("length", [48.0, 96.0, 1536.0])

@@ -9,9 +9,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fsi.lubrication import exact, spheres
-from fsi.lubrication.exact_laws import exact_resistance
 from fsi.lubrication.expansions import SHAPES, Mode, Shape, basis, coefficients
 from fsi.lubrication.fitting import design
+from fsi.lubrication.named_laws import exact_resistance
 
 CASES: list[tuple[Shape, Mode, float]] = [
     *((shape, "squeeze", ratio) for shape in SHAPES for ratio in (1.0, 2.0, 7.0, inf)),
@@ -44,7 +44,7 @@ def test_two_bodies_along_each_other_have_no_coefficients() -> None:
 def test_squeezed_spheres_have_no_net_force(radii: tuple[float, float]) -> None:
     """The velocities that give opposite unit forces, from the 2 x 2 resistances, differ by one over it."""
     for gap in (1e-3, 0.1, 3.0):
-        columns = [spheres.line_forces(gap, *radii, 1.0, *unit) for unit in ((1.0, 0.0), (0.0, 1.0))]
+        columns = [spheres.line_forces(gap, radii, 1.0, unit) for unit in ((1.0, 0.0), (0.0, 1.0))]
         velocity = np.linalg.solve(np.array(columns, dtype=float).T, [1.0, -1.0])
         found = spheres.relative_resistance(gap, *radii, 1.0)
         assert_allclose(found, 1.0 / (velocity[0] - velocity[1]), rtol=1e-10)

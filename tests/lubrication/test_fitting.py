@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fsi.lubrication.exact_laws import exact_resistance
 from fsi.lubrication.expansions import SHAPES, Mode, Shape, basis, coefficients
 from fsi.lubrication.fitting import Array, Fit, fit_series
+from fsi.lubrication.named_laws import exact_resistance
 
 CASES: list[tuple[Shape, Mode, float]] = [
     ("spheres", "squeeze", inf),

@@ -28,7 +28,7 @@ def read(name: str) -> Any:
 
 def matrix(gap: float, a: float, b: float) -> NDArray[np.float64]:
     """R_ij by unit velocities, viscosity 1."""
-    columns = [spheres.line_forces(gap, a, b, 1.0, *v) for v in ((1.0, 0.0), (0.0, 1.0))]
+    columns = [spheres.line_forces(gap, (a, b), 1.0, v) for v in ((1.0, 0.0), (0.0, 1.0))]
     return np.array(columns).T
 
 
@@ -41,7 +41,7 @@ def test_plane_reference(row: dict[str, float]) -> None:
 def test_pair_reference(row: dict[str, float]) -> None:
     gap = row["gap_over_a"]
     assert_allclose(2.0 * spheres.pair_resistance(gap, 1.0, 1.0) / DRAG, row["approach"], rtol=2e-14)
-    for force in spheres.line_forces(gap, 1.0, 1.0, 1.0, 1.0, 1.0):
+    for force in spheres.line_forces(gap, (1.0, 1.0), 1.0, (1.0, 1.0)):
         assert_allclose(force / DRAG, row["same_velocity"], rtol=2e-14)
 
 
@@ -52,11 +52,11 @@ def test_no_digit_is_lost_in_a_thin_film() -> None:
     """
     assert_allclose(spheres.normal_resistance(1e-8, 1.0, 1.0) / DRAG, 100000004.65541609027, rtol=RTOL)
     assert_allclose(2.0 * spheres.pair_resistance(1e-8, 1.0, 1.0) / DRAG, 50000009.634886546345, rtol=RTOL)
-    same, _ = spheres.line_forces(1e-8, 1.0, 1.0, 1.0, 1.0, 1.0)
+    same, _ = spheres.line_forces(1e-8, (1.0, 1.0), 1.0, (1.0, 1.0))
     assert_allclose(same / DRAG, 0.64514142609394399859, rtol=RTOL)
     expected = [[8377671.0995543214, -8377664.22489517218], [-8377664.22489517218, 8377696.88244843428]]
     assert_allclose(matrix(1e-6, 1.0, 2.0), expected, rtol=RTOL)
-    together = spheres.line_forces(1e-6, 1.0, 2.0, 1.0, 1.0, 1.0)
+    together = spheres.line_forces(1e-6, (1.0, 2.0), 1.0, (1.0, 1.0))
     assert_allclose(together, [6.87465914922348895, 32.6575532621003403], rtol=RTOL)
 
 
@@ -119,7 +119,7 @@ def test_unequal_pair_identities(s: float, a: float, b: float) -> None:
     R, exchanged = matrix(gap, a, b), matrix(gap, b, a)
     assert_allclose(R[0, 1], R[1, 0], rtol=1e-15)
     assert_allclose(exchanged, R[::-1, ::-1], rtol=1e-12)
-    together = np.array(spheres.line_forces(gap, a, b, 1.0, 1.0, 1.0))
+    together = np.array(spheres.line_forces(gap, (a, b), 1.0, (1.0, 1.0)))
     assert_allclose(together, R @ [1.0, 1.0], rtol=1e-12, atol=1e-12 * np.max(R))
     # A sphere that follows or leads another needs less force than alone, but some.
     assert np.all(together > 0.0)
@@ -138,7 +138,7 @@ def test_resistance_falls_with_the_gap(s: float, factor: float) -> None:
 def test_forces_are_linear_in_the_velocities(s: float, b: float, v: float, w: float) -> None:
     """Through the velocity that both share, or by the matrix."""
     R = matrix(s, 1.0, b)
-    forces = spheres.line_forces(s, 1.0, b, 1.0, v, w)
+    forces = spheres.line_forces(s, (1.0, b), 1.0, (v, w))
     assert_allclose(forces, R @ [v, w], rtol=1e-12, atol=1e-13 * np.max(R) * (abs(v) + abs(w)) + 1e-300)
 
 
@@ -167,7 +167,7 @@ def test_lubrication_of_unequal_spheres(ratio: float) -> None:
     """
     xi = np.array([2e-6, 1e-6])
     q = 0.5 * xi * (1.0 + ratio)
-    force, _ = spheres.line_forces(q, 1.0, ratio, 1.0, 1.0, 0.0)
+    force, _ = spheres.line_forces(q, (1.0, ratio), 1.0, (1.0, 0.0))
     g2 = ratio * (1.0 + 7.0 * ratio + ratio**2) / (5.0 * (1.0 + ratio) ** 3)
     rest = force - spheres.line_lubrication(q, 1.0, ratio, 1.0) + DRAG * g2 * np.log(xi)
     assert_allclose(rest[0], rest[1], rtol=0.0, atol=1e-3 * DRAG * 0.1)
@@ -233,7 +233,7 @@ def test_dimensions() -> None:
 def test_arrays_broadcast() -> None:
     q, a = np.array([[0.1], [0.2]]), np.array([1.0, 2.0, 3.0])
     assert spheres.normal_resistance(q, a, 1.0).shape == (2, 3)
-    assert spheres.line_forces(q, a, 1.0, 1.0, 1.0, np.zeros(3))[1].shape == (2, 3)
+    assert spheres.line_forces(q, (a, 1.0), 1.0, (1.0, np.zeros(3)))[1].shape == (2, 3)
     assert spheres.plane_expansion(q, a, 1.0, 3).shape == (2, 3)
 
 

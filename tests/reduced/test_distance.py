@@ -8,14 +8,16 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
-from fsi.lubrication.laws import CutLaw, LubricationLaw, leading_disc_law, slides_law
+from fsi.lubrication.laws import CutLaw, LubricationLaw
+from fsi.lubrication.named_laws import SqueezeFilm, leading_law, slides_law
 from fsi.reduced.distance import backward_euler_step, first_integral_defect, first_integral_step
 from fsi.reduced.gap_laws import GapLaws
 
+FILM = SqueezeFilm("discs", 1e-2)
 LAWS: dict[str, LubricationLaw] = {
-    "slides": slides_law(1e-2),
-    "discs": leading_disc_law(1e-2),
-    "discs, cut off": CutLaw(leading_disc_law(1e-2), 3.0),
+    "slides": slides_law(FILM),
+    "discs": leading_law(FILM),
+    "discs, cut off": CutLaw(leading_law(FILM), 3.0),
 }
 
 
@@ -71,7 +73,7 @@ def test_backward_euler_takes_the_root_of_its_equation() -> None:
 def test_one_step_keeps_the_push_and_the_literal_one_forgets_it() -> None:
     """A push by impulse -1, then a pull by 0.5: w = -0.5 still sticks, and the gap is exp(w/mu); by backward
     Euler it is at once wide open. Without viscosity the gluey limit says: closed."""
-    law = slides_law(1e-3)
+    law = slides_law(SqueezeFilm("discs", 1e-3))
     _, integral = integral_of(law)
     x, g, h, one = np.log([0.5]), np.ones(1), 0.1, np.ones(1)
     w = 1e-3 * x
@@ -94,7 +96,7 @@ def test_two_held_sides_that_meet_are_refused() -> None:
 
 def test_the_law_goes_on_below_the_smallest_number() -> None:
     """kappa D = mu and K = mu x for the slides at x = -30000, where D underflows."""
-    laws, _ = integral_of(slides_law(1e-4))
+    laws, _ = integral_of(slides_law(SqueezeFilm("discs", 1e-4)))
     x, one, bodies = np.array([-30000.0]), np.ones(1), np.zeros(1, dtype=bool)
     K, slope = laws.integral(x, one, bodies)
     assert pytest.approx(-3.0, rel=1e-12) == K

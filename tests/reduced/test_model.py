@@ -161,7 +161,7 @@ BODIES = heap()
         ({}, {}, r"^reduced\.drag: missing"),
         ({"drag": 0.0}, {}, r"^reduced\.drag = 0: only lubrication"),
         ({"drag": -1.0}, {}, r"^reduced\.drag = -1\.0: must be greater"),
-        ({"drag": 1.0, "law": "exakt"}, {}, r'^reduced\.law = "exakt": no such file'),
+        ({"drag": 1.0, "law": "exakt"}, {}, r'^reduced\.law = "exakt": there is no such law'),
         ({"drag": 1.0, "scheme": "distance"}, {}, r"^time\.step: missing"),
         ({"drag": 1.0, "scheme": "distance", "step": 0.1}, {}, r"^bodies\.0\.mass: missing"),
         ({"drag": 1.0, "scheme": "euler"}, {}, r'^time\.scheme = "euler": there is no such scheme'),

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from fsi.case.case import Case
+from fsi.case.expected import APPARENT_VISCOSITY, DISSIPATION, Expected
 from fsi.case.section import nearest_word, toml_text
-from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, Expected
-from fsi.case.walls import Shear
 from fsi.errors import InputError
-from fsi.validation.references import FITTING, Fitting
-
-if TYPE_CHECKING:
-    from fsi.case.case import Case
+from fsi.lubrication.exact_results import EXACT, Fitting
 
 # Of vectors and of what turns; in the plane a torque is a number and has none.
 _COMPONENTS = {"planar": ("xy", ""), "axisymmetric": ("z", ""), "spatial": ("xyz", "xyz")}
@@ -30,7 +25,7 @@ def check_expected(case: Case) -> None:
                 f"expected.{i}.quantity = {toml_text(row.quantity)}: is that of a periodic domain; drop it"
             )
         if row.exact is not None:
-            _check_exact(case, row, f"expected.{i}.exact = {toml_text(row.exact)}")
+            _check_exact(case, row, EXACT[row.exact].fitting, f"expected.{i}.exact = {toml_text(row.exact)}")
 
 
 def _check_component(case: Case, row: Expected, here: str) -> None:
@@ -47,18 +42,17 @@ def _check_component(case: Case, row: Expected, here: str) -> None:
         raise InputError(f'{here}: geometry = "{case.geometry}" has no such component; give {choices}')
 
 
-def _check_exact(case: Case, row: Expected, here: str) -> None:
-    fitting: Fitting = FITTING[row.exact or ""]
-    if (case.geometry, case.domain.shape, len(case.bodies)) != (
-        fitting.geometry, fitting.shape, fitting.bodies,
-    ):  # fmt: skip
+def _check_exact(case: Case, row: Expected, fitting: Fitting, here: str) -> None:
+    kind = (case.geometry, case.domain.shape, len(case.bodies))
+    if kind != (fitting.geometry, fitting.shape, fitting.bodies):
         raise InputError(
             f'{here}: is for geometry = "{fitting.geometry}", domain.shape = "{fitting.shape}" and '
             f"{fitting.bodies} of [[bodies]]; give such a case, or a value"
         )
-    if fitting.quantities != _kind(row.quantity):
-        raise InputError(f"{here}: gives a {fitting.quantities}, not {row.quantity}; change the quantity")
-    if row.exact == "disc_in_shear" and not isinstance(case.domain.walls["far"], Shear):
+    if fitting.gives != _kind(row.quantity):
+        raise InputError(f"{here}: gives a {fitting.gives}, not {row.quantity}; change the quantity")
+    far = case.wall_velocity(0.0).get("far")
+    if fitting.sheared and (far is None or far.shear == 0.0):
         raise InputError(f"{here}: needs a shear flow; give domain.walls.far = {{ shear = 1.0 }}")
 
 

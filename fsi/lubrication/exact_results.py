@@ -1,0 +1,173 @@
+"""Exact results by name, with which a case may be compared: `exact = "two_discs"` in an expected row.
+
+One more is one more function here, or anywhere that is imported, which `exact_result` enters with the cases
+that it is of. It takes the bodies as they are at time 0 and gives the number that is asked for, with forces
+that the FLUID exerts on the body. Sources stand at the functions that are called.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsi.lubrication import exact, spheres
+from fsi.lubrication import sphere_beside_plane as beside
+from fsi.lubrication import sphere_settling as settling
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class ExactProblem:
+    """Bodies at time 0, and which number is asked for.
+
+    Attributes:
+        viscosity: mu.
+        centres: of the bodies, shape (N, d).
+        radii: of the bodies, (N,).
+        U: prescribed velocities, (N, M) for M modes of a body.
+        F: external loads, (N, M).
+        size: the diameter of the container.
+        shear_rate: of the flow far away.
+        body: index of the body whose force or velocity is asked for.
+        mode: and which of its M modes.
+        gap: at which gap the time is asked for.
+    """
+
+    viscosity: float
+    centres: Array
+    radii: Array
+    U: Array
+    F: Array
+    size: float
+    shear_rate: float
+    body: int = 0
+    mode: int = 0
+    gap: float = 0.0
+
+    def beside_plane(self) -> tuple[float, float, float]:
+        """Gap, radius and viscosity of the first body beside the plane y = 0 (in space z = 0)."""
+        return float(self.centres[0, -1] - self.radii[0]), float(self.radii[0]), self.viscosity
+
+    def between(self, axis: int) -> float:
+        """The gap between two bodies on an axis of coordinates."""
+        return float(abs(self.centres[1, axis] - self.centres[0, axis]) - self.radii[0] - self.radii[1])
+
+
+@dataclass(frozen=True, slots=True)
+class Fitting:
+    """The cases that an exact result is of.
+
+    Attributes:
+        geometry, shape: `geometry` and `domain.shape` of the case.
+        bodies: how many there are.
+        gives: "force" (and torque), "velocity" (and rotation) or "time".
+        sheared: whether it needs a shear flow far away.
+        enclosed: whether the container is real, and does not stand for an infinite one.
+    """
+
+    geometry: str
+    shape: str
+    bodies: int
+    gives: Literal["force", "velocity", "time"]
+    sheared: bool = False
+    enclosed: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class ExactResult:
+    """One entry of the registry: the number, and the cases that it is of."""
+
+    value: Callable[[ExactProblem], float]
+    fitting: Fitting
+
+
+EXACT: dict[str, ExactResult] = {}
+
+
+def exact_result[F: Callable[[ExactProblem], float]](fitting: Fitting) -> Callable[[F], F]:
+    """Enter a function, by its own name."""
+
+    def enter(value: F) -> F:
+        EXACT[value.__name__] = ExactResult(value, fitting)
+        return value
+
+    return enter
+
+
+@exact_result(Fitting("axisymmetric", "half-plane", 1, "force"))
+def sphere_wall_normal(problem: ExactProblem) -> float:
+    """A sphere moving along the normal of a plane (Brenner 1961)."""
+    return -float(spheres.normal_resistance(*problem.beside_plane())) * float(problem.U[0, problem.mode])
+
+
+@exact_result(Fitting("spatial", "half-plane", 1, "force"))
+def sphere_beside_plane(problem: ExactProblem) -> float:
+    """A sphere in space moving and turning beside the plane z = 0, not about its normal.
+
+    The functions of `fsi.lubrication.sphere_beside_plane` have x along the plane and y up: a rotation about
+    our y turns against theirs, one about our x, with motion along y, turns with it.
+    """
+    place = problem.beside_plane()
+    N = float(spheres.normal_resistance(*place))
+    A = float(beside.parallel_resistance(*place))
+    B = float(beside.coupling_resistance(*place))
+    C = float(beside.rotation_resistance(*place))
+    V_x, V_y, V_z, omega_x, omega_y, _ = problem.U[0]
+    forces = (A * V_x - B * omega_y, A * V_y + B * omega_x, N * V_z)
+    torques = (B * V_y + C * omega_x, C * omega_y - B * V_x)
+    return -float((*forces, *torques)[problem.mode])
+
+
+@exact_result(Fitting("axisymmetric", "round", 2, "force"))
+def two_spheres(problem: ExactProblem) -> float:
+    """Two spheres moving along their line of centres (Stimson and Jeffery 1926, Maude 1961)."""
+    a, b, V, W = *problem.radii, *problem.U[:, 1]
+    return -float(spheres.line_forces(problem.between(1), (a, b), problem.viscosity, (V, W))[problem.body])
+
+
+@exact_result(Fitting("axisymmetric", "round", 1, "force", enclosed=True))
+def concentric_sphere(problem: ExactProblem) -> float:
+    """A sphere at the centre of a spherical container (Cunningham 1910)."""
+    a = problem.radii[0]
+    R = spheres.concentric_resistance(0.5 * problem.size - a, a, problem.viscosity)
+    return -float(R) * float(problem.U[0, problem.mode])
+
+
+@exact_result(Fitting("planar", "half-plane", 1, "force"))
+def disc_beside_plane(problem: ExactProblem) -> float:
+    """A disc moving along, towards or turning beside a plane (Jeffrey and Onishi 1981)."""
+    laws = (exact.parallel_resistance, exact.normal_resistance, exact.rotation_resistance)
+    return -float(laws[problem.mode](*problem.beside_plane())) * float(problem.U[0, problem.mode])
+
+
+@exact_result(Fitting("planar", "half-plane", 1, "velocity", sheared=True))
+def disc_in_shear(problem: ExactProblem) -> float:
+    """A free disc in the shear flow u = y e_x beside a plane (Jeffrey and Onishi 1981)."""
+    gap, radius, _ = problem.beside_plane()
+    velocity, omega = exact.free_in_shear(gap, radius, problem.shear_rate)
+    return float((velocity, 0.0, omega)[problem.mode])
+
+
+@exact_result(Fitting("planar", "round", 2, "force"))
+def two_discs(problem: ExactProblem) -> float:
+    """Two equal discs approaching along their line of centres, which is an axis of coordinates."""
+    i, U = problem.body, problem.U[:, problem.mode]
+    R = exact.pair_resistance(problem.between(problem.mode), problem.radii[0], problem.viscosity)
+    return -float(R) * float(U[i] - U[1 - i])
+
+
+@exact_result(Fitting("axisymmetric", "half-plane", 1, "time"))
+def sphere_settling(problem: ExactProblem) -> float:
+    """The time in which a sphere settles to a gap."""
+    return float(settling.settling_time(problem.gap, *problem.beside_plane(), problem.F[0, 1]))
+
+
+@exact_result(Fitting("planar", "half-plane", 1, "time"))
+def disc_settling(problem: ExactProblem) -> float:
+    """The time in which a disc settles to a gap."""
+    return float(exact.settling_time(problem.gap, *problem.beside_plane(), problem.F[0, 1]))

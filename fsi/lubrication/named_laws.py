@@ -1,0 +1,132 @@
+"""Lubrication laws by name, as cases (`reduced.law = "exact"`) and law files (`form = "exact"`) call them.
+
+One more law is one more function here, or anywhere that is imported, which `named` enters: it takes the
+squeeze film of a pair and gives the law of its gap. The schema's choices, its help and its complaints follow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from math import inf
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fsi.lubrication import exact, sphere_beside_plane, spheres
+from fsi.lubrication.expansions import EXPONENTS, Mode, Shape, coefficients
+from fsi.lubrication.laws import LubricationLaw, ScaledLaw, Series, Term
+from fsi.lubrication.tables import TabulatedProfile
+
+Array = NDArray[np.float64]
+
+# A spline of degree 5 through so many points per factor of ten is good to 1e-9 (see the tests).
+_POINTS = 30
+_RANGE = (1e-9, 1e2)
+
+
+@dataclass(frozen=True, slots=True)
+class SqueezeFilm:
+    """The film of a pair whose law is asked for.
+
+    Attributes:
+        shape: of the bodies.
+        viscosity: mu.
+        ratio: b/a of the radii of the pair; infinite beside a plane.
+        extrapolate: whether gaps outside the range of the law are allowed.
+    """
+
+    shape: Shape
+    viscosity: float
+    ratio: float = inf
+    extrapolate: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class NamedLaw:
+    """One entry of the registry.
+
+    Attributes:
+        of: the law of a film.
+        any_shape: whether it is the same law for spheres and discs.
+    """
+
+    of: Callable[[SqueezeFilm], LubricationLaw]
+    any_shape: bool
+
+
+LAWS: dict[str, NamedLaw] = {}
+
+
+def named[F: Callable[[SqueezeFilm], LubricationLaw]](
+    name: str, *, any_shape: bool = False
+) -> Callable[[F], F]:
+    """Enter a law under a name."""
+
+    def enter(law: F) -> F:
+        LAWS[name] = NamedLaw(law, any_shape)
+        return law
+
+    return enter
+
+
+def names_of_laws() -> str:
+    """The names for a message: `"slides", "leading", ...`."""
+    return ", ".join(f'"{name}"' for name in LAWS)
+
+
+@named("slides", any_shape=True)
+def slides_law(film: SqueezeFilm) -> ScaledLaw:
+    """kappa = mu/d for every pair, that of A. Lefebvre and B. Maury: no radius enters."""
+    return ScaledLaw(Series((Term(-1.0),), (1.0,)), film.viscosity, -1)
+
+
+@named("leading")
+def leading_law(film: SqueezeFilm) -> ScaledLaw:
+    """The first term of the expansion, the same whatever the ratio of the radii is.
+
+    Of spheres kappa = 6 pi mu a_r^2/d: beside a plane 6 pi mu a^2/d, of equal ones (3/2) pi mu a^2/d;
+    of discs kappa = 3 sqrt2 pi mu (a_r/d)^(3/2): of equal ones (3/2) pi mu (a/d)^(3/2).
+    """
+    term, c = next(iter(coefficients(film.shape, "squeeze", film.ratio).items()))
+    return ScaledLaw(Series((term,), (c,)), film.viscosity, EXPONENTS[film.shape, "squeeze"])
+
+
+@named("exact")
+def exact_law(film: SqueezeFilm) -> ScaledLaw:
+    """The exact law from gaps of 1e-9 to 100 reduced radii, within 1e-9.
+
+    Extrapolated, it goes on with the power of the gap of its ends: below, that is the leading term.
+    """
+    profile, exponent = _exact_profile(film.shape, film.ratio), EXPONENTS[film.shape, "squeeze"]
+    return ScaledLaw(profile, film.viscosity, exponent, film.extrapolate)
+
+
+@cache
+def _exact_profile(shape: Shape, ratio: float) -> TabulatedProfile:
+    decades = round(np.log10(_RANGE[1] / _RANGE[0]))
+    s = np.geomspace(*_RANGE, decades * _POINTS + 1)
+    return TabulatedProfile(s, exact_resistance(shape, "squeeze", s, ratio), smooth=True)
+
+
+def exact_resistance(shape: Shape, mode: Mode, gap: ArrayLike, ratio: float) -> Array:
+    """K(s) of spheres or discs at gaps s in units of the reduced radius, mu = 1; ratio is b/a, inf a plane.
+
+    Raises:
+        ValueError: shear or rotation of two bodies: there is no closed form here.
+    """
+    a = 1.0 if ratio == inf else 1.0 + 1.0 / ratio
+    b = inf if ratio == inf else 1.0 + ratio
+    if mode == "squeeze":
+        if shape == "discs":
+            return exact.relative_resistance(gap, a, b, 1.0)
+        if ratio == inf:
+            return spheres.normal_resistance(gap, a, 1.0)
+        return spheres.relative_resistance(gap, a, b, 1.0)
+    if ratio != inf:
+        raise ValueError(f"{mode} of two {shape}: no exact resistance is known here; only beside a plane")
+    module = exact if shape == "discs" else sphere_beside_plane
+    resistance = module.parallel_resistance if mode == "shear" else module.rotation_resistance
+    K: Array = resistance(gap, 1.0, 1.0)
+    return K
