@@ -18,7 +18,7 @@ def make_model(case: Case) -> Model:
 
         return ReducedModel(case) if case.reduced.step is None else DistanceModel(case, case.reduced.step)
     # dolfinx is imported where it is needed, and only there
+    from fsi.stokes.adapt import RefinedModel
     from fsi.stokes.model import StokesModel
-    from fsi.stokes.refined import RefinedModel
 
     return StokesModel(case) if case.discretisation.tolerance is None else RefinedModel(case)

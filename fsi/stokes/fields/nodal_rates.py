@@ -7,8 +7,6 @@ values of each cell itself.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import basix
 import numpy as np
 from dolfinx import la
@@ -16,9 +14,7 @@ from dolfinx import la
 from fsi.bodies.configuration import Array
 from fsi.meshes.cells.lagrange import gradient
 from fsi.observables.velocity_gradient import hoop_rate, strain_rate, vorticity
-
-if TYPE_CHECKING:
-    from fsi.stokes.fields.write import Flow
+from fsi.stokes.fields.flow import Flow
 
 
 def nodal_rates(flow: Flow) -> dict[str, Array]:

@@ -56,13 +56,16 @@ OPTIONS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Blocks:
+class SchurBlocks:
     """What the preconditioner knows of a reduced system.
 
-    u: this rank's rows of velocities and modes, global numbers, three to a node; p: its rows of pressures;
-    transfer: from the coarse space to the rows u; rigid: the rigid motions of everything in the coarse space,
-    this rank's rows, (rows, 6); mass: mass matrix of the pressure / mu; closed: whether a constant pressure
-    changes nothing.
+    Attributes:
+        u: this rank's rows of velocities and modes, global numbers, three to a node.
+        p: its rows of pressures.
+        transfer: from the coarse space to the rows u.
+        rigid: the rigid motions of everything in the coarse space, this rank's rows, (rows, 6).
+        mass: mass matrix of the pressure / mu.
+        closed: whether a constant pressure changes nothing.
     """
 
     u: NDArray[np.int64]
@@ -76,7 +79,7 @@ class Blocks:
 class Iteration:
     """FGMRES on a symmetric indefinite matrix of that form; use it in a `with` statement."""
 
-    def __init__(self, matrix: PETSc.Mat, blocks: Blocks) -> None:
+    def __init__(self, matrix: PETSc.Mat, blocks: SchurBlocks) -> None:
         """Set up the preconditioner."""
         self.matrix, self.iterations = matrix, 0
         self._closed = blocks.closed
@@ -110,8 +113,8 @@ class Iteration:
         Raises:
             SolveError: the iteration stagnates.
         """
-        found = [self._solve_one(column) for column in b.T]
-        return np.column_stack([x for x, _ in found]), np.array([residual for _, residual in found])
+        solutions, residuals = zip(*(self._solve_one(column) for column in b.T), strict=True)
+        return np.column_stack(solutions), np.array(residuals)
 
     def _solve_one(self, b: Array) -> tuple[Array, float]:
         x, right = self.matrix.createVecs()
@@ -137,7 +140,7 @@ class Iteration:
         return values, relative
 
 
-def _constant_pressure(matrix: PETSc.Mat, blocks: Blocks) -> PETSc.Vec:
+def _constant_pressure(matrix: PETSc.Mat, blocks: SchurBlocks) -> PETSc.Vec:
     """The unit vector of a constant pressure."""
     constant = matrix.createVecRight()
     start, _ = matrix.getOwnershipRange()
@@ -146,7 +149,7 @@ def _constant_pressure(matrix: PETSc.Mat, blocks: Blocks) -> PETSc.Vec:
     return constant
 
 
-def _solver(matrix: PETSc.Mat, blocks: Blocks) -> PETSc.KSP:
+def _solver(matrix: PETSc.Mat, blocks: SchurBlocks) -> PETSc.KSP:
     """FGMRES with the preconditioner set up."""
     ksp = PETSc.KSP().create(matrix.comm)
     prefix = "fsi_stokes_"
@@ -185,7 +188,7 @@ def _solver(matrix: PETSc.Mat, blocks: Blocks) -> PETSc.KSP:
     return ksp
 
 
-def _two_levels(pc: PETSc.PC, A: PETSc.Mat, blocks: Blocks) -> None:
+def _two_levels(pc: PETSc.PC, A: PETSc.Mat, blocks: SchurBlocks) -> None:
     """One cycle of A smoothed and corrected on the coarse space, whose matrix is T^T A T."""
     pc.setMGLevels(2)
     pc.setMGInterpolation(1, blocks.transfer)
