@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import ceil
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,42 +36,32 @@ SIZES = ("cells_per_gap", "cells_per_circle", "growth")
 MARGIN = 0.5
 
 
-class Refinement(Protocol):
-    """What was computed with the sizes of a case, and how accurate it is."""
-
-    @property
-    def case(self) -> Case:
-        """With the sizes that were used."""
-
-    @property
-    def error(self) -> float:
-        """The largest, relative."""
-
-    @property
-    def dofs(self) -> int:
-        """Number of unknowns."""
-
-
 @dataclass(frozen=True, slots=True)
-class Solved:
-    """A solution with its accuracy.
+class Refinement:
+    """What was computed with the sizes of a case, and how accurate it is.
 
     Attributes:
         case: with the sizes that were used.
-        solution: of this case.
-        errors: of the solution, estimated.
-        error: the largest of them, relative.
+        error: the largest, relative, estimated.
+        dofs: number of unknowns.
     """
 
     case: Case
+    error: float
+    dofs: int
+
+
+@dataclass(frozen=True, slots=True)
+class Solved(Refinement):
+    """A solution with its accuracy.
+
+    Attributes:
+        solution: of the case.
+        errors: of the solution, estimated.
+    """
+
     solution: StokesSolution
     errors: ErrorEstimate
-    error: float
-
-    @property
-    def dofs(self) -> int:
-        """Number of unknowns."""
-        return self.solution.dofs
 
 
 def solve_with_errors(case: Case) -> Solved:
@@ -130,8 +120,9 @@ def refine[T: Refinement](case: Case, solved: Callable[[Case], T], tolerance: fl
 def _solved(case: Case, q: Configuration, t: float, motion: Motion) -> Solved:
     model = StokesModel(case)
     solution = model.of_degree(case.discretisation.degree, q, t, motion)
-    found = model.errors(q, t, solution, motion)
-    return Solved(case, solution, found.errors, max(found.relative.values(), default=0.0))
+    estimated = model.errors(q, t, solution, motion)
+    largest = max(estimated.relative.values(), default=0.0)
+    return Solved(case, largest, solution.dofs, solution, estimated.errors)
 
 
 def _better[T: Refinement](best: T, solved: Callable[[Case], T]) -> T:

@@ -30,7 +30,7 @@ from fsi.observables.resistance import (
     positive_eigenvalues,
     symmetrised,
 )
-from fsi.stokes.adapt import refine
+from fsi.stokes.adapt import Refinement, refine
 from fsi.stokes.clock import Clock
 from fsi.stokes.discretisation.boundary import Boundary
 from fsi.stokes.error import other_degree_of
@@ -46,23 +46,10 @@ BLOCK = 32
 
 
 @dataclass(frozen=True, slots=True)
-class SolvedResistance:
-    """A resistance matrix with its accuracy.
+class SolvedResistance(Refinement):
+    """R of a case with its accuracy: the error is the `difference` of R."""
 
-    Attributes:
-        case: with the sizes that were used.
-        resistance: R.
-        error: of R, estimated: `difference`.
-    """
-
-    case: Case
     resistance: Resistance
-    error: float
-
-    @property
-    def dofs(self) -> int:
-        """Number of unknowns."""
-        return self.resistance.dofs
 
 
 def resistance_with_error(case: Case) -> SolvedResistance:
@@ -82,7 +69,7 @@ def _solved(case: Case) -> SolvedResistance:
     changed = numerics.model_copy(update={"degree": degree})
     other = case_resistance(case.model_copy(update={"discretisation": changed}))
     error = factor * difference(computed.R, other.R, computed.modes.scale)
-    return SolvedResistance(case, computed, error)
+    return SolvedResistance(case, error, computed.dofs, computed)
 
 
 def case_resistance(case: Case) -> Resistance:

@@ -16,14 +16,22 @@ from fsi.stokes.discretisation.boundary import facets_with, locate
 from fsi.stokes.discretisation.constraints import dof_layout, rigid_modes, wall_offset
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.discretisation.matrices import pressure_mass
-from fsi.stokes.evaluate import evaluated
+from fsi.stokes.fields import flow, traction
+from fsi.stokes.identities import identities, require
 from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solvers.coarse import coarse_velocities
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, nodal_vector, solve_eliminated
+from fsi.stokes.solvers.elimination import (
+    NodalSolution,
+    StokesSystem,
+    load_of,
+    nodal_vector,
+    solve_eliminated,
+)
 from fsi.stokes.solvers.multiplier import solve_multiplier
 from fsi.stokes.solvers.periodic import solve_periodic, tied
 from fsi.stokes.solvers.workspace import Workspace
+from fsi.stokes.stress import bulk_stress, is_force_free, viscosity_checks
 
 # Beyond, in space, the factors of the direct solver cost more time and memory than the iterations.
 MOST_DIRECT = 20_000
@@ -60,7 +68,7 @@ def solve(
         else:
             nodal = solve_system(system)
         clock.lap("solve")
-        return evaluated(system, nodal, system.b - loads, clock)
+        return _evaluated(system, nodal, system.b - loads, clock)
 
 
 @contextmanager
@@ -136,3 +144,48 @@ def _loads(problem: StokesProblem, forms: Forms, rows: int) -> Array:
         tag = fluid.wall_tag(wall)
         b[:velocities] -= pressure * nodal_vector(forms.bind("normal", facets_with(fluid, tag, tag)))
     return b
+
+
+def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clock: Clock) -> StokesSolution:
+    """Everything that follows from nodal values: loads, checks, mean stress, and the flow for output.
+
+    Args:
+        system: what was solved.
+        nodal: the nodal values.
+        jump_load: what jumps of the pressure added to the loads of the system.
+        clock: of the solve.
+    """
+    problem, forms = system.problem, system.forms
+    forms.fill(nodal.x)
+    mean_pressure = _mean_pressure(system, nodal)
+    if not problem.boundary.pressures:
+        forms.p.x.array[:] -= mean_pressure
+    F, dissipation = load_of(system, nodal.reaction), forms.integrate("dissipation")
+    checks, bulk = identities(system, nodal, F, dissipation), None
+    if problem.periodic:
+        bulk = bulk_stress(system, nodal, mean_pressure)
+        if is_force_free(system):
+            checks |= viscosity_checks(problem, bulk, dissipation)
+    require(checks)
+    surface = traction.collect(system, nodal.reaction[: system.layout.velocities])
+    field, traction_F = flow.capture(forms, system.nodes.with_ghosts), _by_traction(system, jump_load)
+    clock.lap("checks")
+    return StokesSolution(
+        problem, nodal.U, F, traction_F, dissipation, checks, forms.dofs, nodal.iterations, clock.seconds,
+        field, surface, bulk, nodal.pressure_gradient,
+    )  # fmt: skip
+
+
+def _mean_pressure(system: StokesSystem, nodal: NodalSolution) -> float:
+    """Of the fluid, by its nodal values: their weights are the integrals of the shape functions."""
+    here = np.array([system.weights @ nodal.x[system.layout.velocities :], system.weights.sum()])
+    integral, area = system.layout.comm.allreduce(here)
+    return float(integral / area)
+
+
+def _by_traction(system: StokesSystem, jump_load: Array) -> Array:
+    """Loads of the bodies, (N, M), as integrals of sigma_h n, on all arcs in the pressure of one image."""
+    on_bodies = facets_with(system.problem.fluid, 1, system.problem.fluid.bodies)
+    integral = -jump_load
+    integral[: system.layout.velocities] += nodal_vector(system.forms.bind("traction", on_bodies))
+    return load_of(system, integral)

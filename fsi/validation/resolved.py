@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -42,32 +43,42 @@ def rows_of(path: Path, runs: Path) -> Iterator[list[Row]]:
     """
     for value, case in swept(path):
         try:
-            found = _instant(case) if case.time is None else _history(case, runs / path.stem)
-            failure = ""
+            results = _instant(case) if case.time is None else _history(case, runs / path.stem)
         except (SolveError, MeshError) as error:
-            found, failure = [(np.nan, np.nan, np.nan)] * len(case.expected), str(error)
-        yield [
-            _row(path.stem, value, case, row, *numbers, failure)
-            for row, numbers in zip(case.expected, found, strict=True)
-        ]
+            results = [Computed(np.nan, np.nan, np.nan, str(error))] * len(case.expected)
+        pairs = zip(case.expected, results, strict=True)
+        yield [_row(path.stem, value, case, row, result) for row, result in pairs]
 
 
-def _row(
-    name: str, sweep: float | None, case: Case, row: Expected,
-    value: float, error: float, truncation: float, failure: str,
-) -> Row:  # fmt: skip
+class Computed(NamedTuple):
+    """What a solve or a run gives for an expected row.
+
+    Attributes:
+        value: the quantity.
+        error: of the elements, and of the time steps of a run.
+        truncation: what the finite container changes.
+        failure: why there is no value, or empty.
+    """
+
+    value: float
+    error: float
+    truncation: float
+    failure: str = ""
+
+
+def _row(name: str, sweep: float | None, case: Case, row: Expected, result: Computed) -> Row:
     expected, digits = reference(case, row)
     size = abs(expected) or 1.0
     q = case.configuration()
     gap = find_gaps(q, case.container(), reach=case.container().size()).smallest() / float(q.radii.min())
     return Row(
-        name, sweep, gap, row.quantity, value, error / size, truncation / size, expected, digits, row.rtol,
-        row.exact or "", row.source, failure,
+        name, sweep, gap, row.quantity, result.value, result.error / size, result.truncation / size, expected,
+        digits, row.rtol, row.exact or "", row.source, result.failure,
     )  # fmt: skip
 
 
-def _instant(case: Case) -> list[tuple[float, float, float]]:
-    """(value, error of the elements, truncation) of each expected row at time 0."""
+def _instant(case: Case) -> list[Computed]:
+    """The expected rows at time 0."""
     solved = solve_with_errors(case)
     solution, errors = solved.solution, solved.errors
     enclosed = any(row.exact in ENCLOSED for row in case.expected)
@@ -77,7 +88,7 @@ def _instant(case: Case) -> list[tuple[float, float, float]]:
     lost = smaller.dissipation - solution.dissipation
     change = ErrorEstimate(smaller.U - solution.U, smaller.F - solution.F, lost, thicker)
     return [
-        (
+        Computed(
             computed(case, solution, row.quantity),
             abs(computed(case, errors, row.quantity)),
             abs(computed(case, change, row.quantity)),
@@ -86,8 +97,8 @@ def _instant(case: Case) -> list[tuple[float, float, float]]:
     ]
 
 
-def _history(case: Case, folder: Path) -> list[tuple[float, float, float]]:
-    """The same of times at gaps, from two runs; the error is that of the elements and of the time steps."""
+def _history(case: Case, folder: Path) -> list[Computed]:
+    """Times at gaps, from two runs, whose difference is the error of the time steps."""
     assert case.time is not None
     steps = {
         "tolerance": STRETCH**ERROR_ORDER * case.time.tolerance,
@@ -97,12 +108,12 @@ def _history(case: Case, folder: Path) -> list[tuple[float, float, float]]:
     fine = _run(case, folder)
     rough = _run(case.model_copy(update={"time": coarser}), folder.with_name(f"{folder.name}-coarser"))
     truncation = _relative_truncation(case)
-    found = []
+    results = []
     for row in case.expected:
         at, late = time_at(gap_of(row.quantity), *fine[:2]), time_at(gap_of(row.quantity), *rough[:2])
         elements = float(np.sum(np.where(fine[0] <= at, fine[2], 0.0)))
-        found.append((at, elements + abs(late - at), truncation * at))
-    return found
+        results.append(Computed(at, elements + abs(late - at), truncation * at))
+    return results
 
 
 def _run(case: Case, folder: Path) -> tuple[Array, Array, Array]:

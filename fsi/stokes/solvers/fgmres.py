@@ -20,8 +20,8 @@ factorised; beyond, it gets one cycle of smoothed aggregation, which is told the
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from types import TracebackType
 
 import numpy as np
 from mpi4py import MPI
@@ -76,7 +76,7 @@ class SchurBlocks:
     closed: bool
 
 
-class Iteration:
+class Iteration(AbstractContextManager["Iteration"]):
     """FGMRES on a symmetric indefinite matrix of that form; use it in a `with` statement."""
 
     def __init__(self, matrix: PETSc.Mat, blocks: SchurBlocks) -> None:
@@ -90,13 +90,7 @@ class Iteration:
             null_space.destroy()
         self._ksp = _solver(matrix, blocks)
 
-    def __enter__(self) -> Iteration:
-        """The solver itself."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Free the preconditioner."""
         self._ksp.destroy()
         self._constant.destroy()

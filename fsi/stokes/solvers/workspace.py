@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import ctypes
 import platform
+from contextlib import AbstractContextManager
 from dataclasses import fields
 from functools import cache
 
@@ -83,7 +84,7 @@ class Elimination:
             used.destroy()
 
 
-class Workspace:
+class Workspace(AbstractContextManager["Workspace"]):
     """Keeps what the last solve made; use it in a `with` statement, or `close` it."""
 
     def __init__(self, *, lasting: bool = True) -> None:
@@ -93,10 +94,6 @@ class Workspace:
         self._forms: Forms | None = None
         self._stokes: StokesMatrix | None = None
         self._elimination: Elimination | None = None
-
-    def __enter__(self) -> Workspace:
-        """The workspace itself."""
-        return self
 
     def __exit__(self, *_: object) -> None:
         """Free everything."""
