@@ -17,8 +17,10 @@ from fsi.meshes.geometry.containers import Round
 from fsi.meshes.geometry.periodic import Cell, Channel
 from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.model import StokesModel
+from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
-from tests.flows import discs, held, solved
+from fsi.stokes.solve import solve
+from tests.flows import discs, held, mesh, resting, solved
 from tests.periodic import force_free, in_cell, in_channel
 
 R, OMEGA = 2.5, 0.8
@@ -116,6 +118,24 @@ def test_a_solution_keeps_its_flow_when_the_mesh_has_moved_on() -> None:
     assert second.problem.fluid.mesh is first.problem.fluid.mesh
     assert np.array_equal(first.evaluate(x)[0], u)
     assert np.abs(second.evaluate(x)[0] - u).max() > 1e-4
+
+
+@pytest.mark.parametrize("degree", [3, 4])
+def test_a_sphere_that_turns_in_a_ball(degree: int) -> None:
+    """u = C (1 / r^3 - 1 / R^3) e_z x r to 7e-3, on tetrahedra that are as long as the radius."""
+    ball, q = Round(R, dimension=3), Configuration.unturned(np.zeros((1, 3)), np.ones(1))
+    problem = StokesProblem(
+        mesh(ball, q, Resolution(0.5, 10, 1.0), degree), ball, q, held((0, 0, 0, 0, 0, 1)), resting(ball)
+    )
+    flow = solve(problem, SolverOptions(degree, solver="direct"))
+    rng = np.random.default_rng(5)
+    r, direction = rng.uniform(1.0, R, 300), rng.normal(size=(300, 3))
+    x = direction * (r / np.linalg.norm(direction, axis=1))[:, None]
+    rate = (r**-3 - R**-3) / (1.0 - R**-3)
+    u, p = flow.evaluate(x)
+    assert_allclose(u, rate[:, None] * np.cross([0.0, 0.0, 1.0], x), rtol=0.0, atol=0.01)
+    assert not np.isnan(p).any()
+    assert_allclose(flow.evaluate(flow.flow.x[::7])[0], flow.flow.u[::7], rtol=0.0, atol=1e-12)
 
 
 def require_values_of_one_rank(path: str) -> None:
