@@ -84,17 +84,15 @@ class StokesModel:
 
     def problem(self, fluid: FluidMesh, q: Configuration, t: float, motion: Motion) -> StokesProblem:
         """What the case asks for on a mesh of the fluid around the bodies at q and t, without inertia."""
-        velocities = {wall: _field(velocity) for wall, velocity in self.case.wall_velocity(t).items()}
-        drive = self.case.domain.mean_drive()
-        return StokesProblem(
-            fluid,
-            self.case.container().at(t),
-            q,
-            motion,
-            Boundary(velocities, self.case.wall_pressure(), None, *drive),
-            self.case.fluid.viscosity,
-            interaction=self.case.interaction_moment(q, t),
+        case = self.case
+        velocities = {wall: _field(velocity) for wall, velocity in case.wall_velocity(t).items()}
+        boundary = Boundary(velocities, case.wall_pressure(), None, *case.domain.mean_drive())
+        container, viscosity, moment = (
+            case.container().at(t),
+            case.fluid.viscosity,
+            case.interaction_moment(q, t),
         )
+        return StokesProblem(fluid, container, q, motion, boundary, viscosity, interaction=moment)
 
     def mesh(self, q: Configuration, t: float = 0.0, order: int | None = None) -> FluidMesh:
         """A new mesh around the bodies at q and t, or the user's own; of the case's order if not given."""

@@ -28,6 +28,7 @@ from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.matching import columns_of_masters
 from fsi.stokes.discretisation.boundary import BoundaryNodes
 
+Index = NDArray[np.int64]
 NO_COLUMN = -1
 # For each component of the velocity the modes that give it: its translation, rotations about the other axes.
 ACTING = {2: ((0, 2), (1, 2)), 3: ((0, 4, 5), (1, 5, 3), (2, 3, 4))}
@@ -56,13 +57,13 @@ class DofLayout:
     dimension: int
     velocity_nodes: int
     pressure_nodes: int
-    fixed: NDArray[np.int64]
-    on_body: NDArray[np.int64]
-    body: NDArray[np.int64]
+    fixed: Index
+    on_body: Index
+    body: Index
     modes: int
     axisymmetric: bool
-    slave: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    master: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    slave: Index = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    master: Index = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     away: Array = field(default_factory=lambda: np.empty((0, 2)))
 
     @property
@@ -83,7 +84,7 @@ class DofLayout:
         return free
 
     @property
-    def constrained(self) -> NDArray[np.int64]:
+    def constrained(self) -> Index:
         """The other rows."""
         return np.concatenate([self.fixed, self.slave, self.on_body])
 
@@ -134,11 +135,11 @@ class RigidModes:
     """
 
     matrix: PETSc.Mat
-    rows: NDArray[np.int64]
-    modes: NDArray[np.int64]
+    rows: Index
+    modes: Index
     values: Array
 
-    def entries(self) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+    def entries(self) -> tuple[Index, Index, Array]:
         """Rows, modes and values, (n k,) each; the matrix itself would give them row by row."""
         return np.repeat(self.rows, self.modes.shape[1]), self.modes.ravel(), self.values.ravel()
 
@@ -230,11 +231,7 @@ def wall_offset(
 
 
 def _matrix(
-    layout: DofLayout,
-    columns: tuple[int, int | None],
-    rows: NDArray[np.int64],
-    column: NDArray[np.int64],
-    value: Array,
+    layout: DofLayout, columns: tuple[int, int | None], rows: Index, column: Index, value: Array
 ) -> PETSc.Mat:
     """Sparse matrix with `value[k, :]` in row `rows[k]` at columns `column[k, :]`; rows may repeat.
 

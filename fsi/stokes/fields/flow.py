@@ -46,15 +46,9 @@ def capture(forms: Forms, x: Array) -> Flow:
     V, topology = forms.V, forms.mesh.topology
     d = topology.dim
     cells = V.dofmap.list[: topology.index_map(d).size_local]
-    return Flow(
-        x,
-        cells.astype(np.int64),
-        np.array(forms.u.x.array, dtype=np.float64).reshape(-1, d),
-        _pressure_at_nodes(forms, cells),
-        V.element.basix_element.degree,
-        V.dofmap.index_map,
-        forms.axisymmetric,
-    )
+    u, p = np.array(forms.u.x.array, dtype=np.float64).reshape(-1, d), _pressure_at_nodes(forms, cells)
+    degree = V.element.basix_element.degree
+    return Flow(x, cells.astype(np.int64), u, p, degree, V.dofmap.index_map, forms.axisymmetric)
 
 
 def _pressure_at_nodes(forms: Forms, cells: NDArray[np.int32]) -> Array:

@@ -70,8 +70,7 @@ def collect(system: StokesSystem, reaction: Array) -> Surface:
     node = V.dofmap.index_map.local_to_global(mine.astype(np.int32))
     parts = fluid.mesh.comm.gather((node, x[mine], values, numbers, body))
     if parts is None:
-        none, nothing = np.empty((0, d)), np.empty(0, dtype=np.int64)
-        return Surface(none, nothing.reshape(0, d), degree, nothing, none, fluid.lattice, fluid.axisymmetric)
+        parts = [(node[:0], x[:0], values[:0], numbers[:0], body[:0])]
     nodes, xs, reactions, numbers, bodies = (np.concatenate([part[k] for part in parts]) for k in range(5))
     unique, first = np.unique(nodes, return_index=True)
     of_facets = np.searchsorted(unique, numbers)

@@ -15,11 +15,10 @@ prolongation; held modes move to the right-hand side. The multiplier IS the noda
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fsi.bodies.configuration import Array
-from fsi.stokes.discretisation.constraints import Prolongation
+from fsi.stokes.discretisation.constraints import Index, Prolongation
 from fsi.stokes.discretisation.matrices import galerkin
 from fsi.stokes.solvers.elimination import (
     NodalSolution,
@@ -30,8 +29,6 @@ from fsi.stokes.solvers.elimination import (
     multiply_transpose,
 )
 from fsi.stokes.solvers.mumps import Factorisation
-
-Index = NDArray[np.int64]
 
 
 def solve_multiplier(system: StokesSystem) -> NodalSolution:
