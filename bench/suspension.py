@@ -28,6 +28,7 @@ from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.clock import Clock
 from fsi.stokes.discretisation.boundary import Boundary
+from fsi.stokes.problem import StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import solve
 from fsi.stokes.solvers.workspace import Workspace
@@ -67,8 +68,8 @@ class Sheared:
         }
         nothing = np.zeros((len(self.q.radii), 3))
         free = Motion(nothing.astype(bool), nothing, nothing)
-        boundary = Boundary(walls, {})
-        return solve(fluid, self.channel, self.q, free, boundary, clock=clock, workspace=workspace)
+        problem = StokesProblem(fluid, self.channel, self.q, free, Boundary(walls, {}))
+        return solve(problem, clock=clock, workspace=workspace)
 
     def mesh(self) -> FluidMesh:
         """A new mesh."""

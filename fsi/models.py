@@ -73,8 +73,8 @@ def make_stepper(case: Case, model: Model) -> Advance:
 
 
 def _resolved(case: Case) -> Model:
+    from fsi.stokes.adapt import RefinedModel
     from fsi.stokes.model import StokesModel
-    from fsi.stokes.refined import RefinedModel
 
     return StokesModel(case) if case.discretisation.tolerance is None else RefinedModel(case)
 

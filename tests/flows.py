@@ -11,6 +11,7 @@ from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.geometry.containers import Box, Container, HalfPlane
 from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.discretisation.boundary import Boundary
+from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import solve
 
@@ -68,9 +69,8 @@ def solved(
 ) -> StokesSolution:
     """Mesh and solve at mu = 1."""
     fluid = mesh(container, q, resolution, degree)
-    return solve(
-        fluid, container, q, motion, boundary or resting(container), degree=degree, formulation=formulation
-    )
+    problem = StokesProblem(fluid, container, q, motion, boundary or resting(container))
+    return solve(problem, SolverOptions(degree, formulation))
 
 
 HALF_PLANE = HalfPlane(5000.0)

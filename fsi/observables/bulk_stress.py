@@ -17,11 +17,14 @@ class BulkStress:
 
         Sigma = fluid + 1/|Omega| sum_i S_i + forces
 
-    fluid: int over the fluid of sigma over |Omega|, (2, 2), with the mean pressure of the fluid zero;
-    stresslets: S_i = - sym int r (x) sigma n, n out of the fluid, (N, 2, 2): what the fluid does to body i
-    (Batchelor 1970, J. Fluid Mech. 41:545); forces: - 1/|Omega| sum r (x) F, (2, 2), what forces between
-    bodies carry, r from the one to the other on which F acts (Batchelor 1977, J. Fluid Mech. 83:97); area:
-    |Omega|; apparent_viscosity: over that of the fluid, None without a mean strain rate.
+    Attributes:
+        fluid: int over the fluid of sigma over |Omega|, (2, 2), with the mean pressure of the fluid zero.
+        stresslets: S_i = - sym int r (x) sigma n, n out of the fluid, (N, 2, 2): what the fluid does to body
+            i (Batchelor 1970, J. Fluid Mech. 41:545).
+        forces: - 1/|Omega| sum r (x) F, (2, 2), what forces between bodies carry, r from the one to the other
+            on which F acts (Batchelor 1977, J. Fluid Mech. 83:97).
+        area: |Omega|.
+        apparent_viscosity: over that of the fluid, None without a mean strain rate.
     """
 
     fluid: Array

@@ -18,10 +18,13 @@ NAMES = {len(MODES[d]): (*MODES[d], *LOADS[d]) for d in MODES}
 
 @dataclass(frozen=True, slots=True)
 class ErrorEstimate:
-    """Estimated errors, absolute: of U where it is free, of F where U is held; else 0. Shapes (N, M).
+    """Estimated errors, absolute.
 
-    dissipation: the error of `2 mu int e:e`; apparent_viscosity: the error of that of a periodic flow, not a
-    number without a strain rate.
+    Attributes:
+        U: of the velocities where they are free, else 0, (N, M).
+        F: of the loads where U is held, else 0, (N, M).
+        dissipation: of `2 mu int e:e`.
+        apparent_viscosity: of that of a periodic flow, not a number without a strain rate.
     """
 
     U: Array
@@ -34,8 +37,10 @@ class ErrorEstimate:
 class StepErrors:
     """The errors of a step of a run as its tables show them.
 
-    errors: absolute; relative: the largest over the largest result, "force", "velocity" and "viscosity",
-    where there are such results.
+    Attributes:
+        errors: absolute.
+        relative: the largest over the largest result, "force", "velocity" and "viscosity", where there are
+            such results.
     """
 
     errors: ErrorEstimate
@@ -44,10 +49,10 @@ class StepErrors:
     @property
     def columns(self) -> Mapping[str, float]:
         """Of steps.csv: the relative errors err_U and err_F, and that of the apparent viscosity, absolute."""
-        found = {"err_U": self.relative.get("velocity", 0.0), "err_F": self.relative.get("force", 0.0)}
+        columns = {"err_U": self.relative.get("velocity", 0.0), "err_F": self.relative.get("force", 0.0)}
         if self.errors.apparent_viscosity is not None:
-            found["err_apparent_viscosity"] = self.errors.apparent_viscosity
-        return found
+            columns["err_apparent_viscosity"] = self.errors.apparent_viscosity
+        return columns
 
     @property
     def body_columns(self) -> Mapping[str, Array]:
@@ -107,12 +112,12 @@ def relative_change(
     F, V = results.F / arm, results.U * arm
     speed = max(float(np.abs(V).max(initial=0.0)), drive.velocity)
     force = max(float(np.abs(F).max(initial=0.0)), drive.resistance * speed)
-    found = {}
+    relative = {}
     for name, of_kind, values, changed, scale in (
         ("force", held, F, change.F / arm, force),
         ("velocity", ~held, V, change.U * arm, speed),
     ):
         if np.any(values[of_kind]):
             largest = max(float(np.abs(values[of_kind]).max()), LEAST * scale)
-            found[name] = float(np.abs(changed[of_kind]).max()) / largest
-    return found
+            relative[name] = float(np.abs(changed[of_kind]).max()) / largest
+    return relative

@@ -26,8 +26,11 @@ ROUNDING = 1e-12
 class Modes:
     """The modes of all bodies, in the order of rows and columns.
 
-    velocities, loads: their labels, "disc.V_x" and "disc.F_x"; scale: s with R_ij / (s_i s_j) dimensionless,
-    sqrt(mu) for a translation in the plane, a sqrt(mu) for a rotation, both times sqrt(a) for spheres, (n,).
+    Attributes:
+        velocities: labels of the columns, "disc.V_x".
+        loads: labels of the rows, "disc.F_x".
+        scale: s with R_ij / (s_i s_j) dimensionless, sqrt(mu) for a translation in the plane, a sqrt(mu) for
+            a rotation, both times sqrt(a) for spheres, (n,).
     """
 
     velocities: tuple[str, ...]
@@ -37,12 +40,18 @@ class Modes:
 
 @dataclass(frozen=True, slots=True)
 class Resistance:
-    """A resistance matrix and how it was found.
+    """A resistance matrix and how it was computed.
 
-    R: symmetric, shape (n, n); mobility: its inverse, U = mobility F, None where no wall is at rest and R is
-    singular; eigenvalues: of R made dimensionless, increasing, (n,); checks: worst relative defects of the
-    identities over all columns, and `reciprocity`, the asymmetry before R was made symmetric; dofs, cells:
-    size of the mesh; seconds: CPU seconds of this process by phase.
+    Attributes:
+        modes: of its rows and columns.
+        R: symmetric, (n, n).
+        mobility: its inverse, U = mobility F, None where no wall is at rest and R is singular.
+        eigenvalues: of R made dimensionless, increasing, (n,).
+        checks: worst relative defects of the identities over all columns, and `reciprocity`, the asymmetry
+            before R was made symmetric.
+        dofs: unknowns (u, p).
+        cells: their number.
+        seconds: CPU seconds of this process by phase.
     """
 
     modes: Modes
@@ -113,8 +122,8 @@ def inverse(R: Array) -> Array:
 
     Cholesky's factors bear rows of any size, so that units and small gaps cost no digits.
     """
-    found: Array = cho_solve(cho_factor(R), np.eye(len(R)))
-    return 0.5 * (found + found.T)
+    mobility: Array = cho_solve(cho_factor(R), np.eye(len(R)))
+    return 0.5 * (mobility + mobility.T)
 
 
 def difference(R: Array, other: Array, scale: Array) -> float:

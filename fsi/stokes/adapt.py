@@ -1,4 +1,4 @@
-"""Solve to a tolerance: refine where the estimated error says that it matters.
+"""Solve, or run, to a tolerance: refine where the estimated error says that it matters.
 
 Three sizes make a mesh: along the gaps, around the bodies, and the growth away from them. Each round
 divides every one of them in turn by STEP, and keeps the change that lowers the estimate most; sizes that help
@@ -7,19 +7,22 @@ are also tried all together.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import ceil
-from typing import Protocol
+from typing import Any
 
-from fsi.bodies.configuration import Configuration, Motion
+import numpy as np
+from numpy.typing import NDArray
+
+from fsi.bodies.configuration import Configuration, Inertia, Motion
 from fsi.case.case import Case
 from fsi.case.checks.determined import require_determined_at_rest
 from fsi.case.sections import Discretisation
 from fsi.errors import SolveError
-from fsi.observables.error_estimate import ErrorEstimate
-from fsi.observables.flow_scales import drive_of
-from fsi.stokes.error import estimate_errors, relative_errors
+from fsi.integration.state import Instant
+from fsi.observables.error_estimate import ErrorEstimate, StepErrors
+from fsi.stokes.error import motion_of
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution
 
@@ -29,37 +32,36 @@ ROUNDS = 8
 MOST_UNKNOWNS = 400_000
 HIGHEST_DEGREE = 4
 SIZES = ("cells_per_gap", "cells_per_circle", "growth")
-
-
-class Trial(Protocol):
-    """What was computed with the sizes of a case, and how accurate it is."""
-
-    @property
-    def case(self) -> Case:
-        """With the sizes that were used."""
-
-    @property
-    def error(self) -> float:
-        """The largest, relative."""
-
-    @property
-    def dofs(self) -> int:
-        """Number of unknowns."""
+# In a run bodies move on: a tolerance that is just reached would be missed in the next step.
+MARGIN = 0.5
 
 
 @dataclass(frozen=True, slots=True)
-class Solved:
-    """A case with the sizes that were used, its solution, its errors, and the largest one, relative."""
+class Refinement:
+    """What was computed with the sizes of a case, and how accurate it is.
+
+    Attributes:
+        case: with the sizes that were used.
+        error: the largest, relative, estimated.
+        dofs: number of unknowns.
+    """
 
     case: Case
+    error: float
+    dofs: int
+
+
+@dataclass(frozen=True, slots=True)
+class Solved(Refinement):
+    """A solution with its accuracy.
+
+    Attributes:
+        solution: of the case.
+        errors: of the solution, estimated.
+    """
+
     solution: StokesSolution
     errors: ErrorEstimate
-    error: float
-
-    @property
-    def dofs(self) -> int:
-        """Number of unknowns."""
-        return self.solution.dofs
 
 
 def solve_with_errors(case: Case) -> Solved:
@@ -96,7 +98,7 @@ def refined(case: Case, q: Configuration, t: float, motion: Motion, tolerance: f
     return refine(case, lambda case: _solved(case, q, t, motion), tolerance)
 
 
-def refine[T: Trial](case: Case, solved: Callable[[Case], T], tolerance: float) -> T:
+def refine[T: Refinement](case: Case, solved: Callable[[Case], T], tolerance: float) -> T:
     """What `solved` gives with sizes that bring its error below the tolerance.
 
     Raises:
@@ -118,12 +120,12 @@ def refine[T: Trial](case: Case, solved: Callable[[Case], T], tolerance: float) 
 def _solved(case: Case, q: Configuration, t: float, motion: Motion) -> Solved:
     model = StokesModel(case)
     solution = model.of_degree(case.discretisation.degree, q, t, motion)
-    errors = estimate_errors(model, q, t, solution, motion)
-    found = relative_errors(solution, errors, motion.held, q.arms, drive_of(case, t))
-    return Solved(case, solution, errors, max(found.values(), default=0.0))
+    estimated = model.errors(q, t, solution, motion)
+    largest = max(estimated.relative.values(), default=0.0)
+    return Solved(case, largest, solution.dofs, solution, estimated.errors)
 
 
-def _better[T: Trial](best: T, solved: Callable[[Case], T]) -> T:
+def _better[T: Refinement](best: T, solved: Callable[[Case], T]) -> T:
     """The best of the meshes one step finer; all three sizes at once where no single one helps."""
     each = {size: solved(_finer(best.case, (size,))) for size in SIZES}
     helpful = tuple(size for size, trial in each.items() if trial.error < HELPS * best.error)
@@ -135,18 +137,23 @@ def _better[T: Trial](best: T, solved: Callable[[Case], T]) -> T:
 
 def _finer(case: Case, sizes: tuple[str, ...]) -> Case:
     """The case with some of its sizes one step finer."""
-    given = case.discretisation
-    finer = {
-        "cells_per_gap": STEP * given.cells_per_gap,
-        "cells_per_circle": ceil(STEP * given.cells_per_circle),
-        "growth": given.growth / STEP,
+    now = case.discretisation
+    finer: dict[str, float] = {
+        "cells_per_gap": STEP * now.cells_per_gap,
+        "cells_per_circle": ceil(STEP * now.cells_per_circle),
+        "growth": now.growth / STEP,
     }
-    changed = given.model_copy(update={size: finer[size] for size in sizes})
+    return _of_sizes(case, {size: finer[size] for size in sizes})
+
+
+def _of_sizes(case: Case, sizes: Mapping[str, float]) -> Case:
+    """The case with other sizes."""
+    changed = case.discretisation.model_copy(update=sizes)
     return case.model_copy(update={"discretisation": changed})
 
 
-def _missed(best: Trial, tolerance: float) -> SolveError:
-    given, mesh = best.case.discretisation, best.case.domain.mesh
+def _missed(best: Refinement, tolerance: float) -> SolveError:
+    used, mesh = best.case.discretisation, best.case.domain.mesh
     if mesh is not None:
         return SolveError(
             f"discretisation.tolerance = {tolerance:g}: the estimated error is {best.error:.1e} on the mesh "
@@ -156,12 +163,57 @@ def _missed(best: Trial, tolerance: float) -> SolveError:
         limit = f"{best.dofs} unknowns are the most that is tried"
     else:
         limit = "a finer mesh does not lower it enough"
-    remedy = "raise it" if given.degree == HIGHEST_DEGREE else f"raise it, or degree above {given.degree}"
+    remedy = "raise it" if used.degree == HIGHEST_DEGREE else f"raise it, or degree above {used.degree}"
     return SolveError(
         f"discretisation.tolerance = {tolerance:g}: the estimated error came down to {best.error:.1e} with "
-        f"{_text(given)}, and {limit}; {remedy}"
+        f"{_text(used)}, and {limit}; {remedy}"
     )
 
 
-def _text(given: Discretisation) -> str:
-    return ", ".join(f"{size} = {getattr(given, size):.4g}" for size in SIZES)
+def _text(used: Discretisation) -> str:
+    return ", ".join(f"{size} = {getattr(used, size):.4g}" for size in SIZES)
+
+
+class RefinedModel:
+    """`StokesModel` of a case with a tolerance, with the sizes that the run has needed so far.
+
+    They never get coarser again.
+    """
+
+    def __init__(self, case: Case) -> None:
+        """Begin with the sizes of the case."""
+        self.resolved = StokesModel(case)
+        self._known: tuple[Instant, StepErrors] | None = None
+
+    def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> StokesSolution:
+        """As `StokesModel`."""
+        return self.resolved(q, t, inertia)
+
+    def errors(self, q: Configuration, t: float, instant: Instant) -> StepErrors:
+        """The estimated errors of an instant; estimated once."""
+        if self._known is None or self._known[0] is not instant:
+            self._known = instant, self.resolved.errors(q, t, instant)
+        return self._known[1]
+
+    def refine(self, q: Configuration, t: float, instant: Instant) -> None:
+        """Take finer sizes from now on, with which the error at q and t is below MARGIN of the tolerance.
+
+        Raises:
+            MeshError, SolveError: of a solve; or the tolerance is out of reach.
+        """
+        case = self.resolved.case
+        tolerance = MARGIN * (case.discretisation.tolerance or 1.0)
+        self.resolved = StokesModel(refined(case, q, t, motion_of(case, q, t, instant), tolerance).case)
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """The sizes in use, and what `StokesModel` keeps."""
+        used = self.resolved.case.discretisation
+        return {**self.resolved.state(), "sizes": np.array([float(getattr(used, size)) for size in SIZES])}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Take back what `state` gave."""
+        case = self.resolved.case
+        kinds = (type(getattr(case.discretisation, size)) for size in SIZES)
+        values = (kind(value) for kind, value in zip(kinds, state["sizes"], strict=True))
+        self.resolved = StokesModel(_of_sizes(case, dict(zip(SIZES, values, strict=True))))
+        self.resolved.restore(state)

@@ -22,19 +22,15 @@ circles.
 from __future__ import annotations
 
 from math import nan
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Motion
+from fsi.case.case import Case
 from fsi.observables.error_estimate import ErrorEstimate, Results, StepErrors, relative_change
-from fsi.observables.flow_scales import Drive, drive_of
-
-if TYPE_CHECKING:
-    from fsi.case.case import Case
-    from fsi.stokes.model import StokesModel
-    from fsi.stokes.solution import StokesSolution
+from fsi.observables.flow_scales import drive_of
+from fsi.stokes.solution import StokesSolution
 
 SAFETY = 1.5
 FEWER = 0.15
@@ -43,38 +39,34 @@ LOWEST = 2
 ROUNDING = 1e-11
 
 
-def estimate_errors(
-    model: StokesModel, q: Configuration, t: float, solution: Results, motion: Motion | None = None
-) -> ErrorEstimate:
-    """Estimated errors of a solution of the model at q and t; one solve more, collective.
+def step_errors(case: Case, t: float, results: Results, other: StokesSolution) -> StepErrors:
+    """Estimated errors of results with the degree of the case, from the same problem solved with another one.
 
     Args:
-        model: what gave the solution.
-        q: the bodies.
+        case: what they are of.
         t: the time.
-        solution: U and F of degree k.
-        motion: what held and drove the bodies; the case's if not given.
-
-    Raises:
-        MeshError: no valid mesh can be made of the other order.
-        SolveError: the solve with the other degree fails.
+        results: U and F.
+        other: with `other_degree_of` that of the case.
     """
-    motion = motion or model.case.motion_at(q, t)
-    degree = model.case.discretisation.degree
-    other_degree, factor = other_degree_of(degree, q.dimension)
-    other = model.of_degree(other_degree, q, t, motion)
-    exists, arm = model.case.modes, q.arms
+    q, motion = other.problem.q, other.problem.motion
+    _, factor = other_degree_of(case.discretisation.degree, q.dimension)
 
     def bound(values: Array, reference: Array, arm: Array, computed: NDArray[np.bool_]) -> Array:
         rounding = ROUNDING * arm * np.abs(values / arm).max(initial=0.0)
-        return np.where(computed & exists, np.maximum(factor * np.abs(values - reference), rounding), 0.0)
+        error = np.maximum(factor * np.abs(values - reference), rounding)
+        return np.where(computed & case.modes, error, 0.0)
 
-    return ErrorEstimate(
-        bound(solution.U, other.U, 1.0 / arm, ~motion.held),
-        bound(solution.F, other.F, arm, motion.held),
-        factor * abs(getattr(solution, "dissipation", nan) - other.dissipation),
-        _of_viscosity(solution, other),
+    errors = ErrorEstimate(
+        bound(results.U, other.U, 1.0 / q.arms, ~motion.held),
+        bound(results.F, other.F, q.arms, motion.held),
+        factor * abs(getattr(results, "dissipation", nan) - other.dissipation),
+        _of_viscosity(results, other),
     )
+    relative = relative_change(results, errors, motion.held, q.arms, drive_of(case, t))
+    mu = getattr(results, "apparent_viscosity", None)
+    if mu is not None and errors.apparent_viscosity is not None:
+        relative["viscosity"] = errors.apparent_viscosity / abs(mu)
+    return StepErrors(errors, relative)
 
 
 def other_degree_of(degree: int, dimension: int) -> tuple[int, float]:
@@ -82,15 +74,15 @@ def other_degree_of(degree: int, dimension: int) -> tuple[int, float]:
     return (degree - 1, FEWER) if dimension == 3 and degree > LOWEST else (degree + 1, SAFETY)
 
 
-def _of_viscosity(solution: Results, better: StokesSolution) -> float | None:
+def _of_viscosity(results: Results, other: StokesSolution) -> float | None:
     """The same for the apparent viscosity of a periodic flow, not a number at instants without one."""
-    if better.bulk is None:
+    if other.bulk is None:
         return None
-    mu, mu_better = getattr(solution, "apparent_viscosity", None), better.bulk.apparent_viscosity
-    return nan if mu is None or mu_better is None else SAFETY * abs(mu - mu_better)
+    mu, mu_other = getattr(results, "apparent_viscosity", None), other.bulk.apparent_viscosity
+    return nan if mu is None or mu_other is None else SAFETY * abs(mu - mu_other)
 
 
-def moved_as_found(case: Case, q: Configuration, t: float, instant: Results) -> Motion:
+def motion_of(case: Case, q: Configuration, t: float, instant: Results) -> Motion:
     """What held and drove the bodies at an instant.
 
     Bodies with mass have the velocity that their history gave them: the error is that of the force at
@@ -101,24 +93,3 @@ def moved_as_found(case: Case, q: Configuration, t: float, instant: Results) -> 
         return motion
     held = motion.held | (masses > 0.0)
     return Motion(held, np.where(held, instant.U, 0.0), np.where(held, 0.0, motion.F))
-
-
-def step_errors(model: StokesModel, q: Configuration, t: float, instant: Results) -> StepErrors:
-    """The errors of an instant of a run; as `estimate_errors`."""
-    motion = moved_as_found(model.case, q, t, instant)
-    errors = estimate_errors(model, q, t, instant, motion)
-    return StepErrors(errors, relative_errors(instant, errors, motion.held, q.arms, drive_of(model.case, t)))
-
-
-def relative_errors(
-    results: Results, errors: ErrorEstimate, held: NDArray[np.bool_], arm: Array, drive: Drive
-) -> dict[str, float]:
-    """The errors over the largest result of their kind, and that of the apparent viscosity over it.
-
-    Arguments and returned names as of `relative_change`; "viscosity" of a periodic flow that has one.
-    """
-    found = relative_change(results, errors, held, arm, drive)
-    mu = getattr(results, "apparent_viscosity", None)
-    if mu is not None and errors.apparent_viscosity is not None:
-        found["viscosity"] = errors.apparent_viscosity / abs(mu)
-    return found

@@ -15,18 +15,17 @@ from dataclasses import dataclass
 import numpy as np
 from mpi4py import MPI
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
 from fsi.observables.identities import BOUND
-from fsi.stokes.discretisation.forms import Forms
-from fsi.stokes.solvers.elimination import NodalSolution, System, mode_equations
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, mode_equations
 
 ROUNDING_FLOOR = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
 class Scales:
-    """What a defect is compared with.
+    """What a defect is compared with: of the powers, forces, moments and fluxes of a flow.
 
     Where a flow is a rigid motion of everything, forces and dissipation are rounding errors themselves;
     a small multiple of mu times the nodal velocities then stands in for them, in space and with an axis times
@@ -41,82 +40,68 @@ class Scales:
 
 
 def identities(
-    system: System,
-    forms: Forms,
-    solution: NodalSolution,
-    F: Array,
-    dissipation: float,
-    viscosity: float,
-    q: Configuration,
-    x: Array,
-    periodic: bool = False,
+    system: StokesSystem, solution: NodalSolution, F: Array, dissipation: float
 ) -> dict[str, float]:
     """All relative defects; collective.
 
     Args:
-        system: what was solved.
-        forms: bound to the mesh, their u and p set to the solution.
+        system: what was solved; u and p of its forms are set to the solution.
         solution: nodal values and reactions.
         F: loads rigid^T lambda of the bodies, (N, M).
         dissipation: int 2 mu e : e.
-        viscosity: mu.
-        q: the bodies.
-        x: coordinates of this rank's velocity nodes, (n, d).
-        periodic: whether the domain has periods.
     """
-    shares = system.shares
-    velocities, d = shares.velocities, shares.dimension
-    given = shares.fixed[shares.fixed < velocities]
-    boundary = np.concatenate([given, shares.on_body])
+    layout, x = system.layout, system.nodes.x
+    velocities, d = layout.velocities, layout.dimension
+    at_walls = layout.fixed[layout.fixed < velocities]
+    boundary = np.concatenate([at_walls, layout.on_body])
     load = system.b.copy()
     load[boundary] += solution.reaction[boundary]
     force = load[:velocities].reshape(-1, d)
     moment = np.cross(x, force) if d == 3 else x[:, :1] * force[:, 1:] - x[:, 1:] * force[:, :1]
-    if system.shares.axisymmetric:
+    if layout.axisymmetric:
         force[:, 0] = moment[:] = 0.0  # these balance by symmetry around the axis
     u = solution.x[:velocities]
-    power_of_walls_and_loads = float(solution.reaction[given] @ solution.x[given] + system.b[:velocities] @ u)
+    power_of_walls_and_loads = float(
+        solution.reaction[at_walls] @ solution.x[at_walls] + system.b[:velocities] @ u
+    )
     power_of_walls_and_loads += _power_of_jumps(system, solution)
     lever = np.linalg.norm(x, axis=1) * np.linalg.norm(force, axis=1)
     b_b = system.b[:velocities] @ system.b[:velocities]
-    own = [power_of_walls_and_loads, np.abs(force).sum(), lever.sum(), u @ u, np.abs(u).sum(), b_b]
-    sums = np.array([*own, *force.sum(axis=0), *moment.sum(axis=0)])
-    shares.comm.Allreduce(MPI.IN_PLACE, sums)
-    (given_power, all_forces, all_moments, u_u, all_u, b_b), force_sum, moment_sum = np.split(
+    of_rank = [power_of_walls_and_loads, np.abs(force).sum(), lever.sum(), u @ u, np.abs(u).sum(), b_b]
+    sums = np.array([*of_rank, *force.sum(axis=0), *moment.sum(axis=0)])
+    layout.comm.Allreduce(MPI.IN_PLACE, sums)
+    (other_power, all_forces, all_moments, u_u, all_u, b_b), force_sum, moment_sum = np.split(
         sums, [6, 6 + d]
     )
-    floor = _floor(system, viscosity, q, x, u_u, all_u, b_b)
+    floor = _floor(system, u_u, all_u, b_b)
     scales = Scales(
         max(dissipation, floor.power),
         max(all_forces, floor.force),
         max(all_moments, floor.moment),
-        max(forms.integrate("speed on boundary"), floor.flux),
+        max(system.forms.integrate("speed on boundary"), floor.flux),
     )
-    power = float((solution.U * F).sum()) + given_power
-    return {
+    power = float((solution.U * F).sum()) + other_power
+    defects = {
         "power": _relative(dissipation - power, scales.power),
         "momentum": _relative(float(np.linalg.norm(force_sum)), scales.force),
-        # The traction on the two sides of a periodic domain has no force, but a moment.
-        **(
-            {}
-            if periodic
-            else {"angular_momentum": _relative(float(np.linalg.norm(moment_sum)), scales.moment)}
-        ),
-        "balance": _balance(system, solution.U, F, q, scales.force),
-        "net_flux": _relative(forms.integrate("flux"), scales.flux),
+        "angular_momentum": _relative(float(np.linalg.norm(moment_sum)), scales.moment),
+        "balance": _balance(system, solution.U, F, scales.force),
+        "net_flux": _relative(system.forms.integrate("flux"), scales.flux),
         "residual": solution.residual,
     }
+    if system.problem.periodic:  # the traction on the two sides has no force, but a moment
+        del defects["angular_momentum"]
+    return defects
 
 
-def _floor(
-    system: System, viscosity: float, q: Configuration, x: Array, u_u: float, all_u: float, b_b: float
-) -> Scales:
+def _floor(system: StokesSystem, u_u: float, all_u: float, b_b: float) -> Scales:
     """The least that defects are compared with, by sums over all nodes of u^2, |u| and b^2; collective."""
-    shares = system.shares
-    farthest = shares.comm.allreduce(float(np.linalg.norm(x, axis=1).max(initial=0.0)), op=MPI.MAX)
-    length = float(q.radii.min(initial=farthest))
-    spheres = shares.dimension == 3 or shares.axisymmetric
-    drag = viscosity * (length if spheres else 1.0)
+    layout, problem = system.layout, system.problem
+    farthest_here = float(np.linalg.norm(system.nodes.x, axis=1).max(initial=0.0))
+    farthest = layout.comm.allreduce(farthest_here, op=MPI.MAX)
+    length = float(problem.q.radii.min(initial=farthest))
+    spheres = layout.dimension == 3 or layout.axisymmetric
+    drag = problem.viscosity * (length if spheres else 1.0)
     force = ROUNDING_FLOOR * drag * all_u
     return Scales(
         ROUNDING_FLOOR * max(drag * u_u, b_b / drag),
@@ -126,10 +111,10 @@ def _floor(
     )
 
 
-def _power_of_jumps(system: System, solution: NodalSolution) -> float:
+def _power_of_jumps(system: StokesSystem, solution: NodalSolution) -> float:
     """What the mean flow and the mean pressure gradient of a periodic domain do on its sides, this rank's."""
-    slave, velocities = system.shares.slave, system.shares.velocities
-    of_velocity = np.concatenate([slave[slave < velocities], system.shares.on_body])
+    slave, velocities = system.layout.slave, system.layout.velocities
+    of_velocity = np.concatenate([slave[slave < velocities], system.layout.on_body])
     of_pressure = slave[slave >= velocities]
     reaction, g = solution.reaction, system.g
     return float(reaction[of_velocity] @ g[of_velocity] - reaction[of_pressure] @ g[of_pressure])
@@ -148,7 +133,7 @@ def require(defects: dict[str, float]) -> None:
             )
 
 
-def _balance(system: System, U: Array, F: Array, q: Configuration, force: float) -> float:
+def _balance(system: StokesSystem, U: Array, F: Array, force: float) -> float:
     """Largest defect of rigid^T lambda + D U = F + D U0 over the free modes, torques divided by the radius.
 
     With inertia, D U and D U0 may cancel far above the reactions, so that the load counts as a scale too.
@@ -158,7 +143,7 @@ def _balance(system: System, U: Array, F: Array, q: Configuration, force: float)
     defect = np.zeros_like(F)
     D, load = D.reshape(F.shape), load.reshape(F.shape)
     defect[free] = (F + D * U - load)[free]
-    defect /= q.arms
+    defect /= system.problem.q.arms
     return _relative(float(np.abs(defect).max(initial=0.0)), max(force, float(np.abs(load).max(initial=0.0))))
 
 

@@ -13,17 +13,16 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
 from fsi.case.case import Case
 from fsi.case.walls import WallVelocity
-from fsi.integration.state import Instant
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.files.read import read_mesh
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
-from fsi.observables.error_estimate import StepErrors
-from fsi.periodic import ChannelDomain
+from fsi.observables.error_estimate import Results, StepErrors
 from fsi.stokes.clock import Clock
 from fsi.stokes.discretisation.boundary import Boundary, Field
-from fsi.stokes.error import step_errors
+from fsi.stokes.error import motion_of, other_degree_of, step_errors
+from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import solve
 from fsi.stokes.solvers.workspace import Workspace
@@ -35,10 +34,11 @@ class StokesModel:
     def __init__(self, case: Case) -> None:
         """A model of the case; nothing is meshed yet."""
         self.case = case
-        given = case.discretisation
+        numerics = case.discretisation
         self.resolution = Resolution(
-            given.cells_per_gap, given.cells_per_circle, given.growth, given.interior
+            numerics.cells_per_gap, numerics.cells_per_circle, numerics.growth, numerics.interior
         )
+        self.options = SolverOptions(numerics.degree, numerics.formulation, numerics.solver)
         self._moving = case.time is not None and case.time.remesh == "when-needed"
         self._mover: Mover | None = None
         self._meshed_time = 0.0
@@ -54,9 +54,9 @@ class StokesModel:
         clock = Clock()
         fluid = self._moved(q, t) if self._moving else self.mesh(q, t)
         clock.lap("mesh")
-        degree = self.case.discretisation.degree
+        problem = self.problem(fluid, q, t, self.case.motion_at(q, t))
         workspace = self._workspace if self._moving else None
-        return self._solve(fluid, q, t, self.case.motion_at(q, t), degree, inertia, clock, workspace)
+        return solve(replace(problem, inertia=inertia), self.options, clock, workspace)
 
     def of_degree(self, degree: int, q: Configuration, t: float, motion: Motion) -> StokesSolution:
         """The flow with elements and curved cells of another degree, on a new mesh of the same simplices.
@@ -65,31 +65,34 @@ class StokesModel:
             MeshError, SolveError: as for the flow itself.
         """
         clock = Clock()
-        return self._solve(self.mesh(q, t, degree), q, t, motion, degree, None, clock)
+        problem = self.problem(self.mesh(q, t, degree), q, t, motion)
+        return solve(problem, replace(self.options, degree=degree), clock)
 
-    def errors(self, q: Configuration, t: float, instant: Instant) -> StepErrors:
-        """The estimated errors of an instant of this model; collective."""
-        return step_errors(self, q, t, instant)
+    def errors(
+        self, q: Configuration, t: float, instant: Results, motion: Motion | None = None
+    ) -> StepErrors:
+        """The estimated errors of an instant of this model at q and t; one solve more, collective.
 
-    def _solve(
-        self, fluid: FluidMesh, q: Configuration, t: float, motion: Motion, degree: int,
-        inertia: Inertia | None, clock: Clock, workspace: Workspace | None = None,
-    ) -> StokesSolution:  # fmt: skip
-        return solve(
-            fluid,
-            self.case.container().at(t),
-            q,
-            motion,
-            self._boundary(t),
-            viscosity=self.case.fluid.viscosity,
-            degree=degree,
-            formulation=self.case.discretisation.formulation,
-            solver=self.case.discretisation.solver,
-            inertia=inertia,
-            interaction=self.case.interaction_moment(q, t),
-            clock=clock,
-            workspace=workspace,
+        motion: what held and drove the bodies; None: that of the case at this instant.
+
+        Raises:
+            MeshError, SolveError: as for the flow, with the other degree.
+        """
+        motion = motion or motion_of(self.case, q, t, instant)
+        degree, _ = other_degree_of(self.options.degree, q.dimension)
+        return step_errors(self.case, t, instant, self.of_degree(degree, q, t, motion))
+
+    def problem(self, fluid: FluidMesh, q: Configuration, t: float, motion: Motion) -> StokesProblem:
+        """What the case asks for on a mesh of the fluid around the bodies at q and t, without inertia."""
+        case = self.case
+        velocities = {wall: _field(velocity) for wall, velocity in case.wall_velocity(t).items()}
+        boundary = Boundary(velocities, case.wall_pressure(), None, *case.domain.mean_drive())
+        container, viscosity, moment = (
+            case.container().at(t),
+            case.fluid.viscosity,
+            case.interaction_moment(q, t),
         )
+        return StokesProblem(fluid, container, q, motion, boundary, viscosity, interaction=moment)
 
     def mesh(self, q: Configuration, t: float = 0.0, order: int | None = None) -> FluidMesh:
         """A new mesh around the bodies at q and t, or the user's own; of the case's order if not given."""
@@ -129,23 +132,13 @@ class StokesModel:
         self._mover, self._meshed_time = Mover(self.mesh(q, t), q.centres), t
         return self._mover.fluid
 
-    def _boundary(self, t: float) -> Boundary:
-        """What holds at the walls at time t."""
-        velocities = {wall: _field(given) for wall, given in self.case.wall_velocity(t).items()}
-        domain, boundary = self.case.domain, Boundary(velocities, self.case.wall_pressure())
-        if not isinstance(domain, ChannelDomain):
-            return boundary
-        if domain.net_flux is None:
-            return replace(boundary, pressure_gradient=domain.pressure_gradient)
-        return replace(boundary, pressure_gradient=None, net_flux=domain.net_flux)
 
-
-def _field(given: WallVelocity) -> Field:
+def _field(wall: WallVelocity) -> Field:
     """u(x) = velocity + shear h e_x with the last coordinate h, points (n, d) -> (n, d)."""
 
     def u(x: Array) -> Array:
-        values = np.tile(given.velocity, (len(x), 1))
-        values[:, 0] += given.shear * x[:, -1]
+        values = np.tile(wall.velocity, (len(x), 1))
+        values[:, 0] += wall.shear * x[:, -1]
         return values
 
     return u

@@ -30,17 +30,15 @@ from fsi.observables.resistance import (
     positive_eigenvalues,
     symmetrised,
 )
-from fsi.periodic import CellDomain, ChannelDomain
-from fsi.stokes.adapt import refine
+from fsi.stokes.adapt import Refinement, refine
 from fsi.stokes.clock import Clock
-from fsi.stokes.discretisation.boundary import Boundary, BoundaryNodes
-from fsi.stokes.discretisation.forms import Forms
+from fsi.stokes.discretisation.boundary import Boundary
 from fsi.stokes.error import other_degree_of
-from fsi.stokes.evaluate import fill
 from fsi.stokes.identities import identities, require
 from fsi.stokes.model import StokesModel
-from fsi.stokes.solve import assembled
-from fsi.stokes.solvers.elimination import NodalSolution, System, factorised, load_of, multiply
+from fsi.stokes.problem import SolverOptions, StokesProblem
+from fsi.stokes.solve import DEFAULT, assembled
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, factorised, load_of, multiply
 
 AXIAL_MODE = 1
 # Right-hand sides solved at once: more are hardly faster, and each takes as much memory as the unknowns.
@@ -48,17 +46,10 @@ BLOCK = 32
 
 
 @dataclass(frozen=True, slots=True)
-class SolvedResistance:
-    """A case with the sizes that were used, its R, and the estimated error: `difference` of R."""
+class SolvedResistance(Refinement):
+    """R of a case with its accuracy: the error is the `difference` of R."""
 
-    case: Case
     resistance: Resistance
-    error: float
-
-    @property
-    def dofs(self) -> int:
-        """Number of unknowns."""
-        return self.resistance.dofs
 
 
 def resistance_with_error(case: Case) -> SolvedResistance:
@@ -73,11 +64,12 @@ def resistance_with_error(case: Case) -> SolvedResistance:
 
 def _solved(case: Case) -> SolvedResistance:
     """With elements of another degree R differs by its error, as forces do (see `error`)."""
-    found, given = case_resistance(case), case.discretisation
-    degree, factor = other_degree_of(given.degree, case.dimension)
-    changed = given.model_copy(update={"degree": degree})
+    computed, numerics = case_resistance(case), case.discretisation
+    degree, factor = other_degree_of(numerics.degree, case.dimension)
+    changed = numerics.model_copy(update={"degree": degree})
     other = case_resistance(case.model_copy(update={"discretisation": changed}))
-    return SolvedResistance(case, found, factor * difference(found.R, other.R, found.modes.scale))
+    error = factor * difference(computed.R, other.R, computed.modes.scale)
+    return SolvedResistance(case, error, computed.dofs, computed)
 
 
 def case_resistance(case: Case) -> Resistance:
@@ -90,110 +82,94 @@ def case_resistance(case: Case) -> Resistance:
         MeshError: no valid mesh can be made.
         SolveError: a solve fails, or violates an identity.
     """
-    _require_still(case)
+    container = case.container()
+    _require_still(case, container)
     clock = Clock()
     q = case.configuration()
     fluid = StokesModel(case).mesh(q)
     clock.lap("mesh")
-    return solve_resistance(
-        fluid,
-        case.container(),
-        q,
-        case.names,
-        open_walls=case.wall_pressure(),
-        viscosity=case.fluid.viscosity,
-        degree=case.discretisation.degree,
-        solver=case.discretisation.solver,
-        clock=clock,
-    )
+    problem = held_at_rest(fluid, container, q, case.fluid.viscosity, case.wall_pressure())
+    options = SolverOptions(case.discretisation.degree, solver=case.discretisation.solver)
+    return solve_resistance(problem, case.names, options, clock)
 
 
-def _require_still(case: Case) -> None:
+def _require_still(case: Case, container: Container) -> None:
     """F = R U alone: no mean flow, and no mean pressure gradient that would be a result too."""
-    if isinstance(case.domain, CellDomain):
+    if len(container.periods) == container.dimension:
         raise InputError(
             'domain.shape = "cell": without walls bodies alone do not determine the flow, so it has no '
             'resistance matrix; give a box with periodic = ["x"]'
         )
-    if isinstance(case.domain, ChannelDomain) and case.domain.net_flux is not None:
+    net_flux = case.domain.mean_drive().net_flux
+    if net_flux is not None:
         raise InputError(
-            f"domain.net_flux = {case.domain.net_flux!r}: a resistance matrix is that at a mean pressure "
+            f"domain.net_flux = {net_flux!r}: a resistance matrix is that at a mean pressure "
             "gradient of zero; drop it"
         )
 
 
-def solve_resistance(
-    fluid: FluidMesh,
-    container: Container,
-    q: Configuration,
-    names: Sequence[str],
-    *,
+def held_at_rest(
+    fluid: FluidMesh, container: Container, q: Configuration, viscosity: float = 1.0,
     open_walls: Collection[str] = (),
-    viscosity: float = 1.0,
-    degree: int = 3,
-    solver: str = "automatic",
-    clock: Clock | None = None,
+) -> StokesProblem:  # fmt: skip
+    """The problem of bodies that are held at rest; open walls have no traction, all others are at rest."""
+    rest = np.zeros_like(q.arms)
+    walls = {wall: np.zeros_like for wall in container.walls if wall not in open_walls}
+    boundary = Boundary(walls, dict.fromkeys(open_walls, 0.0))
+    motion = Motion(np.ones(rest.shape, dtype=bool), rest, rest)
+    return StokesProblem(fluid, container, q, motion, boundary, viscosity)
+
+
+def solve_resistance(
+    problem: StokesProblem, names: Sequence[str], options: SolverOptions = DEFAULT, clock: Clock | None = None
 ) -> Resistance:
-    """R of the bodies at q; collective.
+    """R of the bodies of a problem; collective.
 
     Args:
-        fluid: mesh of the fluid around the bodies at q.
-        container: what encloses the fluid.
-        q: the bodies.
+        problem: with bodies that are held at rest.
         names: of the bodies, for the labels.
-        open_walls: walls without traction; all others are at rest.
-        viscosity: mu.
-        degree: of the velocity, at least the order of the mesh.
-        solver: "direct", "iterative" (in space), or "automatic" by size.
+        options: degree and solver; the formulation is the eliminated one.
         clock: takes the CPU seconds by phase; may have some already.
 
     Raises:
         SolveError: singular system, large residual, or an identity violated.
     """
-    clock = clock or Clock()
-    rest = np.zeros_like(q.arms)
-    all_held = Motion(np.ones(rest.shape, dtype=bool), rest, rest)
-    walls = {wall: np.zeros_like for wall in container.walls if wall not in open_walls}
-    boundary = Boundary(walls, dict.fromkeys(open_walls, 0.0))
-    units = np.eye(rest.size)
-    modes = all_modes(names, q.radii, viscosity, q.dimension)
+    clock, fluid, q = clock or Clock(), problem.fluid, problem.q
+    shape, radii = q.arms.shape, q.radii
+    units, modes = np.eye(q.arms.size), all_modes(names, radii, problem.viscosity, q.dimension)
     if fluid.axisymmetric:
-        units, modes = units[AXIAL_MODE :: rest.shape[1]], axial_modes(names, q.radii, viscosity)
-    columns, worst, periodic = [], dict[str, float](), fluid.lattice.dimension > 0
-    given = assembled(fluid, container, q, all_held, boundary, viscosity, degree, None, clock, solver)
-    with given as (system, forms, nodes), factorised(system) as responses:
+        units, modes = units[AXIAL_MODE :: shape[1]], axial_modes(names, radii, problem.viscosity)
+    columns, worst = [], dict[str, float]()
+    with assembled(problem, options, clock) as system, factorised(system) as responses:
         clock.lap("factorise")
         for block in batched(units, BLOCK):
-            for nodal in responses(np.reshape(block, (-1, *rest.shape))):
+            for nodal in responses(np.reshape(block, (-1, *shape))):
                 clock.lap("solve")
                 F = load_of(system, nodal.reaction)
-                defects = _defects(system, forms, nodes, nodal, F, viscosity, q, periodic)
+                defects = _defects(system, nodal, F)
                 worst = {name: max(defect, worst.get(name, 0.0)) for name, defect in defects.items()}
                 columns.append(units @ F.ravel())
                 clock.lap("checks")
-        dofs = forms.dofs
+        dofs = system.forms.dofs
     require(worst)
     R, asymmetry = symmetrised(np.column_stack(columns), modes.scale)
-    eigenvalues = positive_eigenvalues(R, modes.scale, resting=bool(walls))
-    mobility = inverse(R) if walls else None
+    resting = bool(problem.boundary.velocities)
+    eigenvalues = positive_eigenvalues(R, modes.scale, resting=resting)
+    mobility = inverse(R) if resting else None
     checks = worst | {"reciprocity": asymmetry}
     return Resistance(modes, R, mobility, eigenvalues, checks, dofs, fluid.cells(), clock.seconds)
 
 
-def _defects(
-    system: System, forms: Forms, nodes: BoundaryNodes, nodal: NodalSolution, F: Array, viscosity: float,
-    q: Configuration, periodic: bool,
-) -> dict[str, float]:  # fmt: skip
+def _defects(system: StokesSystem, nodal: NodalSolution, F: Array) -> dict[str, float]:
     """What one unit motion violates of the identities, but for the balance of free modes: there are none."""
-    fill(forms, nodal.x)
-    dissipation = _dissipation(system, nodal.x)
-    defects = identities(system, forms, nodal, F, dissipation, viscosity, q, nodes.x, periodic)
+    system.forms.fill(nodal.x)
+    defects = identities(system, nodal, F, _dissipation(system, nodal.x))
     del defects["balance"]
     return defects
 
 
-def _dissipation(system: System, x: Array) -> float:
+def _dissipation(system: StokesSystem, x: Array) -> float:
     """u^T A u, which is int 2 mu e : e, from the matrix at hand."""
     u = x.copy()
-    u[system.shares.velocities :] = 0.0
-    return float(system.shares.comm.allreduce(u @ multiply(system.M, u), op=MPI.SUM))
+    u[system.layout.velocities :] = 0.0
+    return float(system.layout.comm.allreduce(u @ multiply(system.M, u), op=MPI.SUM))

@@ -7,10 +7,15 @@ from dataclasses import dataclass, field
 from math import nan
 from pathlib import Path
 
+import numpy as np
+
+from fsi import parallel
 from fsi.bodies.configuration import MODES, Array
 from fsi.observables.bulk_stress import BulkStress
-from fsi.stokes.fields import write as fields
+from fsi.stokes.fields import write
+from fsi.stokes.fields.flow import Flow, values_at
 from fsi.stokes.fields.traction import Surface, traction
+from fsi.stokes.problem import StokesProblem
 from fsi.stokes.stress import VISCOSITY_CHECKS
 
 
@@ -18,28 +23,62 @@ from fsi.stokes.stress import VISCOSITY_CHECKS
 class StokesSolution:
     """Stokes flow around the bodies at one instant.
 
-    U: velocities of the bodies, (N, M); F: loads = int sigma n, n out of the fluid, from the reactions,
-    (N, M): in balance the external load; the fluid exerts -F on the body; traction_F: the same from the
-    traction integral of sigma_h n, less accurate, a cross-check; dissipation: int 2 mu e : e; checks: the
-    relative defects of the identities; dofs: unknowns (u, p) before constraints; cells: their number;
-    iterations: of the linear solver, 0 of the direct one; quality: worst scaled Jacobian; seconds: CPU
-    seconds of this process by phase; flow, surface: for output; bulk: mean stress of a
-    periodic flow.
+    Attributes:
+        problem: what was solved; its mesh may have been moved on since.
+        U: velocities of the bodies, (N, M).
+        F: loads = int sigma n, n out of the fluid, from the reactions, (N, M): in balance the external load;
+            the fluid exerts -F on the body.
+        traction_F: the same from the traction integral of sigma_h n, less accurate, a cross-check.
+        dissipation: int 2 mu e : e.
+        checks: the relative defects of the identities.
+        dofs: unknowns (u, p) before constraints.
+        iterations: of the linear solver, 0 of the direct one.
+        seconds: CPU seconds of this process by phase.
+        flow: velocity and pressure, of this rank.
+        surface: the bodies' surfaces, on root.
+        bulk: mean stress of a periodic flow.
+        pressure_gradient: the mean one of a periodic flow, (2,).
     """
 
+    problem: StokesProblem = field(repr=False)
     U: Array
     F: Array
     traction_F: Array
     dissipation: float
     checks: dict[str, float]
     dofs: int
-    cells: int
     iterations: int
-    quality: float
     seconds: dict[str, float]
-    flow: fields.Flow = field(repr=False)
+    flow: Flow = field(repr=False)
     surface: Surface = field(repr=False)
     bulk: BulkStress | None = None
+    pressure_gradient: Array | None = None
+
+    @property
+    def cells(self) -> int:
+        """Number of cells over all ranks."""
+        return self.problem.fluid.cells()
+
+    def evaluate(self, x: Array) -> tuple[Array, Array]:
+        """u (n, d) and p (n,) at points x (n, d), the same on all ranks; NaN outside the fluid; collective.
+
+        The values are the finite element's own. A periodic flow has them at every image,
+
+            u(x + e) = u(x) + E e,    p(x + e) = p(x) + G.e
+        """
+        values = values_at(self.flow, x)
+        if self.pressure_gradient is not None:
+            # The domain was opened along a cut that winds around bodies: the image that is nearest to its
+            # middle may lie across the cut, but then one of its neighbours does not.
+            lattice = self.problem.fluid.lattice
+            low, high = (np.array(parallel.gather(f(self.flow.x, axis=0))) for f in (np.min, np.max))
+            nearest = lattice.nearest(x - 0.5 * (low.min(axis=0) + high.max(axis=0)))
+            jump = np.vstack([self.problem.container.mean_gradient, self.pressure_gradient])
+            for m in lattice.near():
+                outside = np.isnan(values[:, 0])
+                e = lattice.shift(nearest[outside] + m)
+                values[outside] = values_at(self.flow, x[outside] - e) + e @ jump.T
+        return values[:, :-1], values[:, -1]
 
     @property
     def record(self) -> Mapping[str, float]:
@@ -47,7 +86,7 @@ class StokesSolution:
         sizes = {
             "dofs": self.dofs,
             "cells": self.cells,
-            "worst_cell": self.quality,
+            "worst_cell": self.problem.fluid.quality,
             "dissipation": self.dissipation,
         }
         if self.U.shape[1] == len(MODES[3]):
@@ -78,6 +117,6 @@ class StokesSolution:
     def write(self, folder: Path, step: int) -> dict[str, list[str]]:
         """Write this instant's VTU files; collective. Gives the file names of each series, for all ranks."""
         return {
-            "fluid": fields.write_flow(self.flow, folder, step),
-            "surface": fields.write_surface(self.surface, self.traction, folder, step),
+            "fluid": write.write_flow(self.flow, folder, step),
+            "surface": write.write_surface(self.surface, self.traction, folder, step),
         }

@@ -4,69 +4,56 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
-from functools import partial
 
 import numpy as np
 from dolfinx import fem
 from mpi4py import MPI
 
-from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
+from fsi.bodies.configuration import Array
 from fsi.meshes.build import FluidMesh
-from fsi.meshes.geometry.containers import Container
-from fsi.meshes.geometry.periodic import Cell, Channel
 from fsi.stokes.clock import Clock
-from fsi.stokes.discretisation.boundary import Boundary, BoundaryNodes, facets_with, locate
-from fsi.stokes.discretisation.constraints import layout, rigid_modes, wall_offset
+from fsi.stokes.discretisation.boundary import facets_with, locate
+from fsi.stokes.discretisation.constraints import dof_layout, rigid_modes, wall_offset
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.discretisation.matrices import pressure_mass
-from fsi.stokes.evaluate import Found, evaluated
+from fsi.stokes.fields import flow, traction
+from fsi.stokes.identities import identities, require
+from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solvers.coarse import coarse_velocities
-from fsi.stokes.solvers.elimination import NodalSolution, System, nodal_vector, solve_eliminated
+from fsi.stokes.solvers.elimination import (
+    NodalSolution,
+    StokesSystem,
+    load_of,
+    nodal_vector,
+    solve_eliminated,
+)
 from fsi.stokes.solvers.multiplier import solve_multiplier
-from fsi.stokes.solvers.periodic import averages, jumps, mean_flow, solve_periodic, tied
+from fsi.stokes.solvers.periodic import solve_periodic, tied
 from fsi.stokes.solvers.workspace import Workspace
+from fsi.stokes.stress import bulk_stress, is_force_free, viscosity_checks
 
 # Beyond, in space, the factors of the direct solver cost more time and memory than the iterations.
 MOST_DIRECT = 20_000
+DEFAULT = SolverOptions()
 
-FORMULATIONS: dict[str, Callable[[System], NodalSolution]] = {
+FORMULATIONS: dict[str, Callable[[StokesSystem], NodalSolution]] = {
     "eliminated": solve_eliminated,
     "multiplier": solve_multiplier,
 }
 
 
 def solve(
-    fluid: FluidMesh,
-    container: Container,
-    q: Configuration,
-    motion: Motion,
-    boundary: Boundary,
-    *,
-    viscosity: float = 1.0,
-    degree: int = 3,
-    formulation: str = "eliminated",
-    solver: str = "automatic",
-    inertia: Inertia | None = None,
-    interaction: Array | None = None,
+    problem: StokesProblem,
+    options: SolverOptions = DEFAULT,
     clock: Clock | None = None,
     workspace: Workspace | None = None,
 ) -> StokesSolution:
     """Velocity, pressure, reactions and the motion of the bodies; collective.
 
     Args:
-        fluid: mesh of the fluid around the bodies at q.
-        container: what encloses the fluid.
-        q: the bodies.
-        motion: held modes, their velocities, loads on the free modes.
-        boundary: walls and body force.
-        viscosity: mu.
-        degree: of the velocity, at least the order of the mesh; the pressure has one less.
-        formulation: "eliminated" (P^T M P) or "multiplier" (the saddle-point system); they agree to rounding.
-        solver: of the eliminated form, "direct", "iterative" (in space), or "automatic" by size.
-        inertia: of an implicit step; none: quasi-static.
-        interaction: sum of r (x) F of the forces between bodies that `motion` has, (d, d), for the mean
-            stress of a periodic flow; none: zero.
+        problem: the fluid, the bodies and what drives them.
+        options: degree and solver.
         clock: takes the CPU seconds by phase; may have some already.
         workspace: what solves on this mesh share while it is moved; it keeps what this one makes.
 
@@ -74,83 +61,63 @@ def solve(
         SolveError: singular system, large residual, or an identity violated.
     """
     clock = clock or Clock()
-    if formulation == "multiplier":
-        solver = "direct"
-    given = assembled(
-        fluid, container, q, motion, boundary, viscosity, degree, inertia, clock, solver, workspace
-    )
-    with given as (system, forms, nodes):
-        solve_system, loads = FORMULATIONS[formulation], system.b
-        if isinstance(container, Channel | Cell):
-            mean = mean_flow(container, motion, boundary.pressure_gradient, boundary.net_flux)
-            jump = jumps(system.shares, fluid, forms, q, nodes.x)
-            average = partial(averages, forms, q, nodes.x, container.volume)
-            system, nodal = solve_periodic(system, solve_system, jump, mean, average)
+    with assembled(problem, options, clock, workspace) as system:
+        solve_system, loads = FORMULATIONS[options.formulation], system.b
+        if problem.periodic:
+            system, nodal = solve_periodic(system, solve_system)
         else:
             nodal = solve_system(system)
         clock.lap("solve")
-        carried = np.zeros((q.dimension, q.dimension)) if interaction is None else interaction
-        found = Found(system, fluid, forms, nodes, nodal, q, viscosity, system.b - loads, carried)
-        return evaluated(found, container, boundary, clock)
+        return _evaluated(system, nodal, system.b - loads, clock)
 
 
 @contextmanager
 def assembled(
-    fluid: FluidMesh,
-    container: Container,
-    q: Configuration,
-    motion: Motion,
-    boundary: Boundary,
-    viscosity: float,
-    degree: int,
-    inertia: Inertia | None,
-    clock: Clock,
-    solver: str = "automatic",
-    workspace: Workspace | None = None,
-) -> Iterator[tuple[System, Forms, BoundaryNodes]]:
+    problem: StokesProblem, options: SolverOptions, clock: Clock, workspace: Workspace | None = None
+) -> Iterator[StokesSystem]:
     """The assembled system of `solve`, with the same arguments; collective."""
-    with nullcontext(workspace) if workspace else Workspace(lasting=False) as kept:
-        forms = kept.forms(fluid, degree, viscosity)
+    fluid, container, boundary = problem.fluid, problem.container, problem.boundary
+    with nullcontext(workspace) if workspace else Workspace(lasting=False) as workspace:
+        forms = workspace.forms(fluid, options.degree, problem.viscosity)
         nodes = locate(fluid, forms.V)
-        closed = not boundary.pressures
-        iterative = is_iterative(solver, forms)
+        iterative = is_iterative(options, forms)
         weights = nodal_vector(forms.bind("pressure weights"))
+        closed = not boundary.pressures
         pin = _pinned_pressure(fluid, forms, weights) if closed and not iterative else None
         pressure_nodes = forms.Q.dofmap.index_map.size_local
-        shares = layout(fluid.mesh.comm, nodes, tuple(boundary.velocities), pressure_nodes, pin, fluid)
-        shares = tied(shares, fluid, forms, nodes.with_ghosts)
+        layout = dof_layout(fluid, nodes, boundary.velocities, pressure_nodes, pin)
+        layout = tied(layout, fluid, forms, nodes.with_ghosts)
         at_walls = {wall: u(nodes.x[nodes.wall_nodes[wall]]) for wall, u in boundary.velocities.items()}
-        g = wall_offset(
-            shares, nodes, at_walls, dict(zip(container.walls, container.corner_axes, strict=True))
-        )
-        b = _loads(fluid, forms, boundary, shares.rows)
+        corner_axes = dict(zip(container.walls, container.corner_axes, strict=True))
+        g = wall_offset(layout, nodes, at_walls, corner_axes)
+        b = _loads(problem, forms, layout.rows)
         clock.lap("setup")
         mass = pressure_mass(forms) if iterative else None
-        coarse = coarse_velocities(fluid, forms, tuple(boundary.velocities), q) if iterative else None
-        system = System(
-            shares, kept.stokes_matrix(), rigid_modes(shares, nodes, q, fluid.lattice), b, g, q, motion,
-            inertia, nodes.x, weights, mass, coarse, closed, kept,
-        )  # fmt: skip
+        coarse = coarse_velocities(problem, forms) if iterative else None
+        rigid, M = rigid_modes(layout, nodes, problem.q, fluid.lattice), workspace.stokes_matrix()
+        system = StokesSystem(problem, forms, nodes, layout, M, rigid, b, g, weights, mass, coarse, workspace)
         clock.lap("assemble")
         try:
-            yield system, forms, nodes
+            yield system
         finally:
-            system.rigid.matrix.destroy()
-            if system.mass is not None:
-                system.mass.destroy()
-            if system.coarse is not None:
-                system.coarse.nodal.destroy()
+            rigid.matrix.destroy()
+            if mass is not None:
+                mass.destroy()
+            if coarse is not None:
+                coarse.nodal.destroy()
 
 
-def is_iterative(solver: str, forms: Forms) -> bool:
+def is_iterative(options: SolverOptions, forms: Forms) -> bool:
     """Whether a system is solved iteratively: as the user says, else large ones in space."""
-    if solver == "automatic":
+    if options.formulation == "multiplier":
+        return False
+    if options.solver == "automatic":
         return forms.mesh.topology.dim == 3 and forms.dofs > MOST_DIRECT
-    return solver == "iterative"
+    return options.solver == "iterative"
 
 
 def _pinned_pressure(fluid: FluidMesh, forms: Forms, weights: Array) -> int | None:
-    """Local number of the pressure node to pin, on its owner: the one with the largest weight |int q|, given.
+    """Local number of the pressure node to pin, on its owner: the one with the largest weight |int q|.
 
     A node inside a gap would lose 7 digits: its divergence row is the smallest of all. One on the cut of a
     periodic domain would have an image that is not pinned.
@@ -159,15 +126,15 @@ def _pinned_pressure(fluid: FluidMesh, forms: Forms, weights: Array) -> int | No
     if fluid.lattice.dimension:
         on_cut = fem.locate_dofs_topological(forms.Q, 1, fluid.facet_tags.find(fluid.cut_tag))
         weights[on_cut[on_cut < len(weights)]] = 0.0
-    own = (float(weights.max(initial=-1.0)), -forms.mesh.comm.rank)
-    if forms.mesh.comm.allreduce(own, op=MPI.MAX) != own:
+    largest_here = (float(weights.max(initial=-1.0)), -forms.mesh.comm.rank)
+    if forms.mesh.comm.allreduce(largest_here, op=MPI.MAX) != largest_here:
         return None
     return int(np.argmax(weights))
 
 
-def _loads(fluid: FluidMesh, forms: Forms, boundary: Boundary, rows: int) -> Array:
+def _loads(problem: StokesProblem, forms: Forms, rows: int) -> Array:
     """Nodal loads b: (f, v) and, on open walls, <t, v> with t = -p n; this rank's rows."""
-    b = np.zeros(rows)
+    fluid, boundary, b = problem.fluid, problem.boundary, np.zeros(rows)
     velocities = forms.velocities
     if boundary.body_force is not None:
         f = boundary.body_force
@@ -177,3 +144,48 @@ def _loads(fluid: FluidMesh, forms: Forms, boundary: Boundary, rows: int) -> Arr
         tag = fluid.wall_tag(wall)
         b[:velocities] -= pressure * nodal_vector(forms.bind("normal", facets_with(fluid, tag, tag)))
     return b
+
+
+def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clock: Clock) -> StokesSolution:
+    """Everything that follows from nodal values: loads, checks, mean stress, and the flow for output.
+
+    Args:
+        system: what was solved.
+        nodal: the nodal values.
+        jump_load: what jumps of the pressure added to the loads of the system.
+        clock: of the solve.
+    """
+    problem, forms = system.problem, system.forms
+    forms.fill(nodal.x)
+    mean_pressure = _mean_pressure(system, nodal)
+    if not problem.boundary.pressures:
+        forms.p.x.array[:] -= mean_pressure
+    F, dissipation = load_of(system, nodal.reaction), forms.integrate("dissipation")
+    checks, bulk = identities(system, nodal, F, dissipation), None
+    if problem.periodic:
+        bulk = bulk_stress(system, nodal, mean_pressure)
+        if is_force_free(system):
+            checks |= viscosity_checks(problem, bulk, dissipation)
+    require(checks)
+    surface = traction.collect(system, nodal.reaction[: system.layout.velocities])
+    field, traction_F = flow.capture(forms, system.nodes.with_ghosts), _by_traction(system, jump_load)
+    clock.lap("checks")
+    return StokesSolution(
+        problem, nodal.U, F, traction_F, dissipation, checks, forms.dofs, nodal.iterations, clock.seconds,
+        field, surface, bulk, nodal.pressure_gradient,
+    )  # fmt: skip
+
+
+def _mean_pressure(system: StokesSystem, nodal: NodalSolution) -> float:
+    """Of the fluid, by its nodal values: their weights are the integrals of the shape functions."""
+    here = np.array([system.weights @ nodal.x[system.layout.velocities :], system.weights.sum()])
+    integral, area = system.layout.comm.allreduce(here)
+    return float(integral / area)
+
+
+def _by_traction(system: StokesSystem, jump_load: Array) -> Array:
+    """Loads of the bodies, (N, M), as integrals of sigma_h n, on all arcs in the pressure of one image."""
+    on_bodies = facets_with(system.problem.fluid, 1, system.problem.fluid.bodies)
+    integral = -jump_load
+    integral[: system.layout.velocities] += nodal_vector(system.forms.bind("traction", on_bodies))
+    return load_of(system, integral)

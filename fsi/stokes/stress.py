@@ -15,73 +15,65 @@ y e_x and E x are functions of the space of u. And since the mean of e over the 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 from mpi4py import MPI
 
-from fsi.bodies.configuration import Array, Configuration
-from fsi.meshes.geometry.lattice import Lattice
-from fsi.meshes.geometry.periodic import Cell, Channel, Periodic
+from fsi.bodies.configuration import Array
 from fsi.observables.bulk_stress import BulkStress, area_fraction
-from fsi.stokes.discretisation.boundary import BoundaryNodes
-from fsi.stokes.solvers.elimination import NodalSolution, System
+from fsi.stokes.problem import StokesProblem
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem
 
 
-def bulk_stress(
-    system: System, nodes: BoundaryNodes, solution: NodalSolution, container: Periodic, q: Configuration,
-    strain_rate: Array, mean_pressure: float, viscosity: float, interaction: Array,
-) -> BulkStress:  # fmt: skip
+def bulk_stress(system: StokesSystem, solution: NodalSolution, mean_pressure: float) -> BulkStress:
     """Sigma and its parts; collective.
 
     Args:
         system: what was solved.
-        nodes: velocity nodes.
         solution: nodal values and reactions.
-        container: the periodic domain.
-        q: the bodies.
-        strain_rate: E, symmetric, (2, 2).
         mean_pressure: of the nodal values in the fluid; Sigma is that of a flow where it is zero.
-        viscosity: mu.
-        interaction: sum of r (x) F of the forces between bodies, (2, 2).
     """
-    shares = system.shares
-    viscous = _viscous_part(system, nodes.x, solution) / container.volume
+    layout, problem, x = system.layout, system.problem, system.nodes.x
+    q, volume = problem.q, problem.container.volume
+    viscous = _viscous_part(system, solution) / volume
     fluid = np.array([[viscous[0], viscous[1]], [viscous[1], viscous[2]]])
-    r = nodes.x[shares.on_body // 2] - q.centres[shares.body]
-    lattice = Lattice(container.periods)
+    r = x[layout.on_body // 2] - q.centres[layout.body]
+    lattice = problem.fluid.lattice
     r -= lattice.shift(lattice.nearest(r))
     moments = np.zeros((len(q), 2, 2))
-    component = shares.on_body % 2
+    component = layout.on_body % 2
     for i in range(2):
-        np.add.at(moments[:, i], (shares.body, component), r[:, i] * solution.reaction[shares.on_body])
-    shares.comm.Allreduce(MPI.IN_PLACE, moments)
+        np.add.at(moments[:, i], (layout.body, component), r[:, i] * solution.reaction[layout.on_body])
+    layout.comm.Allreduce(MPI.IN_PLACE, moments)
     of_pressure = mean_pressure * np.pi * q.radii[:, None, None] ** 2 * np.eye(2)
     S = of_pressure - 0.5 * (moments + moments.swapaxes(1, 2))
-    rate = float(np.sum(strain_rate**2))
-    bulk = BulkStress(fluid, S, 0.0 - interaction / container.volume, container.volume, None)
+    carried = np.zeros((2, 2)) if problem.interaction is None else 0.0 - problem.interaction / volume
+    bulk = BulkStress(fluid, S, carried, volume, None)
+    E = problem.mean_strain_rate
+    rate = float(np.sum(E**2))
     if rate == 0.0:
         return bulk
-    stress = _wall_stress(system, nodes, solution, container)
-    power = np.sum(bulk.mean * strain_rate) if stress is None else 2.0 * stress * strain_rate[0, 1]
-    return replace(bulk, apparent_viscosity=float(power / (2.0 * viscosity * rate)))
+    stress = _wall_stress(system, solution)
+    power = np.sum(bulk.mean * E) if stress is None else 2.0 * stress * E[0, 1]
+    return replace(bulk, apparent_viscosity=float(power / (2.0 * problem.viscosity * rate)))
 
 
-def _viscous_part(system: System, x: Array, solution: NodalSolution) -> Array:
+def _viscous_part(system: StokesSystem, solution: NodalSolution) -> Array:
     """The components xx, xy, yy of int 2 mu e over the fluid, (3,).
 
     int 2 mu e:D = D x . A u, where A u = b + lambda - B^T p, and D x . B^T p = - tr D int p. Slaves and their
     masters, with opposite lambda, count by how far they are apart.
     """
-    shares = system.shares
-    moments = _moments(x, system.b[: shares.velocities])
+    layout, x = system.layout, system.nodes.x
+    moments = _moments(x, system.b[: layout.velocities])
     at = x.copy()
-    on_side = shares.slave < shares.velocities
-    at[shares.slave[on_side] // 2] = shares.away[on_side]
-    moments += _moments(at, solution.reaction[: shares.velocities])
-    moments[[0, 2]] += float(system.weights @ solution.x[shares.velocities :])
-    shares.comm.Allreduce(MPI.IN_PLACE, moments)
+    on_side = layout.slave < layout.velocities
+    at[layout.slave[on_side] // 2] = layout.away[on_side]
+    moments += _moments(at, solution.reaction[: layout.velocities])
+    moments[[0, 2]] += float(system.weights @ solution.x[layout.velocities :])
+    layout.comm.Allreduce(MPI.IN_PLACE, moments)
     return moments
 
 
@@ -91,60 +83,40 @@ def _moments(x: Array, nodal: Array) -> Array:
     return np.array([x[:, 0] @ f[:, 0], 0.5 * (x[:, 1] @ f[:, 0] + x[:, 0] @ f[:, 1]), x[:, 1] @ f[:, 1]])
 
 
-def _wall_stress(
-    system: System, nodes: BoundaryNodes, solution: NodalSolution, container: Periodic
-) -> float | None:
+def _wall_stress(system: StokesSystem, solution: NodalSolution) -> float | None:
     """Shear stress on the walls of a channel, the mean of both; None in a cell without walls."""
-    if isinstance(container, Cell):
+    if not system.nodes.wall_nodes:
         return None
     force: dict[str, float] = {
-        wall: system.shares.comm.allreduce(float(solution.reaction[2 * node.astype(np.int64)].sum()))
-        for wall, node in nodes.wall_nodes.items()
+        wall: system.layout.comm.allreduce(float(solution.reaction[2 * node.astype(np.int64)].sum()))
+        for wall, node in system.nodes.wall_nodes.items()
     }
-    return (force["top"] - force["bottom"]) / (2.0 * float(container.periods[0, 0]))
+    return (force["top"] - force["bottom"]) / (2.0 * float(system.problem.container.periods[0, 0]))
 
 
-def strain_rate(container: Periodic, walls: Mapping[str, Callable[[Array], Array]]) -> Array:
-    """E, symmetric, (2, 2); zero in a channel whose walls have no given velocity. walls: u(x) on them."""
-    if isinstance(container, Cell):
-        gradient: Array = np.array(container.gradient)
-        symmetric: Array = 0.5 * (gradient + gradient.T)
-        return symmetric
-    E = np.zeros((2, 2))
-    if len(walls) == 2:
-        bottom, top = (walls[wall](np.array([corner]))[0, 0] for wall, corner in _corners(container))
-        E[0, 1] = E[1, 0] = 0.5 * (top - bottom) / (container.upper[1] - container.lower[1])
-    return E
-
-
-def _corners(container: Channel) -> tuple[tuple[str, tuple[float, float]], ...]:
-    """A point on each wall."""
-    return ("bottom", container.lower), ("top", container.upper)
-
-
-def is_force_free(system: System) -> bool:
+def is_force_free(system: StokesSystem) -> bool:
     """Whether walls or the mean flow alone do work on bodies that move as they are carried; collective."""
-    motion = system.motion
-    loaded = system.shares.comm.allreduce(bool(system.b.any()), op=MPI.LOR)
-    return not (motion.held.any() or motion.F.any() or loaded or system.inertia is not None)
+    motion, problem = system.motion, system.problem
+    loaded = system.layout.comm.allreduce(bool(system.b.any()), op=MPI.LOR)
+    pushed = problem.interaction is not None and problem.interaction.any()
+    return not (motion.held.any() or motion.F.any() or loaded or problem.inertia is not None or pushed)
 
 
 # The checks below; they apply only at instants with a strain rate and without loads on bodies.
 VISCOSITY_CHECKS = ("stress", "viscosity_bound")
 
 
-def viscosity_checks(
-    bulk: BulkStress, strain_rate: Array, dissipation: float, viscosity: float, q: Configuration
-) -> Mapping[str, float]:
+def viscosity_checks(problem: StokesProblem, bulk: BulkStress, dissipation: float) -> Mapping[str, float]:
     """Relative defects of the equalities and of the bound, for bodies without force and torque."""
     if bulk.apparent_viscosity is None:
         return {}
-    scale = 2.0 * viscosity * float(np.sum(strain_rate**2))
-    by_bulk = float(np.sum(bulk.mean * strain_rate)) / scale
-    imposed = (2.0 * viscosity * strain_rate + bulk.stresslets.sum(axis=0) / bulk.area) * strain_rate
+    E, viscosity = problem.mean_strain_rate, problem.viscosity
+    scale = 2.0 * viscosity * float(np.sum(E**2))
+    by_bulk = float(np.sum(bulk.mean * E)) / scale
+    imposed = (2.0 * viscosity * E + bulk.stresslets.sum(axis=0) / bulk.area) * E
     by_dissipation, mu = dissipation / (scale * bulk.area), bulk.apparent_viscosity
     others = np.array([by_bulk, float(imposed.sum()) / scale, by_dissipation])
-    bound = 1.0 / (1.0 - area_fraction(q.radii, bulk.area))
+    bound = 1.0 / (1.0 - area_fraction(problem.q.radii, bulk.area))
     return {
         "stress": float(np.abs(others / mu - 1.0).max()),
         "viscosity_bound": max(0.0, bound / mu - 1.0),

@@ -36,13 +36,17 @@ def lattice(order: int) -> list[tuple[int, int]]:
 
 
 def lattice_in_space(order: int) -> list[tuple[int, ...]]:
-    """The same of a tetrahedron, of order 3 at most: vertices, sides 01, 12, 20, 03, 13, 23, then faces."""
+    """The same of a tetrahedron, to order 4: vertices, sides 01, 12, 20, 03, 13, 23, faces, then inside."""
     corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     points = [order * corner for corner in corners]
     for i, j in ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)):
         points += [(order - k) * corners[i] + k * corners[j] for k in range(1, order)]
-    if order == 3:
-        points += [corners[list(face)].sum(axis=0) for face in ((0, 1, 3), (1, 2, 3), (0, 2, 3), (0, 1, 2))]
+    for face in ((0, 1, 3), (2, 3, 1), (0, 3, 2), (0, 2, 1)):
+        points += [
+            np.array((order - 2 - i - j, i + 1, j + 1)) @ corners[[*face]] for i, j in lattice(order - 3)
+        ]
+    if order == 4:
+        points.append(corners.sum(axis=0))
     return [tuple(int(c) for c in point) for point in points]
 
 

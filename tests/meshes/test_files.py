@@ -22,6 +22,7 @@ from fsi.meshes.geometry.containers import Box, Container, HalfPlane
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import gmsh_model
+from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solve import solve
 from tests.flows import BOX, SMALL_BOX, disc_over_plane, discs, held, mesh, resting
 
@@ -31,7 +32,8 @@ COARSE = Resolution(1.0, 24, 0.5)
 
 
 def force(fluid: FluidMesh, container: Container, q: Configuration, motion: Array) -> Array:
-    return solve(fluid, container, q, held(*motion), resting(container), degree=max(2, fluid.order)).F
+    problem = StokesProblem(fluid, container, q, held(*motion), resting(container))
+    return solve(problem, SolverOptions(max(2, fluid.order))).F
 
 
 @pytest.mark.parametrize("order", [1, 2, 3, 4])

@@ -28,7 +28,7 @@ def test_each_shape_function_is_one_at_its_own_node_only(order: int) -> None:
     np.testing.assert_allclose(tabulate(order, nodes)[0], np.eye(len(nodes)), atol=1e-15)
 
 
-@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("order", ORDERS)
 def test_nodes_of_tetrahedra_are_in_the_order_of_vtk(order: int) -> None:
     """VTK says where its nodes are; shape functions are one at their own."""
     nodes = reference_nodes(order, 3)

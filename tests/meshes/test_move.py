@@ -14,6 +14,7 @@ from fsi.bodies.configuration import Configuration
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.moving import move
 from fsi.meshes.moving.move import Mover
+from fsi.stokes.problem import StokesProblem
 from fsi.stokes.solve import solve
 from tests.flows import SMALL_BOX, discs, held, mesh, resting, solved
 
@@ -118,5 +119,5 @@ def test_forces_on_a_moved_mesh_are_those_of_a_new_one() -> None:
     fluid = mesh(SMALL_BOX, Q)
     with mover(fluid) as moving:
         moving.move(there.centres)
-        moved = solve(fluid, SMALL_BOX, there, motion, resting(SMALL_BOX)).F
+        moved = solve(StokesProblem(fluid, SMALL_BOX, there, motion, resting(SMALL_BOX))).F
     np.testing.assert_allclose(moved, new, atol=3e-6 * np.abs(new).max())

@@ -23,6 +23,7 @@ from fsi.meshes.planar.sizing import Resolution
 from fsi.postprocess.run.run import open_run
 from fsi.runs import run
 from fsi.stokes.fields.traction import traction
+from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solve import solve
 from tests.flows import discs, free, mesh, resting, solved
 from tests.nested import nested_meshes
@@ -106,13 +107,11 @@ def test_force_converges_at_twice_the_degree(degree: int, least: float) -> None:
     """
     expected = -STOKES * 2.1255355667600404
     q, container = spheres(2.0), HalfPlane(2000.0, axisymmetric=True)
-    errors = [
-        abs(
-            solve(fluid, container, q, along_axis(-1.0), resting(container), degree=degree).F[0, 1] / expected
-            - 1
-        )
+    problems = [
+        StokesProblem(fluid, container, q, along_axis(-1.0), resting(container))
         for fluid in nested_meshes(container, q, Resolution(1.0, 12, 0.8), degree, 3)
     ]
+    errors = [abs(solve(one, SolverOptions(degree)).F[0, 1] / expected - 1) for one in problems]
     assert np.log2(errors[1] / errors[2]) >= least
 
 
@@ -123,10 +122,8 @@ def test_multiplier_and_eliminated_form_agree() -> None:
     motion.held[0, 1] = True
     motion.U[0, 1] = 0.5
     fluid = mesh(CYLINDER, q, Resolution(0.7, 16, 0.4))
-    a, b = (
-        solve(fluid, CYLINDER, q, motion, resting(CYLINDER), formulation=form)
-        for form in ("eliminated", "multiplier")
-    )
+    problem = StokesProblem(fluid, CYLINDER, q, motion, resting(CYLINDER))
+    a, b = (solve(problem, SolverOptions(formulation=form)) for form in ("eliminated", "multiplier"))
     for x, y in ((a.U, b.U), (a.F, b.F), (a.surface.reaction, b.surface.reaction)):
         assert_allclose(x, y, rtol=0, atol=1e-9 * np.abs(x).max())
     assert max(a.checks.values()) < 1e-8

@@ -13,6 +13,7 @@ from fsi.meshes.build import FluidMesh
 from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.discretisation.boundary import Boundary
 from fsi.stokes.discretisation.forms import velocity_element
+from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solve import solve
 from tests.flows import BOX, SMALL_BOX, disc_over_plane, discs, held, resting
 from tests.nested import nested_meshes
@@ -56,7 +57,8 @@ def errors(fluid: FluidMesh, degree: int) -> Array:
     """1/h, and the errors of u in L2 and H1, of p in L2 and H1, p up to a constant."""
     q = AROUND_A_DISC
     boundary = Boundary(dict.fromkeys(SMALL_BOX.walls, Manufactured.u), {}, Manufactured.f)
-    solution = solve(fluid, SMALL_BOX, q, held((0.0, 0.0, 0.0)), boundary, viscosity=MU, degree=degree)
+    problem = StokesProblem(fluid, SMALL_BOX, q, held((0.0, 0.0, 0.0)), boundary, MU)
+    solution = solve(problem, SolverOptions(degree))
     u_h = fem.Function(fem.functionspace(fluid.mesh, velocity_element(degree, 2)))
     u_h.x.array[:] = solution.flow.u.ravel()
     p_h = fem.Function(u_h.function_space.sub(0).collapse()[0])
@@ -96,7 +98,7 @@ def test_force_of_a_disc_in_a_box(degree: int, least: float) -> None:
     """
     q, expected = disc_over_plane(0.1), -466.11048
     solutions = [
-        solve(fluid, BOX, q, held((0.0, -1.0, 0.0)), resting(BOX), degree=degree)
+        solve(StokesProblem(fluid, BOX, q, held((0.0, -1.0, 0.0)), resting(BOX)), SolverOptions(degree))
         for fluid in nested_meshes(BOX, q, Resolution(0.7, 12, 0.8), degree, 3)
     ]
     error = [abs(s.F[0, 1] / expected - 1.0) for s in solutions]

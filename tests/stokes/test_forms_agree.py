@@ -8,6 +8,7 @@ from fsi.bodies.configuration import Configuration, Inertia, Motion
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.discretisation.boundary import Boundary
+from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import solve
 from tests.flows import SMALL_BOX, at_rest, discs, free, held, mesh, resting, shear, solved
@@ -33,9 +34,9 @@ def solutions(
     motion: Motion, boundary: Boundary, inertia: Inertia | None = None
 ) -> tuple[StokesSolution, StokesSolution]:
     fluid = mesh(SMALL_BOX, TWO, COARSE)
+    problem = StokesProblem(fluid, SMALL_BOX, TWO, motion, boundary, 0.7, inertia)
     eliminated, multiplier = (
-        solve(fluid, SMALL_BOX, TWO, motion, boundary, viscosity=0.7, formulation=form, inertia=inertia)
-        for form in ("eliminated", "multiplier")
+        solve(problem, SolverOptions(formulation=form)) for form in ("eliminated", "multiplier")
     )
     return eliminated, multiplier
 
@@ -75,8 +76,8 @@ def test_mobility_inverts_resistance() -> None:
     """Free bodies under the loads that held bodies needed move as those did."""
     motion = held((0.3, -0.2, 0.5), (-0.4, 0.1, 0.2))
     fluid = mesh(SMALL_BOX, TWO, COARSE)
-    F = solve(fluid, SMALL_BOX, TWO, motion, LID).F
-    U = solve(fluid, SMALL_BOX, TWO, free(*F), LID).U
+    F = solve(StokesProblem(fluid, SMALL_BOX, TWO, motion, LID)).F
+    U = solve(StokesProblem(fluid, SMALL_BOX, TWO, free(*F), LID)).U
     assert_allclose(U, motion.U, atol=1e-11)
 
 
@@ -85,7 +86,7 @@ def test_reciprocity() -> None:
     fluid = mesh(SMALL_BOX, TWO, COARSE)
     rest = resting(SMALL_BOX)
     a, b = (
-        solve(fluid, SMALL_BOX, TWO, held(*U), rest)
+        solve(StokesProblem(fluid, SMALL_BOX, TWO, held(*U), rest))
         for U in ([(1.0, 0.2, 0.0), (0.0, -0.7, 0.4)], [(0.0, 0.5, 1.0), (-0.3, 0.0, 0.0)])
     )
     assert (a.F * b.U).sum() == pytest.approx((b.F * a.U).sum(), rel=1e-10)
@@ -93,7 +94,7 @@ def test_reciprocity() -> None:
 
 
 def test_dissipation_is_the_power_of_the_bodies() -> None:
-    solution = solve(mesh(SMALL_BOX, TWO, COARSE), SMALL_BOX, TWO, MOTIONS["held"], resting(SMALL_BOX))
+    solution = solved(SMALL_BOX, TWO, MOTIONS["held"], resolution=COARSE)
     assert solution.dissipation == pytest.approx(float((solution.F * solution.U).sum()), rel=1e-10)
 
 
@@ -118,7 +119,7 @@ def test_a_quarter_turn_turns_the_result() -> None:
 def test_a_uniform_motion_of_everything_costs_nothing() -> None:
     """Walls and bodies move together: no force, no dissipation, and the checks know that all is rounding."""
     moving = Boundary({wall: lambda x: np.tile([1.0, 2.0], (len(x), 1)) for wall in SMALL_BOX.walls}, {})
-    solution = solve(mesh(SMALL_BOX, TWO, COARSE), SMALL_BOX, TWO, free(np.zeros(3), np.zeros(3)), moving)
+    solution = solved(SMALL_BOX, TWO, free(np.zeros(3), np.zeros(3)), moving, COARSE)
     assert_allclose(solution.U, [[1.0, 2.0, 0.0]] * 2, atol=1e-12)
     assert solution.dissipation < 1e-20
 
@@ -128,7 +129,7 @@ def test_a_pressure_difference_drives_a_channel() -> None:
     channel = Box((-20.0, -1.0), (20.0, 1.0))
     q = discs([(0.0, 0.0)], [0.02])
     boundary = Boundary({"bottom": at_rest, "top": at_rest}, {"left": 40.0, "right": 0.0})
-    solution = solve(mesh(channel, q), channel, q, free(np.zeros(3)), boundary)
+    solution = solved(channel, q, free(np.zeros(3)), boundary)
     # The ends do not have a parallel profile; what they add to the length of the channel is some 1 %.
     assert solution.U[0, 0] == pytest.approx(0.5, rel=0.03)
     assert abs(solution.U[0, 1]) < 1e-3
@@ -138,7 +139,5 @@ def test_a_disc_in_simple_shear_turns_at_half_the_vorticity() -> None:
     """omega = -gamma / 2 in unbounded shear, by symmetry; walls 50 radii away change it by (a/H)^2."""
     box = Box((-50.0, -50.0), (50.0, 50.0))
     boundary = Boundary(dict.fromkeys(box.walls, shear), {})
-    U = solve(
-        mesh(box, discs([(0.0, 0.0)], [1.0])), box, discs([(0.0, 0.0)], [1.0]), free(np.zeros(3)), boundary
-    ).U[0]
+    U = solved(box, discs([(0.0, 0.0)], [1.0]), free(np.zeros(3)), boundary).U[0]
     assert_allclose(U, [0.0, 0.0, -0.5], atol=5e-4)

@@ -10,9 +10,9 @@ from fsi.meshes.planar.sizing import Resolution
 from fsi.observables.identities import BOUND
 from fsi.stokes.discretisation.boundary import Boundary
 from fsi.stokes.identities import require
-from fsi.stokes.solve import FORMULATIONS, solve
-from fsi.stokes.solvers.elimination import NodalSolution, System, solve_eliminated
-from tests.flows import BOX, at_rest, disc_over_plane, discs, free, held, mesh, resting, solved
+from fsi.stokes.solve import FORMULATIONS
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, solve_eliminated
+from tests.flows import BOX, at_rest, disc_over_plane, discs, free, held, resting, solved
 
 NAMES = {"power", "momentum", "angular_momentum", "balance", "net_flux", "residual"}
 
@@ -34,16 +34,16 @@ def test_identities_hold_between_three_discs_and_moving_walls() -> None:
     assert max(solution.checks.values()) < BOUND
 
 
-def spoiled(system: System, part: str) -> NodalSolution:
+def spoiled(system: StokesSystem, part: str) -> NodalSolution:
     """A solution with an error of 1e-6 in one part."""
     good = solve_eliminated(system)
     x, reaction = good.x.copy(), good.reaction.copy()
     if part == "velocity":
-        x[: 2 * system.shares.velocity_nodes] *= 1.0 + 1e-6
+        x[: 2 * system.layout.velocity_nodes] *= 1.0 + 1e-6
     if part == "flux":
-        x[system.shares.fixed[:2]] += 1e-6  # both components of one wall node
+        x[system.layout.fixed[:2]] += 1e-6  # both components of one wall node
     if part == "reaction":
-        reaction[system.shares.on_body[0]] += 1e-6 * np.abs(reaction).sum()
+        reaction[system.layout.on_body[0]] += 1e-6 * np.abs(reaction).sum()
     return dataclasses.replace(good, x=x, reaction=reaction)
 
 
@@ -68,7 +68,7 @@ def test_nothing_to_hold_the_flow_is_an_error() -> None:
     everywhere = Boundary({}, dict.fromkeys(BOX.walls, 0.0))
     q = disc_over_plane(1.0)
     with pytest.raises(SolveError):
-        solve(mesh(BOX, q, Resolution(0.5, 12, 0.5)), BOX, q, free((0.0, 1.0, 0.0)), everywhere)
+        solved(BOX, q, free((0.0, 1.0, 0.0)), everywhere, Resolution(0.5, 12, 0.5))
 
 
 def test_at_rest_everything_is_zero() -> None:

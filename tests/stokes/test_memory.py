@@ -16,8 +16,8 @@ import pytest
 from fsi import parallel
 from fsi.bodies.configuration import Configuration
 from fsi.case.load import parse_case
-from fsi.stokes.memory import keep_freed
 from fsi.stokes.model import StokesModel
+from fsi.stokes.solvers.workspace import keep_freed
 
 STEPS = {"always": 300, "when-needed": 500}
 RISE = {"always": 0.9, "when-needed": 0.5}

@@ -20,7 +20,8 @@ from fsi.meshes.geometry.containers import Box, Container, Round
 from fsi.meshes.planar.sizing import Resolution
 from fsi.observables.resistance import Resistance, difference
 from fsi.stokes.discretisation.boundary import Boundary
-from fsi.stokes.resistance import case_resistance, resistance_with_error, solve_resistance
+from fsi.stokes.problem import StokesProblem
+from fsi.stokes.resistance import case_resistance, held_at_rest, resistance_with_error, solve_resistance
 from fsi.stokes.solve import solve
 from tests.flows import (
     HALF_PLANE,
@@ -47,12 +48,12 @@ def fluid() -> FluidMesh:
 
 @pytest.fixture(scope="module")
 def three(fluid: FluidMesh) -> Resistance:
-    return solve_resistance(fluid, SMALL_BOX, THREE, NAMES, viscosity=MU)
+    return solve_resistance(held_at_rest(fluid, SMALL_BOX, THREE, MU), NAMES)
 
 
 def at_default(container: Container, q: Configuration, names: tuple[str, ...]) -> Resistance:
     """At mu = 1."""
-    return solve_resistance(mesh(container, q), container, q, names)
+    return solve_resistance(held_at_rest(mesh(container, q), container, q), names)
 
 
 def all_together(q: Configuration, V: tuple[float, float], omega: float) -> Array:
@@ -79,14 +80,10 @@ def test_symmetric_positive_and_all_identities(three: Resistance) -> None:
 @pytest.mark.parametrize("boundary", [resting(SMALL_BOX), OPEN], ids=["closed", "open"])
 def test_columns_are_direct_solves(fluid: FluidMesh, boundary: Boundary) -> None:
     """To 1e-12 of the largest possible entry; open walls stay open."""
-    found = solve_resistance(
-        fluid, SMALL_BOX, THREE, NAMES, open_walls=tuple(boundary.pressures), viscosity=MU
-    )
+    found = solve_resistance(held_at_rest(fluid, SMALL_BOX, THREE, MU, tuple(boundary.pressures)), NAMES)
+    motions = (held(*unit.reshape(3, 3)) for unit in np.eye(9))
     direct = np.column_stack(
-        [
-            solve(fluid, SMALL_BOX, THREE, held(*unit.reshape(3, 3)), boundary, viscosity=MU).F.ravel()
-            for unit in np.eye(9)
-        ]
+        [solve(StokesProblem(fluid, SMALL_BOX, THREE, motion, boundary, MU)).F.ravel() for motion in motions]
     )
     assert difference(found.R, direct, found.modes.scale) < 1e-12
 
@@ -94,7 +91,7 @@ def test_columns_are_direct_solves(fluid: FluidMesh, boundary: Boundary) -> None
 def test_dissipation_of_a_common_rigid_motion(fluid: FluidMesh, three: Resistance) -> None:
     """U.R.U = 2 mu int e:e; without the couplings between the bodies it is 2.3 times as much."""
     U = all_together(THREE, (0.4, -0.3), 0.8)
-    direct = solve(fluid, SMALL_BOX, THREE, held(*U), resting(SMALL_BOX), viscosity=MU)
+    direct = solve(StokesProblem(fluid, SMALL_BOX, THREE, held(*U), resting(SMALL_BOX), MU))
     assert U.ravel() @ three.R @ U.ravel() == pytest.approx(direct.dissipation, rel=1e-11)
     alone = sum(u @ three.R[k : k + 3, k : k + 3] @ u for u, k in zip(U, (0, 3, 6), strict=True))
     assert alone > 2.0 * direct.dissipation
@@ -102,7 +99,7 @@ def test_dissipation_of_a_common_rigid_motion(fluid: FluidMesh, three: Resistanc
 
 def test_mobility_moves_free_bodies(fluid: FluidMesh, three: Resistance) -> None:
     F = np.array([[0.0, -1.0, 0.2], [0.5, 0.0, 0.0], [0.0, 0.3, -0.4]])
-    U = solve(fluid, SMALL_BOX, THREE, free(*F), resting(SMALL_BOX), viscosity=MU).U
+    U = solve(StokesProblem(fluid, SMALL_BOX, THREE, free(*F), resting(SMALL_BOX), MU)).U
     assert three.mobility is not None
     assert_allclose((three.mobility @ F.ravel()).reshape(3, 3), U, rtol=0, atol=1e-11 * np.abs(U).max())
 
@@ -143,7 +140,7 @@ def test_two_spheres_have_one_mode_each() -> None:
 
 def test_without_a_wall_at_rest_there_is_no_mobility(fluid: FluidMesh) -> None:
     """Rigid motions of everything need no load; all other motions do."""
-    found = solve_resistance(fluid, SMALL_BOX, THREE, NAMES, open_walls=SMALL_BOX.walls)
+    found = solve_resistance(held_at_rest(fluid, SMALL_BOX, THREE, open_walls=SMALL_BOX.walls), NAMES)
     assert found.mobility is None
     for V, omega in (((1.0, 0.0), 0.0), ((0.0, 1.0), 0.0), ((0.0, 0.0), 1.0)):
         load = found.R @ all_together(THREE, V, omega).ravel()

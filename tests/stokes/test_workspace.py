@@ -21,6 +21,7 @@ from fsi.meshes.geometry.periodic import Channel
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.discretisation.boundary import Boundary
+from fsi.stokes.problem import StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import solve
 from fsi.stokes.solvers import workspace as kept
@@ -43,7 +44,8 @@ def flow(
     """Between walls at rest; open on the right where there is such a wall."""
     open_walls = {wall: 0.3 for wall in container.walls if wall == "right"}
     walls = {wall: at_rest for wall in container.walls if wall not in open_walls}
-    return solve(fluid, container, q, motion, Boundary(walls, open_walls), workspace=workspace)
+    problem = StokesProblem(fluid, container, q, motion, Boundary(walls, open_walls))
+    return solve(problem, workspace=workspace)
 
 
 @contextmanager

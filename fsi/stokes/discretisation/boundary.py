@@ -19,28 +19,34 @@ type Field = Callable[[Array], Array]
 
 @dataclass(frozen=True, slots=True)
 class Boundary:
-    """What holds on the walls, and the body force.
+    """What holds on the walls, each in exactly one of the first two, and what drives the fluid.
 
-    velocities: u(x) of the walls with a given velocity, (n, d) -> (n, d); pressures: p of the open walls,
-    where the traction is sigma n = -p n; body_force: f(x), or None. Each wall is in exactly one of the two.
-    Along a periodic channel: pressure_gradient: dp/dx, or None where the net_flux of fluid and bodies is
-    given.
+    Attributes:
+        velocities: u(x) of the walls with a given velocity, (n, d) -> (n, d).
+        pressures: p of the open walls, where the traction is sigma n = -p n.
+        body_force: f(x), or None.
+        pressure_gradient: the mean dp/dx along a periodic channel, None where the net flux is given.
+        net_flux: of fluid and bodies along such a channel.
     """
 
     velocities: Mapping[str, Field]
     pressures: Mapping[str, float]
     body_force: Field | None = None
     pressure_gradient: float | None = 0.0
-    net_flux: float = 0.0
+    net_flux: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class BoundaryNodes:
     """Velocity nodes of this rank, owned ones only.
 
-    body_nodes: nodes on bodies, ascending, (b,); body: the body of each, (b,);
-    wall_nodes: of each wall by name; axis: on the axis of an axisymmetric mesh; with_ghosts: coordinates of
-    all velocity nodes of this rank, owned ones first; owned: n, how many these are.
+    Attributes:
+        body_nodes: nodes on bodies, ascending, (b,).
+        body: the body of each, (b,).
+        wall_nodes: of each wall by name.
+        axis: on the axis of an axisymmetric mesh.
+        with_ghosts: coordinates of all velocity nodes of this rank, owned ones first.
+        owned: n, how many these are.
     """
 
     body_nodes: Nodes
@@ -81,9 +87,8 @@ def locate(fluid: FluidMesh, V: FunctionSpace) -> BoundaryNodes:
 def _nodes_with(fluid: FluidMesh, V: FunctionSpace, tag: int) -> Nodes:
     """Owned nodes on facets with one tag."""
     facets = facets_with(fluid, tag, tag)
-    return np.flatnonzero(_tag_of_nodes(fluid, V, facets, np.ones(len(facets), dtype=np.int32))).astype(
-        np.int32
-    )
+    marks = np.ones(len(facets), dtype=np.int32)
+    return np.flatnonzero(_tag_of_nodes(fluid, V, facets, marks)).astype(np.int32)
 
 
 def _tag_of_nodes(
@@ -95,7 +100,8 @@ def _tag_of_nodes(
     cells, local = entities[::2], entities[1::2]
     closure = np.array(V.element.basix_element.entity_closure_dofs[fluid.dimension - 1])
     nodes = V.dofmap.list[cells[:, None], closure[local]]
-    # compute_integration_domains keeps the order of the facets
+    # compute_integration_domains keeps the order of the facets. Each facet adds its tag to its nodes, on all
+    # ranks that see it: over the number of such facets the sum is the tag again.
     sums = []
     for values in (tags, np.ones_like(tags)):
         vector = la.vector(V.dofmap.index_map, 1)

@@ -29,8 +29,8 @@ def compile_form(form: ufl.Form) -> fem.forms.CompiledForm:
     try:
         return _compile(form)
     except (TimeoutError, RuntimeError) as error:
-        found = _STALE.search(str(error))
-        stale = MPI.COMM_WORLD.bcast(None if found is None else found[1])
+        entry = _STALE.search(str(error))
+        stale = MPI.COMM_WORLD.bcast(None if entry is None else entry[1])
         if stale is None:
             raise
         parallel.on_root(lambda: Path(stale).unlink(missing_ok=True))

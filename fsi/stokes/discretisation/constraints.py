@@ -14,6 +14,7 @@ bodies, and the total load of any nodal reaction is  (F, T) = rigid^T lambda.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -27,33 +28,42 @@ from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.matching import columns_of_masters
 from fsi.stokes.discretisation.boundary import BoundaryNodes
 
+Index = NDArray[np.int64]
 NO_COLUMN = -1
 # For each component of the velocity the modes that give it: its translation, rotations about the other axes.
 ACTING = {2: ((0, 2), (1, 2)), 3: ((0, 4, 5), (1, 5, 3), (2, 3, 4))}
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
-    """How the rows of x = (u, p) are shared: this rank owns d `velocity_nodes` + `pressure_nodes` of them.
+class DofLayout:
+    """How the rows of x = (u, p) are shared out over the ranks; local numbers but where said.
 
-    fixed: rows whose value is given (walls, the pinned pressure), local numbers; on_body: rows of nodes on
-    bodies; body: the body of each of these; modes: M N, all owned by rank 0; dimension: d, components of the
-    velocity; axisymmetric: u_r = 0 on the axis, and V_z is a body's only mode; slave, master: rows, local,
-    whose unknowns are those of other rows, by global numbers, at their images; away: how far each lies from
-    its master, (slaves, d).
+    Attributes:
+        comm: the ranks.
+        dimension: d, components of the velocity.
+        velocity_nodes: of this rank, d rows each.
+        pressure_nodes: of this rank, a row each, after those of u.
+        fixed: rows whose value is given: walls, the pinned pressure, u_r on an axis.
+        on_body: rows of nodes on bodies.
+        body: the body of each of these.
+        modes: M N, all owned by rank 0.
+        axisymmetric: V_z is a body's only mode.
+        slave: rows whose unknowns are those of other rows, at their images.
+        master: these other rows, global numbers.
+        away: how far each slave lies from its master, (slaves, d).
     """
 
     comm: MPI.Intracomm
     dimension: int
     velocity_nodes: int
     pressure_nodes: int
-    fixed: NDArray[np.int64]
-    on_body: NDArray[np.int64]
-    body: NDArray[np.int64]
+    fixed: Index
+    on_body: Index
+    body: Index
     modes: int
     axisymmetric: bool
-    slave: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    master: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    slave: Index = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    master: Index = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     away: Array = field(default_factory=lambda: np.empty((0, 2)))
 
     @property
@@ -74,7 +84,7 @@ class Layout:
         return free
 
     @property
-    def constrained(self) -> NDArray[np.int64]:
+    def constrained(self) -> Index:
         """The other rows."""
         return np.concatenate([self.fixed, self.slave, self.on_body])
 
@@ -84,25 +94,20 @@ class Layout:
         return len(MODES[self.dimension])
 
     @property
-    def own_modes(self) -> int:
+    def modes_here(self) -> int:
         """Modes that this rank owns."""
         return self.modes if self.comm.rank == 0 else 0
 
 
-def layout(
-    comm: MPI.Intracomm,
-    nodes: BoundaryNodes,
-    walls: tuple[str, ...],
-    pressure_nodes: int,
-    pin: int | None,
-    fluid: FluidMesh,
-) -> Layout:
-    """Rows of walls with given velocity.
+def dof_layout(
+    fluid: FluidMesh, nodes: BoundaryNodes, walls: Iterable[str], pressure_nodes: int, pin: int | None
+) -> DofLayout:
+    """The rows of walls with given velocity, of the axis and of bodies; without slaves.
 
-    Of the axis, of bodies, and the pressure row to pin (local, its owner's only).
+    pin: the local number of a pressure node whose value is given, on its owner only.
     """
-    given = [nodes.wall_nodes[wall] for wall in walls]
-    wall_nodes = np.unique(np.concatenate([*given, np.empty(0, dtype=np.int32)])).astype(np.int64)
+    with_velocity = [nodes.wall_nodes[wall] for wall in walls]
+    wall_nodes = np.unique(np.concatenate([*with_velocity, np.empty(0, dtype=np.int32)])).astype(np.int64)
     d = fluid.dimension
     axis = d * nodes.axis.astype(np.int64)
     fixed = np.union1d((d * wall_nodes[:, None] + np.arange(d)).ravel(), axis)
@@ -110,84 +115,89 @@ def layout(
         fixed = np.append(fixed, d * len(nodes.x) + pin)
     on_body = (d * nodes.body_nodes.astype(np.int64)[:, None] + np.arange(d)).ravel()
     body = np.repeat(nodes.body, d)
+    # Where a sphere meets the axis, u_r = 0 is given.
     off_axis = ~np.isin(on_body, axis)
-    return Layout(
-        comm, d, len(nodes.x), pressure_nodes, fixed, on_body[off_axis], body[off_axis],
+    return DofLayout(
+        fluid.mesh.comm, d, len(nodes.x), pressure_nodes, fixed, on_body[off_axis], body[off_axis],
         len(MODES[d]) * fluid.bodies, fluid.axisymmetric,
     )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
 class RigidModes:
-    """The matrix `rigid`, (rows, M N), and its entries on this rank by rows.
+    """The matrix `rigid`, (rows, M N), and its entries on this rank.
 
-    rows: local numbers, (n,); modes, values: of the entries of each, (n, k).
+    Attributes:
+        matrix: itself.
+        rows: that have entries, local numbers, (n,).
+        modes: columns of the entries of each row, (n, k).
+        values: of these entries, (n, k).
     """
 
     matrix: PETSc.Mat
-    rows: NDArray[np.int64]
-    modes: NDArray[np.int64]
+    rows: Index
+    modes: Index
     values: Array
 
-    def entries(self) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+    def entries(self) -> tuple[Index, Index, Array]:
         """Rows, modes and values, (n k,) each; the matrix itself would give them row by row."""
         return np.repeat(self.rows, self.modes.shape[1]), self.modes.ravel(), self.values.ravel()
 
 
-def rigid_modes(shares: Layout, nodes: BoundaryNodes, q: Configuration, lattice: Lattice) -> RigidModes:
+def rigid_modes(layout: DofLayout, nodes: BoundaryNodes, q: Configuration, lattice: Lattice) -> RigidModes:
     """The matrix `rigid`: nodal velocities (rows of x) of the unit modes of every body, `V + omega x r`.
 
     r begins at the centre of the body's image there. With an axis the modes V_x and omega are empty.
     """
-    node, component = np.divmod(shares.on_body, shares.dimension)
-    acting = np.array(ACTING[shares.dimension])[component]
-    r = nodes.x[node] - q.centres[shares.body]
+    node, component = np.divmod(layout.on_body, layout.dimension)
+    acting = np.array(ACTING[layout.dimension])[component]
+    r = nodes.x[node] - q.centres[layout.body]
     r -= lattice.shift(lattice.nearest(r))
     values = np.take_along_axis(rigid_motion(r)[np.arange(len(r)), component], acting, axis=1)
-    columns = shares.modes_of_each * shares.body[:, None] + acting
-    rows = shares.on_body
-    if shares.axisymmetric:
+    columns = layout.modes_of_each * layout.body[:, None] + acting
+    rows = layout.on_body
+    if layout.axisymmetric:
         along = component == 1
         rows, columns, values = rows[along], columns[along, :1], values[along, :1]
-    matrix = _matrix(shares, (shares.own_modes, shares.modes), rows, columns, values)
+    matrix = _matrix(layout, (layout.modes_here, layout.modes), rows, columns, values)
     return RigidModes(matrix, rows, columns, values)
 
 
 class Prolongation:
-    """P with the modes that are kept as unknowns.
+    """P, with those modes in y that are unknowns.
 
     With `eliminate_bodies` false, the nodes on bodies stay unknowns and P has no modes: this is the
     space of the multiplier form.
     """
 
     def __init__(
-        self, shares: Layout, rigid: RigidModes, kept: NDArray[np.bool_], eliminate_bodies: bool = True
+        self, layout: DofLayout, rigid: RigidModes, unknown: NDArray[np.bool_], eliminate_bodies: bool = True
     ) -> None:
-        """Make P. kept: of all modes, bool (M N,)."""
-        free = shares.free
-        columns = np.full(shares.modes, NO_COLUMN, dtype=np.int64)
+        """Make P. unknown: which of all modes stand in y, bool (M N,)."""
+        free = layout.free
+        columns = np.full(layout.modes, NO_COLUMN, dtype=np.int64)
         if not eliminate_bodies:
-            free[shares.on_body] = True
-            free[np.concatenate([shares.fixed, shares.slave])] = False
-        own_free = int(free.sum())
-        first = shares.comm.exscan(own_free) or 0
+            free[layout.on_body] = True
+            free[np.concatenate([layout.fixed, layout.slave])] = False
+        free_here = int(free.sum())
+        first = layout.comm.exscan(free_here) or 0
         if eliminate_bodies:
-            # Rank 0 owns the modes: they come after its own free unknowns.
-            root_free = shares.comm.bcast(own_free)
-            columns[kept] = root_free + np.arange(kept.sum())
-            first += int(kept.sum()) if shares.comm.rank > 0 else 0
-        own_columns = own_free + (int((columns != NO_COLUMN).sum()) if shares.comm.rank == 0 else 0)
+            # Rank 0 owns the modes: they come after its free unknowns.
+            root_free = layout.comm.bcast(free_here)
+            columns[unknown] = root_free + np.arange(unknown.sum())
+            first += int(unknown.sum()) if layout.comm.rank > 0 else 0
+        columns_here = free_here + (int((columns != NO_COLUMN).sum()) if layout.comm.rank == 0 else 0)
         rows = np.flatnonzero(free)
-        unit = first + np.arange(own_free)
-        first_row = shares.comm.exscan(shares.rows) or 0
-        known, of_master = columns_of_masters(shares.comm, shares.master, first_row + rows, unit)
-        rows, unit = np.concatenate([rows, shares.slave[known]]), np.concatenate([unit, of_master])
+        unit = first + np.arange(free_here)
+        first_row = layout.comm.exscan(layout.rows) or 0
+        known, of_master = columns_of_masters(layout.comm, layout.master, first_row + rows, unit)
+        rows, unit = np.concatenate([rows, layout.slave[known]]), np.concatenate([unit, of_master])
         mode_row, mode, value = rigid.entries()
         self._used, self._ones = columns[mode] != NO_COLUMN, np.ones(len(rows))
         all_rows = np.concatenate([rows, mode_row[self._used]])
         all_columns = np.concatenate([unit, columns[mode[self._used]]])
         values = np.concatenate([self._ones, value[self._used]])
-        self.matrix = _matrix(shares, (own_columns, None), all_rows, all_columns[:, None], values[:, None])
+        self.matrix = _matrix(layout, (columns_here, None), all_rows, all_columns[:, None], values[:, None])
 
     def update(self, rigid: RigidModes) -> None:
         """P with other values of the same rigid modes, in place."""
@@ -196,17 +206,17 @@ class Prolongation:
 
 
 def wall_offset(
-    shares: Layout, nodes: BoundaryNodes, velocities: dict[str, Array], corner_axes: dict[str, int]
+    layout: DofLayout, nodes: BoundaryNodes, velocities: dict[str, Array], corner_axes: dict[str, int]
 ) -> Array:
     """Given velocities of the wall nodes in an array over this rank's rows, zero elsewhere.
 
     velocities: for each wall its velocity at its own nodes, shape (nodes, d). Where walls meet, each
     keeps its normal component, so that nothing leaks through the corner of a moving lid.
     """
-    d = shares.dimension
-    g = np.zeros(shares.rows)
-    u_of_nodes = g[: shares.velocities].reshape(-1, d)
-    times_met = np.zeros(shares.velocity_nodes, dtype=int)
+    d = layout.dimension
+    g = np.zeros(layout.rows)
+    u_of_nodes = g[: layout.velocities].reshape(-1, d)
+    times_met = np.zeros(layout.velocity_nodes, dtype=int)
     for wall, u in velocities.items():
         node = nodes.wall_nodes[wall].astype(np.int64)
         times_met[node] += 1
@@ -221,19 +231,15 @@ def wall_offset(
 
 
 def _matrix(
-    shares: Layout,
-    columns: tuple[int, int | None],
-    rows: NDArray[np.int64],
-    column: NDArray[np.int64],
-    value: Array,
+    layout: DofLayout, columns: tuple[int, int | None], rows: Index, column: Index, value: Array
 ) -> PETSc.Mat:
     """Sparse matrix with `value[k, :]` in row `rows[k]` at columns `column[k, :]`; rows may repeat.
 
     `setValuesCOO` with values in the same order fills it anew.
     """
-    first = shares.comm.exscan(shares.rows) or 0
+    first = layout.comm.exscan(layout.rows) or 0
     row = np.repeat(first + rows, column.shape[1]).astype(PETSc.IntType)
-    matrix = PETSc.Mat().createAIJ(size=((shares.rows, None), columns), comm=shares.comm)
+    matrix = PETSc.Mat().createAIJ(size=((layout.rows, None), columns), comm=layout.comm)
     matrix.setPreallocationCOO(row, column.ravel().astype(PETSc.IntType))
     matrix.setValuesCOO(value.ravel())
     return matrix

@@ -22,6 +22,7 @@ from dolfinx import fem
 from dolfinx.mesh import exterior_facet_indices
 from numpy.typing import NDArray
 
+from fsi.bodies.configuration import Array
 from fsi.meshes.aliases import Form
 from fsi.meshes.build import FluidMesh, coordinate_element
 from fsi.meshes.cells.curved import reference_points
@@ -95,7 +96,14 @@ class Coordinates:
 
 @dataclass(frozen=True, slots=True)
 class Compiled:
-    """Compiled forms, the test and trial spaces of each ("V", "Q"), and the placeholders in them."""
+    """Compiled forms and the placeholders in them.
+
+    Attributes:
+        forms: by name.
+        arguments: of each form its test and trial spaces, a letter each, "V" or "Q".
+        coefficients: the functions u, f and p of a known flow.
+        constants: mu, and a zero.
+    """
 
     forms: dict[str, fem.forms.CompiledForm]
     arguments: dict[str, str]
@@ -124,15 +132,11 @@ def compile_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -
     curved_degree = 2 * degree + order * axisymmetric
     quadrature = {"quadrature_degree": curved_degree}
     w = space.weight
-    dx, ds, dS = (
-        ufl.dx(omega, metadata=quadrature),
-        ufl.ds(omega, metadata=quadrature),
-        ufl.ds(MARKED, domain=omega, metadata=quadrature),
-    )
+    dx, ds = ufl.dx(omega, metadata=quadrature), ufl.ds(omega, metadata=quadrature)
+    dS = ufl.ds(MARKED, domain=omega, metadata=quadrature)
     on_straight = {"quadrature_degree": curved_degree if axisymmetric else 2 * (degree - 1)}
-    dX = ufl.dx(CURVED, domain=omega, metadata=quadrature) + ufl.dx(
-        STRAIGHT, domain=omega, metadata=on_straight
-    )
+    dX = ufl.dx(CURVED, domain=omega, metadata=quadrature)
+    dX += ufl.dx(STRAIGHT, domain=omega, metadata=on_straight)
     nothing = ufl.dx(omega, metadata={"quadrature_degree": 0})
     e_u, e_v, e_h = space.strain_rate(u), space.strain_rate(v), space.strain_rate(u_h)
     forms = {
@@ -162,7 +166,11 @@ def compile_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -
 class Forms:
     """The compiled forms, bound to one mesh.
 
-    V, Q: velocity and pressure spaces; u, p, f: the functions that stand in the forms of a known flow.
+    Attributes:
+        mesh: which it is.
+        axisymmetric: whether its points are (r, z).
+        V, Q: velocity and pressure spaces.
+        u, p, f: the functions that stand in the forms of a known flow.
     """
 
     def __init__(self, fluid: FluidMesh, degree: int, viscosity: float) -> None:
@@ -175,13 +183,18 @@ class Forms:
         self.V = fem.functionspace(fluid.mesh, velocity_element(degree, fluid.dimension))
         self.Q = fem.functionspace(fluid.mesh, pressure_element(degree, fluid.dimension))
         self.u, self.f, self.p = fem.Function(self.V), fem.Function(self.V), fem.Function(self.Q)
-        values = {"mu": viscosity, "zero": 0.0}
-        constants = self._compiled.constants
-        self._constants = {constants[name]: fem.Constant(fluid.mesh, value) for name, value in values.items()}
+        constants = {"mu": fem.Constant(fluid.mesh, viscosity), "zero": fem.Constant(fluid.mesh, 0.0)}
+        self._constants = {self._compiled.constants[name]: value for name, value in constants.items()}
 
     def fit(self, fluid: FluidMesh, degree: int, viscosity: float) -> bool:
         """Whether these are the forms of that mesh, which may have moved, with these parameters."""
         return self.mesh is fluid.mesh and (self._degree, self._viscosity) == (degree, viscosity)
+
+    def fill(self, x: Array) -> None:
+        """Set u and p to nodal values, this rank's rows; collective."""
+        for function, values in ((self.u, x[: self.velocities]), (self.p, x[self.velocities :])):
+            function.x.array[: len(values)] = values
+            function.x.scatter_forward()
 
     @property
     def velocities(self) -> int:
@@ -212,9 +225,7 @@ class Forms:
         else:
             cells = np.arange(topology.index_map(topology.dim).size_local, dtype=np.int32)
             subdomains[CELL] = [(EVERYWHERE, cells)]
-        functions = {
-            compiled.coefficients[letter]: f for letter, f in (("u", self.u), ("p", self.p), ("f", self.f))
-        }
+        functions = {f: getattr(self, letter) for letter, f in compiled.coefficients.items()}
         return fem.create_form(form, spaces, self.mesh, subdomains, functions, self._constants)
 
     def integrate(self, name: str) -> float:

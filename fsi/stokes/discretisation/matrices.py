@@ -16,12 +16,12 @@ from fsi.stokes.discretisation.forms import Forms
 
 
 class StokesMatrix:
-    """M = [A B^T; B 0] over all nodes, in the order of `Layout`; the zeros of its diagonal are stored."""
+    """M = [A B^T; B 0] over all nodes, in the order of `DofLayout`; the zeros of its diagonal are stored."""
 
     def __init__(self, forms: Forms) -> None:
         """Nothing is assembled yet."""
         self._forms = [[forms.bind("a"), forms.bind("b^T")], [forms.bind("b"), forms.bind("zero")]]
-        self._blocks = Blocks(forms) if forms.mesh.comm.size == 1 else None
+        self._blocks = BlockAssembly(forms) if forms.mesh.comm.size == 1 else None
         self._M: PETSc.Mat | None = None
 
     def assemble(self) -> PETSc.Mat:
@@ -44,7 +44,7 @@ class StokesMatrix:
             self._M.destroy()
 
 
-class Blocks:
+class BlockAssembly:
     """M on one rank by blocks that are assembled apart: in blocks of d x d, A takes half the time."""
 
     def __init__(self, forms: Forms) -> None:

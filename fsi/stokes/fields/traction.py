@@ -21,10 +21,9 @@ from scipy.sparse.linalg import spsolve
 from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array
-from fsi.meshes.aliases import FunctionSpace
-from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.lattice import Integers, Lattice
 from fsi.meshes.matching import SAME_PLACE, on_torus
+from fsi.stokes.solvers.elimination import StokesSystem
 
 FACET = {2: basix.CellType.interval, 3: basix.CellType.triangle}
 
@@ -33,9 +32,14 @@ FACET = {2: basix.CellType.interval, 3: basix.CellType.triangle}
 class Surface:
     """The bodies' surfaces as curved facets, edges or in space triangles; empty on all ranks but root.
 
-    x: nodes (n, d); facets: node numbers in the order of basix, (E, nodes); degree: of the facets;
-    body: of each facet, (E,); reaction: nodal forces (n, d) of the body on the fluid, with an axis of whole
-    circles; lattice: of the images; axisymmetric: x are (r, z).
+    Attributes:
+        x: nodes, (n, d).
+        facets: node numbers in the order of basix, (E, nodes).
+        degree: of the facets.
+        body: of each facet, (E,).
+        reaction: nodal forces of the body on the fluid, (n, d), with an axis those of whole circles.
+        lattice: of the images.
+        axisymmetric: whether x are (r, z).
     """
 
     x: Array
@@ -47,11 +51,9 @@ class Surface:
     axisymmetric: bool
 
 
-def collect(fluid: FluidMesh, V: FunctionSpace, x: Array, reaction: Array) -> Surface:
-    """Gather the surfaces of all bodies on root; collective.
-
-    x: nodes of V, ghosts last, (n, d); reaction: this rank's rows of u.
-    """
+def collect(system: StokesSystem, reaction: Array) -> Surface:
+    """Gather the surfaces of all bodies on root; collective. reaction: this rank's rows of u."""
+    fluid, V, x = system.problem.fluid, system.forms.V, system.nodes.with_ghosts
     tags = fluid.facet_tags
     on_body = (tags.values >= 1) & (tags.values <= fluid.bodies)
     facets, body = tags.indices[on_body], tags.values[on_body] - 1
@@ -68,8 +70,7 @@ def collect(fluid: FluidMesh, V: FunctionSpace, x: Array, reaction: Array) -> Su
     node = V.dofmap.index_map.local_to_global(mine.astype(np.int32))
     parts = fluid.mesh.comm.gather((node, x[mine], values, numbers, body))
     if parts is None:
-        none, nothing = np.empty((0, d)), np.empty(0, dtype=np.int64)
-        return Surface(none, nothing.reshape(0, d), degree, nothing, none, fluid.lattice, fluid.axisymmetric)
+        parts = [(node[:0], x[:0], values[:0], numbers[:0], body[:0])]
     nodes, xs, reactions, numbers, bodies = (np.concatenate([part[k] for part in parts]) for k in range(5))
     unique, first = np.unique(nodes, return_index=True)
     of_facets = np.searchsorted(unique, numbers)

@@ -1,71 +1,35 @@
-"""Flow fields on disk: one VTU file per step and rank, with curved cells of the velocity's own degree."""
+"""Flow fields on disk: one VTU file per step and rank, with curved cells of the velocity's own degree.
+
+Gradients of finite elements jump from cell to cell. At a node that cells share the file has the mean of
+their values: continuous, as drawings want it, and the same on any number of ranks. `fsi probe` gives the
+values of each cell itself.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
+import basix
 import meshio
 import numpy as np
-from dolfinx.common import IndexMap
+from dolfinx import la
 from numpy.typing import NDArray
 
 from fsi import parallel
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
+from fsi.meshes.cells.lagrange import gradient
 from fsi.meshes.files.write import vtk_order
-from fsi.stokes.discretisation.forms import Forms
-from fsi.stokes.fields.nodal_rates import nodal_rates
+from fsi.observables.velocity_gradient import hoop_rate, strain_rate, vorticity
+from fsi.stokes.fields.flow import Flow
 from fsi.stokes.fields.traction import Surface
 
 CELLS = {1: "VTK_LAGRANGE_CURVE", 2: "VTK_LAGRANGE_TRIANGLE", 3: "VTK_LAGRANGE_TETRAHEDRON"}
 
 
-@dataclass(frozen=True, slots=True)
-class Flow:
-    """This rank's cells: Lagrange triangles or tetrahedra whose nodes carry velocity and pressure.
-
-    x: (n, d); cells: node numbers in the order of basix, (T, nodes); u: (n, d); p: (n,);
-    degree: of the cells; nodes: which of them other ranks have too; axisymmetric: x are (r, z).
-    """
-
-    x: Array
-    cells: NDArray[np.int64]
-    u: Array
-    p: Array
-    degree: int
-    nodes: IndexMap
-    axisymmetric: bool
-
-
 def in_space(vectors: Array) -> Array:
     """Vectors (n, d) with a third component, zero in the plane, (n, 3)."""
     return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
-
-
-def capture(forms: Forms, x: Array) -> Flow:
-    """Copy the flow that stands in `forms`, with its nodes x, which it keeps."""
-    V, topology = forms.V, forms.mesh.topology
-    d = topology.dim
-    cells = V.dofmap.list[: topology.index_map(d).size_local]
-    return Flow(
-        x,
-        cells.astype(np.int64),
-        np.array(forms.u.x.array, dtype=np.float64).reshape(-1, d),
-        _pressure_at_nodes(forms, cells),
-        V.element.basix_element.degree,
-        V.dofmap.index_map,
-        forms.axisymmetric,
-    )
-
-
-def _pressure_at_nodes(forms: Forms, cells: NDArray[np.int32]) -> Array:
-    """The pressure at the nodes of the velocity: exact, since the element of V holds that of Q."""
-    points = forms.V.element.basix_element.points
-    phi = forms.Q.element.basix_element.tabulate(0, points)[0, :, :, 0]
-    p = np.empty(len(forms.u.x.array) // forms.mesh.topology.dim)
-    p[cells] = forms.p.x.array[forms.Q.dofmap.list[: len(cells)]] @ phi.T
-    return p
 
 
 def write_flow(flow: Flow, folder: Path, step: int) -> list[str]:
@@ -75,37 +39,63 @@ def write_flow(flow: Flow, folder: Path, step: int) -> list[str]:
     """
     part = "" if parallel.size() == 1 else f"_rank{parallel.rank()}"
     name = f"fluid_{step:06d}{part}.vtu"
-    data = {"velocity": in_space(flow.u), "pressure": flow.p, **nodal_rates(flow)}
-    parallel.on_every_rank(lambda: _write(folder / name, flow.x, flow.x.shape[1], flow.cells, data, {}))
+    mesh = _mesh(flow.x, flow.cells, flow.x.shape[1])
+    mesh.point_data = {"velocity": in_space(flow.u), "pressure": flow.p, **_nodal_rates(flow)}
+    parallel.on_every_rank(lambda: _write(folder / name, mesh))
     return parallel.gather(name)
 
 
 def write_surface(surface: Surface, traction: Array, folder: Path, step: int) -> list[str]:
     """Write `surface_<step>.vtu` on root: curved facets with the traction sigma n and the body's number."""
     name = f"surface_{step:06d}.vtu"
-    d, data, of_cells = surface.x.shape[1], {"traction": in_space(traction)}, {"body": [surface.body]}
-    parallel.on_root(lambda: _write(folder / name, surface.x, d - 1, surface.facets, data, of_cells))
+    mesh = _mesh(surface.x, surface.facets, surface.x.shape[1] - 1)
+    mesh.point_data, mesh.cell_data = {"traction": in_space(traction)}, {"body": [surface.body]}
+    parallel.on_root(lambda: _write(folder / name, mesh))
     return [name]
 
 
-def _write(
-    path: Path,
-    x: Array,
-    dimension: int,
-    cells: NDArray[np.int64],
-    data: dict[str, Array],
-    cell_data: dict[str, list[NDArray[np.int64]]],
-) -> None:
-    """Write a VTU file of cells of that dimension to a temporary name and rename it.
+def _mesh(x: Array, cells: NDArray[np.int64], dimension: int) -> meshio.Mesh:
+    """Nodes x (n, d) and curved cells of that dimension, nodes in the order of basix."""
+    return meshio.Mesh(in_space(x), [(CELLS[dimension], cells[:, vtk_order(cells.shape[1], dimension)])])
+
+
+def _write(path: Path, mesh: meshio.Mesh) -> None:
+    """Write a VTU file to a temporary name and rename it.
 
     Raises:
         SolveError: the disk refuses.
     """
-    blocks = [(CELLS[dimension], cells[:, vtk_order(cells.shape[1], dimension)])]
-    mesh = meshio.Mesh(in_space(x), blocks, point_data=data, cell_data=cell_data)
     temporary = path.with_name(f".{path.name}.partial")
     try:
         meshio.write(temporary, mesh, file_format="vtu")
         temporary.replace(path)
     except OSError as error:
         raise SolveError(f"cannot write {path}: {error.strerror}") from error
+
+
+def _nodal_rates(flow: Flow) -> dict[str, Array]:
+    """`vorticity`, (n,) or in space (n, 3), and `strain_rate` (n,) at this rank's nodes; collective."""
+    x, u = flow.x[flow.cells], flow.u[flow.cells]
+    G = gradient(x[:, None], u[:, None], _slopes(flow.degree, x.shape[2]))
+    hoop = hoop_rate(x[..., 0], u[..., 0], G) if flow.axisymmetric else 0.0
+    values = np.concatenate(
+        [np.atleast_3d(vorticity(G)), strain_rate(G, hoop)[..., None], np.ones((*flow.cells.shape, 1))],
+        axis=2,
+    )
+    sums = la.vector(flow.nodes, bs=values.shape[2])
+    table = sums.array.reshape(-1, values.shape[2])
+    for k in range(values.shape[2]):
+        table[:, k] = np.bincount(flow.cells.ravel(), values[..., k].ravel(), minlength=len(table))
+    sums.scatter_reverse(la.InsertMode.add)
+    sums.scatter_forward()
+    means = table[:, :-1] / np.maximum(table[:, -1:], 1.0)
+    curl = means[:, 0] if means.shape[1] == 2 else means[:, :-1]
+    return {"vorticity": curl, "strain_rate": means[:, -1]}
+
+
+def _slopes(degree: int, dimension: int) -> Array:
+    """Gradients of the shape functions at the nodes, (nodes, nodes, d), both in the order of basix."""
+    cell = {2: basix.CellType.triangle, 3: basix.CellType.tetrahedron}[dimension]
+    element = basix.create_element(basix.ElementFamily.P, cell, degree, basix.LagrangeVariant.equispaced)
+    slopes: Array = element.tabulate(1, element.points)[1:, :, :, 0]
+    return np.moveaxis(slopes, 0, -1)

@@ -17,39 +17,41 @@ from dolfinx.fem.petsc import interpolation_matrix
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fsi.bodies.configuration import Array, Configuration, rigid_motion
-from fsi.meshes.build import FluidMesh
+from fsi.bodies.configuration import Array, rigid_motion
 from fsi.stokes.discretisation.boundary import locate
-from fsi.stokes.discretisation.constraints import Prolongation, layout, rigid_modes
+from fsi.stokes.discretisation.constraints import Prolongation, dof_layout, rigid_modes
 from fsi.stokes.discretisation.forms import Forms
+from fsi.stokes.problem import StokesProblem
 
 
 @dataclass(frozen=True, slots=True)
 class Coarse:
     """Velocities of degree 1.
 
-    nodal: I P_1, (rows of u, free values z and, last on rank 0, the modes of all bodies); rigid: the rigid
-    motions of everything in the rows of z that this rank owns, (rows, 6).
+    Attributes:
+        nodal: I P_1, (rows of u, free values z and, last on rank 0, the modes of all bodies).
+        rigid: the rigid motions of everything in the rows of z that this rank owns, (rows, 6).
     """
 
     nodal: PETSc.Mat
     rigid: Array
 
 
-def coarse_velocities(fluid: FluidMesh, forms: Forms, walls: tuple[str, ...], q: Configuration) -> Coarse:
-    """The coarse space of a mesh, with zero velocity on the given walls; collective."""
+def coarse_velocities(problem: StokesProblem, forms: Forms) -> Coarse:
+    """The coarse space of a mesh, with zero velocity on walls with a given one; collective."""
+    fluid, q = problem.fluid, problem.q
     vertices = fem.functionspace(fluid.mesh, ("Lagrange", 1, (fluid.dimension,)))
     nodes = locate(fluid, vertices)
-    shares = layout(fluid.mesh.comm, nodes, walls, 0, None, fluid)
-    rigid = rigid_modes(shares, nodes, q, fluid.lattice)
-    P = Prolongation(shares, rigid, np.ones(shares.modes, dtype=bool)).matrix
+    layout = dof_layout(fluid, nodes, problem.boundary.velocities, 0, None)
+    rigid = rigid_modes(layout, nodes, q, fluid.lattice)
+    P = Prolongation(layout, rigid, np.ones(layout.modes, dtype=bool)).matrix
     interpolation = interpolation_matrix(vertices, forms.V)
     interpolation.assemble()
     nodal = interpolation.matMult(P)
     for used in (rigid.matrix, P, interpolation):
         used.destroy()
-    of_vertices = rigid_motion(nodes.x)[:, : shares.dimension].reshape(shares.rows, -1)[shares.free]
-    of_bodies = rigid_motion(q.centres).reshape(shares.modes, -1)[: shares.own_modes]
+    of_vertices = rigid_motion(nodes.x)[:, : layout.dimension].reshape(layout.rows, -1)[layout.free]
+    of_bodies = rigid_motion(q.centres).reshape(layout.modes, -1)[: layout.modes_here]
     return Coarse(nodal, np.concatenate([of_vertices, of_bodies]))
 
 
@@ -65,12 +67,12 @@ def transfer(coarse: Coarse, free: NDArray[np.bool_], held: NDArray[np.bool_]) -
     indptr, column, value = nodal.getValuesCSR()
     first_mode = nodal.getOwnershipRangesColumn()[1] - len(held)
     value[np.isin(column, first_mode + np.flatnonzero(held))] = 0.0
-    own = sp.csr_matrix((value, column, indptr), shape=(len(free), nodal.size[1]))[free]
+    T = sp.csr_matrix((value, column, indptr), shape=(len(free), nodal.size[1]))[free]
     if nodal.comm.rank == 0:
         modes = sp.eye_array(len(held), nodal.size[1], k=first_mode, format="csr")
-        own = sp.vstack([own, modes], "csr")
+        T = sp.vstack([T, modes], "csr")
     return PETSc.Mat().createAIJ(
-        size=((own.shape[0], None), (nodal.getLocalSize()[1], None)),
-        csr=(own.indptr.astype(PETSc.IntType), own.indices.astype(PETSc.IntType), own.data),
+        size=((T.shape[0], None), (nodal.getLocalSize()[1], None)),
+        csr=(T.indptr.astype(PETSc.IntType), T.indices.astype(PETSc.IntType), T.data),
         comm=nodal.comm,
     )

@@ -28,60 +28,79 @@ from dolfinx import fem, la
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
+from fsi.bodies.configuration import Array, Motion
 from fsi.meshes.aliases import Form
-from fsi.stokes.discretisation.constraints import Layout, RigidModes
+from fsi.stokes.discretisation.boundary import BoundaryNodes
+from fsi.stokes.discretisation.constraints import DofLayout, RigidModes
+from fsi.stokes.discretisation.forms import Forms
+from fsi.stokes.problem import StokesProblem
 from fsi.stokes.solvers.coarse import Coarse, transfer
-from fsi.stokes.solvers.fgmres import Blocks, Iteration
+from fsi.stokes.solvers.fgmres import Iteration, SchurBlocks
 from fsi.stokes.solvers.mumps import Factorisation
 from fsi.stokes.solvers.workspace import Elimination, Workspace
 
 
 @dataclass(frozen=True, slots=True)
-class System:
-    """Everything that a solve needs on one mesh at one instant.
+class StokesSystem:
+    """The discrete system of a problem.
 
-    M: Stokes matrix of all unknowns; rigid: rigid modes at the nodes on bodies; b: loads,
-    g: given wall velocities, arrays over this rank's rows; q: the bodies; motion, inertia: what drives them;
-    x: coordinates of this rank's velocity nodes, (n, d); weights: int q over the fluid for each of its
-    rows of p; mass: of the pressure / mu, and coarse: velocities of degree 1, for the iterative solver, None
-    for the direct one; closed: no wall is open; workspace: whose M is, and that keeps the factors.
+    Attributes:
+        problem: what it is of.
+        forms: bound to the mesh.
+        nodes: the velocity nodes on bodies and walls.
+        layout: how the rows of x = (u, p) are shared out.
+        M: Stokes matrix of all unknowns; the workspace's.
+        rigid: rigid modes at the nodes on bodies.
+        b: loads, this rank's rows.
+        g: given wall velocities, this rank's rows.
+        weights: int q over the fluid for each of this rank's rows of p.
+        mass: mass matrix of the pressure / mu for the iterative solver, None for the direct one.
+        coarse: velocities of degree 1 for the iterative solver, None for the direct one.
+        workspace: whose M is, and that keeps the factors.
     """
 
-    shares: Layout
+    problem: StokesProblem
+    forms: Forms
+    nodes: BoundaryNodes
+    layout: DofLayout
     M: PETSc.Mat
     rigid: RigidModes
     b: Array
     g: Array
-    q: Configuration
-    motion: Motion
-    inertia: Inertia | None
-    x: Array
     weights: Array
     mass: PETSc.Mat | None
     coarse: Coarse | None
-    closed: bool
     workspace: Workspace
 
     @property
-    def kept(self) -> NDArray[np.bool_]:
+    def motion(self) -> Motion:
+        """Of the problem."""
+        return self.problem.motion
+
+    @property
+    def unknown_modes(self) -> NDArray[np.bool_]:
         """The modes that stand in y, (M N,)."""
         held = self.motion.held.ravel()
         return ~held if self.mass is None else np.ones_like(held)
 
     @property
-    def own_kept(self) -> int:
+    def modes_here(self) -> int:
         """How many modes stand in this rank's part of y: all on rank 0, where they come last."""
-        return int(self.kept.sum()) if self.shares.comm.rank == 0 else 0
+        return int(self.unknown_modes.sum()) if self.layout.comm.rank == 0 else 0
 
 
 @dataclass(frozen=True, slots=True)
 class NodalSolution:
     """What the linear system gives.
 
-    x: values of (u, p), and reaction: lambda, arrays over this rank's rows; on those of masters it is left
-    out, being minus that of their slaves; U: (N, M) on all ranks;
-    residual: relative residual of the linear system; iterations: most of them, 0 by the direct solver.
+    Attributes:
+        x: values of (u, p), this rank's rows.
+        reaction: lambda, this rank's rows; on those of masters it is left out, being minus that of their
+            slaves.
+        U: velocities of the bodies, (N, M), on all ranks.
+        residual: relative residual of the linear system.
+        iterations: most of them, 0 by the direct solver.
+        pressure_gradient: G of a periodic flow, (2,).
     """
 
     x: Array
@@ -89,14 +108,15 @@ class NodalSolution:
     U: Array
     residual: float
     iterations: int = 0
+    pressure_gradient: Array | None = None
 
 
 def nodal_vector(form: Form) -> Array:
     """A linear form on the velocity space, summed over ranks; this rank's rows of u."""
     vector = fem.assemble_vector(form)
     vector.scatter_reverse(la.InsertMode.add)
-    owned: Array = vector.array[: vector.index_map.size_local * vector.block_size].copy()
-    return owned
+    rows: Array = vector.array[: vector.index_map.size_local * vector.block_size].copy()
+    return rows
 
 
 def multiply(matrix: PETSc.Mat, values: Array) -> Array:
@@ -123,28 +143,29 @@ def _taken(vector: PETSc.Vec, used: PETSc.Vec) -> Array:
     return values
 
 
-def load_of(system: System, nodal: Array) -> Array:
+def load_of(system: StokesSystem, nodal: Array) -> Array:
     """(F, T) = rigid^T lambda of a nodal reaction, (N, M), on all ranks."""
-    load: Array = system.shares.comm.bcast(multiply_transpose(system.rigid.matrix, nodal))
-    return load.reshape(-1, system.shares.modes_of_each)
+    load: Array = system.layout.comm.bcast(multiply_transpose(system.rigid.matrix, nodal))
+    return load.reshape(-1, system.layout.modes_of_each)
 
 
-def body_velocity(system: System, U: Array) -> Array:
+def body_velocity(system: StokesSystem, U: Array) -> Array:
     """Nodal values rigid U on this rank's rows, for modes (N, M) known on all ranks."""
-    return multiply(system.rigid.matrix, U.ravel() if system.shares.comm.rank == 0 else np.empty(0))
+    return multiply(system.rigid.matrix, U.ravel() if system.layout.comm.rank == 0 else np.empty(0))
 
 
-def mode_equations(system: System) -> tuple[Array, Array]:
+def mode_equations(system: StokesSystem) -> tuple[Array, Array]:
     """D and F + D U0 of all modes, (M N,), of the balance `rigid^T lambda + D U = F + D U0`; 0 if held."""
     free = ~system.motion.held.ravel()
     load = system.motion.F.ravel() * free
-    if system.inertia is None:
+    inertia = system.problem.inertia
+    if inertia is None:
         return np.zeros(len(load)), load
-    D = system.inertia.D.ravel() * free
-    return D, load + D * system.inertia.U0.ravel()
+    D = inertia.D.ravel() * free
+    return D, load + D * inertia.U0.ravel()
 
 
-def solve_eliminated(system: System) -> NodalSolution:
+def solve_eliminated(system: StokesSystem) -> NodalSolution:
     """Solve for y, then x = P y + g and lambda = M x - b.
 
     Raises:
@@ -155,7 +176,7 @@ def solve_eliminated(system: System) -> NodalSolution:
 
 
 @contextmanager
-def factorised(system: System) -> Iterator[Callable[[Array], Iterator[NodalSolution]]]:
+def factorised(system: StokesSystem) -> Iterator[Callable[[Array], Iterator[NodalSolution]]]:
     """Factorise P^T M P once: gives the solutions for any velocities (k, N, M) of the held modes; collective.
 
     Or set up the iterative solver once.
@@ -163,11 +184,12 @@ def factorised(system: System) -> Iterator[Callable[[Array], Iterator[NodalSolut
     Raises:
         SolveError: the system is singular, or the residual of a solution is not small.
     """
-    elimination = system.workspace.elimination(system.M, system.shares, system.rigid, system.kept)
-    reduced, own = elimination.reduced, system.own_kept
-    first_mode = reduced.getLocalSize()[0] - own
+    unknown = system.unknown_modes
+    elimination = system.workspace.elimination(system.M, system.layout, system.rigid, unknown)
+    reduced = elimination.reduced
+    first_mode = reduced.getLocalSize()[0] - system.modes_here
     D, _ = mode_equations(system)
-    _add_to_diagonal(reduced, first_mode, D[system.kept][:own])
+    _add_to_diagonal(reduced, first_mode, D[unknown][: system.modes_here])
     if system.mass is None or system.coarse is None:
         factors = elimination.factors(lasting=system.workspace.lasting)
         yield lambda U: _respond(system, elimination, factors, U)
@@ -180,43 +202,44 @@ def factorised(system: System) -> Iterator[Callable[[Array], Iterator[NodalSolut
 
 
 def _iteration(
-    system: System, mass: PETSc.Mat, coarse: Coarse, reduced: PETSc.Mat, first_mode: int
+    system: StokesSystem, mass: PETSc.Mat, coarse: Coarse, reduced: PETSc.Mat, first_mode: int
 ) -> Iteration:
     """The iterative solver; it changes the matrix."""
-    shares, start = system.shares, reduced.getOwnershipRange()[0]
-    held = np.flatnonzero(system.motion.held.ravel())[: system.own_kept]
+    layout, start = system.layout, reduced.getOwnershipRange()[0]
+    held = np.flatnonzero(system.motion.held.ravel())[: system.modes_here]
     reduced.zeroRowsColumns((start + first_mode + held).astype(PETSc.IntType), diag=1.0)
-    pressures = shares.pressure_nodes
-    modes = np.arange(first_mode, first_mode + system.own_kept)
-    blocks = Blocks(
+    pressures = layout.pressure_nodes
+    modes = np.arange(first_mode, first_mode + system.modes_here)
+    blocks = SchurBlocks(
         u=start + np.concatenate([np.arange(first_mode - pressures), modes]),
         p=start + np.arange(first_mode - pressures, first_mode),
-        transfer=transfer(coarse, shares.free[: shares.velocities], system.motion.held.ravel()),
+        transfer=transfer(coarse, layout.free[: layout.velocities], system.motion.held.ravel()),
         rigid=coarse.rigid,
         mass=mass,
-        closed=system.closed,
+        closed=not system.problem.boundary.pressures,
     )
     return Iteration(reduced, blocks)
 
 
 def _respond(
-    system: System, elimination: Elimination, solver: Factorisation | Iteration, held_U: Array
+    system: StokesSystem, elimination: Elimination, solver: Factorisation | Iteration, held_U: Array
 ) -> Iterator[NodalSolution]:
     """The solutions with velocities held_U (k, N, M) of the held modes, zero on the free ones."""
-    free, kept, own = ~system.motion.held, system.kept, system.own_kept
-    P, M, rows = elimination.P, elimination.constrained, system.shares.constrained
+    free, unknown, modes_here = ~system.motion.held, system.unknown_modes, system.modes_here
+    P, M, rows = elimination.P, elimination.constrained, system.layout.constrained
     g = [system.g + body_velocity(system, U) for U in held_U]
     # M is symmetric.
     loads = [system.b - multiply_transpose(M, offset[rows]) for offset in g]
     rhs = np.column_stack([multiply_transpose(P, load) for load in loads])
-    first_mode = len(rhs) - own
-    rhs[first_mode:] += mode_equations(system)[1][kept][:own, None]
-    rhs[first_mode:][~free.ravel()[kept][:own]] = 0.0
+    first_mode = len(rhs) - modes_here
+    rhs[first_mode:] += mode_equations(system)[1][unknown][:modes_here, None]
+    # Held modes that stand in y all the same are zero there: g has what they do.
+    rhs[first_mode:][~free.ravel()[unknown][:modes_here]] = 0.0
     solutions, residuals = solver.solve(rhs)
     for U, offset, y, residual in zip(held_U, g, solutions.T, residuals, strict=True):
         x = multiply(P, y) + offset
         moved = U.copy()
-        moved[free] = system.shares.comm.bcast(y[first_mode:])[free.ravel()[kept]]
+        moved[free] = system.layout.comm.bcast(y[first_mode:])[free.ravel()[unknown]]
         reaction = np.zeros(len(x))
         reaction[rows] = multiply(M, x) - system.b[rows]
         yield NodalSolution(x, reaction, moved, float(residual), solver.iterations)

@@ -20,8 +20,8 @@ factorised; beyond, it gets one cycle of smoothed aggregation, which is told the
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from types import TracebackType
 
 import numpy as np
 from mpi4py import MPI
@@ -56,13 +56,16 @@ OPTIONS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Blocks:
+class SchurBlocks:
     """What the preconditioner knows of a reduced system.
 
-    u: this rank's rows of velocities and modes, global numbers, three to a node; p: its rows of pressures;
-    transfer: from the coarse space to the rows u; rigid: the rigid motions of everything in the coarse space,
-    this rank's rows, (rows, 6); mass: mass matrix of the pressure / mu; closed: whether a constant pressure
-    changes nothing.
+    Attributes:
+        u: this rank's rows of velocities and modes, global numbers, three to a node.
+        p: its rows of pressures.
+        transfer: from the coarse space to the rows u.
+        rigid: the rigid motions of everything in the coarse space, this rank's rows, (rows, 6).
+        mass: mass matrix of the pressure / mu.
+        closed: whether a constant pressure changes nothing.
     """
 
     u: NDArray[np.int64]
@@ -73,10 +76,10 @@ class Blocks:
     closed: bool
 
 
-class Iteration:
+class Iteration(AbstractContextManager["Iteration"]):
     """FGMRES on a symmetric indefinite matrix of that form; use it in a `with` statement."""
 
-    def __init__(self, matrix: PETSc.Mat, blocks: Blocks) -> None:
+    def __init__(self, matrix: PETSc.Mat, blocks: SchurBlocks) -> None:
         """Set up the preconditioner."""
         self.matrix, self.iterations = matrix, 0
         self._closed = blocks.closed
@@ -87,13 +90,7 @@ class Iteration:
             null_space.destroy()
         self._ksp = _solver(matrix, blocks)
 
-    def __enter__(self) -> Iteration:
-        """The solver itself."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Free the preconditioner."""
         self._ksp.destroy()
         self._constant.destroy()
@@ -110,8 +107,8 @@ class Iteration:
         Raises:
             SolveError: the iteration stagnates.
         """
-        found = [self._solve_one(column) for column in b.T]
-        return np.column_stack([x for x, _ in found]), np.array([residual for _, residual in found])
+        solutions, residuals = zip(*(self._solve_one(column) for column in b.T), strict=True)
+        return np.column_stack(solutions), np.array(residuals)
 
     def _solve_one(self, b: Array) -> tuple[Array, float]:
         x, right = self.matrix.createVecs()
@@ -137,7 +134,7 @@ class Iteration:
         return values, relative
 
 
-def _constant_pressure(matrix: PETSc.Mat, blocks: Blocks) -> PETSc.Vec:
+def _constant_pressure(matrix: PETSc.Mat, blocks: SchurBlocks) -> PETSc.Vec:
     """The unit vector of a constant pressure."""
     constant = matrix.createVecRight()
     start, _ = matrix.getOwnershipRange()
@@ -146,7 +143,7 @@ def _constant_pressure(matrix: PETSc.Mat, blocks: Blocks) -> PETSc.Vec:
     return constant
 
 
-def _solver(matrix: PETSc.Mat, blocks: Blocks) -> PETSc.KSP:
+def _solver(matrix: PETSc.Mat, blocks: SchurBlocks) -> PETSc.KSP:
     """FGMRES with the preconditioner set up."""
     ksp = PETSc.KSP().create(matrix.comm)
     prefix = "fsi_stokes_"
@@ -185,7 +182,7 @@ def _solver(matrix: PETSc.Mat, blocks: Blocks) -> PETSc.KSP:
     return ksp
 
 
-def _two_levels(pc: PETSc.PC, A: PETSc.Mat, blocks: Blocks) -> None:
+def _two_levels(pc: PETSc.PC, A: PETSc.Mat, blocks: SchurBlocks) -> None:
     """One cycle of A smoothed and corrected on the coarse space, whose matrix is T^T A T."""
     pc.setMGLevels(2)
     pc.setMGInterpolation(1, blocks.transfer)

@@ -15,15 +15,14 @@ prolongation; held modes move to the right-hand side. The multiplier IS the noda
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fsi.bodies.configuration import Array
-from fsi.stokes.discretisation.constraints import Prolongation
+from fsi.stokes.discretisation.constraints import Index, Prolongation
 from fsi.stokes.discretisation.matrices import galerkin
 from fsi.stokes.solvers.elimination import (
     NodalSolution,
-    System,
+    StokesSystem,
     body_velocity,
     mode_equations,
     multiply,
@@ -31,64 +30,62 @@ from fsi.stokes.solvers.elimination import (
 )
 from fsi.stokes.solvers.mumps import Factorisation
 
-Index = NDArray[np.int64]
 
-
-def solve_multiplier(system: System) -> NodalSolution:
+def solve_multiplier(system: StokesSystem) -> NodalSolution:
     """Solve the saddle-point system as it stands above.
 
     Raises:
         SolveError: the system is singular, or its residual is not small.
     """
-    shares, held = system.shares, system.motion.held
-    S = Prolongation(shares, system.rigid, np.zeros_like(system.kept), eliminate_bodies=False).matrix
+    layout, held = system.layout, system.motion.held
+    S = Prolongation(layout, system.rigid, np.zeros_like(system.unknown_modes), eliminate_bodies=False).matrix
     flow = galerkin(system.M, S)
     # Rows of each rank: its unknowns (u, p), its multipliers, and on rank 0 the free modes.
-    own_flow, own_multipliers = flow.getLocalSize()[0], len(shares.on_body)
+    flow_rows, multiplier_rows = flow.getLocalSize()[0], len(layout.on_body)
     free = np.flatnonzero(~held.ravel())
-    own_modes = len(free) if shares.comm.rank == 0 else 0
-    own = own_flow + own_multipliers + own_modes
-    first = shares.comm.exscan(own) or 0
-    starts = shares.comm.allgather(first)
-    root_mode = shares.comm.bcast(own_flow + own_multipliers)
-    mode_column = np.full(shares.modes, -1)
+    mode_rows = len(free) if layout.comm.rank == 0 else 0
+    rows_here = flow_rows + multiplier_rows + mode_rows
+    first = layout.comm.exscan(rows_here) or 0
+    starts = layout.comm.allgather(first)
+    root_mode = layout.comm.bcast(flow_rows + multiplier_rows)
+    mode_column = np.full(layout.modes, -1)
     mode_column[free] = root_mode + np.arange(len(free))
 
-    multiplier = first + own_flow + np.arange(own_multipliers)
+    multiplier = first + flow_rows + np.arange(multiplier_rows)
     D, load = (values[free] for values in mode_equations(system))
     triplets = [
         _renumbered(flow, starts),
-        *_symmetric(*_trace(S, shares.on_body, starts, multiplier)),
+        *_symmetric(*_trace(S, layout.on_body, starts, multiplier)),
         *_symmetric(*_rigid_columns(system, multiplier, mode_column)),
-        (multiplier, multiplier, np.zeros(own_multipliers)),
+        (multiplier, multiplier, np.zeros(multiplier_rows)),
     ]
-    if own_modes:
+    if mode_rows:
         triplets.append((mode_column[free], mode_column[free], D))
-    matrix = PETSc.Mat().createAIJ(size=((own, None), (own, None)), comm=shares.comm)
+    matrix = PETSc.Mat().createAIJ(size=((rows_here, None), (rows_here, None)), comm=layout.comm)
     rows, columns, values = (np.concatenate([t[k] for t in triplets]) for k in range(3))
     matrix.setPreallocationCOO(rows.astype(PETSc.IntType), columns.astype(PETSc.IntType))
     matrix.setValuesCOO(values)
 
     loads = multiply_transpose(S, system.b - multiply(system.M, system.g))
-    no_slip = -body_velocity(system, system.motion.U)[shares.on_body]
-    rhs = np.concatenate([loads, no_slip, load[:own_modes]])
+    no_slip = -body_velocity(system, system.motion.U)[layout.on_body]
+    rhs = np.concatenate([loads, no_slip, load[:mode_rows]])
     with Factorisation(matrix) as factors:
-        solution, residual = (found[..., 0] for found in factors.solve(rhs[:, None]))
-    x = multiply(S, solution[:own_flow]) + system.g
-    reaction = np.zeros(shares.rows)
-    reaction[shares.on_body] = solution[own_flow : own_flow + own_multipliers]
+        solution, residual = (result[..., 0] for result in factors.solve(rhs[:, None]))
+    x = multiply(S, solution[:flow_rows]) + system.g
+    reaction = np.zeros(layout.rows)
+    reaction[layout.on_body] = solution[flow_rows : flow_rows + multiplier_rows]
     reaction = _with_walls(system, x, reaction)
     U = system.motion.U.copy()
-    U.ravel()[free] = shares.comm.bcast(solution[own_flow + own_multipliers :].copy())
+    U.ravel()[free] = layout.comm.bcast(solution[flow_rows + multiplier_rows :].copy())
     for used in (S, flow, matrix):
         used.destroy()
     return NodalSolution(x, reaction, U, float(residual))
 
 
-def _with_walls(system: System, x: Array, reaction: Array) -> Array:
+def _with_walls(system: StokesSystem, x: Array, reaction: Array) -> Array:
     """Add what the multipliers do not hold: M x - b on the rows of walls and of slaves."""
     complete = reaction.copy()
-    fixed = np.concatenate([system.shares.fixed, system.shares.slave])
+    fixed = np.concatenate([system.layout.fixed, system.layout.slave])
     complete[fixed] = (multiply(system.M, x) - system.b)[fixed]
     return complete
 
@@ -116,11 +113,11 @@ def _trace(S: PETSc.Mat, on_body: Index, starts: list[int], multiplier: Index) -
     return multiplier, velocity, -np.ones(len(multiplier))
 
 
-def _rigid_columns(system: System, multiplier: Index, mode_column: Index) -> tuple[Index, Index, Array]:
+def _rigid_columns(system: StokesSystem, multiplier: Index, mode_column: Index) -> tuple[Index, Index, Array]:
     """Triplets of K: multipliers against free modes."""
     row, mode, value = system.rigid.entries()
-    of_row = np.full(system.shares.rows, -1)
-    of_row[system.shares.on_body] = multiplier
+    of_row = np.full(system.layout.rows, -1)
+    of_row[system.layout.on_body] = multiplier
     free = mode_column[mode] >= 0
     return of_row[row[free]], mode_column[mode[free]], value[free]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from types import TracebackType
+from contextlib import AbstractContextManager
 
 import numpy as np
 from mpi4py import MPI
@@ -24,7 +24,7 @@ REFINE_ABOVE = 1e-11
 REFUSE_ABOVE = 1e-9
 
 
-class Factorisation:
+class Factorisation(AbstractContextManager["Factorisation"]):
     """LDL^T of a symmetric indefinite matrix, for many right-hand sides; use it in a `with` statement.
 
     Orderings: minimum degree and no compression of the graph (ICNTL(12) = 1) are 8 times faster than the
@@ -60,13 +60,7 @@ class Factorisation:
                 f"MUMPS failed with INFOG(1) = {status}; is the flow left without anything that holds it?"
             )
 
-    def __enter__(self) -> Factorisation:
-        """The factorisation itself."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Free the factors."""
         self.destroy()
 

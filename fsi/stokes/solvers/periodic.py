@@ -27,23 +27,26 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Configuration, Motion
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.lattice import Integers
-from fsi.meshes.geometry.periodic import Cell, Periodic
 from fsi.meshes.matching import matching_nodes, matching_points
 from fsi.stokes.discretisation.boundary import facets_with
-from fsi.stokes.discretisation.constraints import Layout
+from fsi.stokes.discretisation.constraints import DofLayout
 from fsi.stokes.discretisation.forms import Forms
-from fsi.stokes.solvers.elimination import NodalSolution, System, nodal_vector
+from fsi.stokes.problem import StokesProblem, channel_walls
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, nodal_vector
 
-type Solver = Callable[[System], NodalSolution]
+type Solver = Callable[[StokesSystem], NodalSolution]
 
 
 @dataclass(frozen=True, slots=True)
 class MeanFlow:
     """What is imposed on the whole of a periodic flow.
 
-    gradient: E, (2, 2); pressure_gradient: G, (2,), NaN where it is to be found; velocity: mean of u - E x
-    over fluid and bodies, (2,), which counts where G is to be found, and where `drifting`; drifting:
-    components in which nothing but this mean fixes a translation of everything, bool (2,).
+    Attributes:
+        gradient: E, (2, 2).
+        pressure_gradient: G, (2,), NaN where it is unknown.
+        velocity: mean of u - E x over fluid and bodies, (2,), which counts where G is unknown, and where
+            `drifting`.
+        drifting: components in which nothing but this mean fixes a translation of everything, bool (2,).
     """
 
     gradient: Array
@@ -52,26 +55,25 @@ class MeanFlow:
     drifting: NDArray[np.bool_]
 
 
-def mean_flow(
-    container: Periodic, motion: Motion, pressure_gradient: float | None, net_flux: float
-) -> MeanFlow:
+def mean_flow(problem: StokesProblem) -> MeanFlow:
     """The mean flow of a channel with dp/dx, or None and a net flux; or of a cell."""
-    still, nowhere = np.zeros((2, 2)), np.zeros(2, dtype=bool)
-    if isinstance(container, Cell):
+    container, motion, boundary = problem.container, problem.motion, problem.boundary
+    if len(container.periods) == container.dimension:
         held = motion.held[:, :2].any(axis=0)
         G = np.where(held, np.nan, motion.F[:, :2].sum(axis=0) / container.volume)
-        return MeanFlow(np.array(container.gradient), G, np.zeros(2), ~held)
-    G = np.array([np.nan if pressure_gradient is None else pressure_gradient, 0.0])
-    height = container.upper[1] - container.lower[1]
-    return MeanFlow(still, G, np.array([net_flux / height, 0.0]), nowhere)
+        return MeanFlow(container.mean_gradient, G, np.zeros(2), ~held)
+    walls = channel_walls(container)
+    G = np.array([np.nan if boundary.pressure_gradient is None else boundary.pressure_gradient, 0.0])
+    velocity = np.array([(boundary.net_flux or 0.0) / (walls["top"] - walls["bottom"]), 0.0])
+    return MeanFlow(container.mean_gradient, G, velocity, np.zeros(2, dtype=bool))
 
 
-def tied(shares: Layout, fluid: FluidMesh, forms: Forms, x: Array) -> Layout:
+def tied(layout: DofLayout, fluid: FluidMesh, forms: Forms, x: Array) -> DofLayout:
     """The layout with its slaves; collective. x: velocity nodes, ghosts last, (n, 2)."""
-    of_pressure = forms.Q.tabulate_dof_coordinates()
-    pairs = [matching_nodes(fluid, space, nodes) for space, nodes in ((forms.V, x), (forms.Q, of_pressure))]
+    x_of_pressure = forms.Q.tabulate_dof_coordinates()
+    pairs = [matching_nodes(fluid, space, nodes) for space, nodes in ((forms.V, x), (forms.Q, x_of_pressure))]
     V, Q = forms.V.dofmap.index_map, forms.Q.dofmap.index_map
-    starts = np.array(shares.comm.allgather((V.local_range[0], Q.local_range[0], V.size_local, shares.rows)))
+    starts = np.array(layout.comm.allgather((V.local_range[0], Q.local_range[0], V.size_local, layout.rows)))
     first_row = np.concatenate([[0], np.cumsum(starts[:, 3])])
 
     def rows(numbers: NDArray[np.int64], space: int, component: int) -> NDArray[np.int64]:
@@ -88,57 +90,59 @@ def tied(shares: Layout, fluid: FluidMesh, forms: Forms, x: Array) -> Layout:
         for side in ("slave", "master")
     )
     shift = fluid.lattice.shift(np.concatenate([p.shift for p, _, _ in parts]))
-    slave -= first_row[shares.comm.rank]
-    own = (slave >= 0) & (slave < shares.rows)
-    own[own] = ~np.isin(slave[own], np.concatenate([shares.fixed, shares.on_body]))
-    return replace(shares, slave=slave[own], master=master[own], away=shift[own])
+    slave -= first_row[layout.comm.rank]
+    here = (slave >= 0) & (slave < layout.rows)
+    # What is given, or rigid, needs no image.
+    here[here] = ~np.isin(slave[here], np.concatenate([layout.fixed, layout.on_body]))
+    return replace(layout, slave=slave[here], master=master[here], away=shift[here])
 
 
 @dataclass(frozen=True, slots=True)
 class Jumps:
     """What a velocity gradient and a pressure gradient put into g and b; of this rank.
 
-    to_body: how far the node of each row on a body lies from that of the body at q_i, (on_body, 2); normals:
-    pairs of a lattice vector e and the nodal values of <n, v> over all that lies at e, on slaves and on
-    opened bodies.
+    Attributes:
+        layout: of the rows.
+        to_body: how far the node of each row on a body lies from that of the body at q_i, (on_body, 2).
+        normals: pairs of a lattice vector e and the nodal values of <n, v> over all that lies at e, on slaves
+            and on opened bodies.
     """
 
-    shares: Layout
+    layout: DofLayout
     to_body: Array
     normals: list[tuple[Array, Array]]
 
     def of_velocity(self, E: Array) -> Array:
         """The part of g for u(x + e) = u(x) + E e, this rank's rows."""
-        shares, g = self.shares, np.zeros(self.shares.rows)
-        of_flow = shares.slave < 2 * shares.velocity_nodes
-        slave = shares.slave[of_flow]
-        g[slave] = (shares.away[of_flow] @ E.T)[np.arange(len(slave)), slave % 2]
-        g[shares.on_body] = (self.to_body @ E.T)[np.arange(len(shares.on_body)), shares.on_body % 2]
+        layout, g = self.layout, np.zeros(self.layout.rows)
+        of_flow = layout.slave < 2 * layout.velocity_nodes
+        slave = layout.slave[of_flow]
+        g[slave] = (layout.away[of_flow] @ E.T)[np.arange(len(slave)), slave % 2]
+        g[layout.on_body] = (self.to_body @ E.T)[np.arange(len(layout.on_body)), layout.on_body % 2]
         return g
 
     def of_pressure(self, G: Array) -> tuple[Array, Array]:
         """The parts of g and of b for p(x + e) = p(x) + G.e, this rank's rows."""
-        shares, g, b = self.shares, np.zeros(self.shares.rows), np.zeros(self.shares.rows)
-        of_pressure = shares.slave >= 2 * shares.velocity_nodes
-        g[shares.slave[of_pressure]] = shares.away[of_pressure] @ G
+        layout, g, b = self.layout, np.zeros(self.layout.rows), np.zeros(self.layout.rows)
+        of_pressure = layout.slave >= 2 * layout.velocity_nodes
+        g[layout.slave[of_pressure]] = layout.away[of_pressure] @ G
         for e, normal in self.normals:
             b[: len(normal)] -= (G @ e) * normal
         return g, b
 
 
-def jumps(shares: Layout, fluid: FluidMesh, forms: Forms, q: Configuration, x: Array) -> Jumps:
-    """The jumps of a domain that was opened; collective. x: this rank's velocity nodes, (n, 2)."""
-    lattice = fluid.lattice
-    r = x[shares.on_body // 2] - q.centres[shares.body]
-    return Jumps(shares, lattice.shift(lattice.nearest(r)), _normals(fluid, forms, q))
+def jumps(system: StokesSystem) -> Jumps:
+    """The jumps of a domain that was opened; collective."""
+    layout, fluid, q = system.layout, system.problem.fluid, system.problem.q
+    r = system.nodes.x[layout.on_body // 2] - q.centres[layout.body]
+    return Jumps(layout, fluid.lattice.shift(fluid.lattice.nearest(r)), _normals(fluid, system.forms, q))
 
 
 def _normals(fluid: FluidMesh, forms: Forms, q: Configuration) -> list[tuple[Array, Array]]:
     """Lattice vectors e and <n, v> over the facets at e: slaves of the cut, and arcs of bodies."""
     comm, lattice = fluid.mesh.comm, fluid.lattice
-    facets = np.concatenate(
-        [facets_with(fluid, 1, fluid.bodies), facets_with(fluid, fluid.cut_tag, fluid.cut_tag)]
-    )
+    on_cut = facets_with(fluid, fluid.cut_tag, fluid.cut_tag)
+    facets = np.concatenate([facets_with(fluid, 1, fluid.bodies), on_cut])
     tags = fluid.facet_tags.values[np.searchsorted(fluid.facet_tags.indices, facets)]
     middle = dolfinx_mesh.compute_midpoints(fluid.mesh, 1, facets)[:, :2]
     m = np.zeros((len(facets), lattice.dimension), dtype=np.int64)
@@ -150,12 +154,12 @@ def _normals(fluid: FluidMesh, forms: Forms, q: Configuration) -> list[tuple[Arr
     comm.Allreduce(MPI.IN_PLACE, first, op=MPI.MIN)
     m[on_body] -= first[body]
     m[~on_body] = _shifts_on_cut(fluid, middle[~on_body])
-    found = []
+    normals = []
     for e in np.unique(np.concatenate(comm.allgather(m)), axis=0):
         if e.any():
             here = facets[np.all(m == e, axis=1)]
-            found.append((lattice.shift(e[None])[0], nodal_vector(forms.bind("normal", here))))
-    return found
+            normals.append((lattice.shift(e[None])[0], nodal_vector(forms.bind("normal", here))))
+    return normals
 
 
 def _shifts_on_cut(fluid: FluidMesh, middle: Array) -> Integers:
@@ -173,70 +177,75 @@ def _shifts_on_cut(fluid: FluidMesh, middle: Array) -> Integers:
 class Averages:
     """Averages over fluid and bodies together.
 
-    weights: int v_c over the fluid for each row of u, (rows of u, 2), of this rank; x: this rank's velocity
-    nodes, (n, 2); q: the bodies; area: of fluid and bodies.
+    Attributes:
+        problem: of the flow.
+        weights: int v_c over the fluid for each row of u, (rows of u, 2), of this rank.
+        x: this rank's velocity nodes, (n, 2).
     """
 
-    comm: MPI.Intracomm
+    problem: StokesProblem
     weights: Array
     x: Array
-    q: Configuration
-    area: float
 
     def velocity(self, solution: NodalSolution, E: Array) -> Array:
         """The mean of u - E x, (2,)."""
+        q, comm = self.problem.q, self.problem.fluid.mesh.comm
         u = solution.x[: len(self.weights)] - (self.x @ E.T).ravel()
-        V = solution.U[:, :2] - self.q.centres @ E.T
-        of_fluid = np.asarray(self.comm.allreduce(u @ self.weights, op=MPI.SUM))
-        mean: Array = (of_fluid + (np.pi * self.q.radii**2) @ V) / self.area
+        V = solution.U[:, :2] - q.centres @ E.T
+        of_fluid = np.asarray(comm.allreduce(u @ self.weights, op=MPI.SUM))
+        mean: Array = (of_fluid + (np.pi * q.radii**2) @ V) / self.problem.container.volume
         return mean
 
 
-def averages(forms: Forms, q: Configuration, x: Array, area: float) -> Averages:
-    """The averages over a periodic domain; collective. x: this rank's velocity nodes, (n, 2)."""
-    columns = []
+def averages(system: StokesSystem) -> Averages:
+    """The averages over a periodic domain; collective."""
+    forms, columns = system.forms, []
     for direction in np.eye(2):
         forms.f.x.array[:] = np.tile(direction, len(forms.f.x.array) // 2)
         columns.append(nodal_vector(forms.bind("load")))
-    return Averages(forms.mesh.comm, np.column_stack(columns), x, q, area)
+    return Averages(system.problem, np.column_stack(columns), system.nodes.x)
 
 
-def solve_periodic(
-    system: System, solver: Solver, jump: Jumps, mean: MeanFlow, average_of: Callable[[], Averages]
-) -> tuple[System, NodalSolution]:
-    """The flow with the given mean, and the system with the loads that it took; collective.
+def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, NodalSolution]:
+    """The flow with the mean of its problem, and the system with the loads that it took; collective.
 
-    It is linear in G: the flow for what is known of G, plus what each unknown component drives alone. The
-    averages are made where a mean is given.
+    It is linear in G: the flow for what is known of G, plus what each unknown component drives alone.
 
     Raises:
         SolveError: as the solver.
     """
+    problem, motion = system.problem, system.motion
+    mean, jump = mean_flow(problem), jumps(system)
     E, G = mean.gradient, np.nan_to_num(mean.pressure_gradient)
-    held = system.motion.held.copy()
+    # Where everything may drift, the first body rests at first.
+    held = motion.held.copy()
     held[:1, :2] |= mean.drifting
-    at_rest = Motion(held, np.zeros_like(system.motion.U), np.zeros_like(system.motion.F))
     g, b = jump.of_pressure(G)
     known = replace(
-        system, g=system.g + g + jump.of_velocity(E), b=system.b + b, motion=replace(system.motion, held=held)
-    )
+        system, g=system.g + g + jump.of_velocity(E), b=system.b + b,
+        problem=replace(problem, motion=replace(motion, held=held)),
+    )  # fmt: skip
     solution, total_g, total_b = solver(known), known.g, known.b
     unknown = np.flatnonzero(np.isnan(mean.pressure_gradient))
     if len(unknown) or mean.drifting.any():
-        average = average_of()
+        average = averages(system)
     if len(unknown):
+        resting = Motion(held, np.zeros_like(motion.U), np.zeros_like(motion.F))
+        at_rest = replace(problem, motion=resting, inertia=None)
         pushes = [jump.of_pressure(direction) for direction in np.eye(2)[unknown]]
-        driven = [solver(replace(known, g=g, b=b, motion=at_rest, inertia=None)) for g, b in pushes]
+        driven = [solver(replace(known, g=g, b=b, problem=at_rest)) for g, b in pushes]
         response = np.column_stack([average.velocity(flow, np.zeros((2, 2)))[unknown] for flow in driven])
         missing = (mean.velocity - average.velocity(solution, E))[unknown]
-        for s, flow, (g, b) in zip(np.linalg.solve(response, missing), driven, pushes, strict=True):
+        G[unknown] = np.linalg.solve(response, missing)
+        for s, flow, (g, b) in zip(G[unknown], driven, pushes, strict=True):
             solution, total_g, total_b = _sum(solution, flow, s), total_g + s * g, total_b + s * b
     if mean.drifting.any():
         drift = np.where(mean.drifting, mean.velocity - average.velocity(solution, E), 0.0)
         u = solution.x.copy()
         u[: len(average.weights)] += np.tile(drift, len(average.x))
         solution = replace(solution, x=u, U=solution.U + np.append(drift, 0.0))
-    return replace(known, g=total_g, b=total_b, motion=system.motion), solution
+    loaded = replace(system, g=total_g, b=total_b)
+    return loaded, replace(solution, pressure_gradient=G)
 
 
 def _sum(one: NodalSolution, other: NodalSolution, s: float) -> NodalSolution:

@@ -8,31 +8,53 @@ always those of the mesh as it is, so that results do not depend on what the wor
 
 from __future__ import annotations
 
+import ctypes
+import platform
+from contextlib import AbstractContextManager
 from dataclasses import fields
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fsi.meshes.build import FluidMesh
-from fsi.stokes.discretisation.constraints import Layout, Prolongation, RigidModes
+from fsi.stokes.discretisation.constraints import DofLayout, Prolongation, RigidModes
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.discretisation.matrices import StokesMatrix, galerkin
-from fsi.stokes.memory import keep_freed
 from fsi.stokes.solvers.mumps import Factorisation
+
+# <malloc.h> of glibc
+M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3
+MOST_KEPT, LARGEST = 2**31 - 1, 2**30  # bytes; what exceeds LARGEST still goes back when it is freed
+
+
+@cache
+def keep_freed() -> None:
+    """Let glibc keep what one solve frees and the next one wants again, for this process.
+
+    Given back, it would return page by page, cleared: a step of some hundred megabytes loses a twelfth of its
+    time so. Elsewhere than on glibc: nothing.
+    """
+    if platform.libc_ver()[0] == "glibc":
+        libc = ctypes.CDLL(None)
+        libc.mallopt(M_TRIM_THRESHOLD, MOST_KEPT)
+        libc.mallopt(M_MMAP_THRESHOLD, LARGEST)
 
 
 class Elimination:
-    """P, P^T M P and its factors, and the constrained rows of M; `shares`, `kept` say for which layout."""
+    """P, P^T M P and its factors, and the constrained rows of M, of a `layout` with its `unknown` modes."""
 
-    def __init__(self, M: PETSc.Mat, shares: Layout, rigid: RigidModes, kept: NDArray[np.bool_]) -> None:
+    def __init__(
+        self, M: PETSc.Mat, layout: DofLayout, rigid: RigidModes, unknown: NDArray[np.bool_]
+    ) -> None:
         """Make P and P^T M P; the factors are made when they are wanted."""
-        self.shares, self.kept = shares, kept
-        self._prolongation = Prolongation(shares, rigid, kept)
+        self.layout, self.unknown = layout, unknown
+        self._prolongation = Prolongation(layout, rigid, unknown)
         self.P = self._prolongation.matrix
         self.reduced = galerkin(M, self.P)
         first = M.getOwnershipRange()[0]
-        self._rows = PETSc.IS().createGeneral((first + shares.constrained).astype(PETSc.IntType), M.comm)
+        self._rows = PETSc.IS().createGeneral((first + layout.constrained).astype(PETSc.IntType), M.comm)
         self.constrained = M.createSubMatrix(self._rows)
         self._factors: Factorisation | None = None
 
@@ -62,7 +84,7 @@ class Elimination:
             used.destroy()
 
 
-class Workspace:
+class Workspace(AbstractContextManager["Workspace"]):
     """Keeps what the last solve made; use it in a `with` statement, or `close` it."""
 
     def __init__(self, *, lasting: bool = True) -> None:
@@ -72,10 +94,6 @@ class Workspace:
         self._forms: Forms | None = None
         self._stokes: StokesMatrix | None = None
         self._elimination: Elimination | None = None
-
-    def __enter__(self) -> Workspace:
-        """The workspace itself."""
-        return self
 
     def __exit__(self, *_: object) -> None:
         """Free everything."""
@@ -108,23 +126,23 @@ class Workspace:
         return self._stokes.assemble()
 
     def elimination(
-        self, M: PETSc.Mat, shares: Layout, rigid: RigidModes, kept: NDArray[np.bool_]
+        self, M: PETSc.Mat, layout: DofLayout, rigid: RigidModes, unknown: NDArray[np.bool_]
     ) -> Elimination:
         """P and P^T M P; collective. M: the workspace's own."""
-        found = self._elimination
-        fits = found is not None and np.array_equal(found.kept, kept) and _alike(found.shares, shares)
-        if found is not None and shares.comm.allreduce(not fits) == 0:
-            found.update(M, rigid)
-            return found
+        last = self._elimination
+        fits = last is not None and np.array_equal(last.unknown, unknown) and _alike(last.layout, layout)
+        if last is not None and layout.comm.allreduce(not fits) == 0:
+            last.update(M, rigid)
+            return last
         self.forget_elimination()
-        self._elimination = Elimination(M, shares, rigid, kept)
+        self._elimination = Elimination(M, layout, rigid, unknown)
         return self._elimination
 
 
-def _alike(one: Layout, other: Layout) -> bool:
+def _alike(one: DofLayout, other: DofLayout) -> bool:
     """Whether two layouts share the rows out alike, on this rank; how far slaves lie away may differ."""
     return all(
         np.array_equal(getattr(one, part.name), getattr(other, part.name))
-        for part in fields(Layout)
+        for part in fields(DofLayout)
         if part.name not in ("comm", "away")
     )

@@ -1,0 +1,78 @@
+"""A Stokes problem, fluid around rigid bodies at one instant, and the options of its numerical solution."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
+from fsi.meshes.build import FluidMesh
+from fsi.meshes.geometry.containers import Container
+from fsi.stokes.discretisation.boundary import Boundary
+
+
+@dataclass(frozen=True, slots=True)
+class StokesProblem:
+    """Stokes flow around rigid bodies at one instant.
+
+    Attributes:
+        fluid: mesh of the fluid around the bodies at q.
+        container: what encloses the fluid.
+        q: the bodies.
+        motion: held modes, their velocities, loads on the free modes.
+        boundary: walls and body force.
+        viscosity: mu.
+        inertia: of an implicit step; None: quasi-static.
+        interaction: sum of r (x) F of the forces between bodies that `motion` has, (d, d), for the mean
+            stress of a periodic flow; None: zero.
+    """
+
+    fluid: FluidMesh
+    container: Container
+    q: Configuration
+    motion: Motion
+    boundary: Boundary
+    viscosity: float = 1.0
+    inertia: Inertia | None = None
+    interaction: Array | None = None
+
+    @property
+    def periodic(self) -> bool:
+        """Whether the domain has periods."""
+        return len(self.container.periods) > 0
+
+    @property
+    def mean_strain_rate(self) -> Array:
+        """E of a periodic flow, symmetric, (d, d); between walls gammadot = (u_top - u_bottom) / H.
+
+        Zero in a channel whose walls have no given velocity.
+        """
+        gradient, walls = self.container.mean_gradient, self.boundary.velocities
+        E: Array = 0.5 * (gradient + gradient.T)
+        if len(walls) == 2:
+            heights = channel_walls(self.container)
+            bottom, top = (walls[wall](np.array([[0.0, y]]))[0, 0] for wall, y in heights.items())
+            E[0, 1] = E[1, 0] = 0.5 * (top - bottom) / (heights["top"] - heights["bottom"])
+        return E
+
+
+@dataclass(frozen=True, slots=True)
+class SolverOptions:
+    """How a problem is solved.
+
+    Attributes:
+        degree: of the velocity, at least the order of the mesh; the pressure has one less.
+        formulation: "eliminated" (P^T M P) or "multiplier" (the saddle-point system); they agree to rounding.
+        solver: of the eliminated form, "direct", "iterative" (in space), or "automatic" by size.
+    """
+
+    degree: int = 3
+    formulation: str = "eliminated"
+    solver: str = "automatic"
+
+
+def channel_walls(channel: Container) -> dict[str, float]:
+    """y of the walls bottom and top, by their distances from the origin."""
+    to_bottom, to_top = channel.distances(np.zeros((1, 2)))[0]
+    return {"bottom": -float(to_bottom), "top": float(to_top)}
