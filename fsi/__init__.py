@@ -10,21 +10,38 @@ from typing import Any
 
 import fsi.meshes as _meshes  # noqa: F401  before NumPy: it sets the number of threads
 
+__all__ = [
+    "BodySolution",
+    "CalibrationResult",
+    "Case",
+    "FsiError",
+    "InputError",
+    "Resistance",
+    "Run",
+    "Solution",
+    "SolveError",
+    "StepRecord",
+    "calibrate",
+    "load_case",
+    "make_case",
+    "open_run",
+    "resume",
+    "run",
+    "solve",
+]
+
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
         from importlib import metadata
 
         return metadata.version("fsi-stokes")
-    if not name.startswith("_"):
-        import fsi.api as api
+    if name not in __all__:
+        raise AttributeError(f"module 'fsi' has no attribute {name!r}")
+    import fsi.api as api
 
-        if name in api.__all__:
-            return getattr(api, name)
-    raise AttributeError(f"module 'fsi' has no attribute {name!r}")
+    return getattr(api, name)
 
 
 def __dir__() -> list[str]:
-    import fsi.api as api
-
-    return [*globals(), *api.__all__]
+    return [*globals(), *__all__]

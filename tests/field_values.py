@@ -13,7 +13,7 @@ import fsi.meshes.backend  # noqa: F401
 
 import numpy as np
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.case.load import load_case
 from fsi.runs import run

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.calibration.files import require_writable, write_calibration
 from fsi.calibration.pair import pair_of
 from fsi.calibration.result import CalibrationResult, fit_law

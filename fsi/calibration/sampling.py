@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import wait
 from pathlib import Path
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.calibration.pair import Pair, pair_of
 from fsi.calibration.samples import Sample, keep_sample, key_of, planned_gaps, read_sample
 from fsi.case.load import parse_case

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.errors import InputError
 
 if TYPE_CHECKING:  # what a command needs is imported in it: `fsi --help` must be quick

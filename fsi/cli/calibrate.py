@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.cli.arguments import CaseFile, Overrides, load_resolved
 from fsi.report.console import standard_output
 

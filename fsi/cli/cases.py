@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fsi import parallel
+import fsi.parallel as parallel
 
 EXAMPLE = "Example: fsi cases, then fsi run cases/settling_disc.toml"
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.cli.arguments import CaseFile, Overrides, load
 from fsi.report.console import standard_output
 

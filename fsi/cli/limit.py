@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.cli.arguments import CaseFile, Overrides, load, require_writable
 
 EXAMPLE = "Example: fsi limit cases/gluey/pushed_then_pulled.toml --output limit.png"

@@ -13,7 +13,7 @@ import traceback
 
 import typer
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.cli import (
     calibrate,
     cases,

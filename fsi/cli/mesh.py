@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.cli.arguments import Overrides, load_resolved, require_writable
 from fsi.errors import InputError
 

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from fsi import parallel
+import fsi.parallel as parallel
 
 EXAMPLE = "Example: fsi plot runs/settling_disc runs/settling_discs -o gaps.pdf"
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.cli.arguments import RunFolder, Step, numbers, require_writable
 from fsi.errors import InputError
 

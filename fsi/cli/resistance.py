@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.cli.arguments import AsJson, CaseFile, Overrides, load_resolved, require_writable
 from fsi.errors import InputError
 from fsi.report.console import standard_output

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.cli.arguments import RunFolder
 
 EXAMPLE = "Example: fsi revolve runs/settling_spheres --degrees 270 -o runs/spheres_3d"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.cli.arguments import AsJson, CaseFile, Overrides, load
 from fsi.report.console import standard_output
 

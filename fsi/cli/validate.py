@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.report.console import standard_error, standard_output
 
 EXAMPLE = "Example: fsi validate two_discs concentric_sphere"

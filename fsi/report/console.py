@@ -7,7 +7,7 @@ import sys
 
 from rich.console import Console
 
-from fsi import parallel
+import fsi.parallel as parallel
 
 # Of the widest table: without a terminal rich would cut numbers to fit 80 columns.
 WIDTH = 140

@@ -13,7 +13,7 @@ from typing import Self
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.integration.state import StepRecord
 
 

@@ -12,7 +12,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from fsi import parallel
+import fsi.parallel as parallel
 
 PACKAGES = (
     "fsi-stokes", "fenics-dolfinx", "dolfinx-solver-real", "petsc4py", "mpi4py", "gmsh", "meshio",

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.bodies.configuration import MODES, Array
 from fsi.observables.bulk_stress import BulkStress
 from fsi.stokes.fields import write

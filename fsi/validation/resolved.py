@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case

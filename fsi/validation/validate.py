@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.errors import InputError, ValidationError
 from fsi.validation.rows import Row, chosen_cases, write_rows
 

@@ -156,7 +156,7 @@ def test_an_error_on_one_rank_ends_all_with_one_message(error: str) -> None:
         import sys
         import fsi.meshes.backend
         from mpi4py import MPI
-        from fsi import parallel
+        import fsi.parallel as parallel
         from fsi.cli import check, main
         from fsi.errors import InputError
 

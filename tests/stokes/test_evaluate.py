@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.bodies.configuration import Array, Configuration
 from fsi.case.load import parse_case
 from fsi.meshes.geometry.containers import Round

@@ -13,7 +13,7 @@ from statistics import median
 
 import pytest
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.bodies.configuration import Configuration
 from fsi.case.load import parse_case
 from fsi.stokes.model import StokesModel

@@ -13,7 +13,7 @@ import ufl
 from dolfinx import fem
 from mpi4py import MPI
 
-from fsi import parallel
+import fsi.parallel as parallel
 
 PATIENCE = 60  # seconds; another process may be compiling the same form
 _STALE = re.compile(r"remove (\S+\.c)\)")

@@ -8,7 +8,7 @@ import numpy as np
 from dolfinx.common import IndexMap
 from numpy.typing import NDArray
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.meshes.cells.lagrange import locate, tabulate
 from fsi.meshes.files.write import vtk_order

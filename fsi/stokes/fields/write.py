@@ -15,7 +15,7 @@ import numpy as np
 from dolfinx import la
 from numpy.typing import NDArray
 
-from fsi import parallel
+import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
 from fsi.meshes.cells.lagrange import gradient
