@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from fsi.bodies.configuration import Array, Configuration, Inertia
-from fsi.integration.schemes import AscherRuuthSpiteri, Beginning, BogackiShampine
-from fsi.integration.state import Instant, Model, Scheme, State
+from fsi.integration.schemes import SCHEMES, AscherRuuthSpiteri, Beginning, BogackiShampine, registry
+from fsi.integration.state import Instant, Model, Scheme, State, Trial
+from fsi.lubrication.exact import settling_time
+from fsi.models import make_stepper
 from tests.exact_model import DiscsBesidePlane, ExactInstant, settling_case
 
 
@@ -99,3 +101,49 @@ def test_inertia_has_order_two_with_the_resistance_of_the_film() -> None:
         velocities.append(abs(end.U[0, 1] - exact[1]))
     assert slope(positions) == pytest.approx(2.0, abs=0.1)
     assert slope(velocities) == pytest.approx(2.0, abs=0.1)
+
+
+def test_a_body_with_inertia_begins_with_its_velocity() -> None:
+    """A disc that turns in place, `I omega' = -R omega`: omega = omega_0 exp(-R t / I)."""
+    body = {"mass": 1.0, "moment_of_inertia": 20.0, "force": [0.0, 0.0], "velocity": [0.0, 0.0]}
+    case = settling_case(1.0, tolerance=1e-7, body=body | {"initial_angular_velocity": 3.0})
+    stepper = make_stepper(case, DiscsBesidePlane(case))
+    step = stepper.start(case.configuration())
+    assert step.instant.U[0, 2] == pytest.approx(3.0, rel=1e-7)
+    while step.state.t < 1.0:
+        step = stepper.advance(step.state)
+    R = DiscsBesidePlane(case).resistance(case.configuration())[0, 2]
+    assert step.state.U[0, 2] == pytest.approx(3.0 * math.exp(-R / 20.0), rel=1e-5)
+
+
+def test_a_scheme_from_outside_is_chosen_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One class under a decorator: the midpoint rule, of order 2 in the field of a disc over a plane."""
+    for name, kind in SCHEMES.items():
+        monkeypatch.setitem(SCHEMES, name, kind)  # so that what is added goes again
+
+    @registry.register_scheme("midpoint", fixed=True)
+    class Midpoint:
+        error_order: ClassVar[int] = 3
+
+        def __init__(self, _: Beginning) -> None:
+            pass
+
+        def start(self, model: Model, q: Configuration) -> Instant:
+            return model(q, 0.0)
+
+        def step(self, model: Model, state: State, t_end: float) -> Trial:
+            h = t_end - state.t
+            q = state.q.moved(h * model(state.q.moved(h / 2 * state.U), state.t + h / 2).U)
+            instant = model(q, t_end)
+            return Trial(q, instant, np.zeros_like(instant.U))
+
+    errors = []
+    for number in (20, 40, 80):
+        case = settling_case(1.0, scheme="midpoint", step=1.0 / number)
+        stepper = make_stepper(case, DiscsBesidePlane(case))
+        step = stepper.start(case.configuration())
+        while step.state.t < 1.0:
+            step = stepper.advance(step.state)
+        gap = step.state.q.centres[0, 1] - 1.0
+        errors.append(abs(float(settling_time(gap, 1.0, 1.0, 1.0, -4 * math.pi)) - 1.0))
+    assert slope(errors) == pytest.approx(2.0, abs=0.1)

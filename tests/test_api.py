@@ -1,0 +1,108 @@
+"""What `import fsi` offers in Python: the numbers of the commands, by nouns."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import fsi
+from fsi import api
+
+ROOT = Path(__file__).parents[1]
+DISC: dict[str, Any] = {"name": "disc", "radius": 1.0, "position": [0.0, 2.0], "force": [0.0, -1.0]}
+
+
+def reduced(**more: Any) -> fsi.Case:
+    """A disc above a plane in the reduced model, built without a file."""
+    sections: dict[str, Any] = {
+        "name": "disc",
+        "model": "reduced",
+        "fluid": {"viscosity": 1.0},
+        "domain": {"shape": "half-plane", "radius": 100.0},
+        "bodies": [DISC],
+        "reduced": {"drag": 10.0},
+        "time": {"end": 1.0},
+    }
+    return fsi.make_case(**(sections | more))
+
+
+def test_all_names_stand_in_all_three_places() -> None:
+    stub = ast.parse((ROOT / "fsi" / "__init__.pyi").read_text())
+    typed = {alias.asname for node in stub.body if isinstance(node, ast.ImportFrom) for alias in node.names}
+    public = vars(fsi)["__all__"]
+    assert sorted(api.__all__) == sorted(public) == sorted(str(name) for name in typed)
+    assert set(public) <= set(dir(fsi))
+    with pytest.raises(AttributeError, match="no attribute 'sovle'"):
+        _ = fsi.sovle  # type: ignore[attr-defined]
+
+
+def test_importing_it_costs_no_solver_and_no_tables() -> None:
+    code = (
+        "import fsi, sys; assert not {'numpy', 'pandas', 'pyvista', 'dolfinx', 'pydantic'} & set(sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT)
+
+
+def test_a_resolved_case_is_solved_evaluated_and_has_a_resistance() -> None:
+    """A disc in a box of fluid at rest, moving down: the force of cases/disc_in_box.toml is 466.11048."""
+    solution = fsi.solve(fsi.load_case(ROOT / "cases" / "disc_in_box.toml"))
+    disc = solution["disc"]
+    assert disc.force[1] == pytest.approx(466.11048, rel=1e-5)
+    assert [body.name for body in solution] == ["disc"]
+    # power: the dissipation is the force that the motion needs times its velocity
+    assert solution.dissipation == pytest.approx(disc.force[1], rel=1e-9)
+    u, p = solution.evaluate([[0.0, 2.100001], [0.0, 1.0], [0.0, 1e-9]])
+    np.testing.assert_allclose(u[0], [0.0, -1.0], atol=2e-5)  # at the surface that of the body
+    assert np.isnan(u[1]).all()  # in it there is no fluid
+    assert np.isnan(p[1])
+    np.testing.assert_allclose(u[2], 0.0, atol=1e-6)
+    R = solution.resistance()
+    assert R.R[1, 1] == pytest.approx(disc.force[1], rel=1e-9)
+    assert "disc: V = [0, -1]" in repr(solution)
+    assert solution.errors is not None
+    assert abs(disc.force[1] - 466.11048) < solution.errors.F[0, 1]
+
+
+def test_a_reduced_case_is_solved_without_a_flow() -> None:
+    """V = F / (zeta + kappa), drag 10 and the exact law of a disc at gap 1 beside a plane."""
+    from fsi.lubrication.exact import normal_resistance
+
+    solution = fsi.solve(reduced())
+    kappa = float(normal_resistance(np.array([1.0]), np.ones(1), 1.0)[0])
+    assert solution["disc"].velocity[1] == pytest.approx(-1.0 / (10.0 + kappa), rel=1e-12)
+    assert solution.errors is None
+    with pytest.raises(fsi.InputError, match="has no flow to evaluate"):
+        solution.evaluate([[0.0, 0.5]])
+
+
+def test_a_run_calls_back_and_goes_on(tmp_path: Path) -> None:
+    times: list[float] = []
+
+    def stop(record: fsi.StepRecord) -> None:
+        times.append(record.t)
+        if len(times) == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fsi.run(reduced(), tmp_path / "run", stop)
+    run = fsi.resume(tmp_path / "run", lambda record: times.append(record.t))
+    assert run.finished
+    np.testing.assert_array_equal(run.steps["t"], times)
+    assert times[-1] == 1.0
+
+
+def test_levels_without_an_instant_say_so() -> None:
+    case = reduced(model="gluey", time={"end": 1.0, "step": 0.1})
+    with pytest.raises(fsi.InputError, match='model = "gluey": has no velocities at an instant'):
+        fsi.solve(case)
+
+
+def test_a_mistake_in_python_is_one_line_too() -> None:
+    with pytest.raises(fsi.InputError, match=r"reduced\.darg = 10\.0: unknown key; use reduced\.drag"):
+        reduced(reduced={"darg": 10.0})
