@@ -176,11 +176,6 @@ def read_law_file(path: Path) -> LawFile:
         raise InputError(f"{path}: {explain(error, LawFile)}") from None
 
 
-def load_law(path: Path, *, extrapolate: bool = False) -> LubricationLaw:
-    """The law of a file. Raises InputError."""
-    return read_law_file(path).law(extrapolate=extrapolate)
-
-
 def save_law(path: Path, law: LawFile) -> None:
     """Write a law file, in one go."""
     replace(path, tomli_w.dumps(law.model_dump(exclude_none=True)).encode())

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
-from fsi.gluey.contact_response import Contact
+from fsi.gluey.contact_response import ContactResponse
 from fsi.gluey.contacts import Contacts, gap_rows, slip_rows
 from fsi.gluey.qp_solver import project
 from fsi.gluey.quadratic_program import Impulses, Program
@@ -32,10 +32,15 @@ BOUND, TRIES = 1e-9, 500
 class Rows:
     """The constraints of one step, normal rows first, then those of films, then those of friction.
 
-    J: (rows, N modes); b: `b + J u` is the rate that p keeps >= 0, (rows,); compliance: (rows,);
-    p: where to begin, (rows,); least: smallest normal impulse, -inf where the gap stays closed, (C,);
-    friction: true with rows of friction, of all contacts; first: the first of them;
-    of_wall: rows between a body and a wall, (rows,).
+    Attributes:
+        J: shape (rows, N modes).
+        b: `b + J u` is the rate that p keeps >= 0, (rows,).
+        compliance: (rows,).
+        p: where to begin, (rows,).
+        least: smallest normal impulse, -inf where the gap stays closed, (C,).
+        friction: true with rows of friction, of all contacts.
+        first: the first of them.
+        of_wall: rows between a body and a wall, (rows,).
     """
 
     J: sp.csr_matrix
@@ -98,11 +103,11 @@ def solve_rows(rows: Rows, program: Program, tolerance: float, bound: Callable[[
     p, iterations, steps = rows.p, 0, 0
     limits = bound(p[:C]) if rows.friction else np.zeros(0)
     for _ in range(TRIES):
-        contact = Contact(rows.least, limits, rows.first, rows.compliance)
-        found = project(program, p, contact, tolerance)
-        p, iterations, steps = found.p, iterations + found.iterations, steps + found.steps
+        response = ContactResponse(rows.least, limits, rows.first, rows.compliance)
+        solved = project(program, p, response, tolerance)
+        p, iterations, steps = solved.p, iterations + solved.iterations, steps + solved.steps
         new = bound(p[:C]) if rows.friction else limits
         if np.abs(new - limits).max(initial=0.0) <= BOUND * np.abs(p).max(initial=0.0):
-            return replace(found, iterations=iterations, steps=steps)
+            return replace(solved, iterations=iterations, steps=steps)
         limits = new
     raise SolveError(f"friction does not settle in {TRIES} tries; lower time.step or gluey.friction")

@@ -11,11 +11,14 @@ from fsi.bodies.configuration import Array
 
 
 @dataclass(frozen=True, slots=True)
-class Contact:
+class ContactResponse:
     """Rows without viscosity: p >= 0 keeps `r + compliance p >= 0`, or a bound on p takes slip away.
 
-    least: smallest impulse of the normal rows, 0 or -inf where the gap is held, (C,);
-    limits: largest friction of each contact, (K,), whose rows begin at `first`; compliance: of all rows.
+    Attributes:
+        least: smallest impulse of the normal rows, 0 or -inf where the gap is held, shape (C,).
+        limits: largest friction of each contact, (K,).
+        first: where the rows of friction begin.
+        compliance: of all rows, (rows,).
     """
 
     least: Array
@@ -24,7 +27,7 @@ class Contact:
     compliance: Array
 
     @classmethod
-    def of_gaps(cls, rows: int) -> Contact:
+    def of_gaps(cls, rows: int) -> ContactResponse:
         """Gaps that may open, nothing else."""
         return cls(np.zeros(rows), np.zeros(0), rows, np.zeros(rows))
 

@@ -22,7 +22,11 @@ type Shape = Literal["sphere", "disc"]
 class Film:
     """Rows with viscosity, in a step h: `D + h G.u = s`, `p = -eps Psi'(s)`.
 
-    eps: of a pair, > 0, an impulse; delta0: where films begin; h: the step; shape: of the bodies.
+    Attributes:
+        eps: of a pair, > 0, an impulse.
+        delta0: where films begin.
+        h: the step.
+        shape: of the bodies.
     """
 
     eps: float
@@ -73,10 +77,10 @@ class Film:
 
     def residual(self, r: Array, p: Array, weight: Array) -> float:
         """The largest of `r - D(-p)/h` where films are, of `delta0/h - r` beyond, and of p's own error."""
-        found, _ = self.impulse(r, p, 1.0 / weight)
+        answer, _ = self.impulse(r, p, 1.0 / weight)
         beyond = np.maximum(self.delta0 / self.h - r, 0.0)
         in_gap = np.where(p > 0.0, np.abs(r - self.gap(-p) / self.h), beyond)
-        return float(np.maximum(in_gap, np.abs(found - p) * weight).max(initial=0.0))
+        return float(np.maximum(in_gap, np.abs(answer - p) * weight).max(initial=0.0))
 
 
 def _positive_root(R: Array, k: Array) -> Array:

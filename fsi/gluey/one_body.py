@@ -58,9 +58,13 @@ MOST_STEPS = 200_000
 
 @dataclass(frozen=True, slots=True)
 class Path:
-    """A solution at times t, shapes (n,): the distance q (0 where it underflows) and gamma = eps ln q.
+    """A solution.
 
-    steps: how many were tried.
+    Attributes:
+        t: times, shape (n,).
+        q: the distance there, 0 where it underflows, (n,).
+        gamma: eps ln q, (n,).
+        steps: how many were tried.
     """
 
     t: Array
@@ -104,10 +108,10 @@ def solve(q0: float, u0: float, f: PPoly, eps: float, t: Array) -> Path:
     tolerated = min(IN_GAMMA, IN_LOG * eps) + ROUNDING * largest
     film = _Film(w, eps, tolerated, SHORTEST * float(t[-1]))
     now = _Now(0.0, q0, eps * np.log(q0), 1e-3 * float(t[-1]), 0)
-    found = {0.0: now}
+    stages = {0.0: now}
     for stop in map(float, stops[stops > 0.0]):
-        now = found[stop] = _until(stop, film, now)
-    q, gamma = np.array([(found[float(time)].q, found[float(time)].gamma) for time in t]).T
+        now = stages[stop] = _until(stop, film, now)
+    q, gamma = np.array([(stages[time].q, stages[time].gamma) for time in map(float, t)]).T
     return Path(t, q, gamma, now.steps)
 
 
@@ -162,14 +166,14 @@ def _step(film: _Film, q: float, gamma: float, t: float, h: float) -> tuple[floa
     """q and gamma after a step, and its estimated error over what is tolerated."""
     w, eps = film.w, film.eps
     start, slopes = float(w(t)) - gamma, np.zeros(5)
-    given = w(np.minimum(t + h * C, np.nextafter(t + h, t)))  # the piece of this step also at its end
+    w_stages = w(np.minimum(t + h * C, np.nextafter(t + h, t)))  # the piece of this step also at its end
     stage = gamma
     c = DIAGONAL * h * eps
     for i in range(5):
-        r = q + h * float(A[i, :i] @ slopes[:i]) + DIAGONAL * h * float(given[i])
+        r = q + h * float(A[i, :i] @ slopes[:i]) + DIAGONAL * h * float(w_stages[i])
         y = log_gap(r, c)
         stage = eps * y
-        slopes[i] = given[i] - stage
+        slopes[i] = w_stages[i] - stage
     q1 = float(np.exp(stage / eps))
     raw = h * float(np.abs(ESTIMATES @ np.append(start, slopes)).max())
     # The estimate filtered by (1 + h eps / (4 q))^-1, as stiff equations want it.

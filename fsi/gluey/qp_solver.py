@@ -27,7 +27,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 
 from fsi.bodies.configuration import Array
 from fsi.gluey.augmented_lagrangian import minimise
-from fsi.gluey.contact_response import Contact
+from fsi.gluey.contact_response import ContactResponse
 from fsi.gluey.quadratic_program import Impulses, Program
 
 # How often the gradient's residual is looked at, and how many iterations may be spent: it is given up as soon
@@ -41,32 +41,32 @@ NEAR, LOOKS = 10.0, 4
 CLOSE = 1e-10
 
 
-def project(program: Program, p: Array, contact: Contact, tolerance: float) -> Impulses:
+def project(program: Program, p: Array, response: ContactResponse, tolerance: float) -> Impulses:
     """Solve the dual.
 
     Args:
-        program: its rows are those of `contact`.
+        program: its rows are those of `response`.
         p: where to begin, (rows,).
-        contact: which impulses are allowed, and compliances.
+        response: which impulses are allowed, and compliances.
         tolerance: of `kkt`, a velocity.
 
     Returns:
         the solution; its `kkt`, the largest natural residual `|p - P_K(p - (W p + c) / W_ii)| W_ii`, a rate
         of a gap, may exceed the tolerance, which is the caller's to judge.
     """
-    dual = _Dual.of(program, contact)
-    if contact.only_gaps:
+    dual = _Dual.of(program, response)
+    if response.only_gaps:
         p, iterations = _of_gaps(dual, program, p, tolerance)
     else:
         reached = _by_gradient(dual, _Reached(p), tolerance, MOST_ITERATIONS)
         p, iterations = reached.p, reached.iterations
     u = program.velocity(p)
-    kkt = contact.residual(program.rate(u), p, program.weight)
+    kkt = response.residual(program.rate(u), p, program.weight)
     if kkt <= tolerance:
         return Impulses(p, u, kkt, iterations, 0)
-    if contact.only_gaps:
+    if response.only_gaps:
         p = by_interior_points(program)
-    return replace(minimise(program, p, contact, tolerance), iterations=iterations)
+    return replace(minimise(program, p, response, tolerance), iterations=iterations)
 
 
 def by_interior_points(program: Program) -> Array:
@@ -94,7 +94,7 @@ def _of_gaps(dual: _Dual, program: Program, p: Array, tolerance: float) -> tuple
     p = reached.p
     for _ in range(LOOKS):
         r = program.rate(program.velocity(p))
-        kkt = dual.contact.residual(r, p, weight)
+        kkt = dual.response.residual(r, p, weight)
         if kkt <= tolerance:
             break
         near = np.flatnonzero((p > 0.0) | (r < NEAR * kkt))
@@ -109,7 +109,14 @@ def _of_gaps(dual: _Dual, program: Program, p: Array, tolerance: float) -> tuple
 
 @dataclass(frozen=True, slots=True)
 class _Reached:
-    """Impulses p, after how many iterations since the first, the first residual, and the best since then."""
+    """Where the gradient is.
+
+    Attributes:
+        p: impulses, shape (rows,).
+        iterations: since the first.
+        first: the first residual.
+        residual: the best since then.
+    """
 
     p: Array
     iterations: int = 0
@@ -121,53 +128,57 @@ class _Reached:
 class _Dual:
     """The dual in `z = p / scale`, in which a step of length 1 against the gradient is stable.
 
-    B, Bt: `W = B Bt + diag(own)`, own being None without compliance; c, scale: (rows,); step: that length in
-    z of rows with unit diagonal; contact: which impulses are allowed.
+    Attributes:
+        B, Bt: `W = B Bt + diag(stiff)`.
+        stiff: the scaled compliances, None without any, (rows,).
+        c, scale: (rows,).
+        step: that length in z of rows with unit diagonal.
+        response: which impulses are allowed.
     """
 
     B: sp.csr_matrix
     Bt: sp.csr_matrix
-    own: Array | None
+    stiff: Array | None
     c: Array
     scale: Array
     step: float
-    contact: Contact
+    response: ContactResponse
 
     @classmethod
-    def of(cls, program: Program, contact: Contact) -> _Dual:
+    def of(cls, program: Program, response: ContactResponse) -> _Dual:
         """Rows scaled to the unit diagonal, then by the largest eigenvalue."""
-        J, compliance = program.J, contact.compliance
+        J, compliance = program.J, response.compliance
         s = 1.0 / np.sqrt(program.weight + compliance)
         moved = np.unique(J.indices)  # what no row moves costs time
         B = sp.csr_matrix(sp.diags(s) @ J[:, moved] @ sp.diags(1.0 / np.sqrt(program.mass[moved])))
-        own = s * s * compliance if compliance.any() else None
+        stiff = s * s * compliance if compliance.any() else None
         zero = np.zeros(len(s))
-        step = 1.0 / _largest(cls(B, B.T.tocsr(), own, zero, s, 1.0, contact).gradient, len(s))
+        step = 1.0 / _largest(cls(B, B.T.tocsr(), stiff, zero, s, 1.0, response).gradient, len(s))
         B *= np.sqrt(step)
         s *= np.sqrt(step)
         c = s * program.rate(program.u_star)
-        return cls(B, B.T.tocsr(), None if own is None else step * own, c, s, step, contact)
+        return cls(B, B.T.tocsr(), None if stiff is None else step * stiff, c, s, step, response)
 
     def of_gaps(self, chosen: NDArray[np.intp]) -> _Dual:
         """That of these rows, gaps all of them; fewer rows have no larger an eigenvalue."""
         B = self.B[chosen]
-        contact = Contact.of_gaps(len(chosen))
-        return _Dual(B, B.T.tocsr(), None, self.c[chosen], self.scale[chosen], self.step, contact)
+        response = ContactResponse.of_gaps(len(chosen))
+        return _Dual(B, B.T.tocsr(), None, self.c[chosen], self.scale[chosen], self.step, response)
 
     def gradient(self, z: Array) -> Array:
         """`W z + c`."""
         g: Array = self.B @ (self.Bt @ z)
         g += self.c
-        if self.own is not None:
-            g += self.own * z
+        if self.stiff is not None:
+            g += self.stiff * z
         return g
 
     def onto(self, z: Array) -> Array:
         """The projection onto the impulses that are allowed; z may be overwritten."""
-        least = self.contact.least
+        least = self.response.least
         if len(least) == len(z):
             return np.maximum(z, least / self.scale if least.any() else 0.0, out=z)
-        return self.contact.onto(self.scale * z) / self.scale
+        return self.response.onto(self.scale * z) / self.scale
 
     def residual(self, z: Array) -> float:
         """The largest natural residual, a rate."""

@@ -11,10 +11,13 @@ from fsi.bodies.configuration import Array
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """What is given: the energies E_k, or which impulses they allow, are the rows' response.
+    """The program but for its energies E_k, or which impulses they allow: these are the rows' response.
 
-    J: rows, shape (rows, modes); b: `r = b + J u` are the rates of the rows, (rows,); mass: diagonal of M,
-    > 0, (modes,); u_star: the velocity without impulses, (modes,).
+    Attributes:
+        J: rows, shape (rows, modes).
+        b: `r = b + J u` are the rates of the rows, (rows,).
+        mass: diagonal of M, > 0, (modes,).
+        u_star: the velocity without impulses, (modes,).
     """
 
     J: sp.csr_matrix
@@ -43,8 +46,12 @@ class Program:
 class Impulses:
     """A solution, as good as rounding and patience allow.
 
-    p: impulses, shape (rows,); u: velocities, (modes,); kkt: the residual of the rows' response, a rate;
-    iterations: of the gradient; steps: of Newton's method.
+    Attributes:
+        p: impulses, shape (rows,).
+        u: velocities, (modes,).
+        kkt: the residual of the rows' response, a rate.
+        iterations: of the gradient.
+        steps: of Newton's method.
     """
 
     p: Array

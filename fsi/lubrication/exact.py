@@ -94,11 +94,6 @@ def plane_lubrication(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -
     return 3.0 * sqrt(2.0) * np.pi * np.asarray(viscosity) * gap_ratio(gap, radius) ** -1.5
 
 
-def pair_lubrication(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -> Array:
-    """Leading term of `pair_resistance` at small gaps: `(3 pi / 2) mu s^(-3/2)`; it lacks 69 s / 40."""
-    return 1.5 * np.pi * np.asarray(viscosity) * gap_ratio(gap, radius) ** -1.5
-
-
 def settling_time(
     gap: ArrayLike, start: ArrayLike, radius: ArrayLike, viscosity: ArrayLike, force: ArrayLike
 ) -> Array:

@@ -21,7 +21,7 @@ from __future__ import annotations
 from math import inf, pi, sqrt
 from typing import Literal
 
-from fsi.lubrication.laws import Term
+from fsi.lubrication.laws import Series, Term
 
 type Shape = Literal["spheres", "discs"]
 type Mode = Literal["squeeze", "shear", "rotation"]
@@ -64,6 +64,13 @@ def coefficients(shape: Shape, mode: Mode, ratio: float) -> dict[Term, float]:
     log, constant, later = (8 / 15, 0.954294, 64 / 375) if mode == "shear" else (2 / 5, 0.370893, 66 / 125)
     unit = 6.0 * pi if mode == "shear" else 8.0 * pi
     return {Term(0.0, True): unit * log, Term(0.0): unit * constant, Term(1.0, True): unit * later}
+
+
+def expansion(shape: Shape, mode: Mode, ratio: float, terms: int) -> Series:
+    """K(s) by the first terms that are known, of the `basis`."""
+    known = coefficients(shape, mode, ratio)
+    leading = tuple(term for term in basis(shape, mode) if term in known)[:terms]
+    return Series(leading, tuple(known[term] for term in leading))
 
 
 def _squeezed_spheres(ratio: float) -> dict[Term, float]:

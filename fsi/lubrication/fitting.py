@@ -35,10 +35,16 @@ CONSISTENT = 0.05  # smallest probability of so large a chi^2 at which a fit is 
 class Fit:
     """A fitted series.
 
-    terms, free: its terms, the first `free` without prior; coefficients, covariance: c of shape (k,), (k, k);
-    used: which samples, shape (n,); residuals: (K - fit)/b of all samples, (n,); chi2, dof: of the used ones.
-    exponent, exponent_error: the leading power of s where it is fitted too, and its standard deviation; nan
-    where the leading term is no power.
+    Attributes:
+        terms: phi_k.
+        free: how many of them, the first ones, have no prior.
+        coefficients, covariance: of c, shapes (k,) and (k, k).
+        range: the smallest and largest s of the samples that were used.
+        used: which samples, (n,).
+        residuals: (K - fit)/b of all samples, (n,).
+        chi2, dof: of the used ones.
+        exponent, exponent_error: the leading power of s where it is fitted too, and its standard deviation;
+            nan where the leading term is no power.
     """
 
     terms: tuple[Term, ...]
@@ -135,10 +141,10 @@ def _leading_exponent(
         return _solve(np.column_stack([s**p, others]), K, bars, widths)[2]
 
     expected = terms[0].power
-    found = minimize_scalar(
+    best = minimize_scalar(
         misfit, bounds=(expected - 0.5, expected + 0.5), method="bounded", options={"xatol": 1e-10}
     )
-    p = float(found.x)
+    p = float(best.x)
     # c1 s^(p + e) = c1 s^p + c1 e s^p ln s: the second coefficient has the variance of c1 e
     c, covariance, _ = _solve(np.column_stack([s**p, s**p * np.log(s), others]), K, bars, widths)
     return p, float(np.sqrt(covariance[1, 1]) / abs(c[0]))

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fsi.lubrication import exact, sphere_beside_plane, spheres
-from fsi.lubrication.expansions import EXPONENTS, Mode, Shape, coefficients
+from fsi.lubrication.expansions import EXPONENTS, Mode, Shape, expansion
 from fsi.lubrication.laws import LubricationLaw, ScaledLaw, Series, Term
 from fsi.lubrication.tables import TabulatedProfile
 
@@ -89,8 +89,8 @@ def leading_law(film: SqueezeFilm) -> ScaledLaw:
     Of spheres kappa = 6 pi mu a_r^2/d: beside a plane 6 pi mu a^2/d, of equal ones (3/2) pi mu a^2/d;
     of discs kappa = 3 sqrt2 pi mu (a_r/d)^(3/2): of equal ones (3/2) pi mu (a/d)^(3/2).
     """
-    term, c = next(iter(coefficients(film.shape, "squeeze", film.ratio).items()))
-    return ScaledLaw(Series((term,), (c,)), film.viscosity, EXPONENTS[film.shape, "squeeze"])
+    profile = expansion(film.shape, "squeeze", film.ratio, 1)
+    return ScaledLaw(profile, film.viscosity, EXPONENTS[film.shape, "squeeze"])
 
 
 @named("exact")

@@ -80,28 +80,6 @@ def free_in_shear(gap: ArrayLike, radius: ArrayLike, shear_rate: ArrayLike) -> t
     return (B * torque - C * force) / determinant, (B * force - A * torque) / determinant
 
 
-def parallel_expansion(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -> Array:
-    """The expansion of `parallel_resistance` at small gaps.
-
-    `6 pi mu a ((8/15) ln(1/s) + 0.954294 - (64/375) s ln s)`; what follows is O(s).
-    """
-    s = gap_ratio(gap, radius)
-    factor = 0.954294 - (8.0 / 15.0 + 64.0 / 375.0 * s) * np.log(s)
-    return 6.0 * _moment(radius, viscosity, 1) * factor
-
-
-def coupling_expansion(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -> Array:
-    """`coupling_resistance` at small gaps: `8 pi mu a^2 (ln(1/s)/10 - 0.192953)` + O(s ln s)."""
-    factor = -0.1 * np.log(gap_ratio(gap, radius)) - 0.192953
-    return 8.0 * _moment(radius, viscosity, 2) * factor
-
-
-def rotation_expansion(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -> Array:
-    """`rotation_resistance` at small gaps: `8 pi mu a^3 ((2/5) ln(1/s) + 0.370893)` + O(s ln s)."""
-    factor = -0.4 * np.log(gap_ratio(gap, radius)) + 0.370893
-    return 8.0 * _moment(radius, viscosity, 3) * factor
-
-
 def _moment(radius: ArrayLike, viscosity: ArrayLike, power: int) -> Array:
     """pi mu a^power."""
     moment: Array = np.pi * np.asarray(viscosity) * np.asarray(radius, dtype=np.float64) ** power
@@ -112,9 +90,7 @@ def _factors(gap: ArrayLike, radius: ArrayLike) -> tuple[Array, ...]:
     """The five factors of `_solve`. Raises ValueError where the gap is too small."""
     s = gap_ratio(gap, radius)
     if not np.all(s >= _SMALLEST):
-        raise ValueError(
-            f"gap / radius = {np.min(s)}: need at least {_SMALLEST}; use the expansions below it"
-        )
+        raise ValueError(f"gap / radius = {np.min(s)}: need at least {_SMALLEST}; below it use expansions")
     factors = np.array([_solve(float(x)) for x in s.ravel()]).T
     return tuple(factor.reshape(s.shape) for factor in factors)
 

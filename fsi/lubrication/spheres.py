@@ -72,58 +72,11 @@ def concentric_resistance(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLik
     `6 pi mu a (1 - l^5) / (1 - 9 l/4 + 5 l^3/2 - 9 l^5/4 + l^6)`, l = a/R: E. Cunningham, Proc. R. Soc. A 83
     (1910) 357; here with the powers of 1 - l = q/R taken out of both polynomials.
     """
-    film, ratio = _film(gap, radius)
+    s = gap_ratio(gap, radius)
+    film, ratio = s / (1.0 + s), 1.0 / (1.0 + s)
     numerator = 1.0 + ratio * (1.0 + ratio * (1.0 + ratio * (1.0 + ratio)))
     factor = numerator / (film**3 * (1.0 + ratio * (1.75 + ratio)))
     return _drag(radius, viscosity) * factor
-
-
-def concentric_rotation_resistance(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -> Array:
-    """T / omega of a sphere turning at the centre of a spherical container: `8 pi mu a^3 / (1 - l^3)`."""
-    film, ratio = _film(gap, radius)
-    factor = 1.0 / (film * (1.0 + ratio * (1.0 + ratio)))
-    return 4.0 / 3.0 * _drag(radius, viscosity) * np.square(radius) * factor
-
-
-def plane_lubrication(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -> Array:
-    """Leading term of `normal_resistance` at small gaps: `6 pi mu a^2 / q`; 1.9 % too small at s = 0.01."""
-    return plane_expansion(gap, radius, viscosity, 1)
-
-
-def plane_expansion(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike, terms: int) -> Array:
-    """The first 1 to 5 terms of `normal_resistance` at small gaps.
-
-    `6 pi mu a (1/s + ln(1/s)/5 + 0.97128 + s ln(1/s)/21 + 0.16702 s)`; what follows is O(s^2 ln s).
-    """
-    s = gap_ratio(gap, radius)
-    series = (1.0 / s, -np.log(s) / 5.0, 0.97127993103572 + 0.0 * s, -s * np.log(s) / 21.0, 0.16701700481 * s)
-    return _drag(radius, viscosity) * np.sum(series[:terms], axis=0)
-
-
-def line_lubrication(gap: ArrayLike, radius: ArrayLike, other: ArrayLike, viscosity: ArrayLike) -> Array:
-    """Leading term at small gaps of the force on each of two spheres over their relative speed.
-
-    `6 pi mu (a b / (a + b))^2 / q`; for equal spheres `(3/2) pi mu a^2 / q`.
-    """
-    a, b = np.asarray(radius, dtype=np.float64), np.asarray(other, dtype=np.float64)
-    reduced = a * b / (a + b)
-    return _drag(reduced, viscosity) / gap_ratio(gap, reduced)
-
-
-def pair_expansion(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike, terms: int) -> Array:
-    """The first 1 to 4 terms of `pair_resistance` at small gaps.
-
-    `3 pi mu a (1/(2s) + (9/20) ln(1/s) + 1.34558 + (3/56) s ln(1/s))`; what follows is O(s).
-    """
-    s = gap_ratio(gap, radius)
-    series = (0.5 / s, -0.45 * np.log(s), 1.34558019978 + 0.0 * s, -3.0 / 56.0 * s * np.log(s))
-    return 0.5 * _drag(radius, viscosity) * np.sum(series[:terms], axis=0)
-
-
-def _film(gap: ArrayLike, radius: ArrayLike) -> tuple[Array, Array]:
-    """(q/R, a/R) of the container of radius R = a + q."""
-    s = gap_ratio(gap, radius)
-    return s / (1.0 + s), 1.0 / (1.0 + s)
 
 
 def _drag(radius: ArrayLike, viscosity: ArrayLike) -> Array:

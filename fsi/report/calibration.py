@@ -9,6 +9,7 @@ from rich.table import Table
 
 from fsi.calibration.result import CalibrationResult
 from fsi.lubrication.expansions import EXPONENTS
+from fsi.report.console import table
 
 
 def print_calibration(console: Console, result: CalibrationResult) -> None:
@@ -27,19 +28,15 @@ def print_calibration(console: Console, result: CalibrationResult) -> None:
 
 
 def _table(result: CalibrationResult) -> Table:
-    table = Table(box=SIMPLE_HEAD, padding=(0, 1))
-    for heading in ("phi(s)", "c", "± 95 %", "theory", "difference", ""):
-        table.add_column(heading, justify="left" if heading in ("phi(s)", "") else "right", no_wrap=True)
+    shown = table(("phi(s)",), ("c", "± 95 %", "theory", "difference"), box=SIMPLE_HEAD, padding=(0, 1))
+    shown.add_column("")
     for one in result.coefficients:
-        if one.theory is None or one.difference is None:
-            table.add_row(one.term, f"{one.value:.8g}", f"{one.interval:.1e}", "", "", "")
-        else:
+        row = [one.term, f"{one.value:.8g}", f"{one.interval:.1e}"]
+        if one.theory is not None and one.difference is not None:
             verdict = "[green]inside[/]" if one.inside else "[red]OUTSIDE[/]"
-            table.add_row(
-                one.term, f"{one.value:.8g}", f"{one.interval:.1e}", f"{one.theory:.8g}",
-                f"{one.difference:+.1e}", verdict,
-            )  # fmt: skip
-    return table
+            row += [f"{one.theory:.8g}", f"{one.difference:+.1e}", verdict]
+        shown.add_row(*row)
+    return shown
 
 
 def lines(result: CalibrationResult) -> list[str]:

@@ -1,11 +1,14 @@
-"""Where the commands print their tables."""
+"""Where the commands print their tables, and what these have in common."""
 
 from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 from rich.console import Console
+from rich.table import Table
 
 import fsi.parallel as parallel
 
@@ -22,3 +25,20 @@ def standard_output() -> Console:
 def standard_error() -> Console:
     """Standard error, silent on all ranks but root."""
     return Console(stderr=True, quiet=not parallel.is_root())
+
+
+def table(
+    words: Sequence[str], numbers: Sequence[str], rows: Iterable[Sequence[str]] = (), **style: Any
+) -> Table:
+    """A table of columns of words, then of columns of numbers, which stand to the right; style: of rich."""
+    with_rows = Table(*words, **style)
+    for heading in numbers:
+        with_rows.add_column(heading, justify="right", overflow="fold")
+    for row in rows:
+        with_rows.add_row(*row)
+    return with_rows
+
+
+def checks_table(heading: str, checks: Mapping[str, float]) -> Table:
+    """Relative numbers that should be small."""
+    return table((heading,), ("value",), ((name, f"{value:.1e}") for name, value in checks.items()))

@@ -18,6 +18,8 @@ from rich.text import Text
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
 from fsi.observables.resistance import Resistance
+from fsi.report.console import checks_table, table
+from fsi.run_folder.checkpoint import replace
 
 # Two discs; wider tables do not fit on a screen.
 LARGEST_TABLE = 6
@@ -28,56 +30,59 @@ NO_MOBILITY = (
 )
 
 
-def resistance_json(name: str, found: Resistance, error: float, truncation: float | None) -> dict[str, Any]:
+def resistance_json(
+    name: str, resistance: Resistance, error: float, truncation: float | None
+) -> dict[str, Any]:
     """The object that `fsi resistance --json` prints; `truncation` is there where it could be measured."""
-    mobility = None if found.mobility is None else found.mobility.tolist()
+    mobility = None if resistance.mobility is None else resistance.mobility.tolist()
     data: dict[str, Any] = {
         "name": name,
-        "loads": list(found.modes.loads),
-        "velocities": list(found.modes.velocities),
-        "resistance": found.R.tolist(),
+        "loads": list(resistance.modes.loads),
+        "velocities": list(resistance.modes.velocities),
+        "resistance": resistance.R.tolist(),
         "mobility": mobility,
-        "smallest_eigenvalue": float(found.eigenvalues[0]),
-        "largest_eigenvalue": float(found.eigenvalues[-1]),
+        "smallest_eigenvalue": float(resistance.eigenvalues[0]),
+        "largest_eigenvalue": float(resistance.eigenvalues[-1]),
         "error": error,
-        "checks": found.checks,
-        "dofs": found.dofs,
-        "cells": found.cells,
-        "seconds": sum(found.seconds.values()),
-        "seconds_by_phase": found.seconds,
+        "checks": resistance.checks,
+        "dofs": resistance.dofs,
+        "cells": resistance.cells,
+        "seconds": sum(resistance.seconds.values()),
+        "seconds_by_phase": resistance.seconds,
     }
     return data if truncation is None else data | {"truncation": truncation}
 
 
 def print_resistance(
-    console: Console, name: str, found: Resistance, error: float, truncation: float | None
+    console: Console, name: str, resistance: Resistance, error: float, truncation: float | None
 ) -> None:
     """The same for a reader; matrices of more than two discs are left to files."""
-    loads, velocities = found.modes.loads, found.modes.velocities
-    if len(found.R) > LARGEST_TABLE:
-        console.print(Text(f"{name}: {len(found.R)} modes; --output and --json give the matrices"))
+    loads, velocities = resistance.modes.loads, resistance.modes.velocities
+    if len(resistance.R) > LARGEST_TABLE:
+        console.print(Text(f"{name}: {len(resistance.R)} modes; --output and --json give the matrices"))
     else:
         console.print(Text(f"{name}: resistance R, F = R U, F external"))
-        console.print(_matrix(loads, velocities, found.R))
-        if found.mobility is not None:
-            console.print(Text("mobility, U = R^-1 F"), _matrix(velocities, loads, found.mobility), sep="\n")
-    if found.mobility is None:
+        console.print(_matrix(loads, velocities, resistance.R))
+        if resistance.mobility is not None:
+            console.print(
+                Text("mobility, U = R^-1 F"), _matrix(velocities, loads, resistance.mobility), sep="\n"
+            )
+    if resistance.mobility is None:
         console.print(Text(NO_MOBILITY))
-    console.print(_checks(found, error, truncation))
-    console.print(
-        Text(f"{found.cells} cells, {found.dofs} unknowns, {sum(found.seconds.values()):.2f} CPU s")
-    )
+    console.print(_checks(resistance, error, truncation))
+    seconds = sum(resistance.seconds.values())
+    console.print(Text(f"{resistance.cells} cells, {resistance.dofs} unknowns, {seconds:.2f} CPU s"))
 
 
 def _matrix(rows: tuple[str, ...], columns: tuple[str, ...], values: Array) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, show_edge=False, padding=(0, 1, 0, 0))
-    table.add_column("", no_wrap=True)
-    for label in columns:
-        table.add_column(label.replace(".", "\n"), justify="right", no_wrap=True)
     size = np.sqrt(np.abs(np.outer(values.diagonal(), values.diagonal())))
-    for label, row, scale in zip(rows, values, SMALL * size, strict=True):
-        table.add_row(label, *map(_number, row, scale))
-    return table
+    labelled = zip(rows, values, SMALL * size, strict=True)
+    return table(
+        ("",),
+        [label.replace(".", "\n") for label in columns],
+        ((label, *map(_number, row, scale)) for label, row, scale in labelled),
+        box=box.SIMPLE_HEAD, show_edge=False, padding=(0, 1, 0, 0),
+    )  # fmt: skip
 
 
 def _number(value: float, small: float) -> str:
@@ -85,27 +90,22 @@ def _number(value: float, small: float) -> str:
     return f"{value:.4g}" if abs(value) >= small else f"{value:.0e}"
 
 
-def _checks(found: Resistance, error: float, truncation: float | None) -> Table:
-    table = Table("check, relative, the worst of all columns")
-    table.add_column("value", justify="right")
-    for name, value in found.checks.items():
-        table.add_row(name, f"{value:.1e}")
-    table.add_row("estimated error of R_ij over sqrt(R_ii R_jj)", f"{error:.1e}")
+def _checks(resistance: Resistance, error: float, truncation: float | None) -> Table:
+    checks = resistance.checks | {"estimated error of R_ij over sqrt(R_ii R_jj)": error}
     if truncation is not None:
-        table.add_row("truncation: change of R when the radius is halved", f"{truncation:.1e}")
-    smallest, largest = found.eigenvalues[[0, -1]]
-    table.add_section()
-    table.add_row("smallest eigenvalue of R, in units of mu and radii", f"{smallest:.4g}")
-    table.add_row("largest", f"{largest:.4g}")
-    return table
+        checks |= {"truncation: change of R when the radius is halved": truncation}
+    shown = checks_table("check, relative, the worst of all columns", checks)
+    shown.add_section()
+    smallest, largest = resistance.eigenvalues[[0, -1]]
+    shown.add_row("smallest eigenvalue of R, in units of mu and radii", f"{smallest:.4g}")
+    shown.add_row("largest", f"{largest:.4g}")
+    return shown
 
 
 def _csv(data: Mapping[str, Any]) -> bytes:
     text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow(["", *data["velocities"]])
-    for label, row in zip(data["loads"], data["resistance"], strict=True):
-        table.writerow([label, *row])
+    rows = ([label, *row] for label, row in zip(data["loads"], data["resistance"], strict=True))
+    csv.writer(text, lineterminator="\n").writerows([["", *data["velocities"]], *rows])
     return text.getvalue().encode()
 
 
@@ -135,9 +135,7 @@ def write_resistance(path: Path, data: Mapping[str, Any]) -> None:
     Raises:
         InputError: the file cannot be written.
     """
-    temporary = path.with_name(f".partial-{path.name}")
     try:
-        temporary.write_bytes(FORMATS[path.suffix](data))
-        temporary.replace(path)
+        replace(path, FORMATS[path.suffix](data))
     except OSError as error:
         raise InputError(f"output = {path}: {error.strerror}; give another path") from error

@@ -5,7 +5,7 @@ Here, unlike in the arrays, a force is the one that the FLUID exerts on the body
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from fsi.meshes.geometry.lattice import Lattice
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.error_estimate import ErrorEstimate
 from fsi.observables.truncation import Solution
+from fsi.report.console import checks_table, table
 
 
 def components(case: Case) -> tuple[str, ...]:
@@ -44,7 +45,7 @@ def solution_json(
         }
         for i, body in enumerate(bodies_json(case, solution.U, solution.F))
     ]
-    found: dict[str, Any] = {
+    data: dict[str, Any] = {
         "name": case.name,
         "bodies": bodies,
         "dissipation": float(solution.dissipation),
@@ -57,8 +58,8 @@ def solution_json(
         "seconds_by_phase": {phase: float(spent) for phase, spent in solution.seconds.items()},
     }
     if solution.bulk is not None:
-        _add_stress(found, solution.bulk, errors)
-    return found if truncated is None else found | {"truncation": dict(truncated)}
+        _add_stress(data, solution.bulk, errors)
+    return data if truncated is None else data | {"truncation": dict(truncated)}
 
 
 def bodies_json(case: Case, U: Array, F: Array) -> list[dict[str, Any]]:
@@ -83,16 +84,16 @@ def _solver(solution: Solution) -> str:
     return f"FGMRES with {solution.iterations} iterations" if solution.iterations else "direct solver"
 
 
-def _add_stress(found: dict[str, Any], bulk: BulkStress, errors: ErrorEstimate) -> None:
+def _add_stress(data: dict[str, Any], bulk: BulkStress, errors: ErrorEstimate) -> None:
     """The mean stress of a periodic flow with its parts, and the stresslet of each body."""
     if bulk.apparent_viscosity is not None:
-        found["apparent_viscosity"] = bulk.apparent_viscosity
-        found["apparent_viscosity_error"] = errors.apparent_viscosity
-    found["mean_stress"] = bulk.mean.tolist()
-    found["mean_stress_of_fluid"] = bulk.fluid.tolist()
-    found["mean_stress_of_forces"] = bulk.forces.tolist()
-    found["normal_stress_difference"] = bulk.normal_stress_difference
-    for body, stresslet in zip(found["bodies"], bulk.stresslets.tolist(), strict=True):
+        data["apparent_viscosity"] = bulk.apparent_viscosity
+        data["apparent_viscosity_error"] = errors.apparent_viscosity
+    data["mean_stress"] = bulk.mean.tolist()
+    data["mean_stress_of_fluid"] = bulk.fluid.tolist()
+    data["mean_stress_of_forces"] = bulk.forces.tolist()
+    data["normal_stress_difference"] = bulk.normal_stress_difference
+    for body, stresslet in zip(data["bodies"], bulk.stresslets.tolist(), strict=True):
         body["stresslet"] = stresslet
 
 
@@ -118,73 +119,70 @@ def print_solution(
     )
 
 
-def _bodies_table(case: Case, solution: Solution, errors: ErrorEstimate) -> Table:
-    table = Table(
-        title=case.name,
-        title_justify="left",
-        caption="forces and torques per unit length, rotation counterclockwise"
-        if case.geometry == "planar"
-        else "",
-    )
-    table.add_column("body")
-    table.add_column("component")
-    table.add_column("motion")
-    for heading in ("velocity", "±", "force of the fluid", "±", "by its traction"):
-        table.add_column(heading, justify="right", overflow="fold")
-    held = case.motion(0.0).held
+def bodies_table(
+    case: Case, headings: Sequence[str], numbers: Callable[[int, int], Sequence[str]], caption: str = ""
+) -> Table:
+    """A row for each body i and mode k, with `numbers(i, k)` below the headings."""
+    names = ("body", "component", "motion")
+    shown = table(names, headings, title=case.name, title_justify="left", caption=caption)
+    held, modes = case.motion(0.0).held, np.flatnonzero(case.modes).tolist()
     for i, name in enumerate(case.names):
-        modes = np.flatnonzero(case.modes)
         for k in modes:
-            table.add_row(
-                name if k == modes[0] else "",
-                components(case)[k],
-                "held" if held[i, k] else "free",
-                f"{solution.U[i, k]:.8g}",
-                "" if held[i, k] else f"{errors.U[i, k]:.0e}",
-                f"{0.0 - solution.F[i, k]:.8g}",
-                f"{errors.F[i, k]:.0e}" if held[i, k] else "",
-                f"{0.0 - solution.traction_F[i, k]:.8g}",
-                end_section=bool(k == modes[-1]),
-            )
-    return table
+            body = name if k == modes[0] else ""
+            motion = "held" if held[i, k] else "free"
+            row = (body, components(case)[k], motion, *numbers(i, k))
+            shown.add_row(*row, end_section=k == modes[-1])
+    return shown
+
+
+def _bodies_table(case: Case, solution: Solution, errors: ErrorEstimate) -> Table:
+    """Velocities and forces; an error only where the number is a result."""
+    held = case.motion(0.0).held
+
+    def numbers(i: int, k: int) -> tuple[str, ...]:
+        return (
+            f"{solution.U[i, k]:.8g}",
+            "" if held[i, k] else f"{errors.U[i, k]:.0e}",
+            f"{0.0 - solution.F[i, k]:.8g}",
+            f"{errors.F[i, k]:.0e}" if held[i, k] else "",
+            f"{0.0 - solution.traction_F[i, k]:.8g}",
+        )
+
+    planar = case.geometry == "planar"
+    caption = "forces and torques per unit length, rotation counterclockwise" if planar else ""
+    headings = ("velocity", "±", "force of the fluid", "±", "by its traction")
+    return bodies_table(case, headings, numbers, caption)
 
 
 def _stress_table(bulk: BulkStress, errors: ErrorEstimate) -> Table:
     """The mean stress and its parts."""
     mu, error = bulk.apparent_viscosity, errors.apparent_viscosity or 0.0
     viscosity = "" if mu is None else f"apparent viscosity {mu:.8g} ± {error:.0e}, "
-    table = Table(
-        "stress, mean over fluid and bodies",
-        caption=f"{viscosity}N_1 = {bulk.normal_stress_difference:.8g}; "
-        "the mean pressure of the fluid is zero",
-    )
-    for component in ("xx", "xy", "yy"):
-        table.add_column(component, justify="right")
     parts = {"fluid": bulk.fluid, "stresslets of the bodies": bulk.mean - bulk.fluid - bulk.forces}
     if bulk.forces.any():
         parts["forces between bodies"] = bulk.forces
     parts["together"] = bulk.mean
-    for name, part in parts.items():
-        table.add_row(name, *(f"{part[i, j]:.8g}" for i, j in ((0, 0), (0, 1), (1, 1))))
-    return table
+    return table(
+        ("stress, mean over fluid and bodies",),
+        ("xx", "xy", "yy"),
+        ((name, *(f"{part[i, j]:.8g}" for i, j in ((0, 0), (0, 1), (1, 1)))) for name, part in parts.items()),
+        caption=f"{viscosity}N_1 = {bulk.normal_stress_difference:.8g}; "
+        "the mean pressure of the fluid is zero",
+    )
 
 
 def _checks_table(solution: Solution, truncated: Mapping[str, float] | None) -> Table:
-    table = Table("check, relative")
-    table.add_column("value", justify="right")
-    for name, value in solution.checks.items():
-        table.add_row(name, f"{value:.1e}")
-    for name, value in (truncated or {}).items():
-        table.add_row(f"truncation: change of {name} when the radius is halved", f"{value:.1e}")
-    return table
+    changes = (truncated or {}).items()
+    halved = {f"truncation: change of {name} when the radius is halved": value for name, value in changes}
+    return checks_table("check, relative", solution.checks | halved)
 
 
 def _cost(case: Case, solution: Solution) -> Text:
     phases = ", ".join(f"{phase} {spent:.2f}" for phase, spent in solution.seconds.items())
-    given = case.discretisation
+    mesh = case.discretisation
     return Text(
-        f"degree {given.degree}, cells_per_gap {given.cells_per_gap:.4g}, "
-        f"cells_per_circle {given.cells_per_circle}, growth {given.growth:.4g}; "
+        f"degree {mesh.degree}, cells_per_gap {mesh.cells_per_gap:.4g}, "
+        f"cells_per_circle {mesh.cells_per_circle}, growth {mesh.growth:.4g}; "
         f"dissipation {solution.dissipation:.8g}; {solution.cells} cells, {solution.dofs} unknowns, "
         f"{_solver(solution)}, "
         f"{sum(solution.seconds.values()):.2f} CPU s ({phases})"
@@ -197,23 +195,23 @@ def print_case(console: Console, case: Case) -> None:
 
 
 def _walls_table(case: Case) -> Table:
-    table = Table("wall", "what holds there")
-    for name, wall in case.domain.walls.items():
-        table.add_row(name, "at rest" if wall == (0.0,) * case.dimension else toml_text(wall))
-    return table
+    at_rest = (0.0,) * case.dimension
+    conditions = case.domain.walls.items()
+    rows = ((name, "at rest" if wall == at_rest else toml_text(wall)) for name, wall in conditions)
+    return table(("wall", "what holds there"), (), rows)
 
 
 def _case_table(case: Case) -> Table:
-    table = Table("body", "position", "radius", "smallest gap", "to", title=case.name, title_justify="left")
-    for k in np.flatnonzero(case.modes):
-        table.add_column(components(case)[k])
+    words = ("body", "position", "radius", "smallest gap", "to")
+    modes = (components(case)[k] for k in np.flatnonzero(case.modes))
+    shown = table((*words, *modes), (), title=case.name, title_justify="left")
     held = case.motion(0.0).held
     for i, body in enumerate(case.bodies):
         gap, neighbour = _nearest(case, i)
         position = ", ".join(f"{x:.6g}" for x in body.position)
         motion = ("held" if is_held else "free" for is_held in held[i, case.modes])
-        table.add_row(body.name, position, f"{body.radius:.6g}", f"{gap:.6g}", neighbour, *motion)
-    return table
+        shown.add_row(body.name, position, f"{body.radius:.6g}", f"{gap:.6g}", neighbour, *motion)
+    return shown
 
 
 def _nearest(case: Case, i: int) -> tuple[float, str]:
@@ -223,7 +221,7 @@ def _nearest(case: Case, i: int) -> tuple[float, str]:
     apart = q.centres - q.centres[i]
     apart = apart - lattice.shift(lattice.nearest(apart))
     to_bodies = np.linalg.norm(apart, axis=1) - q.radii
-    own_images = lattice.shift(lattice.near()[1:])
-    to_bodies[i] = np.linalg.norm(own_images, axis=1).min(initial=np.inf) - q.radii[i]
+    to_images = lattice.shift(lattice.near()[1:])
+    to_bodies[i] = np.linalg.norm(to_images, axis=1).min(initial=np.inf) - q.radii[i]
     gaps = np.append(to_bodies, container.distances(q.centres[i : i + 1])) - q.radii[i]
     return float(gaps.min()), (*case.names, *container.walls)[int(gaps.argmin())]

@@ -8,6 +8,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from fsi.report.console import table
 from fsi.validation.rows import Record, Row, sphere_records
 
 WIDTH = 100  # below it the numbers would be folded
@@ -49,31 +50,28 @@ def summary(rows: Sequence[Row]) -> str:
 
 
 def _sphere_table(records: Sequence[Record]) -> Table:
-    table = Table(
-        title="a sphere and a plane: the resolved force over 6 pi mu a U (a/q + ln(a/q)/5 + 0.97128)"
+    case, *numbers = records[0]
+    rows = (
+        [f"{value:.8g}" if isinstance(value, float) else str(value) for value in record.values()]
+        for record in records
     )
-    for heading in records[0]:
-        table.add_column(heading, justify="left" if heading == "case" else "right")
-    for record in records:
-        table.add_row(
-            *(f"{value:.8g}" if isinstance(value, float) else str(value) for value in record.values())
-        )
-    return table
+    title = "a sphere and a plane: the resolved force over 6 pi mu a U (a/q + ln(a/q)/5 + 0.97128)"
+    return table((case,), numbers, rows, title=title)
 
 
 def _table(rows: Sequence[Row]) -> Table:
-    table = Table(title="validation; errors are relative to the reference", box=SIMPLE_HEAD, padding=(0, 1))
-    for heading in ("case, quantity", "gap/a", "resolved", "± est.", "reference", "true", "rtol", ""):
-        right = heading not in ("case, quantity", "")
-        table.add_column(heading, justify="right" if right else "left", no_wrap=True)
+    numbers = ("gap/a", "resolved", "± est.", "reference", "true", "rtol")
+    title = "validation; errors are relative to the reference"
+    shown = table(("case, quantity",), numbers, title=title, box=SIMPLE_HEAD, padding=(0, 1))
+    shown.add_column("")
     previous = ""
     for row in rows:
         if row.case != previous:
             if previous:
-                table.add_section()
-            table.add_row(f"[bold]{row.case}[/]")
+                shown.add_section()
+            shown.add_row(f"[bold]{row.case}[/]")
             previous = row.case
-        table.add_row(
+        shown.add_row(
             f"  {row.quantity}",
             f"{row.gap:.6g}",
             f"{row.value:.10g}",
@@ -83,4 +81,4 @@ def _table(rows: Sequence[Row]) -> Table:
             f"{row.rtol:.0e}",
             "[green]ok[/]" if row.passed else "[red]FAIL[/]",
         )
-    return table
+    return shown

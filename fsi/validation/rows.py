@@ -18,7 +18,8 @@ from fsi.case.load import load_case, parse_case
 from fsi.case.overrides import override
 from fsi.case.section import nearest_word, toml_text
 from fsi.errors import InputError
-from fsi.lubrication.spheres import normal_resistance, plane_expansion
+from fsi.lubrication.expansions import expansion
+from fsi.lubrication.spheres import normal_resistance
 from fsi.observables.error_estimate import Measured
 from fsi.validation.references import component
 
@@ -163,9 +164,10 @@ def sphere_records(rows: Sequence[Row]) -> list[Record]:
     records: list[Record] = []
     for row in rows:
         if row.exact == SPHERE and not row.failure:
-            scale = row.value / row.reference * normal_resistance(row.gap, 1.0, 1.0)
+            s = np.array(row.gap)
+            scale = row.value / row.reference * normal_resistance(s, 1.0, 1.0)
             ratios = {
-                f"resolved/{name}": float(scale / plane_expansion(row.gap, 1.0, 1.0, terms))
+                f"resolved/{name}": float(scale / expansion("spheres", "squeeze", np.inf, terms).value(s))
                 for terms, name in TERMS.items()
             }
             records.append({"case": row.case, "gap/radius": row.gap, "resolved": row.value, **ratios})

@@ -11,7 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fsi.errors import InputError
-from fsi.lubrication.spheres import normal_resistance, plane_expansion
+from fsi.lubrication.expansions import expansion
+from fsi.lubrication.spheres import normal_resistance
 from fsi.validation.rows import SPHERE, TERMS, Row
 
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")  # Okabe and Ito: told apart by every eye
@@ -35,15 +36,16 @@ def plot_rows(rows: Sequence[Row], path: Path) -> None:
 def _draw_sphere(axes: Axes, rows: Sequence[Row]) -> None:
     """Force over 6 pi mu a^2 U / q against the gap over the radius."""
     s = np.geomspace(1e-6, 20.0, 300)
-    leading = plane_expansion(s, 1.0, 1.0, 1)
+    series = {terms: expansion("spheres", "squeeze", np.inf, terms) for terms in TERMS}
+    leading = series[1].value(s)
     axes.loglog(s, normal_resistance(s, 1.0, 1.0) / leading, color="#999999", lw=5, alpha=0.6, label="exact")
     for colour, (terms, name) in zip(_COLOURS, TERMS.items(), strict=False):
-        axes.loglog(s, plane_expansion(s, 1.0, 1.0, terms) / leading, "--", color=colour, lw=1, label=name)
+        axes.loglog(s, series[terms].value(s) / leading, "--", color=colour, lw=1, label=name)
     for marker, case in zip("ox+", dict.fromkeys(row.case for row in rows), strict=False):
         own = [row for row in rows if row.case == case]
         gap = np.array([row.gap for row in own])
         ratio = np.array([row.value / row.reference for row in own])
-        exact = normal_resistance(gap, 1.0, 1.0) / plane_expansion(gap, 1.0, 1.0, 1)
+        exact = normal_resistance(gap, 1.0, 1.0) / series[1].value(gap)
         axes.loglog(gap, ratio * exact, marker, color="black", mfc="none", label=case)
     axes.set_ylim(0.8, 20.0)
     axes.set_xlabel("gap / radius")

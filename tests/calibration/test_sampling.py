@@ -17,7 +17,7 @@ from fsi.calibration.pair import Pair, pair_of
 from fsi.calibration.samples import Sample, key_of, planned_gaps
 from fsi.calibration.sampling import Sampling, take_samples
 from fsi.case.case import Case
-from fsi.case.law_file import load_law
+from fsi.case.law_file import read_law_file
 from fsi.case.load import load_case
 from fsi.cli.plot import plot
 from fsi.errors import InputError, SolveError
@@ -136,7 +136,7 @@ def test_the_folder_of_a_law(model: ExactModel, tmp_path: Path) -> None:  # noqa
     assert {path.name for path in out.iterdir()} == {"law.toml", "samples.csv", "calibration.json"}
     plot([out], tmp_path / "law.svg")  # as the command does
     assert (tmp_path / "law.svg").read_bytes().startswith(b"<?xml")
-    law = load_law(out / "law.toml")
+    law = read_law_file(out / "law.toml").law()
     d = np.geomspace(1e-3, 0.5, 40)
     assert_allclose(law.kappa(d, 0.5), exact.normal_resistance(d, 0.5, 2.0), rtol=1e-4)
     data: dict[str, Any] = json.loads((out / "calibration.json").read_text())
@@ -157,7 +157,7 @@ def test_a_table_is_an_alternative(model: ExactModel, tmp_path: Path) -> None:  
         Sampling(tmp_path / "cache", 1, silent),
     )
     taken = [sample for sample in found.samples if not sample.held_out]
-    law = load_law(tmp_path / "out" / "law.toml")
+    law = read_law_file(tmp_path / "out" / "law.toml").law()
     assert_allclose(law.kappa([one.gap for one in taken], 1.0), [one.kappa for one in taken], rtol=1e-13)
     assert (found.fit, found.test, found.coefficients) == (None, None, [])
 

@@ -11,7 +11,7 @@ import pytest
 import tomli_w
 from numpy.testing import assert_allclose, assert_array_equal
 
-from fsi.case.law_file import LawFile, SeriesSection, TableSection, load_law, read_law_file, save_law
+from fsi.case.law_file import LawFile, SeriesSection, TableSection, read_law_file, save_law
 from fsi.errors import InputError
 from fsi.lubrication.laws import RangeError
 from fsi.lubrication.named_laws import SqueezeFilm, exact_law
@@ -41,9 +41,10 @@ def written(path: Path, law: LawFile) -> Path:
 def test_a_series_comes_back_bit_by_bit(tmp_path: Path) -> None:
     path = written(tmp_path / "law.toml", SERIES)
     assert read_law_file(path) == SERIES
-    assert_array_equal(load_law(path).kappa(GAPS, 0.5), SERIES.law().kappa(GAPS, 0.5))
+    assert_array_equal(read_law_file(path).law().kappa(GAPS, 0.5), SERIES.law().kappa(GAPS, 0.5))
     assert_allclose(
-        load_law(path).kappa(GAPS, 0.5), 0.5 * (6.0 * pi * 0.25 / GAPS + 3.7 * 0.5 * np.log(0.5 / GAPS))
+        read_law_file(path).law().kappa(GAPS, 0.5),
+        0.5 * (6.0 * pi * 0.25 / GAPS + 3.7 * 0.5 * np.log(0.5 / GAPS)),
     )
     assert not list(tmp_path.glob("*.tmp"))
 
@@ -60,11 +61,11 @@ def test_the_error_of_a_series_is_that_of_its_covariance() -> None:
 def test_a_table_comes_back(tmp_path: Path) -> None:
     table = TableSection(s=(1e-3, 1e-2, 0.1), K=(900.0, 100.0, 20.0))
     law = LawFile(form="table", shape="discs", viscosity=1.0, table=table)
-    found = load_law(written(tmp_path / "law.toml", law))
+    found = read_law_file(written(tmp_path / "law.toml", law)).law()
     assert_allclose(found.kappa([2e-3, 2e-2], 2.0), [900.0, 100.0])
     with pytest.raises(RangeError, match=r"holds from 0.001 to 0.1"):
         found.kappa(0.3, 2.0)
-    beyond = load_law(tmp_path / "law.toml", extrapolate=True)
+    beyond = read_law_file(tmp_path / "law.toml").law(extrapolate=True)
     assert 0.0 < float(beyond.kappa(0.3, 2.0)) < 20.0
 
 
@@ -74,11 +75,11 @@ def test_short_forms(tmp_path: Path, ratio: float | None) -> None:
     path = tmp_path / "law.toml"
     path.write_text(tomli_w.dumps({"form": "exact", "shape": "discs", "viscosity": 2.0} | given))
     expected = exact_law(SqueezeFilm("discs", 2.0, ratio or inf)).kappa(GAPS, 0.5)
-    assert_array_equal(load_law(path).kappa(GAPS, 0.5), expected)
+    assert_array_equal(read_law_file(path).law().kappa(GAPS, 0.5), expected)
     path.write_text('form = "slides"\nviscosity = 2.0')
-    assert_allclose(load_law(path).kappa(GAPS, 0.5), 2.0 / GAPS)
+    assert_allclose(read_law_file(path).law().kappa(GAPS, 0.5), 2.0 / GAPS)
     path.write_text('form = "leading"\nshape = "spheres"\nviscosity = 2.0')
-    assert_allclose(load_law(path).kappa(GAPS, 0.5), 12.0 * pi * 0.25 / GAPS)
+    assert_allclose(read_law_file(path).law().kappa(GAPS, 0.5), 12.0 * pi * 0.25 / GAPS)
 
 
 @pytest.mark.parametrize(
@@ -100,7 +101,7 @@ def test_mistakes(old: str, new: str, complaint: str, tmp_path: Path) -> None:
     assert old in text
     path.write_text(text.replace(old, new, 1))
     with pytest.raises(InputError, match=complaint) as caught:
-        load_law(path)
+        read_law_file(path).law()
     assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)
 
@@ -110,12 +111,12 @@ def test_a_table_must_decrease(tmp_path: Path) -> None:
     data = {"form": "table", "viscosity": 1.0, "table": {"s": [1e-3, 1e-2], "K": [1.0, 2.0]}}
     path.write_text(tomli_w.dumps(data))
     with pytest.raises(InputError, match="is not a positive resistance that decreases with the gap"):
-        load_law(path)
+        read_law_file(path).law()
 
 
 def test_no_such_file(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="No such file or directory; give the path of a law file"):
-        load_law(tmp_path / "law.toml")
+        read_law_file(tmp_path / "law.toml").law()
 
 
 def test_the_file_is_plain_toml(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from bench.gluey import H, crowd
 from fsi.bodies.configuration import Array
 from fsi.gluey import qp_solver
 from fsi.gluey.augmented_lagrangian import minimise
-from fsi.gluey.contact_response import Contact
+from fsi.gluey.contact_response import ContactResponse
 from fsi.gluey.qp_solver import by_interior_points
 from fsi.gluey.quadratic_program import Impulses, Program
 from fsi.gluey.step import advance
@@ -21,7 +21,7 @@ from fsi.gluey.step import advance
 
 def solved(program: Program) -> Impulses:
     rows = len(program.b)
-    return minimise(program, by_interior_points(program), Contact.of_gaps(rows), 1e-13)
+    return minimise(program, by_interior_points(program), ContactResponse.of_gaps(rows), 1e-13)
 
 
 @pytest.mark.parametrize(("u", "expected"), [(-3.0, 4.0), (-1.0, 0.0), (1.0, 0.0)])
@@ -75,7 +75,7 @@ def test_contacts_that_all_but_hold_each_other_keep_all_digits(lean: float) -> N
     program = Program(
         sp.csr_matrix([[lean, 1.0], [lean, -1.0]]), np.zeros(2), np.ones(2), np.array([-lean, 0.0])
     )
-    found = minimise(program, np.array([0.7, 0.4]), Contact.of_gaps(2), 1e-16)
+    found = minimise(program, np.array([0.7, 0.4]), ContactResponse.of_gaps(2), 1e-16)
     np.testing.assert_allclose(found.p, 0.5, rtol=1e-4)
     np.testing.assert_allclose(found.u, 0.0, atol=1e-4 * lean)
 
@@ -83,7 +83,7 @@ def test_contacts_that_all_but_hold_each_other_keep_all_digits(lean: float) -> N
 def test_newton_does_not_believe_a_wrong_guess() -> None:
     """Rows said to touch that must open, and open ones that must touch: u* = (3, -1) gives p = (0, 1)."""
     program = Program(sp.csr_matrix(np.eye(2)), np.zeros(2), np.ones(2), np.array([3.0, -1.0]))
-    found = minimise(program, np.array([1.0, 0.0]), Contact.of_gaps(2), 1e-12)
+    found = minimise(program, np.array([1.0, 0.0]), ContactResponse.of_gaps(2), 1e-12)
     np.testing.assert_allclose(found.p, [0.0, 1.0], atol=1e-12)
 
 

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 
 from fsi.bodies.configuration import Array
 from fsi.gluey.augmented_lagrangian import minimise
-from fsi.gluey.contact_response import Contact
+from fsi.gluey.contact_response import ContactResponse
 from fsi.gluey.film import Film, Shape
 from fsi.gluey.quadratic_program import Program
 
@@ -43,7 +43,7 @@ def test_films_tend_to_the_gluey_step(shape: Shape) -> None:
     """Gaps are positive at every eps (by gamma, they underflow); velocities tend to the dry ones."""
     G, D, u = chain(40)
     program = Program(G, D / H, np.ones(41), u)
-    dry = minimise(program, np.zeros(40), Contact.of_gaps(40), 1e-9)
+    dry = minimise(program, np.zeros(40), ContactResponse.of_gaps(40), 1e-9)
     assert (D + H * (G @ dry.u)).min() >= -1e-10
     distances = []
     for eps in (1e-2, 1e-3, 1e-4):

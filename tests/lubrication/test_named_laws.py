@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fsi.case.law_file import load_law
+from fsi.case.law_file import read_law_file
 from fsi.errors import InputError
 from fsi.lubrication.laws import ScaledLaw, Series, Term
 from fsi.lubrication.named_laws import LAWS, SqueezeFilm, named
@@ -60,7 +60,7 @@ def test_a_law_from_outside_moves_two_spheres(asked: list[SqueezeFilm]) -> None:
 def test_a_law_file_may_name_it(asked: list[SqueezeFilm], tmp_path: Path) -> None:
     path = tmp_path / "law.toml"
     path.write_text('form = "quadratic"\nshape = "discs"\nratio = 2.0\nviscosity = 0.5')
-    np.testing.assert_allclose(load_law(path).kappa([0.1, 0.2], 1.0), [50.0, 12.5])
+    np.testing.assert_allclose(read_law_file(path).law().kappa([0.1, 0.2], 1.0), [50.0, 12.5])
     assert asked == [SqueezeFilm("discs", 0.5, 2.0)]
 
 

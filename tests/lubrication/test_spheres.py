@@ -12,6 +12,8 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
 from fsi.lubrication import spheres
+from fsi.lubrication.expansions import expansion
+from fsi.lubrication.named_laws import SqueezeFilm, leading_law
 
 REFERENCE = Path(__file__).parents[1] / "reference"
 DRAG = 6.0 * np.pi
@@ -169,18 +171,23 @@ def test_lubrication_of_unequal_spheres(ratio: float) -> None:
     q = 0.5 * xi * (1.0 + ratio)
     force, _ = spheres.line_forces(q, (1.0, ratio), 1.0, (1.0, 0.0))
     g2 = ratio * (1.0 + 7.0 * ratio + ratio**2) / (5.0 * (1.0 + ratio) ** 3)
-    rest = force - spheres.line_lubrication(q, 1.0, ratio, 1.0) + DRAG * g2 * np.log(xi)
+    reduced = ratio / (1.0 + ratio)
+    leading = leading_law(SqueezeFilm("spheres", 1.0, ratio)).kappa(q, reduced)
+    rest = force - leading + DRAG * g2 * np.log(xi)
     assert_allclose(rest[0], rest[1], rtol=0.0, atol=1e-3 * DRAG * 0.1)
-    assert_allclose(
-        spheres.line_lubrication(q, 1.0, ratio, 1.0) * xi / DRAG, 2.0 * ratio**2 / (1.0 + ratio) ** 3
-    )
+    assert_allclose(leading * xi / DRAG, 2.0 * ratio**2 / (1.0 + ratio) ** 3)
+
+
+def squeezed(s: NDArray[np.float64], ratio: float, terms: int) -> NDArray[np.float64]:
+    """The first terms of K, s over the reduced radius."""
+    return expansion("spheres", "squeeze", ratio, terms).value(s)
 
 
 def test_plane_expansion_converges() -> None:
     """Each term more leaves an error of the size of the next; the ratios to the leading one are known."""
     s = np.array([0.1, 0.01, 1e-3, 1e-4])
     exact = spheres.normal_resistance(s, 1.0, 1.0)
-    leading = exact / spheres.plane_lubrication(s, 1.0, 1.0) - 1.0
+    leading = exact / squeezed(s, np.inf, 1) - 1.0
     assert_allclose(leading[:3], [0.1459157, 0.0189617, 0.0023533], atol=1e-7, rtol=0.0)
     for terms, following in (
         (1, 0.2 * np.log(1 / s)),
@@ -188,20 +195,20 @@ def test_plane_expansion_converges() -> None:
         (3, s * np.log(1 / s) / 21),
         (4, 0.167 * s),
     ):
-        error = (exact - spheres.plane_expansion(s, 1.0, 1.0, terms)) / DRAG
+        error = (exact - squeezed(s, np.inf, terms)) / DRAG
         assert_allclose(error[2:] / np.broadcast_to(following, 4)[2:], 1.0, atol=0.75 if terms % 2 else 0.02)
-    fifth = (exact - spheres.plane_expansion(s, 1.0, 1.0, 5)) / DRAG
+    fifth = (exact - squeezed(s, np.inf, 4)) / DRAG - 0.16701700481 * s
     assert np.all(np.abs(fifth[:3]) < 0.1 * s[:3] ** 2 * np.log(1.0 / s[:3]))
 
 
 def test_pair_expansion_converges() -> None:
+    """Equal spheres of radius 1 have the reduced radius 1/2, so that K counts 2 s and halves."""
     s = np.array([1e-2, 1e-3, 1e-4])
-    error = (spheres.pair_resistance(s, 1.0, 1.0) - spheres.pair_expansion(s, 1.0, 1.0, 4)) / (3.0 * np.pi)
+    expanded = [0.5 * squeezed(2.0 * s, 1.0, terms) for terms in (1, 4)]
+    error = (spheres.pair_resistance(s, 1.0, 1.0) - expanded[1]) / (3.0 * np.pi)
     assert_allclose(error / s, error[-1] / s[-1], rtol=0.05)
     assert abs(error[-1] / s[-1]) < 1.0
-    leading = spheres.line_lubrication(s, 1.0, 1.0, 1.0)
-    assert_allclose(leading, 1.5 * np.pi / s, rtol=1e-15)
-    assert_allclose(spheres.pair_expansion(s, 1.0, 1.0, 1), leading, rtol=1e-15)
+    assert_allclose(expanded[0], 1.5 * np.pi / s, rtol=1e-15)
 
 
 def test_concentric_container() -> None:
@@ -210,23 +217,17 @@ def test_concentric_container() -> None:
         factor = (1 - ratio**5) / (1 - 9 / 4 * ratio + 5 / 2 * ratio**3 - 9 / 4 * ratio**5 + ratio**6)
         gap = 1.0 / ratio - 1.0
         assert_allclose(spheres.concentric_resistance(gap, 1.0, 1.0) / DRAG, factor, rtol=1e-11)
-        rotation = spheres.concentric_rotation_resistance(gap, 1.0, 1.0)
-        assert_allclose(rotation, 8.0 * np.pi / (1.0 - ratio**3), rtol=1e-14)
     # Thin film, p' = 12 mu times the flux, integrated over the sphere: 8 pi mu a (a/q)^3.
     assert_allclose(spheres.concentric_resistance(1e-6, 1.0, 1.0), 8.0 * np.pi * 1e18, rtol=1e-5)
     assert_allclose(spheres.concentric_resistance(1e4, 1.0, 1.0) / DRAG - 1.0, 2.25e-4, rtol=1e-3)
 
 
 def test_dimensions() -> None:
-    """Forces go like mu a U, torques like mu a^3 omega; a forgotten factor a or mu is wrong by 2 or 3."""
+    """Forces go like mu a U; a forgotten factor a or mu is wrong by 2 or 3."""
     q, a, mu = 0.3, 2.0, 3.0
     s = q / a
     for law in (spheres.normal_resistance, spheres.pair_resistance, spheres.concentric_resistance):
         assert_allclose(law(q, a, mu), mu * a * law(s, 1.0, 1.0))
-    turning = spheres.concentric_rotation_resistance
-    assert_allclose(turning(q, a, mu), mu * a**3 * turning(s, 1.0, 1.0))
-    for expansion in (spheres.plane_expansion, spheres.pair_expansion):
-        assert_allclose(expansion(q, a, mu, 4), mu * a * expansion(s, 1.0, 1.0, 4))
     assert_allclose(matrix(q, a, 1.0), a * matrix(s, 1.0, 1.0 / a))
 
 
@@ -234,7 +235,6 @@ def test_arrays_broadcast() -> None:
     q, a = np.array([[0.1], [0.2]]), np.array([1.0, 2.0, 3.0])
     assert spheres.normal_resistance(q, a, 1.0).shape == (2, 3)
     assert spheres.line_forces(q, (a, 1.0), 1.0, (1.0, np.zeros(3)))[1].shape == (2, 3)
-    assert spheres.plane_expansion(q, a, 1.0, 3).shape == (2, 3)
 
 
 @pytest.mark.parametrize("gap", [0.0, -0.1, np.nan])
