@@ -10,14 +10,30 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import pi
+from typing import Protocol
 
 import numpy as np
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.bodies.gaps import Gaps, find_gaps
-from fsi.case.force_laws import Force, Gravity, PairForce
 from fsi.meshes.geometry.containers import Container
-from fsi.normals import inward_normals
+
+
+class ExternalForce(Protocol):
+    """What acts on bodies besides the fluid."""
+
+    @property
+    def reach(self) -> float:
+        """The gap beyond which there is no force between surfaces; 0 of a law that knows none."""
+
+    def on_bodies(self, masses: Array, volumes: Array) -> Array | float:
+        """The force on each body by itself, (N, d), or 0."""
+
+    def repulsion(self, d: Array) -> Array:
+        """f(d), the force that pushes bodies with gaps d apart."""
+
+    def wall_repulsion(self, d: Array) -> Array:
+        """f(d) between bodies and walls."""
 
 
 def separations(q: Configuration, gaps: Gaps) -> Array:
@@ -26,7 +42,7 @@ def separations(q: Configuration, gaps: Gaps) -> Array:
 
 
 def external_forces(
-    forces: Sequence[Force], q: Configuration, container: Container, masses: Array, spheres: bool
+    forces: Sequence[ExternalForce], q: Configuration, container: Container, masses: Array, spheres: bool
 ) -> Array:
     """The sum of all forces on each body, shape (N, d).
 
@@ -40,30 +56,28 @@ def external_forces(
     total = np.zeros_like(q.centres)
     volumes = 4.0 / 3.0 * pi * q.radii**3 if spheres else pi * q.radii**2
     for force in forces:
-        if isinstance(force, Gravity):
-            heavy = masses if force.density_difference is None else force.density_difference * volumes
-            total += heavy[:, None] * np.array(force.acceleration)
-        else:
+        total += force.on_bodies(masses, volumes)
+        if force.reach > 0.0:
             total += _between_bodies(force, q, container)
     return total
 
 
-def moment_of_forces(forces: Sequence[Force], q: Configuration, container: Container) -> Array:
+def moment_of_forces(forces: Sequence[ExternalForce], q: Configuration, container: Container) -> Array:
     """What forces between bodies, and bodies and walls, carry across a distance: sum of r (x) F, (d, d).
 
     r is the vector to the body on which F acts, from the centre of the other body or from the wall.
     """
     total = np.zeros((q.dimension, q.dimension))
     for force in forces:
-        if not isinstance(force, Gravity):
+        if force.reach > 0.0:
             gaps = find_gaps(q, container, force.reach)
             total += np.einsum("pi,pj->ij", separations(q, gaps), _on_first(force, q, gaps))
-            away = (gaps.wall_gaps + q.radii[:, None])[:, :, None] * inward_normals(container, q.centres)
+            away = (gaps.wall_gaps + q.radii[:, None])[:, :, None] * container.normals(q.centres)
             total += np.einsum("nwi,nwj->ij", away, _from_walls(force, q, gaps, container))
     return total
 
 
-def _between_bodies(force: PairForce, q: Configuration, container: Container) -> Array:
+def _between_bodies(force: ExternalForce, q: Configuration, container: Container) -> Array:
     """Forces of one law on each body, shape (N, d)."""
     gaps = find_gaps(q, container, force.reach)
     push, total = _on_first(force, q, gaps), _from_walls(force, q, gaps, container).sum(axis=1)
@@ -72,7 +86,7 @@ def _between_bodies(force: PairForce, q: Configuration, container: Container) ->
     return total
 
 
-def _on_first(force: PairForce, q: Configuration, gaps: Gaps) -> Array:
+def _on_first(force: ExternalForce, q: Configuration, gaps: Gaps) -> Array:
     """Of each pair, the force on the first body, (P, d)."""
     between = separations(q, gaps)
     unit = between / np.linalg.norm(between, axis=1, keepdims=True)
@@ -80,8 +94,8 @@ def _on_first(force: PairForce, q: Configuration, gaps: Gaps) -> Array:
     return push
 
 
-def _from_walls(force: PairForce, q: Configuration, gaps: Gaps, container: Container) -> Array:
+def _from_walls(force: ExternalForce, q: Configuration, gaps: Gaps, container: Container) -> Array:
     """The force of each wall on each body, (N, walls, d)."""
-    push = force.repulsion(gaps.wall_gaps) if force.walls else np.zeros_like(gaps.wall_gaps)
-    found: Array = push[:, :, None] * inward_normals(container, q.centres)
-    return found
+    push = force.wall_repulsion(gaps.wall_gaps)
+    forces: Array = push[:, :, None] * container.normals(q.centres)
+    return forces

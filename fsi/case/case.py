@@ -21,14 +21,14 @@ from fsi.bodies.configuration import MODES, Array, Configuration, Motion
 from fsi.bodies.forces import external_forces, moment_of_forces
 from fsi.case.body_file import with_bodies
 from fsi.case.checks.sound import check_case
-from fsi.case.domain import Domain
+from fsi.case.domains import Domain
 from fsi.case.force_laws import Force
 from fsi.case.overrides import override
 from fsi.case.reduced import Reduced
 from fsi.case.section import Section, explain, toml_text, tuples
 from fsi.case.sections import Body, Calibration, Discretisation, Expected, Fluid, Output, Sweep, Time
 from fsi.case.series import kinks, value_at
-from fsi.case.walls import WallVelocity, wall_kinks, wall_pressure, wall_velocity
+from fsi.case.walls import WallVelocity
 from fsi.errors import InputError
 from fsi.geometry import BODIES, GEOMETRY, Geometry, dimension_of
 from fsi.meshes.geometry.containers import Container
@@ -196,18 +196,18 @@ class Case(Section):
 
     def wall_velocity(self, t: float) -> dict[str, WallVelocity]:
         """The velocity at time t on the walls where it is given."""
-        found = {name: wall_velocity(wall, t, self.dimension) for name, wall in self.domain.walls.items()}
+        found = {name: wall.velocity(t, self.dimension) for name, wall in self.domain.walls.items()}
         return {name: velocity for name, velocity in found.items() if velocity is not None}
 
     def wall_pressure(self) -> dict[str, float]:
         """The outside pressure on the open walls."""
-        found = {name: wall_pressure(wall) for name, wall in self.domain.walls.items()}
+        found = {name: wall.outside_pressure for name, wall in self.domain.walls.items()}
         return {name: pressure for name, pressure in found.items() if pressure is not None}
 
     def knots(self) -> tuple[float, ...]:
         """The times at which a table has a kink, increasing."""
         times = {time for body in self.bodies for part in (*body.motion, *body.loads) for time in kinks(part)}
-        return tuple(sorted(times.union(*map(wall_kinks, self.domain.walls.values()))))
+        return tuple(sorted(times.union(*(wall.kinks() for wall in self.domain.walls.values()))))
 
     def as_toml(self) -> str:
         """The case with every default filled in; reads back as an equal Case."""

@@ -8,7 +8,7 @@ one alternative that was meant; the tags are dropped from the key that the user 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any, get_args
 
 from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
@@ -38,6 +38,11 @@ class Section(BaseModel):
                 if not _is_tag(key):
                     refuse_unknown(key, known)
         return data
+
+    @classmethod
+    def alternatives(cls) -> Sequence[type[Section]]:
+        """The sections that may stand where this one is asked for: itself."""
+        return (cls,)
 
 
 def refuse_unknown(key: str, known: Iterable[str]) -> None:
@@ -78,7 +83,7 @@ def _toml(value: object) -> str:
             return '"' + value.replace("\n", "\\n") + '"'
         case list() | tuple():
             return "[" + ", ".join(map(_toml, value)) + "]"
-        case Section():
+        case BaseModel():
             return _toml(value.model_dump(exclude_none=True))
         case dict():
             return "{" + ", ".join(f"{key} = {_toml(item)}" for key, item in value.items()) + "}"
@@ -141,6 +146,6 @@ def _meaning(path: tuple[int | str, ...], root: type[Section]) -> str:
 def _sections(annotation: Any) -> Iterable[type[Section]]:
     """The section classes that an annotation mentions."""
     if isinstance(annotation, type) and issubclass(annotation, Section):
-        yield annotation
+        yield from annotation.alternatives()
     for inner in get_args(annotation):
         yield from _sections(inner)

@@ -199,7 +199,7 @@ def print_case(console: Console, case: Case) -> None:
 def _walls_table(case: Case) -> Table:
     table = Table("wall", "what holds there")
     for name, wall in case.domain.walls.items():
-        table.add_row(name, "at rest" if wall == (0.0,) * case.dimension else toml_text(wall))
+        table.add_row(name, "at rest" if wall.rests else toml_text(wall))
     return table
 
 

@@ -18,7 +18,7 @@ from fsi.case.checks.determined import require_determined_at_rest
 from fsi.case.sections import Discretisation
 from fsi.errors import SolveError
 from fsi.observables.error_estimate import ErrorEstimate
-from fsi.observables.flow_scales import drive_of
+from fsi.observables.flow_scales import flow_scales
 from fsi.stokes.error import estimate_errors, relative_errors
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution
@@ -119,7 +119,7 @@ def _solved(case: Case, q: Configuration, t: float, motion: Motion) -> Solved:
     model = StokesModel(case)
     solution = model.of_degree(case.discretisation.degree, q, t, motion)
     errors = estimate_errors(model, q, t, solution, motion)
-    found = relative_errors(solution, errors, motion.held, q.arms, drive_of(case, t))
+    found = relative_errors(solution, errors, motion.held, q.arms, flow_scales(case, t))
     return Solved(case, solution, errors, max(found.values(), default=0.0))
 
 

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Motion
 from fsi.observables.error_estimate import ErrorEstimate, Results, StepErrors, relative_change
-from fsi.observables.flow_scales import Drive, drive_of
+from fsi.observables.flow_scales import FlowScales, flow_scales
 
 if TYPE_CHECKING:
     from fsi.case.case import Case
@@ -107,17 +107,19 @@ def step_errors(model: StokesModel, q: Configuration, t: float, instant: Results
     """The errors of an instant of a run; as `estimate_errors`."""
     motion = moved_as_found(model.case, q, t, instant)
     errors = estimate_errors(model, q, t, instant, motion)
-    return StepErrors(errors, relative_errors(instant, errors, motion.held, q.arms, drive_of(model.case, t)))
+    return StepErrors(
+        errors, relative_errors(instant, errors, motion.held, q.arms, flow_scales(model.case, t))
+    )
 
 
 def relative_errors(
-    results: Results, errors: ErrorEstimate, held: NDArray[np.bool_], arm: Array, drive: Drive
+    results: Results, errors: ErrorEstimate, held: NDArray[np.bool_], arm: Array, scales: FlowScales
 ) -> dict[str, float]:
     """The errors over the largest result of their kind, and that of the apparent viscosity over it.
 
     Arguments and returned names as of `relative_change`; "viscosity" of a periodic flow that has one.
     """
-    found = relative_change(results, errors, held, arm, drive)
+    found = relative_change(results, errors, held, arm, scales)
     mu = getattr(results, "apparent_viscosity", None)
     if mu is not None and errors.apparent_viscosity is not None:
         found["viscosity"] = errors.apparent_viscosity / abs(mu)

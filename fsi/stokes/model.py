@@ -16,11 +16,11 @@ from fsi.case.walls import WallVelocity
 from fsi.integration.stepper import Instant
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.files.read import read_mesh
+from fsi.meshes.geometry.containers import FluidDomain
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
 from fsi.observables.error_estimate import StepErrors
-from fsi.periodic import ChannelDomain
 from fsi.stokes.clock import Clock
 from fsi.stokes.discretisation.boundary import Boundary, Field
 from fsi.stokes.error import step_errors
@@ -94,11 +94,11 @@ class StokesModel:
     def mesh(self, q: Configuration, t: float = 0.0, order: int | None = None) -> FluidMesh:
         """A new mesh around the bodies at q and t, or the user's own; of the case's order if not given."""
         order = order or self.case.discretisation.degree
-        container = self.case.container().at(t)
+        domain = FluidDomain(self.case.container().at(t), q.centres, q.radii)
         if self.case.domain.mesh is not None:
             path = Path(self.case.domain.mesh)
-            return read_mesh(path, self.case.names, container, q.centres, q.radii, order)
-        return build(container, q.centres, q.radii, self.resolution, order)
+            return read_mesh(path, self.case.names, domain, order)
+        return build(domain, self.resolution, order)
 
     def state(self) -> dict[str, NDArray[Any]]:
         """The centres around which the mesh in use was made, and when: moved meshes start from it."""
@@ -132,12 +132,9 @@ class StokesModel:
     def _boundary(self, t: float) -> Boundary:
         """What holds at the walls at time t."""
         velocities = {wall: _field(given) for wall, given in self.case.wall_velocity(t).items()}
-        domain, boundary = self.case.domain, Boundary(velocities, self.case.wall_pressure())
-        if not isinstance(domain, ChannelDomain):
-            return boundary
-        if domain.net_flux is None:
-            return replace(boundary, pressure_gradient=domain.pressure_gradient)
-        return replace(boundary, pressure_gradient=None, net_flux=domain.net_flux)
+        drive = self.case.domain.mean_drive()
+        boundary = Boundary(velocities, self.case.wall_pressure())
+        return replace(boundary, pressure_gradient=drive.pressure_gradient, net_flux=drive.net_flux or 0.0)
 
 
 def _field(given: WallVelocity) -> Field:

@@ -18,6 +18,8 @@ from mpi4py import MPI
 
 from fsi.bodies.configuration import Array, Configuration, Motion
 from fsi.case.case import Case
+from fsi.case.domains.box import ChannelDomain
+from fsi.case.domains.cell import CellDomain
 from fsi.errors import InputError
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.containers import Container
@@ -30,7 +32,6 @@ from fsi.observables.resistance import (
     positive_eigenvalues,
     symmetrised,
 )
-from fsi.periodic import CellDomain, ChannelDomain
 from fsi.stokes.adapt import refine
 from fsi.stokes.clock import Clock
 from fsi.stokes.discretisation.boundary import Boundary, BoundaryNodes

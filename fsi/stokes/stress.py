@@ -117,7 +117,7 @@ def strain_rate(container: Periodic, walls: Mapping[str, Callable[[Array], Array
     return E
 
 
-def _corners(container: Channel) -> tuple[tuple[str, tuple[float, float]], ...]:
+def _corners(container: Channel) -> tuple[tuple[str, tuple[float, ...]], ...]:
     """A point on each wall."""
     return ("bottom", container.lower), ("top", container.upper)
 

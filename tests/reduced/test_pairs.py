@@ -12,9 +12,9 @@ from fsi.bodies.configuration import Array, Configuration
 from fsi.meshes.geometry.containers import Box, Container, HalfPlane, Round
 from fsi.meshes.geometry.lattice import reduced
 from fsi.meshes.geometry.periodic import Channel
+from fsi.reduced.enclosure import Enclosure
 from fsi.reduced.network import gradient
 from fsi.reduced.pairs import Pairs, find_pairs, of_keys, turning
-from fsi.reduced.space import Space
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,10 +29,10 @@ class Far(Round):
         return self.vectors
 
 
-def space(container: Container, d: int, gradient: Array | None = None) -> Space:
+def space(container: Container, d: int, gradient: Array | None = None) -> Enclosure:
     walls = np.zeros((len(container.walls), d))
     E = np.zeros((d, d)) if gradient is None else gradient
-    return Space(container, np.ones(len(walls), bool), walls, np.zeros(d), E)
+    return Enclosure(container, np.ones(len(walls), bool), walls, np.zeros(d), E)
 
 
 def bodies(d: int, number: int, room: float, seed: int = 0) -> Configuration:
@@ -109,7 +109,7 @@ CONTAINERS: list[tuple[Container, int]] = [
 ]
 
 
-def gaps_at(x: Array, q: Configuration, room: Space, key: Pairs) -> Array:
+def gaps_at(x: Array, q: Configuration, room: Enclosure, key: Pairs) -> Array:
     return of_keys(Configuration.unturned(x, q.radii), room, key.key).gap
 
 

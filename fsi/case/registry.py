@@ -1,0 +1,64 @@
+"""Sections that stand at one place of a case file, told apart by a word in them: domains, laws of force.
+
+A section is registered by a decorator, also from outside this package. Its words are the keys that allow one
+choice only, like `shape: Literal["box"]`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Literal, get_args, get_origin
+
+from pydantic import ValidationInfo
+
+from fsi.case.section import Section
+
+
+class Registry[S: Section]:
+    """The sections of one place, in the order of registration.
+
+    Attributes:
+        key: whose words the descriptions list.
+        sections: the classes.
+    """
+
+    def __init__(self, key: str) -> None:
+        self.key = key
+        self.sections: list[type[S]] = []
+
+    def register[T: Section](self, section: type[T]) -> type[T]:
+        """Take a section up; a decorator."""
+        self.sections.append(section)  # type: ignore[arg-type]
+        every = [_words(each).get(self.key) for each in self.sections]
+        *most, last = ["", *dict.fromkeys(f'"{word}"' for word in every if word)]
+        choices = " or ".join(filter(None, [", ".join(most[1:]), last]))
+        for other in self.sections:
+            if self.key in other.model_fields:
+                other.model_fields[self.key].description = choices
+        return section
+
+    def section_for(self, data: Mapping[str, Any]) -> type[S]:
+        """The section whose words the data have; for misspelt or missing ones that which knows most keys.
+
+        That section then refuses the word, or the key that is not its own, by name.
+        """
+
+        def fit(section: type[S]) -> tuple[int, int]:
+            words = sum(data.get(key) == word for key, word in _words(section).items())
+            return words, sum(key in section.model_fields for key in data)
+
+        return max(self.sections, key=fit)
+
+    def validate(self, value: Any, info: ValidationInfo) -> Any:
+        """The section that nested dictionaries describe; what is a section already stays."""
+        if isinstance(value, tuple(self.sections)):
+            return value
+        section = self.section_for(value) if isinstance(value, dict) else self.sections[0]
+        return section.model_validate(value, context=info.context)
+
+
+def _words(section: type[Section]) -> dict[str, str]:
+    """The keys of a section that allow one choice only, and that."""
+    fields = {key: field.annotation for key, field in section.model_fields.items()}
+    choices = {key: get_args(kind) for key, kind in fields.items() if get_origin(kind) is Literal}
+    return {key: words[0] for key, words in choices.items() if len(words) == 1}
