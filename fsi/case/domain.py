@@ -53,6 +53,11 @@ class Walled(Section):
     def alternatives(cls) -> Sequence[type[Section]]:
         return DOMAINS.sections
 
+    @classmethod
+    @override
+    def describe(cls, key: str) -> str | None:
+        return DOMAINS.choices if key == DOMAINS.key else super().describe(key)
+
     @field_validator("walls")
     @classmethod
     def _complete(cls, walls: dict[str, Wall], info: Any) -> dict[str, Wall]:

@@ -30,6 +30,11 @@ class ForceLaw(Section):
     def alternatives(cls) -> Sequence[type[Section]]:
         return FORCES.sections
 
+    @classmethod
+    @override
+    def describe(cls, key: str) -> str | None:
+        return FORCES.choices if key == FORCES.key else super().describe(key)
+
     def on_bodies(self, masses: Array, volumes: Array) -> Array | float:  # noqa: ARG002
         """The force on each body by itself, (N, d), or none at all; masses and volumes are (N,)."""
         return 0.0
@@ -96,6 +101,7 @@ class BetweenSurfaces(ForceLaw):
     """A force along the line of centres, on each of two bodies, that depends on their gap d."""
 
     kind: Literal["attraction", "repulsion"] = Field(description=_KINDS)
+    law: str
     walls: bool = Field(default=False, description="true for the same force between bodies and walls")
 
     @property

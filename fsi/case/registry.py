@@ -18,7 +18,7 @@ class Registry[S: Section]:
     """The sections of one place, in the order of registration.
 
     Attributes:
-        key: whose words the descriptions list.
+        key: whose words messages list.
         sections: the classes.
     """
 
@@ -29,13 +29,14 @@ class Registry[S: Section]:
     def register[T: Section](self, section: type[T]) -> type[T]:
         """Take a section up; a decorator."""
         self.sections.append(section)  # type: ignore[arg-type]
-        every = [_words(each).get(self.key) for each in self.sections]
-        *most, last = ["", *dict.fromkeys(f'"{word}"' for word in every if word)]
-        choices = " or ".join(filter(None, [", ".join(most[1:]), last]))
-        for other in self.sections:
-            if self.key in other.model_fields:
-                other.model_fields[self.key].description = choices
         return section
+
+    @property
+    def choices(self) -> str:
+        """The words at the key, as messages list them: "one", "two" or "three"."""
+        words = [_words(section).get(self.key) for section in self.sections]
+        *most, last = dict.fromkeys(f'"{word}"' for word in words if word)
+        return f"{', '.join(most)} or {last}" if most else last
 
     def section_for(self, data: Mapping[str, Any]) -> type[S]:
         """The section whose words the data have; for misspelt or missing ones that which knows most keys.
@@ -44,8 +45,8 @@ class Registry[S: Section]:
         """
 
         def fit(section: type[S]) -> tuple[int, int]:
-            words = sum(data.get(key) == word for key, word in _words(section).items())
-            return words, sum(key in section.model_fields for key in data)
+            right = [data[key] == word for key, word in _words(section).items() if key in data]
+            return sum(right), sum(key in section.model_fields for key in data) - right.count(False)
 
         return max(self.sections, key=fit)
 

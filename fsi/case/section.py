@@ -44,6 +44,11 @@ class Section(BaseModel):
         """The sections that may stand where this one is asked for: itself."""
         return (cls,)
 
+    @classmethod
+    def describe(cls, key: str) -> str | None:
+        """What may stand at one of its keys."""
+        return cls.model_fields[key].description
+
 
 def refuse_unknown(key: str, known: Iterable[str]) -> None:
     """Raise pydantic's error for a key that is not among the known ones; it names the nearest."""
@@ -135,10 +140,9 @@ def _meaning(path: tuple[int | str, ...], root: type[Section]) -> str:
     meaning = "a value that is allowed there"
     for part in path:
         for section in candidates:
-            field = section.model_fields.get(str(part))
-            if field is not None:
-                meaning = field.description or meaning
-                candidates = list(_sections(field.annotation))
+            if str(part) in section.model_fields:
+                meaning = section.describe(str(part)) or meaning
+                candidates = list(_sections(section.model_fields[str(part)].annotation))
                 break
     return meaning
 

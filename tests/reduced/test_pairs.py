@@ -72,7 +72,9 @@ def test_all_pairs_of_images_are_found(name: str) -> None:
     if len(periods):
         steps = np.random.default_rng(1).integers(-1, 2, (12, len(periods)))
         q = Configuration.unturned(q.centres + steps @ periods, q.radii)
-    pairs = find_pairs(q, space(Far(vectors=periods), periods.shape[1]), reach=0.8)
+    pairs = find_pairs(
+        q, space(Far(vectors=periods, dimension=periods.shape[1]), periods.shape[1]), reach=0.8
+    )
     expected = brute_force(q, periods, 0.8)
     found = {
         (int(i), int(j), *np.round(shift, 6)): gap
