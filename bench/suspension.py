@@ -22,6 +22,7 @@ from bench.scaling import JSON_HELP, Scaling
 from bench.step import PHASES, forget_peak, peak_memory
 from fsi.bodies.configuration import Array, Configuration, Motion
 from fsi.meshes.build import FluidMesh, build
+from fsi.meshes.geometry.containers import FluidDomain
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.geometry.periodic import Channel
 from fsi.meshes.moving.move import Mover
@@ -73,7 +74,7 @@ class Sheared:
 
     def mesh(self) -> FluidMesh:
         """A new mesh."""
-        return build(self.channel, self.q.centres, self.q.radii, LIGHT, 3)
+        return build(FluidDomain(self.channel, self.q.centres, self.q.radii), LIGHT, 3)
 
     def after(self, strain: float, U: Array) -> Sheared:
         """With the bodies a strain later, if they keep their velocities."""

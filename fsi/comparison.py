@@ -215,7 +215,7 @@ def compare_rates(case: Case, resolved: History, reduced: History) -> RateCompar
         motion = replace(around.motion, F=np.where(around.motion.held, 0.0, F))
         ours = model.under(replace(around, motion=motion), q, float(t)).U
         velocities.append(ours[:, :d])
-        pairs = find_pairs(q, around.space, reach)
+        pairs = find_pairs(q, around.enclosure, reach)
         G = gradient(pairs, len(q))
         rates = [G @ u[:, :d].ravel() - pairs.b for u in (U, ours)]
         samples.append(np.column_stack([pairs.gap, *rates]))

@@ -18,7 +18,7 @@ from fsi.meshes.aliases import Mesh
 from fsi.meshes.cells.curved import SIMPLEX, CurvedCells, curve
 from fsi.meshes.cells.quality import require_valid
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.containers import Array, Container
+from fsi.meshes.geometry.containers import FluidDomain
 from fsi.meshes.geometry.lattice import NO_LATTICE, Lattice
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.sizing import Resolution
@@ -33,10 +33,16 @@ SLOPE = 2.0
 class FluidMesh:
     """The fluid domain Omega_F, meshed.
 
-    mesh: curved triangles, in space tetrahedra, of the given order; facet_tags: body i has tag i + 1, wall k
-    has tag N + 1 + k, the axis the tag after the last wall's, and so has the cut of a periodic domain, whose
-    two sides differ by vectors of its lattice; bodies: N; walls: names, in the order of their tags;
-    axisymmetric: points are (r, z); quality: worst scaled Jacobian of all cells.
+    Attributes:
+        mesh: curved triangles, in space tetrahedra.
+        facet_tags: body i has tag i + 1, wall k has tag N + 1 + k, the axis the tag after the last wall's,
+            and so has the cut of a periodic domain, whose two sides differ by vectors of its lattice.
+        bodies: N.
+        walls: names, in the order of their tags.
+        axisymmetric: whether points are (r, z).
+        order: of the cells.
+        quality: worst scaled Jacobian of all cells.
+        lattice: of the periods.
     """
 
     mesh: Mesh
@@ -83,45 +89,32 @@ class FluidMesh:
         return int(self.mesh.topology.index_map(self.dimension).size_global)
 
 
-def build(
-    container: Container,
-    centres: Array,
-    radii: Array,
-    resolution: Resolution,
-    order: int,
-    comm: MPI.Intracomm = MPI.COMM_WORLD,
-) -> FluidMesh:
+def build(domain: FluidDomain, resolution: Resolution, order: int) -> FluidMesh:
     """Mesh the fluid around discs, or spheres in space; collective, gmsh runs on rank 0.
 
     Args:
-        container: what encloses the fluid.
-        centres: q_i, shape (N, dimension).
-        radii: a_i, shape (N,).
+        domain: the container and the bodies.
         resolution: element sizes.
         order: of the curved cells, 1 ... 4.
-        comm: ranks that share the mesh.
 
     Raises:
         MeshError: gmsh fails or a cell is invalid (on all ranks).
     """
-
-    def make() -> CurvedCells:
-        if container.dimension == 3:
-            return fill(container, centres, radii, resolution, order)
-        curves = boundary(container, centres, radii, resolution)
-        largest = float(radii.max(initial=0.0))
-        h_body = 2.0 * np.pi * largest / resolution.cells_per_circle
-        slope, sparse = SLOPE * resolution.growth, resolution.interior == "sparse"
-        far = FarSize(len(radii), h_body, slope, container.size(), alone=sparse)
-        return curve(*triangulate(curves, far), curves, order)
-
-    return shared(make, container, len(radii), comm)
+    make = fill if domain.container.dimension == 3 else _triangles
+    return shared(lambda: make(domain, resolution, order), domain)
 
 
-def shared(
-    make: Callable[[], CurvedCells], container: Container, bodies: int, comm: MPI.Intracomm
-) -> FluidMesh:
+def _triangles(domain: FluidDomain, resolution: Resolution, order: int) -> CurvedCells:
+    curves = boundary(domain, resolution)
+    h_body = resolution.on_body(float(domain.radii.max(initial=0.0)))
+    slope, sparse = SLOPE * resolution.growth, resolution.interior == "sparse"
+    far = FarSize(len(domain.radii), h_body, slope, domain.container.size(), alone=sparse)
+    return curve(triangulate(curves, far), curves, order)
+
+
+def shared(make: Callable[[], CurvedCells], domain: FluidDomain) -> FluidMesh:
     """Make cells on rank 0, check them and share them out; a MeshError of rank 0 is raised on all ranks."""
+    comm, container = MPI.COMM_WORLD, domain.container
     cells: CurvedCells | None = None
     problem: MeshError | None = None
     quality, order = 0.0, 0
@@ -135,7 +128,7 @@ def shared(
     if problem is not None:
         raise problem
     mesh, tags = distribute(cells, order, comm, container.dimension)
-    lattice = Lattice(container.periods)
+    lattice, bodies = Lattice(container.periods), len(domain.radii)
     return FluidMesh(mesh, tags, bodies, container.walls, container.axisymmetric, order, quality, lattice)
 
 

@@ -22,11 +22,15 @@ SAME_PLACE = 1e-9  # of the longest period
 
 
 @dataclass(frozen=True, slots=True)
-class Pairs:
+class PeriodicPairs:
     """Pairs of nodes or points, the same on all ranks: `slave` is the image of `master`.
 
-    slave, master: numbers, of nodes global ones, (n,), none in both; shift: integers m, (n, k), with
-    x_slave = x_master + m @ vectors of the lattice.
+        x_slave = x_master + shift @ vectors of the lattice
+
+    Attributes:
+        slave: numbers, of nodes global ones, (n,).
+        master: the same, (n,); no number is in both.
+        shift: integers, (n, k).
     """
 
     slave: NDArray[np.int64]
@@ -34,7 +38,7 @@ class Pairs:
     shift: Integers
 
 
-def matching_nodes(fluid: FluidMesh, space: FunctionSpace, x: Array) -> Pairs:
+def matching_nodes(fluid: FluidMesh, space: FunctionSpace, x: Array) -> PeriodicPairs:
     """The pairs of nodes x of a Lagrange space on the cut; collective, none without periods.
 
     Raises:
@@ -43,17 +47,17 @@ def matching_nodes(fluid: FluidMesh, space: FunctionSpace, x: Array) -> Pairs:
     comm, numbers = fluid.mesh.comm, space.dofmap.index_map
     if fluid.lattice.dimension == 0:
         nothing = np.empty(0, dtype=np.int64)
-        return Pairs(nothing, nothing, nothing.reshape(0, 0))
+        return PeriodicPairs(nothing, nothing, nothing.reshape(0, 0))
     nodes = fem.locate_dofs_topological(space, 1, fluid.facet_tags.find(fluid.cut_tag))
     nodes = nodes[nodes < numbers.size_local]
-    own = numbers.local_to_global(nodes.astype(np.int32)).astype(np.int64)
-    parts = comm.allgather((own, x[nodes, :2]))
+    global_numbers = numbers.local_to_global(nodes.astype(np.int32)).astype(np.int64)
+    parts = comm.allgather((global_numbers, x[nodes, :2]))
     every, on_cut = (np.concatenate([part[k] for part in parts]) for k in range(2))
     pairs = matching_points(on_cut, fluid.lattice)
-    return Pairs(every[pairs.slave], every[pairs.master], pairs.shift)
+    return PeriodicPairs(every[pairs.slave], every[pairs.master], pairs.shift)
 
 
-def matching_points(x: Array, lattice: Lattice) -> Pairs:
+def matching_points(x: Array, lattice: Lattice) -> PeriodicPairs:
     """The pairs among points x (n, 2), each of which has one image among them, by their numbers 0 ... n - 1.
 
     Raises:
@@ -61,9 +65,9 @@ def matching_points(x: Array, lattice: Lattice) -> Pairs:
     """
     torus = on_torus(x, lattice)
     _, near = cKDTree(torus).query(torus, k=[1, 2])
-    own = np.arange(len(x))
-    partner = np.where(near[:, 0] == own, near[:, 1], near[:, 0])
-    paired = bool(np.all(partner < len(x))) and np.array_equal(partner[partner], own)
+    number = np.arange(len(x))
+    partner = np.where(near[:, 0] == number, near[:, 1], near[:, 0])
+    paired = bool(np.all(partner < len(x))) and np.array_equal(partner[partner], number)
     if paired:
         difference = x - x[partner]
         shift = np.rint(lattice.coordinates(difference)).astype(np.int64)
@@ -72,7 +76,7 @@ def matching_points(x: Array, lattice: Lattice) -> Pairs:
     if not paired:
         raise MeshError("the two sides of a periodic domain do not match; was the mesh made elsewhere?")
     slave = positive(shift)
-    return Pairs(own[slave], partner[slave], shift[slave])
+    return PeriodicPairs(number[slave], partner[slave], shift[slave])
 
 
 def columns_of_masters(
@@ -88,8 +92,8 @@ def columns_of_masters(
     """
     wanted = np.concatenate(comm.allgather(master))
     asked = np.isin(rows, wanted)
-    found = comm.allgather((rows[asked], columns[asked]))
-    row, column = (np.concatenate([part[k] for part in found]) for k in range(2))
+    answers = comm.allgather((rows[asked], columns[asked]))
+    row, column = (np.concatenate([part[k] for part in answers]) for k in range(2))
     order = np.argsort(row)
     place = np.searchsorted(row[order], master)
     known = np.zeros(len(master), dtype=bool)

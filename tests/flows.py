@@ -8,7 +8,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Array, Configuration, Motion
 from fsi.meshes.build import FluidMesh, build
-from fsi.meshes.geometry.containers import Box, Container, HalfPlane
+from fsi.meshes.geometry.containers import Box, Container, FluidDomain, HalfPlane
 from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.discretisation.boundary import Boundary
 from fsi.stokes.problem import SolverOptions, StokesProblem
@@ -55,7 +55,7 @@ def resting(container: Container) -> Boundary:
 def mesh(
     container: Container, q: Configuration, resolution: Resolution | None = None, order: int = 3
 ) -> FluidMesh:
-    return build(container, q.centres, q.radii, resolution or Resolution(), order)
+    return build(FluidDomain(container, q.centres, q.radii), resolution or Resolution(), order)
 
 
 def solved(

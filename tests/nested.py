@@ -8,34 +8,33 @@ from functools import partial
 import fsi.meshes.backend  # noqa: F401
 
 import numpy as np
-from mpi4py import MPI
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.bodies.configuration import Configuration
 from fsi.meshes.build import FluidMesh, shared
 from fsi.meshes.cells.curved import curve
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.containers import Container, FluidDomain
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.sizing import Curve, Resolution
-from fsi.meshes.planar.triangulate import Indices, triangulate
+from fsi.meshes.planar.triangulate import StraightCells, triangulate
 
 
 def nested_meshes(
     container: Container, q: Configuration, resolution: Resolution, order: int, levels: int
 ) -> Iterator[FluidMesh]:
     """The mesh of a resolution and its refinements, each with half the cell size."""
-    curves = boundary(container, q.centres, q.radii, resolution)
-    pieces = triangulate(curves)
+    domain = FluidDomain(container, q.centres, q.radii)
+    curves = boundary(domain, resolution)
+    straight = triangulate(curves)
     for level in range(levels):
         if level > 0:
-            pieces = refine(*pieces, curves)
-        cells = partial(curve, *pieces, curves, order)
-        yield shared(cells, container, len(q), MPI.COMM_WORLD)
+            straight = refine(straight, curves)
+        yield shared(partial(curve, straight, curves, order), domain)
 
 
-def refine(
-    vertices: Array, triangles: Indices, edges: Indices, tags: Indices, curves: list[Curve]
-) -> tuple[Array, Indices, Indices, Indices]:
+def refine(straight: StraightCells, curves: list[Curve]) -> StraightCells:
     """Split every triangle by the midpoints of its sides."""
+    vertices, triangles = straight.vertices, straight.cells
+    edges, tags = straight.facets, straight.tags
     sides = np.stack([triangles[:, [1, 2]], triangles[:, [0, 2]], triangles[:, [0, 1]]], axis=1)
     unique, number = np.unique(np.sort(sides.reshape(-1, 2), axis=1), axis=0, return_inverse=True)
     middle = len(vertices) + number.reshape(-1, 3)
@@ -55,4 +54,4 @@ def refine(
     halves = np.concatenate(
         [np.column_stack([edges[:, 0], middles]), np.column_stack([middles, edges[:, 1]])]
     )
-    return np.concatenate([vertices, midpoints]), split, halves, np.concatenate([tags, tags])
+    return StraightCells(np.concatenate([vertices, midpoints]), split, halves, np.concatenate([tags, tags]))

@@ -11,20 +11,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi
+from typing import Protocol
 
 import numpy as np
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.bodies.gaps import Gaps, find_gaps
-from fsi.case.force_laws import Force, Gravity, PairForce
-from fsi.case.series import Table, value_at
 from fsi.meshes.geometry.containers import Container
-from fsi.normals import inward_normals
-
-
-def separations(q: Configuration, gaps: Gaps) -> Array:
-    """From body or image j to body i of the close pairs, the vectors that their gaps belong to, (P, d)."""
-    return q.centres[gaps.pairs[:, 0]] - q.centres[gaps.pairs[:, 1]] - gaps.away
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,8 +33,30 @@ class Bulk:
         return cls(masses, 4.0 / 3.0 * pi * radii**3 if spheres else pi * radii**2)
 
 
+class ExternalForce(Protocol):
+    """What acts on bodies besides the fluid."""
+
+    @property
+    def reach(self) -> float:
+        """The gap beyond which there is no force between surfaces; 0 of a law that knows none."""
+
+    def on_bodies(self, bulk: Bulk, t: float) -> Array | float:
+        """The force on each body by itself at time t, (N, d), or 0."""
+
+    def repulsion(self, d: Array) -> Array:
+        """f(d), the force that pushes bodies with gaps d apart."""
+
+    def wall_repulsion(self, d: Array) -> Array:
+        """f(d) between bodies and walls."""
+
+
+def separations(q: Configuration, gaps: Gaps) -> Array:
+    """From body or image j to body i of the close pairs, the vectors that their gaps belong to, (P, d)."""
+    return q.centres[gaps.pairs[:, 0]] - q.centres[gaps.pairs[:, 1]] - gaps.away
+
+
 def external_forces(
-    forces: Sequence[Force], q: Configuration, container: Container, bulk: Bulk, t: float
+    forces: Sequence[ExternalForce], q: Configuration, container: Container, bulk: Bulk, t: float
 ) -> Array:
     """The sum of all forces on each body at time t, shape (N, d).
 
@@ -53,42 +68,29 @@ def external_forces(
         t: the time.
     """
     total = np.zeros_like(q.centres)
-    for heavy, acceleration in weights(forces, bulk):
-        total += heavy[:, None] * np.array([value_at(part, t) for part in acceleration])
     for force in forces:
-        if not isinstance(force, Gravity):
+        total += force.on_bodies(bulk, t)
+        if force.reach > 0.0:
             total += between_bodies(force, q, container)
     return total
 
 
-def weights(forces: Sequence[Force], bulk: Bulk) -> list[tuple[Array, tuple[float | Table, ...]]]:
-    """Of each gravity what it acts on, m or the difference of densities times V, (N,), and g over time."""
-    return [
-        (
-            bulk.masses if force.density_difference is None else force.density_difference * bulk.volumes,
-            force.acceleration,
-        )
-        for force in forces
-        if isinstance(force, Gravity)
-    ]
-
-
-def moment_of_forces(forces: Sequence[Force], q: Configuration, container: Container) -> Array:
+def moment_of_forces(forces: Sequence[ExternalForce], q: Configuration, container: Container) -> Array:
     """What forces between bodies, and bodies and walls, carry across a distance: sum of r (x) F, (d, d).
 
     r is the vector to the body on which F acts, from the centre of the other body or from the wall.
     """
     total = np.zeros((q.dimension, q.dimension))
     for force in forces:
-        if not isinstance(force, Gravity):
+        if force.reach > 0.0:
             gaps = find_gaps(q, container, force.reach)
             total += np.einsum("pi,pj->ij", separations(q, gaps), _on_first(force, q, gaps))
-            away = (gaps.wall_gaps + q.radii[:, None])[:, :, None] * inward_normals(container, q.centres)
+            away = (gaps.wall_gaps + q.radii[:, None])[:, :, None] * container.normals(q.centres)
             total += np.einsum("nwi,nwj->ij", away, _from_walls(force, q, gaps, container))
     return total
 
 
-def between_bodies(force: PairForce, q: Configuration, container: Container) -> Array:
+def between_bodies(force: ExternalForce, q: Configuration, container: Container) -> Array:
     """Forces of one law on each body, shape (N, d)."""
     gaps = find_gaps(q, container, force.reach)
     push, total = _on_first(force, q, gaps), _from_walls(force, q, gaps, container).sum(axis=1)
@@ -97,7 +99,7 @@ def between_bodies(force: PairForce, q: Configuration, container: Container) -> 
     return total
 
 
-def _on_first(force: PairForce, q: Configuration, gaps: Gaps) -> Array:
+def _on_first(force: ExternalForce, q: Configuration, gaps: Gaps) -> Array:
     """Of each pair, the force on the first body, (P, d)."""
     between = separations(q, gaps)
     unit = between / np.linalg.norm(between, axis=1, keepdims=True)
@@ -105,8 +107,8 @@ def _on_first(force: PairForce, q: Configuration, gaps: Gaps) -> Array:
     return push
 
 
-def _from_walls(force: PairForce, q: Configuration, gaps: Gaps, container: Container) -> Array:
+def _from_walls(force: ExternalForce, q: Configuration, gaps: Gaps, container: Container) -> Array:
     """The force of each wall on each body, (N, walls, d)."""
-    push = force.repulsion(gaps.wall_gaps) if force.walls else np.zeros_like(gaps.wall_gaps)
-    found: Array = push[:, :, None] * inward_normals(container, q.centres)
-    return found
+    push = force.wall_repulsion(gaps.wall_gaps)
+    forces: Array = push[:, :, None] * container.normals(q.centres)
+    return forces

@@ -11,17 +11,18 @@ from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.meshes.geometry.containers import Container
-from fsi.meshes.geometry.lattice import Lattice
+from fsi.meshes.geometry.lattice import Integers, Lattice
 
 
 @dataclass(frozen=True, slots=True)
 class Gaps:
-    """Close pairs and their gaps.
+    """Close pairs and their gaps, negative where they overlap.
 
-    pairs: bodies (i, j), i < j, or i = j for a body and its own image, shape (P, 2); away: how far the image
-    of j that is meant lies from j, a vector of the lattice, shape (P, d), zero without periods; pair_gaps:
-    `|q_i - q_j - away| - a_i - a_j`, shape (P,); wall_gaps: distance of each body's surface to each wall,
-    shape (N, walls). Negative: overlap.
+    Attributes:
+        pairs: bodies (i, j), i < j, or i = j for a body and its own image, (P, 2).
+        away: how far the image of j that is meant lies from j, a vector of the lattice, (P, d).
+        pair_gaps: `|q_i - q_j - away| - a_i - a_j`, (P,).
+        wall_gaps: distance of each body's surface to each wall, (N, walls).
     """
 
     pairs: NDArray[np.intp]
@@ -76,13 +77,13 @@ class _Search:
     def __init__(self, q: Configuration, container: Container) -> None:
         self.q, self.container = q, container
         self.reach = -np.inf
-        self.found: Gaps | None = None
+        self.gaps: Gaps | None = None
 
     def within(self, reach: float) -> Gaps:
-        """All pairs with a gap up to `reach`: of those found before where it is not farther."""
-        if self.found is None or reach > self.reach:
-            self.found, self.reach = _find_gaps(self.q, self.container, reach), reach
-        return self.found if reach == self.reach else self.found.within(reach)
+        """All pairs with a gap up to `reach`: of those known already where it is not farther."""
+        if self.gaps is None or reach > self.reach:
+            self.gaps, self.reach = _find_gaps(self.q, self.container, reach), reach
+        return self.gaps if reach == self.reach else self.gaps.within(reach)
 
 
 # Of one step many ask for the gaps at its beginning; q is the same object then.
@@ -93,33 +94,63 @@ def _search(q: Configuration, container: Container) -> _Search:
 
 def _find_gaps(q: Configuration, container: Container, reach: float) -> Gaps:
     largest = float(q.radii.max(initial=0.0))
-    pairs, away = _near(q, Lattice(container.periods), 2.0 * largest + reach)
+    near = neighbours(q.centres, container, 2.0 * largest + reach)
+    order = np.argsort(row_numbers(np.column_stack([near.i, near.j, near.shift]))[0])
+    pairs = np.column_stack([near.i, near.j]).take(order, axis=0)
+    away = Lattice(container.periods).shift(near.shift.take(order, axis=0))
+    gaps = near.distance[order] - q.radii[pairs[:, 0]] - q.radii[pairs[:, 1]]
     wall_gaps = container.distances(q.centres) - q.radii[:, None]
-    return Gaps(pairs, away, pair_gaps(q, pairs, away), wall_gaps).within(reach)
+    return Gaps(pairs, away, gaps, wall_gaps).within(reach)
 
 
-def _near(q: Configuration, lattice: Lattice, distance: float) -> tuple[NDArray[np.intp], Array]:
-    """Pairs of bodies and images whose centres are near each other, and where the images are.
+@dataclass(frozen=True, slots=True)
+class Neighbours:
+    """Pairs of points, and of points and images, that are near each other, in any order.
 
-    Bodies are wrapped into one cell; those of the cells around it that are near to it are their images.
+    Attributes:
+        i: one of the points, (P,).
+        j: the other one, i < j, or i = j for a point and its own image, (P,).
+        shift: the integers by which the image of j that is meant is moved, (P, k).
+        separation: from that image to i, `x_i - x_j - shift @ periods`, (P, d).
     """
-    if len(q) == 0:
-        return np.empty((0, 2), dtype=np.intp), np.zeros((0, q.dimension))
-    m = -np.floor(lattice.coordinates(q.centres)).astype(np.int64)
-    home = q.centres + lattice.shift(m)
+
+    i: NDArray[np.intp]
+    j: NDArray[np.intp]
+    shift: Integers
+    separation: Array
+
+    @property
+    def distance(self) -> Array:
+        """The length of the separation, (P,)."""
+        distance: Array = np.sqrt(np.einsum("pk,pk->p", self.separation, self.separation))
+        return distance
+
+
+def neighbours(x: Array, container: Container, cutoff: float) -> Neighbours:
+    """All pairs of points x (N, d) and images in a container that are no farther apart than a cutoff.
+
+    Points are wrapped into one cell; those of the cells around it that are near to it are their images. So
+    it takes O(N) operations, whatever the periods are.
+    """
+    lattice = Lattice(container.periods)
+    m = -np.floor(lattice.coordinates(x)).astype(np.int64)
+    home = x + lattice.shift(m)
     tree = cKDTree(home)
-    inside = tree.query_pairs(distance, output_type="ndarray").astype(np.intp).reshape(-1, 2)
-    original, cell = lattice.images(home, distance)
-    around = cKDTree(home[original] + lattice.shift(cell))
-    found = tree.sparse_distance_matrix(around, distance, output_type="ndarray")
-    i, j = np.concatenate([inside, np.column_stack([found["i"], original[found["j"]]])]).T
-    images = np.concatenate([np.zeros((len(inside), lattice.dimension), np.int64), cell[found["j"]]])
-    images += m[j] - m[i]
-    images[i > j] *= -1
-    pairs = np.column_stack([np.minimum(i, j), np.maximum(i, j)])
-    order = np.argsort(row_numbers(np.column_stack([pairs, images]))[0])
-    away = lattice.shift(images.take(order, axis=0)) + np.zeros((1, q.dimension))
-    return pairs.take(order, axis=0), away
+    i, j = tree.query_pairs(cutoff, output_type="ndarray").astype(np.intp, copy=False).reshape(-1, 2).T
+    if lattice.dimension == 0:
+        return Neighbours(i, j, np.empty((len(i), 0), np.int64), x.take(i, axis=0) - x.take(j, axis=0))
+    original, cell = lattice.images(home, cutoff)
+    across = tree.sparse_distance_matrix(
+        cKDTree(home[original] + lattice.shift(cell)), cutoff, output_type="ndarray"
+    )
+    inside = len(i)
+    i, j = np.concatenate([i, across["i"]]), np.concatenate([j, original[across["j"]]])
+    shift = m.take(j, axis=0) - m.take(i, axis=0)
+    shift[inside:] += cell[across["j"]]
+    backwards = i > j
+    i[backwards], j[backwards] = j[backwards], i[backwards]
+    shift[backwards] *= -1
+    return Neighbours(i, j, shift, x.take(i, axis=0) - x.take(j, axis=0) - lattice.shift(shift))
 
 
 def row_numbers(*tables: NDArray[np.int64]) -> list[NDArray[np.int64]]:

@@ -19,7 +19,6 @@ from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.case.section import toml_text
 from fsi.case.sections import Calibration
-from fsi.case.series import is_zero
 from fsi.errors import InputError
 from fsi.lubrication.expansions import Shape
 from fsi.observables.error_estimate import Results
@@ -197,7 +196,7 @@ def _check_surroundings(case: Case) -> None:
         if driven:
             raise InputError(f"domain.{key} = {driven:g}: a resistance needs fluid at rest far away; drop it")
     for name, wall in case.domain.walls.items():
-        if not (wall == "open" or (isinstance(wall, tuple) and all(map(is_zero, wall)))):
+        if not wall.rests and wall.outside_pressure != 0.0:
             raise InputError(
                 f"domain.walls.{name} = {toml_text(wall)}: a resistance needs walls at rest; drop it"
             )

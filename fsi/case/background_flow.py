@@ -9,8 +9,7 @@ import numpy as np
 from fsi.bodies.configuration import Array
 from fsi.case.walls import WallVelocity
 from fsi.errors import InputError
-from fsi.meshes.geometry.containers import Box, Container
-from fsi.meshes.geometry.periodic import Cell, Channel
+from fsi.meshes.geometry.containers import Container
 
 # Of the fastest wall: velocities nearer than this are the same.
 _SAME = 1e-12
@@ -27,59 +26,59 @@ def background(container: Container, walls: Mapping[str, WallVelocity]) -> tuple
         InputError: the walls drive another flow.
     """
     d = container.dimension
-    if isinstance(container, Cell):
-        return np.zeros(d), np.array(container.gradient)
-    if isinstance(container, Box | Channel):
+    if not container.walls:
+        return np.zeros(d), container.mean_gradient
+    if container.faces:
         walls = _with_height(container, walls)
-    given = {name: wall.velocity for name, wall in walls.items()}
+    velocity = {name: wall.velocity for name, wall in walls.items()}
     shear = np.zeros((d, d))
     shear[0, -1] = next((wall.shear for wall in walls.values() if wall.shear), 0.0)
-    moves = np.array(list(given.values())).reshape(-1, d)
+    moves = np.array(list(velocity.values())).reshape(-1, d)
     same = _SAME * float(np.abs(moves).max(initial=0.0))
     if not len(moves) or np.ptp(moves, axis=0).max() <= same:
         return (moves[0].copy() if len(moves) else np.zeros(d)), shear
-    if shear.any() or not isinstance(container, Box | Channel):
-        raise _other_flow(given)
-    return _between_walls(container, given, same)
+    if shear.any() or not container.faces:
+        raise _other_flow(velocity)
+    return _between_walls(container, velocity, same)
 
 
-def _with_height(container: Box | Channel, walls: Mapping[str, WallVelocity]) -> dict[str, WallVelocity]:
-    """Bottom and top with the velocity that a shear flow has at their height; sides with one left out."""
-    heights = {"bottom": container.lower[-1], "top": container.upper[-1]}
-    e_x = np.eye(container.dimension)[0]
+def _with_height(container: Container, walls: Mapping[str, WallVelocity]) -> dict[str, WallVelocity]:
+    """Faces of a box across its height with the velocity of their shear flow; of the sides those without."""
+    e_x, last = np.eye(container.dimension)[0], container.dimension - 1
+    faces = {name: (wall, *container.faces[name]) for name, wall in walls.items()}
     flat = {
-        name: WallVelocity(wall.velocity + wall.shear * heights[name] * e_x, 0.0)
-        for name, wall in walls.items()
-        if name in heights
+        name: WallVelocity(wall.velocity + wall.shear * height * e_x, 0.0)
+        for name, (wall, axis, height) in faces.items()
+        if axis == last
     }
-    return flat | {name: wall for name, wall in walls.items() if name not in heights and not wall.shear}
+    return flat | {name: wall for name, (wall, axis, _) in faces.items() if axis < last and not wall.shear}
 
 
-def _between_walls(container: Box | Channel, given: Mapping[str, Array], same: float) -> tuple[Array, Array]:
-    """The linear flow between the one pair of opposite walls that move along themselves."""
+def _between_walls(container: Container, velocity: Mapping[str, Array], same: float) -> tuple[Array, Array]:
+    """The linear flow between the one pair of opposite faces of a box that move along themselves."""
     d = container.dimension
     driving = []
     for axis in range(d):
-        sides = [name for name, k in zip(container.walls, container.corner_axes, strict=True) if k == axis]
-        moves = np.array([given[name] for name in sides if name in given]).reshape(-1, d)
+        sides = {name: at for name, (across, at) in container.faces.items() if across == axis}
+        moves = np.array([velocity[name] for name in sides if name in velocity]).reshape(-1, d)
         across, along = moves[:, axis], np.where(np.arange(d) == axis, 0.0, moves)
         if len(across) == 2 and np.all(np.abs(across) > same) and abs(np.diff(across)[0]) <= same:
-            raise _other_flow(given)
+            raise _other_flow(velocity)
         if np.abs(along).max(initial=0.0) > same:
-            driving.append((axis, along[0], along[-1]))
+            driving.append((axis, tuple(sides.values()), along[0], along[-1]))
     if not driving:
         return np.zeros(d), np.zeros((d, d))
     if len(driving) > 1 or container.axisymmetric:
-        raise _other_flow(given)
-    axis, low, high = driving[0]
+        raise _other_flow(velocity)
+    axis, (start, end), low, high = driving[0]
     E = np.zeros((d, d))
-    E[:, axis] = (high - low) / (container.upper[axis] - container.lower[axis])
-    return low - E[:, axis] * container.lower[axis], E
+    E[:, axis] = (high - low) / (end - start)
+    return low - E[:, axis] * start, E
 
 
-def _other_flow(given: Mapping[str, Array]) -> InputError:
-    name = max(given, key=lambda name: float(np.abs(given[name]).max()))
+def _other_flow(velocity: Mapping[str, Array]) -> InputError:
+    name = max(velocity, key=lambda name: float(np.abs(velocity[name]).max()))
     return InputError(
-        f"domain.walls.{name} = {given[name].tolist()}: with the others it drives a flow that the reduced "
+        f"domain.walls.{name} = {velocity[name].tolist()}: with the others it drives a flow that the reduced "
         "model does not know; give all walls one velocity, or slide two opposite walls alone"
     )

@@ -17,7 +17,7 @@ from pydantic import BeforeValidator, Field
 from fsi.bodies.configuration import MODES, Array, Configuration, Motion
 from fsi.bodies.forces import Bulk, external_forces, moment_of_forces
 from fsi.case.body import FREE, Body
-from fsi.case.domain import Domain
+from fsi.case.domains import Domain
 from fsi.case.expected import Expected, Sweep
 from fsi.case.force_laws import Force
 from fsi.case.gluey import Gluey, LimitStudy
@@ -26,7 +26,7 @@ from fsi.case.reduced import Reduced
 from fsi.case.section import Geometry, Section, dimension_of
 from fsi.case.sections import Calibration, Discretisation, Fluid, Output, Time
 from fsi.case.series import kinks, value_at
-from fsi.case.walls import WallVelocity, wall_kinks, wall_pressure, wall_velocity
+from fsi.case.walls import WallVelocity
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Container
 
@@ -174,10 +174,8 @@ class Case(Section):
         """The motion at time t with the `forces` at q on its free components."""
         if not self.forces:
             return motion
-        masses = np.array([body.mass or 0.0 for body in self.bodies])
-        bulk = Bulk.of(masses, q.radii, spheres=self.spheres)
         F = np.zeros_like(motion.F)
-        F[:, : self.dimension] = external_forces(self.forces, q, self.container().at(t), bulk, t)
+        F[:, : self.dimension] = external_forces(self.forces, q, self.container().at(t), self.bulk(), t)
         return Motion(motion.held, motion.U, motion.F + np.where(motion.held, 0.0, F))
 
     def interaction_moment(self, q: Configuration, t: float) -> Array:
@@ -202,22 +200,26 @@ class Case(Section):
 
     def wall_velocity(self, t: float) -> dict[str, WallVelocity]:
         """The velocity at time t on the walls where it is given."""
-        velocities = {
-            name: wall_velocity(wall, t, self.dimension) for name, wall in self.domain.walls.items()
-        }
+        velocities = {name: wall.velocity(t, self.dimension) for name, wall in self.domain.walls.items()}
         return {name: velocity for name, velocity in velocities.items() if velocity is not None}
 
     def wall_pressure(self) -> dict[str, float]:
         """The outside pressure on the open walls."""
-        pressures = {name: wall_pressure(wall) for name, wall in self.domain.walls.items()}
+        pressures = {name: wall.outside_pressure for name, wall in self.domain.walls.items()}
         return {name: pressure for name, pressure in pressures.items() if pressure is not None}
+
+    def bulk(self) -> Bulk:
+        """What gravity acts on."""
+        masses = np.array([body.mass or 0.0 for body in self.bodies])
+        return Bulk.of(masses, self.configuration().radii, spheres=self.spheres)
 
     def knots(self) -> tuple[float, ...]:
         """The times at which a table has a kink, increasing."""
         parts = [part for body in self.bodies for part in (*body.motion, *body.loads)]
-        parts += [part for force in self.forces for part in getattr(force, "acceleration", ())]
+        weights = (force.weight(self.bulk()) for force in self.forces)
+        parts += [part for weight in weights if weight is not None for part in weight[1]]
         times = {time for part in parts for time in kinks(part)}
-        return tuple(sorted(times.union(*map(wall_kinks, self.domain.walls.values()))))
+        return tuple(sorted(times.union(*(wall.kinks() for wall in self.domain.walls.values()))))
 
     def as_data(self) -> dict[str, Any]:
         """The case as nested dictionaries with every default filled in; `parse_case` gives an equal Case."""

@@ -1,120 +1,115 @@
-"""The domain of a case: the container of the fluid."""
+"""The domain of a case: what all shapes of containers have in common, and the registry of the shapes.
+
+One more shape is one more section here, a class registered with `register_domain`, and one more container
+(`fsi.meshes.geometry.containers`).
+"""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, ClassVar, NamedTuple, Self, override
 
-import numpy as np
-from pydantic import Discriminator, Field, Tag, field_validator
+from pydantic import BeforeValidator, Field, PrivateAttr, SerializeAsAny, ValidationInfo, field_validator
 
-from fsi.case.section import Geometry, dimension_of, require_components, told
-from fsi.case.walls import Walled
-from fsi.meshes.geometry.containers import Box, Container, HalfPlane, Round
-from fsi.periodic import CellDomain, ChannelDomain
-
-_SHAPES = '"box", "half-plane", "round" or "cell"'
+from fsi.case.registry import Registry
+from fsi.case.section import CaseContext, Geometry, Section, refuse_unknown, require_components, told
+from fsi.case.walls import Velocity, Wall
+from fsi.meshes.geometry.containers import Container
 
 
-class BoxDomain(Walled):
-    """The rectangle [lower, upper] with the walls left, right, bottom, top; in space also front, back."""
+class MeanDrive(NamedTuple):
+    """What drives the fluid along a channel.
 
-    shape: Literal["box"] = Field(default="box", description=_SHAPES)
-    lower: tuple[float, ...] = Field(
-        description="the lower left corner [x, y] (in space [x, y, z]), left of and below `upper`"
+    Attributes:
+        pressure_gradient: the mean dp/dx, None where it is a result.
+        net_flux: the flux of fluid and bodies along x that is then given.
+    """
+
+    pressure_gradient: float | None
+    net_flux: float | None
+
+
+class Walled(Section):
+    """What all domains have: a condition at every wall, and perhaps the user's own mesh of the shape."""
+
+    # No mesh file has what a periodic domain needs: sides that match.
+    takes_mesh: ClassVar[bool] = True
+
+    shape: str
+    _geometry: Geometry = PrivateAttr("planar")
+    walls: dict[str, Wall] = Field(
+        default={},
+        validate_default=True,
+        description='for each wall its velocity [u_x, u_y] (in space [u_x, u_y, u_z]), "open", '
+        "{pressure = p} or {shear = rate}",
     )
-    upper: tuple[float, ...] = Field(
-        description="the upper right corner [x, y] (in space [x, y, z]), right of and above `lower`"
-    )
-
-    @classmethod
-    def wall_names(cls, geometry: Geometry) -> tuple[str, ...]:
-        """left, right, front, back, bottom, top; no front and back in the plane, a cylinder has no left."""
-        corner = (0.0,) * dimension_of(geometry)
-        return Box(corner, corner, geometry == "axisymmetric").walls
-
-    @field_validator("lower", "upper")
-    @classmethod
-    def _all_components(cls, corner: tuple[float, ...], info: Any) -> tuple[float, ...]:
-        return require_components(corner, told(info).dimension, "a corner")
-
-    @field_validator("upper")
-    @classmethod
-    def _right_way_round(cls, upper: tuple[float, ...], info: Any) -> tuple[float, ...]:
-        lower = info.data.get("lower", (-np.inf,) * len(upper))
-        if not all(low < high for low, high in zip(lower, upper, strict=True)):
-            raise ValueError(f"does not lie to the right of and above lower = {list(lower)}")
-        return upper
-
-    def container(self) -> Container:
-        """The geometry."""
-        return Box(self.lower, self.upper, self.geometry == "axisymmetric")
-
-
-class HalfPlaneDomain(Walled):
-    """The half disc y > 0 (half ball z > 0) of large radius that stands for the half-plane (half-space)."""
-
-    shape: Literal["half-plane"] = Field(description=_SHAPES)
-    radius: float = Field(
-        gt=0.0, description="the radius of the half disc, a number > 0, some 100 body radii"
+    mesh: str | None = Field(
+        default=None, description="the path of a mesh file of this shape, seen from the case file's folder"
     )
 
     @classmethod
-    def wall_names(cls, geometry: Geometry) -> tuple[str, ...]:
-        """plane and far."""
-        return HalfPlane(1.0, dimension=dimension_of(geometry)).walls
-
-    def container(self) -> Container:
-        """The geometry."""
-        return HalfPlane(self.radius, self.geometry == "axisymmetric", dimension_of(self.geometry))
-
-
-class RoundDomain(Walled):
-    """The disc or ball of given radius around the origin; a large one stands for unbounded fluid."""
-
-    shape: Literal["round"] = Field(description=_SHAPES)
-    radius: float = Field(gt=0.0, description="the radius of the container, a number > 0")
+    @override
+    def alternatives(cls) -> Sequence[type[Section]]:
+        return DOMAINS.sections
 
     @classmethod
-    def wall_names(cls, geometry: Geometry) -> tuple[str, ...]:
-        """far."""
-        return Round(1.0, dimension=dimension_of(geometry)).walls
+    @override
+    def describe(cls, key: str) -> str | None:
+        return DOMAINS.choices if key == DOMAINS.key else super().describe(key)
 
-    def container(self) -> Container:
-        """The geometry."""
-        return Round(self.radius, self.geometry == "axisymmetric", dimension_of(self.geometry))
+    @field_validator("walls")
+    @classmethod
+    def _complete(cls, walls: dict[str, Wall], info: ValidationInfo) -> dict[str, Wall]:
+        """The conditions of all walls in the container's order, at rest where none is given."""
+        names, dimension = cls.wall_names(told(info).geometry, info.data), told(info).dimension
+        for name, wall in walls.items():
+            refuse_unknown(name, names)
+            require_components(wall.components(dimension), dimension, f"the velocity of {name}")
+        return {name: walls.get(name, Velocity((0.0,) * dimension)) for name in names}
 
-
-class UnboundedDomain(Walled):
-    """No container: for models without a fluid that must be enclosed."""
-
-    shape: Literal["unbounded"] = Field(description=_SHAPES)
+    @field_validator("mesh")
+    @classmethod
+    def _own_mesh(cls, mesh: str | None) -> str | None:
+        if mesh is not None and not cls.takes_mesh:
+            raise ValueError("a periodic domain is meshed by this program; drop it")
+        return mesh
 
     @classmethod
-    def wall_names(cls, geometry: Geometry) -> tuple[str, ...]:  # noqa: ARG003
-        """None."""
-        return ()
+    def wall_names(cls, geometry: Geometry, known: Mapping[str, Any]) -> tuple[str, ...]:
+        """Names of the walls of this shape, by the geometry and the keys that are known before `walls`."""
+        raise NotImplementedError
+
+    @override
+    def model_post_init(self, context: Any) -> None:
+        """Keep the geometry of the case, which says what the container looks like."""
+        if isinstance(context, CaseContext):
+            self._geometry = context.geometry
+
+    @property
+    def geometry(self) -> Geometry:
+        """That of the case."""
+        return self._geometry
 
     def container(self) -> Container:
-        """The geometry."""
-        return Round(np.inf, self.geometry == "axisymmetric", dimension_of(self.geometry))
+        """The geometry, at time 0."""
+        raise NotImplementedError
+
+    def mean_drive(self) -> MeanDrive:
+        """The mean pressure gradient or the net flux along a channel; no gradient elsewhere."""
+        return MeanDrive(0.0, None)
+
+    def halved(self) -> Self | None:
+        """The same with half the radius, where that stands for infinity; None where nothing does."""
+        return None
+
+    def require_axis(self) -> None:
+        """Raise InputError where an axisymmetric domain does not begin on its axis."""
+
+    def require_fluid(self) -> None:
+        """Raise InputError where no flow is solved for; bodies without fluid may be there all the same."""
 
 
-def _domain_kind(value: Any) -> str:
-    """The shape; for a misspelt or missing one that whose keys are given, which then refuses its name."""
-    if not isinstance(value, dict):
-        return "<channel>" if isinstance(value, ChannelDomain) else f"<{getattr(value, 'shape', 'box')}>"
-    shape = value.get("shape", "box" if "lower" in value else None)
-    if shape not in ("box", "half-plane", "round", "cell", "unbounded"):
-        shape = "half-plane" if "radius" in value else "cell" if "vectors" in value else "box"
-    return "<channel>" if shape == "box" and "periodic" in value else f"<{shape}>"
+DOMAINS: Registry[Walled] = Registry("shape")
+register_domain = DOMAINS.register
 
-
-Domain = Annotated[
-    Annotated[BoxDomain, Tag("<box>")]
-    | Annotated[ChannelDomain, Tag("<channel>")]
-    | Annotated[CellDomain, Tag("<cell>")]
-    | Annotated[HalfPlaneDomain, Tag("<half-plane>")]
-    | Annotated[RoundDomain, Tag("<round>")]
-    | Annotated[UnboundedDomain, Tag("<unbounded>")],
-    Discriminator(_domain_kind),
-]
+Domain = Annotated[SerializeAsAny[Walled], BeforeValidator(DOMAINS.validate)]

@@ -3,21 +3,82 @@
 from __future__ import annotations
 
 import itertools
-from abc import ABC, abstractmethod
-from typing import Annotated, Any, Literal
+from abc import abstractmethod
+from collections.abc import Sequence
+from typing import Annotated, Literal, override
 
 import numpy as np
-from pydantic import Discriminator, Field, Tag, field_validator, model_validator
+from pydantic import BeforeValidator, Field, SerializeAsAny, field_validator, model_validator
 
 from fsi.bodies.configuration import Array
-from fsi.case.section import Section, nearest_word
-from fsi.case.series import Series
+from fsi.bodies.forces import Bulk
+from fsi.case.registry import Registry
+from fsi.case.section import Section, toml_text
+from fsi.case.series import Series, Table, is_zero, value_at
+from fsi.errors import InputError
+from fsi.meshes.geometry.containers import Container
 
 _KINDS = '"gravity", "attraction" or "repulsion"'
-_LAWS = '"exponential", "power" or "table"'
 
 
-class Gravity(Section):
+class ForceLaw(Section):
+    """What acts on bodies besides the fluid; a law says what is different with it.
+
+    One more law is one more class here, registered with `register_force`.
+    """
+
+    @classmethod
+    @override
+    def alternatives(cls) -> Sequence[type[Section]]:
+        return FORCES.sections
+
+    @classmethod
+    @override
+    def describe(cls, key: str) -> str | None:
+        return FORCES.choices if key == FORCES.key else super().describe(key)
+
+    def weight(self, bulk: Bulk) -> tuple[Array, tuple[float | Table, ...]] | None:  # noqa: ARG002
+        """What is heavy of each body, (N,), and its acceleration over time, (d,); None of no weight."""
+        return None
+
+    def on_bodies(self, bulk: Bulk, t: float) -> Array | float:
+        """The force on each body by itself at time t, (N, d), or 0."""
+        weight = self.weight(bulk)
+        if weight is None:
+            return 0.0
+        heavy, acceleration = weight
+        force: Array = heavy[:, None] * np.array([value_at(part, t) for part in acceleration])
+        return force
+
+    @property
+    def reach(self) -> float:
+        """The gap beyond which there is no force between surfaces; 0 of a law that knows none."""
+        return 0.0
+
+    def repulsion(self, d: Array) -> Array:
+        """f(d), the force that pushes two surfaces with the gap d apart, negative for attraction."""
+        return np.zeros_like(d)
+
+    def wall_repulsion(self, d: Array) -> Array:
+        """The same between bodies and walls."""
+        return np.zeros_like(d)
+
+    def require_fit(self, key: str, container: Container, *, heavy: bool) -> None:
+        """Raise InputError, which calls the law `key`, where it makes no sense.
+
+        Args:
+            key: of this law.
+            container: what encloses the bodies.
+            heavy: whether a body has a mass.
+        """
+
+
+FORCES: Registry[ForceLaw] = Registry("law")
+register_force = FORCES.register
+
+
+@register_force
+class Gravity(ForceLaw):
     """A weight: `F = m g`, or `F = (difference of densities) V g`, V the area of a disc or volume of a ball.
 
     With masses the buoyancy is not taken off.
@@ -32,70 +93,117 @@ class Gravity(Section):
         description="the density of bodies less that of the fluid; their masses act if not given",
     )
 
+    @override
+    def weight(self, bulk: Bulk) -> tuple[Array, tuple[float | Table, ...]]:
+        difference = self.density_difference
+        return bulk.masses if difference is None else difference * bulk.volumes, self.acceleration
 
-class _BetweenBodies(Section, ABC):
+    @override
+    def require_fit(self, key: str, container: Container, *, heavy: bool) -> None:
+        here = f"{key}.acceleration = {toml_text(self.acceleration)}"
+        if len(self.acceleration) != container.dimension:
+            raise InputError(f"{here}: has {len(self.acceleration)} components; give {container.dimension}")
+        if container.axisymmetric and not is_zero(self.acceleration[0]):
+            raise InputError(f"{here}: is not along the axis; give [0.0, g_z]")
+        if self.density_difference is None and not heavy:
+            raise InputError(f"{here}: no body has a mass; give density_difference, or bodies a mass")
+
+
+class BetweenSurfaces(ForceLaw):
     """A force along the line of centres, on each of two bodies, that depends on their gap d."""
 
     kind: Literal["attraction", "repulsion"] = Field(description=_KINDS)
+    law: str
     walls: bool = Field(default=False, description="true for the same force between bodies and walls")
 
     @property
+    @override
     @abstractmethod
     def reach(self) -> float:
         """The gap beyond which there is no force."""
+
+    @property
+    @abstractmethod
+    def reach_key(self) -> str:
+        """The key that says so."""
 
     @abstractmethod
     def strength_at(self, d: Array) -> Array:
         """|F| at gaps d up to the reach."""
 
+    @override
     def repulsion(self, d: Array) -> Array:
-        """f(d): the force that pushes apart, negative for attraction; zero beyond the reach."""
+        """f(d), zero beyond the reach."""
         sign = 1.0 if self.kind == "repulsion" else -1.0
         return np.where(d <= self.reach, sign * self.strength_at(np.minimum(d, self.reach)), 0.0)
 
+    @override
+    def wall_repulsion(self, d: Array) -> Array:
+        """The same, if it acts from walls at all."""
+        return self.repulsion(d) if self.walls else np.zeros_like(d)
 
-class _CutOff(_BetweenBodies):
+    @override
+    def require_fit(self, key: str, container: Container, *, heavy: bool) -> None:
+        """A law of the gap ends where bodies and their images are no longer looked for."""
+        if self.reach > container.image_reach:
+            raise InputError(
+                f"{key}.{self.reach_key} = {toml_text(getattr(self, self.reach_key))}: reaches farther than "
+                f"the periodic domain is large; end it at a gap of {container.image_reach:.6g} or less"
+            )
+
+
+class _CutOff(BetweenSurfaces):
     """A force that would never end."""
 
-    law: Literal["exponential", "power"] = Field(description=_LAWS)
     cutoff: float = Field(gt=0.0, description="the gap beyond which there is no force, a number > 0")
 
     @property
+    @override
     def reach(self) -> float:
         """The cut-off."""
         return self.cutoff
 
+    @property
+    @override
+    def reach_key(self) -> str:
+        return "cutoff"
 
+
+@register_force
 class Exponential(_CutOff):
     """|F| = strength exp(-d / length), a screened force."""
 
-    law: Literal["exponential"] = Field(description=_LAWS)
+    law: Literal["exponential"]
     strength: float = Field(gt=0.0, description="the force at contact, a number > 0")
     length: float = Field(gt=0.0, description="the gap over which the force falls by e, a number > 0")
 
+    @override
     def strength_at(self, d: Array) -> Array:
         """Strength exp(-d / length)."""
         return self.strength * np.exp(-d / self.length)
 
 
+@register_force
 class Power(_CutOff):
     """|F| = strength (length / d)^exponent."""
 
-    law: Literal["power"] = Field(description=_LAWS)
+    law: Literal["power"]
     strength: float = Field(gt=0.0, description="the force at the gap `length`, a number > 0")
     length: float = Field(gt=0.0, description="the gap at which the force is `strength`, a number > 0")
     exponent: float = Field(gt=0.0, description="the power of 1/d with which the force falls, a number > 0")
 
+    @override
     def strength_at(self, d: Array) -> Array:
         """Strength (length / d)^exponent."""
         power: Array = self.strength * (self.length / d) ** self.exponent
         return power
 
 
-class Tabulated(_BetweenBodies):
+@register_force
+class Tabulated(BetweenSurfaces):
     """|F| linear between given gaps, constant below the first and zero beyond the last."""
 
-    law: Literal["table"] = Field(description=_LAWS)
+    law: Literal["table"]
     gaps: tuple[float, ...] = Field(min_length=1, description="gaps, increasing")
     values: tuple[float, ...] = Field(
         description="one force for each gap; negative ones turn the force round"
@@ -116,29 +224,20 @@ class Tabulated(_BetweenBodies):
         return self
 
     @property
+    @override
     def reach(self) -> float:
         """The last gap of the table."""
         return self.gaps[-1]
 
+    @property
+    @override
+    def reach_key(self) -> str:
+        return "gaps"
+
+    @override
     def strength_at(self, d: Array) -> Array:
         """Linear interpolation."""
         return np.interp(d, self.gaps, self.values)
 
 
-def _force_kind(value: Any) -> str:
-    """Gravity, or the law; for a misspelt one the nearest, which then refuses its name."""
-    if not isinstance(value, dict):
-        return "<gravity>" if isinstance(value, Gravity) else f"<{getattr(value, 'law', 'gravity')}>"
-    if value.get("kind") == "gravity" or ("law" not in value and "acceleration" in value):
-        return "<gravity>"
-    return f"<{nearest_word(str(value.get('law', 'exponential')), ('exponential', 'power', 'table'))}>"
-
-
-PairForce = Exponential | Power | Tabulated
-Force = Annotated[
-    Annotated[Gravity, Tag("<gravity>")]
-    | Annotated[Exponential, Tag("<exponential>")]
-    | Annotated[Power, Tag("<power>")]
-    | Annotated[Tabulated, Tag("<table>")],
-    Discriminator(_force_kind),
-]
+Force = Annotated[SerializeAsAny[ForceLaw], BeforeValidator(FORCES.validate)]

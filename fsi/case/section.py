@@ -8,7 +8,7 @@ one alternative that was meant; the tags are dropped from the key that the user 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, ClassVar, Literal, NamedTuple, get_args
 
 from pydantic import BaseModel, ConfigDict, ValidationError, ValidationInfo, model_validator
@@ -60,6 +60,16 @@ class Section(BaseModel):
                     raise PydanticCustomError("renamed_key", "renamed key", context)
                 refuse_unknown(key, cls.model_fields)
         return data
+
+    @classmethod
+    def alternatives(cls) -> Sequence[type[Section]]:
+        """The sections that may stand where this one is asked for: itself."""
+        return (cls,)
+
+    @classmethod
+    def describe(cls, key: str) -> str | None:
+        """What may stand at one of its keys."""
+        return cls.model_fields[key].description
 
 
 def dimension_of(geometry: Geometry) -> int:
@@ -117,7 +127,7 @@ def _toml(value: object) -> str:
             return '"' + value.replace("\n", "\\n") + '"'
         case list() | tuple():
             return "[" + ", ".join(map(_toml, value)) + "]"
-        case Section():
+        case BaseModel():
             return _toml(value.model_dump(exclude_none=True))
         case dict():
             return "{" + ", ".join(f"{key} = {_toml(item)}" for key, item in value.items()) + "}"
@@ -174,10 +184,9 @@ def _meaning(path: tuple[int | str, ...], root: type[Section]) -> str:
     meaning = "a value that is allowed there"
     for part in path:
         for section in candidates:
-            field = section.model_fields.get(str(part))
-            if field is not None:
-                meaning = field.description or meaning
-                candidates = list(sections_in(field.annotation))
+            if str(part) in section.model_fields:
+                meaning = section.describe(str(part)) or meaning
+                candidates = list(sections_in(section.model_fields[str(part)].annotation))
                 break
     return meaning
 
@@ -185,6 +194,6 @@ def _meaning(path: tuple[int | str, ...], root: type[Section]) -> str:
 def sections_in(annotation: Any) -> Iterable[type[Section]]:
     """The section classes that an annotation mentions."""
     if isinstance(annotation, type) and issubclass(annotation, Section):
-        yield annotation
+        yield from annotation.alternatives()
     for inner in get_args(annotation):
         yield from sections_in(inner)

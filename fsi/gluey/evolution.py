@@ -15,7 +15,7 @@ from fsi.bodies.configuration import Array, Configuration
 from fsi.case.case import Case
 from fsi.errors import SolveError
 from fsi.gluey.contacts import find_contacts
-from fsi.gluey.setup import FAR, gluey_state, gluey_system, wall_names
+from fsi.gluey.setup import gluey_state, gluey_system, wall_names
 from fsi.gluey.step import Checks, Touching, advance
 from fsi.gluey.system import GlueyState
 from fsi.integration.evolution import CsvTable, Moment
@@ -57,7 +57,8 @@ class GlueyEvolution:
         self.system = gluey_system(case)
         self.schedule = Schedule(case.timing.end, (), case.output.interval)
         self._sides = (*case.names, *(f"wall {name}" for name in wall_names(case)))
-        self._far = [k for k, name in enumerate(case.container().walls) if name == FAR]
+        container = case.container()
+        self._far = [container.walls.index(name) for name in container.far_walls]
         self._key = np.empty(0, dtype=np.int64)
         self._gamma = np.empty(0)
         self._step = case.timing.step or case.timing.end

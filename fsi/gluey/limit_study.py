@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from fsi.bodies.configuration import Array
-from fsi.bodies.forces import Bulk, weights
+from fsi.bodies.forces import Bulk
 from fsi.case.case import Case
 from fsi.case.gluey import LimitStudy
 from fsi.case.section import toml_text
@@ -17,8 +17,6 @@ from fsi.case.series import Table, polynomial
 from fsi.errors import InputError
 from fsi.gluey.limit import Limit, slides_scheme
 from fsi.gluey.one_body import Path, solve
-from fsi.gluey.setup import FAR
-from fsi.normals import inward_normals
 
 SAMPLES = 400
 
@@ -72,17 +70,22 @@ def one_gap(case: Case) -> OneGap:
     container = case.container()
     free = [axis for axis in range(case.dimension) if case.bodies[0].motion[axis] == "free"]
     axis = free[-1] if free else case.dimension - 1
-    facing = [w for w, name in enumerate(container.walls) if name != FAR and container.corner_axes[w] == axis]
+    facing = [
+        w
+        for w, name in enumerate(container.walls)
+        if name not in container.far_walls and container.corner_axes[w] == axis
+    ]
     if not facing:
         raise InputError(
             "domain: no wall faces the body; `fsi limit` is for one gap; give a half-plane or a box"
         )
     gaps = container.distances(q.centres)[0, facing] - q.radii[0]
     wall = facing[int(gaps.argmin())]
-    n = float(inward_normals(container, q.centres)[0, wall, axis])
+    n = float(container.normals(q.centres)[0, wall, axis])
     terms = [(n / masses[0, axis], case.bodies[0].loads[axis])]
     bulk = Bulk.of(masses[:, 0], q.radii, spheres=case.spheres)
-    terms += [(n * float(heavy[0]) / masses[0, axis], g[axis]) for heavy, g in weights(case.forces, bulk)]
+    weights = [weight for force in case.forces if (weight := force.weight(bulk)) is not None]
+    terms += [(n * float(heavy[0]) / masses[0, axis], g[axis]) for heavy, g in weights]
     return OneGap(float(gaps.min()), n * float(U[0, axis]), _sum(terms, end), end)
 
 

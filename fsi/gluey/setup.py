@@ -8,25 +8,22 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.bodies.forces import Bulk, between_bodies, weights
+from fsi.bodies.forces import Bulk, between_bodies
 from fsi.case.case import Case
-from fsi.case.force_laws import Gravity
 from fsi.case.series import Table, is_zero, polynomial
 from fsi.gluey.contacts import Room
 from fsi.gluey.system import GlueyState, Held, System
-from fsi.normals import inward_normals
-
-# Stands for infinity: no body touches it.
-FAR = "far"
 
 
 def gluey_system(case: Case) -> System:
     """What moves, and what acts on it."""
     q, mass, held = case.configuration(), _masses(case), case.held()
     loads = _integrals(case, [(body.loads, held[i]) for i, body in enumerate(case.bodies)])
+    bulk = Bulk.of(mass[:, 0], q.radii, spheres=case.spheres)
+    weights = [weight for force in case.forces if (weight := force.weight(bulk)) is not None]
     gravities = [
         (heavy, [polynomial(part, case.timing.end).antiderivative() for part in acceleration])
-        for heavy, acceleration in weights(case.forces, Bulk.of(mass[:, 0], q.radii, spheres=case.spheres))
+        for heavy, acceleration in weights
     ]
 
     def impulse(t0: float, t1: float) -> Array:
@@ -51,7 +48,7 @@ def gluey_state(case: Case) -> GlueyState:
 
 def wall_names(case: Case) -> tuple[str, ...]:
     """Names of the walls in the order of the room."""
-    of_domain = (name for name in case.container().walls if name != FAR)
+    of_domain = (name for name in case.container().walls if name not in case.container().far_walls)
     return (*of_domain, *(wall.name for wall in case.gluey.walls))
 
 
@@ -59,8 +56,8 @@ def room(case: Case) -> Room:
     """Walls and periods."""
     container, d = case.container(), case.dimension
     origin = np.zeros((1, d))
-    near = [k for k, name in enumerate(container.walls) if name != FAR]
-    normals = [*inward_normals(container, origin)[0, near]]
+    near = [k for k, name in enumerate(container.walls) if name not in container.far_walls]
+    normals = [*container.normals(origin)[0, near]]
     points = [-away * n for away, n in zip(container.distances(origin)[0, near], normals, strict=True)]
     for wall in case.gluey.walls:
         points.append(np.array(wall.point))
@@ -118,7 +115,7 @@ def _integrals(
 
 def _forces(case: Case) -> Callable[[Array, float], Array] | None:
     """Of attraction and repulsion; None without."""
-    acting = [force for force in case.forces if not isinstance(force, Gravity)]
+    acting = [force for force in case.forces if force.reach > 0.0]
     if not acting:
         return None
     radii, container = case.configuration().radii, case.container()

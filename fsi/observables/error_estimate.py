@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import LOADS, MODES, Array
-from fsi.observables.flow_scales import Drive
+from fsi.observables.flow_scales import FlowScales
 
 # The names of velocities and loads by their number, 3 in the plane and 6 in space.
 NAMES = {len(MODES[d]): (*MODES[d], *LOADS[d]) for d in MODES}
@@ -91,7 +91,7 @@ LEAST = 0.01
 
 
 def relative_change(
-    results: Results, change: Results, held: NDArray[np.bool_], arm: Array, drive: Drive
+    results: Results, change: Results, held: NDArray[np.bool_], arm: Array, scales: FlowScales
 ) -> dict[str, float]:
     """A change of the results over the largest result.
 
@@ -104,14 +104,14 @@ def relative_change(
         change: their changes or errors, of any sign.
         held: which velocities are prescribed, shape (N, M).
         arm: 1 for translations, the radius for rotations, shape (N, M).
-        drive: a velocity and a force of the flow.
+        scales: a velocity and a resistance of the flow.
 
     Returns:
         "force" and "velocity": largest |change| / largest |result|, each only if there is such a result.
     """
     F, V = results.F / arm, results.U * arm
-    speed = max(float(np.abs(V).max(initial=0.0)), drive.velocity)
-    force = max(float(np.abs(F).max(initial=0.0)), drive.resistance * speed)
+    speed = max(float(np.abs(V).max(initial=0.0)), scales.velocity)
+    force = max(float(np.abs(F).max(initial=0.0)), scales.resistance * speed)
     relative = {}
     for name, of_kind, values, changed, scale in (
         ("force", held, F, change.F / arm, force),

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
-from fsi.case.domain import HalfPlaneDomain, RoundDomain
 from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.error_estimate import ErrorEstimate, relative_change
-from fsi.observables.flow_scales import drive_of
+from fsi.observables.flow_scales import flow_scales
 
 
 class Solution(Protocol):
@@ -62,10 +61,10 @@ class Solution(Protocol):
 
 def halved(case: Case) -> Case | None:
     """The case in a container of half the radius; None where there is no radius or the bodies do not fit."""
-    if not isinstance(case.domain, HalfPlaneDomain | RoundDomain) or case.domain.mesh is not None:
+    domain = case.domain.halved()
+    if domain is None or domain.mesh is not None:
         return None
-    data: dict[str, Any] = case.model_dump(exclude_none=True)
-    data["domain"]["radius"] /= 2.0
+    data = case.model_dump(exclude_none=True) | {"domain": domain.model_dump(exclude_none=True)}
     try:
         return parse_case(data)
     except InputError:
@@ -85,4 +84,4 @@ def truncation(case: Case, whole: Solution, half: Solution) -> dict[str, float]:
     """
     change = ErrorEstimate(np.abs(half.U - whole.U), np.abs(half.F - whole.F))
     q = case.configuration()
-    return relative_change(whole, change, case.motion(0.0).held, q.arms, drive_of(case, 0.0))
+    return relative_change(whole, change, case.motion(0.0).held, q.arms, flow_scales(case, 0.0))

@@ -7,6 +7,7 @@ simulation of dense suspensions (2008).
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,64 +24,74 @@ _LAST_STEP = 1e-8  # of Newton's method in x: the error after it is about its sq
 _LEAST = float(np.finfo(float).tiny)
 
 
-def first_integral_step(x0: Array, w: Array, h: float, g: Array, integral: Integral) -> Array:
+@dataclass(frozen=True, slots=True)
+class FirstIntegral:
     """One implicit step of `D' = w - g K(D)`, by which `w = D' + g K(D)` is kept, `w' = f`.
 
-    Solves `(e^x - e^x0) / h + g K(x) = w` for x = ln D at the end of the step. The left side increases, so
-    that there is one root; g K is the gamma of the slides, which stores the push.
+    The equation for x = ln D at the end of the step is
 
-    Args:
+        (e^x - e^x0) / h + g K(x) = w
+
+    Its left side increases, so that there is one root; g K is the gamma of the slides, which stores the push.
+
+    Attributes:
         x0: ln D at the beginning, (P,).
         w: the first integral at the end, (P,).
         h: the step.
         g: >= 0, (P,).
         integral: K and dK/dx at x for the pairs of an index.
-
-    Raises:
-        SolveError: a gap between two bodies that are both held is closed by their motion.
     """
-    D0, active = np.exp(x0), np.arange(len(x0))
-    if np.any((g == 0.0) & (D0 + h * w <= 0.0)):
-        raise SolveError("a gap between bodies or walls that are all held is closed by their motion")
-    F, _, _ = _residual(x0, active, D0, w, h, g, integral)
-    # K increases, so that e^x <= e^x0 - h F(x0) if the gap opens: the start is never left of the root.
-    x = np.where(F < 0.0, np.log(D0 - h * np.minimum(F, 0.0) + _LEAST), x0)
-    low, high = np.full(len(x), -np.inf), x.copy()
-    for _ in range(_ITERATIONS):
-        at = x[active]
-        F, slope, size = _residual(at, active, D0, w, h, g, integral)
-        high[active] = np.where(F >= 0.0, at, high[active])
-        low[active] = np.where(F < 0.0, at, low[active])
-        to = at - F / slope
-        beyond = (to > high[active]) | (to < low[active])
-        to = np.where(beyond, 0.5 * (low[active] + high[active]), to)
-        solved = np.abs(F) <= _ROUNDING * size
-        x[active] = np.where(solved, at, to)
-        active = active[~(solved | (~beyond & (np.abs(to - at) <= _LAST_STEP)))]
-        if len(active) == 0:
-            return x
-    raise SolveError("the distance of a pair was not found; shorten reduced.step")
 
+    x0: Array
+    w: Array
+    h: float
+    g: Array
+    integral: Integral
 
-def first_integral_defect(x: Array, x0: Array, w: Array, h: float, g: Array, integral: Integral) -> float:
-    """How far `D' + g K(D)` is from w after a step, at most, over the size of its terms.
+    def solve(self) -> Array:
+        """x at the end of the step, (P,).
 
-    Rounding of x = ln D, which is that of D and of K, counts among them.
-    """
-    F, slope, size = _residual(x, np.arange(len(x)), np.exp(x0), w, h, g, integral)
-    size = size + slope * np.abs(x) + _LEAST
-    return float(np.max(np.abs(F) / size, initial=0.0))
+        Raises:
+            SolveError: a gap between two bodies that are both held is closed by their motion.
+        """
+        h, D0, active = self.h, np.exp(self.x0), np.arange(len(self.x0))
+        if np.any((self.g == 0.0) & (D0 + h * self.w <= 0.0)):
+            raise SolveError("a gap between bodies or walls that are all held is closed by their motion")
+        F, _, _ = self._residual(self.x0, active)
+        # K increases, so that e^x <= e^x0 - h F(x0) if the gap opens: the start is never left of the root.
+        x = np.where(F < 0.0, np.log(D0 - h * np.minimum(F, 0.0) + _LEAST), self.x0)
+        low, high = np.full(len(x), -np.inf), x.copy()
+        for _ in range(_ITERATIONS):
+            at = x[active]
+            F, slope, size = self._residual(at, active)
+            high[active] = np.where(F >= 0.0, at, high[active])
+            low[active] = np.where(F < 0.0, at, low[active])
+            to = at - F / slope
+            beyond = (to > high[active]) | (to < low[active])
+            to = np.where(beyond, 0.5 * (low[active] + high[active]), to)
+            solved = np.abs(F) <= _ROUNDING * size
+            x[active] = np.where(solved, at, to)
+            active = active[~(solved | (~beyond & (np.abs(to - at) <= _LAST_STEP)))]
+            if len(active) == 0:
+                return x
+        raise SolveError("the distance of a pair was not found; shorten reduced.step")
 
+    def defect(self, x: Array) -> float:
+        """How far `D' + g K(D)` is from w after a step to x, at most, over the size of its terms.
 
-def _residual(
-    x: Array, index: NDArray[np.intp], D0: Array, w: Array, h: float, g: Array, integral: Integral
-) -> tuple[Array, Array, Array]:
-    """The equation of `first_integral_step`, its derivative, and the size of its terms."""
-    K, slope = integral(x, index)
-    D = np.exp(x)
-    F = (D - D0[index]) / h + g[index] * K - w[index]
-    size = (D + D0[index]) / h + np.abs(g[index] * K) + np.abs(w[index])
-    return F, D / h + g[index] * slope, size
+        Rounding of x = ln D, which is that of D and of K, counts among them.
+        """
+        F, slope, size = self._residual(x, np.arange(len(x)))
+        size = size + slope * np.abs(x) + _LEAST
+        return float(np.max(np.abs(F) / size, initial=0.0))
+
+    def _residual(self, x: Array, index: NDArray[np.intp]) -> tuple[Array, Array, Array]:
+        """Of the equation for some pairs, its derivative, and the size of its terms."""
+        K, slope = self.integral(x, index)
+        D, D0, g, w = np.exp(x), np.exp(self.x0[index]), self.g[index], self.w[index]
+        F = (D - D0) / self.h + g * K - w
+        size = (D + D0) / self.h + np.abs(g * K) + np.abs(w)
+        return F, D / self.h + g * slope, size
 
 
 def backward_euler_step(x0: Array, V: Array, f: Array, h: float, g_mu: Array) -> tuple[Array, Array]:

@@ -2,8 +2,8 @@
 
 Each step h
   1. advances the distance of each pair by itself, `D'' = -g kappa(D) D' + f` (`fsi.reduced.distance`); f
-  holds the
-     other pairs, drag and `G'.u` at the beginning of the step, and the loads. So stored gaps are positive;
+     holds the other pairs, drag and `G'.u` at the beginning of the step, and the loads. So stored gaps are
+     positive;
   2. takes A with kappa(D^{n+1}) and G at q^n, and solves `(M + h Z + h A) u^{n+1} = M u^n + h Phi`;
   3. moves the bodies, `q += h u^{n+1}`.
 The energy inequality `1/2 |u^{n+1}|^2_M + h A u.u + ... <= 1/2 |u^n|^2_M + h Phi.u^{n+1}` holds at each
@@ -13,7 +13,7 @@ step. Stored gaps drift away from those of the bodies, at first order in h; the 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import asdict, dataclass, replace
 from time import process_time
 from typing import Any
 
@@ -21,17 +21,54 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Inertia
+from fsi.bodies.gaps import row_numbers
 from fsi.case.case import Case
 from fsi.errors import SolveError
 from fsi.integration.state import State
-from fsi.reduced.distance import backward_euler_step, first_integral_defect, first_integral_step
+from fsi.reduced.distance import (
+    FirstIntegral,
+    backward_euler_step,
+)
 from fsi.reduced.identities import identities, require
-from fsi.reduced.memory import Memory, merged
 from fsi.reduced.model import ReducedInstant, ReducedModel
 from fsi.reduced.network import gradient, own_mobility
 from fsi.reduced.pairs import Pairs, find_pairs, of_keys, own_speed, turning
 from fsi.reduced.stress import lubrication_stress
 from fsi.reduced.system import Surroundings, solve_system
+
+
+@dataclass(frozen=True, slots=True)
+class PairMemory:
+    """What is stored of P pairs.
+
+    Attributes:
+        key: see `Pairs`, (P, 2 + k).
+        x: ln D, (P,).
+        w: the first integral `D' + g K(D)`, with "backward-euler" D' itself, (P,).
+        force: lambda at the end of the last step, (P,).
+    """
+
+    key: NDArray[np.int64]
+    x: Array
+    w: Array
+    force: Array
+
+    def positions(self, keys: NDArray[np.int64]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Where the rows that both have stand in `keys` and in the memory; rows are distinct."""
+        rows, stored = row_numbers(keys, self.key)
+        _, here, there = np.intersect1d(rows, stored, assume_unique=True, return_indices=True)
+        return here, there
+
+
+def merged(
+    key: NDArray[np.int64], *parts: tuple[NDArray[np.intp], NDArray[np.intp], PairMemory]
+) -> PairMemory:
+    """The memory of the pairs with these keys, of parts (rows of the result, rows of the memory, memory)."""
+    x, w, force = (np.empty(len(key)) for _ in range(3))
+    for rows, where, memory in parts:
+        x[rows], w[rows], force[rows] = memory.x[where], memory.w[where], memory.force[where]
+    return PairMemory(key, x, w, force)
+
 
 CHECKS = (
     "invariant", "momentum", "angular_momentum", "kernel", "residual", "power", "balance", "energy",
@@ -47,25 +84,25 @@ class DistanceModel(ReducedModel):
         masses = case.masses()
         self.masses = np.zeros_like(self.zeta) if masses is None else masses
         self.literal = case.timing.scheme == "backward-euler"
-        self._memory: Memory | None = None
+        self._memory: PairMemory | None = None
 
     def state(self) -> dict[str, NDArray[Any]]:
         """The memory."""
-        return {} if self._memory is None else self._memory.arrays()
+        return {} if self._memory is None else asdict(self._memory)
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Take the memory back."""
-        self._memory = Memory.of_arrays(state) if state else None
+        self._memory = PairMemory(**state) if state else None
 
     def begin(self, q: Configuration, U: Array) -> ReducedInstant:
         """The instant at time 0 with the velocities U (N, M); the memory begins."""
-        around = self.surroundings(q, 0.0)
-        pairs = find_pairs(q, around.space, self.reach)
-        self._memory = self._fresh(pairs, around, U)
+        ambient = self.surroundings(q, 0.0)
+        pairs = find_pairs(q, ambient.enclosure, self.reach)
+        self._memory = self._fresh(pairs, ambient, U)
         checks = CHECKS[1:] if self.literal else CHECKS
         nothing = dict.fromkeys(("pairs", "dissipation", *checks, "drift"), 0.0)
-        found = self._instant(q, U, pairs, around, nothing | {"pairs": len(pairs)})
-        return replace(found, record={**found.record, "cpu_solve": 0.0})
+        instant = self._instant(q, U, pairs, ambient, nothing | {"pairs": len(pairs)})
+        return replace(instant, record={**instant.record, "cpu_solve": 0.0})
 
     def march(self, state: State, t_end: float) -> tuple[Configuration, ReducedInstant]:
         """One step from `state` to `t_end`: where it ends, and the instant there.
@@ -76,31 +113,31 @@ class DistanceModel(ReducedModel):
         began = process_time()
         assert self._memory is not None
         h = t_end - state.t
-        around = self._during(state.q, state.t, t_end)
-        pairs = of_keys(state.q, around.space, self._memory.key)
-        memory, checks = self._advance_distances(state, pairs, around, h)
+        ambient = self._during(state.q, state.t, t_end)
+        pairs = of_keys(state.q, ambient.enclosure, self._memory.key)
+        memory, checks = self._advance_distances(state, pairs, ambient, h)
         kappa = self.laws.kappa(memory.x, pairs.radius, pairs.is_wall)
-        solved = solve_system(around, pairs, kappa, Inertia(self.masses / h, state.U))
+        solved = solve_system(ambient, pairs, kappa, Inertia(self.masses / h, state.U))
         checks |= identities(solved.network, state.q, solved.U, solved.alone, solved.force)
         checks |= solved.balances() | {"energy": solved.energy(self.masses, state.U, h)}
         require(checks, t_end)
         record = {"pairs": len(pairs), "dissipation": solved.dissipation, **checks}
         q = state.q.moved(h * solved.U)
-        found = self._meet(q, solved.U, replace(memory, force=solved.force), t_end, record)
-        return q, replace(found, record={**found.record, "cpu_solve": process_time() - began})
+        instant = self._meet(q, solved.U, replace(memory, force=solved.force), t_end, record)
+        return q, replace(instant, record={**instant.record, "cpu_solve": process_time() - began})
 
     def _during(self, q: Configuration, t: float, t_end: float) -> Surroundings:
         """Held velocities of the end of the step, loads of its middle: linear ones are integrated exactly."""
-        around = self.surroundings(q, t_end)
-        return replace(around, motion=replace(around.motion, F=self.motion(q, 0.5 * (t + t_end)).F))
+        ambient = self.surroundings(q, t_end)
+        return replace(ambient, motion=replace(ambient.motion, F=self.motion(q, 0.5 * (t + t_end)).F))
 
     def _advance_distances(
-        self, state: State, pairs: Pairs, around: Surroundings, h: float
-    ) -> tuple[Memory, dict[str, float]]:
+        self, state: State, pairs: Pairs, ambient: Surroundings, h: float
+    ) -> tuple[PairMemory, dict[str, float]]:
         """Step 1: the memory with the gaps of the end of the step, and the defect of the first integral."""
         old = self._memory
         assert old is not None
-        f, g = self._drive(state, pairs, around, h)
+        f, g = self._rates_of_change(state, pairs, ambient, h)
         if self.literal:
             x, V = backward_euler_step(old.x, old.w, f, h, g * self.case.fluid.viscosity)
             return replace(old, x=x, w=V), {}
@@ -109,43 +146,46 @@ class DistanceModel(ReducedModel):
             return self.laws.integral(x, pairs.radius[part], pairs.is_wall[part])
 
         w = old.w + h * f
-        x = first_integral_step(old.x, w, h, g, integral)
-        return replace(old, x=x, w=w), {"invariant": first_integral_defect(x, old.x, w, h, g, integral)}
+        step = FirstIntegral(old.x, w, h, g, integral)
+        x = step.solve()
+        return replace(old, x=x, w=w), {"invariant": step.defect(x)}
 
-    def _drive(self, state: State, pairs: Pairs, around: Surroundings, h: float) -> tuple[Array, Array]:
+    def _rates_of_change(
+        self, state: State, pairs: Pairs, ambient: Surroundings, h: float
+    ) -> tuple[Array, Array]:
         """f, all that changes D' but the pair's own lubrication, and `g = G.M^-1 G`; (P,)."""
         assert self._memory is not None
-        d, force, motion = pairs.n.shape[1], self._memory.force, around.motion
+        d, force, motion = pairs.n.shape[1], self._memory.force, ambient.motion
         U, before = state.U, self.surroundings(state.q, state.t)
-        G, M_inverse = gradient(pairs, len(U)), self._inverse_masses(around, d)
+        G, M_inverse = gradient(pairs, len(U)), self._inverse_masses(ambient, d)
         load = (motion.F - before.zeta * (U - before.background))[:, :d] - (G.T @ force).reshape(-1, d)
-        given = (motion.U - U)[:, :d] / h
-        a = np.where(motion.held[:, :d], given, M_inverse * load)
+        prescribed = (motion.U - U)[:, :d] / h
+        a = np.where(motion.held[:, :d], prescribed, M_inverse * load)
         g = own_mobility(G, M_inverse)
         wall = np.where(pairs.is_wall, pairs.j - len(U), -1)
-        b_before = own_speed(pairs.n, pairs.shift, wall, before.space)
+        b_before = own_speed(pairs.n, pairs.shift, wall, before.enclosure)
         f = G @ a.ravel() + g * force + turning(pairs, U[:, :d]) - (pairs.b - b_before) / h
         return f, g
 
-    def _inverse_masses(self, around: Surroundings, d: int) -> Array:
+    def _inverse_masses(self, ambient: Surroundings, d: int) -> Array:
         """M^-1 of the translations, 0 where held, (N, d)."""
-        inverse: Array = np.where(around.motion.held[:, :d], 0.0, 1.0 / self.masses[:, :d])
+        inverse: Array = np.where(ambient.motion.held[:, :d], 0.0, 1.0 / self.masses[:, :d])
         return inverse
 
     def _meet(
-        self, q: Configuration, U: Array, memory: Memory, t: float, record: Mapping[str, float]
+        self, q: Configuration, U: Array, memory: PairMemory, t: float, record: Mapping[str, float]
     ) -> ReducedInstant:
         """Carry the memory to the pairs at q: those near now, and those in contact by their stored gaps."""
-        around = self.surroundings(q, t)
-        pairs = find_pairs(q, around.space, self.reach, memory.key[np.exp(memory.x) < self.reach])
-        own, stored = memory.positions(pairs.key)
-        new = np.setdiff1d(np.arange(len(pairs)), own, assume_unique=True)
-        fresh = self._fresh(of_keys(q, around.space, pairs.key[new]), around, U)
-        self._memory = merged(pairs.key, (own, stored, memory), (new, np.arange(len(new)), fresh))
-        drift = np.abs(np.exp(memory.x[stored]) - pairs.gap[own]).max(initial=0.0)
-        return self._instant(q, U, pairs, around, {**record, "drift": float(drift)})
+        ambient = self.surroundings(q, t)
+        pairs = find_pairs(q, ambient.enclosure, self.reach, memory.key[np.exp(memory.x) < self.reach])
+        known, stored = memory.positions(pairs.key)
+        new = np.setdiff1d(np.arange(len(pairs)), known, assume_unique=True)
+        fresh = self._fresh(of_keys(q, ambient.enclosure, pairs.key[new]), ambient, U)
+        self._memory = merged(pairs.key, (known, stored, memory), (new, np.arange(len(new)), fresh))
+        drift = np.abs(np.exp(memory.x[stored]) - pairs.gap[known]).max(initial=0.0)
+        return self._instant(q, U, pairs, ambient, {**record, "drift": float(drift)})
 
-    def _fresh(self, pairs: Pairs, around: Surroundings, U: Array) -> Memory:
+    def _fresh(self, pairs: Pairs, ambient: Surroundings, U: Array) -> PairMemory:
         """The memory of pairs that have just come near: their stored gap is the one they have."""
         if np.any(pairs.gap <= 0.0):
             raise SolveError(
@@ -157,22 +197,29 @@ class DistanceModel(ReducedModel):
         rates = G @ U[:, :d].ravel() - pairs.b
         force = self.laws.kappa(x, pairs.radius, pairs.is_wall) * rates
         if self.literal:
-            return Memory(pairs.key, x, rates, force)
+            return PairMemory(pairs.key, x, rates, force)
         K, _ = self.laws.integral(x, pairs.radius, pairs.is_wall)
-        return Memory(pairs.key, x, rates + own_mobility(G, self._inverse_masses(around, d)) * K, force)
+        return PairMemory(pairs.key, x, rates + own_mobility(G, self._inverse_masses(ambient, d)) * K, force)
 
     def _instant(
-        self, q: Configuration, U: Array, pairs: Pairs, around: Surroundings, record: Mapping[str, float]
+        self,
+        q: Configuration,
+        U: Array,
+        pairs: Pairs,
+        ambient: Surroundings,
+        record: Mapping[str, float],
     ) -> ReducedInstant:
         """What is known at the end of a step; gamma = g K of the stored gaps."""
         assert self._memory is not None
         d, memory = pairs.n.shape[1], self._memory
         G = gradient(pairs, len(U))
         K, _ = self.laws.integral(memory.x, pairs.radius, pairs.is_wall)
-        gamma = own_mobility(G, self._inverse_masses(around, d)) * K
-        F = around.zeta * (U - around.background)
+        gamma = own_mobility(G, self._inverse_masses(ambient, d)) * K
+        F = ambient.zeta * (U - ambient.background)
         F[:, :d] += (G.T @ memory.force).reshape(-1, d)
         stored = {"log10_stored_gap": float(memory.x.min(initial=np.inf) / np.log(10.0))}
-        stress = lubrication_stress(around.space, pairs, memory.force, q.radii, self.case.fluid.viscosity)
+        stress = lubrication_stress(
+            ambient.enclosure, pairs, memory.force, q.radii, self.case.fluid.viscosity
+        )
         columns = {**record, **({} if stress is None else stress.record), **stored}
         return ReducedInstant(q, U, F, pairs, memory.x, memory.force, gamma, columns, stress)

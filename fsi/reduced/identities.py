@@ -11,41 +11,45 @@ from scipy.sparse.csgraph import connected_components
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.errors import SolveError
-from fsi.reduced.network import Network
+from fsi.reduced.network import GapNetwork
 
 BOUND = 1e-12
 _TINY = np.finfo(float).tiny
 
 
-def identities(network: Network, q: Configuration, U: Array, alone: Array, force: Array) -> dict[str, float]:
+def identities(
+    network: GapNetwork, q: Configuration, U: Array, alone: Array, force: Array
+) -> dict[str, float]:
     """Relative defects of the forces of the gaps, (P,), at velocities U (N, modes).
 
-    momentum: the forces of the gaps between bodies and of the walls sum to zero, over the sum of |lambda|;
-    angular_momentum: so do their moments, 0 if any pair is periodic; kernel: a rigid motion of each cluster
-    of bodies changes none of its gaps, in units of its speed; residual: of the law `D' = lambda / kappa`,
-    over the largest speed there is or would be without lubrication (alone).
+    Returns:
+        momentum: the forces of the gaps between bodies and of the walls sum to zero, over sum |lambda|;
+        angular_momentum: so do their moments, 0 if any pair is periodic;
+        kernel: a rigid motion of each cluster of bodies changes none of its gaps, in units of its speed;
+        residual: of the law `D' = lambda / kappa`, over the largest speed there is, or would be without
+        lubrication (alone).
     """
     pairs, d = network.pairs, q.centres.shape[1]
     loads = network.loads(force)
     from_walls = force[pairs.is_wall, None] * pairs.n[pairs.is_wall]
     total = float(np.abs(force).sum()) + _TINY
     sums = loads.sum(axis=0) - from_walls.sum(axis=0)
-    found: dict[str, float] = {"momentum": float(np.abs(sums).max()) / total}
-    found["angular_momentum"] = 0.0
+    defects: dict[str, float] = {"momentum": float(np.abs(sums).max()) / total}
+    defects["angular_momentum"] = 0.0
     if not np.any(pairs.shift):
         arm = q.centres - q.centres.mean(axis=0)
         moments = _moments(arm, loads).sum(axis=0)
         moments = moments - _moments(arm[pairs.i[pairs.is_wall]], from_walls).sum(axis=0)
         size = float(np.abs(arm).max()) + float(q.radii.max())
-        found["angular_momentum"] = float(np.abs(moments).max()) / (total * size)
-    found["kernel"] = _kernel(network, q, ~pairs.is_wall)
+        defects["angular_momentum"] = float(np.abs(moments).max()) / (total * size)
+    defects["kernel"] = _kernel(network, q, ~pairs.is_wall)
     rates = network.rates(U[:, :d])
     speed = float(np.abs(U).max() + np.abs(alone).max() + np.abs(pairs.b).max(initial=0.0)) + _TINY
-    found["residual"] = float(np.abs(rates - network.compliance * force).max(initial=0.0)) / speed
-    return found
+    defects["residual"] = float(np.abs(rates - network.compliance * force).max(initial=0.0)) / speed
+    return defects
 
 
-def _kernel(network: Network, q: Configuration, between: NDArray[np.bool_]) -> float:
+def _kernel(network: GapNetwork, q: Configuration, between: NDArray[np.bool_]) -> float:
     """Largest |G U| over the largest |U|, for a rigid motion U of each cluster of gaps `between` bodies.
 
     A cluster that closes on itself through a period can only be translated.

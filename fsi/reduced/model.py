@@ -16,11 +16,11 @@ from fsi.case.case import Case
 from fsi.errors import SolveError
 from fsi.integration.state import Instant
 from fsi.parallel import on_root
+from fsi.reduced.enclosure import drag, make_enclosure
 from fsi.reduced.gap_laws import make_laws
 from fsi.reduced.identities import identities, require
 from fsi.reduced.network import gradient
 from fsi.reduced.pairs import Pairs, find_pairs
-from fsi.reduced.setting import drag, make_space
 from fsi.reduced.stress import LubricationStress, lubrication_stress
 from fsi.reduced.system import Surroundings, solve_system
 from fsi.reduced.write import write_bodies, write_contacts
@@ -30,9 +30,16 @@ from fsi.reduced.write import write_bodies, write_contacts
 class ReducedInstant:
     """One solved instant.
 
-    U, F: velocities and external loads (N, modes); of the P pairs x = ln D, the gaps with which the laws were
-    taken, the forces lambda, and gamma = g K(D), the stored pushes, zero for a model without memory;
-    stress: that of lubrication, in a periodic space.
+    Attributes:
+        q: where the bodies are.
+        U: velocities, (N, modes).
+        F: external loads, (N, modes).
+        pairs: P of them.
+        x: ln D, the gaps with which the laws were taken, (P,).
+        force: lambda, (P,).
+        gamma: g K(D), the stored pushes, zero for a model without memory, (P,).
+        record: columns of steps.csv.
+        stress: that of lubrication, in a periodic domain.
     """
 
     q: Configuration
@@ -48,10 +55,9 @@ class ReducedInstant:
     @property
     def rates(self) -> Array:
         """D' of the gaps, (P,)."""
-        found: Array = (
-            gradient(self.pairs, len(self.q)) @ self.U[:, : self.q.dimension].ravel() - self.pairs.b
-        )
-        return found
+        G = gradient(self.pairs, len(self.q))
+        rates: Array = G @ self.U[:, : self.q.dimension].ravel() - self.pairs.b
+        return rates
 
     @property
     def body_columns(self) -> Mapping[str, Array]:
@@ -59,13 +65,16 @@ class ReducedInstant:
         return {} if self.stress is None else self.stress.body_columns
 
     def write(self, folder: Path, step: int) -> dict[str, list[str]]:
-        """Write the series "bodies" and "contacts"."""
+        """Write the series "bodies" and "contacts".
+
+        Of each pair: the gap of the model, which may be stored, lambda, positive where the gap opens, and
+        gamma.
+        """
+        films = {"gap": np.exp(self.x), "force": self.force, "gamma": self.gamma}
         return on_root(
             lambda: {
                 "bodies": [write_bodies(folder, step, self.q, self.U, self.F)],
-                "contacts": [
-                    write_contacts(folder, step, self.q, self.pairs, self.x, self.force, self.gamma)
-                ],
+                "contacts": [write_contacts(folder, step, self.q, self.pairs, films)],
             }
         )
 
@@ -90,21 +99,23 @@ class ReducedModel:
         return self.under(self.surroundings(q, t), q, t, inertia)
 
     def under(
-        self, around: Surroundings, q: Configuration, t: float, inertia: Inertia | None = None
+        self, ambient: Surroundings, q: Configuration, t: float, inertia: Inertia | None = None
     ) -> ReducedInstant:
-        """The velocities in given surroundings, with the loads that are in them; raises as a call does."""
+        """The velocities in given ambient, with the loads that are in them; raises as a call does."""
         began = process_time()
-        pairs = find_pairs(q, around.space, self.reach)
+        pairs = find_pairs(q, ambient.enclosure, self.reach)
         if np.any(pairs.gap <= 0.0):
             raise SolveError(f"reduced model at t = {t:.9g}: bodies overlap (gap {pairs.gap.min():.3g})")
         x = np.log(pairs.gap)
         kappa = self.laws.kappa(x, pairs.radius, pairs.is_wall)
-        found = process_time()
-        solved = solve_system(around, pairs, kappa, inertia)
+        paired = process_time()
+        solved = solve_system(ambient, pairs, kappa, inertia)
         checks = identities(solved.network, q, solved.U, solved.alone, solved.force) | solved.balances()
         require(checks, t)
-        spent = {"cpu_pairs": found - began, "cpu_solve": process_time() - found}
-        stress = lubrication_stress(around.space, pairs, solved.force, q.radii, self.case.fluid.viscosity)
+        spent = {"cpu_pairs": paired - began, "cpu_solve": process_time() - paired}
+        stress = lubrication_stress(
+            ambient.enclosure, pairs, solved.force, q.radii, self.case.fluid.viscosity
+        )
         columns = {} if stress is None else stress.record
         record = {"pairs": len(pairs), "dissipation": solved.dissipation, **columns, **checks, **spent}
         nothing = np.zeros(len(pairs))
@@ -112,8 +123,8 @@ class ReducedModel:
 
     def surroundings(self, q: Configuration, t: float) -> Surroundings:
         """Walls, periods, background flow, motion and drag at time t."""
-        space = make_space(self.case, t, q.centres.shape[1])
-        return Surroundings(space, self.motion(q, t), self.zeta, space.background(q.centres))
+        enclosure = make_enclosure(self.case, t)
+        return Surroundings(enclosure, self.motion(q, t), self.zeta, enclosure.background(q.centres))
 
     def motion(self, q: Configuration, t: float) -> Motion:
         """What holds and what drives the bodies at q and time t."""

@@ -56,10 +56,13 @@ def own_mobility(G: sp.csr_matrix, Z_inverse: Array) -> Array:
 
 
 @dataclass(frozen=True, slots=True)
-class Network:
+class GapNetwork:
     """The gaps with their laws at one instant.
 
-    pairs: P of them between N bodies; G: (P, N d); compliance: 1/kappa > 0, (P,).
+    Attributes:
+        pairs: P of them between N bodies.
+        G: (P, N d).
+        compliance: 1/kappa > 0, (P,).
     """
 
     pairs: Pairs
@@ -99,13 +102,13 @@ class Network:
         return u0 - Z_inverse * self.loads(force), force
 
 
-def make_network(pairs: Pairs, kappa: Array, Z_inverse: Array) -> Network:
+def make_network(pairs: Pairs, kappa: Array, Z_inverse: Array) -> GapNetwork:
     """The network of pairs with resistances kappa (P,), 0 and infinite ones within reach of numbers."""
     G = gradient(pairs, len(Z_inverse))
     own = own_mobility(G, Z_inverse)
     with np.errstate(divide="ignore"):
         compliance = np.clip(1.0 / kappa, _RIGID * np.where(own > 0.0, own, 1.0), _SLACK)
-    return Network(pairs, G, compliance)
+    return GapNetwork(pairs, G, compliance)
 
 
 def _solve_spd(S: sp.csr_array, right: Array, d: int) -> Array:

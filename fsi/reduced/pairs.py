@@ -10,18 +10,24 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Configuration
 from fsi.bodies.gaps import find_gaps, row_numbers
 from fsi.meshes.geometry.lattice import Lattice
-from fsi.reduced.space import Space, wall_gaps
+from fsi.reduced.enclosure import Enclosure, wall_gaps
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pairs:
-    """P pairs in d dimensions, ordered by key; side i is a body, side j a body or, from N on, wall j - N.
+    """P pairs in d dimensions, ordered by key.
 
-    i, j, is_wall: (P,); shift: what the image of body j is moved by, (P, d); n: unit normals from j to i, so
-    that `D' = n.(u_i - u_j) - b`, (P, d); gap: D(q), (P,); radius: the reduced radius a_r, (P,);
-    curvature: of D across n, `G'.u = curvature |u_i - u_j across n|^2`, (P,); b: how fast side j
-    moves along n by itself, as a wall or with the lattice, (P,); key: of the pair as long as the bodies are
-    the same, rows (i, j, periods), (P, 2 + k).
+    Attributes:
+        i: a body, (P,).
+        j: a body or, from N on, wall j - N, (P,).
+        is_wall: which, (P,).
+        shift: what the image of body j is moved by, (P, d).
+        n: unit normals from j to i, so that `D' = n.(u_i - u_j) - b`, (P, d).
+        gap: D(q), (P,).
+        radius: the reduced radius a_r, (P,).
+        curvature: of D across n, `G'.u = curvature |u_i - u_j across n|^2`, (P,).
+        b: how fast side j moves along n by itself, as a wall or with the lattice, (P,).
+        key: of the pair as long as the bodies are the same, rows (i, j, periods), (P, 2 + k).
     """
 
     i: NDArray[np.intp]
@@ -40,11 +46,13 @@ class Pairs:
         return len(self.gap)
 
 
-def find_pairs(q: Configuration, space: Space, reach: float, kept: NDArray[np.int64] | None = None) -> Pairs:
-    """All pairs with a gap up to `reach`, perhaps infinite, and those with the keys `kept` (K, 2 + k)."""
-    gaps, lattice = find_gaps(q, space.container, reach), Lattice(space.container.periods)
-    walls = wall_gaps(space.container, q.centres, q.radii)
-    body, wall = np.nonzero((walls.gap <= reach) & walls.lubricates & space.solid)
+def find_pairs(
+    q: Configuration, enclosure: Enclosure, reach: float, also: NDArray[np.int64] | None = None
+) -> Pairs:
+    """All pairs with a gap up to `reach`, perhaps infinite, and those with the keys `also` (K, 2 + k)."""
+    gaps, lattice = find_gaps(q, enclosure.container, reach), Lattice(enclosure.container.periods)
+    walls = wall_gaps(enclosure.container, q.centres, q.radii)
+    body, wall = np.nonzero((walls.gap <= reach) & walls.lubricates & enclosure.solid)
     periods = np.rint(lattice.coordinates(gaps.away))
     key = np.vstack(
         [
@@ -52,9 +60,9 @@ def find_pairs(q: Configuration, space: Space, reach: float, kept: NDArray[np.in
             np.column_stack([body, len(q) + wall, np.zeros((len(body), lattice.dimension))]),
         ]
     ).astype(np.int64)
-    if kept is not None and len(kept):
-        key = np.vstack([key, kept])
-    return of_keys(q, space, _distinct(key))
+    if also is not None and len(also):
+        key = np.vstack([key, also])
+    return of_keys(q, enclosure, _distinct(key))
 
 
 def _distinct(key: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -65,10 +73,10 @@ def _distinct(key: NDArray[np.int64]) -> NDArray[np.int64]:
     return key[order[new]]
 
 
-def of_keys(q: Configuration, space: Space, key: NDArray[np.int64]) -> Pairs:
+def of_keys(q: Configuration, enclosure: Enclosure, key: NDArray[np.int64]) -> Pairs:
     """The pairs with these keys (P, 2 + k), as they are now."""
     i, j = key[:, 0].astype(np.intp), key[:, 1].astype(np.intp)
-    shift = Lattice(space.container.periods).shift(key[:, 2:]) + np.zeros((1, q.dimension))
+    shift = Lattice(enclosure.container.periods).shift(key[:, 2:]) + np.zeros((1, q.dimension))
     is_wall = j >= len(q)
     other = np.where(is_wall, 0, j)
     separation = q.centres.take(i, axis=0) - q.centres.take(other, axis=0) - shift
@@ -78,18 +86,18 @@ def of_keys(q: Configuration, space: Space, key: NDArray[np.int64]) -> Pairs:
     radius = q.radii[i] * q.radii[other] / (q.radii[i] + q.radii[other])
     curvature = 1.0 / np.where(distance > 0.0, distance, 1.0)
     if np.any(is_wall):
-        walls, at = wall_gaps(space.container, q.centres, q.radii), (i[is_wall], j[is_wall] - len(q))
+        walls, at = wall_gaps(enclosure.container, q.centres, q.radii), (i[is_wall], j[is_wall] - len(q))
         n[is_wall], gap[is_wall] = walls.normal[at], walls.gap[at]
         curvature[is_wall] = walls.curvature[at]
         radius[is_wall] = walls.radius[at]
-    b = own_speed(n, shift, np.where(is_wall, j - len(q), -1), space)
+    b = own_speed(n, shift, np.where(is_wall, j - len(q), -1), enclosure)
     return Pairs(i, j, is_wall, shift, n, gap, radius, curvature, b, key)
 
 
-def own_speed(n: Array, shift: Array, wall: NDArray[np.intp], space: Space) -> Array:
+def own_speed(n: Array, shift: Array, wall: NDArray[np.intp], enclosure: Enclosure) -> Array:
     """b, how fast sides j move along n as walls (P,), -1 for none, or with the lattice; shape (P,)."""
-    velocity = shift @ space.gradient.T
-    velocity[wall >= 0] = space.wall_velocity[wall[wall >= 0]]
+    velocity = shift @ enclosure.gradient.T
+    velocity[wall >= 0] = enclosure.wall_velocity[wall[wall >= 0]]
     b: Array = np.einsum("pk,pk->p", n, velocity)
     return b
 

@@ -18,9 +18,8 @@ from math import nan
 import numpy as np
 
 from fsi.bodies.configuration import Array
-from fsi.meshes.geometry.periodic import Cell, Channel
+from fsi.reduced.enclosure import Enclosure
 from fsi.reduced.pairs import Pairs
-from fsi.reduced.space import Space
 
 _COMPONENTS = {"xx": (0, 0), "xy": (0, 1), "yy": (1, 1)}
 
@@ -29,8 +28,11 @@ _COMPONENTS = {"xx": (0, 0), "xy": (0, 1), "yy": (1, 1)}
 class LubricationStress:
     """The lubrication stress over a periodic domain of the area |Omega|.
 
-    stresslets: S_i, (N, 2, 2); area: |Omega|; viscosity: `Sigma_L:E / (2 mu E:E)`, what lubrication along the
-    lines of centres adds to the viscosity over that of the fluid, None without a mean strain rate.
+    Attributes:
+        stresslets: S_i, (N, 2, 2).
+        area: |Omega|.
+        viscosity: `Sigma_L:E / (2 mu E:E)`, what lubrication along the lines of centres adds to the viscosity
+            over that of the fluid, None without a mean strain rate.
     """
 
     stresslets: Array
@@ -58,18 +60,17 @@ class LubricationStress:
 
 
 def lubrication_stress(
-    space: Space, pairs: Pairs, force: Array, radii: Array, viscosity: float
+    enclosure: Enclosure, pairs: Pairs, force: Array, radii: Array, viscosity: float
 ) -> LubricationStress | None:
-    """Sigma_L in a periodic space, with forces (P,) of the gaps, positive where they open; else None."""
-    container = space.container
-    if not isinstance(container, Channel | Cell):
+    """Sigma_L in a periodic domain, with forces (P,) of the gaps, positive where they open; else None."""
+    if not len(enclosure.container.periods):
         return None
-    E = 0.5 * (space.gradient + space.gradient.T)
-    found = LubricationStress(_stresslets(pairs, force, radii), container.volume, None)
+    E = 0.5 * (enclosure.gradient + enclosure.gradient.T)
+    stress = LubricationStress(_stresslets(pairs, force, radii), enclosure.container.volume, None)
     rate = float(np.sum(E**2))
     if rate == 0.0:
-        return found
-    return replace(found, viscosity=float(np.sum(found.mean * E)) / (2.0 * viscosity * rate))
+        return stress
+    return replace(stress, viscosity=float(np.sum(stress.mean * E)) / (2.0 * viscosity * rate))
 
 
 def _stresslets(pairs: Pairs, force: Array, radii: Array) -> Array:

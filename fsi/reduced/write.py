@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import meshio
 import numpy as np
-from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.errors import SolveError
@@ -17,25 +17,25 @@ def write_bodies(folder: Path, step: int, q: Configuration, U: Array, F: Array) 
     """Write `bodies_<step>.vtu`: a point for each body with radius, velocity, force, both of (N, modes)."""
     d = q.centres.shape[1]
     data = {"radius": q.radii, "velocity": _in_space(U[:, :d]), "force": _in_space(F[:, :d])}
-    vertices = np.arange(len(q))[:, None]
-    return _write(folder, f"bodies_{step:06d}.vtu", q.centres, "vertex", vertices, data, {})
+    vertices = [("vertex", np.arange(len(q))[:, None])]
+    return _write(
+        folder / f"bodies_{step:06d}.vtu", meshio.Mesh(_in_space(q.centres), vertices, point_data=data)
+    )
 
 
-def write_contacts(
-    folder: Path, step: int, q: Configuration, pairs: Pairs, x: Array, force: Array, gamma: Array
-) -> str:
+def write_contacts(folder: Path, step: int, q: Configuration, pairs: Pairs, data: Mapping[str, Array]) -> str:
     """Write `contacts_<step>.vtu`: a line for each pair from centre to centre, or to the wall.
 
-    Its data, (P,): gap (that of the model, which may be stored), force (lambda, positive where the gap
-    opens), and gamma, the stored impulse.
+    data: what is known of each pair, (P,) by name.
     """
     start = q.centres[pairs.i]
     other = np.where(pairs.is_wall, 0.0, q.radii[np.where(pairs.is_wall, 0, pairs.j)])
     end = start - (q.radii[pairs.i] + pairs.gap + other)[:, None] * pairs.n
     P = len(pairs)
-    lines = np.column_stack([np.arange(P), P + np.arange(P)])
-    data = {"gap": [np.exp(x)], "force": [force], "gamma": [gamma]}
-    return _write(folder, f"contacts_{step:06d}.vtu", np.vstack([start, end]), "line", lines, {}, data)
+    lines = [("line", np.column_stack([np.arange(P), P + np.arange(P)]))]
+    cell_data = {name: [values] for name, values in data.items()}
+    mesh = meshio.Mesh(_in_space(np.vstack([start, end])), lines, cell_data=cell_data)
+    return _write(folder / f"contacts_{step:06d}.vtu", mesh)
 
 
 def _in_space(vectors: Array) -> Array:
@@ -43,21 +43,12 @@ def _in_space(vectors: Array) -> Array:
     return np.column_stack([vectors, np.zeros((len(vectors), 3 - vectors.shape[1]))])
 
 
-def _write(
-    folder: Path,
-    name: str,
-    points: Array,
-    cell: str,
-    cells: NDArray[np.int64],
-    data: dict[str, Array],
-    cell_data: dict[str, list[Array]],
-) -> str:
-    mesh = meshio.Mesh(_in_space(points), [(cell, cells)], point_data=data, cell_data=cell_data)
-    path = folder / name
-    temporary = path.with_name(f".{name}.partial")
+def _write(path: Path, mesh: meshio.Mesh) -> str:
+    """Write under a temporary name that is then the path's, which is returned."""
+    temporary = path.with_name(f".{path.name}.partial")
     try:
         meshio.write(temporary, mesh, file_format="vtu")
         temporary.replace(path)
     except OSError as error:
         raise SolveError(f"cannot write {path}: {error.strerror}") from error
-    return name
+    return path.name

@@ -195,9 +195,8 @@ def print_case(console: Console, case: Case) -> None:
 
 
 def _walls_table(case: Case) -> Table:
-    at_rest = (0.0,) * case.dimension
     conditions = case.domain.walls.items()
-    rows = ((name, "at rest" if wall == at_rest else toml_text(wall)) for name, wall in conditions)
+    rows = ((name, "at rest" if wall.rests else toml_text(wall)) for name, wall in conditions)
     return table(("wall", "what holds there"), (), rows)
 
 

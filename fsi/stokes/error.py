@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Configuration, Motion
 from fsi.case.case import Case
 from fsi.observables.error_estimate import ErrorEstimate, Results, StepErrors, relative_change
-from fsi.observables.flow_scales import drive_of
+from fsi.observables.flow_scales import flow_scales
 from fsi.stokes.solution import StokesSolution
 
 SAFETY = 1.5
@@ -62,7 +62,7 @@ def step_errors(case: Case, t: float, results: Results, other: StokesSolution) -
         factor * abs(getattr(results, "dissipation", nan) - other.dissipation),
         _of_viscosity(results, other),
     )
-    relative = relative_change(results, errors, motion.held, q.arms, drive_of(case, t))
+    relative = relative_change(results, errors, motion.held, q.arms, flow_scales(case, t))
     mu = getattr(results, "apparent_viscosity", None)
     if mu is not None and errors.apparent_viscosity is not None:
         relative["viscosity"] = errors.apparent_viscosity / abs(mu)

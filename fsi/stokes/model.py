@@ -15,6 +15,7 @@ from fsi.case.case import Case
 from fsi.case.walls import WallVelocity
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.files.read import read_mesh
+from fsi.meshes.geometry.containers import FluidDomain
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
@@ -97,11 +98,11 @@ class StokesModel:
     def mesh(self, q: Configuration, t: float = 0.0, order: int | None = None) -> FluidMesh:
         """A new mesh around the bodies at q and t, or the user's own; of the case's order if not given."""
         order = order or self.case.discretisation.degree
-        container = self.case.container().at(t)
+        domain = FluidDomain(self.case.container().at(t), q.centres, q.radii)
         if self.case.domain.mesh is not None:
             path = Path(self.case.domain.mesh)
-            return read_mesh(path, self.case.names, container, q.centres, q.radii, order)
-        return build(container, q.centres, q.radii, self.resolution, order)
+            return read_mesh(path, self.case.names, domain, order)
+        return build(domain, self.resolution, order)
 
     def state(self) -> dict[str, NDArray[Any]]:
         """The centres around which the mesh in use was made, and when: moved meshes start from it."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from fsi.meshes.geometry.containers import Array
 from fsi.meshes.planar.sizing import Curve
-from fsi.meshes.planar.triangulate import Indices, edge_keys
+from fsi.meshes.planar.triangulate import Indices, StraightCells, edge_keys
 
 SIMPLEX = {2: basix.CellType.triangle, 3: basix.CellType.tetrahedron}  # by dimension
 EDGES = ((1, 2), (0, 2), (0, 1))  # local vertices of the local edges, as in basix
@@ -26,9 +26,12 @@ EDGES = ((1, 2), (0, 2), (0, 1))  # local vertices of the local edges, as in bas
 class CurvedCells:
     """A triangulation of order k before it is distributed.
 
-    nodes: (n, 2), vertices first; cells: node numbers in the order of basix, (T, (k+1)(k+2)/2);
-    edges: vertices of the boundary edges, (E, 2); tags: of these edges, (E,).
-    In space: nodes (n, 3); cells (T, (k+1)(k+2)(k+3)/6) are tetrahedra; `edges` are triangles, (E, 3).
+    Attributes:
+        nodes: vertices first, (n, d).
+        cells: node numbers in the order of basix, (T, (k+1)(k+2)/2), of tetrahedra (T, (k+1)(k+2)(k+3)/6).
+        edges: vertices of the edges on the boundary, in space of the triangles there, (E, d).
+        tags: of these, (E,).
+        order: k.
     """
 
     nodes: Array
@@ -47,14 +50,13 @@ def reference_points(order: int, dimension: int = 2) -> Array:
     return points
 
 
-def curve(
-    vertices: Array, triangles: Indices, edges: Indices, tags: Indices, curves: Sequence[Curve], order: int
-) -> CurvedCells:
-    """Cells of the given order from straight triangles (T, 3) and tagged boundary edges (E, 2)."""
+def curve(straight: StraightCells, curves: Sequence[Curve], order: int) -> CurvedCells:
+    """Cells of the given order from straight triangles whose boundary lies on the curves."""
+    vertices, triangles = straight.vertices, straight.cells
     sides = np.stack([triangles[:, EDGES[e]] for e in range(3)], axis=1)
     keys, side_numbers = np.unique(edge_keys(sides.reshape(-1, 2), len(vertices)), return_inverse=True)
     unique, side_numbers = np.column_stack(np.divmod(keys, len(vertices))), side_numbers.reshape(-1, 3)
-    bend = _Bend(vertices, unique, edges, tags, curves, order)
+    bend = _Bend(straight, unique, curves, order)
 
     per_side = order - 1
     t = np.arange(1, order) / order
@@ -79,7 +81,7 @@ def curve(
     first += per_side * len(unique)
     cells[:, 3 + 3 * per_side :] = first + np.arange(inner_nodes[..., 0].size).reshape(len(triangles), -1)
     nodes = np.concatenate([vertices, side_nodes.reshape(-1, 2), inner_nodes.reshape(-1, 2)])
-    return CurvedCells(nodes, cells, edges, tags, order)
+    return CurvedCells(nodes, cells, straight.facets, straight.tags, order)
 
 
 class _Bend:
@@ -90,23 +92,16 @@ class _Bend:
     order 3; with Gauss-Lobatto points the order is 2 k.
     """
 
-    def __init__(
-        self,
-        vertices: Array,
-        sides: Indices,
-        edges: Indices,
-        tags: Indices,
-        curves: Sequence[Curve],
-        order: int,
-    ) -> None:
-        round_edges = np.isin(tags, [c.tag for c in curves if c.centre is not None])
-        ends = np.sort(edges[round_edges], axis=1)
-        n = len(vertices)
+    def __init__(self, straight: StraightCells, sides: Indices, curves: Sequence[Curve], order: int) -> None:
+        """Of the cells' sides, vertex numbers (s, 2), the lower one first."""
+        round_edges = np.isin(straight.tags, [c.tag for c in curves if c.centre is not None])
+        ends = np.sort(straight.facets[round_edges], axis=1)
+        vertices, n = straight.vertices, len(straight.vertices)
         self.side = np.searchsorted(edge_keys(sides, n), edge_keys(ends, n))
         self.row = np.full(len(sides), -1)
         self.row[self.side] = np.arange(len(self.side))
         self.a, self.b = vertices[ends[:, 0]], vertices[ends[:, 1]]
-        self.centre = _centres(tags[round_edges], self.a, curves)
+        self.centre = _centres(straight.tags[round_edges], self.a, curves)
         self.side_element = basix.create_element(
             basix.ElementFamily.P, basix.CellType.interval, order, basix.LagrangeVariant.gll_isaac
         )

@@ -11,28 +11,30 @@ import fsi.meshes.backend  # noqa: F401
 
 import meshio
 import numpy as np
-from mpi4py import MPI
 
 from fsi.meshes.build import FluidMesh, shared
 from fsi.meshes.cells.curved import CurvedCells, curve, reference_points
 from fsi.meshes.errors import MeshFileError
 from fsi.meshes.files.write import LINES, TRIANGLES, gmsh_order
-from fsi.meshes.geometry.containers import Array, Container, boundary_distances, boundary_names
+from fsi.meshes.geometry.containers import Array, FluidDomain
 from fsi.meshes.planar.sizing import Curve
-from fsi.meshes.planar.triangulate import Indices
+from fsi.meshes.planar.triangulate import Indices, StraightCells, boundary_sides, clockwise
 
 MISPLACED = 1e-3  # how far, in radii or sizes of the container, a tagged edge may lie off its body or wall
 
 
-def read_mesh(
-    path: Path, names: Sequence[str], container: Container, centres: Array, radii: Array, order: int,
-    comm: MPI.Intracomm = MPI.COMM_WORLD,
-) -> FluidMesh:  # fmt: skip
+def read_mesh(path: Path, names: Sequence[str], domain: FluidDomain, order: int) -> FluidMesh:
     """Read a gmsh mesh of the fluid around discs; collective.
 
     The file needs a physical curve for each body and wall, of its name, and a physical surface of any name.
-    Straight triangles are curved to `order` along the discs (and the arc `far`); curved ones are taken as
-    they are.
+    Straight triangles are curved to `order` along the discs and round walls; curved ones are taken as they
+    are.
+
+    Args:
+        path: of the file.
+        names: of the bodies.
+        domain: the container and the bodies.
+        order: of the cells, 1 ... 4.
 
     Raises:
         MeshFileError: unreadable file, missing or misplaced group, untagged boundary.
@@ -41,15 +43,13 @@ def read_mesh(
 
     def read() -> CurvedCells:
         try:
-            if container.dimension == 3:
+            if domain.container.dimension == 3:
                 raise MeshFileError("is a mesh in space, which cannot be read; leave domain.mesh out")
-            return _cells(
-                _read_gmsh(path), [*names, *boundary_names(container)], container, centres, radii, order
-            )
+            return _cells(_read_gmsh(path), [*names, *domain.container.boundary_names], domain, order)
         except MeshFileError as error:
             raise MeshFileError(f"domain.mesh = {path}: {error}") from error
 
-    return shared(read, container, len(radii), comm)
+    return shared(read, domain)
 
 
 def _read_gmsh(path: Path) -> meshio.Mesh:
@@ -61,36 +61,36 @@ def _read_gmsh(path: Path) -> meshio.Mesh:
         raise MeshFileError("cannot be read; give a .msh file written by gmsh") from error
 
 
-def _cells(
-    mesh: meshio.Mesh, names: Sequence[str], container: Container, centres: Array, radii: Array, order: int
-) -> CurvedCells:
+def _cells(mesh: meshio.Mesh, names: Sequence[str], domain: FluidDomain, order: int) -> CurvedCells:
     """The cells of a file, with tags in our numbers: 1 + the place in `names`, of bodies and walls."""
     kinds = [k for k, name in enumerate(TRIANGLES) if name in mesh.cells_dict]
     if len(kinds) != 1:
         raise MeshFileError(
             f"has {len(kinds)} kinds of triangles; make the fluid a physical surface, of order 1 to 4"
         )
-    own_order = kinds[0] + 1
-    if own_order > order:
+    order_in_file = kinds[0] + 1
+    if order_in_file > order:
         raise MeshFileError(
-            f"has triangles of order {own_order}; give discretisation.degree = {own_order} or more"
+            f"has triangles of order {order_in_file}; give discretisation.degree = {order_in_file} or more"
         )
-    triangles = mesh.cells_dict[TRIANGLES[own_order - 1]].astype(np.int64)
-    edges, tags = _tagged_edges(mesh, LINES[own_order - 1], names)
+    triangles = mesh.cells_dict[TRIANGLES[kinds[0]]].astype(np.int64)
+    edges, tags = _tagged_edges(mesh, LINES[kinds[0]], names)
     used, numbers = np.unique(triangles, return_inverse=True)
     renumber = np.full(len(mesh.points), -1)
     renumber[used] = np.arange(len(used))
-    triangles = numbers.reshape(triangles.shape)[:, np.argsort(gmsh_order(own_order))]
+    triangles = numbers.reshape(triangles.shape)[:, np.argsort(gmsh_order(order_in_file))]
     nodes, edges = mesh.points[used, :2], renumber[edges]
     _require_boundary(triangles[:, :3], edges)
-    _require_places(nodes[edges], tags, names, container, centres, radii)
-    triangles = _counterclockwise(nodes, triangles, own_order)
-    if own_order > 1:
-        return CurvedCells(nodes, triangles, edges, tags, own_order)
-    circles = [Curve(i + 1, np.empty((0, 2)), closed=True, centre=centre) for i, centre in enumerate(centres)]
-    if "far" in names:
-        circles.append(Curve(names.index("far") + 1, np.empty((0, 2)), closed=False, centre=np.zeros(2)))
-    return curve(nodes, triangles, edges, tags, circles, order)
+    _require_places(nodes[edges], tags, names, domain)
+    triangles = _counterclockwise(nodes, triangles, order_in_file)
+    if order_in_file > 1:
+        return CurvedCells(nodes, triangles, edges, tags, order_in_file)
+    walls = zip(domain.container.walls, domain.container.spheres, strict=True)
+    centres = dict(enumerate(domain.centres)) | {
+        names.index(wall): sphere.centre for wall, sphere in walls if sphere is not None
+    }
+    circles = [Curve(k + 1, np.empty((0, 2)), closed=False, centre=x) for k, x in centres.items()]
+    return curve(StraightCells(nodes, triangles, edges, tags), circles, order)
 
 
 def _tagged_edges(mesh: meshio.Mesh, kind: str, names: Sequence[str]) -> tuple[Indices, Indices]:
@@ -108,11 +108,7 @@ def _tagged_edges(mesh: meshio.Mesh, kind: str, names: Sequence[str]) -> tuple[I
 
 def _require_boundary(triangles: Indices, edges: Indices) -> None:
     """Every boundary edge must be tagged."""
-    sides = np.sort(
-        np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [0, 2]]]), axis=1
-    )
-    found, count = np.unique(sides, axis=0, return_counts=True)
-    boundary = {tuple(edge) for edge in found[count == 1].tolist()}
+    boundary = {tuple(edge) for edge in boundary_sides(triangles).tolist()}
     tagged = {tuple(edge) for edge in np.sort(edges, axis=1).tolist()}
     if boundary != tagged:
         raise MeshFileError(
@@ -121,16 +117,17 @@ def _require_boundary(triangles: Indices, edges: Indices) -> None:
         )
 
 
-def _require_places(
-    ends: Array, tags: Indices, names: Sequence[str], container: Container, centres: Array, radii: Array
-) -> None:
+def _require_places(ends: Array, tags: Indices, names: Sequence[str], domain: FluidDomain) -> None:
     """Tagged edges, their ends (E, 2, 2), must lie on their circle or wall."""
+    bodies = len(domain.radii)
     for k, name in enumerate(names):
         x = ends[tags == k + 1].reshape(-1, 2)
-        if k < len(radii):
-            away, scale = np.hypot(*(x - centres[k]).T) - radii[k], radii[k]
+        if k < bodies:
+            scale = domain.radii[k]
+            away = np.hypot(*(x - domain.centres[k]).T) - scale
         else:
-            away, scale = boundary_distances(container, x)[:, k - len(radii)], container.size()
+            scale = domain.container.size()
+            away = domain.container.boundary_distances(x)[:, k - bodies]
         worst = float(np.abs(away).max())
         if worst > MISPLACED * scale:
             raise MeshFileError(f"{name} lies up to {worst:.3g} off its place; correct the case or the mesh")
@@ -138,8 +135,6 @@ def _require_places(
 
 def _counterclockwise(nodes: Array, triangles: Indices, order: int) -> Indices:
     """The same triangles, clockwise ones mirrored."""
-    a, b, c = (nodes[triangles[:, k]] for k in range(3))
-    clockwise = (b - a)[:, 0] * (c - a)[:, 1] < (b - a)[:, 1] * (c - a)[:, 0]
     X = reference_points(order)
     mirror = np.argmin(np.abs(X[:, None, ::-1] - X[None]).sum(axis=2), axis=1)
-    return np.where(clockwise[:, None], triangles[:, mirror], triangles)
+    return np.where(clockwise(nodes, triangles)[:, None], triangles[:, mirror], triangles)

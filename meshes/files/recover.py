@@ -20,28 +20,26 @@ from scipy.spatial import cKDTree
 from fsi.meshes.cells.curved import CurvedCells
 from fsi.meshes.errors import MeshFileError, at
 from fsi.meshes.files.write import VTK_SIMPLICES, vtk_order
-from fsi.meshes.geometry.containers import Array, Container, boundary_distances
+from fsi.meshes.geometry.containers import Array, FluidDomain
 from fsi.meshes.geometry.lattice import Lattice
-from fsi.meshes.planar.triangulate import Indices
+from fsi.meshes.planar.triangulate import Indices, boundary_sides
 
 # Ranks share nodes to rounding; ends of a boundary edge lie on their body or wall nearly so.
 SAME_NODE = 1e-13
 ON_SURFACE = 1e-8
 
 
-def recover(parts: Sequence[Path], container: Container, centres: Array, radii: Array) -> CurvedCells:
+def recover(parts: Sequence[Path], domain: FluidDomain) -> CurvedCells:
     """The cells in the field files of one step, with their boundary tagged as in `FluidMesh`.
 
     Args:
         parts: the VTU files of all ranks.
-        container: what encloses the fluid.
-        centres: q_i at that step, shape (N, dimension).
-        radii: a_i, shape (N,).
+        domain: the container and the bodies at that step.
 
     Raises:
         MeshFileError: a file cannot be read, or its boundary is not that of these bodies and walls.
     """
-    pieces, first, d = [], 0, container.dimension
+    pieces, first, d = [], 0, domain.container.dimension
     try:
         for part in parts:
             mesh = meshio.read(part)
@@ -51,11 +49,11 @@ def recover(parts: Sequence[Path], container: Container, centres: Array, radii: 
     except (OSError, meshio.ReadError, KeyError) as error:
         raise MeshFileError(f"{part}: cannot be read ({error}); mend the run with `fsi resume`") from None
     x, cells = (np.concatenate([piece[k] for piece in pieces]) for k in range(2))
-    x, cells = _merged(x, cells, SAME_NODE * container.size())
+    x, cells = _merged(x, cells, SAME_NODE * domain.container.size())
     cells = cells[:, np.argsort(vtk_order(cells.shape[1], d))]
     order = next(k for k in range(1, cells.shape[1]) if comb(k + d, d) == cells.shape[1])
-    edges = _boundary_facets(cells[:, : d + 1])
-    return CurvedCells(x, cells, edges, _tags(x[edges], container, centres, radii), order)
+    edges = boundary_sides(cells[:, : d + 1])
+    return CurvedCells(x, cells, edges, _tags(x[edges], domain), order)
 
 
 def _merged(x: Array, cells: Indices, distance: float) -> tuple[Array, Indices]:
@@ -63,33 +61,25 @@ def _merged(x: Array, cells: Indices, distance: float) -> tuple[Array, Indices]:
     same = np.arange(len(x))
     pairs = cKDTree(x).query_pairs(distance, output_type="ndarray")
     np.minimum.at(same, pairs.max(axis=1), pairs.min(axis=1))
-    kept, number = np.unique(same, return_inverse=True)
-    return x[kept], number[cells]
+    distinct, number = np.unique(same, return_inverse=True)
+    return x[distinct], number[cells]
 
 
-def _boundary_facets(simplices: Indices) -> Indices:
-    """Sides that belong to one cell only, (E, dimension)."""
-    sides = np.sort(
-        np.concatenate([np.delete(simplices, k, axis=1) for k in range(simplices.shape[1])]), axis=1
-    )
-    unique, count = np.unique(sides, axis=0, return_counts=True)
-    facets: Indices = unique[count == 1]
-    return facets
-
-
-def _tags(ends: Array, container: Container, centres: Array, radii: Array) -> Indices:
+def _tags(ends: Array, domain: FluidDomain) -> Indices:
     """The body or wall that all corners of each facet (E, d, d) lie on; the rest is the cut, if any."""
+    container, radii = domain.container, domain.radii
     tags, lattice = np.zeros(len(ends), dtype=np.int64), Lattice(container.periods)
+    centres = lattice.wrapped(domain.centres)
     home = lattice.wrapped(ends.mean(axis=1))
     ends = ends - (ends.mean(axis=1) - home)[:, None]
     middles = cKDTree(home)
     for i, m in product(range(len(radii)), lattice.near()):
-        centre, radius = lattice.wrapped(centres[i : i + 1])[0] + lattice.shift(m[None])[0], radii[i]
+        centre, radius = centres[i] + lattice.shift(m[None])[0], radii[i]
         near = np.array(middles.query_ball_point(centre, radius * (1.0 + ON_SURFACE)), dtype=np.intp)
         away = np.abs(np.hypot.reduce(ends[near] - centre, axis=2) - radius).max(axis=1, initial=0.0)
         tags[near[away < ON_SURFACE * radius]] = i + 1
     corners = np.moveaxis(ends, 1, 0)
-    to_walls = np.abs(np.stack([boundary_distances(container, x) for x in corners])).max(axis=0)
+    to_walls = np.abs(np.stack([container.boundary_distances(x) for x in corners])).max(axis=0)
     if to_walls.shape[1]:
         wall = to_walls.argmin(axis=1)
         on_wall = (tags == 0) & (to_walls.min(axis=1) < ON_SURFACE * container.size())

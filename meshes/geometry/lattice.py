@@ -7,6 +7,7 @@ many periods there are: without any, the lattice has no vectors and each point i
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial, reduce
 from itertools import product
 
 import numpy as np
@@ -19,11 +20,12 @@ Integers = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True)
 class Lattice:
-    """Lattice vectors e_k as rows, shape (k, 2) with k = 1 or 2; independent, and reduced if there are two.
+    """The translations m @ vectors.
 
-    Without periods the shape is (0, 1): translations are then zeros that suit points of any dimension.
-    Reduced (Lagrange, Gauss): no other basis is shorter, so that the nearest image of a point is among those
-    with |m_k| <= 1 after rounding its coordinates.
+    Attributes:
+        vectors: e_k as rows, (k, d) with k from 0 to d; independent, and reduced (Lagrange, Gauss): no other
+            basis is shorter, so that the nearest image of a point is among those with |m_k| <= 1 after
+            rounding its coordinates. Orthogonal ones are.
     """
 
     vectors: Array
@@ -38,14 +40,14 @@ class Lattice:
         return float(np.linalg.norm(self.vectors, axis=1).max(initial=0.0))
 
     def coordinates(self, x: Array) -> Array:
-        """Coordinates of points or differences (n, 2) along the lattice vectors, (n, k)."""
+        """Coordinates of points or differences (n, d) along the lattice vectors, (n, k)."""
         if self.dimension == 0:
             return np.empty((len(x), 0))
-        found: Array = x @ np.linalg.pinv(self.vectors)
-        return found
+        coordinates: Array = x @ np.linalg.pinv(self.vectors)
+        return coordinates
 
     def shift(self, m: Integers) -> Array:
-        """The translations m @ vectors, (n, 2), of integers (n, k)."""
+        """The translations m @ vectors, (n, d), of integers (n, k)."""
         moved: Array = m @ self.vectors
         return moved
 
@@ -55,7 +57,7 @@ class Lattice:
         return every.reshape(3**self.dimension, self.dimension)
 
     def nearest(self, d: Array) -> Integers:
-        """The integers m (n, k) for which `d - m @ vectors` is shortest, for differences d (n, 2)."""
+        """The integers m (n, k) for which `d - m @ vectors` is shortest, for differences d (n, d)."""
         m = np.rint(self.coordinates(d)).astype(np.int64)
         if self.dimension < 2:
             return m
@@ -64,7 +66,7 @@ class Lattice:
         return trials[np.arange(len(d)), np.argmin(lengths, axis=1)]
 
     def wrapped(self, x: Array) -> Array:
-        """The images of points (n, 2) with lattice coordinates in [0, 1)."""
+        """The images of points (n, d) with lattice coordinates in [0, 1)."""
         return x - self.shift(np.floor(self.coordinates(x)).astype(np.int64))
 
     def images(self, x: Array, distance: float) -> tuple[NDArray[np.intp], Integers]:
@@ -77,11 +79,19 @@ class Lattice:
         """
         at = self.coordinates(x)
         width = distance * np.linalg.norm(np.linalg.pinv(self.vectors), axis=0)  # in lattice coordinates
-        shifts = np.array(list(product(*(range(-n, n + 1) for n in np.ceil(width).astype(int)))), np.int64)
-        shifts = shifts.reshape(len(shifts), self.dimension)
+        steps = [range(-n, n + 1) for n in np.ceil(width).astype(int)]
+        # Few points are near a side of the cell: they are looked up once, and sought in no other way.
+        at_side = {
+            (k, step): np.flatnonzero((at[:, k] + step >= -width[k]) & (at[:, k] + step <= 1.0 + width[k]))
+            for k, every in enumerate(steps)
+            for step in every
+            if step
+        }
+        shifts = np.array(list(product(*steps)), np.int64).reshape(-1, self.dimension)
         originals, m = [np.empty(0, np.intp)], [np.empty((0, self.dimension), np.int64)]
         for shift in shifts[positive(shifts)]:
-            near = np.flatnonzero(np.all((at + shift >= -width) & (at + shift <= 1.0 + width), axis=1))
+            sides = [at_side[k, int(step)] for k, step in enumerate(shift) if step]
+            near = reduce(partial(np.intersect1d, assume_unique=True), sides)
             originals.append(near)
             m.append(np.tile(shift, (len(near), 1)))
         return np.concatenate(originals), np.concatenate(m)
@@ -92,8 +102,8 @@ NO_LATTICE = Lattice(np.empty((0, 1)))
 
 def positive(m: Integers) -> NDArray[np.bool_]:
     """Of every two opposite shifts (n, k) one: that whose first component other than 0 is positive."""
-    found: NDArray[np.bool_] = np.sign(m) @ 3.0 ** -np.arange(m.shape[1]) > 0.0
-    return found
+    first_positive: NDArray[np.bool_] = np.sign(m) @ 3.0 ** -np.arange(m.shape[1]) > 0.0
+    return first_positive
 
 
 def reduced(vectors: Array) -> Array:

@@ -6,80 +6,31 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsi.meshes.geometry.containers import Array, Container, Steady
+from fsi.meshes.geometry.containers import Array, Box, Container
+from fsi.meshes.geometry.curves import WallCurve
 from fsi.meshes.geometry.lattice import reduced
 
 Vector = tuple[float, float]
 
 
-class _Planar:
-    """A container in the plane."""
+@dataclass(frozen=True, slots=True)
+class Channel(Box):
+    """A box that is periodic, unless said otherwise along x: in the plane the strip from bottom to top."""
 
-    __slots__ = ()
-
-    @property
-    def axisymmetric(self) -> bool:
-        """It is not."""
-        return False
-
-    @property
-    def dimension(self) -> int:
-        """2."""
-        return 2
-
-    def axis(self) -> Vector:
-        """Raises TypeError: only an axisymmetric container has one."""
-        raise TypeError(f"{type(self).__name__} has no axis of symmetry")
+    periodic: tuple[str, ...] = ("x",)
 
 
 @dataclass(frozen=True, slots=True)
-class Channel(_Planar, Steady):
-    """The strip between the walls bottom and top, periodic along x with the length of [lower, upper]."""
-
-    lower: Vector
-    upper: Vector
-
-    @property
-    def walls(self) -> tuple[str, ...]:
-        """Names of the walls."""
-        return ("bottom", "top")
-
-    @property
-    def corner_axes(self) -> tuple[int, ...]:
-        """y for both; they never meet."""
-        return (1, 1)
-
-    def distances(self, x: Array) -> Array:
-        """Distance of each point (n, 2) to the walls, shape (n, 2)."""
-        return np.column_stack([x[:, 1] - self.lower[1], self.upper[1] - x[:, 1]])
-
-    def size(self) -> float:
-        """Length of the diagonal."""
-        return float(np.hypot(*np.subtract(self.upper, self.lower)))
-
-    @property
-    def periods(self) -> Array:
-        """(L, 0)."""
-        return np.array([[self.upper[0] - self.lower[0], 0.0]])
-
-    @property
-    def volume(self) -> float:
-        """Of fluid and bodies together: an area."""
-        return float(np.prod(np.subtract(self.upper, self.lower)))
-
-    @property
-    def mean_gradient(self) -> Array:
-        """No mean flow."""
-        return np.zeros((2, 2))
-
-
-@dataclass(frozen=True, slots=True)
-class Cell(_Planar):
+class Cell(Container):
     """The plane with a lattice that moves with the mean flow `u = E x`.
 
-    vectors: two lattice vectors at time 0; gradient: E, rows of (dV_i / dx_j), without trace; time: t. The
-    lattice at time t is that of `exp(E t)` times the vectors, given by its reduced basis: a sheared lattice
-    returns to itself at whole strains, and no cell is ever more oblique than it must be.
+    The lattice at time t is that of `exp(E t)` times the vectors, given by its reduced basis: a sheared
+    lattice returns to itself at whole strains, and no cell is ever more oblique than it must be.
+
+    Attributes:
+        vectors: two lattice vectors at time 0.
+        gradient: E, rows of (dV_i / dx_j), without trace.
+        time: t.
     """
 
     vectors: tuple[Vector, Vector]
@@ -91,14 +42,17 @@ class Cell(_Planar):
         """It has none."""
         return ()
 
-    @property
-    def corner_axes(self) -> tuple[int, ...]:
-        """It has no corners."""
-        return ()
-
     def distances(self, x: Array) -> Array:
         """There are no walls: shape (n, 0)."""
         return np.empty((len(x), 0))
+
+    def normals(self, x: Array) -> Array:
+        """There are no walls: shape (n, 0, 2)."""
+        return np.empty((len(x), 0, 2))
+
+    def outline(self) -> tuple[WallCurve, ...]:
+        """There are no walls."""
+        return ()
 
     def size(self) -> float:
         """Length of the longer diagonal."""
@@ -107,7 +61,7 @@ class Cell(_Planar):
 
     def carried(self, e: Array, duration: float) -> Array:
         """Vectors e (n, 2) carried along by the mean flow: exp(E t) e."""
-        E = np.array(self.gradient)
+        E = self.mean_gradient
         rate = np.sqrt(max(-np.linalg.det(E), 0.0))  # E has no trace: E^2 = -det(E) I
         by_E = np.sinh(rate * duration) / rate if rate > 0.0 else duration
         moved: Array = e @ (np.cosh(rate * duration) * np.eye(2) + by_E * E).T
@@ -117,6 +71,11 @@ class Cell(_Planar):
     def periods(self) -> Array:
         """The reduced basis at this time, (2, 2)."""
         return reduced(self.carried(np.array(self.vectors), self.time))
+
+    @property
+    def image_reach(self) -> float:
+        """The longer diagonal of a cell of this area is at least as long, however it is sheared."""
+        return float(np.sqrt(2.0 * self.volume))
 
     def at(self, t: float) -> Cell:
         """The cell at time t."""
@@ -134,9 +93,3 @@ class Cell(_Planar):
 
 
 Periodic = Channel | Cell
-
-
-def mean_velocity(container: Container, x: Array) -> Array:
-    """The mean flow E x at points or between images, (n, 2): zero but in a cell."""
-    carried: Array = x @ container.mean_gradient.T
-    return carried

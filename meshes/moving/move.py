@@ -6,7 +6,7 @@ The displacement d of the vertices extends those of the bodies harmonically,
 
 where `volume`, in the plane the area, of the cell in the base mesh, makes small cells stiff. On the two sides
 of the cut of a periodic domain d differs by what the lattice has moved. In the plane nodes on discs, and on
-the walls of a channel, slip along their surfaces where that saves the mesh (see `rolling`); other walls keep
+the walls of a channel, slip along their surfaces where that saves the mesh (see `slip`); other walls keep
 theirs. Curved nodes follow by linear interpolation; how far they are off a straight cell turns with their
 disc, so that discs and spheres stay exactly what they are. Every move starts from the base mesh: it depends
 on where the bodies are, not on how they came there.
@@ -35,8 +35,8 @@ from fsi.meshes.cells.quality import determinant, scaled_jacobian
 from fsi.meshes.cholesky import factorised
 from fsi.meshes.geometry.containers import Array
 from fsi.meshes.matching import columns_of_masters, matching_nodes
-from fsi.meshes.moving.rims import Rims, along, linear_weights, turned
-from fsi.meshes.moving.slip import Rolling, Slips
+from fsi.meshes.moving.curved_boundary_cells import CurvedBoundaryCells, along, linear_weights, turned
+from fsi.meshes.moving.slip import Slip, SlipModes
 
 # A moved cell may differ from its base by this ratio of stretches at most, and keeps this scaled Jacobian.
 LARGEST_DISTORTION = 2.0
@@ -54,7 +54,7 @@ class Mover:
         self._vertices = fem.functionspace(fluid.mesh, vertex_element(fluid.dimension))
         self._inverse_sides = np.linalg.inv(_sides(self._x[fluid.mesh.geometry.dofmaps[0]]))
         tags = self._boundary_tags()
-        self._rims = Rims.of(fluid, tags[self._vertices.dofmap.list], self._x)
+        self._curved = CurvedBoundaryCells.of(fluid, tags[self._vertices.dofmap.list], self._x)
         self._tags = tags[: self._vertices.dofmap.index_map.size_local]
         self._on_body = np.flatnonzero((self._tags >= 1) & (self._tags <= fluid.bodies))
         self._body = self._tags[self._on_body] - 1
@@ -65,13 +65,13 @@ class Mover:
         self._slave, self._away, self._P = self._inside()
         self._stiffness = self._laplace()
         self._solver = factorised(self._stiffness, self._P)
-        slips = self._slips()
-        self._rolling = None if slips is None else Rolling(self._stiffness, self._P, slips)
+        modes = self._slip_modes()
+        self._slip = None if modes is None else Slip(self._stiffness, self._P, modes)
 
     def close(self) -> None:
         """Free matrix and factors."""
-        if self._rolling is not None:
-            self._rolling.close()
+        if self._slip is not None:
+            self._slip.close()
         self._solver.destroy()
         self._stiffness.destroy()
         self._P.destroy()
@@ -86,12 +86,12 @@ class Mover:
         Returns:
             the worst scaled Jacobian, or None (and the base mesh again) if the moved mesh is not good enough.
         """
-        given, turns = self._given(centres - self.centres, carried)
+        known, turns = self._known(centres - self.centres, carried)
         geometry = self.fluid.mesh.geometry
         linear, d = linear_weights(self.fluid.order, self.fluid.dimension), self.fluid.dimension
-        of_nodes = np.tensordot(self._extension(given), linear, axes=(1, 1)).transpose(0, 2, 1)
-        if self._rolling is not None:
-            of_nodes[self._rims.cells] += turned(self._rims.off_straight, turns[self._rims.body])
+        of_nodes = np.tensordot(self._extension(known), linear, axes=(1, 1)).transpose(0, 2, 1)
+        if self._slip is not None:
+            of_nodes[self._curved.cells] += turned(self._curved.off_straight, turns[self._curved.body])
         geometry.x[geometry.dofmaps[0], :d] = self._x[geometry.dofmaps[0]] + of_nodes
         quality = self._quality()
         if quality is None:
@@ -131,13 +131,13 @@ class Mover:
         comm, numbers = self.fluid.mesh.comm, self._vertices.dofmap.index_map
         first, rows = numbers.local_range[0], numbers.size_local
         pairs = matching_nodes(self.fluid, self._vertices, self._vertices.tabulate_dof_coordinates())
-        own = (pairs.slave >= first) & (pairs.slave < first + rows)
-        own[own] = self._tags[pairs.slave[own] - first] == 0
-        slave, away = pairs.slave[own] - first, self.fluid.lattice.shift(pairs.shift[own])
+        here = (pairs.slave >= first) & (pairs.slave < first + rows)
+        here[here] = self._tags[pairs.slave[here] - first] == 0
+        slave, away = pairs.slave[here] - first, self.fluid.lattice.shift(pairs.shift[here])
         free = self._tags == 0
         free[slave] = False
         unit = (comm.exscan(int(free.sum())) or 0) + np.arange(int(free.sum()))
-        known, tied = columns_of_masters(comm, pairs.master[own], first + np.flatnonzero(free), unit)
+        known, tied = columns_of_masters(comm, pairs.master[here], first + np.flatnonzero(free), unit)
         column = np.full(rows, -1)
         column[free], column[slave[known]] = unit, tied
         indptr = np.concatenate([[0], np.cumsum(column >= 0)]).astype(PETSc.IntType)
@@ -147,21 +147,21 @@ class Mover:
         )
         return slave, away, P
 
-    def _given(self, displacements: Array, carried: Callable[[Array], Array]) -> tuple[Array, Array]:
-        """What is known of d at this rank's vertices, (n, 2), and by which angle each rim turns, (N,)."""
-        given = np.zeros((len(self._tags), self.fluid.dimension))
-        given[self._on_body] = displacements[self._body] + carried(self._to_image) - self._to_image
-        given[self._slave] = carried(self._away) - self._away
-        if self._rolling is None:
-            return given, np.zeros(self.fluid.bodies)
-        slips = self._rolling.slips(given)
+    def _known(self, displacements: Array, carried: Callable[[Array], Array]) -> tuple[Array, Array]:
+        """What is known of d at this rank's vertices, (n, 2), and by which angles discs' nodes turn, (N,)."""
+        known = np.zeros((len(self._tags), self.fluid.dimension))
+        known[self._on_body] = displacements[self._body] + carried(self._to_image) - self._to_image
+        known[self._slave] = carried(self._away) - self._away
+        if self._slip is None:
+            return known, np.zeros(self.fluid.bodies)
+        slips = self._slip.of(known)
         turns, slides = np.split(slips, [self.fluid.bodies])
-        given[self._on_body] += turned(self._r, turns[self._body])
+        known[self._on_body] += turned(self._r, turns[self._body])
         for k, slide in enumerate(slides):
-            given[self._tags == self.fluid.bodies + 1 + k] = slide * along(self.fluid.lattice)
-        return given, turns
+            known[self._tags == self.fluid.bodies + 1 + k] = slide * along(self.fluid.lattice)
+        return known, turns
 
-    def _slips(self) -> Slips | None:
+    def _slip_modes(self) -> SlipModes | None:
         """Discs turn, and the walls of a channel slide; None with an axis and in space."""
         fluid = self.fluid
         if fluid.dimension == 3 or fluid.axisymmetric or fluid.bodies == 0:
@@ -170,7 +170,7 @@ class Mover:
         sliding = len(fluid.walls) if fluid.lattice.dimension == 1 else 0
         on_wall = np.flatnonzero((self._tags > fluid.bodies) & (self._tags <= fluid.bodies + sliding))
         direction = np.tile(along(fluid.lattice), (len(on_wall), 1))
-        return Slips(
+        return SlipModes(
             np.concatenate([self._on_body, on_wall]),
             np.concatenate([self._body, self._tags[on_wall] - 1]).astype(np.int64),
             np.concatenate([quarter, direction]),

@@ -1,8 +1,8 @@
-"""Nodes that may slip along their surfaces: how far rims turn and walls slide when a mesh is moved.
+"""Nodes that may slip along their surfaces: how far circles turn and walls slide when a mesh is moved.
 
 Nobody sees where on a circle its nodes are, nor on a straight wall along the period of a channel. When discs
-are displaced by s_i, their rims turn by theta_i and the walls slide by sigma_k, so that the mesh is distorted
-least: of all
+are displaced by s_i, their circles turn by theta_i and the walls slide by sigma_k, so that the mesh is
+distorted least: of all
 
     d = s_i + theta_i e_z x r   on disc i,      d = sigma_k e   on wall k,  e along the period,
 
@@ -29,10 +29,14 @@ Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
-class Slips:
+class SlipModes:
     """The modes of slipping at this rank's vertices: mode `mode[k]` moves vertex `vertex[k]` by `by[k]`.
 
-    vertex, mode: (n,); by: (n, 2); count: how many modes there are on all ranks.
+    Attributes:
+        vertex: (n,).
+        mode: (n,).
+        by: (n, 2).
+        count: how many modes there are on all ranks.
     """
 
     vertex: Integers
@@ -41,56 +45,56 @@ class Slips:
     count: int
 
 
-class Rolling:
-    """Finds the slips of least distortion; `close` frees the factors."""
+class Slip:
+    """Finds the slip of least distortion; `close` frees the factors."""
 
-    def __init__(self, stiffness: PETSc.Mat, P: PETSc.Mat, slips: Slips) -> None:
+    def __init__(self, stiffness: PETSc.Mat, P: PETSc.Mat, modes: SlipModes) -> None:
         """Prepare.
 
         Args:
             stiffness: of `int (1 / area) grad d . grad v`, for one component of d at all vertices.
             P: its vertices by the free ones.
-            slips: the modes, at vertices that are not free.
+            modes: of slipping, at vertices that are not free.
         """
         comm = stiffness.comm.tompi4py()
-        own_free = P.getLocalSize()[1]
-        root_free = comm.bcast(own_free)
-        self._comm, self._free = comm, 2 * own_free
-        self._modes = slips.count if comm.rank == 0 else 0
+        free_here = P.getLocalSize()[1]
+        root_free = comm.bcast(free_here)
+        self._comm, self._free = comm, 2 * free_here
+        self._modes = modes.count if comm.rank == 0 else 0
         self._stiffness = _matrix(_of_both(stiffness), 2 * stiffness.getLocalSize()[1], stiffness)
         free = _of_both(P).tocoo()
         # Rank 0 owns the modes, after its own free vertices.
-        columns = free.col + slips.count * (free.col >= 2 * root_free)
-        rows = (2 * slips.vertex[:, None] + np.arange(2)).ravel()
+        columns = free.col + modes.count * (free.col >= 2 * root_free)
+        rows = (2 * modes.vertex[:, None] + np.arange(2)).ravel()
         every = sp.csr_matrix(
             (
-                np.concatenate([free.data, slips.by.ravel()]),
+                np.concatenate([free.data, modes.by.ravel()]),
                 (
                     np.concatenate([free.row, rows]),
-                    np.concatenate([columns, np.repeat(2 * root_free + slips.mode, 2)]),
+                    np.concatenate([columns, np.repeat(2 * root_free + modes.mode, 2)]),
                 ),
             ),
-            (free.shape[0], free.shape[1] + slips.count),
+            (free.shape[0], free.shape[1] + modes.count),
         )
         self._P = _matrix(every, self._free + self._modes, stiffness)
         self._solver = factorised(self._stiffness, self._P)
 
-    def slips(self, given: Array) -> Array:
+    def of(self, known: Array) -> Array:
         """How far each mode slips, on all ranks.
 
         Args:
-            given: displacements (n, 2) of this rank's vertices without slips, zero where they are free.
+            known: displacements (n, 2) of this rank's vertices without slips, zero where they are free.
         """
         d, load = self._stiffness.createVecs()
         y, rhs = self._P.createVecRight(), self._P.createVecRight()
-        d.array[:] = -given.ravel()
+        d.array[:] = -known.ravel()
         self._stiffness.mult(d, load)
         self._P.multTranspose(load, rhs)
         self._solver.solve(rhs, y)
-        found: Array = self._comm.bcast(y.array[self._free :].copy())
+        amounts: Array = self._comm.bcast(y.array[self._free :].copy())
         for vector in (d, load, y, rhs):
             vector.destroy()
-        return found
+        return amounts
 
     def close(self) -> None:
         """Free matrices and factors."""
@@ -105,8 +109,8 @@ def _of_both(matrix: PETSc.Mat) -> sp.csr_matrix:
     return sp.kron(rows, sp.eye_array(2), "csr")
 
 
-def _matrix(rows: sp.csr_matrix, own_columns: int, like: PETSc.Mat) -> PETSc.Mat:
+def _matrix(rows: sp.csr_matrix, columns_here: int, like: PETSc.Mat) -> PETSc.Mat:
     """The distributed matrix with these rows of this rank."""
     csr = (rows.indptr.astype(PETSc.IntType), rows.indices.astype(PETSc.IntType), rows.data)
-    size = ((rows.shape[0], None), (own_columns, rows.shape[1]))
+    size = ((rows.shape[0], None), (columns_here, rows.shape[1]))
     return PETSc.Mat().createAIJ(size, csr=csr, comm=like.comm)

@@ -24,19 +24,22 @@ from scipy.spatial import cKDTree
 
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Array
-from fsi.meshes.geometry.lattice import Integers, Lattice, positive
-from fsi.meshes.geometry.periodic import Periodic
+from fsi.meshes.geometry.lattice import Integers, positive
+from fsi.meshes.planar.sizing import Surfaces
 
 Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
-class Links:
-    """Neighbours and the ways between them.
+class NeighbourLinks:
+    """Neighbours and the straight ways between them, n links.
 
-    first, second: nodes, (n,): bodies 0 ... N - 1, then walls; shift: the link ends at the image of `second`
-    by these integers, (n, k); step: from the centre of `first` to that of the image, (n, 2), where a wall's
-    centre is the nearest point on it; gap: (n,).
+    Attributes:
+        first: where each begins: bodies 0 ... N - 1, then walls, (n,).
+        second: where it ends, (n,).
+        shift: the integers by which the image of `second` that is meant is moved, (n, k).
+        step: from the centre of `first` to that of the image, (n, 2); a wall's centre is its nearest point.
+        gap: between the two surfaces, (n,).
     """
 
     first: Indices
@@ -45,9 +48,9 @@ class Links:
     step: Array
     gap: Array
 
-    def __getitem__(self, chosen: NDArray[np.bool_] | Indices) -> Links:
+    def __getitem__(self, chosen: NDArray[np.bool_] | Indices) -> NeighbourLinks:
         """Some of them."""
-        return Links(
+        return NeighbourLinks(
             self.first[chosen], self.second[chosen], self.shift[chosen], self.step[chosen], self.gap[chosen]
         )
 
@@ -56,38 +59,32 @@ class Links:
         return len(self.gap)
 
 
-def cut(container: Periodic, lattice: Lattice, centres: Array, radii: Array) -> Links:
-    """The links that open the domain.
-
-    Args:
-        container: the periodic domain.
-        lattice: of its periods.
-        centres: of the bodies, wrapped into one cell, (N, 2).
-        radii: (N,).
+def cut(surfaces: Surfaces) -> NeighbourLinks:
+    """The links that open a periodic domain.
 
     Raises:
         MeshError: a cell without walls has no body.
     """
-    walls = len(container.walls)
-    if walls + len(radii) == 0:
+    container, bodies = surfaces.container, surfaces.bodies
+    if len(container.walls) + bodies == 0:
         raise MeshError("a periodic cell without walls needs a body; give it one")
-    open_by = _from_wall_to_wall if walls else _two_loops
-    reach = float(radii.max()) if len(radii) else container.size()
+    open_by = _from_wall_to_wall if container.walls else _two_loops
+    reach = float(surfaces.radii.max()) if bodies else container.size()
     while True:
-        links = neighbours(container, lattice, centres, radii, reach)
-        chosen, length = open_by(links, len(radii))
+        links = neighbours(surfaces, reach)
+        chosen, length = open_by(links, bodies)
         # A link that was not looked at is longer than all of the way found.
         if length <= reach**2 or reach > container.size():
             return links[chosen]
         reach *= 2.0
 
 
-def neighbours(container: Periodic, lattice: Lattice, centres: Array, radii: Array, reach: float) -> Links:
+def neighbours(surfaces: Surfaces, reach: float) -> NeighbourLinks:
     """All links with gaps up to `reach` between bodies, and those of all bodies to the walls."""
-    n, m = len(radii), lattice.near()
-    images = (lattice.shift(m)[:, None] + centres).reshape(-1, 2)
+    n, m, lattice = surfaces.bodies, surfaces.lattice.near(), surfaces.lattice
+    centres, radii = surfaces.centres[:n], surfaces.radii[:n]
     pairs = cKDTree(centres).sparse_distance_matrix(
-        cKDTree(images), 2.0 * radii.max(initial=0.0) + reach, output_type="ndarray"
+        surfaces.tree, 2.0 * radii.max(initial=0.0) + reach, output_type="ndarray"
     )
     first, (which, second) = pairs["i"], np.divmod(pairs["j"], max(n, 1))
     # Each link once: to a later body, or to the body's own image by the first of two opposite shifts.
@@ -95,36 +92,40 @@ def neighbours(container: Periodic, lattice: Lattice, centres: Array, radii: Arr
     first, second, shift = first[once], second[once], m[which[once]]
     step = centres[second] + lattice.shift(shift) - centres[first]
     gap = np.hypot(*step.T) - radii[first] - radii[second]
-    between = Links(first, second, shift, step, gap)[gap <= reach]
-    return _joined(between, _to_walls(container, lattice, centres, radii))
+    between = NeighbourLinks(first, second, shift, step, gap)[gap <= reach]
+    return _joined(between, _to_walls(surfaces))
 
 
-def _to_walls(container: Periodic, lattice: Lattice, centres: Array, radii: Array) -> Links:
-    """From each body straight to each wall; without bodies from the bottom to the top."""
-    n, walls = len(radii), len(container.walls)
+def _to_walls(surfaces: Surfaces) -> NeighbourLinks:
+    """From each body straight to each wall; without bodies from the first wall to the second."""
+    n, container = surfaces.bodies, surfaces.container
+    centres, walls = surfaces.centres[:n] if n else np.zeros((1, 2)), len(container.walls)
+    distances, normals = container.distances(centres), container.normals(centres)
     if n == 0:
-        first, second, gap = np.array([0]), np.array([1]), container.distances(np.zeros((1, 2))).sum(axis=1)
-        step = gap[:, None] * [0.0, 1.0]
+        first, second, gap = np.array([0]), np.array([1]), distances.sum(axis=1)
+        step = gap[:, None] * normals[0, :1]
     else:
-        distances = container.distances(centres)
         first, wall = np.divmod(np.arange(n * walls), max(walls, 1))
-        step = distances[first, wall, None] * np.array([[0.0, -1.0], [0.0, 1.0]])[wall]
-        second, gap = n + wall, distances[first, wall] - radii[first]
-    return Links(first, second, np.zeros((len(first), lattice.dimension), dtype=np.int64), step, gap)
+        step = distances[first, wall, None] * -normals[first, wall]
+        second, gap = n + wall, distances[first, wall] - surfaces.radii[first]
+    shift = np.zeros((len(first), surfaces.lattice.dimension), dtype=np.int64)
+    return NeighbourLinks(first, second, shift, step, gap)
 
 
-def _joined(one: Links, other: Links) -> Links:
+def _joined(one: NeighbourLinks, other: NeighbourLinks) -> NeighbourLinks:
     """The links of both."""
     names = ("first", "second", "shift", "step", "gap")
-    return Links(*(np.concatenate([getattr(one, name), getattr(other, name)]) for name in names))
+    return NeighbourLinks(*(np.concatenate([getattr(one, name), getattr(other, name)]) for name in names))
 
 
 @dataclass(frozen=True, slots=True)
 class _Tree:
     """Shortest ways from one node to all.
 
-    length: (nodes,), infinite where there is none; link: that ends it, -1 at the root and where there is
-    none; parent: the node before.
+    Attributes:
+        length: of each way, infinite where there is none, (nodes,).
+        link: that ends it, -1 at the root and where there is none, (nodes,).
+        parent: the node before, (nodes,).
     """
 
     length: Array
@@ -133,14 +134,14 @@ class _Tree:
 
     def way(self, node: int) -> list[int]:
         """The links from a node back to the root."""
-        found = []
+        links = []
         while self.link[node] >= 0:
-            found.append(int(self.link[node]))
+            links.append(int(self.link[node]))
             node = int(self.parent[node])
-        return found
+        return links
 
 
-def _tree(links: Links, root: int, nodes: int) -> _Tree:
+def _tree(links: NeighbourLinks, root: int, nodes: int) -> _Tree:
     """The shortest ways from `root` with the squares of the gaps as lengths."""
     low, high = np.minimum(links.first, links.second), np.maximum(links.first, links.second)
     order = np.lexsort((links.gap, low * nodes + high))
@@ -159,14 +160,14 @@ def _tree(links: Links, root: int, nodes: int) -> _Tree:
     return _Tree(length, link, parent.astype(np.int64))
 
 
-def _from_wall_to_wall(links: Links, bodies: int) -> tuple[Indices, float]:
+def _from_wall_to_wall(links: NeighbourLinks, bodies: int) -> tuple[Indices, float]:
     """The shortest chain of links from the bottom to the top, and its length (infinite without any)."""
     bottom, top = bodies, bodies + 1
     tree = _tree(links, bottom, bodies + 2)
     return np.array(tree.way(top)), float(tree.length[top])
 
 
-def _two_loops(links: Links, bodies: int) -> tuple[Indices, float]:
+def _two_loops(links: NeighbourLinks, bodies: int) -> tuple[Indices, float]:
     """The shortest two loops through body 0 that together open a torus, and the length of the longer.
 
     They are the two shortest of those that a tree of shortest ways and one more link close, with independent
@@ -179,11 +180,12 @@ def _two_loops(links: Links, bodies: int) -> tuple[Indices, float]:
         if link >= 0:
             forward = links.first[link] == parent
             place[node] = place[parent] + (links.shift[link] if forward else -links.shift[link])
-    around = place[links.first] + links.shift - place[links.second]
+    # By how many periods the loop that each link closes goes round.
+    turns = place[links.first] + links.shift - place[links.second]
     length = tree.length[links.first] + links.gap**2 + tree.length[links.second]
     chosen: list[int] = []
     for link in np.argsort(length, kind="stable"):
-        independent = np.linalg.matrix_rank(around[[*chosen, int(link)]]) == len(chosen) + 1
+        independent = np.linalg.matrix_rank(turns[[*chosen, int(link)]]) == len(chosen) + 1
         if independent and np.isfinite(length[link]):
             chosen.append(int(link))
         if len(chosen) == 2:
@@ -193,11 +195,11 @@ def _two_loops(links: Links, bodies: int) -> tuple[Indices, float]:
     return np.empty(0, dtype=np.int64), np.inf
 
 
-def _without_leaves(links: Links, chosen: Indices, nodes: int) -> Indices:
+def _without_leaves(links: NeighbourLinks, chosen: Indices, nodes: int) -> Indices:
     """The same without links that lead nowhere."""
     while True:
         degree = np.bincount(np.concatenate([links.first[chosen], links.second[chosen]]), minlength=nodes)
-        kept = chosen[(degree[links.first[chosen]] > 1) & (degree[links.second[chosen]] > 1)]
-        if len(kept) == len(chosen):
+        inner = chosen[(degree[links.first[chosen]] > 1) & (degree[links.second[chosen]] > 1)]
+        if len(inner) == len(chosen):
             return chosen
-        chosen = kept
+        chosen = inner

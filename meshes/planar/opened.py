@@ -14,61 +14,45 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Array
-from fsi.meshes.geometry.lattice import Lattice
-from fsi.meshes.geometry.periodic import Channel, Periodic
-from fsi.meshes.planar.cut import Links, cut
-from fsi.meshes.planar.nodes_on_curves import equidistribute, resolve
-from fsi.meshes.planar.segment import segment
-from fsi.meshes.planar.sizing import Curve, Resolution, Surfaces, across, arcs, around
+from fsi.meshes.geometry.curves import Segment
+from fsi.meshes.planar.cut import NeighbourLinks, cut
+from fsi.meshes.planar.sizing import Curve, Surfaces, arcs, around
 
 PIECES = 16  # of a link, to begin with
 
 
-def opened(container: Periodic, centres: Array, radii: Array, resolution: Resolution) -> list[Curve]:
+def opened(surfaces: Surfaces) -> list[Curve]:
     """Whole bodies (tags 1 ... N), then what bounds the opened domain: arcs, walls (N + 1 ...), the cut.
-
-    Args:
-        container: the periodic domain.
-        centres: q_i, any images, (N, 2).
-        radii: a_i, (N,).
-        resolution: element sizes.
 
     Raises:
         MeshError: bodies touch each other or a wall.
     """
-    lattice = Lattice(container.periods)
-    wrapped = lattice.wrapped(centres)
-    surfaces = periodic_surfaces(container, lattice, wrapped, radii)
-    links = cut(container, lattice, wrapped, radii)
+    links = cut(surfaces)
     if links.gap.min(initial=np.inf) <= 0.0:
         raise MeshError("two bodies, or a body and a wall, touch or overlap; move them apart")
-    walk = list(_walk(links, container, wrapped))
+    walk = list(_walk(links, surfaces))
     opened_bodies = {stretch.node for stretch in walk}
-    whole = [i for i in range(len(radii)) if i not in opened_bodies]
-    outer = _closed(_curves(walk, links, surfaces, container, resolution))
-    shifts = _shifts_inside(lattice, wrapped[whole], walk, container, len(radii))
-    holes = around(surfaces, resolution, whole)
+    whole = [i for i in range(surfaces.bodies) if i not in opened_bodies]
+    outer = _closed(_curves(walk, links, surfaces))
+    shifts = _shifts_inside(surfaces, surfaces.centres[whole], walk)
+    holes = around(surfaces, whole)
     return [_moved(hole, shift) for hole, shift in zip(holes, shifts, strict=True)] + outer
-
-
-def periodic_surfaces(container: Periodic, lattice: Lattice, centres: Array, radii: Array) -> Surfaces:
-    """The bodies, first as given, then their images next to the cell."""
-    m = lattice.near()
-    images = (lattice.shift(m)[:, None] + centres).reshape(-1, 2)
-    every = np.tile(radii, len(m))
-    return Surfaces(container, images, every, cKDTree(images), len(radii), lattice)
 
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
     """From where a link arrives at a node to where the next one leaves it.
 
-    node: a body, or N + wall; centre: of the image met, (2,); start, end: angles on a body, end < start;
-    link, forward: the link that leaves, and whether in its own direction.
+    Attributes:
+        node: a body, or N + wall.
+        centre: of the image that is met, (2,).
+        start: the angle at which it begins on a body.
+        end: the angle at which it ends there, end < start.
+        link: the link that leaves.
+        forward: whether that leaves in its own direction.
     """
 
     node: int
@@ -79,13 +63,15 @@ class Stretch:
     forward: bool
 
 
-def _walk(links: Links, container: Periodic, centres: Array) -> Iterator[Stretch]:
+def _walk(links: NeighbourLinks, surfaces: Surfaces) -> Iterator[Stretch]:
     """Once around the opened domain. Raises MeshError where the cut does not open it to one piece."""
-    count, n = len(links), len(centres)
+    count, n = len(links), surfaces.bodies
     origin = np.concatenate([links.first, links.second])
     angle = np.arctan2(*np.concatenate([links.step, -links.step]).T[::-1])
     step = np.concatenate([links.step, -links.step])
-    half, place, passed = 0, _start(links, container, centres), set[int]()
+    # From the centre of the first node of link 0, which is a wall if there are no bodies.
+    place = surfaces.centres[int(links.first[0])] if n else surfaces.container.outline()[0].ends[0]
+    half, passed = 0, set[int]()
     for _ in range(2 * count):
         passed.add(half)
         arrived = (half + count) % (2 * count)
@@ -98,35 +84,26 @@ def _walk(links: Links, container: Periodic, centres: Array) -> Iterator[Stretch
             node, place, float(angle[arrived]), float(angle[arrived] - turn.min()), half % count, half < count
         )
         if node >= n:
-            place = place + _along_wall(container, node - n)
+            place = place + _along_wall(surfaces, node)
     if half != 0 or len(passed) != 2 * count:
         raise MeshError("the periodic domain cannot be opened; are bodies about to touch?")
 
 
-def _start(links: Links, container: Periodic, centres: Array) -> Array:
-    """The centre of the first node of link 0: of a body, or without bodies the corner of the channel."""
-    if isinstance(container, Channel) and len(centres) == 0:
-        return np.array(container.lower)
-    start: Array = centres[int(links.first[0])]
-    return start
-
-
-def _along_wall(container: Periodic, wall: int) -> Array:
-    """One period along a wall with the fluid on the left: to the right at the bottom."""
-    along: Array = container.periods[0] * (1.0 if wall == 0 else -1.0)
+def _along_wall(surfaces: Surfaces, node: int) -> Array:
+    """One period along a wall, with the fluid on the left."""
+    start, end = surfaces.container.outline()[node - surfaces.bodies].ends
+    along: Array = end - start
     return along
 
 
-def _curves(
-    walk: list[Stretch], links: Links, surfaces: Surfaces, container: Periodic, resolution: Resolution
-) -> Iterator[Curve]:
+def _curves(walk: list[Stretch], links: NeighbourLinks, surfaces: Surfaces) -> Iterator[Curve]:
     """For each stretch its arc or piece of wall, then the link that leaves it."""
     n = surfaces.bodies
-    cut_tag = n + len(container.walls) + 1
-    along = [_ways(links, k, surfaces, resolution) for k in range(len(links))]
+    cut_tag = n + len(surfaces.container.walls) + 1
+    along = [_on_link(links, k, surfaces) for k in range(len(links))]
     on_bodies = [stretch for stretch in walk if stretch.node < n]
     angles = np.array([(stretch.end, stretch.start) for stretch in on_bodies]).reshape(-1, 2)
-    pieces = iter(arcs(surfaces, resolution, [stretch.node for stretch in on_bodies], angles))
+    pieces = iter(arcs(surfaces, [stretch.node for stretch in on_bodies], angles))
     for stretch in walk:
         leaves, radius = stretch.centre, 0.0
         if stretch.node < n:
@@ -135,42 +112,32 @@ def _curves(
             yield Curve(moved.tag, moved.nodes[::-1], closed=False, centre=moved.centre)
             radius = float(surfaces.radii[stretch.node])
         else:
-            leaves = stretch.centre + _along_wall(container, stretch.node - n)
-            yield segment(surfaces, resolution, stretch.node + 1, np.array([stretch.centre, leaves]))
+            leaves = stretch.centre + _along_wall(surfaces, stretch.node)
+            yield surfaces.wall(Segment(stretch.node - n, np.array([stretch.centre, leaves])))
         away, direction = along[stretch.link], links.step[stretch.link] / np.hypot(*links.step[stretch.link])
         if not stretch.forward:
             away, direction = (links.gap[stretch.link] - away)[::-1], -direction
         yield Curve(cut_tag, leaves + (radius + away)[:, None] * direction, closed=False, centre=None)
 
 
-def _ways(links: Links, k: int, surfaces: Surfaces, resolution: Resolution) -> Array:
+def _on_link(links: NeighbourLinks, k: int, surfaces: Surfaces) -> Array:
     """Distances of the nodes of a link from the surface of its first node, from 0 to the gap."""
-    gap, first = float(links.gap[k]), int(links.first[k])
+    first = int(links.first[k])
     is_body = first < surfaces.bodies
     begin = surfaces.centres[first] if is_body else np.zeros(2)
     radius = float(surfaces.radii[first]) if is_body else 0.0
     direction = links.step[k] / np.hypot(*links.step[k])
-
-    def size(s: Array) -> Array:
-        if surfaces.bodies == 0:
-            return np.full(len(s), 0.1 * gap)
-        d = surfaces.to_bodies(begin + (radius + s)[:, None] * direction)
-        h_body = 2.0 * np.pi * surfaces.radii.max() / resolution.cells_per_circle
-        in_gap = across(np.full(len(s), gap), float(surfaces.radii.min()), resolution)
-        return np.minimum(in_gap, np.maximum(h_body, resolution.growth * d))
-
-    s, h = resolve(size, 0.0, gap, PIECES)
-    placed = equidistribute(s, 1.0 / h, least=1)
-    placed[[0, -1]] = 0.0, gap
-    return placed
+    return surfaces.line(
+        lambda s: begin + (radius + s)[:, None] * direction, 0.0, float(links.gap[k]), PIECES
+    )
 
 
 def _closed(curves: Iterator[Curve]) -> list[Curve]:
     """The same curves, each beginning exactly where the one before ends."""
-    found = list(curves)
-    for before, after in zip([found[-1], *found], found, strict=False):
+    once_around = list(curves)
+    for before, after in zip([once_around[-1], *once_around], once_around, strict=False):
         after.nodes[0] = before.nodes[-1]
-    return found
+    return once_around
 
 
 def _moved(curve: Curve, shift: Array) -> Curve:
@@ -179,19 +146,17 @@ def _moved(curve: Curve, shift: Array) -> Curve:
     return Curve(curve.tag, curve.nodes + shift, curve.closed, centre)
 
 
-def _shifts_inside(
-    lattice: Lattice, centres: Array, walk: list[Stretch], container: Periodic, bodies: int
-) -> Array:
+def _shifts_inside(surfaces: Surfaces, centres: Array, walk: list[Stretch]) -> Array:
     """The translations (n, 2) that bring centres (n, 2) into the opened domain.
 
     Raises:
         MeshError: not exactly one image of a body lies inside.
     """
-    corners = []
+    lattice, corners = surfaces.lattice, []
     for stretch in walk:
         corners.append(stretch.centre)
-        if stretch.node >= bodies:
-            corners.append(stretch.centre + _along_wall(container, stretch.node - bodies))
+        if stretch.node >= surfaces.bodies:
+            corners.append(stretch.centre + _along_wall(surfaces, stretch.node))
     polygon = np.array(corners)
     extent = np.ceil(np.abs(lattice.coordinates(polygon)).max(axis=0)).astype(int) + 1
     m = np.array(list(product(*(range(-k, k + 1) for k in extent))), dtype=np.int64)

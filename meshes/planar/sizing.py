@@ -1,4 +1,4 @@
-"""Where the nodes on the bodies go: element sizes from the gaps.
+"""Where the nodes on bodies and walls go: element sizes from the gaps.
 
 The element size on a body is
 
@@ -15,13 +15,14 @@ varies along it over the lubrication length sqrt(a gap), so that is what a cell 
 
 With cells_per_gap = 1 that is one cell across a gap of 0.012 a, three across gaps above 0.13 a; in narrower
 gaps cells are longer than wide, and the error of the force still falls with the gap.
-Nodes equidistribute `int ds / h`. gmsh then extends the sizes of the boundary into the fluid, if its interior
-shall be graded.
+On a line through the fluid from surface to surface, the axis or a link of the cut, d(x) in h_gap is the
+length of the line. Nodes equidistribute `int ds / h`. gmsh then extends the sizes of the boundary into the
+fluid, if its interior shall be graded.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -29,24 +30,28 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.containers import Array, Container
-from fsi.meshes.geometry.lattice import NO_LATTICE, Lattice
-from fsi.meshes.planar.nodes_on_curves import Indices, equidistribute, resolve_all
+from fsi.meshes.errors import MeshError, at
+from fsi.meshes.geometry.containers import Array, Container, FluidDomain
+from fsi.meshes.geometry.curves import WallCurve
+from fsi.meshes.geometry.lattice import Lattice
+from fsi.meshes.planar.nodes_on_curves import Indices, equidistribute, resolve, resolve_all
 
 LENGTH, SHORTEST, LONGEST = 0.11, 0.3, 4.0
 NEIGHBOURS = 16
+PIECES = 64  # of a wall, to begin with
 
 
 @dataclass(frozen=True, slots=True)
 class Resolution:
     """How fine a mesh is.
 
-    cells_per_gap: elements across a gap of 0.012 radii; cells_per_circle: elements around an isolated body;
-    growth: element size over the distance to the nearest body, far from all bodies; interior: "graded",
-    where sizes in the fluid go over smoothly into those on the boundary, or in the plane "sparse", where
-    those hold on the boundary alone. In a suspension of area fraction 0.4 sparse meshes have a fifth fewer
-    unknowns for an error of 5e-4 of the apparent viscosity.
+    Attributes:
+        cells_per_gap: elements across a gap of 0.012 radii.
+        cells_per_circle: elements around an isolated body.
+        growth: element size over the distance to the nearest body, far from all bodies.
+        interior: "graded", where sizes in the fluid go over smoothly into those on the boundary, or in the
+            plane "sparse", where those hold on the boundary alone. In a suspension of area fraction 0.4
+            sparse meshes have a fifth fewer unknowns for an error of 5e-4 of the apparent viscosity.
     """
 
     cells_per_gap: float = 1.0
@@ -54,13 +59,26 @@ class Resolution:
     growth: float = 0.2
     interior: Literal["graded", "sparse"] = "graded"
 
+    def on_body[T: (float, Array)](self, radius: T) -> T:
+        """h_body, the element size on a body without neighbours."""
+        return 2.0 * np.pi * radius / self.cells_per_circle
+
+    def across(self, gap: Array | float, radius: Array | float) -> Array:
+        """h_gap where the gap is `gap` and the smallest radius beside it `radius`."""
+        size: Array = np.clip(LENGTH * np.sqrt(radius * gap), SHORTEST * gap, LONGEST * gap)
+        size /= self.cells_per_gap
+        return size
+
 
 @dataclass(frozen=True, slots=True)
 class Curve:
     """One piece of the boundary as a chain of nodes.
 
-    tag: facet tag; nodes: shape (n, 2), in order; for a closed curve the first node is not repeated;
-    centre: of the circle that the curve follows, None for a straight piece.
+    Attributes:
+        tag: of its facets.
+        nodes: in order, (n, 2); those of a closed curve do not repeat the first.
+        closed: whether the last node is joined to the first.
+        centre: of the circle that the curve follows, None for a straight piece.
     """
 
     tag: int
@@ -71,10 +89,17 @@ class Curve:
 
 @dataclass(frozen=True, slots=True)
 class Surfaces:
-    """The bodies and the container, and how far a point is from them.
+    """The bodies and the container, how far a point is from them, and which element size that asks for.
 
-    centres (n, 2), radii (n,): of the bodies, and after them of their images in a periodic container; tree:
-    over the centres; bodies: N; lattice: of the container's periods.
+    Attributes:
+        container: what encloses the fluid.
+        centres: of the bodies, in one cell of a periodic container, and after them of their images next to
+            it, (n, 2).
+        radii: of all of these, (n,).
+        tree: over the centres.
+        bodies: N.
+        lattice: of the container's periods.
+        resolution: how fine the mesh is.
     """
 
     container: Container
@@ -82,11 +107,22 @@ class Surfaces:
     radii: Array
     tree: cKDTree
     bodies: int
-    lattice: Lattice = NO_LATTICE
+    lattice: Lattice
+    resolution: Resolution
+
+    @staticmethod
+    def of(domain: FluidDomain, resolution: Resolution) -> Surfaces:
+        """The bodies of a domain, and their images if it is periodic."""
+        lattice = Lattice(domain.container.periods)
+        m = lattice.near()
+        images = (lattice.shift(m)[:, None] + lattice.wrapped(domain.centres)).reshape(-1, 2)
+        radii = np.tile(domain.radii, len(m))
+        bodies = len(domain.radii)
+        return Surfaces(domain.container, images, radii, cKDTree(images), bodies, lattice, resolution)
 
     def to_bodies(self, x: Array) -> Array:
         """Distance of each point (n, 2) to the nearest body, shape (n,); infinite without bodies."""
-        if len(self.radii) == 0:
+        if self.bodies == 0:
             return np.full(len(x), np.inf)
         x = self.lattice.wrapped(x)
         k = min(len(self.radii), NEIGHBOURS)
@@ -98,53 +134,77 @@ class Surfaces:
             nearest[point] = (np.hypot(*(x[point] - self.centres).T) - self.radii).min()
         return nearest
 
+    def sizes(self, x: Array, gap: float | None = None) -> Array:
+        """Element size at points (n, 2) off the bodies, in a gap of that width or else by their distance."""
+        if self.bodies == 0:
+            return np.full(len(x), np.inf if gap is None else 0.1 * gap)
+        d = self.to_bodies(x)
+        in_gap = self.resolution.across(d if gap is None else gap, float(self.radii.min()))
+        h_body = self.resolution.on_body(self.radii.max())
+        return np.minimum(in_gap, np.maximum(h_body, self.resolution.growth * d))
 
-def bodies(surfaces: Surfaces, resolution: Resolution) -> list[Curve]:
-    """The curve around each body, with tags 1, ..., N: closed, or with an axis from pole to pole.
+    def wall(self, curve: WallCurve) -> Curve:
+        """The nodes on a piece of a wall, whose tag follows the bodies'."""
+
+        def size(s: Array) -> Array:
+            return np.minimum(self.sizes(curve.at(s)), curve.longest_element)
+
+        s, h = resolve(size, *curve.interval, PIECES)
+        nodes = curve.at(equidistribute(s, 1.0 / h, curve.fewest_elements))
+        nodes[[0, -1]] = curve.ends
+        return Curve(self.bodies + 1 + curve.wall, nodes, closed=False, centre=curve.centre)
+
+    def line(self, at: Callable[[Array], Array], start: float, end: float, pieces: int) -> Array:
+        """Places s of the nodes on a line `at(s)` through the fluid from surface to surface."""
+        s, h = resolve(lambda s: self.sizes(at(s), end - start), start, end, pieces)
+        s = equidistribute(s, 1.0 / h, least=1)
+        s[[0, -1]] = start, end
+        return s
+
+
+def around(surfaces: Surfaces, bodies: Sequence[int]) -> list[Curve]:
+    """The nodes around bodies, each from where its gap is narrowest, so that a node stands there.
 
     Raises:
         MeshError: a body touches another or a wall.
     """
-    if not surfaces.container.axisymmetric:
-        return around(surfaces, resolution, range(surfaces.bodies))
-    return [half_around(surfaces, resolution, i) for i in range(surfaces.bodies)]
-
-
-def around(surfaces: Surfaces, resolution: Resolution, chosen: Sequence[int]) -> list[Curve]:
-    """The nodes around bodies, each from where its gap is narrowest, so that a node stands there."""
-    near = [_near(surfaces, resolution, i) for i in chosen]
+    near = [_neighbourhood(surfaces, i) for i in bodies]
     turns = np.array([(body.narrowest, body.narrowest + 2.0 * np.pi) for body in near]).reshape(-1, 2)
-    rings = _on_arcs(surfaces, resolution, near, turns)
+    rings = _on_arcs(surfaces, near, turns)
     return [
         Curve(i + 1, nodes[:-1], closed=True, centre=surfaces.centres[i])
-        for i, nodes in zip(chosen, rings, strict=True)
+        for i, nodes in zip(bodies, rings, strict=True)
     ]
 
 
-def half_around(surfaces: Surfaces, resolution: Resolution, i: int) -> Curve:
+def half_around(surfaces: Surfaces, i: int) -> Curve:
     """The nodes from pole to pole of body i on the axis."""
-    (curve,) = arcs(surfaces, resolution, [i], np.array([[-0.5, 0.5]]) * np.pi)
+    (curve,) = arcs(surfaces, [i], np.array([[-0.5, 0.5]]) * np.pi)
     centre, radius = surfaces.centres[i], surfaces.radii[i]
     curve.nodes[[0, -1]] = [[0.0, centre[1] - radius], [0.0, centre[1] + radius]]
     return curve
 
 
-def arcs(surfaces: Surfaces, resolution: Resolution, chosen: Sequence[int], angles: Array) -> list[Curve]:
+def arcs(surfaces: Surfaces, bodies: Sequence[int], angles: Array) -> list[Curve]:
     """The nodes on bodies between two angles each, start < end, (n, 2)."""
-    near = [_near(surfaces, resolution, i) for i in chosen]
-    pieces = _on_arcs(surfaces, resolution, near, angles)
+    pieces = _on_arcs(surfaces, [_neighbourhood(surfaces, i) for i in bodies], angles)
     return [
         Curve(i + 1, nodes, closed=False, centre=surfaces.centres[i])
-        for i, nodes in zip(chosen, pieces, strict=True)
+        for i, nodes in zip(bodies, pieces, strict=True)
     ]
 
 
 @dataclass(frozen=True, slots=True)
-class Near:
+class Neighbourhood:
     """What is so near body i that it has smaller elements there.
 
-    centres, radii: of the bodies, (n, 2), (n,); walls: which, bool; smallest: of all radii, its own
-    included; narrowest: the angle at which its gap is.
+    Attributes:
+        i: the body.
+        centres: of the bodies near it, (n, 2).
+        radii: of these, (n,).
+        walls: which walls are near, (walls,).
+        smallest: of all radii, its own included.
+        narrowest: the angle at which its narrowest gap is.
     """
 
     i: int
@@ -155,9 +215,11 @@ class Near:
     narrowest: float
 
 
-def _near(surfaces: Surfaces, resolution: Resolution, i: int) -> Near:
+def _neighbourhood(surfaces: Surfaces, i: int) -> Neighbourhood:
     """What is near body i. Raises MeshError where it touches."""
     centre, radius, radii = surfaces.centres[i], float(surfaces.radii[i]), surfaces.radii
+    resolution = surfaces.resolution
+    # Where h_gap reaches h_body: farther surfaces do not change the size of the elements.
     reach = resolution.cells_per_gap * 2.0 * np.pi * radius / resolution.cells_per_circle / SHORTEST
     near = np.asarray(surfaces.tree.query_ball_point(centre, radius + radii.max() + reach), dtype=np.intp)
     gaps = np.hypot(*(surfaces.centres[near] - centre).T) - radii[near] - radius
@@ -166,23 +228,25 @@ def _near(surfaces: Surfaces, resolution: Resolution, i: int) -> Near:
     walls = wall_gaps < reach
     gaps = np.concatenate([gaps, wall_gaps[walls]])
     if gaps.min(initial=np.inf) <= 0.0:
-        raise MeshError(f"the disc at ({centre[0]:.6g}, {centre[1]:.6g}) touches a disc or wall; move it")
-    towards = np.concatenate([surfaces.centres[near] - centre, _to_walls(surfaces.container, centre)[walls]])
+        raise MeshError(f"the disc at {at(centre)} touches a disc or wall; move it")
+    # 0 - n, not -n: minus zero would turn an angle of pi into -pi.
+    to_walls = 0.0 - surfaces.container.normals(centre[None])[0]
+    towards = np.concatenate([surfaces.centres[near] - centre, to_walls[walls]])
     narrowest = float(np.arctan2(*towards[np.argmin(gaps), ::-1])) if len(gaps) else 0.0
     smallest = min(radius, float(radii[near].min(initial=np.inf)))
-    return Near(i, surfaces.centres[near], radii[near], walls, smallest, narrowest)
+    return Neighbourhood(i, surfaces.centres[near], radii[near], walls, smallest, narrowest)
 
 
-def _on_arcs(surfaces: Surfaces, resolution: Resolution, near: Sequence[Near], angles: Array) -> list[Array]:
+def _on_arcs(surfaces: Surfaces, near: Sequence[Neighbourhood], angles: Array) -> list[Array]:
     """Nodes on bodies between two angles each, (n, 2), both included; on a whole circle at least 8.
 
     All are placed together: one by one they took a fifth of the time of a mesh of 200 discs.
     """
     if not near:
         return []
-    own = [body.i for body in near]
-    centres, radii = surfaces.centres[own], surfaces.radii[own]
-    h_body = 2.0 * np.pi * radii / resolution.cells_per_circle
+    resolution, bodies = surfaces.resolution, [body.i for body in near]
+    centres, radii = surfaces.centres[bodies], surfaces.radii[bodies]
+    h_body = resolution.on_body(radii)
     smallest, walls = np.array([body.smallest for body in near]), np.array([body.walls for body in near])
     most = max(len(body.radii) for body in near)
     # Where there are fewer, the others are infinitely far.
@@ -190,41 +254,26 @@ def _on_arcs(surfaces: Surfaces, resolution: Resolution, near: Sequence[Near], a
     for k, body in enumerate(near):
         others[k, : len(body.radii)], sizes[k, : len(body.radii)] = body.centres, body.radii
 
-    def at(s: Array, k: Indices) -> Array:
+    def place(s: Array, k: Indices) -> Array:
         turn, a = s / radii[k], radii[k][:, None]
         x: Array = centres[k] + a * np.column_stack([np.cos(turn), np.sin(turn)])
         return x
 
     def size(s: Array, k: Indices) -> Array:
-        x = at(s, k)
+        x = place(s, k)
         away = x[:, None] - others[k]
         to_near = np.hypot(away[..., 0], away[..., 1]) - sizes[k]
         to_walls = np.where(walls[k], surfaces.container.distances(x), np.inf)
         distance = np.column_stack([to_near, to_walls]).min(axis=1, initial=np.inf)
-        of_gap: Array = np.minimum(across(distance, smallest[k], resolution), h_body[k])
+        of_gap: Array = np.minimum(resolution.across(distance, smallest[k]), h_body[k])
         return of_gap
 
-    found = []
-    ends = angles * radii[:, None]
-    s, h, curve = resolve_all(size, ends, resolution.cells_per_circle)
+    pieces = []
+    s, h, curve = resolve_all(size, angles * radii[:, None], resolution.cells_per_circle)
     first = np.searchsorted(curve, np.arange(len(near) + 1))
     for k, (start, end) in enumerate(angles):
         part = slice(first[k], first[k + 1])
         least = max(1, round(8 * (end - start) / (2.0 * np.pi)))
         placed = equidistribute(s[part], 1.0 / h[part], least)
-        found.append(at(placed, np.full(len(placed), k)))
-    return found
-
-
-def _to_walls(container: Container, x: Array) -> Array:
-    """Directions from a point to the walls, (walls, 2): down the slopes of their distances."""
-    step = 1e-6 * container.size()
-    d = container.distances(x + step * np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]))
-    return np.column_stack([d[1] - d[0], d[3] - d[2]])
-
-
-def across(gap: Array, radius: Array | float, resolution: Resolution) -> Array:
-    """Element size where the gap is `gap` and the smallest radius beside it `radius`."""
-    size: Array = np.clip(LENGTH * np.sqrt(radius * gap), SHORTEST * gap, LONGEST * gap)
-    size /= resolution.cells_per_gap
-    return size
+        pieces.append(place(placed, np.full(len(placed), k)))
+    return pieces

@@ -26,6 +26,23 @@ DELAUNAY = 5  # grades better than the frontal algorithm in large containers
 Indices = NDArray[np.int64]
 
 
+@dataclass(frozen=True, slots=True)
+class StraightCells:
+    """Triangles, or in space tetrahedra, and their boundary.
+
+    Attributes:
+        vertices: (n, d).
+        cells: numbers of their vertices, (T, d + 1); triangles counterclockwise.
+        facets: sides of cells on the boundary, (F, d).
+        tags: of these, (F,).
+    """
+
+    vertices: Array
+    cells: Indices
+    facets: Indices
+    tags: Indices
+
+
 @contextmanager
 def gmsh_model() -> Iterator[None]:
     """A fresh, silent, deterministic gmsh model, cleared afterwards (or it leaks 200 kB a mesh)."""
@@ -61,11 +78,11 @@ def chain(curves: Sequence[Curve]) -> tuple[Array, list[Indices]]:
     _, first, place = np.unique(x[corners], axis=0, return_index=True, return_inverse=True)
     same = np.arange(len(x))
     same[corners] = corners[first[place]]
-    own = same == np.arange(len(x))
-    number = (np.cumsum(own) - 1)[same]
+    is_first = same == np.arange(len(x))
+    number = (np.cumsum(is_first) - 1)[same]
     chains = [number[part] for part in parts]
     closed = [np.append(c, c[0]) if curve.closed else c for curve, c in zip(curves, chains, strict=True)]
-    return x[own], closed
+    return x[is_first], closed
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,8 +90,14 @@ class FarSize:
     """A bound on the element size in the fluid: `smallest + slope d` at the distance d from the nearest body.
 
     Without it gmsh, which interpolates between distant boundaries, leaves the surroundings of bodies too
-    coarse. bodies: how many, with the tags 1 ... N; reach: a length that no distance exceeds; alone: whether
-    the sizes of the boundary do not count in the fluid.
+    coarse.
+
+    Attributes:
+        bodies: how many, with the tags 1 ... N.
+        smallest: the size on a body.
+        slope: how fast sizes grow.
+        reach: a length that no distance exceeds.
+        alone: whether the sizes of the boundary do not count in the fluid.
     """
 
     bodies: int
@@ -102,17 +125,12 @@ class FarSize:
             gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
 
 
-def triangulate(
-    curves: Sequence[Curve], far: FarSize | None = None
-) -> tuple[Array, Indices, Indices, Indices]:
+def triangulate(curves: Sequence[Curve], far: FarSize | None = None) -> StraightCells:
     """Triangles between the curves: the fluid lies inside the open ones and outside the closed ones.
 
     Args:
         curves: the boundary.
         far: bound on the size far from the bodies.
-
-    Returns:
-        vertices (n, 2); triangles (T, 3), counterclockwise; boundary edges (E, 2); their tags (E,).
 
     Raises:
         MeshError: gmsh fails, or loses a boundary edge.
@@ -128,7 +146,7 @@ def triangulate(
         gmsh.model.mesh.generate(2)
         vertices, triangles = _read_triangles()
     _require_boundary(triangles, edges)
-    return vertices, triangles, edges, tags
+    return StraightCells(vertices, triangles, edges, tags)
 
 
 def _add_boundary(nodes: Array, edges: Indices, on_body: NDArray[np.bool_]) -> None:
@@ -169,10 +187,24 @@ def _read_triangles() -> tuple[Array, Indices]:
     triangles = np.searchsorted(tags[order], corners).astype(np.int64).reshape(-1, 3)
     if len(triangles) == 0:
         raise MeshError("gmsh made no triangles; do two boundaries cross?")
-    a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    clockwise = (b - a)[:, 0] * (c - a)[:, 1] < (b - a)[:, 1] * (c - a)[:, 0]
-    triangles[clockwise] = triangles[clockwise][:, [0, 2, 1]]
+    mirrored = clockwise(vertices, triangles)
+    triangles[mirrored] = triangles[mirrored][:, [0, 2, 1]]
     return vertices, triangles
+
+
+def clockwise(vertices: Array, triangles: Indices) -> NDArray[np.bool_]:
+    """Which triangles, their first three columns corners, run clockwise."""
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    turns_right: NDArray[np.bool_] = (b - a)[:, 0] * (c - a)[:, 1] < (b - a)[:, 1] * (c - a)[:, 0]
+    return turns_right
+
+
+def boundary_sides(cells: Indices) -> Indices:
+    """The sides of cells (T, d + 1) that belong to one cell only, corners in order, (F, d)."""
+    sides = np.concatenate([np.delete(cells, k, axis=1) for k in range(cells.shape[1])])
+    unique, count = np.unique(np.sort(sides, axis=1), axis=0, return_counts=True)
+    outer: Indices = unique[count == 1]
+    return outer
 
 
 def _require_boundary(triangles: Indices, edges: Indices) -> None:

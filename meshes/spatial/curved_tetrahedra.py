@@ -19,7 +19,6 @@ zero on all other sides. The derivatives of order m of the map are O(h^m) (Lenoi
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 from itertools import combinations, permutations
 
@@ -28,57 +27,39 @@ import numpy as np
 
 from fsi.meshes.cells.curved import CurvedCells, reference_points
 from fsi.meshes.geometry.containers import Array
-from fsi.meshes.planar.triangulate import Indices
+from fsi.meshes.geometry.curves import Sphere
+from fsi.meshes.planar.triangulate import Indices, StraightCells
 
 NEWTON_STEPS = 3  # for the radial place of a facet: linear but for (h / a)^2
 
 
-@dataclass(frozen=True, slots=True)
-class Sphere:
-    """The surface |x - centre| = radius."""
-
-    centre: Array
-    radius: float
-
-    def project(self, x: Array) -> Array:
-        """The points of the surface on the rays from the centre through x, any shape (..., 3)."""
-        from_centre = x - self.centre
-        length = np.sqrt((from_centre**2).sum(axis=-1, keepdims=True))
-        onto: Array = self.centre + self.radius * from_centre / length
-        return onto
-
-
-def curve_tets(
-    vertices: Array, tets: Indices, facets: Indices, tags: Indices, spheres: Mapping[int, Sphere], order: int
-) -> CurvedCells:
+def curve_tets(straight: StraightCells, spheres: Mapping[int, Sphere], order: int) -> CurvedCells:
     """Cells of the given order from straight ones.
 
     Args:
-        vertices: (n, 3), those of the facets on a sphere on it.
-        tets: (T, 4).
-        facets: of the boundary, (F, 3).
-        tags: of the facets, (F,).
+        straight: the cells; the vertices of the facets on a sphere lie on it.
         spheres: the surface of a tag, where that is curved.
         order: 1 ... 4.
     """
+    vertices, tets = straight.vertices, straight.cells
     barycentric = _barycentric(reference_points(order, 3))
     x = np.einsum("nv,tvd->tnd", barycentric, vertices[tets])
     for tag, sphere in spheres.items():
-        faces = np.sort(facets[tags == tag], axis=1)
+        faces = np.sort(straight.facets[straight.tags == tag], axis=1)
         edges = np.unique(faces[:, [0, 1, 0, 2, 1, 2]].reshape(-1, 2), axis=0)
         bends = _edge_bends(vertices[edges], sphere, order)
         for ij in permutations(range(4), 2):
-            cells, found = _matches(tets[:, ij], edges)
-            x[cells] += np.einsum("nm,cmd->cnd", _edge_lift(barycentric[:, ij], order), bends[found])
+            cells, rows = _matches(tets[:, ij], edges)
+            x[cells] += np.einsum("nm,cmd->cnd", _edge_lift(barycentric[:, ij], order), bends[rows])
         if order < 3:
             continue
         bubbles = _face_bends(vertices[faces], bends, _find(faces, edges), sphere, order)
         for ijk in permutations(range(4), 3):
-            cells, found = _matches(tets[:, ijk], faces)
-            x[cells] += np.einsum("nm,cmd->cnd", _bubbles(barycentric[:, ijk], order), bubbles[found])
+            cells, rows = _matches(tets[:, ijk], faces)
+            x[cells] += np.einsum("nm,cmd->cnd", _bubbles(barycentric[:, ijk], order), bubbles[rows])
     nodes, cells = _numbered(x, tets, np.rint(order * barycentric).astype(np.int64))
     nodes[: len(vertices)] = vertices
-    return CurvedCells(nodes, cells, facets, tags, order)
+    return CurvedCells(nodes, cells, straight.facets, straight.tags, order)
 
 
 def _barycentric(X: Array) -> Array:

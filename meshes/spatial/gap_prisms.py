@@ -1,7 +1,7 @@
 """The narrow part of a gap: one layer of prisms, each split in three tetrahedra.
 
-A plug is what a cylinder around the line of the shortest distance cuts out of a gap. Its cells, longer than
-the gap is wide, stand between two triangulations of the same pattern, one on either surface: so they are
+The layer fills what a cylinder around the line of the shortest distance cuts out of a gap. Its cells, longer
+than the gap is wide, stand between two triangulations of the same pattern, one on either surface: so they are
 valid and alike however narrow the gap is, where free tetrahedra would be slivers. The cylinder ends where
 the gap is as wide as its elements are long.
 """
@@ -15,25 +15,34 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.spatial import Delaunay
 
-from fsi.meshes.geometry.containers import Array, Box, HalfPlane, lengths
+from fsi.meshes.geometry.containers import Array, FluidDomain, lengths
 from fsi.meshes.planar.nodes_on_curves import equidistribute
 from fsi.meshes.planar.triangulate import Indices
 from fsi.meshes.spatial.sizing import Spacing
 
-WIDEST = 0.5  # radius of a plug, in radii of the smaller body
-CLEARANCE = 0.35  # radius of a plug over the distance to what else is there
+WIDEST = 0.5  # radius of a layer, in radii of the smaller body
+CLEARANCE = 0.35  # radius of a layer over the distance to what else is there
 ROW = 0.5 * np.sqrt(3.0)  # height of an equilateral triangle
-FEWEST_ON_RIM = 8
+FEWEST_ON_EDGE = 8
 SAMPLES = 400
 
 
 @dataclass(frozen=True, slots=True)
-class Gap:
+class NarrowGap:
     """A body and the surface that faces it, another body or a wall, both round about the axis `along`.
 
-    tags: of the two surfaces; centre, radius: of the body; along: unit vector towards the other surface,
-    whose height above the centre is `height + bend sqrt(curvature_radius^2 - rho^2)` at the distance rho from
-    the axis; bend: 0 for a flat wall; smallest: radius of the smaller body.
+    The other surface lies `height + bend sqrt(curvature_radius^2 - rho^2)` above the centre of the body, at
+    the distance rho from the axis.
+
+    Attributes:
+        tags: of the two surfaces.
+        centre: of the body, (3,).
+        radius: of the body.
+        along: unit vector towards the other surface, (3,).
+        height: see above.
+        bend: 0 for a flat wall, -1 for a surface that bends away from the body, 1 for one around it.
+        curvature_radius: of the other surface.
+        smallest: radius of the smaller body.
     """
 
     tags: tuple[int, int]
@@ -76,68 +85,67 @@ class Gap:
 
 
 @dataclass(frozen=True, slots=True)
-class Plug:
-    """A gap that is filled up to the radius `rho`, with `rim` nodes on either edge."""
+class GapPrisms:
+    """The layer of prisms that fills a gap up to the radius `rho`, with `on_edge` nodes on either edge."""
 
-    gap: Gap
+    gap: NarrowGap
     rho: float
-    rim: int
+    on_edge: int
 
 
-def find_gaps(spacing: Spacing) -> list[Gap]:
+def find_gaps(spacing: Spacing) -> list[NarrowGap]:
     """All gaps that are narrower than the elements there would be long.
 
     Raises:
         MeshError: a sphere touches another or a wall.
     """
-    gaps = []
-    for near in spacing.near():
-        i, wall = near.body, near.other - len(spacing.radii)
-        if wall >= 0:
-            gaps.append(_to_wall(spacing, i, wall))
+    gaps, centres, radii = [], spacing.domain.centres, spacing.domain.radii
+    for pair in spacing.close_pairs():
+        i, j = pair.body, pair.other
+        if j >= len(radii):
+            gaps.append(_to_wall(spacing.domain, i, j - len(radii)))
             continue
-        apart = spacing.centres[near.other] - spacing.centres[i]
+        apart = centres[j] - centres[i]
         distance = float(np.linalg.norm(apart))
-        a, b = float(spacing.radii[i]), float(spacing.radii[near.other])
-        tags = (i + 1, near.other + 1)
-        gaps.append(Gap(tags, spacing.centres[i], a, apart / distance, distance, -1.0, b, near.smallest))
+        a, b = float(radii[i]), float(radii[j])
+        tags = (i + 1, j + 1)
+        gaps.append(NarrowGap(tags, centres[i], a, apart / distance, distance, -1.0, b, pair.smallest))
     return [gap for gap in gaps if gap.width(0.0) < spacing.in_gap(gap.width(0.0), gap.smallest)]
 
 
-def _to_wall(spacing: Spacing, i: int, k: int) -> Gap:
+def _to_wall(domain: FluidDomain, i: int, k: int) -> NarrowGap:
     """The gap between body i and wall k."""
-    centre, a, container = spacing.centres[i], float(spacing.radii[i]), spacing.container
+    centre, a, container = domain.centres[i], float(domain.radii[i]), domain.container
     distance = float(container.distances(centre[None])[0, k])
-    tags = (i + 1, len(spacing.radii) + 1 + k)
-    if isinstance(container, Box):
-        along = np.eye(3)[k // 2] * (1.0 if k % 2 else -1.0)
-        return Gap(tags, centre, a, along, distance, 0.0, a, a)
-    if isinstance(container, HalfPlane) and k == 0:
-        return Gap(tags, centre, a, np.array([0.0, 0.0, -1.0]), distance, 0.0, a, a)
-    off = float(np.linalg.norm(centre))
-    along = centre / off if off > 0.0 else np.array([0.0, 0.0, 1.0])
-    return Gap(tags, centre, a, along, -off, 1.0, off + distance, a)
+    tags, sphere = (i + 1, len(domain.radii) + 1 + k), container.spheres[k]
+    if sphere is None:
+        return NarrowGap(tags, centre, a, -container.normals(centre[None])[0, k], distance, 0.0, a, a)
+    from_centre = centre - sphere.centre
+    off = float(np.linalg.norm(from_centre))
+    along = from_centre / off if off > 0.0 else np.array([0.0, 0.0, 1.0])
+    return NarrowGap(tags, centre, a, along, -off, 1.0, off + distance, a)
 
 
-def choose(gaps: Sequence[Gap], spacing: Spacing) -> list[Plug]:
-    """The plugs of those gaps that have room for one."""
+def choose(gaps: Sequence[NarrowGap], spacing: Spacing) -> list[GapPrisms]:
+    """The layers of those gaps that have room for one."""
+    domain = spacing.domain
     middles = np.array([gap.middle() for gap in gaps]).reshape(-1, 3)
-    plugs = []
+    layers = []
     for k, gap in enumerate(gaps):
-        others = np.arange(1, len(spacing.radii) + 1)
-        to_bodies = lengths(spacing.centres - middles[k]) - spacing.radii
-        to_walls = spacing.container.distances(middles[k : k + 1])[0]
+        others = np.arange(1, len(domain.radii) + 1)
+        to_bodies = lengths(domain.centres - middles[k]) - domain.radii
+        to_walls = domain.container.distances(middles[k : k + 1])[0]
         walls = len(others) + 1 + np.arange(len(to_walls))
         clear = np.concatenate([to_bodies[~np.isin(others, gap.tags)], to_walls[~np.isin(walls, gap.tags)]])
         to_middles = np.delete(lengths(middles - middles[k]), k)
         room = min(clear.min(initial=np.inf), to_middles.min(initial=np.inf))
-        plug = _plug(gap, spacing, min(WIDEST * gap.smallest, CLEARANCE * room))
-        if plug is not None:
-            plugs.append(plug)
-    return plugs
+        layer = _layer(gap, spacing, min(WIDEST * gap.smallest, CLEARANCE * room))
+        if layer is not None:
+            layers.append(layer)
+    return layers
 
 
-def _plug(gap: Gap, spacing: Spacing, widest: float) -> Plug | None:
+def _layer(gap: NarrowGap, spacing: Spacing, widest: float) -> GapPrisms | None:
     """As wide as the elements are longer than the gap, and at most `widest`; None if that is one element."""
 
     def excess(rho: float) -> float:
@@ -147,34 +155,34 @@ def _plug(gap: Gap, spacing: Spacing, widest: float) -> Plug | None:
     size = float(spacing.in_gap(gap.width(rho), gap.smallest))
     if rho < size:
         return None
-    return Plug(gap, rho, 4 * max(FEWEST_ON_RIM // 4, round(0.5 * np.pi * rho / size)))
+    return GapPrisms(gap, rho, 4 * max(FEWEST_ON_EDGE // 4, round(0.5 * np.pi * rho / size)))
 
 
-def pattern(plug: Plug, spacing: Spacing) -> tuple[Array, Indices]:
-    """Places across the axis, inner ones (n, 2) before the rim's, and the triangles between them.
+def pattern(layer: GapPrisms, spacing: Spacing) -> tuple[Array, Indices]:
+    """Places across the axis, inner ones (n, 2) before the edge's, and the triangles between them.
 
     The places stand in rings, each turned by half an element against the next.
     """
-    s = np.linspace(0.0, plug.rho, SAMPLES)
-    size = spacing.in_gap(plug.gap.width(s), plug.gap.smallest)
+    s = np.linspace(0.0, layer.rho, SAMPLES)
+    size = spacing.in_gap(layer.gap.width(s), layer.gap.smallest)
     rings = equidistribute(s, 1.0 / (ROW * size), least=1)
-    places = [np.zeros((1, 2))]
+    rows = [np.zeros((1, 2))]
     for k, rho in enumerate(rings[1:], start=1):
         last = k == len(rings) - 1
-        count = plug.rim if last else max(5, round(2.0 * np.pi * rho / float(np.interp(rho, s, size))))
+        count = layer.on_edge if last else max(5, round(2.0 * np.pi * rho / float(np.interp(rho, s, size))))
         turn = 0.5 * ((len(rings) - 1 - k) % 2)
         angle = 2.0 * np.pi * (np.arange(count) + turn) / count
-        places.append(rho * np.column_stack([np.cos(angle), np.sin(angle)]))
-    y = np.concatenate(places)
+        rows.append(rho * np.column_stack([np.cos(angle), np.sin(angle)]))
+    y = np.concatenate(rows)
     return y, Delaunay(y).simplices.astype(np.int64)
 
 
-def prisms(triangles: Indices, below: Indices, above: Indices, backwards: Indices) -> Indices:
+def split_prisms(triangles: Indices, below: Indices, above: Indices, backwards: Indices) -> Indices:
     """Three tetrahedra for each prism over a triangle (a, b, c) of places.
 
-    On the side over places u < v the diagonal goes from `below[u]` to `above[v]`; over the pairs of rim
+    On the side over places u < v the diagonal goes from `below[u]` to `above[v]`; over the pairs of edge
     places in `backwards` (m, 2), sorted, it goes from `below[v]` to `above[u]`. A prism has one side on the
-    rim at most, and its third place is an inner one, which comes first: no three diagonals run in a circle.
+    edge at most, and its third place is an inner one, which comes first: no three diagonals run in a circle.
     """
     v = np.sort(triangles, axis=1)
     n = int(v.max()) + 1

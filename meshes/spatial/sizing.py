@@ -24,18 +24,20 @@ import gmsh
 import numpy as np
 
 from fsi.meshes.errors import MeshError, at
-from fsi.meshes.geometry.containers import Array, Box, Container, HalfPlane, lengths
+from fsi.meshes.geometry.containers import Array, FluidDomain, lengths
 from fsi.meshes.planar.sizing import Resolution
 
 LENGTH, SHORTEST, LONGEST = 0.3, 0.3, 10.0
-LARGEST = 0.25  # of the diagonal of a box
 
 
 @dataclass(frozen=True, slots=True)
-class Near:
+class ClosePair:
     """A gap so narrow that it has smaller elements than its bodies elsewhere.
 
-    body: i; other: the other body j, or N + k for wall k; smallest: radius of the smaller body.
+    Attributes:
+        body: i.
+        other: the other body j, or N + k for wall k.
+        smallest: radius of the smaller body.
     """
 
     body: int
@@ -45,24 +47,10 @@ class Near:
 
 @dataclass(frozen=True, slots=True)
 class Spacing:
-    """The law of sizes around bodies with centres (N, 3) and radii (N,)."""
+    """The law of sizes around the bodies of a domain in space."""
 
-    container: Container
-    centres: Array
-    radii: Array
+    domain: FluidDomain
     resolution: Resolution
-
-    def around(self) -> Array:
-        """Size of the elements on each body without neighbours, (N,)."""
-        size: Array = 2.0 * np.pi * self.radii / self.resolution.cells_per_circle
-        return size
-
-    def largest(self) -> float:
-        """What no element exceeds: on a round container as on a body, elsewhere a part of its size."""
-        size = self.container.size()
-        if isinstance(self.container, Box):
-            return LARGEST * size
-        return float(np.pi * size / self.resolution.cells_per_circle)
 
     def in_gap(self, gap: Array | float, radius: float) -> Array:
         """h_gap where the gap is `gap` and the smallest radius beside it `radius`."""
@@ -70,39 +58,42 @@ class Spacing:
         law: Array = np.maximum(size, SHORTEST * gap) / self.resolution.cells_per_gap
         return law
 
-    def near(self) -> list[Near]:
+    def close_pairs(self) -> list[ClosePair]:
         """All gaps where h_gap is smaller than the size on the larger body.
 
         Raises:
             MeshError: a sphere touches another or a wall.
         """
-        found, size = [], self.around()
-        to_walls = self.container.distances(self.centres) - self.radii[:, None]
-        for i, (centre, a) in enumerate(zip(self.centres, self.radii, strict=True)):
-            gaps = np.concatenate([lengths(self.centres - centre) - self.radii - a, to_walls[i]])
+        centres, radii = self.domain.centres, self.domain.radii
+        close, size = [], self.resolution.on_body(radii)
+        to_walls = self.domain.container.distances(centres) - radii[:, None]
+        for i, (centre, a) in enumerate(zip(centres, radii, strict=True)):
+            gaps = np.concatenate([lengths(centres - centre) - radii - a, to_walls[i]])
             gaps[i] = np.inf
             if gaps.min() <= 0.0:
                 raise MeshError(f"the sphere at {at(centre)} touches a sphere or wall; move it")
-            smallest = np.minimum(a, np.append(self.radii, np.full(to_walls.shape[1], a)))
+            smallest = np.minimum(a, np.append(radii, np.full(to_walls.shape[1], a)))
             largest = np.maximum(size[i], np.append(size, np.full(to_walls.shape[1], size[i])))
-            close = np.flatnonzero(self.in_gap(gaps, smallest) < largest)
-            found += [Near(i, int(j), float(smallest[j])) for j in close[close > i]]
-        return found
+            narrow = np.flatnonzero(self.in_gap(gaps, smallest) < largest)
+            close += [ClosePair(i, int(j), float(smallest[j])) for j in narrow[narrow > i]]
+        return close
 
     def apply(self) -> None:
         """Make it gmsh's background size."""
+        container, centres, radii = self.domain.container, self.domain.centres, self.domain.radii
         bodies = [
             f"(sqrt((x-({c[0]!r}))^2+(y-({c[1]!r}))^2+(z-({c[2]!r}))^2)-{a!r})"
-            for c, a in zip(self.centres.tolist(), self.radii.tolist(), strict=True)
+            for c, a in zip(centres.tolist(), radii.tolist(), strict=True)
         ]
-        away = [*bodies, *_to_walls(self.container)]
+        away = [*bodies, *container.distance_formulas()]
+        on_bodies = self.resolution.on_body(radii).tolist()
         growth = float(self.resolution.growth)
-        sizes = [f"{h!r}+{growth!r}*{b}" for h, b in zip(self.around().tolist(), bodies, strict=True)]
-        for gap in self.near():
+        sizes = [f"{h!r}+{growth!r}*{b}" for h, b in zip(on_bodies, bodies, strict=True)]
+        for gap in self.close_pairs():
             d, across = f"({away[gap.body]}+{away[gap.other]})", float(self.resolution.cells_per_gap)
             along = f"min({LENGTH!r}*sqrt({gap.smallest!r}*abs({d})),{LONGEST!r}*{d})"
             sizes.append(f"max({along},{SHORTEST!r}*{d})/{across!r}")
-        sizes.append(repr(self.largest()))
+        sizes.append(repr(container.largest_element(self.resolution.cells_per_circle)))
         field = gmsh.model.mesh.field
         numbers = []
         for expression in sizes:
@@ -111,12 +102,3 @@ class Spacing:
         smallest = field.add("Min")
         field.setNumbers(smallest, "FieldsList", numbers)
         field.setAsBackgroundMesh(smallest)
-
-
-def _to_walls(container: Container) -> list[str]:
-    """The distance to each wall, as gmsh has it."""
-    if isinstance(container, Box):
-        sides = zip("xyz", container.lower, container.upper, strict=True)
-        return [side for s, low, high in sides for side in (f"({s}-({low!r}))", f"(({high!r})-{s})")]
-    far = f"({container.size() / 2.0!r}-sqrt(x^2+y^2+z^2))"
-    return ["z", far] if isinstance(container, HalfPlane) else [far]

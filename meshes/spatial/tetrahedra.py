@@ -1,9 +1,9 @@
-"""Tetrahedra in the fluid around spheres: gmsh fills it but for the plugs of narrow gaps."""
+"""Tetrahedra in the fluid around spheres: gmsh fills it but for the layers of prisms in narrow gaps."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from math import ceil
 
@@ -16,33 +16,22 @@ from scipy.spatial import cKDTree
 from fsi.meshes.cells.curved import CurvedCells
 from fsi.meshes.cells.quality import WORST_ACCEPTED, scaled_jacobian
 from fsi.meshes.errors import MeshError, at
-from fsi.meshes.geometry.containers import Array, Box, Container, HalfPlane, Round, lengths
+from fsi.meshes.geometry.containers import FluidDomain, lengths
+from fsi.meshes.geometry.curves import Sphere
 from fsi.meshes.planar.sizing import Resolution
-from fsi.meshes.planar.triangulate import Indices, gmsh_model
-from fsi.meshes.spatial.curved_tetrahedra import Sphere, curve_tets
-from fsi.meshes.spatial.gap_prisms import Plug, choose, find_gaps, pattern, prisms
+from fsi.meshes.planar.triangulate import Indices, StraightCells, gmsh_model
+from fsi.meshes.spatial.curved_tetrahedra import curve_tets
+from fsi.meshes.spatial.gap_prisms import GapPrisms, choose, find_gaps, pattern, split_prisms
 from fsi.meshes.spatial.seams import seam_turn
 from fsi.meshes.spatial.sizing import Spacing
 
-OVERLAP = 0.25  # how far a plug's cylinder enters either surface, in radii of the smaller body
-ON_CURVE = 1e-5  # of a plug's radius: where gmsh's intersections lie
+OVERLAP = 0.25  # how far a layer's cylinder enters either surface, in radii of the smaller body
+ON_CURVE = 1e-5  # of a layer's radius: where gmsh's intersections lie
 FINER = (1.0, 1.25, 1.6)  # times cells_per_circle, until there are cells and all are valid
 TRIANGLE, TETRAHEDRON = 2, 4  # as gmsh calls them
 
 
-@dataclass(frozen=True, slots=True)
-class Tetrahedra:
-    """Straight cells: vertices (n, 3), tets (T, 4); facets (F, 3) of the boundary with their tags (F,)."""
-
-    vertices: Array
-    tets: Indices
-    facets: Indices
-    tags: Indices
-
-
-def fill(
-    container: Container, centres: Array, radii: Array, resolution: Resolution, order: int
-) -> CurvedCells:
+def fill(domain: FluidDomain, resolution: Resolution, order: int) -> CurvedCells:
     """Curved cells of the fluid around spheres; arguments as for `fsi.meshes.build.build`.
 
     gmsh's kernel has absolute tolerances: it is given lengths in units of the largest radius, or without
@@ -54,68 +43,52 @@ def fill(
     Raises:
         MeshError: spheres touch, or gmsh fails with all sizes.
     """
-    unit = float(radii.max(initial=0.0)) or container.size()
-    found = _valid(_scaled(container, 1.0 / unit), centres / unit, radii / unit, resolution, order)
-    return replace(found, nodes=unit * found.nodes)
+    unit = float(domain.radii.max(initial=0.0)) or domain.container.size()
+    container = domain.container.scaled(1.0 / unit)
+    cells = _valid(FluidDomain(container, domain.centres / unit, domain.radii / unit), resolution, order)
+    return replace(cells, nodes=unit * cells.nodes)
 
 
-def _scaled(container: Container, factor: float) -> Container:
-    """The container with all lengths times the factor."""
-    match container:
-        case Box(lower, upper):
-            return replace(
-                container,
-                lower=tuple(factor * x for x in lower),
-                upper=tuple(factor * x for x in upper),
-            )
-        case HalfPlane() | Round():
-            return replace(container, radius=factor * container.radius)
-        case _:
-            raise MeshError("no domain of this shape is meshed in space")
-
-
-def _valid(
-    container: Container, centres: Array, radii: Array, resolution: Resolution, order: int
-) -> CurvedCells:
+def _valid(domain: FluidDomain, resolution: Resolution, order: int) -> CurvedCells:
     """What `fill` gives, in gmsh's units."""
-    found: CurvedCells | None = None
+    cells: CurvedCells | None = None
     problem: MeshError | None = None
     for factor in FINER:
         finer = replace(resolution, cells_per_circle=ceil(factor * resolution.cells_per_circle))
         try:
-            found = _fill(Spacing(container, centres, radii, finer), order)
+            cells = _fill(Spacing(domain, finer), order)
         except MeshError as error:
             problem = problem or error
             continue
-        if scaled_jacobian(found.nodes[found.cells], order).min() > WORST_ACCEPTED:
-            return found
-    if found is None:
+        if scaled_jacobian(cells.nodes[cells.cells], order).min() > WORST_ACCEPTED:
+            return cells
+    if cells is None:
         raise problem or MeshError("gmsh made no tetrahedra")
-    return found
+    return cells
 
 
 def _fill(spacing: Spacing, order: int) -> CurvedCells:
     """The cells of these sizes, valid or not."""
-    radii, container = spacing.radii, spacing.container
-    plugs = choose(find_gaps(spacing), spacing)
-    spheres = {i + 1: Sphere(centre, float(radii[i])) for i, centre in enumerate(spacing.centres)}
-    if isinstance(container, HalfPlane | Round):
-        spheres[len(radii) + len(container.walls)] = Sphere(np.zeros(3), container.radius)
-    cells = _outside(spacing, plugs)
+    domain = spacing.domain
+    layers = choose(find_gaps(spacing), spacing)
+    bodies = [Sphere(x, float(a)) for x, a in zip(domain.centres, domain.radii, strict=True)]
+    surfaces = enumerate([*bodies, *domain.container.spheres], 1)
+    spheres = {tag: sphere for tag, sphere in surfaces if sphere is not None}
+    cells = _outside(spacing, layers)
     for tag, sphere in spheres.items():
         on = np.unique(cells.facets[cells.tags == tag])
         cells.vertices[on] = sphere.project(cells.vertices[on])
-    for plug in plugs:
-        cells = _plugged(cells, plug, spacing)
+    for layer in layers:
+        cells = _with_prisms(cells, layer, spacing)
     _require_boundary(cells)
-    return curve_tets(cells.vertices, _upright(cells), cells.facets, cells.tags, spheres, order)
+    return curve_tets(replace(cells, cells=_upright(cells)), spheres, order)
 
 
-def _outside(spacing: Spacing, plugs: Sequence[Plug]) -> Tetrahedra:
-    """gmsh's cells of the fluid outside the plugs; the sides of the plugs have the tag 0."""
+def _outside(spacing: Spacing, layers: Sequence[GapPrisms]) -> StraightCells:
+    """gmsh's cells of the fluid outside the layers of prisms, whose sides have the tag 0."""
     with gmsh_model():
-        _add_fluid(spacing, plugs)
-        sides = [face for plug in plugs for face in _structure(plug)]
+        _add_fluid(spacing.domain, layers)
+        sides = [face for layer in layers for face in _structure(layer)]
         for name, value in {
             "Mesh.MeshSizeExtendFromBoundary": 0,
             "Mesh.MeshSizeFromPoints": 0,
@@ -125,42 +98,33 @@ def _outside(spacing: Spacing, plugs: Sequence[Plug]) -> Tetrahedra:
             gmsh.option.setNumber(name, value)
         spacing.apply()
         gmsh.model.mesh.generate(3)
-        return _read(spacing, sides)
+        return _read(spacing.domain, sides)
 
 
-def _add_fluid(spacing: Spacing, plugs: Sequence[Plug]) -> None:
-    """The container without the bodies and the cylinders of the plugs."""
-    occ = gmsh.model.occ
-    match spacing.container:
-        case Box(lower=lower, upper=upper):
-            whole = occ.addBox(*lower, *np.subtract(upper, lower))
-        case HalfPlane(radius=radius):
-            whole = occ.addSphere(0.0, 0.0, 0.0, radius, angle1=0.0)
-        case Round(radius=radius):
-            whole = occ.addSphere(0.0, 0.0, 0.0, radius)
-        case other:
-            raise TypeError(f"no mesh for the container {other!r}")
-    holes = []
-    for tag, (x, a) in enumerate(zip(spacing.centres, spacing.radii, strict=True), 1):
+def _add_fluid(domain: FluidDomain, layers: Sequence[GapPrisms]) -> None:
+    """The container without the bodies and the cylinders of the layers."""
+    occ, holes = gmsh.model.occ, []
+    whole = domain.container.solid(occ)
+    for tag, (x, a) in enumerate(zip(domain.centres, domain.radii, strict=True), 1):
         holes.append((3, occ.addSphere(*x, a)))
-        turn = seam_turn(tag, float(a), plugs)
+        turn = seam_turn(tag, float(a), layers)
         if turn.angle:
             occ.rotate(holes[-1:], *x, *turn.axis, turn.angle)
-    holes += [(3, _add_cylinder(plug)) for plug in plugs]
+    holes += [(3, _add_cylinder(layer)) for layer in layers]
     if holes:
         occ.cut([(3, whole)], holes)
     occ.synchronize()
 
 
-def _add_cylinder(plug: Plug) -> int:
-    """The cylinder of a plug, its side in four quarters as gmsh's structured surfaces have four corners."""
-    occ, gap = gmsh.model.occ, plug.gap
-    below, above = (float(height) for height in gap.heights(plug.rho))
+def _add_cylinder(layer: GapPrisms) -> int:
+    """The cylinder of a layer, its side in four quarters as gmsh's structured surfaces have four corners."""
+    occ, gap = gmsh.model.occ, layer.gap
+    below, above = (float(height) for height in gap.heights(layer.rho))
     overlap = OVERLAP * gap.smallest
     foot = gap.centre + (below - overlap) * gap.along
     quarters = [0.5 * np.pi * k for k in range(5)]
     arcs = [
-        occ.addCircle(*foot, plug.rho, -1, start, end, list(gap.along), list(gap.frame()[0]))
+        occ.addCircle(*foot, layer.rho, -1, start, end, list(gap.along), list(gap.frame()[0]))
         for start, end in pairwise(quarters)
     ]
     disc = occ.addPlaneSurface([occ.addCurveLoop(arcs)])
@@ -169,27 +133,27 @@ def _add_cylinder(plug: Plug) -> int:
     return next(int(tag) for dimension, tag in solid if dimension == 3)
 
 
-def _structure(plug: Plug) -> list[int]:
-    """One row of triangles on the side of a plug; returns the faces of the side."""
-    gap, segments = plug.gap, {}
-    heights = [float(height) for height in gap.heights(plug.rho)]
+def _structure(layer: GapPrisms) -> list[int]:
+    """One row of triangles on the side of a layer; returns the faces of the side."""
+    gap, segments = layer.gap, {}
+    heights = [float(height) for height in gap.heights(layer.rho)]
     for _, curve in gmsh.model.getEntities(1):
         (low,), (high,) = gmsh.model.getParametrizationBounds(1, curve)
         x = gmsh.model.getValue(1, curve, [low, 0.5 * (low + high), high]).reshape(3, 3) - gap.centre
         z = x @ gap.along
         from_axis = lengths(x - z[:, None] * gap.along)
-        if np.abs(from_axis - plug.rho).max() > ON_CURVE * plug.rho:
+        if np.abs(from_axis - layer.rho).max() > ON_CURVE * layer.rho:
             continue
-        if min(abs(z[1] - height) for height in heights) < ON_CURVE * plug.rho:
-            segments[curve] = plug.rim // 4
+        if min(abs(z[1] - height) for height in heights) < ON_CURVE * layer.rho:
+            segments[curve] = layer.on_edge // 4
         elif heights[0] < z[1] < heights[1]:
             segments[curve] = 1
     for curve, number in segments.items():
         gmsh.model.mesh.setTransfiniteCurve(curve, number + 1)
     sides = []
     for _, face in gmsh.model.getEntities(2):
-        around = {abs(curve) for _, curve in gmsh.model.getBoundary([(2, face)], oriented=False)}
-        if around <= set(segments) and 1 in {segments[curve] for curve in around}:
+        bounds = {abs(curve) for _, curve in gmsh.model.getBoundary([(2, face)], oriented=False)}
+        if bounds <= set(segments) and 1 in {segments[curve] for curve in bounds}:
             gmsh.model.mesh.setTransfiniteSurface(face)
             sides.append(face)
     if len(sides) != 4:
@@ -198,7 +162,7 @@ def _structure(plug: Plug) -> list[int]:
     return sides
 
 
-def _read(spacing: Spacing, sides: Sequence[int]) -> Tetrahedra:
+def _read(domain: FluidDomain, sides: Sequence[int]) -> StraightCells:
     """gmsh's cells; each surface has the tag of the body or wall that its nodes lie on."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     order = np.argsort(tags)
@@ -206,8 +170,8 @@ def _read(spacing: Spacing, sides: Sequence[int]) -> Tetrahedra:
     if len(used) == 0:
         raise MeshError("gmsh made no tetrahedra; do two surfaces cross?")
     vertices = coordinates.reshape(-1, 3)[order][np.searchsorted(tags[order], used)]
-    to_bodies = [lengths(vertices - x) - a for x, a in zip(spacing.centres, spacing.radii, strict=True)]
-    away = np.abs(np.column_stack([*to_bodies, spacing.container.distances(vertices)]))
+    to_bodies = [lengths(vertices - x) - a for x, a in zip(domain.centres, domain.radii, strict=True)]
+    away = np.abs(np.column_stack([*to_bodies, domain.container.distances(vertices)]))
     facets, values = [], []
     for _, face in gmsh.model.getEntities(2):
         corners = gmsh.model.mesh.getElementsByType(TRIANGLE, face)[1]
@@ -215,53 +179,53 @@ def _read(spacing: Spacing, sides: Sequence[int]) -> Tetrahedra:
         tag = 0 if face in sides else int(away[mine.ravel()].max(axis=0).argmin()) + 1
         facets.append(mine)
         values.append(np.full(len(mine), tag))
-    return Tetrahedra(
+    return StraightCells(
         vertices, tets.reshape(-1, 4).astype(np.int64), np.concatenate(facets), np.concatenate(values)
     )
 
 
-def _plugged(cells: Tetrahedra, plug: Plug, spacing: Spacing) -> Tetrahedra:
-    """With the prisms of a plug; its side is no boundary any more."""
-    y, triangles = pattern(plug, spacing)
-    inner, n = len(y) - plug.rim, len(cells.vertices)
-    places = [plug.gap.places(y, side) for side in range(2)]
+def _with_prisms(cells: StraightCells, layer: GapPrisms, spacing: Spacing) -> StraightCells:
+    """With the prisms of a layer; its side is no boundary any more."""
+    y, triangles = pattern(layer, spacing)
+    inner, n = len(y) - layer.on_edge, len(cells.vertices)
+    places = [layer.gap.places(y, side) for side in range(2)]
     on_side = np.unique(cells.facets[cells.tags == 0])
     tree = cKDTree(cells.vertices[on_side])
-    layers, vertices = [], [cells.vertices]
+    places_of, vertices = [], [cells.vertices]
     for side in range(2):
-        distance, rim = tree.query(places[side][inner:])
-        if distance.max() > ON_CURVE * plug.rho:
+        distance, on_edge = tree.query(places[side][inner:])
+        if distance.max() > ON_CURVE * layer.rho:
             raise MeshError("gmsh moved the rim of a gap; try another discretisation.cells_per_gap")
-        layers.append(np.concatenate([n + side * inner + np.arange(inner), on_side[rim]]))
+        places_of.append(np.concatenate([n + side * inner + np.arange(inner), on_side[on_edge]]))
         vertices.append(places[side][:inner])
-    below, above = layers
-    rim_places = np.arange(inner, len(y))
-    u, v = np.sort([rim_places, np.roll(rim_places, -1)], axis=0)
+    below, above = places_of
+    edge_places = np.arange(inner, len(y))
+    u, v = np.sort([edge_places, np.roll(edge_places, -1)], axis=0)
     sides = {tuple(sorted(facet)) for facet in cells.facets[cells.tags == 0].tolist()}
     forwards = [tuple(sorted((below[i], below[j], above[j]))) in sides for i, j in zip(u, v, strict=True)]
     backwards = np.column_stack([u, v])[~np.array(forwards)]
-    on_rims = np.isin(cells.facets, np.concatenate([below[inner:], above[inner:]])).all(axis=1)
-    mine = on_rims & (cells.tags == 0)
-    return Tetrahedra(
+    on_edges = np.isin(cells.facets, np.concatenate([below[inner:], above[inner:]])).all(axis=1)
+    mine = on_edges & (cells.tags == 0)
+    return StraightCells(
         np.concatenate(vertices),
-        np.concatenate([cells.tets, prisms(triangles, below, above, backwards)]),
+        np.concatenate([cells.cells, split_prisms(triangles, below, above, backwards)]),
         np.concatenate([cells.facets[~mine], below[triangles], above[triangles]]),
-        np.concatenate([cells.tags[~mine], *(np.full(len(triangles), tag) for tag in plug.gap.tags)]),
+        np.concatenate([cells.tags[~mine], *(np.full(len(triangles), tag) for tag in layer.gap.tags)]),
     )
 
 
-def _require_boundary(cells: Tetrahedra) -> None:
+def _require_boundary(cells: StraightCells) -> None:
     """The facets that belong to one cell must be the tagged ones."""
-    sides = np.sort(cells.tets[:, [0, 1, 2, 0, 1, 3, 0, 2, 3, 1, 2, 3]].reshape(-1, 3), axis=1)
+    sides = np.sort(cells.cells[:, [0, 1, 2, 0, 1, 3, 0, 2, 3, 1, 2, 3]].reshape(-1, 3), axis=1)
     radix = len(cells.vertices) ** np.arange(3)[::-1]
-    found, count = np.unique(sides @ radix, return_counts=True)
+    keys, count = np.unique(sides @ radix, return_counts=True)
     tagged = np.sort(np.sort(cells.facets, axis=1) @ radix)
-    if count.max() > 2 or not np.array_equal(found[count == 1], tagged):
+    if count.max() > 2 or not np.array_equal(keys[count == 1], tagged):
         raise MeshError("gmsh lost a part of the boundary; try a finer discretisation.cells_per_gap")
 
 
-def _upright(cells: Tetrahedra) -> Indices:
+def _upright(cells: StraightCells) -> Indices:
     """The cells, those with a negative volume mirrored."""
-    a, b, c, d = (cells.vertices[cells.tets[:, k]] for k in range(4))
+    a, b, c, d = (cells.vertices[cells.cells[:, k]] for k in range(4))
     mirrored = np.einsum("td,td->t", np.cross(b - a, c - a), d - a) < 0.0
-    return np.where(mirrored[:, None], cells.tets[:, [0, 2, 1, 3]], cells.tets)
+    return np.where(mirrored[:, None], cells.cells[:, [0, 2, 1, 3]], cells.cells)

@@ -30,8 +30,6 @@ from fsi.bodies.forces import separations
 from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
 from fsi.lubrication.exact import plane_lubrication
-from fsi.meshes.geometry.periodic import mean_velocity
-from fsi.normals import inward_normals
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,11 +88,11 @@ def find_links(case: Case, q: Configuration, V: Array, t: float, reach: float) -
     between = separations(q, gaps)
     unit = between / np.linalg.norm(between, axis=1, keepdims=True)
     body, wall = np.nonzero(gaps.wall_gaps <= reach)
-    normal = inward_normals(container, q.centres)[body, wall]
+    normal = container.normals(q.centres)[body, wall]
     d = np.concatenate([gaps.pair_gaps, gaps.wall_gaps[body, wall]])
     rates = np.concatenate(
         [
-            np.sum(unit * (V[i] - V[j] - mean_velocity(container, gaps.away)), axis=1),
+            np.sum(unit * (V[i] - V[j] - container.mean_velocity(gaps.away)), axis=1),
             np.sum(normal * (V[body] - _wall_velocities(case, t)[wall]), axis=1),
         ]
     )

@@ -21,6 +21,7 @@ from rich.table import Table
 
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
+from fsi.case.section import toml_text
 from fsi.errors import InputError
 from fsi.lubrication import exact, sphere_settling
 from fsi.meshes.geometry.containers import HalfPlane
@@ -102,8 +103,10 @@ def _normal_force(case: Case) -> float:
     if disc.mass is not None:
         raise InputError(f"bodies.0.mass = {disc.mass}: the exact settling law has no inertia; drop the mass")
     for name, wall in case.domain.walls.items():
-        if wall != (0.0, 0.0):
-            raise InputError(f"domain.walls.{name} = {wall}: the exact settling law needs walls at rest")
+        if not wall.rests:
+            raise InputError(
+                f"domain.walls.{name} = {toml_text(wall)}: the exact settling law needs walls at rest"
+            )
     return float(force)
 
 

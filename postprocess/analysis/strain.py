@@ -6,7 +6,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
-from fsi.case.walls import WallVelocity, wall_velocity
+from fsi.case.walls import WallVelocity
 from fsi.meshes.geometry.periodic import Cell, Channel
 
 
@@ -32,7 +32,7 @@ def shear_rate(case: Case, t: float) -> float | None:
         return None
     height = container.upper[1] - container.lower[1]
     ends = [
-        (wall_velocity(case.domain.walls[name], t, 2), y)
+        (case.domain.walls[name].velocity(t, 2), y)
         for name, y in (("bottom", container.lower[1]), ("top", container.upper[1]))
     ]
     u = [_along(velocity, y) for velocity, y in ends if velocity is not None]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fsi.meshes.geometry.containers import boundary_names
+from fsi.meshes.geometry.containers import FluidDomain
 from fsi.postprocess.run.run import open_run
 
 
@@ -27,6 +27,8 @@ def write_step_mesh(run: Path, step: int | None, output: Path) -> int:
     parts = sorted((run / "fields").glob(f"fluid_{step:06d}*.vtu"))
     container = case.container().at(t)
     write_cells(
-        recover(parts, container, q.centres, q.radii), output, [*case.names, *boundary_names(container)]
+        recover(parts, FluidDomain(container, q.centres, q.radii)),
+        output,
+        [*case.names, *container.boundary_names],
     )
     return step

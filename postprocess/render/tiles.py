@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.meshes.geometry.lattice import Integers, Lattice
-from fsi.meshes.geometry.periodic import Cell, Channel, Periodic, mean_velocity
+from fsi.meshes.geometry.periodic import Cell, Channel, Periodic
 from fsi.postprocess.render.curved_cells import cells_within, nodes
 from fsi.postprocess.render.view import View
 
@@ -44,7 +44,7 @@ def tiled(grid: pv.UnstructuredGrid, container: Periodic, view: View) -> pv.Unst
             copy = cells_within(grid, view.low - e, view.high - e)
             copy.points[:, :2] += e
             if "velocity" in copy.point_data:
-                copy["velocity"][:, :2] += mean_velocity(container, e)
+                copy["velocity"][:, :2] += container.mean_velocity(e)
             if rise:
                 copy["pressure"] += rise * m[0]
             copies.append(copy)

@@ -17,7 +17,6 @@ from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Box, Container, HalfPlane, Round
-from fsi.normals import inward_normals
 from fsi.runs import run
 from tests.case_data import changed
 from tests.exact_model import DiscsBesidePlane, by, plane_case
@@ -143,7 +142,7 @@ def test_normals_are_gradients_of_the_distances(container: Container) -> None:
     x, h = np.array([[1.0, 2.0], [0.3, 0.7]]), 1e-6
     steps = h * np.eye(2)
     slopes = [(container.distances(x + step) - container.distances(x - step)) / (2 * h) for step in steps]
-    np.testing.assert_allclose(inward_normals(container, x), np.stack(slopes, axis=2), atol=1e-9)
+    np.testing.assert_allclose(container.normals(x), np.stack(slopes, axis=2), atol=1e-9)
 
 
 def test_a_disc_floats_where_repulsion_carries_its_weight(tmp_path: Path) -> None:

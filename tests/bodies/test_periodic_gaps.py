@@ -10,8 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fsi.bodies.configuration import Configuration
-from fsi.bodies.gaps import find_gaps, pair_gaps
-from fsi.meshes.geometry.periodic import Cell, Channel, Periodic, mean_velocity
+from fsi.bodies.gaps import find_gaps, neighbours, pair_gaps
+from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.periodic import Cell, Channel, Periodic
 
 type Found = list[tuple[int, int, float, float, float]]
 
@@ -53,6 +54,30 @@ def test_images_are_carried_at_the_mean_velocity() -> None:
     cell = Cell(((5.0, 0.0), (1.0, 4.0)), ((0.7, 0.0), (0.0, -0.7)))
     e, h = np.array([[5.0, 0.0], [1.0, -4.0]]), 1e-6
     slope = (cell.carried(e, h) - cell.carried(e, -h)) / (2.0 * h)
-    np.testing.assert_allclose(mean_velocity(cell, e), slope, atol=1e-8)
-    assert mean_velocity(cell, e)[0, 0] == pytest.approx(3.5)
-    np.testing.assert_array_equal(mean_velocity(Channel((0.0, 0.0), (1.0, 1.0)), e), np.zeros((2, 2)))
+    np.testing.assert_allclose(cell.mean_velocity(e), slope, atol=1e-8)
+    assert cell.mean_velocity(e)[0, 0] == pytest.approx(3.5)
+    np.testing.assert_array_equal(Channel((0.0, 0.0), (1.0, 1.0)).mean_velocity(e), np.zeros((2, 2)))
+
+
+@settings(max_examples=30)
+@given(seed=st.integers(0, 10**6), number=st.integers(0, 8), periodic=st.sets(st.sampled_from("xyz")))
+def test_neighbours_in_boxes_that_are_periodic_in_any_directions(
+    seed: int, number: int, periodic: set[str]
+) -> None:
+    """Against all images up to five periods off, of points up to two periods outside; the cell is small."""
+    container = Box((1.0, -2.0, 0.0), (3.0, 0.5, 3.0), periodic=tuple(sorted(periodic)))
+    x = np.random.default_rng(seed).uniform(-2.0, 4.0, (number, 3))
+    near, cutoff, periods = neighbours(x, container, 2.6), 2.6, container.periods
+    expected = {}
+    for i, j in product(range(number), repeat=2):
+        for m in product(range(-5, 6), repeat=len(periods)):
+            separation = x[i] - x[j] - np.array(m) @ periods if m else x[i] - x[j]
+            first = i < j or (i == j and next((k for k in m if k), 0) > 0)
+            if first and np.linalg.norm(separation) <= cutoff:
+                expected[(i, j, *m)] = separation
+    rows = np.column_stack([near.i, near.j, near.shift]).tolist()
+    assert len(rows) == len(expected)
+    assert set(map(tuple, rows)) == set(expected)
+    for row, separation, distance in zip(rows, near.separation, near.distance, strict=True):
+        np.testing.assert_allclose(separation, expected[tuple(row)], atol=1e-12)
+        assert distance == pytest.approx(np.linalg.norm(separation), rel=1e-14)

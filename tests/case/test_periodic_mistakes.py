@@ -6,7 +6,9 @@ from typing import Any
 
 import pytest
 
+from fsi.case.domains.box import ChannelDomain
 from fsi.case.load import parse_case
+from fsi.case.section import CaseContext
 from fsi.errors import InputError
 from tests.case_data import changed
 
@@ -90,3 +92,24 @@ def test_the_iterative_solver_is_not_for_periodic_domains() -> None:
     data = changed("domain", CHANNEL) | {"discretisation": {"solver": "iterative"}}
     with pytest.raises(InputError, match=r'discretisation\.solver = "iterative"'):
         parse_case(data)
+
+
+@pytest.mark.parametrize("geometry", ["planar", "spatial"])
+def test_a_box_may_be_periodic_in_any_directions_without_fluid(geometry: Any) -> None:
+    """The section makes the container; only what solves for a flow refuses it."""
+    lower, upper = (0.0, 0.0, 0.0), (2.0, 3.0, 4.0)
+    d = 2 if geometry == "planar" else 3
+    for periodic in (("y",), ("x", "y"), ("x", "y", "z")[:d]):
+        data = {"lower": lower[:d], "upper": upper[:d], "periodic": periodic}
+        domain = ChannelDomain.model_validate(data, context=CaseContext(geometry))
+        container = domain.container()
+        assert tuple(domain.walls) == container.walls
+        assert len(container.periods) == len(periodic)
+        with pytest.raises(InputError, match=r"domain\.periodic = .*only in planar boxes .* periodic in x"):
+            domain.require_fluid()
+
+
+@pytest.mark.parametrize("periodic", [["z"], ["x", "x"], []])
+def test_each_direction_is_named_once(periodic: list[str]) -> None:
+    with pytest.raises(InputError, match=r"domain\.periodic = .* each of some directions of x, y once"):
+        parse_case(changed("domain", CHANNEL | {"periodic": periodic}))

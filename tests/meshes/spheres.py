@@ -11,7 +11,7 @@ import ufl
 from dolfinx import fem
 
 from fsi.meshes.build import FluidMesh, build
-from fsi.meshes.geometry.containers import Array, Box, Container, HalfPlane
+from fsi.meshes.geometry.containers import Array, Box, Container, FluidDomain, HalfPlane
 from fsi.meshes.planar.sizing import Resolution
 
 CUBE = Box((-2.0, -2.0, -2.0), (2.0, 2.0, 2.0))
@@ -29,7 +29,7 @@ def mesh(
     order: int = 2,
 ) -> FluidMesh:
     x = np.array(centres, dtype=float).reshape(-1, 3)
-    return build(container, x, np.array(radii, dtype=float), resolution, order)
+    return build(FluidDomain(container, x, np.array(radii, dtype=float)), resolution, order)
 
 
 def volume(fluid: FluidMesh) -> float:

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from fsi.bodies.configuration import Configuration
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.containers import Box, Container
+from fsi.meshes.geometry.containers import Box, Container, FluidDomain
 from fsi.meshes.planar.sizing import Resolution
 from tests.flows import BOX, HALF_PLANE, SMALL_BOX, disc_over_plane, discs, mesh
 
@@ -119,7 +119,7 @@ def test_thirty_random_discs(seed: int, gap: float) -> None:
 
 
 def test_no_bodies() -> None:
-    fluid = build(SMALL_BOX, np.empty((0, 2)), np.empty(0), Resolution(), 2)
+    fluid = build(FluidDomain(SMALL_BOX, np.empty((0, 2)), np.empty(0)), Resolution(), 2)
     assert area(fluid) == pytest.approx(24.0, rel=1e-13)
     assert fluid.wall_tag("top") == 4
 

@@ -6,6 +6,7 @@ import pytest
 
 from fsi.bodies.configuration import Array
 from fsi.meshes.cells.curved import EDGES, CurvedCells, curve, reference_points
+from fsi.meshes.geometry.containers import FluidDomain
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import triangulate
@@ -15,8 +16,8 @@ Q = discs([(-1.2, 0.1), (1.1, -0.2)], [1.0, 0.6])
 
 
 def cells(order: int) -> CurvedCells:
-    curves = boundary(SMALL_BOX, Q.centres, Q.radii, Resolution())
-    return curve(*triangulate(curves), curves, order)
+    curves = boundary(FluidDomain(SMALL_BOX, Q.centres, Q.radii), Resolution())
+    return curve(triangulate(curves), curves, order)
 
 
 def map_at(x: Array, order: int, points: Array) -> Array:

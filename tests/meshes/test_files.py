@@ -18,7 +18,7 @@ from fsi.meshes.build import FluidMesh
 from fsi.meshes.errors import MeshFileError
 from fsi.meshes.files.read import read_mesh
 from fsi.meshes.files.write import write_mesh
-from fsi.meshes.geometry.containers import Box, Container, HalfPlane
+from fsi.meshes.geometry.containers import Box, Container, FluidDomain, HalfPlane
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import gmsh_model
@@ -43,7 +43,7 @@ def test_msh_round_trip(order: int, tmp_path: Path) -> None:
     written = mesh(SMALL_BOX, PAIR, COARSE, order)
     path = tmp_path / "pair.msh"
     write_mesh(written, path, NAMES)
-    read = read_mesh(path, NAMES, SMALL_BOX, PAIR.centres, PAIR.radii, max(order, 2))
+    read = read_mesh(path, NAMES, FluidDomain(SMALL_BOX, PAIR.centres, PAIR.radii), max(order, 2))
     if order == 1:  # a straight mesh is curved on the way in, by the rule that `build` follows
         written = mesh(SMALL_BOX, PAIR, COARSE, 2)
     assert (read.order, read.cells(), read.walls) == (max(order, 2), written.cells(), written.walls)
@@ -118,7 +118,7 @@ def straight_mesh(path: Path, change: Callable[[dict[str, list[int]]], None] | N
 
 def read_disc(path: Path, gap: float = 0.1, container: Container = BOX, order: int = 3) -> FluidMesh:
     q = disc_over_plane(gap)
-    return read_mesh(path, ["disc"], container, q.centres, q.radii, order)
+    return read_mesh(path, ["disc"], FluidDomain(container, q.centres, q.radii), order)
 
 
 def test_a_straight_gmsh_mesh_is_curved(tmp_path: Path) -> None:
@@ -138,7 +138,7 @@ def test_clockwise_triangles_are_turned(tmp_path: Path) -> None:
     cells = next(block for block in file.cells if block.type == "triangle10")
     cells.data = cells.data[:, [0, 2, 1, 8, 7, 6, 5, 4, 3, 9]]
     meshio.write(tmp_path / "turned.msh", file, file_format="gmsh22")
-    turned = read_mesh(tmp_path / "turned.msh", NAMES, SMALL_BOX, PAIR.centres, PAIR.radii, 3)
+    turned = read_mesh(tmp_path / "turned.msh", NAMES, FluidDomain(SMALL_BOX, PAIR.centres, PAIR.radii), 3)
     assert turned.quality == pytest.approx(written.quality, rel=1e-9)
 
 
@@ -146,7 +146,7 @@ def test_the_far_arc_of_a_half_plane_is_curved(tmp_path: Path) -> None:
     """Order 3 on a straight mesh of a half disc gives its area, 2 % more than the straight cells have."""
     q, half = disc_over_plane(0.5), HalfPlane(6.0)
     write_mesh(mesh(half, q, COARSE, 1), tmp_path / "half.msh", ["disc"])
-    fluid = read_mesh(tmp_path / "half.msh", ["disc"], half, q.centres, q.radii, 3)
+    fluid = read_mesh(tmp_path / "half.msh", ["disc"], FluidDomain(half, q.centres, q.radii), 3)
     one = fem.Constant(fluid.mesh, 1.0)
     area = fem.assemble_scalar(fem.form(one * ufl.dx(fluid.mesh)))
     assert area == pytest.approx(17.0 * np.pi, rel=1e-6)
@@ -184,7 +184,7 @@ def test_an_untagged_boundary_is_refused(tmp_path: Path) -> None:
     """A second hole that is in no group."""
     two = discs([(0.0, 1.1), (3.0, 3.0)], [1.0, 0.5])
     write_mesh(mesh(BOX, two, COARSE, 1), tmp_path / "two.msh", ["disc", "other"])
-    hole = len(boundary(BOX, two.centres, two.radii, COARSE)[1].nodes)
+    hole = len(boundary(FluidDomain(BOX, two.centres, two.radii), COARSE)[1].nodes)
     assert f"{hole} boundary edges are in no group" in refused(tmp_path / "two.msh")
 
 

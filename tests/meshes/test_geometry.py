@@ -1,8 +1,33 @@
-"""Containers: which wall is how far."""
+"""Containers: which wall is how far, which way it faces, what flows through it, what repeats itself."""
+
+from __future__ import annotations
 
 import numpy as np
+import pytest
 
-from fsi.meshes.geometry.containers import Box, HalfPlane
+from fsi.meshes.geometry.containers import Array, Box, Container, HalfPlane, Round
+from fsi.meshes.geometry.periodic import Cell, Channel
+
+IN_PLANE: list[Container] = [
+    Box((-1.0, -2.0), (3.0, 5.0)),
+    HalfPlane(4.0),
+    Round(4.0),
+    Channel((-1.0, -2.0), (3.0, 5.0)),
+    Box((-1.0, -2.0), (3.0, 5.0), periodic=("y",)),
+    Box((-1.0, -2.0), (3.0, 5.0), periodic=("x", "y")),
+    Cell(((5.0, 0.0), (1.0, 4.0)), ((0.0, 1.0), (0.0, 0.0))),
+]
+IN_SPACE: list[Container] = [
+    Box((-1.0, -2.0, 1.0), (3.0, 5.0, 2.0)),
+    HalfPlane(4.0, dimension=3),
+    Round(4.0, dimension=3),
+    Box((-1.0, -2.0, 1.0), (3.0, 5.0, 2.0), periodic=("x", "z")),
+]
+ON_AXIS: list[Container] = [
+    Box((0.0, -2.0), (3.0, 5.0), axisymmetric=True),
+    HalfPlane(4.0, axisymmetric=True),
+    Round(4.0, axisymmetric=True),
+]
 
 
 def test_distances_in_a_box() -> None:
@@ -27,3 +52,91 @@ def test_no_distance_inside_exceeds_the_size() -> None:
 def test_corner_axes_are_the_normals_at_the_corners() -> None:
     assert Box((0.0, 0.0), (1.0, 1.0)).corner_axes == (0, 0, 1, 1)
     assert HalfPlane(1.0).corner_axes == (1, 0)
+
+
+@pytest.mark.parametrize("container", [*IN_PLANE, *IN_SPACE, *ON_AXIS], ids=str)
+def test_normals_are_the_slopes_of_the_distances(container: Container) -> None:
+    x = np.random.default_rng(0).uniform(0.1, 1.9, (20, container.dimension))
+    h = 1e-6 * np.eye(container.dimension)
+    slopes = [(container.distances(x + e) - container.distances(x - e)) / 2e-6 for e in h]
+    np.testing.assert_allclose(container.normals(x), np.stack(slopes, axis=-1), atol=1e-9)
+
+
+def by_quadrature(container: Container) -> Array:
+    """Integrals of n_x, n_y, y n_x by Gauss's rule along the outline, whose left side is the fluid."""
+    rows = np.zeros((len(container.walls), 3))
+    points, weights = np.polynomial.legendre.leggauss(20)
+    for curve in container.outline():
+        start, end = curve.interval
+        s = start + 0.5 * (end - start) * (points + 1.0)
+        x, ds = curve.at(s), 0.5 * (end - start) * weights
+        outward = -container.normals(x)[:, curve.wall]
+        np.testing.assert_allclose(container.distances(x)[:, curve.wall], 0.0, atol=1e-14)
+        np.testing.assert_allclose(curve.at(np.array([start, end])), curve.ends, atol=1e-14)
+        rows[curve.wall] += ds @ np.column_stack([outward, x[:, 1] * outward[:, 0]])
+    return rows
+
+
+@pytest.mark.parametrize("container", IN_PLANE, ids=str)
+def test_fluxes_through_walls_in_the_plane(container: Container) -> None:
+    """As each shape states them, and as its outline says."""
+    expected = by_quadrature(container)
+    np.testing.assert_allclose(container.wall_fluxes(), expected, atol=1e-12)
+    np.testing.assert_allclose(Container.wall_fluxes(container), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("container", [*IN_SPACE, *ON_AXIS], ids=str)
+def test_what_a_uniform_flow_brings_in_it_takes_out(container: Container) -> None:
+    """Along z, with an axis too, where no flow goes along r."""
+    fluxes = container.wall_fluxes()
+    np.testing.assert_allclose(fluxes.sum(axis=0)[-2], 0.0, atol=1e-12)
+    if not container.axisymmetric:
+        np.testing.assert_allclose(fluxes.sum(axis=0), 0.0, atol=1e-12)
+
+
+def test_fluxes_through_walls_in_space() -> None:
+    """By hand: 7 x 1, 4 x 1 and 4 x 7, and z n_x at half the height; discs of radius 4, a lid of radius 3."""
+    box = IN_SPACE[0].wall_fluxes()
+    np.testing.assert_allclose(box[1::2], [[7.0, 0, 0, 10.5], [0, 4.0, 0, 0], [0, 0, 28.0, 0]])
+    np.testing.assert_allclose(box[::2], -box[1::2])
+    assert IN_SPACE[1].wall_fluxes()[1, 2] == pytest.approx(16.0 * np.pi)
+    round_axis = np.pi * np.array([[42.0, 0.0, 63.0], [0.0, -9.0, 0.0], [0.0, 9.0, 0.0]])
+    np.testing.assert_allclose(ON_AXIS[0].wall_fluxes(), round_axis)
+
+
+@pytest.mark.parametrize("container", [*IN_PLANE[:3], *ON_AXIS], ids=str)
+def test_the_outline_goes_once_around(container: Container) -> None:
+    """With the axis, it closes; Green's theorem gives the area that the container states."""
+    curves = container.outline()
+    ends = np.array([curve.ends for curve in curves])
+    assert sorted({curve.wall for curve in curves}) == list(range(len(container.walls)))
+    points, weights = np.polynomial.legendre.leggauss(20)
+    area = 0.0
+    for curve in curves:
+        start, end = curve.interval
+        s, ds = start + 0.5 * (end - start) * (points + 1.0), 0.5 * (end - start) * weights
+        outward = -container.normals(curve.at(s))[:, curve.wall]
+        area += 0.5 * float(ds @ (curve.at(s) * outward).sum(axis=1))  # on an axis x.n is zero
+    assert area == pytest.approx(container.volume, rel=1e-12)
+    firsts, lasts = (sorted(map(tuple, ends[:, side].tolist())) for side in range(2))
+    loose = set(firsts) ^ set(lasts)
+    assert loose == ({(0.0, z) for z in container.axis()} if container.axisymmetric else set())
+
+
+def test_a_box_may_be_periodic_in_any_directions() -> None:
+    box = Box((0.0, 1.0, 2.0), (2.0, 4.0, 7.0), periodic=("x", "z"))
+    assert box.walls == ("front", "back")
+    assert box.corner_axes == (1, 1)
+    assert box.boundary_names == ("front", "back", "cut")
+    np.testing.assert_array_equal(box.periods, [[2.0, 0.0, 0.0], [0.0, 0.0, 5.0]])
+    np.testing.assert_array_equal(box.distances(np.array([[9.0, 1.5, -3.0]])), [[0.5, 2.5]])
+    all_ways = Box((0.0, 1.0, 2.0), (2.0, 4.0, 7.0), periodic=("x", "y", "z"))
+    assert all_ways.walls == ()
+    assert all_ways.normals(np.zeros((4, 3))).shape == (4, 0, 3)
+    np.testing.assert_array_equal(all_ways.periods, np.diag([2.0, 3.0, 5.0]))
+    assert (box.image_reach, Box((0.0,), (1.0,)).image_reach) == (box.size(), np.inf)
+
+
+def test_corners_of_a_shape_that_does_not_state_their_axes() -> None:
+    for container in (IN_PLANE[0], HalfPlane(4.0)):
+        assert Container.corner_axes.fget(container) == container.corner_axes  # type: ignore[attr-defined]

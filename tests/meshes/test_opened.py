@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from fsi.meshes.cells.curved import curve
 from fsi.meshes.cells.quality import scaled_jacobian
-from fsi.meshes.geometry.containers import Array
+from fsi.meshes.geometry.containers import Array, FluidDomain
 from fsi.meshes.geometry.lattice import NO_LATTICE, Lattice, reduced
 from fsi.meshes.geometry.periodic import Cell, Channel, Periodic
 from fsi.meshes.matching import matching_points
@@ -30,11 +30,12 @@ def hexagonal(gap: float) -> tuple[Cell, Array]:
 
 def check(container: Periodic, centres: Array, radii: Array) -> None:
     """The area is that of the domain without the discs; both sides of the cut match; no cell is inverted."""
-    curves = boundary(container, centres, radii, COARSE)
-    vertices, triangles, edges, tags = triangulate(curves)
-    cells = curve(vertices, triangles, edges, tags, curves, 3)
+    curves = boundary(FluidDomain(container, centres, radii), COARSE)
+    straight = triangulate(curves)
+    vertices, triangles = straight.vertices, straight.cells
+    cells = curve(straight, curves, 3)
     assert scaled_jacobian(cells.nodes[cells.cells], 3).min() > 0.1
-    on_cut = np.unique(edges[tags == len(radii) + len(container.walls) + 1])
+    on_cut = np.unique(straight.facets[straight.tags == len(radii) + len(container.walls) + 1])
     pairs = matching_points(vertices[on_cut], Lattice(container.periods))
     assert 2 * len(pairs.slave) == len(on_cut) > 0
     a, b, c = (vertices[triangles[:, k]] for k in range(3))

@@ -1,4 +1,4 @@
-"""Seams of gmsh's spheres spare the plugs of narrow gaps."""
+"""Seams of gmsh's spheres spare the prisms of narrow gaps."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from fsi.meshes.geometry.containers import Array, Box
+from fsi.meshes.geometry.containers import Array, Box, FluidDomain
 from fsi.meshes.planar.sizing import Resolution
-from fsi.meshes.spatial.gap_prisms import Plug, choose, find_gaps
+from fsi.meshes.spatial.gap_prisms import GapPrisms, choose, find_gaps
 from fsi.meshes.spatial.seams import AS_IT_IS, CLEARANCE, SEAM, seam_turn
 from fsi.meshes.spatial.sizing import Spacing
 from tests.meshes.spheres import mesh
@@ -23,8 +23,8 @@ def pair(direction: Array) -> Array:
     return np.array([np.zeros(3), (sum(RADII) + GAP) * direction / np.linalg.norm(direction)])
 
 
-def plugs(centres: Array) -> list[Plug]:
-    spacing = Spacing(BOX, centres, np.array(RADII), Resolution(1.0, 14, 1.0))
+def layers(centres: Array) -> list[GapPrisms]:
+    spacing = Spacing(FluidDomain(BOX, centres, np.array(RADII)), Resolution(1.0, 14, 1.0))
     return choose(find_gaps(spacing), spacing)
 
 
@@ -33,7 +33,7 @@ def plugs(centres: Array) -> list[Plug]:
 )
 def test_no_rim_crosses_a_seam(direction: list[float]) -> None:
     """As they are, the seam of one of the two spheres would cross the rim."""
-    found = plugs(pair(np.array(direction)))
+    found = layers(pair(np.array(direction)))
     assert len(found) == 1
     turned = 0
     for tag, sign in ((1, 1.0), (2, -1.0)):
@@ -46,13 +46,13 @@ def test_no_rim_crosses_a_seam(direction: list[float]) -> None:
 
 
 def test_spheres_are_left_as_they_are_where_nothing_crosses() -> None:
-    """Away from the seam, without any plug, and around a pole, where a corner of the rim lies on it."""
+    """Away from the seam, without any gap, and around a pole, where a corner of the rim lies on it."""
     for direction in ([0.0, 1.0, 0.2], [0.0, 0.0, 1.0]):
-        found = plugs(pair(np.array(direction)))
+        found = layers(pair(np.array(direction)))
         assert seam_turn(1, 1.0, found) is AS_IT_IS
     assert seam_turn(1, 1.0, []) is AS_IT_IS
 
 
 def test_a_gap_on_the_seam_is_meshed() -> None:
-    """gmsh made no tetrahedra: a side of the plug had five corners."""
+    """gmsh made no tetrahedra: a side of the layer of prisms had five corners."""
     assert mesh(BOX, pair(np.array([1.0, 0.05, 0.3])), RADII, Resolution(1.0, 12, 1.0)).quality > 0.1

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.containers import Container, FluidDomain
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.sizing import Curve, Resolution
 from tests.flows import BOX, HALF_PLANE, disc_over_plane, discs
@@ -14,7 +14,7 @@ FINE = Resolution(2.0, 48, 0.25)
 
 
 def curves(container: Container, q: Configuration, resolution: Resolution = COARSE) -> list[Curve]:
-    return boundary(container, q.centres, q.radii, resolution)
+    return boundary(FluidDomain(container, q.centres, q.radii), resolution)
 
 
 def chords(curve: Curve) -> tuple[Array, Array]:
@@ -143,5 +143,5 @@ def test_walls_meet_in_the_corners() -> None:
 
 
 def test_no_bodies() -> None:
-    walls = boundary(BOX, np.empty((0, 2)), np.empty(0), COARSE)
+    walls = boundary(FluidDomain(BOX, np.empty((0, 2)), np.empty(0)), COARSE)
     assert [curve.tag for curve in walls] == [1, 2, 3, 4]

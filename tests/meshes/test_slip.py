@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from fsi.meshes.build import build
-from fsi.meshes.geometry.containers import Array, Box, Container
+from fsi.meshes.geometry.containers import Array, Box, Container, FluidDomain
 from fsi.meshes.geometry.periodic import Channel
+from fsi.meshes.moving.curved_boundary_cells import turned
 from fsi.meshes.moving.move import Mover
-from fsi.meshes.moving.rims import turned
 from fsi.meshes.planar.sizing import Resolution
 
 BOX = Box((-4.0, -4.0), (4.0, 4.0))
@@ -25,7 +25,7 @@ GAP = 0.01
 @contextmanager
 def moving(container: Container, centres: Array) -> Iterator[tuple[Mover, Array]]:
     """A mesh around two discs that can be moved, and its nodes as they were."""
-    mover = Mover(build(container, centres, RADII, COARSE, 3), centres)
+    mover = Mover(build(FluidDomain(container, centres, RADII), COARSE, 3), centres)
     try:
         yield mover, mover.fluid.mesh.geometry.x[:, :2].copy()
     finally:

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.errors import MeshError, MeshFileError
 from fsi.meshes.files.read import read_mesh
-from fsi.meshes.geometry.containers import Array, Box, Container, HalfPlane, Round
+from fsi.meshes.geometry.containers import Array, Box, Container, FluidDomain, HalfPlane, Round
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.spatial.tetrahedra import fill
 from tests.meshes.spheres import CUBE, HALF_BALL, USUAL, area, cells, mesh, volume
@@ -215,7 +215,7 @@ def test_touching_spheres_are_refused(centres: list[list[float]], named: str) ->
 
 def test_mesh_files_in_space_are_refused(tmp_path: Path) -> None:
     with pytest.raises(MeshFileError, match=r"domain\.mesh = .*a\.msh: .*leave domain\.mesh out"):
-        read_mesh(tmp_path / "a.msh", ["ball"], CUBE, np.zeros((1, 3)), np.ones(1), 2)
+        read_mesh(tmp_path / "a.msh", ["ball"], FluidDomain(CUBE, np.zeros((1, 3)), np.ones(1)), 2)
 
 
 @pytest.mark.parametrize("unit", [1e6, 1e-6])
@@ -223,7 +223,9 @@ def test_the_unit_of_length_does_not_show(unit: float) -> None:
     """gmsh's tolerances are absolute: in units of 1e-6 radii it made no tetrahedra."""
     coarse, centres = Resolution(0.8, 8, 0.8), np.array([[0.0, 0.3, 1.05], [0.2, 0.0, -1.2]])
     radii = np.array([1.0, 0.5])
-    one = fill(Box((-3.0,) * 3, (3.0,) * 3), centres, radii, coarse, 1)
-    other = fill(Box((-3.0 * unit,) * 3, (3.0 * unit,) * 3), unit * centres, unit * radii, coarse, 1)
+    one = fill(FluidDomain(Box((-3.0,) * 3, (3.0,) * 3), centres, radii), coarse, 1)
+    other = fill(
+        FluidDomain(Box((-3.0 * unit,) * 3, (3.0 * unit,) * 3), unit * centres, unit * radii), coarse, 1
+    )
     assert np.array_equal(one.cells, other.cells)
     assert np.abs(other.nodes / unit - one.nodes).max() < 1e-13

@@ -15,11 +15,12 @@ from fsi.meshes.cells.curved import reference_points
 from fsi.meshes.cells.quality import determinant, scaled_jacobian
 from fsi.meshes.files.recover import recover
 from fsi.meshes.files.write import gather, write_mesh
-from fsi.meshes.geometry.containers import Box, HalfPlane, Round
+from fsi.meshes.geometry.containers import Box, FluidDomain, HalfPlane, Round
+from fsi.meshes.geometry.curves import Sphere
 from fsi.meshes.moving.move import Mover
-from fsi.meshes.planar.triangulate import gmsh_model
-from fsi.meshes.spatial.curved_tetrahedra import Sphere, curve_tets
-from fsi.meshes.spatial.gap_prisms import prisms
+from fsi.meshes.planar.triangulate import StraightCells, gmsh_model
+from fsi.meshes.spatial.curved_tetrahedra import curve_tets
+from fsi.meshes.spatial.gap_prisms import split_prisms
 from tests.meshes.spheres import CUBE, area, mesh, volume
 
 CENTRES, RADII = np.array([[-0.8, 0.1, 0.0], [0.9, -0.2, 0.3]]), np.array([0.8, 0.5])
@@ -74,7 +75,7 @@ def test_a_vtu_file_is_recovered(order: int, tmp_path: Path) -> None:
     fluid = mesh(CUBE, CENTRES, RADII, order=order)
     path = tmp_path / "pair.vtu"
     write_mesh(fluid, path, ["big", "small"])
-    again, made = recover([path], CUBE, CENTRES, RADII), gather(fluid)
+    again, made = recover([path], FluidDomain(CUBE, CENTRES, RADII)), gather(fluid)
     assert made is not None
     assert again.order == order
     np.testing.assert_allclose(again.nodes[again.cells], made.nodes[made.cells], rtol=0.0, atol=1e-12)
@@ -92,7 +93,7 @@ def test_prisms_fill_what_they_stand_in() -> None:
     rim = np.sort(np.column_stack([1 + np.arange(6), 1 + (np.arange(6) + 1) % 6]), axis=1)
     for choice in range(64):
         backwards = rim[(choice >> np.arange(6)) % 2 == 1]
-        tets = prisms(triangles, np.arange(7), 7 + np.arange(7), backwards)
+        tets = split_prisms(triangles, np.arange(7), 7 + np.arange(7), backwards)
         sides = x[tets[:, 1:]] - x[tets[:, :1]]
         volumes = np.abs(determinant(sides)) / 6.0
         np.testing.assert_allclose(volumes, 0.1 * np.sqrt(3.0) / 4.0 / 3.0, rtol=1e-12)
@@ -115,8 +116,8 @@ def test_a_curved_facet_meets_its_sphere(order: int) -> None:
     corners = np.array([[1.0, 0.0, 0.0], [np.cos(0.3), np.sin(0.3), 0.0], [np.cos(0.3), 0.0, np.sin(0.3)]])
     vertices = np.concatenate([corners, [[1.5, 0.1, 0.1]]])
     unit = Sphere(np.zeros(3), 1.0)
-    tets, facets = np.array([[0, 1, 2, 3]]), np.array([[0, 1, 2]])
-    made = curve_tets(vertices, tets, facets, np.array([1]), {1: unit}, order)
+    tet = StraightCells(vertices, np.array([[0, 1, 2, 3]]), np.array([[0, 1, 2]]), np.array([1]))
+    made = curve_tets(tet, {1: unit}, order)
     np.testing.assert_array_equal(made.nodes[:4], vertices)
     X = reference_points(order, 3)
     on_facet = made.nodes[made.cells[0]][X[:, 2] == 0.0]

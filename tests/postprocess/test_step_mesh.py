@@ -11,6 +11,7 @@ from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.meshes.errors import MeshFileError
 from fsi.meshes.files.read import read_mesh
+from fsi.meshes.geometry.containers import FluidDomain
 from fsi.postprocess.export.step_mesh import write_step_mesh
 from fsi.postprocess.run.run import Run, open_run
 from fsi.runs import run as run_case
@@ -47,7 +48,7 @@ def test_the_mesh_of_a_step_gives_its_velocities_again(run: Path, tmp_path: Path
     table = open_run(run).columns("steps")
     q = Run(run).configuration(step)
     container = case.container()
-    fluid = read_mesh(tmp_path / "step.msh", case.names, container, q.centres, q.radii, 3)
+    fluid = read_mesh(tmp_path / "step.msh", case.names, FluidDomain(container, q.centres, q.radii), 3)
     U = solve(StokesProblem(fluid, container, q, case.motion(0.3), resting(container))).U
     bodies = open_run(run).columns("bodies")
     now = bodies["step"] == step

@@ -10,7 +10,10 @@ from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
 from fsi.lubrication.laws import CutLaw, LubricationLaw
 from fsi.lubrication.named_laws import SqueezeFilm, leading_law, slides_law
-from fsi.reduced.distance import backward_euler_step, first_integral_defect, first_integral_step
+from fsi.reduced.distance import (
+    FirstIntegral,
+    backward_euler_step,
+)
 from fsi.reduced.gap_laws import GapLaws
 
 FILM = SqueezeFilm("discs", 1e-2)
@@ -46,9 +49,10 @@ def test_a_million_random_pushes_leave_the_gap_positive(name: str, number: int) 
     for _ in range(10):
         h = float(10.0 ** random.uniform(-4.0, 0.0))
         w = w + h * random.standard_normal(number) * 10.0 ** random.uniform(-5.0, 3.0, number)
-        before, x = x, first_integral_step(x, w, h, g, integral)  # type: ignore[arg-type]
+        step = FirstIntegral(x, w, h, g, integral)  # type: ignore[arg-type]
+        x = step.solve()
         assert np.isfinite(x).all()  # x = ln D: the gap is positive, whether or not exp(x) can be written
-        assert first_integral_defect(x, before, w, h, g, integral) < 1e-12  # type: ignore[arg-type]
+        assert step.defect(x) < 1e-12
         if name != "slides":
             assert np.all(np.exp(x) > 0.0)
 
@@ -81,7 +85,7 @@ def test_one_step_keeps_the_push_and_the_literal_one_forgets_it() -> None:
     for k in range(15):
         f = -10.0 if k < 10 else (1.0 if k < 15 else 0.0)
         w = w + h * f / (10.0 if k < 10 else 1.0) * one
-        x = first_integral_step(x, w, h, g, integral)  # type: ignore[arg-type]
+        x = FirstIntegral(x, w, h, g, integral).solve()  # type: ignore[arg-type]
         X, V = backward_euler_step(X, V, np.array([f / (10.0 if k < 10 else 1.0)]), h, np.full(1, 1e-3))
     assert w[0] == pytest.approx(-0.5, abs=1e-3)
     assert x[0] == pytest.approx(w[0] / 1e-3, rel=1e-9)
@@ -91,7 +95,7 @@ def test_one_step_keeps_the_push_and_the_literal_one_forgets_it() -> None:
 def test_two_held_sides_that_meet_are_refused() -> None:
     _, integral = integral_of(LAWS["slides"])
     with pytest.raises(SolveError, match="held"):
-        first_integral_step(np.log([0.1]), np.array([-2.0]), 0.1, np.zeros(1), integral)  # type: ignore[arg-type]
+        FirstIntegral(np.log([0.1]), np.array([-2.0]), 0.1, np.zeros(1), integral).solve()  # type: ignore[arg-type]
 
 
 def test_the_law_goes_on_below_the_smallest_number() -> None:

@@ -12,9 +12,8 @@ import pytest
 from fsi.bodies.configuration import Array
 from fsi.integration.state import Step
 from fsi.models import make_model, make_stepper
-from fsi.reduced.distance_model import DistanceModel
+from fsi.reduced.distance_model import DistanceModel, PairMemory, merged
 from fsi.reduced.identities import BOUND
-from fsi.reduced.memory import Memory, merged
 from tests.reduced_data import INERTIA, heap, reduced_case
 
 REFERENCE = json.loads((Path(__file__).parents[1] / "reference" / "gluey_1d.json").read_text())
@@ -121,12 +120,12 @@ def test_memory_survives_a_change_of_neighbours() -> None:
     keys = np.unique(random.integers(0, 40, (200, 3)), axis=0)
     values = random.standard_normal((3, len(keys)))
     old = random.permutation(len(keys))[:120]
-    memory = Memory(keys[old], *values[:, old])
+    memory = PairMemory(keys[old], *values[:, old])
     now = random.permutation(len(keys))[:120]
     own, stored = memory.positions(keys[now])
     assert set(now[own]) == set(old) & set(now)
     new = np.setdiff1d(np.arange(len(now)), own)
-    fresh = Memory(keys[now][new], *(np.full((3, len(new)), 7.0)))
+    fresh = PairMemory(keys[now][new], *(np.full((3, len(new)), 7.0)))
     found = merged(keys[now], (own, stored, memory), (new, np.arange(len(new)), fresh))
     assert np.array_equal(found.x[own], values[0][now[own]])
     assert np.array_equal(found.w[own], values[1][now[own]])

@@ -133,7 +133,7 @@ def test_a_wrong_force_is_noticed() -> None:
     case = reduced_case(heap(), {"law": "leading", "drag": 12.0, "cutoff": 1.0})
     model, q = ReducedModel(case), case.configuration()
     around = model.surroundings(q, 0.0)
-    pairs = find_pairs(q, around.space, 1.0)
+    pairs = find_pairs(q, around.enclosure, 1.0)
     solved = solve_system(around, pairs, pairs.gap**-1.5, None)
     force = solved.force * (1.0 + 1e-9)
     spoiled = identities(solved.network, q, solved.U, solved.alone, force)

@@ -7,9 +7,9 @@ import pytest
 
 from fsi.bodies.configuration import Configuration
 from fsi.meshes.geometry.containers import Box
-from fsi.reduced.network import Network, make_network
+from fsi.reduced.enclosure import Enclosure
+from fsi.reduced.network import GapNetwork, make_network
 from fsi.reduced.pairs import Pairs, find_pairs
-from fsi.reduced.space import Space
 
 
 def cluster(d: int, number: int, reach: float = 0.5) -> tuple[Configuration, Pairs]:
@@ -20,7 +20,7 @@ def cluster(d: int, number: int, reach: float = 0.5) -> tuple[Configuration, Pai
     x = 2.2 * grid + 0.1 * random.uniform(-1.0, 1.0, grid.shape) + 1.15
     box = Box((0.0,) * d, (2.2 * n + 0.1,) * d)
     q = Configuration.unturned(x, np.ones(len(x)))
-    space = Space(box, np.ones(2 * d, bool), np.ones((2 * d, d)), np.zeros(d), np.zeros((d, d)))
+    space = Enclosure(box, np.ones(2 * d, bool), np.ones((2 * d, d)), np.zeros(d), np.zeros((d, d)))
     return q, find_pairs(q, space, reach)
 
 
@@ -59,7 +59,9 @@ def test_a_long_chain_of_stiff_gaps_is_factorised(monkeypatch: pytest.MonkeyPatc
     N = 2000
     q = Configuration.unturned(np.column_stack([2.01 * np.arange(N), np.zeros(N)]), np.ones(N))
     box = Box((-1e6, -1e6), (1e6, 1e6))
-    pairs = find_pairs(q, Space(box, np.ones(4, bool), np.zeros((4, 2)), np.zeros(2), np.zeros((2, 2))), 0.5)
+    pairs = find_pairs(
+        q, Enclosure(box, np.ones(4, bool), np.zeros((4, 2)), np.zeros(2), np.zeros((2, 2))), 0.5
+    )
     network = make_network(pairs, np.full(len(pairs), 1e14), np.ones((N, 2)))
     f = np.zeros((N, 2))
     f[0, 0] = 1.0
@@ -72,7 +74,7 @@ def test_a_long_chain_of_stiff_gaps_is_factorised(monkeypatch: pytest.MonkeyPatc
 def test_momentum_and_rigidity_at_any_stiffness(kappa: float) -> None:
     """More gaps than freedoms, and resistances without bound: the limit is a rigid cluster, not nonsense."""
     q, pairs = cluster(2, 36)
-    space = Space(
+    space = Enclosure(
         Box((-1e4, -1e4), (1e4, 1e4)), np.ones(4, bool), np.zeros((4, 2)), np.zeros(2), np.zeros((2, 2))
     )
     pairs = find_pairs(q, space, 0.5)
@@ -92,6 +94,8 @@ def test_a_rigid_motion_costs_nothing() -> None:
     q, pairs = cluster(2, 16)
     keep = ~pairs.is_wall
     spin = np.column_stack([2.0 - 3.0 * q.centres[:, 1], 3.0 * q.centres[:, 0] - 1.0])
-    network = Network(pairs, make_network(pairs, pairs.gap**-1.0, np.ones_like(spin)).G, np.ones(len(pairs)))
+    network = GapNetwork(
+        pairs, make_network(pairs, pairs.gap**-1.0, np.ones_like(spin)).G, np.ones(len(pairs))
+    )
     assert np.abs((network.G @ spin.ravel())[keep]).max() < 1e-13 * np.abs(spin).max()
     assert np.abs((network.G @ spin.ravel())[~keep]).max() > 1.0

@@ -12,9 +12,9 @@ from fsi.bodies.configuration import Array, Configuration
 from fsi.meshes.geometry.containers import Box, Container, HalfPlane, Round
 from fsi.meshes.geometry.lattice import reduced
 from fsi.meshes.geometry.periodic import Channel
+from fsi.reduced.enclosure import Enclosure
 from fsi.reduced.network import gradient
 from fsi.reduced.pairs import Pairs, find_pairs, of_keys, turning
-from fsi.reduced.space import Space
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,10 +29,10 @@ class Far(Round):
         return self.vectors
 
 
-def space(container: Container, d: int, gradient: Array | None = None) -> Space:
+def space(container: Container, d: int, gradient: Array | None = None) -> Enclosure:
     walls = np.zeros((len(container.walls), d))
     E = np.zeros((d, d)) if gradient is None else gradient
-    return Space(container, np.ones(len(walls), bool), walls, np.zeros(d), E)
+    return Enclosure(container, np.ones(len(walls), bool), walls, np.zeros(d), E)
 
 
 def bodies(d: int, number: int, room: float, seed: int = 0) -> Configuration:
@@ -72,7 +72,9 @@ def test_all_pairs_of_images_are_found(name: str) -> None:
     if len(periods):
         steps = np.random.default_rng(1).integers(-1, 2, (12, len(periods)))
         q = Configuration.unturned(q.centres + steps @ periods, q.radii)
-    pairs = find_pairs(q, space(Far(vectors=periods), periods.shape[1]), reach=0.8)
+    pairs = find_pairs(
+        q, space(Far(vectors=periods, dimension=periods.shape[1]), periods.shape[1]), reach=0.8
+    )
     expected = brute_force(q, periods, 0.8)
     found = {
         (int(i), int(j), *np.round(shift, 6)): gap
@@ -109,7 +111,7 @@ CONTAINERS: list[tuple[Container, int]] = [
 ]
 
 
-def gaps_at(x: Array, q: Configuration, room: Space, key: Pairs) -> Array:
+def gaps_at(x: Array, q: Configuration, room: Enclosure, key: Pairs) -> Array:
     return of_keys(Configuration.unturned(x, q.radii), room, key.key).gap
 
 

@@ -15,7 +15,7 @@ from fsi.integration.state import StepRecord
 from fsi.lubrication import exact, spheres
 from fsi.meshes.files.write import write_mesh
 from fsi.observables.error_estimate import ErrorEstimate, relative_change
-from fsi.observables.flow_scales import drive_of
+from fsi.observables.flow_scales import flow_scales
 from fsi.runs import resume, run
 from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.error import ROUNDING
@@ -98,12 +98,12 @@ def test_flows_without_moving_bodies_have_a_velocity_to_compare_with(
     """Rate of shear times radius, a wall of speed 3 in a box of size 5 shearing at the rate 0.6."""
     body = {"name": "disc", "radius": 0.5, "position": [-1.5, 2.0]}
     case = parse_case({"name": "x", "fluid": {"viscosity": 3.0}, "domain": domain, "bodies": [body]})
-    drive = drive_of(case, 0.0)
-    assert drive.velocity == pytest.approx(velocity, rel=1e-14)
-    assert drive.resistance == 3.0
+    scales = flow_scales(case, 0.0)
+    assert scales.velocity == pytest.approx(velocity, rel=1e-14)
+    assert scales.resistance == 3.0
     noise = ErrorEstimate(np.full((1, 3), 1e-9), np.full((1, 3), 1e-9))
     held = np.array([[True, False, False]])
-    found = relative_change(noise, noise, held, np.ones((1, 3)), drive)
+    found = relative_change(noise, noise, held, np.ones((1, 3)), scales)
     assert found["velocity"] == pytest.approx(1e-7 / velocity)
     assert found["force"] == pytest.approx(1e-7 / (3.0 * velocity))
 

@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose
 
 from fsi.bodies.configuration import Configuration, Motion
 from fsi.meshes.build import FluidMesh, build
-from fsi.meshes.geometry.containers import Box, Container
+from fsi.meshes.geometry.containers import Box, Container, FluidDomain
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.geometry.periodic import Channel
 from fsi.meshes.moving.move import Mover
@@ -51,7 +51,7 @@ def flow(
 @contextmanager
 def moved(container: Container) -> Iterator[Iterator[tuple[FluidMesh, Configuration]]]:
     """One mesh along PATH, and the bodies."""
-    mover = Mover(build(container, Q.centres, Q.radii, COARSE, 3), Q.centres)
+    mover = Mover(build(FluidDomain(container, Q.centres, Q.radii), COARSE, 3), Q.centres)
 
     def along() -> Iterator[tuple[FluidMesh, Configuration]]:
         for s in PATH:
@@ -109,7 +109,7 @@ def test_what_fits_is_kept_and_what_does_not_begins_anew(monkeypatch: pytest.Mon
             counts.append(len(analysed))
             assert_allclose(found.U, flow(fluid, CHANNEL, q, motion, None).U, rtol=0, atol=1e-12)
             analysed[counts[-1] :] = []
-        other = build(CHANNEL, q.centres, q.radii, COARSE, 3)
+        other = build(FluidDomain(CHANNEL, q.centres, q.radii), COARSE, 3)
         flow(other, CHANNEL, q, drawn, workspace)
         counts.append(len(analysed))
     assert counts == [1, 1, 2, 2, 3]

@@ -10,7 +10,6 @@ from fsi.bodies.configuration import Array, rigid_motion
 from fsi.case.case import Case
 from fsi.case.section import toml_text
 from fsi.errors import InputError
-from fsi.meshes.geometry.periodic import Cell
 
 
 def require_determined_at_rest(case: Case) -> None:
@@ -33,7 +32,7 @@ def check_determined(case: Case) -> None:
     """Some wall, held component or mass must stop every rigid motion of fluid and bodies together."""
     if case.wall_velocity(0.0):
         return
-    if isinstance(case.container(), Cell):
+    if not case.container().walls:
         _check_cell(case)
         return
     rank = _rank(case, _stopped_modes(case))

@@ -7,7 +7,6 @@ import numpy as np
 from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
 from fsi.case.section import toml_text
-from fsi.case.series import is_zero
 from fsi.errors import InputError
 
 # Of the smallest radius: an overlap that is rounding in a contact.
@@ -26,7 +25,7 @@ def check_gluey(case: Case) -> None:
 def _check_walls(case: Case) -> None:
     """Walls are at rest, and the lattice stands along the axes, several bodies wide."""
     for name, wall in case.domain.walls.items():
-        if not isinstance(wall, tuple) or not all(map(is_zero, wall)):
+        if not wall.rests:
             raise InputError(
                 f"domain.walls.{name} = {toml_text(wall)}: walls of the gluey model are solid and at rest; "
                 "drop it"

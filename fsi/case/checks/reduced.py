@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from fsi.case.background_flow import background
 from fsi.case.case import Case
+from fsi.case.domain import MeanDrive
 from fsi.errors import InputError
-from fsi.periodic import ChannelDomain
 
 
 def check_reduced(case: Case) -> None:
@@ -41,11 +41,11 @@ def _check_periodic(case: Case) -> None:
 
 def _check_background(case: Case) -> None:
     """Walls drive a flow that is known at any time, and no pressure drives one."""
-    domain = case.domain
-    if isinstance(domain, ChannelDomain) and (domain.pressure_gradient or domain.net_flux is not None):
-        key = "net_flux" if domain.net_flux is not None else "pressure_gradient"
+    drive = case.domain.mean_drive()
+    if drive != MeanDrive(0.0, None):
+        key = "pressure_gradient" if drive.net_flux is None else "net_flux"
         raise InputError(
-            f"domain.{key} = {getattr(domain, key):g}: the reduced model knows only flow between moving "
+            f"domain.{key} = {getattr(drive, key):g}: the reduced model knows only flow between moving "
             "walls; drop it"
         )
     pressures = case.wall_pressure()

@@ -17,14 +17,10 @@ from fsi.case.checks.gluey import check_gluey
 from fsi.case.checks.macroscopic import check_macroscopic
 from fsi.case.checks.reduced import check_reduced
 from fsi.case.checks.time import check_time
-from fsi.case.domain import BoxDomain
-from fsi.case.force_laws import Gravity, PairForce, Tabulated
 from fsi.case.section import toml_text
 from fsi.case.series import Component, is_zero
-from fsi.case.walls import Shear
 from fsi.errors import InputError
-from fsi.meshes.geometry.containers import Container, boundary_names
-from fsi.meshes.geometry.periodic import Cell, Channel
+from fsi.meshes.geometry.containers import Container
 
 # A gap is touching when it is no larger than what rounding makes of coordinates of this size.
 _ROUNDING = 8.0 * float(np.finfo(float).eps)
@@ -57,6 +53,7 @@ def _check_fluid(case: Case) -> None:
     """What holds wherever a viscous fluid moves the bodies, resolved or reduced."""
     if "fluid" not in case.model_fields_set:
         raise InputError("fluid: missing; give a section [fluid] with its viscosity")
+    case.domain.require_fluid()
     _check_discretisation(case)
     _check_room(case)
     check_flux(case)
@@ -66,7 +63,7 @@ def _check_fluid(case: Case) -> None:
 
 
 def _check_names(case: Case) -> None:
-    walls = boundary_names(case.container())
+    walls = case.container().boundary_names
     first: dict[str, int] = {}
     for i, name in enumerate(case.names):
         here = f"bodies.{i}.name = {toml_text(name)}"
@@ -123,11 +120,7 @@ def _check_near(case: Case, container: Container) -> None:
 
 def _check_axis(case: Case) -> None:
     """Spheres and walls respect the axis: nothing pushes or moves them off it."""
-    if isinstance(case.domain, BoxDomain) and case.domain.lower[0] != 0.0:
-        raise InputError(
-            f"domain.lower = {toml_text(case.domain.lower)}: an axisymmetric domain begins on the axis;"
-            " give [0.0, z]"
-        )
+    case.domain.require_axis()
     for i, body in enumerate(case.bodies):
         off_axis = {
             "position": body.position if body.position[0] != 0.0 else None,
@@ -144,7 +137,7 @@ def _check_axis(case: Case) -> None:
                     " give [0.0, z] for pairs and drop what turns it"
                 )
     for name, wall in case.domain.walls.items():
-        if isinstance(wall, Shear) or (name != "right" and isinstance(wall, tuple) and not is_zero(wall[0])):
+        if not wall.suits_axis(around=name == "right"):
             raise InputError(
                 f"domain.walls.{name} = {toml_text(wall)}: is not symmetric about the axis; give [0.0, u_z]"
             )
@@ -203,39 +196,10 @@ def _check_beginning(case: Case, i: int) -> None:
 
 
 def _check_forces(case: Case) -> None:
-    """Gravity has the dimension of the case and something to act on; nothing pulls a body onto the axis."""
+    """Each law suits the case: its dimension, what there is to act on, how far it reaches."""
+    heavy = case.model == "gluey" or any(body.mass is not None for body in case.bodies)
     for k, force in enumerate(case.forces):
-        if not isinstance(force, Gravity):
-            _check_reach(force, k, case.container())
-            continue
-        here = f"forces.{k}.acceleration = {toml_text(force.acceleration)}"
-        if len(force.acceleration) != case.dimension:
-            raise InputError(f"{here}: has {len(force.acceleration)} components; give {case.dimension}")
-        if case.axisymmetric and not is_zero(force.acceleration[0]):
-            raise InputError(f"{here}: is not along the axis; give [0.0, g_z]")
-        weightless = all(body.mass is None for body in case.bodies) and case.model != "gluey"
-        if force.density_difference is None and weightless:
-            raise InputError(f"{here}: no body has a mass; give density_difference, or bodies a mass")
-
-
-def _check_reach(force: PairForce, k: int, container: Container) -> None:
-    """A law of the gap ends before `find_gaps` does, which looks no farther than a periodic domain is large.
-
-    The longer diagonal of a cell of the area A is at least sqrt(2 A) at all times.
-    """
-    match container:
-        case Channel():
-            farthest = container.size()
-        case Cell():
-            farthest = float(np.sqrt(2.0 * container.volume))
-        case _:
-            return
-    if force.reach > farthest:
-        key = "gaps" if isinstance(force, Tabulated) else "cutoff"
-        raise InputError(
-            f"forces.{k}.{key} = {toml_text(getattr(force, key))}: reaches farther than the periodic domain "
-            f"is large; end it at a gap of {farthest:.6g} or less"
-        )
+        force.require_fit(f"forces.{k}", case.container(), heavy=heavy)
 
 
 def _check_files(case: Case) -> None:

@@ -90,8 +90,9 @@ def _tables(case: Case) -> Iterator[tuple[str, float | Table | str]]:
         for key, part in zip(body.keys, body.loads, strict=True):
             yield f"bodies.{i}.{key}", part
     for k, force in enumerate(case.forces):
-        for part in getattr(force, "acceleration", ()):
+        weight = force.weight(case.bulk())
+        for part in () if weight is None else weight[1]:
             yield f"forces.{k}.acceleration", part
     for name, wall in case.domain.walls.items():
-        for part in wall if isinstance(wall, tuple) else ():
+        for part in wall.series():
             yield f"domain.walls.{name}", part

@@ -1,4 +1,4 @@
-"""The curved cells around discs, which turn with the rims of their discs."""
+"""The curved cells around discs, which turn when the nodes on their discs slip."""
 
 from __future__ import annotations
 
@@ -15,11 +15,13 @@ from fsi.meshes.geometry.lattice import Lattice
 
 
 @dataclass(frozen=True, slots=True)
-class Rims:
+class CurvedBoundaryCells:
     """This rank's cells with an edge on a disc.
 
-    cells: their numbers, (n,); body: whose edge it is, (n,); off_straight: how far their nodes are from where
-    a straight cell has them, (n, nodes, 2).
+    Attributes:
+        cells: their numbers, (n,).
+        body: whose edge it is, (n,).
+        off_straight: how far their nodes are from where a straight cell has them, (n, nodes, 2).
     """
 
     cells: NDArray[np.intp]
@@ -27,8 +29,8 @@ class Rims:
     off_straight: Array
 
     @staticmethod
-    def of(fluid: FluidMesh, tags: NDArray[np.int32], x: Array) -> Rims:
-        """The rims of a mesh.
+    def of(fluid: FluidMesh, tags: NDArray[np.int32], x: Array) -> CurvedBoundaryCells:
+        """Those of a mesh.
 
         Args:
             fluid: the mesh.
@@ -45,7 +47,7 @@ class Rims:
         straight = np.einsum(
             "kc,tcd->tkd", linear_weights(fluid.order, fluid.dimension), nodes[:, : fluid.dimension + 1]
         )
-        return Rims(cells, body[cells] - 1, nodes - straight)
+        return CurvedBoundaryCells(cells, body[cells] - 1, nodes - straight)
 
 
 def turned(r: Array, angle: Array) -> Array:
