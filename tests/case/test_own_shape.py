@@ -53,11 +53,11 @@ class Triangle(Container):
         return tuple(Segment(k, corners[[k, (k + 1) % 3]]) for k in range(3))
 
     def size(self) -> float:
-        return 2.0 * 3.0**0.5 * self.radius
+        return float(2.0 * 3.0**0.5 * self.radius)
 
     @property
     def volume(self) -> float:
-        return 3.0 * 3.0**0.5 * self.radius**2
+        return float(3.0 * 3.0**0.5 * self.radius**2)
 
 
 class TriangleDomain(Walled):
