@@ -18,7 +18,7 @@ EXAMPLE = "Example: fsi compare cases/settling_discs.toml --law exact --set redu
 def compare(
     case_file: CaseFile,
     law: Annotated[
-        str, typer.Option(help="The law of the reduced model, as `reduced.law` of a case.")
+        str, typer.Option(help='The law of the reduced model: "slides", "leading", "exact" or a law file.')
     ] = "exact",
     output: Annotated[
         Path | None,
