@@ -23,10 +23,6 @@ type Task = tuple[float, bool, str]  # gap, held out, key
 type Outcome = tuple[str, Sample | None, str]  # key, sample, why there is none
 
 
-def _silent(there: int, total: int) -> None:
-    """Show nothing."""
-
-
 @dataclass(frozen=True, slots=True)
 class Sampling:
     """How samples are taken.
@@ -39,7 +35,7 @@ class Sampling:
 
     cache: Path
     workers: int = 1
-    show: Callable[[int, int], None] = _silent
+    show: Callable[[int, int], None] = lambda *_: None
 
 
 def take_samples(pair: Pair, sampling: Sampling) -> list[Sample]:

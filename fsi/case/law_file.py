@@ -34,9 +34,8 @@ from fsi.case.section import Section, explain, tuples
 from fsi.errors import InputError
 from fsi.lubrication.expansions import EXPONENTS, Mode, Shape
 from fsi.lubrication.fitting import band
-from fsi.lubrication.laws import LubricationLaw, Profile, ScaledLaw, Series, Term
+from fsi.lubrication.laws import LubricationLaw, Profile, ScaledLaw, Series, TabulatedProfile, Term
 from fsi.lubrication.named_laws import LAWS, SqueezeFilm, names_of_laws
-from fsi.lubrication.tables import TabulatedProfile
 from fsi.run_folder.checkpoint import replace
 
 # Forms that have a section of their own.

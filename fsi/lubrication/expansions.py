@@ -59,8 +59,9 @@ def coefficients(shape: Shape, mode: Mode, ratio: float) -> dict[Term, float]:
         return _squeezed_spheres(ratio) if shape == "spheres" else _squeezed_discs(ratio)
     if ratio != inf:
         return {}
-    if shape == "discs":
-        return _disc_along_plane() if mode == "shear" else _disc_turning()
+    if shape == "discs":  # 4 pi/al and 4 pi coth al, cosh al = 1 + s
+        unit, following = sqrt(2.0) * pi, sqrt(2.0) * pi / 6.0 if mode == "shear" else 1.5 * sqrt(2.0) * pi
+        return {Term(-0.5): 2.0 * unit, Term(0.0): 0.0, Term(0.5): following}
     log, constant, later = (8 / 15, 0.954294, 64 / 375) if mode == "shear" else (2 / 5, 0.370893, 66 / 125)
     unit = 6.0 * pi if mode == "shear" else 8.0 * pi
     return {Term(0.0, True): unit * log, Term(0.0): unit * constant, Term(1.0, True): unit * later}
@@ -90,16 +91,6 @@ def _squeezed_discs(ratio: float) -> dict[Term, float]:
     """4 pi/(L - tanh L) with cosh L = 1 + s + k s^2/2, k = a b/(a + b)^2."""
     k, unit = _overlap(ratio), 3.0 * sqrt(2.0) * pi
     return {Term(-1.5): unit, Term(-0.5): unit * (21.0 / 20.0 - 0.75 * k), Term(0.0): 0.0}
-
-
-def _disc_along_plane() -> dict[Term, float]:
-    """4 pi/al with cosh al = 1 + s."""
-    return {Term(-0.5): 2.0 * sqrt(2.0) * pi, Term(0.0): 0.0, Term(0.5): sqrt(2.0) * pi / 6.0}
-
-
-def _disc_turning() -> dict[Term, float]:
-    """4 pi coth al with cosh al = 1 + s."""
-    return {Term(-0.5): 2.0 * sqrt(2.0) * pi, Term(0.0): 0.0, Term(0.5): 1.5 * sqrt(2.0) * pi}
 
 
 def _overlap(ratio: float) -> float:

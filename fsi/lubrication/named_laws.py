@@ -16,8 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fsi.lubrication import exact, sphere_beside_plane, spheres
 from fsi.lubrication.expansions import EXPONENTS, Mode, Shape, expansion
-from fsi.lubrication.laws import LubricationLaw, ScaledLaw, Series, Term
-from fsi.lubrication.tables import TabulatedProfile
+from fsi.lubrication.laws import LubricationLaw, ScaledLaw, Series, TabulatedProfile, Term
 
 Array = NDArray[np.float64]
 

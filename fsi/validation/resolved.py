@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -41,26 +41,23 @@ def rows_of(path: Path, runs: Path) -> Iterator[list[Row]]:
     Raises:
         InputError: the case is not sound. A solve that fails gives rows without value.
     """
-    for sweep, case in swept(path):
+    for value, case in swept(path):
         try:
-            numbers = _instant(case) if case.time is None else _history(case, runs / path.stem)
+            results = _instant(case) if case.time is None else _history(case, runs / path.stem)
         except (SolveError, MeshError) as error:
-            numbers = [Number(np.nan, np.nan, np.nan, str(error))] * len(case.expected)
-        yield [
-            _row(path.stem, sweep, case, row, number)
-            for row, number in zip(case.expected, numbers, strict=True)
-        ]
+            results = [Computed(np.nan, np.nan, np.nan, str(error))] * len(case.expected)
+        pairs = zip(case.expected, results, strict=True)
+        yield [_row(path.stem, value, case, row, result) for row, result in pairs]
 
 
-@dataclass(frozen=True, slots=True)
-class Number:
-    """A computed number.
+class Computed(NamedTuple):
+    """What a solve or a run gives for an expected row.
 
     Attributes:
-        value: as it was computed.
-        error: of the elements, and of the time steps.
+        value: the quantity.
+        error: of the elements, and of the time steps of a run.
         truncation: what the finite container changes.
-        failure: why there is none, or empty.
+        failure: why there is no value, or empty.
     """
 
     value: float
@@ -69,19 +66,19 @@ class Number:
     failure: str = ""
 
 
-def _row(name: str, sweep: float | None, case: Case, row: Expected, number: Number) -> Row:
+def _row(name: str, sweep: float | None, case: Case, row: Expected, result: Computed) -> Row:
     expected, digits = reference(case, row)
     size = abs(expected) or 1.0
     q = case.configuration()
     gap = find_gaps(q, case.container(), reach=case.container().size()).smallest() / float(q.radii.min())
     return Row(
-        name, sweep, gap, row.quantity, number.value, number.error / size, number.truncation / size,
-        expected, digits, row.rtol, row.exact or "", row.source, number.failure,
+        name, sweep, gap, row.quantity, result.value, result.error / size, result.truncation / size, expected,
+        digits, row.rtol, row.exact or "", row.source, result.failure,
     )  # fmt: skip
 
 
-def _instant(case: Case) -> list[Number]:
-    """Those of the expected rows at time 0."""
+def _instant(case: Case) -> list[Computed]:
+    """The expected rows at time 0."""
     solved = solve_with_errors(case)
     solution, errors = solved.solution, solved.errors
     enclosed = any(row.exact and EXACT[row.exact].fitting.enclosed for row in case.expected)
@@ -91,7 +88,7 @@ def _instant(case: Case) -> list[Number]:
     lost = smaller.dissipation - solution.dissipation
     change = ErrorEstimate(smaller.U - solution.U, smaller.F - solution.F, lost, thicker)
     return [
-        Number(
+        Computed(
             computed(case, solution, row.quantity),
             abs(computed(case, errors, row.quantity)),
             abs(computed(case, change, row.quantity)),
@@ -100,8 +97,8 @@ def _instant(case: Case) -> list[Number]:
     ]
 
 
-def _history(case: Case, folder: Path) -> list[Number]:
-    """Those of times at gaps, from two runs; the error is that of the elements and of the time steps."""
+def _history(case: Case, folder: Path) -> list[Computed]:
+    """Times at gaps, from two runs, whose difference is the error of the time steps."""
     assert case.time is not None
     steps = {
         "tolerance": STRETCH**BogackiShampine.error_order * case.time.tolerance,
@@ -111,12 +108,12 @@ def _history(case: Case, folder: Path) -> list[Number]:
     fine = _run(case, folder)
     rough = _run(case.model_copy(update={"time": coarser}), folder.with_name(f"{folder.name}-coarser"))
     truncation = _relative_truncation(case)
-    numbers = []
+    results = []
     for row in case.expected:
         at, late = time_at(gap_of(row.quantity), *fine[:2]), time_at(gap_of(row.quantity), *rough[:2])
         elements = float(np.sum(np.where(fine[0] <= at, fine[2], 0.0)))
-        numbers.append(Number(at, elements + abs(late - at), truncation * at))
-    return numbers
+        results.append(Computed(at, elements + abs(late - at), truncation * at))
+    return results
 
 
 def _run(case: Case, folder: Path) -> tuple[Array, Array, Array]:

@@ -19,10 +19,10 @@ from fsi.lubrication.laws import (
     RangeError,
     ScaledLaw,
     Series,
+    TabulatedProfile,
     Term,
 )
 from fsi.lubrication.named_laws import SqueezeFilm, exact_law, exact_resistance, leading_law, slides_law
-from fsi.lubrication.tables import TabulatedProfile
 
 MU = 0.7
 SPHERES, DISCS = SqueezeFilm("spheres", MU), SqueezeFilm("discs", MU)
