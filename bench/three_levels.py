@@ -9,7 +9,6 @@ roughness delta of the surfaces; below it they touch before the fluid stops them
 from __future__ import annotations
 
 import sys
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -20,11 +19,12 @@ from scipy.interpolate import CubicHermiteSpline
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case, load_case
 from fsi.cli.shipped import shipped_cases
+from fsi.errors import FsiError
 from fsi.gluey.history import Jumping, polynomial
 from fsi.gluey.limit import Limit
 from fsi.models import make_model
-from fsi.postprocess.program import program, say
 from fsi.postprocess.run.run import open_run
+from fsi.report.console import standard_output
 from fsi.run import run_case
 
 CASE = shipped_cases() / "levels.toml"
@@ -103,16 +103,19 @@ def show(folder: Path) -> None:
     t = np.linspace(0.0, 6.0, 601)
     found = gaps(folder, t)
     plot(t, found, folder / "levels.png")
-    say(
-        as_table(t, found),
+    standard_output().print(as_table(t, found))
+    print(
         f"delta_eps = {found['resolved'].min():.1e}: surfaces rougher than this touch, and the gluey model, "
         "which remembers the push in a film, makes no sense for them (give contact.roughness)",
         f"plot: {folder / 'levels.png'}",
+        sep="\n",
     )
 
 
-main = partial(program, __doc__, show)
-
-
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    try:
+        show(Path(sys.argv[1]))
+    except FsiError as error:
+        sys.exit(f"error: {error}")

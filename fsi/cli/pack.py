@@ -145,7 +145,7 @@ def _shape(kind: Kind, number: int, filled: dict[str, Any]) -> dict[str, Any]:
 
 def _make(kind: Kind, wanted: Wanted, output: Path, drawn: Path) -> None:
     from fsi.arrangements.kinds import OPTIONS, arrange, write_arrangement
-    from fsi.postprocess.render.arrangement import draw_arrangement
+    from fsi.postprocess.plots.arrangement import draw_arrangement
 
     arrangement = arrange(kind, wanted)
     described = {

@@ -47,7 +47,8 @@ def plot(
     benchmark writes with --json gives its CPU seconds against N.
     """
     from fsi.postprocess.plots.calibration import plot_calibration
-    from fsi.postprocess.plots.histories import plot_runs, require_figure
+    from fsi.postprocess.plots.figure import require_figure
+    from fsi.postprocess.plots.histories import plot_runs
     from fsi.postprocess.plots.scaling import plot_scaling
     from fsi.postprocess.run.run import open_run
     from fsi.report.calibration import SUMMARY

@@ -68,6 +68,10 @@ class Container(Protocol):
     def carried(self, e: Array, duration: float) -> Array:
         """What vectors e (n, d) between images become after some time."""
 
+    @property
+    def middle(self) -> Array:
+        """The middle of the box around it, or of what a cell's vectors span from the origin, (d,)."""
+
 
 def boundary_names(container: Container) -> tuple[str, ...]:
     """Names of the walls, and last `axis` or `cut` where there is one, in the order of their tags.
@@ -167,6 +171,11 @@ class Box(Steady):
         """No mean flow."""
         return np.zeros((self.dimension, self.dimension))
 
+    @property
+    def middle(self) -> Array:
+        """Between the corners."""
+        return 0.5 * np.add(self.lower, self.upper)
+
 
 @dataclass(frozen=True, slots=True)
 class HalfPlane(Steady):
@@ -214,6 +223,12 @@ class HalfPlane(Steady):
         """No mean flow."""
         return np.zeros((self.dimension, self.dimension))
 
+    @property
+    def middle(self) -> Array:
+        """Half the radius above the plane."""
+        middle: Array = 0.5 * self.radius * np.eye(self.dimension)[-1]
+        return middle
+
 
 @dataclass(frozen=True, slots=True)
 class Round(Steady):
@@ -258,6 +273,11 @@ class Round(Steady):
     def mean_gradient(self) -> Array:
         """No mean flow."""
         return np.zeros((self.dimension, self.dimension))
+
+    @property
+    def middle(self) -> Array:
+        """The origin."""
+        return np.zeros(self.dimension)
 
 
 def _ball_volume(radius: float, dimension: int) -> float:

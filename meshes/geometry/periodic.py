@@ -72,6 +72,11 @@ class Channel(_Planar, Steady):
         """No mean flow."""
         return np.zeros((2, 2))
 
+    @property
+    def middle(self) -> Array:
+        """Between the corners."""
+        return 0.5 * np.add(self.lower, self.upper)
+
 
 @dataclass(frozen=True, slots=True)
 class Cell(_Planar):
@@ -131,6 +136,12 @@ class Cell(_Planar):
     def volume(self) -> float:
         """Of fluid and bodies together, an area; the flow preserves it."""
         return float(abs(np.linalg.det(np.array(self.vectors))))
+
+    @property
+    def middle(self) -> Array:
+        """Half of both vectors of the reduced basis."""
+        middle: Array = 0.5 * self.periods.sum(axis=0)
+        return middle
 
 
 Periodic = Channel | Cell

@@ -13,7 +13,7 @@ from PIL import Image
 import fsi
 from fsi.cli import main
 from fsi.models import make_model
-from fsi.postprocess.render import opengl
+from fsi.postprocess.render import canvas
 from fsi.postprocess.report import write_report
 from fsi.run import run_case
 from fsi.run_folder.folder import StepRecord
@@ -43,8 +43,8 @@ def page(folder: Path) -> str:
 
 @pytest.fixture(autouse=True)
 def _no_opengl(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Histories only, as pictures by OpenGL take seconds; tests/postprocess/test_page.py has them."""
-    monkeypatch.setattr(opengl, "_DRAW", "raise SystemExit(1)")
+    """Histories only, as pictures by OpenGL take seconds; test_report.py has them."""
+    monkeypatch.setattr(canvas, "_DRAW", "raise SystemExit(1)")
 
 
 @pytest.mark.parametrize("name", ["gluey/two_discs", "macroscopic/blocks"])
