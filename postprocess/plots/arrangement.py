@@ -71,12 +71,12 @@ def _draw_bodies(figure: Figure, arrangement: Arrangement) -> Axes:
     depth = arrangement.centres[:, 1] if cell.dimension == 3 else np.zeros(len(radii))
     order = np.argsort(-depth, kind="stable")
     _add_circles(axes, centres[order], radii[order])
-    shifts = [(-1, 0, 1) if so else (0,) for so in (cell.periodic[0], cell.periodic[-1])]
-    for shift in itertools.product(*shifts):
-        if any(shift):
-            moved = centres + np.array(shift) * sides
-            inside = np.all((moved > -radii[:, None]) & (moved < sides + radii[:, None]), axis=1)
-            _add_circles(axes, moved[inside], radii[inside], image=True)
+    periods = [(-1, 0, 1) if so else (0,) for so in (cell.periodic[0], cell.periodic[-1])]
+    shifts = [np.array(shift) for shift in itertools.product(*periods) if any(shift)]
+    moved = np.concatenate([np.empty((0, 2)), *(centres + shift * sides for shift in shifts)])
+    a = np.tile(radii, len(shifts))
+    inside = np.all((moved > -a[:, None]) & (moved < sides + a[:, None]), axis=1)
+    _add_circles(axes, moved[inside], a[inside], image=True)
     _draw_frame(axes, cell)
     return axes
 

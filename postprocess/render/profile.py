@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from fsi.bodies.configuration import Array
 from fsi.errors import InputError
 from fsi.postprocess.plots.profiles import LABELS, profile_figure
 from fsi.postprocess.render.artist import Artist
@@ -13,6 +14,8 @@ from fsi.postprocess.render.canvas import Picture
 from fsi.postprocess.render.picture import pixels
 from fsi.postprocess.render.view import Choice
 from fsi.postprocess.run.run import Run
+
+_ROUNDING = 1e-9  # of the largest number in a profile
 
 
 class ProfileArtist(Artist):
@@ -35,19 +38,22 @@ class ProfileArtist(Artist):
     def pictures(self, steps: Sequence[int]) -> Iterator[Picture]:
         """A picture of each step."""
         profiles = [self._read(step) for step in steps]
-        ends = {name: self.choice.span or _ends([of[name] for of in profiles]) for name in self.names}
-        ends["x"] = _ends([of["x"] for of in profiles])
+        columns = {name: np.concatenate([of[name] for of in profiles]) for name in profiles[0]}
+        least = _ROUNDING * max(float(np.abs(values).max()) for values in columns.values())
+        ends = {name: _ends(values, least) for name, values in columns.items()}
+        if self.choice.span is not None:
+            ends |= dict.fromkeys(self.names, self.choice.span)
         for step, profile in zip(steps, profiles, strict=True):
             yield pixels(profile_figure(self.title(step), profile, ends, self.choice.size))[..., :3]
 
-    def _read(self, step: int) -> dict[str, np.ndarray]:
+    def _read(self, step: int) -> dict[str, Array]:
         """The profiles of a step at the middles x of its parcels."""
         grid = self.run.mesh(step, self.series)
         return {"x": np.asarray(grid.points)[:, 0]} | {name: np.asarray(grid[name]) for name in self.names}
 
 
-def _ends(values: Sequence[np.ndarray]) -> tuple[float, float]:
-    """Of an axis that shows all values, and a little more."""
-    low, high = float(np.min(np.concatenate(values))), float(np.max(np.concatenate(values)))
-    room = 0.05 * (high - low) or 0.5
+def _ends(values: Array, least: float) -> tuple[float, float]:
+    """Of an axis that shows all values, and a little more; what differs by less is constant."""
+    low, high = float(values.min()), float(values.max())
+    room = 0.05 * (high - low) if high - low > least else 0.5
     return low - room, high + room
