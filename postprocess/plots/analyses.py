@@ -38,7 +38,9 @@ def plot_chains(chains: Chains, path: Path) -> None:
         drawn.set_array(share)
         axes.add_collection(drawn)
         figure.colorbar(drawn, ax=axes, shrink=0.7, label=f"part of the {what}, by lubrication")
-        axes.set_title(f"step {chains.step}, t = {chains.t:.5g}: gaps below {CLOSE:g} radii", fontsize=10)
+        axes.set_title(
+            f"step {chains.step}, t = {chains.t:.5g}: gaps below {CLOSE:g} radii", loc="center", fontsize=10
+        )
 
 
 def plot_memories(memory: ContactMemories, path: Path) -> None:
@@ -51,8 +53,6 @@ def plot_memories(memory: ContactMemories, path: Path) -> None:
         left.set(xlim=(0, None), ylim=(0, None))
         right.step(memory.t, memory.closed, where="post", color=ORANGE)
         right.set(xlabel="time", ylabel="closed contacts", ylim=(0, None))
-        for axes in (left, right):
-            axes.grid(alpha=0.3)
 
 
 def plot_settling(history: Settling, path: Path) -> None:
@@ -71,10 +71,8 @@ def _draw_gap(axes: Axes, history: Settling) -> None:
     t, a = history.time[later], history.radius
     axes.loglog(t, history.exact[later] / a, color=GREY, lw=5, alpha=0.6, label="exact")
     axes.loglog(t, history.gap[later] / a, "o-", color=BLUE, ms=3.5, lw=1, label="computed")
-    axes.set_ylabel("gap / radius")
-    axes.set_title("disc settling onto a plane under a constant force", loc="left", fontsize=12)
-    axes.legend(frameon=False)
-    axes.grid(which="major", alpha=0.3)
+    axes.set(ylabel="gap / radius", title="disc settling onto a plane under a constant force")
+    axes.legend()
 
 
 def _draw_difference(axes: Axes, history: Settling) -> None:
@@ -85,5 +83,4 @@ def _draw_difference(axes: Axes, history: Settling) -> None:
     axes.loglog(t[~low], size[~low], "o", color=ORANGE, ms=3.5, label="too wide")
     axes.loglog(t[low], size[low], "o", color=ORANGE, mfc="white", ms=3.5, label="too narrow")
     axes.set(xlabel="time", ylabel="relative difference")
-    axes.legend(frameon=False, ncols=2)
-    axes.grid(which="major", alpha=0.3)
+    axes.legend(ncols=2)

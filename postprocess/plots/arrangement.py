@@ -34,7 +34,7 @@ def draw_arrangement(arrangement: Arrangement, path: Path) -> None:
         axes = _draw_bodies(figure, arrangement)
         links = close_links(arrangement)
         axes.add_collection(LineCollection(list(links), colors=ORANGE, linewidths=1.8, zorder=3))
-        axes.set_title(_title(arrangement, len(links)), fontsize=10)
+        axes.set_title(_title(arrangement, len(links)), loc="center", fontsize=10)
 
 
 def draw_case(figure: Figure, case: Case, q: Configuration, t: float) -> tuple[Axes, Array]:

@@ -62,10 +62,8 @@ def _draw_law(axes: Axes, law: LawFile, data: dict[str, Any], d: Array, exact: A
         rows = [row for row in data["samples"] if row["held_out"] is held_out]
         gap, kappa, error = (np.array([row[key] for row in rows]) for key in ("gap", "kappa", "error"))
         axes.errorbar(gap, kappa, error, fmt=marker, color=colour, mfc="none", label=name)
-    axes.set_ylabel("resistance $\\kappa$ = F/U")
-    axes.set_title(f"{data['case']}: {law.mode} of {law.shape}", loc="left", fontsize=12)
-    axes.legend(frameon=False)
-    axes.grid(which="major", alpha=0.3)
+    axes.set(ylabel="resistance $\\kappa$ = F/U", title=f"{data['case']}: {law.mode} of {law.shape}")
+    axes.legend()
 
 
 def _draw_rest(axes: Axes, law: LawFile, data: dict[str, Any], d: Array, exact: Array | None) -> None:
@@ -94,7 +92,5 @@ def _draw_rest(axes: Axes, law: LawFile, data: dict[str, Any], d: Array, exact: 
     # Linear within the errors of most samples, logarithmic beyond: the band opens up at the last gaps.
     typical = float(np.median([row["error"] / row["kappa"] for row in data["samples"]]))
     axes.set_yscale("symlog", linthresh=10.0 ** np.ceil(np.log10(typical)))
-    axes.set_xlabel("gap d")
-    axes.set_ylabel("relative to the law, less 1")
-    axes.legend(frameon=False, ncols=2, fontsize=9)
-    axes.grid(which="major", alpha=0.3)
+    axes.set(xlabel="gap d", ylabel="relative to the law, less 1")
+    axes.legend(ncols=2, fontsize=9)

@@ -30,12 +30,9 @@ def _draw_gaps(axes: Axes, names: Sequence[str], comparison: Comparison) -> None
         colour = GREY if many else colormaps["tab10"](i)
         axes.semilogy(comparison.t, comparison.gap[:, i], color=colour, lw=1.5, label=None if many else name)
         axes.semilogy(comparison.t, comparison.reduced_gap[:, i], "--", color=colour, lw=1.0)
-    axes.set_xlabel("t")
-    axes.set_ylabel("smallest gap")
-    axes.set_title("resolved (lines), reduced (dashed)", loc="left", fontsize=12)
+    axes.set(xlabel="t", ylabel="smallest gap", title="resolved (lines), reduced (dashed)")
     if not many:
-        axes.legend(frameon=False, fontsize=9)
-    axes.grid(which="major", alpha=0.3)
+        axes.legend(fontsize=9)
 
 
 def _draw_errors(axes: Axes, comparison: Comparison) -> None:
@@ -48,7 +45,4 @@ def _draw_errors(axes: Axes, comparison: Comparison) -> None:
         good = comparison.good_below(limit)
         if good is not None:
             axes.plot([good], [limit], "v", color=ORANGE)
-    axes.set_xlabel("gap D")
-    axes.set_ylabel("|error of D'| / |D'|")
-    axes.set_title("rate of a gap, at the same configuration", loc="left", fontsize=12)
-    axes.grid(which="major", alpha=0.3)
+    axes.set(xlabel="gap D", ylabel="|error of D'| / |D'|", title="rate of a gap, at the same configuration")

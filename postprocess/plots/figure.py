@@ -18,7 +18,10 @@ from fsi.errors import InputError
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 BLUE, ORANGE, GREEN = COLOURS[:3]
 GREY = "#999999"  # of exact curves, which lie broad below the others
-STYLE: dict[Any, Any] = {"font.size": 11, "axes.spines.top": False, "axes.spines.right": False}
+STYLE: dict[Any, Any] = {
+    "font.size": 11, "axes.titlesize": 12, "axes.titlelocation": "left", "legend.frameon": False,
+    "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.alpha": 0.3,
+}  # fmt: skip
 SUFFIXES = (".png", ".svg", ".pdf")
 _SHORT = 100.0  # ratio of the ends of an axis up to which steps in between have labels
 

@@ -195,7 +195,7 @@ def plot_runs(runs: Sequence[Run], output: Path, gap: str | None = None) -> None
     with saved_figure(output, (8.5, 0.8 + 2.4 * len(titles))) as figure:
         axes = list(figure.subplots(len(titles), 1, sharex=True, squeeze=False)[:, 0])
         if len(histories) == 1:
-            axes[0].set_title(runs[0].name, loc="left", fontsize=12)
+            axes[0].set_title(runs[0].name)
         for title, panel in zip(titles, axes, strict=True):
             _draw(panel, title, histories)
         _scale_time(axes, histories)
@@ -204,7 +204,11 @@ def plot_runs(runs: Sequence[Run], output: Path, gap: str | None = None) -> None
         for panel in axes:
             for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
                 entries.setdefault(label, handle)
-        figure.legend(list(entries.values()), list(entries), loc="outside right upper", frameon=False)
+        figure.legend(
+            list(entries.values()),
+            list(entries),
+            loc="outside right upper",
+        )
 
 
 def _draw(axes: Axes, title: str, histories: Sequence[RunHistory]) -> None:
@@ -232,7 +236,6 @@ def _draw(axes: Axes, title: str, histories: Sequence[RunHistory]) -> None:
     elif y.size and np.ptp(y) < _CONSTANT * np.abs(y).max():
         axes.set_ylim(0.0, 1.2 * y.max())
     axes.set_ylabel(title)
-    axes.grid(which="major", alpha=0.3)
 
 
 def _abscissa(history: RunHistory, histories: Sequence[RunHistory]) -> Array:

@@ -33,6 +33,5 @@ def profile_figure(
         for name, panel in zip(names, axes, strict=True):
             panel.plot(profile["x"], profile[name], ".-", color=BLUE, ms=2, lw=1.0)
             panel.set(ylabel=LABELS[name], xlim=ends["x"], ylim=ends[name])
-            panel.grid(alpha=0.3)
         axes[-1].set_xlabel("x")
     return figure

@@ -41,7 +41,7 @@ def plot_scaling(source: Path, output: Path) -> None:
         axes.set(xlim=_ends(curves, 0), ylim=_ends(curves, 1))
         label_short(axes.xaxis)
         label_short(axes.yaxis)
-        axes.legend(frameon=False)
+        axes.legend()
 
 
 def _ends(curves: Curves, k: int) -> tuple[float, float]:

@@ -38,12 +38,9 @@ def _draw_sphere(axes: Axes, rows: Sequence[Row]) -> None:
         ratio = np.array([row.value / row.reference for row in of_case])
         exact = normal_resistance(gap, 1.0, 1.0) / plane_expansion(gap, 1.0, 1.0, 1)
         axes.loglog(gap, ratio * exact, marker, color="black", mfc="none", label=case)
-    axes.set_ylim(0.8, 20.0)
-    axes.set_xlabel("gap / radius")
-    axes.set_ylabel("force / leading term")
-    axes.set_title("a sphere moving along the normal of a plane", loc="left", fontsize=12)
-    axes.legend(frameon=False, ncols=2)
-    axes.grid(which="major", alpha=0.3)
+    axes.set(ylim=(0.8, 20.0), xlabel="gap / radius", ylabel="force / leading term")
+    axes.set_title("a sphere moving along the normal of a plane")
+    axes.legend(ncols=2)
 
 
 def _draw_errors(axes: Axes, rows: Sequence[Row]) -> None:
@@ -60,5 +57,5 @@ def _draw_errors(axes: Axes, rows: Sequence[Row]) -> None:
         place[begins], [names[k] for k in np.flatnonzero(begins)], rotation=45, ha="right", fontsize=8
     )
     axes.set_ylabel("relative error")
-    axes.legend(frameon=False, ncols=3)
-    axes.grid(axis="y", which="major", alpha=0.3)
+    axes.legend(ncols=3)
+    axes.grid(visible=False, axis="x")

@@ -65,12 +65,12 @@ def test_a_constant_field_has_a_range() -> None:
 def upwards(monkeypatch: pytest.MonkeyPatch) -> RenderedField:
     """A field from outside the package, for the time of a test: u_x + p."""
     monkeypatch.setattr(fields, "_FIELDS", dict(fields._FIELDS))
-    return register_field(
-        RenderedField(
-            "upwards", "$u_x + p$", "a field of one's own", "viridis", Linear(), ("velocity", "pressure"),
-            lambda at, _: at["velocity"][:, 0] + at["pressure"],
-        )
+    field = RenderedField(
+        "upwards", "$u_x + p$", "a field of one's own", "viridis", Linear(), ("velocity", "pressure"),
+        lambda at, _: at["velocity"][:, 0] + at["pressure"],
     )  # fmt: skip
+    register_field(field)
+    return field
 
 
 @pytest.mark.usefixtures("drawing", "upwards")
