@@ -187,7 +187,7 @@ run() {
     folder=$(new_folder settling_disc)
     say "a disc settles onto a wall under its weight: results in $folder"
     fsi run cases/settling_disc.toml --output "$folder" &&
-        python -m fsi.postprocess.analysis.settling "$folder" &&
+        fsi analyse settling "$folder" &&
         fsi render "$folder" &&
         say "done: open $folder/fluid.pvd in ParaView"
 }

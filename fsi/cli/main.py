@@ -15,6 +15,7 @@ import typer
 
 import fsi.parallel as parallel
 from fsi.cli import (
+    analyse,
     calibrate,
     cases,
     check,
@@ -59,6 +60,7 @@ app.command(epilog=plot.EXAMPLE)(plot.plot)
 app.command(epilog=probe.EXAMPLE)(probe.probe)
 app.command(epilog=report.EXAMPLE)(report.report)
 app.command(epilog=revolve.EXAMPLE)(revolve.revolve)
+app.add_typer(analyse.analyse, name="analyse")
 app.command(epilog=limit.EXAMPLE)(limit.limit)
 app.command(epilog=resistance.EXAMPLE)(resistance.resistance)
 app.command(epilog=validate.EXAMPLE)(validate.validate)

@@ -132,7 +132,7 @@ def _shape(kind: Kind, number: int) -> dict[str, Any]:
 
 def _make(kind: Kind, wanted: Wanted, output: Path, drawn: Path) -> None:
     from fsi.arrangements.kinds import KINDS, arrange, write_arrangement
-    from fsi.postprocess.render.arrangement import draw_arrangement
+    from fsi.postprocess.plots.arrangement import draw_arrangement
 
     arrangement = arrange(kind, wanted)
     described = {

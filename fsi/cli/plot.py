@@ -48,7 +48,8 @@ def plot(
     """
     from fsi.calibration.files import SUMMARY
     from fsi.postprocess.plots.calibration import plot_calibration
-    from fsi.postprocess.plots.histories import plot_runs, require_figure
+    from fsi.postprocess.plots.figure import require_figure
+    from fsi.postprocess.plots.histories import plot_runs
     from fsi.postprocess.plots.scaling import plot_scaling
     from fsi.postprocess.run.run import open_run
 

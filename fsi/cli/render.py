@@ -10,6 +10,7 @@ import typer
 import fsi.parallel as parallel
 from fsi.cli.arguments import RunFolder, Step, numbers
 from fsi.errors import InputError
+from fsi.postprocess.render.fields import field_names
 
 EXAMPLE = "Example: fsi render runs/settling_disc --field dissipation --gap disc,plane -o gap.mp4"
 
@@ -27,7 +28,9 @@ def render(
     ] = None,
     field: Annotated[
         str | None,
-        typer.Option(help="speed, pressure, vorticity, dissipation, traction or mesh.", show_default=False),
+        typer.Option(
+            help=f"{', '.join(field_names())}; of contacts or profiles a column.", show_default=False
+        ),
     ] = None,
     gap: Annotated[
         str | None,
@@ -50,10 +53,11 @@ def render(
     """Draw a run: speed, streamlines, and the mesh in the narrowest gap, or the field of your choice.
 
     Axisymmetric flows are mirrored at their axis. Flows in space are shown on a vertical plane, gaps on
-    the one that holds the line of centres.
+    the one that holds the line of centres. Reduced and gluey runs show their contacts, macroscopic ones their
+    profiles.
     """
-    from fsi.postprocess.choice import Choice
     from fsi.postprocess.render.render import render_run
+    from fsi.postprocess.render.view import Choice
     from fsi.postprocess.run.run import open_run
 
     if time is not None and step is not None:

@@ -163,6 +163,11 @@ class Container(ABC):
         """What vectors e (n, d) between images become after some time."""
         return e
 
+    @property
+    def middle(self) -> Array:
+        """The middle of the box around it, or of what a cell's vectors span from the origin, (d,)."""
+        return np.zeros(self.dimension)
+
     # What meshing in space asks besides.
 
     def scaled(self, factor: float) -> Container:  # noqa: ARG002
@@ -319,6 +324,11 @@ class Box(Container):
         sides = zip("xyz", self.lower, self.upper, strict=True)
         return [side for s, low, high in sides for side in (f"({s}-({low!r}))", f"(({high!r})-{s})")]
 
+    @property
+    def middle(self) -> Array:
+        """Between the corners."""
+        return 0.5 * np.add(self.lower, self.upper)
+
 
 @dataclass(frozen=True, slots=True)
 class HalfPlane(Container):
@@ -401,6 +411,12 @@ class HalfPlane(Container):
     def distance_formulas(self) -> list[str]:
         """z, and the radius less the distance from the origin."""
         return ["z", _DISTANCE_INSIDE.format(self.radius)]
+
+    @property
+    def middle(self) -> Array:
+        """Half the radius above the plane."""
+        middle: Array = 0.5 * self.radius * np.eye(self.dimension)[-1]
+        return middle
 
 
 @dataclass(frozen=True, slots=True)

@@ -91,5 +91,11 @@ class Cell(Container):
         """Of fluid and bodies together, an area; the flow preserves it."""
         return float(abs(np.linalg.det(np.array(self.vectors))))
 
+    @property
+    def middle(self) -> Array:
+        """Half of both vectors of the reduced basis."""
+        middle: Array = 0.5 * self.periods.sum(axis=0)
+        return middle
+
 
 Periodic = Channel | Cell

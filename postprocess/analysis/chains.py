@@ -1,191 +1,264 @@
-"""Which chains of discs resist at a step of a run: `python -m fsi.postprocess.analysis.chains RUN [STEP]`.
+"""Which chains of discs resist at a step of a run: links of close discs, and what lubrication costs in them.
 
 A rise of the apparent viscosity is traced to its makers: chains of discs linked by gaps below a tenth of the
 mean radius, what lubrication dissipates in them, and in a sheared suspension the part of the apparent
-viscosity that its forces carry along them (`fsi.postprocess.analysis.links`).
+viscosity that its forces carry along them.
 
-Without STEP it is the one that dissipates most. Prints the chains, and draws them into RUN/chains.png.
+In each close pair, of radii a_i and a_j or of a disc and a wall (a_j infinite), lubrication dissipates
+
+    kappa(d) (G.u)^2,   kappa = 3 sqrt2 pi mu (a/d)^(3/2),   a = a_i a_j / (a_i + a_j),   G.u = d'
+
+d being the gap, d' its rate; for equal discs kappa = (3 pi/2) mu (a_i/d)^(3/2). It is the leading term for
+motion along the line of centres: an estimate.
+
+Bodies that are free hardly approach; what a close pair costs a sheared suspension is rather the stress that
+its force -kappa d' n carries from the one to the other, r n apart. Of the apparent viscosity it is the part
+
+    kappa d' r n.E.n / (2 mu E:E |Omega|)
+
+with E the mean strain rate and |Omega| the area: positive where the pair is pressed together along the
+compression or held together along the extension of the flow.
 """
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
-from pathlib import Path
+from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
+from numpy.typing import NDArray
 from rich.table import Table
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from fsi.bodies.configuration import Array, Configuration
+from fsi.bodies.forces import separations
+from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
 from fsi.errors import InputError
-from fsi.meshes.geometry.lattice import Lattice
-from fsi.meshes.geometry.periodic import Cell, Channel
-from fsi.postprocess import oblique
-from fsi.postprocess.analysis.links import Chain, Links, find_chains, find_links
+from fsi.lubrication.exact import plane_lubrication
 from fsi.postprocess.analysis.strain import strain_rate
-from fsi.postprocess.program import program, say
-from fsi.postprocess.render.arrangement import arrangement_of, draw_bodies, figure_size
-from fsi.postprocess.run.run import open_run
+from fsi.postprocess.run.run import Run
 
 CLOSE = 0.1  # gaps below this many mean radii make a link
 _ROWS = 12
 
 
 @dataclass(frozen=True, slots=True)
-class Chains:
-    """The chains of one step, that which dissipates most first.
+class LubricationLinks:
+    """Close pairs, of bodies and then of bodies and walls, L in all.
 
-    dissipation: that of the whole flow; shares: of the links in the apparent viscosity, (L,), None where
-    there is none.
+    Attributes:
+        ends: the two sides as positions in the bodies followed by the walls, shape (L, 2).
+        vectors: from the second centre to the first, or from the wall to the centre, shape (L, 2).
+        gaps: d, shape (L,).
+        rates: d' = G.u, shape (L,).
+        tension: kappa(d) d', what lubrication pulls together with, shape (L,).
+        dissipation: kappa(d) d'^2, shape (L,).
+    """
+
+    ends: NDArray[np.intp]
+    vectors: Array
+    gaps: Array
+    rates: Array
+    tension: Array
+    dissipation: Array
+
+    def viscosities(self, E: Array, viscosity: float, area: float) -> Array:
+        """The part of the apparent viscosity that each link carries, (L,).
+
+        Args:
+            E: the mean strain rate, (2, 2).
+            viscosity: mu.
+            area: of fluid and bodies together.
+        """
+        along = np.einsum("li,ij,lj->l", self.vectors, E, self.vectors)  # r^2 n.E.n
+        r = np.linalg.norm(self.vectors, axis=1)
+        parts: Array = self.tension * along / r / (2.0 * viscosity * float(np.sum(E**2)) * area)
+        return parts
+
+
+@dataclass(frozen=True, slots=True)
+class Chain:
+    """Bodies that are linked.
+
+    Attributes:
+        bodies: their positions in the list of the case.
+        walls: those that they touch, by position.
+        links: positions in LubricationLinks.
+        smallest_gap: of its links.
+        dissipation: of its links.
+    """
+
+    bodies: tuple[int, ...]
+    walls: tuple[int, ...]
+    links: tuple[int, ...]
+    smallest_gap: float
+    dissipation: float
+
+
+@dataclass(frozen=True, slots=True)
+class Chains:
+    """The chains of one step.
+
+    Attributes:
+        case: of the run.
+        step: its number.
+        t: its time.
+        q: where the bodies are.
+        links: all of them.
+        chains: that which dissipates most first.
+        dissipation: that of the whole flow.
+        shares: of the links in the apparent viscosity, (L,), None where there is none.
     """
 
     case: Case
     step: int
     t: float
     q: Configuration
-    links: Links
+    links: LubricationLinks
     chains: tuple[Chain, ...]
     dissipation: float
     shares: Array | None
 
 
-def read_chains(run: Path, step: int | None = None, close: float = CLOSE) -> Chains:
+def read_chains(run: Run, step: int | None = None, close: float = CLOSE) -> Chains:
     """The chains of a step of a run, of the one that dissipates most if none is given.
 
     Args:
-        run: the folder.
+        run: of discs in the plane.
         step: its number.
         close: gaps below this many mean radii make a link.
 
     Raises:
-        InputError: not a run folder of discs in the plane, or no such step.
+        InputError: another kind of run, or no such step.
     """
-    folder = open_run(run)
-    case, steps, bodies = folder.case, folder.columns("steps"), folder.columns("bodies")
+    case, steps = run.case, run.columns("steps")
     if case.geometry != "planar":
         raise InputError(f'geometry = "{case.geometry}": the lubrication law of discs needs "planar"')
     if "dissipation" not in steps:
-        raise InputError(f"{run / 'steps.csv'}: no column dissipation; give a run of the resolved model")
+        raise InputError(f"{run.path / 'steps.csv'}: no column dissipation; give a run of the resolved model")
     row = int(np.argmax(steps["dissipation"])) if step is None else _row(steps["step"], step)
-    now = bodies["step"] == steps["step"][row]
-    centres = np.column_stack([bodies["x"][now], bodies["y"][now]])
-    q = Configuration(centres, bodies["angle"][now], case.configuration().radii)
-    V = np.column_stack([bodies["V_x"][now], bodies["V_y"][now]])
-    t, nothing = float(steps["t"][row]), np.full(len(steps["t"]), np.nan)
+    step, t = int(steps["step"][row]), float(steps["t"][row])
+    q = run.configuration(step)
+    V = run.bodies.loc[run.bodies["step"] == step, ["V_x", "V_y"]].to_numpy()
     links = find_links(case, q, V, t, close * float(q.radii.mean()))
-    return Chains(
-        case,
-        int(steps["step"][row]),
-        t,
-        q,
-        links,
-        find_chains(links, len(q)),
-        float(steps["dissipation"][row]),
-        _shares(case, t, links, float(steps.get("apparent_viscosity", nothing)[row])),
-    )
-
-
-def _shares(case: Case, t: float, links: Links, apparent_viscosity: float) -> Array | None:
-    """What each link carries of the apparent viscosity, which is not a number where there is none."""
-    E, container = strain_rate(case, t), case.container()
-    if E is None or not np.isfinite(apparent_viscosity) or not isinstance(container, Channel | Cell):
-        return None
-    shares: Array = links.viscosities(E, case.fluid.viscosity, container.volume) / apparent_viscosity
-    return shares
+    E, shares = strain_rate(case, t), None
+    if E is not None and "apparent_viscosity" in steps and np.isfinite(steps["apparent_viscosity"][row]):
+        viscosities = links.viscosities(E, case.fluid.viscosity, case.container().volume)
+        shares = viscosities / steps["apparent_viscosity"][row]
+    chains, dissipation = find_chains(links, len(q)), float(steps["dissipation"][row])
+    return Chains(case, step, t, q, links, chains, dissipation, shares)
 
 
 def _row(steps: Array, step: int) -> int:
-    found = np.flatnonzero(steps == step)
-    if not found.size:
+    rows = np.flatnonzero(steps == step)
+    if not rows.size:
         raise InputError(
             f"step = {step}: the run has the steps {steps[0]:g} to {steps[-1]:g}; give one of them"
         )
-    return int(found[0])
+    return int(rows[0])
 
 
-def as_table(found: Chains) -> Table:
+def find_links(case: Case, q: Configuration, V: Array, t: float, reach: float) -> LubricationLinks:
+    """The links of discs at q that move with V (N, 2) at time t, with gaps up to `reach`.
+
+    An image of a body moves with the body and with the mean flow, `V_j + E away`.
+    """
+    container = case.container().at(t)
+    gaps = find_gaps(q, container, reach)
+    (i, j), a = gaps.pairs.T, q.radii
+    between = separations(q, gaps)
+    unit = between / np.linalg.norm(between, axis=1, keepdims=True)
+    body, wall = np.nonzero(gaps.wall_gaps <= reach)
+    normal = container.normals(q.centres)[body, wall]
+    d = np.concatenate([gaps.pair_gaps, gaps.wall_gaps[body, wall]])
+    rates = np.concatenate(
+        [
+            np.sum(unit * (V[i] - V[j] - container.mean_velocity(gaps.away)), axis=1),
+            np.sum(normal * (V[body] - _wall_velocities(case, t)[wall]), axis=1),
+        ]
+    )
+    reduced = np.concatenate([a[i] * a[j] / (a[i] + a[j]), a[body]])
+    kappa = plane_lubrication(d, reduced, case.fluid.viscosity)
+    to_wall = normal * (gaps.wall_gaps[body, wall] + a[body])[:, None]
+    ends = np.concatenate([gaps.pairs, np.column_stack([body, len(q) + wall])])
+    vectors = np.concatenate([between, to_wall])
+    return LubricationLinks(ends, vectors, d, rates, kappa * rates, kappa * rates**2)
+
+
+def _wall_velocities(case: Case, t: float) -> Array:
+    """Of each wall, (walls, 2); a shear flow on it is left out, as only what is normal counts."""
+    moving, rest = case.wall_velocity(t), np.zeros(2)
+    velocities = [moving[wall].velocity if wall in moving else rest for wall in case.container().walls]
+    return np.array(velocities).reshape(-1, 2)
+
+
+def find_chains(links: LubricationLinks, bodies: int) -> tuple[Chain, ...]:
+    """The components of the graph of links, lone bodies left out; walls do not join what they touch."""
+    i, j = links.ends.T
+    inner = j < bodies
+    graph = coo_array((np.ones(inner.sum()), (i[inner], j[inner])), shape=(bodies, bodies))
+    number, label = connected_components(graph, directed=False)
+    chains = []
+    for k in range(number):
+        members, linked = np.flatnonzero(label == k), np.flatnonzero(label[i] == k)
+        if linked.size:
+            walls = np.unique(j[linked][j[linked] >= bodies] - bodies)
+            chains.append(
+                Chain(
+                    tuple(members.tolist()), tuple(walls.tolist()), tuple(linked.tolist()),
+                    float(links.gaps[linked].min()), float(links.dissipation[linked].sum()),
+                )
+            )  # fmt: skip
+    return tuple(sorted(chains, key=lambda chain: -chain.dissipation))
+
+
+def chains_table(chains: Chains) -> Table:
     """The chains that dissipate most, closed by the sum over all."""
-    walls = found.case.container().walls
-    table = Table(title=f"chains at step {found.step}, t = {found.t:.6g}")
+    walls = chains.case.container().walls
+    table = Table(title=f"chains at step {chains.step}, t = {chains.t:.6g}")
     headings = ["discs", "walls", "smallest gap", "lubrication", "of the dissipation", "who"]
-    if found.shares is not None:
+    if chains.shares is not None:
         headings.insert(5, "of the viscosity")
     for heading in headings:
         table.add_column(heading, justify="left" if heading == "who" else "right")
-    for chain in found.chains[:_ROWS]:
-        names = [found.case.names[k] for k in chain.bodies]
+    for chain in chains.chains[:_ROWS]:
+        names = [chains.case.names[k] for k in chain.bodies]
         table.add_row(
             str(len(chain.bodies)), ", ".join(walls[k] for k in chain.walls), f"{chain.smallest_gap:.3g}",
-            f"{chain.dissipation:.5g}", f"{chain.dissipation / found.dissipation:.1%}",
-            *_of_viscosity(found, chain.links),
+            f"{chain.dissipation:.5g}", f"{chain.dissipation / chains.dissipation:.1%}",
+            *_of_viscosity(chains, chain.links),
             ", ".join(names[:4]) + (", ..." if len(names) > 4 else ""),
         )  # fmt: skip
-    total = sum(chain.dissipation for chain in found.chains)
     table.add_section()
-    discs, share = sum(len(chain.bodies) for chain in found.chains), total / found.dissipation
-    links, who = range(len(found.links.gaps)), "together"
-    table.add_row(str(discs), "", "", f"{total:.5g}", f"{share:.1%}", *_of_viscosity(found, links), who)
+    discs = sum(len(chain.bodies) for chain in chains.chains)
+    total = sum(chain.dissipation for chain in chains.chains)
+    carried = _of_viscosity(chains, range(len(chains.links.gaps)))
+    share = f"{total / chains.dissipation:.1%}"
+    table.add_row(str(discs), "", "", f"{total:.5g}", share, *carried, "together")
     return table
 
 
-def _of_viscosity(found: Chains, links: Sequence[int]) -> list[str]:
+def _of_viscosity(chains: Chains, links: Sequence[int]) -> list[str]:
     """The cell of the table with what links carry of the apparent viscosity, if there is one."""
-    return [] if found.shares is None else [f"{float(found.shares[list(links)].sum()):.1%}"]
+    return [] if chains.shares is None else [f"{float(chains.shares[list(links)].sum()):.1%}"]
 
 
-def plot(found: Chains, path: Path) -> None:
-    """Draw the bodies of a box or cell and their links, by what each dissipates. Raises InputError."""
-    container, links, n = found.case.container().at(found.t), found.links, len(found.q)
-    if isinstance(container, Cell):
-        centres, size = Lattice(container.periods).wrapped(found.q.centres), oblique.size(container)
-        draw = partial(oblique.draw_oblique, container=container, q=found.q)
-    else:
-        arrangement = arrangement_of(found.case, found.q)
-        centres, size = arrangement.centres, figure_size(arrangement.cell)
-        draw = partial(draw_bodies, arrangement=arrangement)
-    first = centres[links.ends[:, 0]]
-    # across a periodic side a link is drawn from either body
-    second = np.where((links.ends[:, 1] < n)[:, None], centres[links.ends[:, 1] % n], first - links.vectors)
-    lines = np.concatenate(
-        [np.stack([first, first - links.vectors], 1), np.stack([second, second + links.vectors], 1)]
-    )
-    of_each = links.dissipation / found.dissipation if found.shares is None else np.abs(found.shares)
-    share = np.maximum(np.tile(of_each, 2), 1e-6)
-    whole = "dissipation in this gap" if found.shares is None else "apparent viscosity that this gap carries"
-    with mpl.rc_context({"font.size": 10}):
-        figure = Figure(figsize=size, layout="constrained")
-        axes = figure.subplots()
-        draw(axes)
-        norm = mpl.colors.LogNorm(1e-4, max(1e-3, float(share.max(initial=0.0))))
-        widths = 1.0 + 1.2 * np.clip(np.log10(share / 1e-4), 0.0, None)
-        drawn = LineCollection(list(lines), cmap="inferno_r", norm=norm, linewidths=widths, zorder=3)
-        drawn.set_array(share)
-        axes.add_collection(drawn)
-        figure.colorbar(drawn, ax=axes, shrink=0.7, label=f"part of the {whole}, by lubrication")
-        axes.set_title(f"step {found.step}, t = {found.t:.5g}: gaps below {CLOSE:g} radii", fontsize=10)
-        try:
-            figure.savefig(path, dpi=130)
-        except OSError as error:
-            raise InputError(f"{path}: {error.strerror}; give a run folder that can be written") from None
-
-
-def show(run: Path, step: str | None = None) -> None:
-    """Print the table and draw the picture of one step."""
-    if step is not None and not step.isdecimal():
-        raise InputError(f"step = {step}: not a number; give one of the column step of steps.csv")
-    found = read_chains(run, None if step is None else int(step))
-    plot(found, run / "chains.png")
-    say(as_table(found), f"picture: {run / 'chains.png'}")
-
-
-main = partial(program, __doc__, show, most=2)
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+def chains_data(chains: Chains) -> dict[str, Any]:
+    """All chains, by the names of what they link."""
+    names, walls = chains.case.names, chains.case.container().walls
+    each = [
+        {
+            "bodies": [names[k] for k in chain.bodies],
+            "walls": [walls[k] for k in chain.walls],
+            "smallest_gap": chain.smallest_gap,
+            "dissipation": chain.dissipation,
+            "of_the_viscosity": None
+            if chains.shares is None
+            else float(chains.shares[list(chain.links)].sum()),
+        }
+        for chain in chains.chains
+    ]
+    return {"step": chains.step, "t": chains.t, "dissipation": chains.dissipation, "chains": each}

@@ -1,21 +1,11 @@
-"""How a disc settles onto a plane, against the exact law: `python -m fsi.postprocess.analysis.settling RUN`.
-
-Prints the gap history of a run with one disc above the plane of a half-plane under a constant normal
-force, and draws it into RUN/settling.png.
-"""
+"""How a disc settles onto the plane of a half-plane under a constant normal force, against the exact law."""
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
-from functools import partial
-from pathlib import Path
+from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 from rich.table import Table
 
@@ -24,17 +14,21 @@ from fsi.case.case import Case
 from fsi.case.section import toml_text
 from fsi.errors import InputError
 from fsi.lubrication import exact, sphere_settling
-from fsi.meshes.geometry.containers import HalfPlane
-from fsi.postprocess.program import program, say
-from fsi.postprocess.run.run import open_run
+from fsi.postprocess.run.run import Run
 
 _ROWS = 12
-_COMPUTED, _EXACT, _ERROR = "#0072b2", "#999999", "#d55e00"  # Okabe and Ito: told apart by every eye
 
 
 @dataclass(frozen=True, slots=True)
 class Settling:
-    """Gap histories at the steps of a run, shapes (steps,), and the radius of the disc."""
+    """Gap histories at the steps of a run.
+
+    Attributes:
+        time: of the steps, (steps,).
+        gap: that of the run, (steps,).
+        exact: that of the exact law, (steps,).
+        radius: of the disc.
+    """
 
     time: Array
     gap: Array
@@ -47,14 +41,13 @@ class Settling:
         return self.gap / self.exact - 1.0
 
 
-def read_settling(run: Path) -> Settling:
+def read_settling(run: Run) -> Settling:
     """The computed and the exact gap history of a run.
 
     Raises:
-        InputError: not a run folder, or not one disc above a plane under a constant normal force.
+        InputError: not one disc above a plane under a constant normal force.
     """
-    found = open_run(run)
-    case, table = found.case, found.columns("bodies")
+    case, table = run.case, run.columns("bodies")
     disc = case.bodies[0]
     return Settling(table["t"], table["y"] - disc.radius, exact_gap(case, table["t"]), disc.radius)
 
@@ -90,8 +83,8 @@ def asymptotic_gap(case: Case, t: Array) -> Array:
 
 def _normal_force(case: Case) -> float:
     """The constant F_y on the only disc; InputError where the exact law does not apply."""
-    if not isinstance(case.container(), HalfPlane):
-        raise InputError('domain.shape = "box": the exact settling law needs "half-plane"')
+    if "plane" not in case.container().walls:
+        raise InputError(f'domain.shape = "{case.domain.shape}": the exact settling law needs "half-plane"')
     if len(case.bodies) != 1:
         raise InputError(f"bodies: there are {len(case.bodies)}; the exact settling law is that of one disc")
     disc = case.bodies[0]
@@ -116,7 +109,7 @@ def chosen_rows(gap: Array) -> NDArray[np.intp]:
     return np.unique(np.abs(np.log(gap)[:, None] - wanted).argmin(axis=0))
 
 
-def as_table(history: Settling) -> Table:
+def settling_table(history: Settling) -> Table:
     """The history as a table, closed by the step of the largest difference."""
     table = Table(title="disc settling onto a plane")
     for heading in ("t", "gap", "exact gap", "relative difference"):
@@ -135,55 +128,7 @@ def as_table(history: Settling) -> Table:
     return table
 
 
-def plot(history: Settling, path: Path) -> None:
-    """Draw the gap, computed and exact, above the difference, into a PNG file. Raises InputError."""
-    with mpl.rc_context({"font.size": 11, "axes.spines.top": False, "axes.spines.right": False}):
-        figure = Figure(figsize=(7.0, 6.5), layout="constrained")
-        upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2.5, 1.0])
-        _draw_gap(upper, history)
-        _draw_difference(lower, history)
-        for axis in (upper.xaxis, upper.yaxis, lower.xaxis, lower.yaxis):
-            axis.set_minor_formatter(NullFormatter())
-        try:
-            figure.savefig(path, dpi=160)
-        except OSError as error:
-            raise InputError(f"{path}: {error.strerror}; give a run folder that can be written") from None
-
-
-def _draw_gap(axes: Axes, history: Settling) -> None:
-    """Gap over radius against time."""
-    later = history.time > 0.0
-    t = history.time[later]
-    axes.loglog(t, history.exact[later] / history.radius, color=_EXACT, lw=5, alpha=0.6, label="exact")
-    axes.loglog(t, history.gap[later] / history.radius, "o-", color=_COMPUTED, ms=3.5, lw=1, label="computed")
-    axes.set_ylabel("gap / radius")
-    axes.set_title("disc settling onto a plane under a constant force", loc="left", fontsize=12)
-    axes.legend(frameon=False)
-    axes.grid(which="major", alpha=0.3)
-
-
-def _draw_difference(axes: Axes, history: Settling) -> None:
-    """Size of the relative difference against time; open marks where the gap is too small."""
-    later = (history.time > 0.0) & (history.difference != 0.0)
-    t, size, low = history.time[later], np.abs(history.difference[later]), history.difference[later] < 0.0
-    axes.loglog(t, size, color=_ERROR, lw=1)
-    axes.loglog(t[~low], size[~low], "o", color=_ERROR, ms=3.5, label="too wide")
-    axes.loglog(t[low], size[low], "o", color=_ERROR, mfc="white", ms=3.5, label="too narrow")
-    axes.set_ylabel("relative difference")
-    axes.set_xlabel("time")
-    axes.legend(frameon=False, ncols=2)
-    axes.grid(which="major", alpha=0.3)
-
-
-def show(run: Path) -> None:
-    """Print the table and draw the plot of one run."""
-    history = read_settling(run)
-    plot(history, run / "settling.png")
-    say(as_table(history), f"plot: {run / 'settling.png'}")
-
-
-main = partial(program, __doc__, show)
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+def settling_data(history: Settling) -> dict[str, Any]:
+    """The whole history."""
+    columns = {"t": history.time, "gap": history.gap, "exact_gap": history.exact}
+    return {"radius": history.radius} | {name: values.tolist() for name, values in columns.items()}

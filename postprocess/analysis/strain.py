@@ -6,17 +6,15 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
-from fsi.case.walls import WallVelocity
-from fsi.meshes.geometry.periodic import Cell, Channel
 
 
 def strain_rate(case: Case, t: float) -> Array | None:
     """E, the symmetric gradient of the mean flow of a channel or a cell at time t, (2, 2); else None."""
-    container = case.container()
-    if isinstance(container, Cell):
-        return _symmetric(container)
-    rate = shear_rate(case, t)
-    return None if rate is None else 0.5 * rate * np.array([[0.0, 1.0], [1.0, 0.0]])
+    gradient = _mean_gradient(case, t)
+    if gradient is None:
+        return None
+    symmetric: Array = 0.5 * (gradient + gradient.T)
+    return symmetric
 
 
 def shear_rate(case: Case, t: float) -> float | None:
@@ -25,28 +23,23 @@ def shear_rate(case: Case, t: float) -> float | None:
     Channel: (u_top - u_bottom) / H. Cell: sqrt(2 E:E), E the symmetric gradient; of a shear its rate, of an
     extension twice that. Nothing where there is no such flow.
     """
+    gradient = _mean_gradient(case, t)
+    if gradient is None or case.container().walls:
+        return None if gradient is None else float(gradient[0, 1])
+    return float(np.sqrt(0.5 * np.sum((gradient + gradient.T) ** 2)))
+
+
+def _mean_gradient(case: Case, t: float) -> Array | None:
+    """Rows (dV_i / dx_j) of a cell, or of what both walls of a channel impose, (2, 2); else None."""
     container = case.container()
-    if isinstance(container, Cell):
-        return float(np.sqrt(2.0 * np.sum(_symmetric(container) ** 2)))
-    if not isinstance(container, Channel):
+    if not len(container.periods):
         return None
-    height = container.upper[1] - container.lower[1]
-    ends = [
-        (case.domain.walls[name].velocity(t, 2), y)
-        for name, y in (("bottom", container.lower[1]), ("top", container.upper[1]))
-    ]
-    u = [_along(velocity, y) for velocity, y in ends if velocity is not None]
-    return (u[1] - u[0]) / height if len(u) == 2 else None
-
-
-def _symmetric(container: Cell) -> Array:
-    gradient = np.array(container.gradient)
-    symmetric: Array = 0.5 * (gradient + gradient.T)
-    return symmetric
-
-
-def _along(velocity: WallVelocity, y: float) -> float:
-    return float(velocity.velocity[0]) + velocity.shear * y
+    if not container.walls:
+        return container.mean_gradient
+    y_bottom, y_top = container.distances(np.zeros((1, 2)))[0] * [-1.0, 1.0]
+    ends = [(case.domain.walls[w].velocity(t, 2), y) for w, y in (("bottom", y_bottom), ("top", y_top))]
+    u = [float(wall.velocity[0]) + wall.shear * y for wall, y in ends if wall is not None]
+    return np.array([[0.0, (u[1] - u[0]) / (y_top - y_bottom)], [0.0, 0.0]]) if len(u) == 2 else None
 
 
 def accumulated_strain(case: Case, t: Array) -> Array | None:

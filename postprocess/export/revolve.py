@@ -7,22 +7,18 @@ rectangles.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import pyvista as pv
-from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
 from fsi.meshes.cells.lagrange import order_of
-from fsi.postprocess.render.curved_cells import small_triangles
+from fsi.postprocess.run.cells import along_curves, nodes, small_triangles
 from fsi.postprocess.run.run import Run
 from fsi.run_folder.checkpoint import replace
 from fsi.run_folder.pvd import Entry, collection
-
-Indices = NDArray[np.int64]
 
 SERIES = ("fluid", "surface")
 
@@ -65,24 +61,26 @@ def _series(run: Run, series: str, folder: Path, angles: Array) -> Path:
 
 def revolved(grid: pv.UnstructuredGrid, angles: Array) -> pv.UnstructuredGrid:
     """The grid of a meridian plane, (r, z), at the angles (k,) and between them; a full turn is closed."""
-    nodes = grid.cell_connectivity.reshape(grid.n_cells, -1)
+    cells = nodes(grid)
     surface = grid.celltypes[0] == pv.CellType.LAGRANGE_CURVE
-    pieces = (
-        _segments(nodes) if surface else nodes[:, small_triangles(order_of(nodes.shape[1]))].reshape(-1, 3)
-    )
+    if surface:
+        pieces = np.lib.stride_tricks.sliding_window_view(along_curves(cells), 2, axis=1).reshape(-1, 2)
+    else:
+        pieces = cells[:, small_triangles(order_of(cells.shape[1]))].reshape(-1, 3)
     n, rings = grid.n_points, len(angles) - 1
     closed = np.isclose(angles[-1] - angles[0], 2.0 * np.pi)
-    kept = rings if closed else rings + 1
+    places = rings if closed else rings + 1
     ring = np.arange(rings)
-    here, there = (pieces[None] + n * k[:, None, None] for k in (ring, (ring + 1) % kept))
+    here, there = (pieces[None] + n * k[:, None, None] for k in (ring, (ring + 1) % places))
     sides = [here, there[..., ::-1]] if surface else [there, here]  # as VTK numbers rectangles and wedges
-    cells = np.concatenate(sides, axis=2).reshape(-1, 2 * pieces.shape[1])
+    corners = np.concatenate(sides, axis=2).reshape(-1, 2 * pieces.shape[1])
     kind = pv.CellType.QUAD if surface else pv.CellType.WEDGE
-    solid = pv.UnstructuredGrid({kind: cells}, _turned(grid.points, angles[:kept]))
+    solid = pv.UnstructuredGrid({kind: corners}, _turned(grid.points, angles[:places]))
     for name, values in grid.point_data.items():
-        solid.point_data[name] = _turned(values, angles[:kept]) if values.ndim == 2 else np.tile(values, kept)
+        vectors = values.ndim == 2
+        solid.point_data[name] = _turned(values, angles[:places]) if vectors else np.tile(values, places)
     for name, values in grid.cell_data.items():
-        solid.cell_data[name] = np.tile(np.repeat(values, len(pieces) // len(nodes)), rings)
+        solid.cell_data[name] = np.tile(np.repeat(values, len(pieces) // len(cells)), rings)
     return solid
 
 
@@ -90,12 +88,5 @@ def _turned(v: Array, angles: Array) -> Array:
     """Vectors (n, 3) with components (r, z, 0) at each angle, as (x, y, z), (angles n, 3)."""
     r, z = v[None, :, 0], np.broadcast_to(v[:, 1], (len(angles), len(v)))
     cos, sin = np.cos(angles)[:, None], np.sin(angles)[:, None]
-    found: Array = np.stack([r * cos, r * sin, z], axis=-1).reshape(-1, 3)
-    return found
-
-
-def _segments(nodes: Indices) -> Indices:
-    """The pieces between the nodes of each curve, (order cells, 2)."""
-    along: Sequence[int] = [0, *range(2, nodes.shape[1]), 1]
-    pairs = np.column_stack([along[:-1], along[1:]])
-    return nodes[:, pairs].reshape(-1, 2)
+    turned: Array = np.stack([r * cos, r * sin, z], axis=-1).reshape(-1, 3)
+    return turned

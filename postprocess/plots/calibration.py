@@ -7,23 +7,18 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
-from numpy.typing import NDArray
 
+from fsi.bodies.configuration import Array
 from fsi.calibration.files import LAW, SUMMARY
 from fsi.case.law_file import LawFile, read_law_file
-from fsi.errors import InputError
 from fsi.lubrication.expansions import EXPONENTS
 from fsi.lubrication.named_laws import exact_resistance
+from fsi.postprocess.plots.figure import BLUE, GREEN, GREY, ORANGE, saved_figure
 
-Array = NDArray[np.float64]
-
-_BLUE, _ORANGE, _GREEN = "#0072b2", "#d55e00", "#009e73"  # Okabe and Ito: told apart by every eye
-_KINDS = ((False, _ORANGE, "o", "samples"), (True, _GREEN, "s", "held out"))
+_KINDS = ((False, ORANGE, "o", "samples"), (True, GREEN, "s", "held out"))
 
 
 def plot_calibration(folder: Path, output: Path) -> None:
@@ -33,15 +28,10 @@ def plot_calibration(folder: Path, output: Path) -> None:
     gaps = np.array([row["gap"] for row in data["samples"]])
     d = np.geomspace(gaps.min(), gaps.max(), 400)
     exact = _exact(law, d, data["reduced_radius"])
-    with mpl.rc_context({"font.size": 11, "axes.spines.top": False, "axes.spines.right": False}):
-        figure = Figure(figsize=(8.0, 7.5), layout="constrained")
+    with saved_figure(output, (8.0, 7.5)) as figure:
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(1.2, 1.0))
         _draw_law(upper, law, data, d, exact)
         _draw_rest(lower, law, data, d, exact)
-        try:
-            figure.savefig(output, dpi=160)
-        except OSError as error:
-            raise InputError(f"{output}: {error.strerror}; choose another path") from None
 
 
 def _exact(law: LawFile, d: Array, a: float) -> Array | None:
@@ -65,17 +55,15 @@ def _draw_law(axes: Axes, law: LawFile, data: dict[str, Any], d: Array, exact: A
     """Resistance against the gap."""
     a = data["reduced_radius"]
     if exact is not None:
-        axes.loglog(d, exact, color="#999999", lw=5, alpha=0.6, label="exact")
+        axes.loglog(d, exact, color=GREY, lw=5, alpha=0.6, label="exact")
     inside = _in_range(law, d, a)
-    axes.loglog(inside, law.law().kappa(inside, a), color=_BLUE, lw=1.2, label=f"law ({law.form})")
+    axes.loglog(inside, law.law().kappa(inside, a), color=BLUE, lw=1.2, label=f"law ({law.form})")
     for held_out, colour, marker, name in _KINDS:
         rows = [row for row in data["samples"] if row["held_out"] is held_out]
         gap, kappa, error = (np.array([row[key] for row in rows]) for key in ("gap", "kappa", "error"))
         axes.errorbar(gap, kappa, error, fmt=marker, color=colour, mfc="none", label=name)
-    axes.set_ylabel("resistance $\\kappa$ = F/U")
-    axes.set_title(f"{data['case']}: {law.mode} of {law.shape}", loc="left", fontsize=12)
-    axes.legend(frameon=False)
-    axes.grid(which="major", alpha=0.3)
+    axes.set(ylabel="resistance $\\kappa$ = F/U", title=f"{data['case']}: {law.mode} of {law.shape}")
+    axes.legend()
 
 
 def _draw_rest(axes: Axes, law: LawFile, data: dict[str, Any], d: Array, exact: Array | None) -> None:
@@ -86,33 +74,23 @@ def _draw_rest(axes: Axes, law: LawFile, data: dict[str, Any], d: Array, exact: 
     band = law.error(inside, a)
     if band is not None:
         axes.fill_between(
-            inside, -band / fitted, band / fitted, color=_BLUE, alpha=0.2, lw=0, label="95 % of the law"
+            inside, -band / fitted, band / fitted, color=BLUE, alpha=0.2, lw=0, label="95 % of the law"
         )
     if exact is not None:
         known = exact[np.isin(d, inside)]
-        axes.plot(inside, known / fitted - 1.0, color="#999999", lw=3, alpha=0.7, label="exact")
+        axes.plot(inside, known / fitted - 1.0, color=GREY, lw=3, alpha=0.7, label="exact")
     for held_out, colour, marker, name in _KINDS:
         rows = [row for row in data["samples"] if row["held_out"] is held_out and row["law"] is not None]
         gap, kappa, error, value = (
             np.array([row[key] for row in rows]) for key in ("gap", "kappa", "error", "law")
         )
-        axes.errorbar(
-            gap,
-            kappa / value - 1.0,
-            error / value,
-            fmt=marker,
-            color=colour,
-            mfc="none",
-            capsize=3,
-            label=name,
-        )
+        rest, bar = kappa / value - 1.0, error / value
+        axes.errorbar(gap, rest, bar, fmt=marker, color=colour, mfc="none", capsize=3, label=name)
     axes.axhline(0.0, color="black", lw=0.6)
     axes.set_xscale("log")
     axes.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))  # more would have labels that overlap
     # Linear within the errors of most samples, logarithmic beyond: the band opens up at the last gaps.
     typical = float(np.median([row["error"] / row["kappa"] for row in data["samples"]]))
     axes.set_yscale("symlog", linthresh=10.0 ** np.ceil(np.log10(typical)))
-    axes.set_xlabel("gap d")
-    axes.set_ylabel("relative to the law, less 1")
-    axes.legend(frameon=False, ncols=2, fontsize=9)
-    axes.grid(which="major", alpha=0.3)
+    axes.set(xlabel="gap d", ylabel="relative to the law, less 1")
+    axes.legend(ncols=2, fontsize=9)

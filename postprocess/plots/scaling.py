@@ -6,50 +6,42 @@ import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.figure import Figure
 
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
-from fsi.postprocess.render.ticks import label_short
+from fsi.postprocess.plots.figure import COLOURS, label_short, saved_figure
 from fsi.run_folder.checkpoint import replace
 
 type Curves = Mapping[str, Sequence[tuple[int, float]]]
 
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")  # Okabe and Ito: told apart by every eye
 _MARKERS = "osD^"
 _ROOM = 1.5  # factor by which the axes go beyond what was measured
 
 
 def write_scaling(path: Path, title: str, size: str, curves: Curves) -> None:
     """Write what was measured, what its size N counts, and pairs (N, CPU seconds) by name, as JSON."""
-    found = {name: [list(pair) for pair in curve] for name, curve in curves.items()}
-    text = json.dumps({"benchmark": title, "size": size, "cpu_seconds": found}, indent=1) + "\n"
+    measured = {name: [list(pair) for pair in curve] for name, curve in curves.items()}
+    text = json.dumps({"benchmark": title, "size": size, "cpu_seconds": measured}, indent=1) + "\n"
     replace(path, text.encode())
 
 
 def plot_scaling(source: Path, output: Path) -> None:
     """Draw such a file into a .png, .svg or .pdf file. Raises InputError."""
     title, size, curves = _read(source)
-    with mpl.rc_context({"font.size": 11, "axes.spines.top": False, "axes.spines.right": False}):
-        figure = Figure(figsize=(6.4, 4.8), layout="constrained")
+    with saved_figure(output, (6.4, 4.8)) as figure:
         axes = figure.subplots()
         for k, (name, curve) in enumerate(curves.items()):
             N, seconds = np.array(sorted(curve), dtype=float).T
-            colour, label = _COLOURS[k % len(_COLOURS)], f"{name}{_slope(N, seconds)}"
-            axes.plot(N, seconds, _MARKERS[k % len(_MARKERS)], color=colour, label=label)
+            colour, marker = COLOURS[k % len(COLOURS)], _MARKERS[k % len(_MARKERS)]
+            axes.plot(N, seconds, marker, color=colour, label=f"{name}{_slope(N, seconds)}")
             axes.plot(N, seconds[-1] * N / N[-1], "--", lw=1.0, color=colour)
         axes.plot([], [], "k--", lw=1.0, label="in proportion to N, from the largest")
         axes.set(xscale="log", yscale="log", title=title, xlabel=f"N, number of {size}", ylabel="CPU seconds")
         axes.set(xlim=_ends(curves, 0), ylim=_ends(curves, 1))
         label_short(axes.xaxis)
         label_short(axes.yaxis)
-        axes.legend(frameon=False)
-        try:
-            figure.savefig(output, dpi=160)
-        except OSError as error:
-            raise InputError(f"{output}: {error.strerror}; choose another path") from None
+        axes.legend()
 
 
 def _ends(curves: Curves, k: int) -> tuple[float, float]:

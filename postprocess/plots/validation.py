@@ -5,32 +5,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from fsi.errors import InputError
 from fsi.lubrication.expansions import expansion
 from fsi.lubrication.spheres import normal_resistance
+from fsi.postprocess.plots.figure import COLOURS, GREY, saved_figure
 from fsi.validation.rows import SPHERE, TERMS, Row
 
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")  # Okabe and Ito: told apart by every eye
 _SPACE = 2  # between the rows of two cases
 _FLOOR = 1e-14  # where a true error of zero is drawn
 
 
 def plot_rows(rows: Sequence[Row], path: Path) -> None:
     """Draw the rows into a PNG file. Raises InputError where it cannot be written."""
-    with mpl.rc_context({"font.size": 11, "axes.spines.top": False, "axes.spines.right": False}):
-        figure = Figure(figsize=(8.0, 8.0), layout="constrained")
+    with saved_figure(path, (8.0, 8.0)) as figure:
         upper, lower = figure.subplots(2, 1)
         _draw_sphere(upper, [row for row in rows if row.exact == SPHERE and not row.failure])
         _draw_errors(lower, [row for row in rows if not row.failure])
-        try:
-            figure.savefig(path, dpi=160)
-        except OSError as error:
-            raise InputError(f"{path}: {error.strerror}; give a folder that can be written") from None
 
 
 def _draw_sphere(axes: Axes, rows: Sequence[Row]) -> None:
@@ -38,21 +30,18 @@ def _draw_sphere(axes: Axes, rows: Sequence[Row]) -> None:
     s = np.geomspace(1e-6, 20.0, 300)
     series = {terms: expansion("spheres", "squeeze", np.inf, terms) for terms in TERMS}
     leading = series[1].value(s)
-    axes.loglog(s, normal_resistance(s, 1.0, 1.0) / leading, color="#999999", lw=5, alpha=0.6, label="exact")
-    for colour, (terms, name) in zip(_COLOURS, TERMS.items(), strict=False):
+    axes.loglog(s, normal_resistance(s, 1.0, 1.0) / leading, color=GREY, lw=5, alpha=0.6, label="exact")
+    for colour, (terms, name) in zip(COLOURS, TERMS.items(), strict=False):
         axes.loglog(s, series[terms].value(s) / leading, "--", color=colour, lw=1, label=name)
     for marker, case in zip("ox+", dict.fromkeys(row.case for row in rows), strict=False):
-        own = [row for row in rows if row.case == case]
-        gap = np.array([row.gap for row in own])
-        ratio = np.array([row.value / row.reference for row in own])
+        of_case = [row for row in rows if row.case == case]
+        gap = np.array([row.gap for row in of_case])
+        ratio = np.array([row.value / row.reference for row in of_case])
         exact = normal_resistance(gap, 1.0, 1.0) / series[1].value(gap)
         axes.loglog(gap, ratio * exact, marker, color="black", mfc="none", label=case)
-    axes.set_ylim(0.8, 20.0)
-    axes.set_xlabel("gap / radius")
-    axes.set_ylabel("force / leading term")
-    axes.set_title("a sphere moving along the normal of a plane", loc="left", fontsize=12)
-    axes.legend(frameon=False, ncols=2)
-    axes.grid(which="major", alpha=0.3)
+    axes.set(ylim=(0.8, 20.0), xlabel="gap / radius", ylabel="force / leading term")
+    axes.set_title("a sphere moving along the normal of a plane")
+    axes.legend(ncols=2)
 
 
 def _draw_errors(axes: Axes, rows: Sequence[Row]) -> None:
@@ -61,15 +50,13 @@ def _draw_errors(axes: Axes, rows: Sequence[Row]) -> None:
     begins = np.array([k == 0 or names[k] != names[k - 1] for k in range(len(names))])
     place = np.arange(len(rows)) + _SPACE * np.cumsum(begins)
     bar = np.array([row.error_bar for row in rows])
-    axes.vlines(place, 0.1 * bar, bar, color=_COLOURS[0], lw=3, alpha=0.5, label="estimate, down to a tenth")
-    axes.plot(
-        place, [max(row.true_error, _FLOOR) for row in rows], "o", color=_COLOURS[1], ms=4, label="true"
-    )
+    axes.vlines(place, 0.1 * bar, bar, color=COLOURS[0], lw=3, alpha=0.5, label="estimate, down to a tenth")
+    axes.plot(place, [max(row.true_error, _FLOOR) for row in rows], "o", color=COLOURS[1], ms=4, label="true")
     axes.plot(place, [row.rtol for row in rows], "_", color="black", label="tolerance")
     axes.set_yscale("log")
     axes.set_xticks(
         place[begins], [names[k] for k in np.flatnonzero(begins)], rotation=45, ha="right", fontsize=8
     )
     axes.set_ylabel("relative error")
-    axes.legend(frameon=False, ncols=3)
-    axes.grid(axis="y", which="major", alpha=0.3)
+    axes.legend(ncols=3)
+    axes.grid(visible=False, axis="x")

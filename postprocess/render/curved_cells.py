@@ -1,7 +1,6 @@
 """Fields for drawing: refine curved cells, mirror them, find streamlines.
 
-Points have shape (n, 3) with z = 0. A fluid cell is a Lagrange triangle: 3 vertices, then the inner nodes
-of the edges 01, 12, 20, then the inner nodes of the cell.
+Points have shape (n, 3) with z = 0. For the nodes of the cells see `fsi.postprocess.run.cells`.
 """
 
 from __future__ import annotations
@@ -12,23 +11,15 @@ from itertools import pairwise
 import numpy as np
 import pyvista as pv
 from numpy.polynomial.polynomial import polyvander
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from fsi.bodies.configuration import Array
-from fsi.meshes.cells.lagrange import lattice, order_of, reference_nodes, tabulate
-
-Indices = NDArray[np.intp]
+from fsi.meshes.cells.lagrange import order_of, reference_nodes, tabulate
+from fsi.postprocess.run.cells import Indices, along_curves, counted, nodes, small_triangles
 
 _SEGMENTS = 8  # straight pieces that stand for a curved edge
 _MOST_HALVINGS = 4  # of the sides of a cell
-
-
-def nodes(fluid: pv.UnstructuredGrid) -> Indices:
-    """Node numbers of each cell, shape (cells, (d + 1)(d + 2) / 2)."""
-    numbers: Indices = fluid.cell_connectivity.reshape(fluid.n_cells, -1)
-    return numbers
 
 
 def cells_within(fluid: pv.UnstructuredGrid, low: Array, high: Array) -> pv.UnstructuredGrid:
@@ -49,45 +40,34 @@ def refine(fluid: pv.UnstructuredGrid, names: Sequence[str], side: float) -> pv.
     corners = fluid.points[cells[:, :3], :2]
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     halvings = np.clip(np.ceil(np.log2(longest / side)), 0, _MOST_HALVINGS).astype(int)
-    given = {"": np.asarray(fluid.points)} | {name: np.asarray(fluid[name]) for name in names}
-    found: dict[str, list[Array]] = {name: [] for name in given}
+    at_nodes = {"": np.asarray(fluid.points)} | {name: np.asarray(fluid[name]) for name in names}
+    refined: dict[str, list[Array]] = {name: [] for name in at_nodes}
     faces, count = [], 0
     for level in np.unique(halvings):
-        own = cells[halvings == level]
+        alike = cells[halvings == level]
         phi = tabulate(order, reference_nodes(2**level))[0].astype(np.float32)
-        small = small_triangles(2**level) + len(phi) * np.arange(len(own))[:, None, None]
+        small = small_triangles(2**level) + len(phi) * np.arange(len(alike))[:, None, None]
         faces.append(count + small.reshape(-1, 3))
-        count += len(own) * len(phi)
-        for name, values in given.items():
-            inside = values.astype(np.float32)[own].reshape(*own.shape, -1)
-            found[name].append((phi @ inside).reshape(-1, *values.shape[1:]))
-    surface = pv.PolyData.from_regular_faces(np.concatenate(found.pop("")), np.concatenate(faces))
-    for name, parts in found.items():
+        count += len(alike) * len(phi)
+        for name, values in at_nodes.items():
+            inside = values.astype(np.float32)[alike].reshape(*alike.shape, -1)
+            refined[name].append((phi @ inside).reshape(-1, *values.shape[1:]))
+    surface = pv.PolyData.from_regular_faces(np.concatenate(refined.pop("")), np.concatenate(faces))
+    for name, parts in refined.items():
         surface[name] = np.concatenate(parts)
     return surface
-
-
-def small_triangles(order: int) -> Indices:
-    """The triangles between the nodes of a cell, (order^2, 3), as it is oriented itself."""
-    at = {index: k for k, index in enumerate(lattice(order))}
-    up = [(at[i, j], at[i + 1, j], at[i, j + 1]) for i in range(order) for j in range(order - i)]
-    down = [
-        (at[i + 1, j], at[i + 1, j + 1], at[i, j + 1]) for i in range(order) for j in range(order - i - 1)
-    ]
-    return np.array(up + down, dtype=np.intp)
 
 
 def edges(fluid: pv.UnstructuredGrid) -> pv.PolyData:
     """The curved edges of the cells, as polylines."""
     cells = nodes(fluid)
-    degree = round((np.sqrt(8 * cells.shape[1] + 1) - 3) / 2)
+    degree = order_of(cells.shape[1])
     inner = np.arange(3, 3 * degree).reshape(3, degree - 1)
     along = np.column_stack([[0, 1, 2], inner, [1, 2, 0]])
     curves = cells[:, along].reshape(-1, degree + 1)
     _, first = np.unique(np.sort(curves[:, [0, -1]], axis=1), axis=0, return_index=True)
     points = _along(curves[first], fluid.points).reshape(-1, 3)
-    lines = np.arange(len(points)).reshape(len(first), -1)
-    return pv.PolyData(points, lines=np.insert(lines, 0, lines.shape[1], axis=1).ravel())
+    return pv.PolyData(points, lines=counted(np.arange(len(points)).reshape(len(first), -1)))
 
 
 def rims(bodies: pv.UnstructuredGrid, inward: float) -> pv.PolyData:
@@ -95,7 +75,7 @@ def rims(bodies: pv.UnstructuredGrid, inward: float) -> pv.PolyData:
 
     The cells of `bodies` run around them either way; their data `inside` (cells, 3) are points in the bodies.
     """
-    curves = nodes(bodies)[:, [0, *range(2, _width(bodies)), 1]]
+    curves = along_curves(nodes(bodies))
     outer = _along(curves, bodies.points)
     towards = bodies.cell_data["inside"][:, None] - outer
     depth = np.linalg.norm(towards, axis=2, keepdims=True)
@@ -104,7 +84,7 @@ def rims(bodies: pv.UnstructuredGrid, inward: float) -> pv.PolyData:
     at = np.arange(count).reshape(outer.shape[:2])
     quads = np.stack([at[:, :-1], at[:, 1:], at[:, 1:] + count, at[:, :-1] + count], axis=-1).reshape(-1, 4)
     points = np.concatenate([outer.reshape(-1, 3), inner.reshape(-1, 3)])
-    ribbon = pv.PolyData(points, faces=np.insert(quads, 0, 4, axis=1).ravel())
+    ribbon = pv.PolyData(points, faces=counted(quads))
     for name, values in bodies.point_data.items():
         along = _along(curves, values.reshape(len(values), -1))
         ribbon.point_data[name] = np.tile(
@@ -113,18 +93,13 @@ def rims(bodies: pv.UnstructuredGrid, inward: float) -> pv.PolyData:
     return ribbon
 
 
-def _width(grid: pv.UnstructuredGrid) -> int:
-    """Nodes of a cell."""
-    return int(len(grid.cell_connectivity) // grid.n_cells)
-
-
 def _along(curves: Indices, values: Array) -> Array:
     """Values (n, c) at even steps along curves (m, degree + 1), nodes in order: (m, segments + 1, c)."""
     degree = curves.shape[1] - 1
     shape = polyvander(np.linspace(0, 1, _SEGMENTS + 1), degree)
     shape = shape @ np.linalg.inv(polyvander(np.linspace(0, 1, degree + 1), degree))
-    found: Array = np.einsum("sn,end->esd", shape, values[curves])
-    return found
+    between: Array = np.einsum("sn,end->esd", shape, values[curves])
+    return between
 
 
 def mirrored(grid: pv.UnstructuredGrid) -> pv.UnstructuredGrid:

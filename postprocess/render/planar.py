@@ -3,116 +3,114 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 
-import pyvista as pv
+import numpy as np
+from matplotlib.cm import ScalarMappable
 
 from fsi.errors import InputError
-from fsi.postprocess.choice import Choice, Span
-from fsi.postprocess.render.animation import Picture
-from fsi.postprocess.render.fields_shown import DRAWINGS
-from fsi.postprocess.render.figure import Framed, compose
-from fsi.postprocess.render.panel import new_panel
-from fsi.postprocess.render.scenes import Scene, gap_at, scene, window_on
-from fsi.postprocess.render.view import Gap, View, parse_sides
+from fsi.postprocess.render.artist import FlowArtist
+from fsi.postprocess.render.canvas import INK, Panel, Picture, new_panel
+from fsi.postprocess.render.curved_cells import edges, rims
+from fsi.postprocess.render.fields import RenderedField, rendered_field
+from fsi.postprocess.render.picture import Framed, compose
+from fsi.postprocess.render.scales import Span
+from fsi.postprocess.render.scenes import Scene, gap_at, in_window, scene, window_on
+from fsi.postprocess.render.view import Choice, View
+from fsi.postprocess.run.gaps import SurfaceGap
 from fsi.postprocess.run.run import Run
 
-FROM = {"vorticity": "vorticity", "dissipation": "strain_rate"}  # what older runs have not written
+_STREAMLINES = 24
+_RIBBON = 0.05  # width of the ribbon that shows what bodies carry, in halves of the window
 
 
-class FlowArtist:
-    """Draws the flow of a run in the plane: the same windows, and the same colours for the same values."""
-
-    series = "fluid"
+class PlanarArtist(FlowArtist):
+    """Draws the flow of a run in the plane."""
 
     def __init__(self, run: Run, choice: Choice) -> None:
         """Raises InputError: there is no such field or gap."""
-        if choice.field is not None and choice.field not in DRAWINGS:
-            raise InputError(f"--field {choice.field}: give one of {', '.join(DRAWINGS)}")
-        self.run, self.choice, walls = run, choice, run.case.container().walls
-        self.sides = None if choice.gap is None else parse_sides(choice.gap, run.case.names, walls)
-        self._fluid: tuple[int, pv.UnstructuredGrid] | None = None
-        self._kept: tuple[int, list[tuple[Scene, Gap | None]]] | None = None
+        super().__init__(run, choice)
+        panels = [("speed", False), ("mesh", True)]
         if choice.gap is not None:
-            self.panels = [(choice.field or "mesh", True)]
+            panels = [(choice.field or "mesh", True)]
         elif choice.field is not None or not run.case.bodies:
-            self.panels = [(choice.field or "speed", False)]
-        else:
-            self.panels = [("speed", False), ("mesh", True)]
+            panels = [(choice.field or "speed", False)]
+        self.panels = [(rendered_field(name), close) for name, close in panels]
+        # The last of each is kept: its colours are wanted before its picture.
+        self._mesh = lru_cache(maxsize=1)(run.mesh)
+        self._scenes = lru_cache(maxsize=1)(self._read)
 
-    def require_fields(self, step: int) -> None:
-        """Raise InputError where older runs have not written what is to be drawn."""
-        missing = {FROM.get(name, "velocity") for name, _ in self.panels} - {*self._mesh(step).point_data}
-        if missing:
+    def require(self, step: int) -> None:
+        """Older runs have not written all that can be drawn."""
+        needed = {name for field, _ in self.panels if not field.on_bodies for name in field.needs}
+        if needed - {*self._mesh(step).point_data}:
             raise InputError(
                 f"--field {self.choice.field}: is not in the files of this run; run the case again"
             )
+        super().require(step)
 
     def pictures(self, steps: Sequence[int]) -> Iterator[Picture]:
         """A picture of each step."""
-        around, self._kept = window_on(self.run, steps, self._mesh(steps[0])), None
-        spans = self._spans(steps, around)
+        window = window_on(self.run, steps, self._mesh(steps[0]))
+        spans = self._spans(steps, window)
         for step in steps:
-            yield self._picture(step, around, spans)
+            yield self._picture(step, window, spans)
 
-    def _spans(self, steps: Sequence[int], around: View) -> list[Span]:
+    def _spans(self, steps: Sequence[int], window: View) -> list[Span]:
         """The range of colours of each panel, over all those steps."""
         if self.choice.span is not None:
             return [self.choice.span] * len(self.panels)
         each = [
-            [
-                DRAWINGS[name].span(seen)
-                for (name, _), (seen, _) in zip(self.panels, self._scenes(step, around), strict=True)
-            ]
+            [field.scale.span(*seen.samples(field)) for field, seen, _ in self._scenes(step, window)]
             for step in steps
         ]
-        return [(min(s[0] for s in own), max(s[1] for s in own)) for own in zip(*each, strict=True)]
+        return [
+            (min(low for low, _ in spans), max(high for _, high in spans))
+            for spans in zip(*each, strict=True)
+        ]
 
-    def _scenes(self, step: int, around: View) -> list[tuple[Scene, Gap | None]]:
-        """What the panels show of a step; the last is kept, as its colours are wanted before its picture."""
-        if self._kept is None or self._kept[0] != step:
-            self._kept = step, self._read(step, around)
-        return self._kept[1]
+    def _read(self, step: int, window: View) -> list[tuple[RenderedField, Scene, SurfaceGap | None]]:
+        """What the panels show of a step."""
+        tractions = any(field.on_bodies for field, _ in self.panels) and bool(self.run.case.bodies)
+        shown = []
+        for field, close in self.panels:
+            gap = gap_at(self.run, step, self.sides, window) if close else None
+            view = window if gap is None else window.close_up(gap)
+            shown.append((field, scene(self.run, step, self._mesh(step), view, tractions), gap))
+        return shown
 
-    def _mesh(self, step: int) -> pv.UnstructuredGrid:
-        """The flow of a step; the last is kept, as it is asked for again."""
-        if self._fluid is None or self._fluid[0] != step:
-            self._fluid = step, self.run.mesh(step)
-        return self._fluid[1]
-
-    def _read(self, step: int, around: View) -> list[tuple[Scene, Gap | None]]:
-        """The same from its files."""
-        tractions = any(name == "traction" for name, _ in self.panels) and bool(self.run.case.bodies)
-        found, fluid = [], self._mesh(step)
-        for _, close in self.panels:
-            gap = gap_at(self.run, step, self.sides, around) if close else None
-            view = around if gap is None else gap.close_up(around)
-            found.append((scene(self.run, step, fluid, view, tractions), gap))
-        return found
-
-    def _picture(self, step: int, around: View, spans: Sequence[Span]) -> Picture:
+    def _picture(self, step: int, window: View, spans: Sequence[Span]) -> Picture:
         """One picture."""
-        scenes = self._scenes(step, around)
-        framed = []
-        for (name, _), (seen, gap), span in zip(self.panels, scenes, spans, strict=True):
-            drawing = DRAWINGS[name]
-            norm = drawing.norm(span)
+        scenes, framed = self._scenes(step, window), []
+        for (field, seen, gap), span in zip(scenes, spans, strict=True):
+            shades = ScalarMappable(field.scale.norm(span), field.colour_map)
             panel = new_panel(seen.view, self.choice.size)
-            drawing.draw(panel, seen, norm)
+            _draw(panel, seen, field, shades)
             panel.bodies(seen.q, turning=not seen.axisymmetric)
             if gap is None and len(scenes) > 1:
-                panel.frame(scenes[1][0].view)
-            title = drawing.title if gap is None else f"{self._title(gap)}: {drawing.title}"
-            cut = self.choice.span is not None or name != "mesh"
-            framed.append(
-                Framed(panel.image(), title, seen.view.half, drawing.label, drawing.colours, norm, cut)
-            )
-        t = self.run.times[step]
-        return compose(f"{self.run.case.name},  t = {t:.6g}", framed)
+                panel.frame(scenes[1][1].view)
+            title = field.title if gap is None else f"{self.gap_title(gap)}: {field.title}"
+            cut = self.choice.span is not None or not field.scale.whole
+            framed.append(Framed(panel.image(), title, seen.view.half, field.label, shades, cut))
+        return compose(self.title(step), framed)
 
-    def _title(self, gap: Gap) -> str:
-        """Which gap, and how wide it is."""
-        names = [*self.run.case.names, *self.run.case.container().walls]
-        which = (
-            "narrowest gap" if self.sides is None else f"gap {names[gap.sides[0]]} - {names[gap.sides[1]]}"
-        )
-        return f"{which}, {gap.width:.3g}"
+
+def _draw(panel: Panel, seen: Scene, field: RenderedField, shades: ScalarMappable) -> None:
+    """A field, in the fluid or in ribbons inside the bodies along their surfaces, and the lines on it.
+
+    Streamlines are level lines of the stream function: the closer, the faster.
+    """
+    if field.on_bodies:
+        panel.fill(seen.bare_surface(panel.size), "white")
+        if seen.bodies is not None:
+            seen.bodies["value"] = field.value(seen.bodies.point_data, seen.viscosity)
+            panel.colour(rims(seen.bodies, _RIBBON).translate((0.0, 0.0, 3e-3)), shades)
+        return
+    surface = seen.surface(field, panel.size)
+    panel.colour(surface, shades)
+    if field.streamlines:
+        psi = surface["psi"][in_window(surface.points)]
+        levels = np.linspace(float(psi.min()), float(psi.max()), _STREAMLINES + 2)[1:-1]
+        panel.lines(surface.contour(levels, scalars="psi"), "white", width=3, opacity=0.8)
+    if field.edges:
+        panel.lines(edges(seen.fluid), INK, width=3)

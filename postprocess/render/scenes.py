@@ -1,4 +1,8 @@
-"""What a window on the plane shows of a step: fluid and bodies, mirrored or repeated as the case asks."""
+"""What a window on the plane shows of a step: fluid and bodies, mirrored or repeated as the case asks.
+
+A periodic run writes one copy of the fluid, opened along its cut; pictures show whole bodies and a window of
+plain sides, which is filled with images.
+"""
 
 from __future__ import annotations
 
@@ -7,25 +11,34 @@ from dataclasses import dataclass
 
 import numpy as np
 import pyvista as pv
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.meshes.geometry.lattice import Lattice
-from fsi.meshes.geometry.periodic import Cell, Channel
-from fsi.postprocess.render.curved_cells import cells_within, mirrored, refine
-from fsi.postprocess.render.tiles import images, tiled, window
-from fsi.postprocess.render.view import Gap, View, around_bodies, gap_between, narrowest_gap
+from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.lattice import Integers, Lattice
+from fsi.postprocess.render.curved_cells import cells_within, mirrored, refine, stream_function
+from fsi.postprocess.render.fields import RenderedField
+from fsi.postprocess.render.view import View, around_bodies, around_period
+from fsi.postprocess.run.cells import nodes
+from fsi.postprocess.run.gaps import SurfaceGap, gap_between, narrowest_gap
 from fsi.postprocess.run.run import Run
 
-MADE_OF = {"speed": "velocity", "dissipation": "strain_rate"}  # and not interpolated themselves
 _SIDE = 12.0  # of the triangles that stand for a cell, in pixels; the colours between are linear
+_SAME_PLACE = 1e-9  # of the window: nodes of two copies that are one
 
 
 @dataclass(frozen=True)
 class Scene:
     """The flow of one step, as one window shows it.
 
-    fluid: its cells there, in the window's coordinates, with point data `r`, the first of their own, and what
-    `derive` adds; bodies: surfaces of the bodies, in the window's coordinates, or None.
+    Attributes:
+        view: the window.
+        fluid: the cells in it, in its coordinates, with the data of the run and `r`, the first of their own.
+        bodies: the surfaces of the bodies, in the window's coordinates; None where they are not wanted.
+        q: the bodies that it shows.
+        axisymmetric: whether it is mirrored at an axis.
+        viscosity: mu.
     """
 
     view: View
@@ -35,37 +48,64 @@ class Scene:
     axisymmetric: bool
     viscosity: float
 
-    def surface(self, names: Sequence[str], size: int) -> pv.PolyData:
-        """Triangles small enough for so many pixels, with the named data."""
-        surface = refine(self.fluid, [MADE_OF.get(name, name) for name in names], _SIDE * 2.0 / size)
-        derive(surface, self.viscosity)
+    def surface(self, field: RenderedField, size: int) -> pv.PolyData:
+        """Triangles small enough for so many pixels, with the data `value`, and `psi` for streamlines."""
+        names = [*field.needs]
+        if field.streamlines:
+            u = self.fluid["velocity"]
+            w = self.fluid["r"][:, None] * u if self.axisymmetric else u
+            self.fluid["psi"] = stream_function(self.fluid, w)
+            names.append("psi")
+        surface = self.bare_surface(size, names)
+        surface["value"] = field.value(surface.point_data, self.viscosity)
         return surface
 
+    def bare_surface(self, size: int, names: Sequence[str] = ()) -> pv.PolyData:
+        """Such triangles with the named data."""
+        return refine(self.fluid, names, _SIDE * 2.0 / size)
 
-def derive(grid: pv.DataSet, viscosity: float) -> None:
-    """Add `speed` where there are velocities, `dissipation` where there are strain rates."""
-    if "velocity" in grid.point_data:
-        grid["speed"] = np.linalg.norm(grid["velocity"], axis=1)
-    if "strain_rate" in grid.point_data:
-        grid["dissipation"] = viscosity * np.square(grid["strain_rate"])
+    def samples(self, field: RenderedField) -> tuple[Array, Array]:
+        """Values of a field in the window, or anywhere if it shows none, and the area that each stands for.
+
+        They are the means in cells, as if their sides were straight; where all values count, or on bodies,
+        they are those at the nodes, with equal weights.
+        """
+        grid = self.bodies if field.on_bodies else self.fluid
+        if grid is None:
+            return np.ones(1), np.ones(1)
+        x, value = np.asarray(grid.points), np.asarray(field.value(grid.point_data, self.viscosity))
+        weight = np.ones(len(value))
+        if not (field.on_bodies or field.scale.whole):
+            cells = nodes(grid)
+            a, b, c = x[cells[:, :3].T, :2]
+            weight = 0.5 * np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+            x, value = (a + b + c) / 3.0, value[cells].mean(axis=1)
+        seen = in_window(x)
+        return value[seen], weight[seen]
+
+
+def in_window(x: Array) -> NDArray[np.bool_]:
+    """Which of points in a window's coordinates (n, ...) it shows; all if it shows none."""
+    seen: NDArray[np.bool_] = np.all(np.abs(x[:, :2]) <= 1.0, axis=1)
+    return seen if seen.any() else ~seen
 
 
 def window_on(run: Run, steps: Sequence[int], fluid: pv.UnstructuredGrid) -> View:
     """One window on the bodies of all those steps, fluid being that of the first; or on one period."""
     container = run.container(steps[0])
-    if isinstance(container, Channel | Cell):
-        return window(container)
+    if len(container.periods):
+        return around_period(container)
     q = [run.configuration(step) for step in steps]
     fluid = mirrored(fluid) if run.case.axisymmetric else fluid
     return around_bodies(np.stack([at.centres for at in q]), q[0].radii, fluid)
 
 
-def gap_at(run: Run, step: int, sides: tuple[int, int] | None, around: View) -> Gap:
+def gap_at(run: Run, step: int, sides: tuple[int, int] | None, window: View) -> SurfaceGap:
     """The gap between those sides, or the narrowest; of its images that next to the window's middle."""
     q, container = run.configuration(step), run.container(step)
     gap = narrowest_gap(q, container) if sides is None else gap_between(q, container, sides)
     lattice = Lattice(container.periods)
-    return gap.moved(-lattice.shift(lattice.nearest((gap.middle - around.centre)[None]))[0])
+    return gap.moved(-lattice.shift(lattice.nearest((gap.middle - window.centre)[None]))[0])
 
 
 def scene(run: Run, step: int, fluid: pv.UnstructuredGrid, view: View, tractions: bool) -> Scene:
@@ -78,19 +118,17 @@ def scene(run: Run, step: int, fluid: pv.UnstructuredGrid, view: View, tractions
     if axisymmetric:
         fluid, bodies = mirrored(fluid), None if bodies is None else mirrored(bodies)
     lattice, home = Lattice(container.periods), q.centres
-    if isinstance(container, Channel | Cell):
+    if lattice.dimension:
         cells, q = tiled(fluid, container, view), images(q, container, view)
         bodies = None if bodies is None else tiled(bodies, container, view)
     else:
         cells = cells_within(fluid, view.low, view.high)
     cells["r"] = cells.points[:, 0].copy()
     cells.points = view.local(cells.points)
-    derive(cells, run.case.fluid.viscosity)
     if bodies is not None:
         bodies = bodies.copy()
         bodies.cell_data["inside"] = view.local(_owners(bodies, home, lattice))
         bodies.points = view.local(bodies.points)
-        bodies["traction size"] = np.linalg.norm(bodies["traction"], axis=1)
     return Scene(view, cells, bodies, q, axisymmetric, run.case.fluid.viscosity)
 
 
@@ -100,3 +138,65 @@ def _owners(bodies: pv.UnstructuredGrid, centres: Array, lattice: Lattice) -> Ar
     away = bodies.cell_centers().points[:, :2] - centre
     owner: Array = centre + lattice.shift(lattice.nearest(away))
     return owner
+
+
+def tiled(grid: pv.UnstructuredGrid, container: Container, view: View) -> pv.UnstructuredGrid:
+    """The cells of all images of the fluid, or of surfaces, that meet the window, in one grid.
+
+    Their velocities differ by the mean flow, their pressures by that of the mean gradient along a channel.
+    """
+    lattice = Lattice(container.periods)
+    low, high = np.array(grid.bounds[:4]).reshape(2, 2).T
+    rise = _rise(grid, container.periods[0]) if container.walls else 0.0
+    copies = []
+    for m in _near(lattice, 0.5 * (low + high), view, float(grid.length)):
+        e = lattice.shift(m)
+        if np.all(low + e <= view.high) and np.all(high + e >= view.low):
+            copy = cells_within(grid, view.low - e, view.high - e)
+            copy.points[:, :2] += e
+            if "velocity" in copy.point_data:
+                copy["velocity"][:, :2] += container.mean_velocity(e)
+            if rise:
+                copy["pressure"] += rise * m[0]
+            copies.append(copy)
+    together = pv.merge(copies, merge_points=False)
+    return together.clean(tolerance=_SAME_PLACE * view.half, remove_unused_points=False)
+
+
+def _rise(grid: pv.UnstructuredGrid, e: Array) -> float:
+    """By how much the pressure rises over a period e: from each vertex of the cut to its image."""
+    if "pressure" not in grid.point_data:
+        return 0.0
+    vertices = np.unique(nodes(grid)[:, :3])
+    x, p = np.asarray(grid.points)[vertices, :2], np.asarray(grid["pressure"])[vertices]
+    distance, image = cKDTree(x).query(x + e, distance_upper_bound=_SAME_PLACE * grid.length)
+    there = np.isfinite(distance)
+    return float(np.mean(p[image[there]] - p[there]))
+
+
+def images(q: Configuration, container: Container, view: View) -> Configuration:
+    """The images of the bodies that meet the window."""
+    lattice = Lattice(container.periods)
+    reach = _reach(lattice, 2.0 * view.half) + 1
+    shifts = lattice.shift(_all_within(lattice, reach))
+    centres = (shifts[:, None] + lattice.wrapped(q.centres)).reshape(-1, 2)
+    angles, radii = np.tile(q.angles, len(shifts)), np.tile(q.radii, len(shifts))
+    seen = np.all(np.abs(centres - view.centre) <= view.half + radii[:, None], axis=1)
+    return Configuration(centres[seen], angles[seen], radii[seen])
+
+
+def _near(lattice: Lattice, centre: Array, view: View, length: float) -> Integers:
+    """The integers of all images of a grid of that length around `centre` that may meet the window."""
+    reach = _reach(lattice, 2.0 * view.half + length)
+    return _all_within(lattice, reach) + lattice.nearest((view.centre - centre)[None])
+
+
+def _reach(lattice: Lattice, length: float) -> int:
+    """How many of its shortest periods cover a length."""
+    return int(np.ceil(length / np.linalg.norm(lattice.vectors, axis=1).min()))
+
+
+def _all_within(lattice: Lattice, reach: int) -> Integers:
+    """All integers with |m_k| <= reach."""
+    ranges = [np.arange(-reach, reach + 1)] * lattice.dimension
+    return np.stack(np.meshgrid(*ranges), axis=-1).reshape(-1, lattice.dimension)

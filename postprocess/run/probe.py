@@ -7,7 +7,6 @@ jump from cell to cell; at a point they are those of the cell that holds it.
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -20,6 +19,7 @@ from fsi.bodies.configuration import Array
 from fsi.errors import InputError
 from fsi.meshes.cells.lagrange import gradient, locate, order_of, tabulate
 from fsi.observables.velocity_gradient import hoop_rate, strain_rate, vorticity
+from fsi.postprocess.run.cells import nodes
 from fsi.postprocess.run.run import Run
 from fsi.run_folder.checkpoint import replace
 
@@ -58,12 +58,12 @@ def _values(
 ) -> tuple[NDArray[np.bool_], dict[str, Array]]:
     """Which points lie in the fluid, (n,), and what is found at those, by name."""
     d = len(letters)
-    nodes = fluid.cell_connectivity.reshape(fluid.n_cells, -1)
-    x, u = fluid.points[nodes][..., :d], fluid["velocity"][nodes][..., :d]
+    cells = nodes(fluid)
+    x, u = fluid.points[cells][..., :d], fluid["velocity"][cells][..., :d]
     cell, X = locate(x, points, _TOLERANCE)
     inside = cell >= 0
-    x, u, p = x[cell[inside]], u[cell[inside]], fluid["pressure"][nodes[cell[inside]]]
-    phi, dphi = tabulate(order_of(nodes.shape[1], d), X[inside])
+    x, u, p = x[cell[inside]], u[cell[inside]], fluid["pressure"][cells[cell[inside]]]
+    phi, dphi = tabulate(order_of(cells.shape[1], d), X[inside])
     G = gradient(x, u, dphi)
     velocity = np.einsum("pn,pnc->pc", phi, u)
     hoop = hoop_rate(points[inside, 0], velocity[:, 0], G) if run.case.axisymmetric else 0.0
@@ -126,9 +126,7 @@ def read_points(path: Path, dimension: int = 2) -> Array:
 
 def write_values(table: pd.DataFrame, output: Path) -> None:
     """Write a table as CSV, with all digits. Raises InputError."""
-    text = io.StringIO()
-    table.to_csv(text, index=False)
     try:
-        replace(output, text.getvalue().encode())
+        replace(output, table.to_csv(index=False).encode())
     except OSError as error:
         raise InputError(f"output = {output}: {error.strerror}; give another path") from None

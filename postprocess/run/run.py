@@ -28,6 +28,7 @@ from fsi.case.case import Case
 from fsi.case.load import load_case, read_toml
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Container
+from fsi.postprocess.run.cells import counted, nodes
 from fsi.postprocess.run.tables import read_table
 from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint
 from fsi.run_folder.folder import CASE
@@ -48,19 +49,17 @@ def open_run(path: Path | str) -> Run:
     return Run(path)
 
 
-# What shows a run that has no flow field.
-_INSTEAD = {
-    "reduced": "`fsi render`, `fsi plot` or `fsi report`",
-    "gluey": "`fsi render`, `fsi plot` or `fsi report`",
-    "macroscopic": "`fsi plot` or `fsi report`",
-}
+# By model: the series of files that pictures are made of.
+_SERIES = {"resolved": "fluid", "reduced": "bodies", "gluey": "bodies", "macroscopic": "profile"}
+_INSTEAD = "use `fsi render`, `fsi plot` or `fsi report`"  # for a run without a flow field
 
 
 @dataclass(frozen=True)
 class Run:
     """An open run folder. What the tables and series held when they were first asked for is kept.
 
-    path: the folder.
+    Attributes:
+        path: the folder.
     """
 
     path: Path
@@ -69,9 +68,7 @@ class Run:
     def case(self) -> Case:
         """The resolved case. Raises InputError: it is that of a model which has other keys."""
         if not self.has_flow:
-            raise InputError(
-                f'model = "{self.model}": the run in {self.path} has no fluid; use {_INSTEAD[self.model]}'
-            )
+            raise InputError(f'model = "{self.model}": the run in {self.path} has no fluid; {_INSTEAD}')
         return load_case(self.path / CASE)
 
     @cached_property
@@ -88,6 +85,11 @@ class Run:
     def has_flow(self) -> bool:
         """Whether it is of a model with a viscous fluid, whose case `case` is; the limits have other keys."""
         return self.model in ("resolved", "reduced")
+
+    @property
+    def series(self) -> str:
+        """What its pictures are made of: "fluid", "bodies" (and their contacts), or "profile"."""
+        return _SERIES[self.model]
 
     @cached_property
     def dimension(self) -> int:
@@ -151,9 +153,9 @@ class Run:
         """That step, or the last one, if it has fields. Raises InputError."""
         written = self.times_of(series).index
         if written.empty:
-            if self.model == "reduced" and series in ("fluid", "surface"):
+            if self.series != "fluid" and series in ("fluid", "surface"):
                 raise InputError(
-                    f'model = "reduced": the run in {self.path} has no flow field; use {_INSTEAD["reduced"]}'
+                    f'model = "{self.model}": the run in {self.path} has no flow field; {_INSTEAD}'
                 )
             raise InputError(
                 f"{self.path / series}.pvd: the run has written no fields; set output.fields = true"
@@ -186,6 +188,18 @@ class Run:
         d = start.centres.shape[1]
         place = now[list(PLACES[d])].to_numpy()
         return Configuration(place[:, :d], place[:, d:].reshape(start.angles.shape), start.radii)
+
+    def wall_distances(self, x: Array) -> Array:
+        """Distance of points (n, d) to each wall, (n, walls); a gluey case lists planes and a cell."""
+        if self.has_flow:
+            return self.case.container().distances(x)
+        planes = [(wall["point"], wall["normal"]) for wall in self.data.get("walls", ())]
+        cell = self.data.get("cell")
+        for axis, e in enumerate(np.eye(x.shape[1])):
+            if cell is not None and "xyz"[axis] not in cell.get("periodic", ()):
+                planes += [(cell["lower"], e), (cell["upper"], -e)]
+        to_each = [(x - point) @ np.array(n) / np.linalg.norm(n) for point, n in planes]
+        return np.column_stack(to_each) if planes else np.empty((len(x), 0))
 
     @property
     def end(self) -> float:
@@ -240,18 +254,8 @@ def _joined(parts: list[pv.UnstructuredGrid]) -> pv.UnstructuredGrid:
     pairs = cKDTree(grid.points).query_pairs(_SAME_NODE * grid.length, output_type="ndarray")
     same = np.arange(grid.n_points)
     np.minimum.at(same, pairs.max(axis=1), pairs.min(axis=1))
-    kept, number = np.unique(same, return_inverse=True)
-    joined = pv.UnstructuredGrid(
-        np.insert(number[grid.cell_connectivity.reshape(grid.n_cells, -1)], 0, _nodes(grid), axis=1).ravel(),
-        grid.celltypes,
-        grid.points[kept],
-    )
-    for name, values in grid.point_data.items():
-        joined.point_data[name] = values[kept]
-    for name, values in grid.cell_data.items():
-        joined.cell_data[name] = values
+    first, number = np.unique(same, return_inverse=True)
+    joined = pv.UnstructuredGrid(counted(number[nodes(grid)]), grid.celltypes, grid.points[first])
+    joined.point_data.update({name: values[first] for name, values in grid.point_data.items()})
+    joined.cell_data.update(grid.cell_data)
     return joined
-
-
-def _nodes(grid: pv.UnstructuredGrid) -> int:
-    return int(len(grid.cell_connectivity) // grid.n_cells)

@@ -9,7 +9,7 @@ import pyvista as pv
 from numpy.typing import NDArray
 
 from fsi.errors import InputError
-from fsi.postprocess.render import opengl
+from fsi.postprocess.render import canvas
 
 RADIUS, HEIGHT, FAR = 1.0, 1.2, 6.0
 AROUND, OUTWARD = 24, 5
@@ -127,6 +127,6 @@ def settling_run(run: Path) -> Callable[[list[float], list[float]], Path]:
 def drawing() -> None:
     """Skips where no picture can be drawn."""
     try:
-        opengl.require_opengl()
+        canvas.require_opengl()
     except InputError as error:
         pytest.skip(str(error))

@@ -7,7 +7,7 @@ import pytest
 
 import fsi
 from fsi.errors import InputError
-from fsi.postprocess.render import opengl
+from fsi.postprocess.render import canvas
 from fsi.postprocess.report import write_report
 from tests.postprocess.conftest import write_bodies
 from tests.small_run import small_case, start
@@ -49,7 +49,7 @@ def test_it_needs_no_other_file_and_no_network(checked_run: Path) -> None:
 
 
 def test_a_run_killed_half_way_says_so(checked_run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(opengl, "_DRAW", "raise SystemExit(1)")
+    monkeypatch.setattr(canvas, "_DRAW", "raise SystemExit(1)")
     text = page(checked_run)
     assert "<b>Not finished</b>" in text
     assert "t = 1 of 2." in text
@@ -59,7 +59,7 @@ def test_a_run_killed_half_way_says_so(checked_run: Path, monkeypatch: pytest.Mo
 
 
 def test_checks_have_their_worst_values(checked_run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(opengl, "_DRAW", "raise SystemExit(1)")
+    monkeypatch.setattr(canvas, "_DRAW", "raise SystemExit(1)")
     rows = re.findall(r"<tr>(.*?)</tr>", page(checked_run))
     cells = {
         row[0]: row[2:] for row in (re.findall(r"<td[^>]*>(.*?)</td>", row) for row in rows) if len(row) == 6
@@ -70,7 +70,7 @@ def test_checks_have_their_worst_values(checked_run: Path, monkeypatch: pytest.M
 
 
 def test_a_violated_identity_is_marked(checked_run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(opengl, "_DRAW", "raise SystemExit(1)")
+    monkeypatch.setattr(canvas, "_DRAW", "raise SystemExit(1)")
     (checked_run / "steps.csv").write_text(HEADER + "0,0.0,0.0,0.2,0,2e-8,0\n")
     write_bodies(checked_run, [0.0], [1.2])
     assert "VIOLATED" in page(checked_run)

@@ -13,7 +13,7 @@ from PIL import Image
 import fsi
 from fsi.cli import main
 from fsi.integration.state import StepRecord
-from fsi.postprocess.render import opengl
+from fsi.postprocess.render import canvas
 from fsi.postprocess.report import write_report
 from fsi.runs import run
 from tests.reduced_data import heap, reduced_case
@@ -42,8 +42,8 @@ def page(folder: Path) -> str:
 
 @pytest.fixture(autouse=True)
 def _no_opengl(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Histories only, as pictures by OpenGL take seconds; tests/postprocess/test_page.py has them."""
-    monkeypatch.setattr(opengl, "_DRAW", "raise SystemExit(1)")
+    """Histories only, as pictures by OpenGL take seconds; test_report.py has them."""
+    monkeypatch.setattr(canvas, "_DRAW", "raise SystemExit(1)")
 
 
 @pytest.mark.parametrize("name", ["gluey/two_discs", "macroscopic/blocks"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,9 @@ import pytest
 
 from fsi.case.load import parse_case
 from fsi.errors import InputError
-from fsi.postprocess.analysis.chains import main, read_chains
+from fsi.postprocess.analysis.chains import read_chains
+from fsi.postprocess.run.run import open_run
+from tests.commands import fsi_command
 
 HEADER = "step,t,body,x,y,angle,V_x,V_y,omega,F_x,F_y,T\n"
 # A chain from wall to wall (a, b, c), a pair (d, e) and a lone disc; V_y closes or opens gaps.
@@ -41,7 +44,7 @@ def run(tmp_path: Path) -> Path:
 
 
 def test_chains_and_their_dissipation_by_hand(run: Path) -> None:
-    found = read_chains(run)
+    found = read_chains(open_run(run))
     assert (found.step, found.t) == (0, 0.0)  # that which dissipates most
     chain, pair = found.chains
     assert (chain.bodies, pair.bodies) == ((0, 1, 2), (3, 4))
@@ -56,45 +59,54 @@ def test_chains_and_their_dissipation_by_hand(run: Path) -> None:
 
 def test_unequal_discs_have_their_reduced_radius(run: Path) -> None:
     """b and c, of radii 1 and 1/2: a = 1/3; each gap by itself in the list of links."""
-    links = read_chains(run, 0).links
+    links = read_chains(open_run(run), 0).links
     k = [tuple(end) for end in links.ends.tolist()].index((1, 2))
     assert links.gaps[k] == pytest.approx(0.04)
     assert links.rates[k] == 0.0
     table = (run / "bodies.csv").read_text().replace("c,-3.0,4.59,0,0,-0.5", "c,-3.0,4.59,0,0,0.5")
     (run / "bodies.csv").write_text(table)
-    links = read_chains(run, 0).links
+    links = read_chains(open_run(run), 0).links
     kappa = 3 * math.sqrt(2) * math.pi * 2.0 * (1 / 3 / 0.04) ** 1.5
     assert links.dissipation[k] == pytest.approx(kappa * 1.0**2, rel=1e-9)
 
 
 def test_more_room_makes_longer_links(run: Path) -> None:
     """Gaps below 0.03 of the mean radius 5/6 are only those to the walls."""
-    assert {chain.bodies for chain in read_chains(run, 1, close=0.03).chains} == {(0,), (2,)}
-    assert {chain.bodies for chain in read_chains(run, 1).chains} == {(0, 1, 2), (3, 4)}
+    assert {chain.bodies for chain in read_chains(open_run(run), 1, close=0.03).chains} == {(0,), (2,)}
+    assert {chain.bodies for chain in read_chains(open_run(run), 1).chains} == {(0, 1, 2), (3, 4)}
 
 
 def test_the_table_and_the_picture(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main([str(run), "0"]) == 0
+    assert fsi_command("analyse", "chains", run, "--step", 0) == 0
     said = capsys.readouterr().out
     assert "step 0" in said
     assert "a, b, c" in said
+    assert f"picture: {run / 'chains.png'}" in said.replace("\n", "")
     assert (run / "chains.png").read_bytes().startswith(b"\x89PNG")
 
 
-@pytest.mark.parametrize(("step", "part"), [("7", "the run has the steps 0 to 1"), ("x", "not a number")])
-def test_mistakes(run: Path, capsys: pytest.CaptureFixture[str], step: str, part: str) -> None:
-    assert main([str(run), step]) == 2
-    assert part in capsys.readouterr().err
+@pytest.mark.parametrize(("step", "part"), [("7", "the run has the steps 0 to 1"), ("x", "a valid integer")])
+def test_mistakes(run: Path, capfd: pytest.CaptureFixture[str], step: str, part: str) -> None:
+    assert fsi_command("analyse", "chains", run, "--step", step) == 2
+    assert part in capfd.readouterr().err
 
 
 def test_the_model_must_be_resolved(run: Path) -> None:
     (run / "steps.csv").write_text("step,t\n0,0.0\n")
     with pytest.raises(InputError, match="no column dissipation"):
-        read_chains(run)
+        read_chains(open_run(run))
+
+
+def test_the_data_of_the_table(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert fsi_command("analyse", "chains", run, "--json") == 0
+    data = json.loads(capsys.readouterr().out)
+    assert [chain["bodies"] for chain in data["chains"]] == [["a", "b", "c"], ["d", "e"]]
+    assert data["chains"][0]["walls"] == ["bottom", "top"]
+    assert (data["step"], data["dissipation"]) == (0, 50000.0)
 
 
 def test_rates_are_slopes_of_gaps(run: Path) -> None:
-    found = read_chains(run, 0)
+    found = read_chains(open_run(run), 0)
     h = 1e-6
     V = np.array([[0.0, disc[4]] for disc in DISCS])
     for (i, j), gap, rate in zip(found.links.ends.tolist(), found.links.gaps, found.links.rates, strict=True):
@@ -131,9 +143,9 @@ def test_what_a_chain_carries_of_the_apparent_viscosity(tmp_path: Path) -> None:
     )
     rows = [f"{step},{step}e-9,a,0.3,0.0,0,0,0,-0.5,0,0,0\n" for step in (0, 1)]
     (tmp_path / "bodies.csv").write_text(HEADER + "".join(rows))
-    found = read_chains(tmp_path, 0)
+    found = read_chains(open_run(tmp_path), 0)
     assert found.shares is not None
     np.testing.assert_allclose(found.shares, np.array([0.5, 0.5]), rtol=1e-6)
     assert found.chains[0].dissipation == pytest.approx(found.dissipation, rel=1e-6)
-    assert main([str(tmp_path), "0"]) == 0
-    assert read_chains(tmp_path, 1).shares is None
+    assert fsi_command("analyse", "chains", tmp_path, "--step", 0) == 0
+    assert read_chains(open_run(tmp_path), 1).shares is None

@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from fsi.errors import InputError
 from fsi.lubrication.exact import settling_time
-from fsi.postprocess.analysis.settling import chosen_rows, main, read_settling
+from fsi.postprocess.analysis.settling import chosen_rows, read_settling
+from fsi.postprocess.run.run import open_run
+from tests.commands import fsi_command
 
 Fill = Callable[[list[float], list[float]], Path]
 
@@ -23,7 +25,7 @@ def exact_times(gaps: NDArray[np.float64]) -> list[float]:
 
 def test_exact_history_has_no_difference(settling_run: Fill) -> None:
     run = settling_run(exact_times(GAPS), (1.0 + GAPS).tolist())
-    history = read_settling(run)
+    history = read_settling(open_run(run))
     # Heights near 1 round gaps of 1e-4 to 1e-12 relative; a wrong power of the gap would show at once.
     np.testing.assert_allclose(history.difference, 0.0, atol=5e-12)
 
@@ -31,7 +33,7 @@ def test_exact_history_has_no_difference(settling_run: Fill) -> None:
 def test_table_and_plot(settling_run: Fill, capsys: pytest.CaptureFixture[str]) -> None:
     wrong = np.where(np.arange(40) == 17, 1.0 + 3e-3, 1.0)
     run = settling_run(exact_times(GAPS), (1.0 + GAPS * wrong).tolist())
-    assert main([str(run)]) == 0
+    assert fsi_command("analyse", "settling", run) == 0
     printed = capsys.readouterr().out
     assert "relative difference" in printed
     worst = next(line for line in printed.splitlines() if f"{exact_times(GAPS)[17]:.6g}" in line)
@@ -73,21 +75,16 @@ def test_rows_spread_over_the_logarithm_of_the_gap() -> None:
     ],
 )
 def test_other_cases_are_refused_in_one_line(
-    run: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, message: str
+    run: Path, capfd: pytest.CaptureFixture[str], old: str, new: str, message: str
 ) -> None:
     case = run / "case.toml"
     assert old in case.read_text()
     case.write_text(case.read_text().replace(old, new))
-    assert main([str(run)]) == 2
-    error = capsys.readouterr().err
+    assert fsi_command("analyse", "settling", run) == 2
+    error = capfd.readouterr().err
     assert error.startswith(f"error: {message}")
     assert error.count("\n") == 1
     assert not (run / "settling.png").exists()
-
-
-def test_missing_argument_shows_the_usage(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main([]) == 2
-    assert "python -m fsi.postprocess.analysis.settling RUN" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -97,4 +94,4 @@ def test_missing_argument_shows_the_usage(capsys: pytest.CaptureFixture[str]) ->
 def test_broken_tables(run: Path, text: str, message: str) -> None:
     (run / "bodies.csv").write_text(text)
     with pytest.raises(InputError, match=message):
-        read_settling(run)
+        read_settling(open_run(run))

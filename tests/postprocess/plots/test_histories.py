@@ -10,7 +10,8 @@ import fsi
 from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.postprocess.analysis.settling import asymptotic_gap, exact_gap
-from fsi.postprocess.plots.histories import plot_runs, read_history
+from fsi.postprocess.plots import histories
+from fsi.postprocess.plots.histories import of_steps, plot_runs, read_history, register_panel
 
 Fill = Callable[[list[float], list[float]], Path]
 BODY = {"name": "body", "radius": 0.5, "position": [0.0, 0.6], "force": [0.0, -3.0]}
@@ -70,3 +71,14 @@ def test_unknown_suffix(settling_run: Fill) -> None:
     run = fsi.open_run(filled(settling_run))
     with pytest.raises(InputError, match=r"history\.jpg: give the path of a \.png, \.svg or \.pdf file"):
         plot_runs([run], run.path / "history.jpg")
+
+
+def test_a_panel_that_is_registered_is_drawn(settling_run: Fill, monkeypatch: pytest.MonkeyPatch) -> None:
+    run = fsi.open_run(filled(settling_run))
+    monkeypatch.setattr(histories, "_PANELS", dict(histories._PANELS))
+    register_panel("twice", lambda asked: {"": 2.0 * asked.run.steps["apparent_viscosity"].to_numpy()})
+    register_panel("none", of_steps("no_such_column"))
+    panels = read_history(run).panels
+    assert [*panels][-2:] == ["apparent viscosity", "twice"]
+    np.testing.assert_allclose(panels["twice"][""], [4.0, 5.0, 6.0])
+    plot_runs([run], run.path / "history.png")

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 import fsi
 from fsi.errors import InputError
-from fsi.postprocess.choice import Choice
-from fsi.postprocess.render.network import NetworkArtist, wall_distances
+from fsi.postprocess.render.network import NetworkArtist
 from fsi.postprocess.render.render import render_run
+from fsi.postprocess.render.view import Choice
 
 GLUEY = """
 name = "pile"
@@ -70,7 +70,7 @@ def test_discs_wall_and_contacts_cover_what_they_should(pile: Path) -> None:
 
 def test_walls_of_a_gluey_case(pile: Path) -> None:
     """A plane, and the sides of the cell across its periods' direction."""
-    found = wall_distances(fsi.open_run(pile), np.array([[1.0, 0.5]]))
+    found = fsi.open_run(pile).wall_distances(np.array([[1.0, 0.5]]))
     np.testing.assert_allclose(found, [[1.5, 10.0, 8.0]])
 
 

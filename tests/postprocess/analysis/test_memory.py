@@ -7,10 +7,16 @@ from pathlib import Path
 import numpy as np
 
 from fsi.case.load import load_case
-from fsi.postprocess.analysis.memory import as_table, plot, read_memory
+from fsi.postprocess.analysis.memory import (
+    memory_data,
+    memory_table,
+    read_memories,
+)
+from fsi.postprocess.plots.analyses import plot_memories
+from fsi.postprocess.run.run import open_run
 from fsi.runs import run
 
-CASES = Path(__file__).parents[2] / "cases"
+CASES = Path(__file__).parents[3] / "cases"
 
 
 def test_two_discs_come_off_after_the_push(tmp_path: Path) -> None:
@@ -18,9 +24,10 @@ def test_two_discs_come_off_after_the_push(tmp_path: Path) -> None:
     overrides = ["time.step=0.02", "output.interval=0.1", "output.fields=false", "time.end=5"]
     case = load_case(CASES / "gluey" / "two_discs.toml", overrides)
     run(case, tmp_path / "run")
-    memory = read_memory(tmp_path / "run")
+    memory = read_memories(open_run(tmp_path / "run"))
     np.testing.assert_allclose(memory.stored, 2.0, atol=0.05)
     np.testing.assert_allclose(memory.lag, 2.0, atol=0.11)
-    assert as_table(memory).row_count == 1
-    plot(memory, tmp_path / "memory.png")
+    assert memory_table(memory).row_count == 1
+    assert memory_data(memory)["contacts"][0]["released"] == memory.released[0]
+    plot_memories(memory, tmp_path / "memory.png")
     assert (tmp_path / "memory.png").stat().st_size > 10_000

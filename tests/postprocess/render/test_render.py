@@ -13,11 +13,11 @@ import fsi
 from fsi.bodies.configuration import Configuration
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Box, HalfPlane
-from fsi.postprocess.choice import Choice
-from fsi.postprocess.render import opengl
-from fsi.postprocess.render.figure import round_length
+from fsi.postprocess.render import canvas
+from fsi.postprocess.render.picture import round_length
 from fsi.postprocess.render.render import render_run
-from fsi.postprocess.render.view import Gap, View, around_bodies, narrowest_gap
+from fsi.postprocess.render.view import Choice, View, around_bodies
+from fsi.postprocess.run.gaps import SurfaceGap, narrowest_gap
 
 BODY = (0xF3, 0xEF, 0xE6)
 WALL = (0xC9, 0xC9, 0xC9)
@@ -134,7 +134,7 @@ def test_close_up_is_centred_on_the_narrowest_gap(
 ) -> None:
     q = Configuration(np.array(centres), np.zeros(len(centres)), np.ones(len(centres)))
     found = narrowest_gap(q, Box((0.0, 0.0), (10.0, 10.0)))
-    view = found.close_up(View(np.array([5.0, 5.0]), 5.0))
+    view = View(np.array([5.0, 5.0]), 5.0).close_up(found)
     assert found.width == pytest.approx(gap)
     np.testing.assert_allclose(view.centre, middle, atol=1e-9)
     assert view.half == pytest.approx(6.0 * gap)
@@ -148,12 +148,12 @@ def test_close_up_at_a_curved_wall_points_outwards() -> None:
 
 
 def test_no_close_up_of_wide_gaps() -> None:
-    around = View(np.zeros(2), 5.0)
-    assert Gap(2.0, np.ones(2), (0, 1)).close_up(around) is around
+    window = View(np.zeros(2), 5.0)
+    assert window.close_up(SurfaceGap(2.0, np.ones(2), (0, 1))) is window
 
 
 def test_no_opengl_is_one_clear_line(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(opengl, "_DRAW", "import os; os.abort()")
+    monkeypatch.setattr(canvas, "_DRAW", "import os; os.abort()")
     with pytest.raises(
         InputError, match=r"^render: no off-screen OpenGL.*apt-get install -y libegl1"
     ) as caught:

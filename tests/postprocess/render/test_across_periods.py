@@ -6,8 +6,9 @@ import pyvista as pv
 
 from fsi.bodies.configuration import Configuration
 from fsi.meshes.geometry.periodic import Channel
-from fsi.postprocess.render.tiles import tiled
-from fsi.postprocess.render.view import View, gap_between, narrowest_gap
+from fsi.postprocess.render.scenes import tiled
+from fsi.postprocess.render.view import View
+from fsi.postprocess.run.gaps import gap_between, narrowest_gap
 
 RISE = -0.3
 CHANNEL = Channel((0.0, 0.0), (1.0, 1.0))

@@ -8,7 +8,8 @@ import pyvista as pv
 
 from fsi.bodies.configuration import Configuration
 from fsi.meshes.geometry.periodic import Cell, Channel, Periodic
-from fsi.postprocess.render.tiles import images, tiled, window
+from fsi.postprocess.render.scenes import images, tiled
+from fsi.postprocess.render.view import around_period
 
 SHEARED = Cell(((4.0, 0.0), (1.0, 3.0)), ((0.0, 0.8), (0.0, 0.0)))
 CHANNEL = Channel((-1.0, 0.0), (5.0, 3.0))
@@ -31,7 +32,7 @@ def one_period(container: Periodic, origin: tuple[float, float]) -> pv.Unstructu
 def test_copies_fill_the_window_without_overlap(container: Periodic, along: float) -> None:
     """Areas add up to whole periods, and the velocity is E x in every copy, so that it is continuous."""
     start = along * container.periods[0] / np.linalg.norm(container.periods[0])
-    fluid, view = one_period(container, (start[0], start[1])), window(container)
+    fluid, view = one_period(container, (start[0], start[1])), around_period(container)
     found = tiled(fluid, container, view)
     copies = found.area / container.volume
     assert copies == pytest.approx(round(copies), abs=1e-9)
@@ -48,7 +49,7 @@ def test_copies_fill_the_window_without_overlap(container: Periodic, along: floa
 @pytest.mark.parametrize("container", [SHEARED, CHANNEL])
 def test_images_of_bodies_against_a_plain_search(container: Periodic) -> None:
     q = Configuration.unturned(np.array([[0.3, 0.4], [30.0, 2.0]]), np.array([0.5, 0.3]))
-    view = window(container)
+    view = around_period(container)
     found = images(q, container, view)
     periods, expected = container.periods, []
     for i, a in enumerate(q.radii):

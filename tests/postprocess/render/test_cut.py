@@ -11,10 +11,11 @@ from matplotlib.image import imread
 import fsi
 from fsi.bodies.configuration import Configuration
 from fsi.meshes.geometry.containers import Box
-from fsi.postprocess.choice import Choice
-from fsi.postprocess.render.cut import Cut, flow_on, through_gap
+from fsi.postprocess.render.fields import rendered_field
 from fsi.postprocess.render.render import render_run
-from fsi.postprocess.render.view import View, gap_between
+from fsi.postprocess.render.spatial import Cut, flow_on, through_gap
+from fsi.postprocess.render.view import Choice, View
+from fsi.postprocess.run.gaps import gap_between
 from tests.postprocess.spatial_run import velocity, write_spatial_run
 
 BOX = Box((-9.0, -9.0, -9.0), (9.0, 9.0, 9.0))
@@ -51,7 +52,8 @@ def test_a_sphere_beside_the_plane_is_cut_in_a_smaller_disc() -> None:
 def test_streamlines_follow_the_flow_in_the_plane(tmp_path: Path) -> None:
     """On y = 1: u_x = z, u_z = x, so that x^2 - z^2 stays the same; the ball is not met there."""
     run = fsi.open_run(write_spatial_run(tmp_path))
-    surface, lines = flow_on(run, 0, Cut(np.array([0.0, 1.0, 0.0]), 1.0, X), "speed", 1.5)
+    flow = flow_on(run, 0, Cut(np.array([0.0, 1.0, 0.0]), 1.0, X), rendered_field("speed"), 1.5)
+    surface, lines = flow.surface, flow.lines
     assert surface.area == pytest.approx(9.0, rel=1e-6)
     assert lines.n_cells > 10
     for line in range(0, lines.n_cells, 5):
@@ -64,8 +66,8 @@ def test_streamlines_follow_the_flow_in_the_plane(tmp_path: Path) -> None:
 def test_the_plane_ends_at_the_walls(tmp_path: Path) -> None:
     """Half a window of 1.5 beyond x = 1 is cut at 2, square up to the corner."""
     run = fsi.open_run(write_spatial_run(tmp_path))
-    surface, _ = flow_on(run, 0, Cut(np.array([1.0, 1.0, 1.0]), 1.0, X), "pressure", 1.5)
-    assert surface.area == pytest.approx(2.5**2, rel=1e-6)
+    flow = flow_on(run, 0, Cut(np.array([1.0, 1.0, 1.0]), 1.0, X), rendered_field("pressure"), 1.5)
+    assert flow.surface.area == pytest.approx(2.5**2, rel=1e-6)
 
 
 @pytest.mark.usefixtures("drawing")

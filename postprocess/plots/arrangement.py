@@ -1,0 +1,149 @@
+"""Draw bodies in their cell: walls thick, periodic sides dashed, their images pale, close pairs joined.
+
+A cell given by its lattice vectors is drawn with one of each body inside, and their images around them.
+"""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PatchCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Polygon
+from numpy.typing import NDArray
+
+from fsi.arrangements.arrangement import Arrangement, Array, SimulationCell
+from fsi.bodies.configuration import Configuration
+from fsi.case.case import Case
+from fsi.errors import InputError
+from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.lattice import Lattice
+from fsi.postprocess.plots.figure import ORANGE, saved_figure
+
+CLOSE = 0.1  # gaps below this many mean radii are joined by a line
+_FRAME = "#222222"
+_LONGEST_SIDE = 8.0  # of the figure, inches
+
+
+def draw_arrangement(arrangement: Arrangement, path: Path) -> None:
+    """Draw into a PNG file; spheres are seen along y. Raises InputError where it cannot be written."""
+    with saved_figure(path, (1.0, 1.0), font=10.0, dpi=130) as figure:
+        axes = _draw_bodies(figure, arrangement)
+        links = close_links(arrangement)
+        axes.add_collection(LineCollection(list(links), colors=ORANGE, linewidths=1.8, zorder=3))
+        axes.set_title(_title(arrangement, len(links)), loc="center", fontsize=10)
+
+
+def draw_case(figure: Figure, case: Case, q: Configuration, t: float) -> tuple[Axes, Array]:
+    """Draw the bodies of a case at q and time t; gives the axes, and the centres as they are drawn.
+
+    Raises:
+        InputError: they are neither in a box nor in a cell.
+    """
+    container = case.container().at(t)
+    if len(container.periods) == container.dimension:
+        return _draw_lattice(figure, container, q)
+    arrangement = _arrangement_of(case, q)
+    return _draw_bodies(figure, arrangement), arrangement.centres
+
+
+def _arrangement_of(case: Case, q: Configuration) -> Arrangement:
+    """The bodies of a case at q, from the lower corner of its box. Raises InputError for other shapes."""
+    box = case.domain.model_dump()
+    if "lower" not in box or "upper" not in box:
+        raise InputError(f'domain.shape = "{box["shape"]}": only bodies in a box can be drawn')
+    lower, sides = np.array(box["lower"]), np.subtract(box["upper"], box["lower"])
+    periodic = tuple(axis in box.get("periodic", ()) for axis in "xyz"[: len(sides)])
+    cell = SimulationCell(tuple(sides.tolist()), periodic)
+    return Arrangement(cell, cell.wrapped(q.centres - lower), q.radii)
+
+
+def _draw_bodies(figure: Figure, arrangement: Arrangement) -> Axes:
+    """The bodies and their images in the frame of the cell."""
+    cell = arrangement.cell
+    sides = np.array([cell.sides[0], cell.sides[-1]])
+    width, height = _LONGEST_SIDE * sides / sides.max()
+    axes = _new_axes(figure, max(width, 2.5), max(height, 1.5))
+    centres, radii = arrangement.centres[:, [0, -1]], arrangement.radii
+    depth = arrangement.centres[:, 1] if cell.dimension == 3 else np.zeros(len(radii))
+    order = np.argsort(-depth, kind="stable")
+    _add_circles(axes, centres[order], radii[order])
+    periods = [(-1, 0, 1) if so else (0,) for so in (cell.periodic[0], cell.periodic[-1])]
+    shifts = [np.array(shift) for shift in itertools.product(*periods) if any(shift)]
+    moved = np.concatenate([np.empty((0, 2)), *(centres + shift * sides for shift in shifts)])
+    a = np.tile(radii, len(shifts))
+    inside = np.all((moved > -a[:, None]) & (moved < sides + a[:, None]), axis=1)
+    _add_circles(axes, moved[inside], a[inside], image=True)
+    _draw_frame(axes, cell)
+    return axes
+
+
+def _draw_lattice(figure: Figure, container: Container, q: Configuration) -> tuple[Axes, Array]:
+    """The bodies at q (wrapped into the cell), the nearest images of all, and the cell, dashed."""
+    lattice = Lattice(container.periods)
+    home, (a, b) = lattice.wrapped(q.centres), container.periods
+    sides = np.abs(container.periods).sum(axis=0)
+    axes = _new_axes(figure, *(_LONGEST_SIDE * sides / sides.max()))
+    corners = np.array([np.zeros(2), a, a + b, b])
+    for e in lattice.shift(lattice.near())[::-1]:
+        _add_circles(axes, home + e, q.radii, image=bool(e.any()))
+    axes.add_patch(Polygon(corners, closed=True, fill=False, ls="--", lw=0.9, ec=_FRAME, zorder=4))
+    room = q.radii.max()
+    (left, low), (right, high) = corners.min(axis=0) - room, corners.max(axis=0) + room
+    axes.set(xlim=(left, right), ylim=(low, high))
+    return axes, home
+
+
+def _new_axes(figure: Figure, width: float, height: float) -> Axes:
+    """Empty ones of that size in inches, with room for a title."""
+    figure.set_size_inches(width + 0.3, height + 0.7)
+    axes = figure.subplots()
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    return axes
+
+
+def _add_circles(axes: Axes, centres: Array, radii: Array, image: bool = False) -> None:
+    """Bodies, or images of them."""
+    face, edge, width = ("#eaf3f9", "#a9c4d8", 0.6) if image else ("#9ecae1", "#20507a", 0.7)
+    circles = [Circle((x, y), a) for (x, y), a in zip(centres, radii, strict=True)]
+    drawn = PatchCollection(
+        circles, facecolors=face, edgecolors=edge, linewidths=width, zorder=1 if image else 2
+    )
+    axes.add_collection(drawn)
+
+
+def close_links(arrangement: Arrangement, close: float = CLOSE) -> NDArray[np.float64]:
+    """Segments, shape (P, 2, 2), between the centres of pairs whose gap is below `close` mean radii."""
+    cell, radii = arrangement.cell, arrangement.radii
+    reach = 2.0 * float(radii.max()) + close * float(radii.mean())
+    i, j = cell.near_pairs(arrangement.centres, reach).T
+    between = cell.separation(arrangement.centres[j], arrangement.centres[i])
+    near = np.linalg.norm(between, axis=1) - radii[i] - radii[j] < close * float(radii.mean())
+    i, j, between = i[near], j[near], between[near][:, [0, -1]]
+    x = arrangement.centres[:, [0, -1]]
+    # a pair across a periodic side is drawn from both of its bodies, up to the middle of the gap and beyond
+    from_i = np.stack([x[i], x[i] + between], axis=1)
+    across = np.linalg.norm(x[j] - x[i] - between, axis=1) > 1e-9 * max(cell.sides)
+    from_j = np.stack([x[j], x[j] - between], axis=1)[across]
+    return np.concatenate([from_i, from_j])
+
+
+def _draw_frame(axes: Axes, cell: SimulationCell) -> None:
+    width, height = cell.sides[0], cell.sides[-1]
+    for k, periodic in enumerate((cell.periodic[0], cell.periodic[-1])):
+        style = {"ls": "--", "lw": 0.9} if periodic else {"ls": "-", "lw": 3.0}
+        for at in (0.0, (width, height)[k]):
+            ends = ([at, at], [0.0, height]) if k == 0 else ([0.0, width], [at, at])
+            axes.plot(*ends, color=_FRAME, zorder=4, **style)  # type: ignore[arg-type]
+    margin = 0.02 * max(width, height)
+    axes.set(xlim=(-margin, width + margin), ylim=(-margin, height + margin))
+
+
+def _title(arrangement: Arrangement, links: int) -> str:
+    text = f"N = {len(arrangement.radii)}, area fraction {arrangement.fraction():.3g}"
+    gap = min(arrangement.smallest_gap(), arrangement.smallest_wall_gap())
+    return f"{text}, smallest gap {gap:.3g}" + (f"; joined: gap < {CLOSE:g} a" if links else "")

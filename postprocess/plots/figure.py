@@ -1,0 +1,61 @@
+"""What all figures share: their style, their colours, labels of logarithmic axes, and how they are saved."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.axis import Axis
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from fsi.errors import InputError
+
+# Okabe and Ito: told apart by every eye.
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
+BLUE, ORANGE, GREEN = COLOURS[:3]
+GREY = "#999999"  # of exact curves, which lie broad below the others
+STYLE: dict[Any, Any] = {
+    "font.size": 11, "axes.titlesize": 12, "axes.titlelocation": "left", "legend.frameon": False,
+    "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.alpha": 0.3,
+}  # fmt: skip
+SUFFIXES = (".png", ".svg", ".pdf")
+_SHORT = 100.0  # ratio of the ends of an axis up to which steps in between have labels
+
+
+@contextmanager
+def saved_figure(
+    path: Path, size: tuple[float, float], font: float = 11.0, dpi: int = 160
+) -> Iterator[Figure]:
+    """A figure, size in inches, that is written to the path when all has been drawn. Raises InputError."""
+    with mpl.rc_context(STYLE | {"font.size": font}):
+        figure = Figure(figsize=size, layout="constrained")
+        yield figure
+        try:
+            figure.savefig(path, dpi=dpi)
+        except (OSError, ValueError) as error:  # ValueError: a suffix that it does not know
+            reason = getattr(error, "strerror", None) or error
+            raise InputError(f"output = {path}: {reason}; choose another path") from None
+
+
+def require_figure(output: Path) -> None:
+    """Raise InputError unless a figure can be written there."""
+    if output.suffix not in SUFFIXES or not output.absolute().parent.is_dir():
+        raise InputError(
+            f"output = {output}: give the path of a .png, .svg or .pdf file in a folder that exists"
+        )
+
+
+def label_short(axis: Axis) -> None:
+    """Label a logarithmic axis, whose ends are set, with plain numbers if shorter than two decades.
+
+    Labels are then 0.2, 0.5, 1, not 2 x 10^-1.
+    """
+    least, most = axis.get_view_interval()
+    if most < _SHORT * least:
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.6g}"))
+        axis.set_minor_formatter(NullFormatter())

@@ -1,0 +1,245 @@
+"""What pictures are drawn on: a square panel that shows a window on the plane, or one that looks into space.
+
+Everything is drawn in the window's own coordinates, `(x - centre) / half` in [-1, 1]: graphics works in
+single precision, and a film of 1e-5 radii would drown in its rounding far from the origin. The projection is
+parallel, so that the scale bar holds everywhere.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pyvista as pv
+from matplotlib.cm import ScalarMappable
+from numpy.typing import NDArray
+from PIL import Image
+
+from fsi.bodies.configuration import Array, Configuration
+from fsi.errors import InputError
+from fsi.postprocess.render.view import View
+from fsi.postprocess.run.cells import counted
+
+type Picture = NDArray[np.uint8]
+
+SAMPLES = 2  # of a pixel along each side
+INK = "#222222"
+SOLID, _DISC, _SPHERE = "#c9c9c9", "#f3efe6", "#e8dfcf"
+_FEWEST_SIDES, _MOST_SIDES = 64, 4000  # of a disc; the most: sagitta 3e-7 a, a film of 1e-5 a stays open
+_LAYER = 1e-3  # distance towards the eye by which one layer covers the next
+_EYE = (0.3, -1.0, 0.25)  # where the eye is in space, as seen from the centre: slightly above
+
+_SETTING = "VTK_DEFAULT_OPENGL_WINDOW"
+_WINDOWS = ("vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow", "vtkXOpenGLRenderWindow")
+_DRAW = """
+import vtkmodules.vtkRenderingOpenGL2
+from vtkmodules.vtkRenderingCore import vtkRenderWindow
+window = vtkRenderWindow()
+window.SetOffScreenRendering(True)
+window.Render()
+raise SystemExit(not window.SupportsOpenGL())
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class _Canvas:
+    """What is being drawn on.
+
+    Attributes:
+        plotter: of pyvista.
+        view: the window that fills it, in space a cube.
+        size: its width and height in pixels.
+    """
+
+    plotter: pv.Plotter
+    view: View
+    size: int
+
+    def colour(self, surface: pv.PolyData, shades: ScalarMappable) -> None:
+        """Draw the data `value` of a surface, given in the window's coordinates, in colours, unlit."""
+        self.plotter.add_mesh(coloured(surface, shades), lighting=False, **_in(shades))
+
+
+class Panel(_Canvas):
+    """A panel that shows the plane; what has not been drawn on is wall."""
+
+    __slots__ = ()
+
+    def fill(self, surface: pv.PolyData, colour: str) -> None:
+        """Draw a surface, given in the window's coordinates, in one colour."""
+        self.plotter.add_mesh(surface, color=colour, lighting=False)
+
+    def lines(
+        self, lines: pv.PolyData, colour: str, width: float, opacity: float = 1.0, layer: float = 2.0
+    ) -> None:
+        """Draw lines that are given in the window's coordinates, `width` thousandths of it wide."""
+        if lines.n_points:
+            lifted = lines.translate((0.0, 0.0, layer * _LAYER))
+            wide = line_width(width, self.size)
+            self.plotter.add_mesh(lifted, color=colour, line_width=wide, opacity=opacity)
+
+    def frame(self, view: View) -> None:
+        """Draw the outline of another window."""
+        (x0, y0), (x1, y1) = view.low, view.high
+        corners = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]])
+        self.lines(pv.lines_from_points(self.view.local(corners)), "#d55e00", width=5, layer=4)
+
+    def bodies(self, q: Configuration, turning: bool, rims: bool = False) -> None:
+        """Draw the discs, each with a radius that turns with it where they can turn, perhaps with rims."""
+        seen = np.all(np.abs(q.centres - self.view.centre) < self.view.half + q.radii[:, None], axis=1)
+        if not seen.any():
+            return
+        centres, radii, angles = q.centres[seen], q.radii[seen], q.angles[seen]
+        # The sagitta of a side is a tenth of a pixel.
+        sides = np.pi * np.sqrt(radii.max() / self.view.half * self.size / 0.4)
+        turn = np.linspace(0.0, 2.0 * np.pi, int(np.clip(sides, _FEWEST_SIDES, _MOST_SIDES)), endpoint=False)
+        circle = np.column_stack([np.cos(turn), np.sin(turn)])
+        rim = centres[:, None] + radii[:, None, None] * circle
+        faces = np.arange(rim.size // 2).reshape(len(radii), -1)
+        discs = pv.PolyData(self.view.local(rim).reshape(-1, 3), faces=counted(faces))
+        self.fill(discs.translate((0.0, 0.0, _LAYER)), _DISC)
+        if rims:
+            closed = np.insert(faces, 0, faces[:, -1], axis=1)
+            self.lines(pv.PolyData(discs.points, lines=counted(closed)), INK, width=1.5, opacity=0.5, layer=1)
+        if turning:
+            pointers = 0.8 * radii[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+            ends = self.view.local(np.stack([centres, centres + pointers], axis=1))
+            self.lines(segments(ends), INK, width=4)
+
+    def image(self) -> Picture:
+        """What has been drawn, (size, size, 3); ends the drawing."""
+        return _photograph(self.plotter, (0.0, 0.0, 4.0), (0.0, 1.0, 0.0), (1.0, 8.0))
+
+
+class SpatialPanel(_Canvas):
+    """A panel that shows things in space, seen from one side and slightly above."""
+
+    __slots__ = ()
+
+    def bodies(self, q: Configuration, opacity: float = 1.0) -> None:
+        """Draw the spheres, lit."""
+        centres = pv.PolyData(self.view.local(q.centres))
+        centres["radius"] = q.radii / self.view.half
+        ball = pv.Icosphere(radius=1.0, nsub=5 if len(q) < 100 else 3)
+        ball.clear_data()
+        spheres = centres.glyph(geom=ball, scale="radius", orient=False)
+        self.plotter.add_mesh(
+            spheres, color=_SPHERE, smooth_shading=True, ambient=0.3, specular=0.2, opacity=opacity
+        )
+
+    def lines(self, lines: pv.PolyData) -> None:
+        """Draw streamlines, given in the window's coordinates on a plane across y, a little before it."""
+        if lines.n_points:
+            lifted = lines.translate((0.0, -2e-3, 0.0))
+            wide = line_width(3.0, self.size)
+            self.plotter.add_mesh(lifted, color="white", line_width=wide, opacity=0.8, lighting=False)
+
+    def tubes(self, ends: Array, radii: Array, values: Array, shades: ScalarMappable) -> None:
+        """Draw tubes between points (n, 2, 3), coloured by values (n,)."""
+        lines = segments(self.view.local(ends))
+        lines["value"] = np.repeat(values, 2)
+        lines["radius"] = np.repeat(radii / self.view.half, 2)
+        tubes = lines.tube(scalars="radius", absolute=True, n_sides=16, capping=True)
+        self.plotter.add_mesh(coloured(tubes, shades), smooth_shading=True, **_in(shades))
+
+    def floor(self, z: float) -> None:
+        """Draw a horizontal wall."""
+        height = (z - self.view.centre[2]) / self.view.half
+        wall = pv.Plane(center=(0.0, 0.0, height - 1e-3), i_size=8.0, j_size=8.0)
+        self.plotter.add_mesh(wall, color=SOLID, lighting=False)
+
+    def image(self) -> Picture:
+        """What has been drawn, (size, size, 3); ends the drawing."""
+        eye = 20.0 * np.array(_EYE) / np.linalg.norm(_EYE)
+        return _photograph(self.plotter, eye.tolist(), (0.0, 0.0, 1.0), (1.0, 60.0))
+
+
+def new_panel(view: View, size: int) -> Panel:
+    """An empty panel of the plane."""
+    return Panel(_blank(size, SOLID), view, size)
+
+
+def new_spatial_panel(view: View, size: int) -> SpatialPanel:
+    """An empty panel of space."""
+    plotter = _blank(size, "white")
+    plotter.enable_depth_peeling(8)
+    return SpatialPanel(plotter, view, size)
+
+
+def line_width(thousandths: float, size: int) -> float:
+    """In samples, of a line on a panel of that size."""
+    return max(1.0, 0.5 * SAMPLES * thousandths * size / 1000.0)
+
+
+def segments(ends: Array) -> pv.PolyData:
+    """Lines between points (n, 2, 3)."""
+    return pv.PolyData(ends.reshape(-1, 3), lines=counted(np.arange(2 * len(ends)).reshape(-1, 2)))
+
+
+def coloured(surface: pv.PolyData, shades: ScalarMappable) -> pv.PolyData:
+    """The surface with the point data `colour`: its `value` in [0, 1], as the norm says."""
+    parts = np.clip(shades.norm(surface["value"]), 0.0, 1.0)
+    surface["colour"] = np.ma.filled(parts, 0.0).astype(float)
+    return surface
+
+
+def _in(shades: ScalarMappable) -> dict[str, object]:
+    return {"scalars": "colour", "cmap": shades.cmap, "clim": (0.0, 1.0), "show_scalar_bar": False}
+
+
+def _blank(size: int, background: str) -> pv.Plotter:
+    """A plotter for a picture size pixels wide and high, which `_photograph` ends."""
+    plotter = pv.Plotter(off_screen=True, window_size=[SAMPLES * size] * 2)
+    plotter.set_background(background)
+    plotter.disable_anti_aliasing()  # there are samples enough
+    return plotter
+
+
+def _photograph(
+    plotter: pv.Plotter, eye: Sequence[float], up: Sequence[float], clipping: tuple[float, float]
+) -> Picture:
+    """What has been drawn in [-1, 1]^3, seen from afar, each pixel the mean of its samples."""
+    plotter.enable_parallel_projection()
+    camera = plotter.camera
+    camera.focal_point, camera.position, camera.up = (0.0, 0.0, 0.0), tuple(eye), tuple(up)
+    camera.parallel_scale = 1.0
+    camera.clipping_range = clipping
+    samples = Image.fromarray(plotter.screenshot(return_img=True))
+    plotter.close()
+    size = (samples.width // SAMPLES, samples.height // SAMPLES)
+    return np.asarray(samples.resize(size, Image.Resampling.HAMMING))
+
+
+def require_opengl() -> None:
+    """Choose the kind of off-screen window that works here, for VTK in this process.
+
+    A child process is asked, since VTK crashes where it cannot draw.
+
+    Raises:
+        InputError: none works; the message names the missing package.
+    """
+    chosen = os.environ.get(_SETTING)
+    for window in (chosen,) if chosen else _WINDOWS:
+        if _draws(window):
+            os.environ[_SETTING] = window
+            return
+    raise InputError(
+        "render: no off-screen OpenGL on this machine; as root: apt-get install -y libegl1 libgl1, "
+        "or look at the .pvd files in ParaView"
+    )
+
+
+def _draws(window: str) -> bool:
+    """True where a child process can draw into a window of this VTK class."""
+    environment = os.environ | {_SETTING: window}
+    try:
+        child = subprocess.run(
+            [sys.executable, "-c", _DRAW], env=environment, capture_output=True, timeout=60, check=False
+        )
+    except subprocess.TimeoutExpired:
+        return False
+    return child.returncode == 0

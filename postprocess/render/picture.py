@@ -1,0 +1,165 @@
+"""Pictures: panels under a title, with colour bars and scale bars around them, and how they become files.
+
+One picture is written as PNG, many as MP4 or GIF, each to a temporary name that is then renamed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from PIL import Image
+
+from fsi.errors import InputError
+from fsi.postprocess.plots.figure import label_short
+from fsi.postprocess.render.canvas import Picture
+
+STILLS, MOVIES = (".png",), (".mp4", ".gif")
+_PER_SECOND = 8
+
+_INCHES = 5.0  # a panel
+_BAR, _ABOVE, _BELOW, _GAP = 0.2, 0.14, 0.08, 0.03  # room around a panel, in panels
+_FITS = 56  # letters of the usual size above a panel
+_SCALE = 0.25  # longest scale bar, in panels
+
+
+@dataclass(frozen=True)
+class Framed:
+    """A panel that has been drawn.
+
+    Attributes:
+        image: its pixels.
+        title: what is written above it.
+        half: half its width, a length.
+        label: what its colour bar says.
+        shades: what its colours mean.
+        cut: whether values beyond both ends have the colours of the ends.
+    """
+
+    image: Picture
+    title: str
+    half: float
+    label: str
+    shades: ScalarMappable
+    cut: bool = False
+
+
+def compose(title: str, panels: Sequence[Framed]) -> Picture:
+    """The panels side by side under a title, as pixels (height, width, 3)."""
+    size = panels[0].image.shape[0]
+    wide, high = len(panels) * (1.0 + _BAR) + _GAP, 1.0 + _ABOVE + _BELOW
+    with mpl.rc_context({"font.size": 11, "axes.linewidth": 0.8, "mathtext.fontset": "dejavusans"}):
+        figure = Figure(figsize=(_INCHES * wide, _INCHES * high), dpi=size / _INCHES, facecolor="none")
+        figure.text(_GAP / wide, 1.0 - 0.045 / high, title, fontsize=13, va="center")
+        for k, panel in enumerate(panels):
+            left = k * (1.0 + _BAR) + _GAP
+            axes = figure.add_axes((left / wide, _BELOW / high, 1.0 / wide, 1.0 / high))
+            _frame(axes, panel)
+            bar = figure.add_axes(((left + 1.015) / wide, _BELOW / high, 0.03 / wide, 1.0 / high))
+            extend = "both" if panel.cut else "neither"
+            figure.colorbar(panel.shades, cax=bar, extend=extend, extendfrac=0.025)
+            if isinstance(panel.shades.norm, LogNorm):
+                label_short(bar.yaxis)
+            bar.set_title(panel.label, fontsize=11, pad=7, loc="left")
+        drawn = Image.fromarray(pixels(figure))
+    picture = Image.new("RGBA", drawn.size, "white")
+    for k, panel in enumerate(panels):
+        corner = round(size * (k * (1.0 + _BAR) + _GAP)), round(size * _ABOVE)
+        picture.paste(Image.fromarray(panel.image), corner)
+    picture.alpha_composite(drawn)
+    return np.asarray(picture.convert("RGB"))
+
+
+def _frame(axes: Axes, panel: Framed) -> None:
+    """Room for the image under its title, and below it a bar of a round length."""
+    axes.patch.set_visible(False)
+    axes.set_title(panel.title, fontsize=11.0 * min(1.0, _FITS / len(panel.title)), loc="left", pad=7)
+    axes.set_xticks([])
+    axes.set_yticks([])
+    length = round_length(_SCALE * 2.0 * panel.half)
+    end = length / (2.0 * panel.half)
+    axes.plot([0.0, end], [-0.04, -0.04], color="black", lw=2.5, clip_on=False, solid_capstyle="butt")
+    axes.text(end + 0.015, -0.04, f"{length:g}", va="center")
+    axes.set_xlim(0.0, 1.0)
+    axes.set_ylim(0.0, 1.0)
+
+
+def pixels(figure: Figure) -> Picture:
+    """A figure as it looks, (height, width, 4)."""
+    canvas: Any = FigureCanvasAgg(figure)
+    canvas.draw()
+    return np.array(canvas.buffer_rgba())
+
+
+def round_length(most: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten that is at most so long."""
+    power = 10.0 ** np.floor(np.log10(most))
+    return float(max(f * power for f in (1.0, 2.0, 5.0) if f * power <= most * (1.0 + 1e-9)))
+
+
+def require_suffix(output: Path) -> None:
+    """Raise InputError unless pictures can be written there."""
+    if output.suffix not in (*STILLS, *MOVIES) or not output.absolute().parent.is_dir():
+        raise InputError(
+            f"output = {output}: give the path of a .png, .mp4 or .gif file in a folder that exists"
+        )
+
+
+def write_pictures(pictures: Iterable[Picture], output: Path) -> None:
+    """Write pictures of one size, (height, width, 3) each, as they come. Raises InputError."""
+    temporary = output.with_name(f".partial-{output.name}")
+    try:
+        {".png": _write_png, ".mp4": _write_mp4, ".gif": _write_gif}[output.suffix](pictures, temporary)
+        temporary.replace(output)
+    except OSError as error:
+        raise InputError(f"output = {output}: {error.strerror or error}; choose another path") from None
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _write_png(pictures: Iterable[Picture], path: Path) -> None:
+    for picture in pictures:
+        Image.fromarray(picture).save(path, format="PNG", compress_level=3)
+
+
+def _write_mp4(pictures: Iterable[Picture], path: Path) -> None:
+    """H.264, which browsers and slides show; it wants even sizes."""
+    import imageio_ffmpeg
+
+    frames = iter(pictures)
+    first = _even(next(frames))
+    size = (first.shape[1], first.shape[0])
+    writer = imageio_ffmpeg.write_frames(
+        str(path),
+        size,
+        fps=_PER_SECOND,
+        codec="libx264",
+        quality=8,
+        macro_block_size=2,
+        ffmpeg_log_level="error",
+    )
+    writer.send(None)
+    writer.send(first)
+    for picture in frames:
+        writer.send(_even(picture))
+    writer.close()
+
+
+def _even(picture: Picture) -> Picture:
+    return np.ascontiguousarray(picture[: picture.shape[0] // 2 * 2, : picture.shape[1] // 2 * 2])
+
+
+def _write_gif(pictures: Iterable[Picture], path: Path) -> None:
+    frames = [Image.fromarray(picture).quantize(128) for picture in pictures]
+    frames[0].save(
+        path, format="GIF", save_all=True, append_images=frames[1:], duration=1000 // _PER_SECOND, loop=0
+    )

@@ -1,0 +1,89 @@
+"""The gap that is meant: the narrowest of all, or that between two sides of the user's choice."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fsi.bodies.configuration import Array, Configuration
+from fsi.bodies.gaps import find_gaps
+from fsi.errors import InputError
+from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.lattice import Lattice
+
+
+@dataclass(frozen=True, slots=True)
+class SurfaceGap:
+    """A gap between a body and what is opposite.
+
+    Attributes:
+        width: the distance of the surfaces.
+        middle: the point half-way, shape (d,).
+        sides: what lies on both sides, numbers of bodies and then of walls.
+    """
+
+    width: float
+    middle: Array
+    sides: tuple[int, int]
+
+    def moved(self, by: Array) -> SurfaceGap:
+        """Its image that lies so far away."""
+        return SurfaceGap(self.width, self.middle + by, self.sides)
+
+
+def narrowest_gap(q: Configuration, container: Container) -> SurfaceGap:
+    """The smallest of all gaps between bodies or to a wall."""
+    gaps = find_gaps(q, container)
+    if gaps.pair_gaps.min(initial=np.inf) == gaps.smallest():
+        pair = np.argmin(gaps.pair_gaps)
+        i, j = gaps.pairs[pair]
+        return gap_between(q, container, (int(i), int(j)), gaps.away[pair])
+    i, wall = np.unravel_index(np.argmin(gaps.wall_gaps), gaps.wall_gaps.shape)
+    return gap_between(q, container, (int(i), len(q) + int(wall)))
+
+
+def gap_between(
+    q: Configuration, container: Container, sides: tuple[int, int], away: Array | None = None
+) -> SurfaceGap:
+    """The gap of body `sides[0]` to another body, or to the wall of number `sides[1] - len(q)`.
+
+    away: how far the image of the other body that is meant lies from it; if not given, the nearest is.
+    """
+    i, j = sides
+    if j < len(q):
+        towards = q.centres[j] - q.centres[i]
+        lattice = Lattice(container.periods)
+        towards = towards + (-lattice.shift(lattice.nearest(towards[None]))[0] if away is None else away)
+        width = float(np.linalg.norm(towards)) - q.radii[i] - q.radii[j]
+    else:
+        wall = j - len(q)
+        shifts = 1e-3 * q.radii[i] * np.kron(np.eye(q.centres.shape[1]), [[1.0], [-1.0]])
+        distances = container.distances(q.centres[i] + shifts)[:, wall]
+        towards = distances[1::2] - distances[::2]
+        width = float(container.distances(q.centres[i : i + 1])[0, wall]) - q.radii[i]
+    reach = q.radii[i] + 0.5 * width
+    return SurfaceGap(float(width), q.centres[i] + reach * towards / np.linalg.norm(towards), sides)
+
+
+def parse_sides(text: str, names: tuple[str, ...], walls: tuple[str, ...]) -> tuple[int, int]:
+    """The sides of a gap in "3,7" or "disc,bottom": names, or numbers of bodies from 0. Raises InputError."""
+    known = [*names, *walls]
+    sides = []
+    for word in (word.strip() for word in text.split(",")):
+        if word in known:
+            sides.append(known.index(word))
+        elif word.isdigit() and int(word) < len(names):
+            sides.append(int(word))
+        else:
+            raise InputError(f"--gap {text}: there is no {word!r}; give two of {_listed(names, walls)}")
+    sides.sort()
+    if len(sides) != 2 or sides[0] == sides[1] or sides[0] >= len(names):
+        raise InputError(f"--gap {text}: give a body and another body or wall, of {_listed(names, walls)}")
+    return sides[0], sides[1]
+
+
+def _listed(names: tuple[str, ...], walls: tuple[str, ...]) -> str:
+    """The names that may be given."""
+    bodies = [*names] if len(names) <= 6 else [names[0], "...", names[-1]]
+    return f"{', '.join([*bodies, *walls])}, or 0 ... {len(names) - 1} for the bodies"

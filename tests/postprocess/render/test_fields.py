@@ -1,0 +1,107 @@
+"""Fields that pictures show, and what their colours span: what pixels show, not films thinner than those."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import pyvista as pv
+
+import fsi
+from fsi.bodies.configuration import Configuration
+from fsi.postprocess.render import fields
+from fsi.postprocess.render.fields import RenderedField, field_names, register_field, rendered_field
+from fsi.postprocess.render.scales import Linear, Span
+from fsi.postprocess.render.scenes import Scene
+from fsi.postprocess.render.view import View
+from tests.commands import fsi_command
+from tests.postprocess.spatial_run import write_spatial_run
+
+
+def scene(sides: list[float], values: list[float], away: float = 0.0) -> Scene:
+    """Right triangles of those sides in a row, each with one pressure, and its size as the strain rate."""
+    corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    starts = np.array([-0.9, -0.3, 0.3])[: len(sides)]
+    x = np.concatenate(
+        [side * corners + [start, 0.0, 0.0] for side, start in zip(sides, starts, strict=True)]
+    )
+    x[-3:, 0] += away
+    cells = np.arange(len(x)).reshape(-1, 3)
+    fluid = pv.UnstructuredGrid({pv.CellType.TRIANGLE: cells}, x)
+    fluid["pressure"] = np.repeat(values, 3)
+    fluid["strain_rate"] = np.abs(fluid["pressure"])
+    nobody = Configuration.unturned(np.zeros((0, 2)), np.zeros(0))
+    return Scene(View(np.zeros(2), 1.0), fluid, None, nobody, axisymmetric=False, viscosity=1.0)
+
+
+def span(name: str, seen: Scene) -> Span:
+    field = rendered_field(name)
+    return field.scale.span(*seen.samples(field))
+
+
+@pytest.mark.parametrize(("side", "largest"), [(1e-3, 4.0), (0.02, 1e6)])
+def test_a_film_below_a_pixel_does_not_set_the_colours(side: float, largest: float) -> None:
+    """Parts 1e-6 and 4e-4 of the area; the limit lies at 1e-4, a hundred pixels of 1000 x 1000."""
+    seen = scene([0.5, 0.5, side], [1.0, 4.0, -1e6])
+    assert span("pressure", seen) == (-largest, largest)
+    low, high = span("dissipation", seen)
+    assert high == largest**2
+    assert low == max(1.0, 1e-8 * high)
+
+
+def test_what_is_out_of_sight_does_not_either() -> None:
+    seen = scene([0.5, 0.5, 0.5], [1.0, 4.0, 1e6], away=3.0)
+    assert span("pressure", seen) == (-4.0, 4.0)
+
+
+def test_a_constant_field_has_a_range() -> None:
+    for value in (0.0, 1.0):
+        low, high = span("dissipation", scene([0.5], [value]))
+        assert 0.0 < low < high
+
+
+@pytest.fixture
+def upwards(monkeypatch: pytest.MonkeyPatch) -> RenderedField:
+    """A field from outside the package, for the time of a test: u_x + p."""
+    monkeypatch.setattr(fields, "_FIELDS", dict(fields._FIELDS))
+    field = RenderedField(
+        "upwards", "$u_x + p$", "a field of one's own", "viridis", Linear(), ("velocity", "pressure"),
+        lambda at, _: at["velocity"][:, 0] + at["pressure"],
+    )  # fmt: skip
+    register_field(field)
+    return field
+
+
+@pytest.mark.usefixtures("drawing", "upwards")
+def test_a_field_that_is_registered_can_be_rendered_by_its_name(
+    run: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """In the plane and in space, by the command; the colours show the values."""
+    assert fsi_command("render", run, "--field", "upwards", "--size", 200) == 0
+    assert fsi_command("render", run, "--field", "pressure", "--size", 200, "-o", tmp_path / "p.png") == 0
+    assert (run / "flow.png").read_bytes() != (tmp_path / "p.png").read_bytes()
+    (tmp_path / "space").mkdir()
+    space = write_spatial_run(tmp_path / "space")
+    assert fsi_command("render", space, "--field", "upwards", "--size", 100) == 0
+    capfd.readouterr()
+    assert fsi_command("render", run, "--field", "other") == 2
+    assert "--field other: give one of speed, pressure, " in (said := capfd.readouterr().err)
+    assert said.rstrip().endswith("mesh, upwards")
+
+
+def test_values_of_a_registered_field(run: Path, upwards: RenderedField) -> None:
+    """At the nodes of the cells its value is that of the data there; the files are in single precision."""
+    flow = fsi.open_run(run).mesh(0)
+    value = upwards.value(flow.point_data, 1.0)
+    x = np.asarray(flow.points)
+    np.testing.assert_allclose(value, 2.0 * x[:, 1] * np.sin(0.5 * x[:, 0]) + x[:, 0], rtol=1e-5, atol=1e-5)
+    assert "upwards" in field_names(in_space=True)
+
+
+def test_the_help_lists_the_fields(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    assert fsi_command("render", "--help") == 0
+    assert ", ".join(field_names()) in " ".join(capsys.readouterr().out.split())

@@ -1,0 +1,65 @@
+"""Pictures of macroscopic runs: their profiles, with matplotlib alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+from PIL.GifImagePlugin import GifImageFile
+
+import fsi
+from fsi.errors import InputError
+from fsi.postprocess.plots.profiles import profile_figure
+from fsi.postprocess.render import canvas
+from fsi.postprocess.render.profile import ProfileArtist
+from fsi.postprocess.render.render import render_run
+from fsi.postprocess.render.view import Choice
+from fsi.postprocess.run.run import Run
+from tests.commands import fsi_command
+
+CASE = Path(__file__).parents[3] / "cases" / "macroscopic" / "blocks.toml"
+
+
+@pytest.fixture
+def blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
+    """Two blocks that move towards each other, at t = 0, 0.25 and 0.5, where nothing draws with OpenGL."""
+    monkeypatch.setattr(canvas, "_DRAW", "raise SystemExit(1)")
+    overrides = ("--set", "parcels=40", "--set", "time.end=0.5")
+    assert fsi_command("run", CASE, "-o", tmp_path / "run", *overrides) == 0
+    return fsi.open_run(tmp_path / "run")
+
+
+def test_a_figure_shows_where_the_blocks_are(blocks: Run) -> None:
+    """At t = 0.5 they lie at [-1.5, -0.5] and [0.75, 1.75], with u = 1 and -1/2, and no memory."""
+    profile = ProfileArtist(blocks, Choice())._read(blocks.step(None, "profile"))
+    ends = dict.fromkeys(profile, (-2.0, 2.0))
+    figure = profile_figure("t = 0.5", profile, ends, 300)
+    (x, rho), (_, u), (_, gamma) = (np.asarray(axes.lines[0].get_data(), dtype=float) for axes in figure.axes)
+    left = x < 0.0
+    np.testing.assert_allclose(x, np.append(np.linspace(-1.475, -0.525, 20), np.linspace(0.775, 1.725, 20)))
+    np.testing.assert_allclose(u, np.where(left, 1.0, -0.5))
+    np.testing.assert_allclose(gamma, 0.0, atol=1e-12)
+    assert rho[2:18] == pytest.approx(1.0)
+
+
+def test_pictures_and_animations(blocks: Run) -> None:
+    picture = imread(render_run(blocks, blocks.path / "a.png", Choice(size=300), time=0.2))
+    one = imread(render_run(blocks, blocks.path / "u.png", Choice("u", span=(-1.0, 1.0), size=300)))
+    assert picture.shape[1] == one.shape[1] == 300
+    assert picture.shape[0] > one.shape[0]
+    with GifImageFile(render_run(blocks, blocks.path / "all.gif", Choice(size=100))) as movie:
+        assert movie.n_frames == 3
+
+
+@pytest.mark.parametrize(
+    ("choice", "message"),
+    [
+        (Choice("speed"), "--field speed: give one of rho, u, gamma"),
+        (Choice(gap="a,b"), "--gap a,b: there are no bodies in this run"),
+    ],
+)
+def test_impossible_choices(blocks: Run, choice: Choice, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        render_run(blocks, blocks.path / "a.png", choice)
