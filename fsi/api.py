@@ -31,8 +31,8 @@ from fsi.case.load import load_case, parse_case
 from fsi.errors import FsiError, InputError, SolveError
 from fsi.integration.evolution import Evolution
 from fsi.integration.state import Instant, StepRecord
+from fsi.integration.step_errors import ErrorEstimate
 from fsi.models import make_evolution, make_model
-from fsi.observables.error_estimate import ErrorEstimate
 from fsi.observables.resistance import Resistance
 from fsi.postprocess.run.run import Run, open_run
 from fsi.report.progress import ProgressBar

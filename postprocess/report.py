@@ -18,6 +18,7 @@ import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from fsi.errors import InputError
+from fsi.files import replace
 from fsi.observables.identities import BOUND, IDENTITIES
 from fsi.postprocess.plots.histories import plot_runs
 from fsi.postprocess.render.picture import MOVIES, write_pictures
@@ -25,7 +26,6 @@ from fsi.postprocess.render.render import artist, render_run
 from fsi.postprocess.render.view import Choice
 from fsi.postprocess.run.run import Run
 from fsi.reduced.identities import BOUND as REDUCED_BOUND
-from fsi.run_folder.checkpoint import replace
 from fsi.run_folder.folder import CASE
 
 _ROWS = 15  # of the table of steps

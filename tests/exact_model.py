@@ -15,9 +15,9 @@ from fsi.bodies.configuration import Array, Configuration, Inertia
 from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.integration.state import Instant, Model
+from fsi.integration.step_errors import ErrorEstimate, StepErrors
 from fsi.lubrication.exact import normal_resistance, parallel_resistance, rotation_resistance
 from fsi.models import stepped
-from fsi.observables.error_estimate import ErrorEstimate, StepErrors
 from fsi.runs import MakeEvolution
 
 

@@ -14,7 +14,7 @@ from fsi.arrangements import ordered
 from fsi.arrangements.arrangement import Arrangement, Array, Wanted
 from fsi.arrangements.packing import random_arrangement
 from fsi.errors import InputError
-from fsi.run_folder.checkpoint import replace
+from fsi.files import replace
 
 
 def radii_of(w: Wanted) -> Array:

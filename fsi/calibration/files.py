@@ -14,7 +14,7 @@ import numpy as np
 from fsi.calibration.result import CalibrationResult
 from fsi.case.law_file import save_law
 from fsi.errors import InputError
-from fsi.run_folder.checkpoint import replace
+from fsi.files import replace
 
 SAMPLES, LAW, SUMMARY = "samples.csv", "law.toml", "calibration.json"
 

@@ -20,8 +20,8 @@ from fsi.case.load import parse_case
 from fsi.case.section import toml_text
 from fsi.case.sections import Calibration
 from fsi.errors import InputError
+from fsi.integration.step_errors import Results
 from fsi.lubrication.expansions import Shape
-from fsi.observables.error_estimate import Results
 
 # Sections of a case that its samples do not have.
 _LEFT_OUT = {"calibration", "time", "output", "expected", "sweep", "forces", "reduced"}

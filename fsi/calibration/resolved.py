@@ -6,7 +6,7 @@ import time
 
 from fsi.calibration.pair import Pair
 from fsi.calibration.samples import Sample
-from fsi.observables.error_estimate import ErrorEstimate
+from fsi.integration.step_errors import ErrorEstimate
 from fsi.observables.truncation import halved
 from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.model import StokesModel

@@ -12,7 +12,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.calibration.pair import Pair
-from fsi.run_folder.checkpoint import replace
+from fsi.files import replace
 
 _PACKAGE = Path(__file__).parents[1]
 # What computes a sample besides its case.

@@ -32,11 +32,11 @@ from pydantic_core import PydanticCustomError
 from fsi.bodies.configuration import Array
 from fsi.case.section import Section, explain, tuples
 from fsi.errors import InputError
+from fsi.files import replace
 from fsi.lubrication.expansions import EXPONENTS, Mode, Shape
 from fsi.lubrication.fitting import band
 from fsi.lubrication.laws import LubricationLaw, Profile, ScaledLaw, Series, TabulatedProfile, Term
 from fsi.lubrication.named_laws import LAWS, SqueezeFilm, names_of_laws
-from fsi.run_folder.checkpoint import replace
 
 # Forms that have a section of their own.
 _SAMPLED = ("series", "table")

@@ -11,8 +11,8 @@ from fsi.bodies.configuration import Configuration
 from fsi.errors import SolveError
 from fsi.integration.schedule import Schedule
 from fsi.integration.state import Advance, Instant, Model, State, Step
+from fsi.integration.step_errors import StepErrors
 from fsi.meshes.geometry.containers import Container
-from fsi.observables.error_estimate import StepErrors
 
 # A step that is made again on finer meshes ends elsewhere, by about the error that it had.
 TRIES = 4

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Inertia
 from fsi.integration.schedule import Schedule
+from fsi.integration.step_errors import StepErrors
 from fsi.meshes.geometry.containers import Container
-from fsi.observables.error_estimate import StepErrors
 
 
 class Instant(Protocol):

@@ -16,8 +16,8 @@ from fsi.errors import SolveError
 from fsi.integration.gap_limiter import Approach, GapRefusedError, greatest_approach, limited_step
 from fsi.integration.schedule import Schedule
 from fsi.integration.state import Instant, Model, Scheme, State, Step
+from fsi.integration.step_errors import StepErrors
 from fsi.meshes.geometry.containers import Container
-from fsi.observables.error_estimate import StepErrors
 
 # Step controller of Hairer, Norsett & Wanner, Solving ODEs I, section II.4.
 SAFETY = 0.9

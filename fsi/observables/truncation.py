@@ -10,8 +10,9 @@ from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.errors import InputError
+from fsi.integration.step_errors import ErrorEstimate
 from fsi.observables.bulk_stress import BulkStress
-from fsi.observables.error_estimate import ErrorEstimate, relative_change
+from fsi.observables.error_estimate import relative_change
 from fsi.observables.flow_scales import flow_scales
 
 

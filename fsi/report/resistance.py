@@ -17,9 +17,9 @@ from rich.text import Text
 
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
+from fsi.files import replace
 from fsi.observables.resistance import Resistance
 from fsi.report.console import checks_table, table
-from fsi.run_folder.checkpoint import replace
 
 # Two discs; wider tables do not fit on a screen.
 LARGEST_TABLE = 6

@@ -16,9 +16,9 @@ from rich.text import Text
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.section import toml_text
+from fsi.integration.step_errors import ErrorEstimate
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.observables.bulk_stress import BulkStress
-from fsi.observables.error_estimate import ErrorEstimate
 from fsi.observables.truncation import Solution
 from fsi.report.console import checks_table, table
 

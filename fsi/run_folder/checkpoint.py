@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Configuration
+from fsi.files import replace
 from fsi.integration.state import State
-
-TEMPORARY = ".tmp"
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,13 +64,3 @@ def read_checkpoint(path: Path) -> Checkpoint:
         {name: int(value) for name, value in group("lengths").items()},
         {name: int(value) for name, value in group("entries").items()},
     )
-
-
-def replace(path: Path, content: bytes) -> None:
-    """Give a file new content in one go: whoever reads it sees the old or the new one."""
-    temporary = path.with_name(path.name + TEMPORARY)
-    with temporary.open("wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    temporary.replace(path)

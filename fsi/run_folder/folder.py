@@ -34,9 +34,10 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import LOADS, MODES, PLACES
 from fsi.errors import FsiError, InputError, SolveError
+from fsi.files import TEMPORARY, replace
 from fsi.integration.state import State, StepRecord
 from fsi.parallel import on_root
-from fsi.run_folder.checkpoint import TEMPORARY, Checkpoint, read_checkpoint, replace, write_checkpoint
+from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
 from fsi.run_folder.pvd import Entry, collection, read_collection
 
 CASE, PROVENANCE, STATE, FIELDS = "case.toml", "provenance.json", "state.npz", "fields"

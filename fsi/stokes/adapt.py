@@ -21,7 +21,7 @@ from fsi.case.checks.determined import require_determined_at_rest
 from fsi.case.sections import Discretisation
 from fsi.errors import SolveError
 from fsi.integration.state import Instant
-from fsi.observables.error_estimate import ErrorEstimate, StepErrors
+from fsi.integration.step_errors import ErrorEstimate, StepErrors
 from fsi.stokes.error import motion_of
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution

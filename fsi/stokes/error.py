@@ -28,7 +28,8 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Motion
 from fsi.case.case import Case
-from fsi.observables.error_estimate import ErrorEstimate, Results, StepErrors, relative_change
+from fsi.integration.step_errors import ErrorEstimate, Results, StepErrors
+from fsi.observables.error_estimate import relative_change
 from fsi.observables.flow_scales import flow_scales
 from fsi.stokes.solution import StokesSolution
 

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
 from fsi.case.case import Case
 from fsi.case.walls import WallVelocity
+from fsi.integration.step_errors import Results, StepErrors
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.files.read import read_mesh
 from fsi.meshes.geometry.containers import FluidDomain
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
-from fsi.observables.error_estimate import Results, StepErrors
 from fsi.stokes.clock import Clock
 from fsi.stokes.discretisation.boundary import Boundary, Field
 from fsi.stokes.error import motion_of, other_degree_of, step_errors

@@ -16,9 +16,9 @@ from fsi.case.case import Case
 from fsi.case.expected import TIME_AT_GAP, Expected, gap_of
 from fsi.errors import InputError, SolveError
 from fsi.integration.schemes import BogackiShampine
+from fsi.integration.step_errors import ErrorEstimate
 from fsi.lubrication.exact_results import EXACT
 from fsi.meshes.errors import MeshError
-from fsi.observables.error_estimate import ErrorEstimate
 from fsi.observables.truncation import halved
 from fsi.run_folder.folder import STEPS
 from fsi.runs import run

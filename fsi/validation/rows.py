@@ -18,9 +18,9 @@ from fsi.case.load import load_case, parse_case
 from fsi.case.overrides import override
 from fsi.case.section import nearest_word, toml_text
 from fsi.errors import InputError
+from fsi.integration.step_errors import Measured
 from fsi.lubrication.expansions import expansion
 from fsi.lubrication.spheres import normal_resistance
-from fsi.observables.error_estimate import Measured
 from fsi.validation.references import component
 
 SPHERE = "sphere_wall_normal"

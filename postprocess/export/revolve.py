@@ -14,10 +14,10 @@ import pyvista as pv
 
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
+from fsi.files import replace
 from fsi.meshes.cells.lagrange import order_of
 from fsi.postprocess.run.cells import along_curves, nodes, small_triangles
 from fsi.postprocess.run.run import Run
-from fsi.run_folder.checkpoint import replace
 from fsi.run_folder.pvd import Entry, collection
 
 SERIES = ("fluid", "surface")

@@ -10,8 +10,8 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
+from fsi.files import replace
 from fsi.postprocess.plots.figure import COLOURS, label_short, saved_figure
-from fsi.run_folder.checkpoint import replace
 
 type Curves = Mapping[str, Sequence[tuple[int, float]]]
 

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
+from fsi.files import replace
 from fsi.meshes.cells.lagrange import gradient, locate, order_of, tabulate
 from fsi.observables.velocity_gradient import hoop_rate, strain_rate, vorticity
 from fsi.postprocess.run.cells import nodes
 from fsi.postprocess.run.run import Run
-from fsi.run_folder.checkpoint import replace
 
 FLUID = "fluid"
 OUTSIDE = "outside"

@@ -66,9 +66,7 @@ class Run:
 
     @cached_property
     def case(self) -> Case:
-        """The resolved case. Raises InputError: it is that of a model which has other keys."""
-        if not self.has_flow:
-            raise InputError(f'model = "{self.model}": the run in {self.path} has no fluid; {_INSTEAD}')
+        """The case, with every default filled in."""
         return load_case(self.path / CASE)
 
     @cached_property
@@ -83,7 +81,7 @@ class Run:
 
     @property
     def has_flow(self) -> bool:
-        """Whether it is of a model with a viscous fluid, whose case `case` is; the limits have other keys."""
+        """Whether it is of a model with a viscous fluid."""
         return self.model in ("resolved", "reduced")
 
     @property

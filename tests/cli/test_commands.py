@@ -118,7 +118,7 @@ def test_ctrl_c_is_one_line_and_exit_code_130(
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("fsi.case.case.load_case", interrupt)
+    monkeypatch.setattr("fsi.case.load.load_case", interrupt)
     monkeypatch.setattr(sys, "argv", ["fsi", "check", str(CASE)])
     monkeypatch.setattr(sys, "__stderr__", sys.stderr)
     assert main() == 130

@@ -49,7 +49,7 @@ def _no_opengl(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("name", ["gluey/two_discs", "macroscopic/blocks"])
 def test_limits_of_vanishing_viscosity(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Their cases have other keys than those of the models with a fluid."""
-    few = ["--set", "time.end=0.1"] + (["--set", "parcels=40"] if "blocks" in name else [])
+    few = ["--set", "time.end=0.1"] + (["--set", "macroscopic.parcels=40"] if "blocks" in name else [])
     monkeypatch.setattr(
         sys, "argv", ["fsi", "run", str(CASES / f"{name}.toml"), "-o", str(tmp_path / "run"), *few]
     )

@@ -11,7 +11,7 @@ from rich.console import Console
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.load import load_case
-from fsi.observables.error_estimate import ErrorEstimate
+from fsi.integration.step_errors import ErrorEstimate
 from fsi.observables.truncation import halved, truncation
 from fsi.report.console import standard_output
 from fsi.report.solution import print_solution, solution_json

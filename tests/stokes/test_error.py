@@ -12,9 +12,10 @@ from fsi.case.case import Case
 from fsi.case.load import load_case, parse_case
 from fsi.errors import SolveError
 from fsi.integration.state import StepRecord
+from fsi.integration.step_errors import ErrorEstimate
 from fsi.lubrication import exact, spheres
 from fsi.meshes.files.write import write_mesh
-from fsi.observables.error_estimate import ErrorEstimate, relative_change
+from fsi.observables.error_estimate import relative_change
 from fsi.observables.flow_scales import flow_scales
 from fsi.runs import resume, run
 from fsi.stokes.adapt import solve_with_errors

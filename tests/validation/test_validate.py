@@ -12,9 +12,9 @@ import pytest
 
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
+from fsi.integration.step_errors import ErrorEstimate
 from fsi.lubrication.exact_results import EXACT as RESULTS
 from fsi.lubrication.exact_results import ExactProblem, Fitting, exact_result
-from fsi.observables.error_estimate import ErrorEstimate
 from fsi.report.validation import summary
 from fsi.validation.references import exact_value, reference
 from fsi.validation.resolved import time_at

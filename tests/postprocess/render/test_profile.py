@@ -26,7 +26,7 @@ CASE = Path(__file__).parents[3] / "cases" / "macroscopic" / "blocks.toml"
 def blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
     """Two blocks that move towards each other, at t = 0, 0.25 and 0.5, where nothing draws with OpenGL."""
     monkeypatch.setattr(canvas, "_DRAW", "raise SystemExit(1)")
-    overrides = ("--set", "parcels=40", "--set", "time.end=0.5")
+    overrides = ("--set", "macroscopic.parcels=40", "--set", "time.end=0.5")
     assert fsi_command("run", CASE, "-o", tmp_path / "run", *overrides) == 0
     return fsi.open_run(tmp_path / "run")
 
