@@ -6,13 +6,13 @@ One more shape is one more section here, a class registered with `register_domai
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, ClassVar, NamedTuple, Self, override
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, NamedTuple, Self
 
 from pydantic import BeforeValidator, Field, SerializeAsAny, field_validator
 
-from fsi.case.registry import Registry
-from fsi.case.section import Section, refuse_unknown
+from fsi.case.registry import Registered, Registry
+from fsi.case.section import refuse_unknown
 from fsi.case.walls import Velocity, Wall
 from fsi.geometry import Geometry, dimension_of, require_components
 from fsi.meshes.geometry.containers import Container
@@ -30,9 +30,10 @@ class MeanDrive(NamedTuple):
     net_flux: float | None
 
 
-class Walled(Section):
+class Walled(Registered):
     """What all domains have: a condition at every wall, and perhaps the user's own mesh of the shape."""
 
+    registry: ClassVar[Registry[Any]] = Registry("shape")
     # No mesh file has what a periodic domain needs: sides that match.
     takes_mesh: ClassVar[bool] = True
 
@@ -47,16 +48,6 @@ class Walled(Section):
     mesh: str | None = Field(
         default=None, description="the path of a mesh file of this shape, seen from the case file's folder"
     )
-
-    @classmethod
-    @override
-    def alternatives(cls) -> Sequence[type[Section]]:
-        return DOMAINS.sections
-
-    @classmethod
-    @override
-    def describe(cls, key: str) -> str | None:
-        return DOMAINS.choices if key == DOMAINS.key else super().describe(key)
 
     @field_validator("walls")
     @classmethod
@@ -101,7 +92,6 @@ class Walled(Section):
         """Raise InputError where no flow is solved for; bodies without fluid may be there all the same."""
 
 
-DOMAINS: Registry[Walled] = Registry("shape")
-register_domain = DOMAINS.register
+register_domain = Walled.registry.register
 
-Domain = Annotated[SerializeAsAny[Walled], BeforeValidator(DOMAINS.validate)]
+Domain = Annotated[SerializeAsAny[Walled], BeforeValidator(Walled.registry.validate)]

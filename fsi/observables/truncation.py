@@ -10,28 +10,16 @@ from fsi.bodies.configuration import Array
 from fsi.case.case import Case, parse_case
 from fsi.errors import InputError
 from fsi.observables.bulk_stress import BulkStress
-from fsi.observables.error_estimate import ErrorEstimate, relative_change
+from fsi.observables.error_estimate import ErrorEstimate, Measured, relative_change
 from fsi.observables.flow_scales import flow_scales
 
 
-class Solution(Protocol):
+class Solution(Measured, Protocol):
     """What a solved instant must tell."""
-
-    @property
-    def U(self) -> Array:
-        """Velocities of the bodies, shape (N, M)."""
-
-    @property
-    def F(self) -> Array:
-        """External loads, `int sigma n`, from the reactions, shape (N, M)."""
 
     @property
     def traction_F(self) -> Array:
         """The same loads as integrals of the traction of the computed fields, less accurate, shape (N, M)."""
-
-    @property
-    def dissipation(self) -> float:
-        """`2 mu int e:e`."""
 
     @property
     def checks(self) -> dict[str, float]:

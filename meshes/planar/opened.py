@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Array
-from fsi.meshes.geometry.curves import Segment
+from fsi.meshes.geometry.curves import segment
 from fsi.meshes.planar.cut import NeighbourLinks, cut
 from fsi.meshes.planar.sizing import Curve, Surfaces, arcs, around
 
@@ -113,7 +113,7 @@ def _curves(walk: list[Stretch], links: NeighbourLinks, surfaces: Surfaces) -> I
             radius = float(surfaces.radii[stretch.node])
         else:
             leaves = stretch.centre + _along_wall(surfaces, stretch.node)
-            yield surfaces.wall(Segment(stretch.node - n, np.array([stretch.centre, leaves])))
+            yield surfaces.wall(segment(stretch.node - n, stretch.centre, leaves))
         away, direction = along[stretch.link], links.step[stretch.link] / np.hypot(*links.step[stretch.link])
         if not stretch.forward:
             away, direction = (links.gap[stretch.link] - away)[::-1], -direction
