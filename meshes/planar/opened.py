@@ -19,7 +19,7 @@ from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Array
 from fsi.meshes.geometry.curves import segment
 from fsi.meshes.planar.cut import NeighbourLinks, cut
-from fsi.meshes.planar.sizing import Curve, Surfaces, arcs, around
+from fsi.meshes.planar.sizing import Curve, Surfaces, arcs, rings
 
 PIECES = 16  # of a link, to begin with
 
@@ -38,7 +38,7 @@ def opened(surfaces: Surfaces) -> list[Curve]:
     whole = [i for i in range(surfaces.bodies) if i not in opened_bodies]
     outer = _closed(_curves(walk, links, surfaces))
     shifts = _shifts_inside(surfaces, surfaces.centres[whole], walk)
-    holes = around(surfaces, whole)
+    holes = rings(surfaces, whole)
     return [_moved(hole, shift) for hole, shift in zip(holes, shifts, strict=True)] + outer
 
 

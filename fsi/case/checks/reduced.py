@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 def check_reduced(case: Case) -> None:
     """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
-    given = case.reduced
-    if case.drag == 0.0 and given.scheme == "adaptive" and case.masses() is None:
+    reduced = case.reduced
+    if case.drag == 0.0 and reduced.scheme == "adaptive" and case.masses() is None:
         raise InputError(
             "reduced.drag = 0: only lubrication would resist bodies without mass; give them drag or mass"
         )
@@ -25,10 +25,10 @@ def check_reduced(case: Case) -> None:
         )
     _check_periodic(case)
     _check_background(case)
-    if given.scheme == "adaptive":
-        if given.step is not None:
+    if reduced.scheme == "adaptive":
+        if reduced.step is not None:
             raise InputError(
-                f'reduced.step = {given.step:g}: scheme "adaptive" chooses its steps; drop it or give '
+                f'reduced.step = {reduced.step:g}: scheme "adaptive" chooses its steps; drop it or give '
                 'reduced.scheme = "distance"'
             )
         return
@@ -65,18 +65,18 @@ def _check_background(case: Case) -> None:
 
 
 def _check_distance_scheme(case: Case) -> None:
-    given = case.reduced
-    if given.step is None:
-        raise InputError(f'reduced.step: missing; scheme "{given.scheme}" needs the length of its steps')
+    reduced = case.reduced
+    if reduced.step is None:
+        raise InputError(f'reduced.step: missing; scheme "{reduced.scheme}" needs the length of its steps')
     for i, body in enumerate(case.bodies):
         if body.mass is None:
             raise InputError(
-                f'bodies.{i}.mass: missing; scheme "{given.scheme}" is for bodies with inertia: give each a '
-                'mass, or use reduced.scheme = "adaptive"'
+                f'bodies.{i}.mass: missing; scheme "{reduced.scheme}" is for bodies with inertia: give each '
+                'a mass, or use reduced.scheme = "adaptive"'
             )
-    laws = {given.law, given.wall_law or given.law}
-    if given.scheme == "backward-euler" and (laws != {"slides"} or given.cutoff is not None):
+    laws = {reduced.law, reduced.wall_law or reduced.law}
+    if reduced.scheme == "backward-euler" and (laws != {"slides"} or reduced.cutoff is not None):
         raise InputError(
-            f'reduced.law = "{given.law}": scheme "backward-euler" is for "slides" without a cutoff; '
+            f'reduced.law = "{reduced.law}": scheme "backward-euler" is for "slides" without a cutoff; '
             'use reduced.scheme = "distance"'
         )
