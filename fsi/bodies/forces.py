@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi
-from typing import Protocol
 
 import numpy as np
 
@@ -33,21 +32,25 @@ class Bulk:
         return cls(masses, 4.0 / 3.0 * pi * radii**3 if spheres else pi * radii**2)
 
 
-class ExternalForce(Protocol):
-    """What acts on bodies besides the fluid."""
+class ForceLaw:
+    """What acts on bodies besides the fluid; a law says what is different with it."""
+
+    def on_bodies(self, bulk: Bulk, t: float) -> Array | float:  # noqa: ARG002
+        """The force on each body by itself at time t, (N, d), or 0."""
+        return 0.0
 
     @property
     def reach(self) -> float:
         """The gap beyond which there is no force between surfaces; 0 of a law that knows none."""
-
-    def on_bodies(self, bulk: Bulk, t: float) -> Array | float:
-        """The force on each body by itself at time t, (N, d), or 0."""
+        return 0.0
 
     def repulsion(self, d: Array) -> Array:
-        """f(d), the force that pushes bodies with gaps d apart."""
+        """f(d), the force that pushes two bodies with the gap d apart, negative for attraction."""
+        return np.zeros_like(d)
 
     def wall_repulsion(self, d: Array) -> Array:
-        """f(d) between bodies and walls."""
+        """The same between bodies and walls."""
+        return np.zeros_like(d)
 
 
 def separations(q: Configuration, gaps: Gaps) -> Array:
@@ -56,7 +59,7 @@ def separations(q: Configuration, gaps: Gaps) -> Array:
 
 
 def external_forces(
-    forces: Sequence[ExternalForce], q: Configuration, container: Container, bulk: Bulk, t: float
+    forces: Sequence[ForceLaw], q: Configuration, container: Container, bulk: Bulk, t: float
 ) -> Array:
     """The sum of all forces on each body at time t, shape (N, d).
 
@@ -75,7 +78,7 @@ def external_forces(
     return total
 
 
-def moment_of_forces(forces: Sequence[ExternalForce], q: Configuration, container: Container) -> Array:
+def moment_of_forces(forces: Sequence[ForceLaw], q: Configuration, container: Container) -> Array:
     """What forces between bodies, and bodies and walls, carry across a distance: sum of r (x) F, (d, d).
 
     r is the vector to the body on which F acts, from the centre of the other body or from the wall.
@@ -90,7 +93,7 @@ def moment_of_forces(forces: Sequence[ExternalForce], q: Configuration, containe
     return total
 
 
-def between_bodies(force: ExternalForce, q: Configuration, container: Container) -> Array:
+def between_bodies(force: ForceLaw, q: Configuration, container: Container) -> Array:
     """Forces of one law on each body, shape (N, d)."""
     gaps = find_gaps(q, container, force.reach)
     push, total = _on_first(force, q, gaps), _from_walls(force, q, gaps, container).sum(axis=1)
@@ -99,7 +102,7 @@ def between_bodies(force: ExternalForce, q: Configuration, container: Container)
     return total
 
 
-def _on_first(force: ExternalForce, q: Configuration, gaps: Gaps) -> Array:
+def _on_first(force: ForceLaw, q: Configuration, gaps: Gaps) -> Array:
     """Of each pair, the force on the first body, (P, d)."""
     between = separations(q, gaps)
     unit = between / np.linalg.norm(between, axis=1, keepdims=True)
@@ -107,7 +110,7 @@ def _on_first(force: ExternalForce, q: Configuration, gaps: Gaps) -> Array:
     return push
 
 
-def _from_walls(force: ExternalForce, q: Configuration, gaps: Gaps, container: Container) -> Array:
+def _from_walls(force: ForceLaw, q: Configuration, gaps: Gaps, container: Container) -> Array:
     """The force of each wall on each body, (N, walls, d)."""
     push = force.wall_repulsion(gaps.wall_gaps)
     forces: Array = push[:, :, None] * container.normals(q.centres)

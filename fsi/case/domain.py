@@ -6,13 +6,13 @@ One more shape is one more section here, a class registered with `register_domai
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, NamedTuple, Self, override
 
 from pydantic import BeforeValidator, Field, PrivateAttr, SerializeAsAny, ValidationInfo, field_validator
 
-from fsi.case.registry import Registry
-from fsi.case.section import CaseContext, Geometry, Section, refuse_unknown, require_components, told
+from fsi.case.registry import Registered, Registry
+from fsi.case.section import CaseContext, Geometry, refuse_unknown, require_components, told
 from fsi.case.walls import Velocity, Wall
 from fsi.meshes.geometry.containers import Container
 
@@ -29,9 +29,10 @@ class MeanDrive(NamedTuple):
     net_flux: float | None
 
 
-class Walled(Section):
+class Walled(Registered):
     """What all domains have: a condition at every wall, and perhaps the user's own mesh of the shape."""
 
+    registry: ClassVar[Registry[Any]] = Registry("shape")
     # No mesh file has what a periodic domain needs: sides that match.
     takes_mesh: ClassVar[bool] = True
 
@@ -46,16 +47,6 @@ class Walled(Section):
     mesh: str | None = Field(
         default=None, description="the path of a mesh file of this shape, seen from the case file's folder"
     )
-
-    @classmethod
-    @override
-    def alternatives(cls) -> Sequence[type[Section]]:
-        return DOMAINS.sections
-
-    @classmethod
-    @override
-    def describe(cls, key: str) -> str | None:
-        return DOMAINS.choices if key == DOMAINS.key else super().describe(key)
 
     @field_validator("walls")
     @classmethod
@@ -109,7 +100,6 @@ class Walled(Section):
         """Raise InputError where no flow is solved for; bodies without fluid may be there all the same."""
 
 
-DOMAINS: Registry[Walled] = Registry("shape")
-register_domain = DOMAINS.register
+register_domain = Walled.registry.register
 
-Domain = Annotated[SerializeAsAny[Walled], BeforeValidator(DOMAINS.validate)]
+Domain = Annotated[SerializeAsAny[Walled], BeforeValidator(Walled.registry.validate)]

@@ -2,66 +2,40 @@
 
 from __future__ import annotations
 
-import itertools
 from abc import abstractmethod
-from collections.abc import Sequence
-from typing import Annotated, Literal, override
+from typing import Annotated, Any, ClassVar, Literal, override
 
 import numpy as np
-from pydantic import BeforeValidator, Field, SerializeAsAny, field_validator, model_validator
+from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
 from fsi.bodies.configuration import Array
-from fsi.bodies.forces import Bulk
-from fsi.case.registry import Registry
-from fsi.case.section import Section, toml_text
-from fsi.case.series import Series, Table, is_zero, value_at
+from fsi.bodies.forces import Bulk, ForceLaw
+from fsi.case.registry import Registered, Registry
+from fsi.case.section import toml_text
+from fsi.case.series import Increasing, Series, Table, is_zero, require_pairs, value_at
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Container
 
 _KINDS = '"gravity", "attraction" or "repulsion"'
 
 
-class ForceLaw(Section):
-    """What acts on bodies besides the fluid; a law says what is different with it.
+class ForceSection(Registered, ForceLaw):
+    """What acts on bodies besides the fluid. One more law is one more class here, registered."""
 
-    One more law is one more class here, registered with `register_force`.
-    """
-
-    @classmethod
-    @override
-    def alternatives(cls) -> Sequence[type[Section]]:
-        return FORCES.sections
-
-    @classmethod
-    @override
-    def describe(cls, key: str) -> str | None:
-        return FORCES.choices if key == FORCES.key else super().describe(key)
+    registry: ClassVar[Registry[Any]] = Registry("law")
 
     def weight(self, bulk: Bulk) -> tuple[Array, tuple[float | Table, ...]] | None:  # noqa: ARG002
         """What is heavy of each body, (N,), and its acceleration over time, (d,); None of no weight."""
         return None
 
+    @override
     def on_bodies(self, bulk: Bulk, t: float) -> Array | float:
-        """The force on each body by itself at time t, (N, d), or 0."""
         weight = self.weight(bulk)
         if weight is None:
             return 0.0
         heavy, acceleration = weight
         force: Array = heavy[:, None] * np.array([value_at(part, t) for part in acceleration])
         return force
-
-    @property
-    def reach(self) -> float:
-        """The gap beyond which there is no force between surfaces; 0 of a law that knows none."""
-        return 0.0
-
-    def repulsion(self, d: Array) -> Array:
-        """f(d), the force that pushes two surfaces with the gap d apart, negative for attraction."""
-        return np.zeros_like(d)
-
-    def wall_repulsion(self, d: Array) -> Array:
-        """The same between bodies and walls."""
-        return np.zeros_like(d)
 
     def require_fit(self, key: str, container: Container, *, heavy: bool) -> None:
         """Raise InputError, which calls the law `key`, where it makes no sense.
@@ -73,12 +47,11 @@ class ForceLaw(Section):
         """
 
 
-FORCES: Registry[ForceLaw] = Registry("law")
-register_force = FORCES.register
+register_force = ForceSection.registry.register
 
 
 @register_force
-class Gravity(ForceLaw):
+class Gravity(ForceSection):
     """A weight: `F = m g`, or `F = (difference of densities) V g`, V the area of a disc or volume of a ball.
 
     With masses the buoyancy is not taken off.
@@ -109,9 +82,10 @@ class Gravity(ForceLaw):
             raise InputError(f"{here}: no body has a mass; give density_difference, or bodies a mass")
 
 
-class BetweenSurfaces(ForceLaw):
+class BetweenSurfaces(ForceSection):
     """A force along the line of centres, on each of two bodies, that depends on their gap d."""
 
+    reach_key: ClassVar[str] = "cutoff"
     kind: Literal["attraction", "repulsion"] = Field(description=_KINDS)
     law: str
     walls: bool = Field(default=False, description="true for the same force between bodies and walls")
@@ -121,11 +95,6 @@ class BetweenSurfaces(ForceLaw):
     @abstractmethod
     def reach(self) -> float:
         """The gap beyond which there is no force."""
-
-    @property
-    @abstractmethod
-    def reach_key(self) -> str:
-        """The key that says so."""
 
     @abstractmethod
     def strength_at(self, d: Array) -> Array:
@@ -163,11 +132,6 @@ class _CutOff(BetweenSurfaces):
         """The cut-off."""
         return self.cutoff
 
-    @property
-    @override
-    def reach_key(self) -> str:
-        return "cutoff"
-
 
 @register_force
 class Exponential(_CutOff):
@@ -203,24 +167,16 @@ class Power(_CutOff):
 class Tabulated(BetweenSurfaces):
     """|F| linear between given gaps, constant below the first and zero beyond the last."""
 
+    reach_key: ClassVar[str] = "gaps"
     law: Literal["table"]
-    gaps: tuple[float, ...] = Field(min_length=1, description="gaps, increasing")
+    gaps: Increasing = Field(min_length=1, description="gaps, increasing")
     values: tuple[float, ...] = Field(
         description="one force for each gap; negative ones turn the force round"
     )
 
-    @field_validator("gaps")
-    @classmethod
-    def _increasing(cls, gaps: tuple[float, ...]) -> tuple[float, ...]:
-        for before, after in itertools.pairwise(gaps):
-            if not before < after:
-                raise ValueError(f"must increase, but {after!r} follows {before!r}")
-        return gaps
-
     @model_validator(mode="after")
     def _paired(self) -> Tabulated:
-        if len(self.gaps) != len(self.values):
-            raise ValueError(f"has {len(self.gaps)} gaps but {len(self.values)} values")
+        require_pairs(gaps=self.gaps, values=self.values)
         return self
 
     @property
@@ -229,15 +185,10 @@ class Tabulated(BetweenSurfaces):
         """The last gap of the table."""
         return self.gaps[-1]
 
-    @property
-    @override
-    def reach_key(self) -> str:
-        return "gaps"
-
     @override
     def strength_at(self, d: Array) -> Array:
         """Linear interpolation."""
         return np.interp(d, self.gaps, self.values)
 
 
-Force = Annotated[SerializeAsAny[ForceLaw], BeforeValidator(FORCES.validate)]
+Force = Annotated[SerializeAsAny[ForceSection], BeforeValidator(ForceSection.registry.validate)]

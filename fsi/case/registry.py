@@ -6,8 +6,8 @@ choice only, like `shape: Literal["box"]`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, Literal, get_args, get_origin
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Literal, get_args, get_origin, override
 
 from pydantic import ValidationInfo
 
@@ -56,6 +56,22 @@ class Registry[S: Section]:
             return value
         section = self.section_for(value) if isinstance(value, dict) else self.sections[0]
         return section.model_validate(value, context=info.context)
+
+
+class Registered(Section):
+    """The base of the sections of one registry."""
+
+    registry: ClassVar[Registry[Any]]
+
+    @classmethod
+    @override
+    def alternatives(cls) -> Sequence[type[Section]]:
+        return cls.registry.sections
+
+    @classmethod
+    @override
+    def describe(cls, key: str) -> str | None:
+        return cls.registry.choices if key == cls.registry.key else super().describe(key)
 
 
 def _words(section: type[Section]) -> dict[str, str]:

@@ -6,10 +6,27 @@ import itertools
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Discriminator, Field, Tag, field_validator, model_validator
+from pydantic import AfterValidator, Discriminator, Field, Tag, field_validator, model_validator
 from scipy.interpolate import PPoly
 
 from fsi.case.section import Section
+
+
+def _increasing(values: tuple[float, ...]) -> tuple[float, ...]:
+    for before, after in itertools.pairwise(values):
+        if not before < after:
+            raise ValueError(f"must increase, but {after!r} follows {before!r}")
+    return values
+
+
+Increasing = Annotated[tuple[float, ...], AfterValidator(_increasing)]
+
+
+def require_pairs(**columns: tuple[float, ...]) -> None:
+    """Raise ValueError where two columns of a table, given by name, are not equally long."""
+    (one, first), (other, second) = columns.items()
+    if len(first) != len(second):
+        raise ValueError(f"has {len(first)} {one} but {len(second)} {other}")
 
 
 class Table(Section):
@@ -36,8 +53,7 @@ class Table(Section):
 
     @model_validator(mode="after")
     def _paired(self) -> Table:
-        if len(self.times) != len(self.values):
-            raise ValueError(f"has {len(self.times)} times but {len(self.values)} values")
+        require_pairs(times=self.times, values=self.values)
         return self
 
 

@@ -10,7 +10,7 @@ from pydantic import ConfigDict, Discriminator, Field, RootModel, Tag
 
 from fsi.bodies.configuration import Array
 from fsi.case.section import Section, nearest_word
-from fsi.case.series import Series, Table, is_zero, kinks, value_at
+from fsi.case.series import Series, Table, kinks, value_at
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,11 +30,6 @@ class WallCondition:
     """What holds at a wall; here, what most conditions answer."""
 
     tag: ClassVar[str]
-
-    @property
-    def rests(self) -> bool:
-        """Whether its velocity is zero at all times."""
-        return False
 
     @property
     def outside_pressure(self) -> float | None:
@@ -57,9 +52,19 @@ class WallCondition:
         """The components of a velocity that is given by them; else as many as there should be."""
         return (None,) * dimension
 
-    def suits_axis(self, *, around: bool) -> bool:  # noqa: ARG002
-        """Whether it is symmetric about the axis, at a wall `around` that or across it."""
-        return True
+    @property
+    def rests(self) -> bool:
+        """Whether its velocity is zero at all times."""
+        return all(v is not None and not v.shear and not v.velocity.any() for v in self._at_kinks())
+
+    def suits_axis(self, *, along: bool) -> bool:
+        """Whether it is symmetric about the axis, at a wall along that or across it."""
+        velocities = [v for v in self._at_kinks() if v is not None]
+        return not any(v.shear or (v.velocity[0] and not along) for v in velocities)
+
+    def _at_kinks(self) -> list[WallVelocity | None]:
+        """The velocity when it may be extreme: between its kinks it is linear in time."""
+        return [self.velocity(t, 2) for t in self.kinks() or {0.0}]
 
 
 class Open(RootModel[Literal["open"]], WallCondition):
@@ -79,11 +84,6 @@ class Velocity(RootModel[tuple[Series, ...]], WallCondition):
     tag: ClassVar[str] = "<velocity>"
     model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False)
 
-    @property
-    @override
-    def rests(self) -> bool:
-        return all(map(is_zero, self.root))
-
     @override
     def velocity(self, t: float, dimension: int) -> WallVelocity:
         return WallVelocity(np.array([value_at(component, t) for component in self.root]), 0.0)
@@ -95,10 +95,6 @@ class Velocity(RootModel[tuple[Series, ...]], WallCondition):
     @override
     def components(self, dimension: int) -> tuple[Any, ...]:
         return self.root
-
-    @override
-    def suits_axis(self, *, around: bool) -> bool:
-        return around or is_zero(self.root[0])
 
 
 class Pressure(Section, WallCondition):
@@ -122,10 +118,6 @@ class Shear(Section, WallCondition):
     @override
     def velocity(self, t: float, dimension: int) -> WallVelocity:
         return WallVelocity(np.zeros(dimension), self.shear)
-
-    @override
-    def suits_axis(self, *, around: bool) -> bool:
-        return False
 
 
 def _wall_kind(value: Any) -> str:

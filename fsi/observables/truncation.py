@@ -10,30 +10,18 @@ from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.errors import InputError
-from fsi.integration.step_errors import ErrorEstimate
+from fsi.integration.step_errors import ErrorEstimate, Measured
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.error_estimate import relative_change
 from fsi.observables.flow_scales import flow_scales
 
 
-class Solution(Protocol):
+class SolvedInstant(Measured, Protocol):
     """What a solved instant must tell."""
-
-    @property
-    def U(self) -> Array:
-        """Velocities of the bodies, shape (N, M)."""
-
-    @property
-    def F(self) -> Array:
-        """External loads, `int sigma n`, from the reactions, shape (N, M)."""
 
     @property
     def traction_F(self) -> Array:
         """The same loads as integrals of the traction of the computed fields, less accurate, shape (N, M)."""
-
-    @property
-    def dissipation(self) -> float:
-        """`2 mu int e:e`."""
 
     @property
     def checks(self) -> dict[str, float]:
@@ -72,7 +60,7 @@ def halved(case: Case) -> Case | None:
         return None
 
 
-def truncation(case: Case, whole: Solution, half: Solution) -> dict[str, float]:
+def truncation(case: Case, whole: SolvedInstant, half: SolvedInstant) -> dict[str, float]:
     """How much the results change when the radius R of the container is halved.
 
     The effect of R decays like R^-1 (a net force in a ball) or faster, so the error at R is at most this

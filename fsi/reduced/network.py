@@ -105,9 +105,9 @@ class GapNetwork:
 def make_network(pairs: Pairs, kappa: Array, Z_inverse: Array) -> GapNetwork:
     """The network of pairs with resistances kappa (P,), 0 and infinite ones within reach of numbers."""
     G = gradient(pairs, len(Z_inverse))
-    own = own_mobility(G, Z_inverse)
+    mobility = own_mobility(G, Z_inverse)
     with np.errstate(divide="ignore"):
-        compliance = np.clip(1.0 / kappa, _RIGID * np.where(own > 0.0, own, 1.0), _SLACK)
+        compliance = np.clip(1.0 / kappa, _RIGID * np.where(mobility > 0.0, mobility, 1.0), _SLACK)
     return GapNetwork(pairs, G, compliance)
 
 

@@ -19,7 +19,7 @@ from fsi.case.section import toml_text
 from fsi.integration.step_errors import ErrorEstimate
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.observables.bulk_stress import BulkStress
-from fsi.observables.truncation import Solution
+from fsi.observables.truncation import SolvedInstant
 from fsi.report.console import checks_table, table
 
 
@@ -31,7 +31,7 @@ def components(case: Case) -> tuple[str, ...]:
 
 
 def solution_json(
-    case: Case, solution: Solution, errors: ErrorEstimate, truncated: Mapping[str, float] | None
+    case: Case, solution: SolvedInstant, errors: ErrorEstimate, truncated: Mapping[str, float] | None
 ) -> dict[str, Any]:
     """The object that `fsi solve --json` prints; `truncation` is there where it could be measured."""
     d = case.dimension
@@ -79,7 +79,7 @@ def bodies_json(case: Case, U: Array, F: Array) -> list[dict[str, Any]]:
     ]
 
 
-def _solver(solution: Solution) -> str:
+def _solver(solution: SolvedInstant) -> str:
     """Which linear solver was used."""
     return f"FGMRES with {solution.iterations} iterations" if solution.iterations else "direct solver"
 
@@ -105,7 +105,7 @@ def turning(components: Array) -> float | list[float]:
 def print_solution(
     console: Console,
     case: Case,
-    solution: Solution,
+    solution: SolvedInstant,
     errors: ErrorEstimate,
     truncated: Mapping[str, float] | None,
 ) -> None:
@@ -135,7 +135,7 @@ def bodies_table(
     return shown
 
 
-def _bodies_table(case: Case, solution: Solution, errors: ErrorEstimate) -> Table:
+def _bodies_table(case: Case, solution: SolvedInstant, errors: ErrorEstimate) -> Table:
     """Velocities and forces; an error only where the number is a result."""
     held = case.motion(0.0).held
 
@@ -171,13 +171,13 @@ def _stress_table(bulk: BulkStress, errors: ErrorEstimate) -> Table:
     )
 
 
-def _checks_table(solution: Solution, truncated: Mapping[str, float] | None) -> Table:
+def _checks_table(solution: SolvedInstant, truncated: Mapping[str, float] | None) -> Table:
     changes = (truncated or {}).items()
     halved = {f"truncation: change of {name} when the radius is halved": value for name, value in changes}
     return checks_table("check, relative", solution.checks | halved)
 
 
-def _cost(case: Case, solution: Solution) -> Text:
+def _cost(case: Case, solution: SolvedInstant) -> Text:
     phases = ", ".join(f"{phase} {spent:.2f}" for phase, spent in solution.seconds.items())
     mesh = case.discretisation
     return Text(

@@ -130,8 +130,8 @@ def _solve(A: Array, b: Array) -> Array:
         return np.stack([first, second], axis=1) / det[:, None]
     x, y, z = np.moveaxis(A, 2, 0)
     minors = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=1)
-    found: Array = np.einsum("pkd,pd->pk", minors, b) / np.einsum("pd,pd->p", minors[:, 0], x)[:, None]
-    return found
+    solution: Array = np.einsum("pkd,pd->pk", minors, b) / np.einsum("pd,pd->p", minors[:, 0], x)[:, None]
+    return solution
 
 
 def locate(x: Array, points: Array, tolerance: float) -> tuple[Indices, Array]:
@@ -151,15 +151,15 @@ def locate(x: Array, points: Array, tolerance: float) -> tuple[Indices, Array]:
     low, high = low - slack, high + slack
     order = np.argsort(points[:, 0])
     for block in (order[k : k + _BLOCK] for k in range(0, len(order), _BLOCK)):
-        own = points[block]
-        near = np.flatnonzero(np.all((low <= own.max(axis=0)) & (high >= own.min(axis=0)), axis=1))
-        inside = np.all((own[:, None] >= low[near]) & (own[:, None] <= high[near]), axis=2)
+        x_block = points[block]
+        near = np.flatnonzero(np.all((low <= x_block.max(axis=0)) & (high >= x_block.min(axis=0)), axis=1))
+        inside = np.all((x_block[:, None] >= low[near]) & (x_block[:, None] <= high[near]), axis=2)
         which, candidate = np.nonzero(inside)
         candidate = near[candidate]
-        found = invert(x[candidate], own[which])
-        depth = np.minimum(found.min(axis=1), 1.0 - found.sum(axis=1))
+        inner = invert(x[candidate], x_block[which])
+        depth = np.minimum(inner.min(axis=1), 1.0 - inner.sum(axis=1))
         best = np.lexsort((-depth, which))  # of each point the deepest candidate first; NaN last
         best = best[depth[best] >= -tolerance]
         first = best[np.unique(which[best], return_index=True)[1]]
-        cell[block[which[first]]], X[block[which[first]]] = candidate[first], found[first]
+        cell[block[which[first]]], X[block[which[first]]] = candidate[first], inner[first]
     return cell, X

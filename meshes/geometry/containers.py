@@ -16,27 +16,17 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Protocol, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.curves import Arc, Segment, Sphere, WallCurve
+from fsi.meshes.geometry.curves import Sphere, WallCurve, arc, segment
 
 Array = NDArray[np.float64]
 
 _LARGEST_IN_BOX = 0.25  # largest element in space, over the size of a container with plane walls
-
-
-class SolidKernel(Protocol):
-    """What makes solids, as gmsh names it (`gmsh.model.occ`); each is known by a number."""
-
-    def addBox(self, x: float, y: float, z: float, dx: float, dy: float, dz: float) -> int:
-        """The box from a corner along its three edges."""
-
-    def addSphere(self, xc: float, yc: float, zc: float, radius: float, *, angle1: float = ...) -> int:
-        """The ball, above the latitude `angle1`."""
 
 
 class Container(ABC):
@@ -118,7 +108,8 @@ class Container(ABC):
 
     def axis(self) -> tuple[float, float]:
         """Lowest and highest z of an axisymmetric container on its axis."""
-        raise TypeError(f"{type(self).__name__} has no axis of symmetry")
+        on_axis = [float(z) for curve in self.outline() for r, z in curve.ends if r == 0.0]
+        return min(on_axis), max(on_axis)
 
     @property
     def boundary_names(self) -> tuple[str, ...]:
@@ -174,8 +165,8 @@ class Container(ABC):
         """The container with all lengths times the factor."""
         raise MeshError("no domain of this shape is meshed in space")
 
-    def solid(self, kernel: SolidKernel) -> int:
-        """The inside as a solid, without bodies: its number."""
+    def solid(self, kernel: Any) -> int:
+        """The inside as a solid of gmsh's kernel (`gmsh.model.occ`), without bodies: its number."""
         raise NotImplementedError
 
     def distance_formulas(self) -> list[str]:
@@ -270,7 +261,7 @@ class Box(Container):
             "bottom": ((x0, y0), (x1, y0)),
             "top": ((x1, y1), (x0, y1)),
         }
-        return tuple(Segment(k, np.array(ends[wall])) for k, wall in enumerate(self.walls))
+        return tuple(segment(k, *ends[wall]) for k, wall in enumerate(self.walls))
 
     def wall_fluxes(self) -> Array:
         """Each wall's area along its axis; h n_x is that at half the height."""
@@ -288,10 +279,6 @@ class Box(Container):
     def size(self) -> float:
         """Length of the diagonal."""
         return float(np.hypot.reduce(np.subtract(self.upper, self.lower)))
-
-    def axis(self) -> tuple[float, float]:
-        """From the bottom to the top."""
-        return self.lower[1], self.upper[1]
 
     @property
     def volume(self) -> float:
@@ -315,9 +302,9 @@ class Box(Container):
         lower, upper = (tuple(factor * x for x in corner) for corner in (self.lower, self.upper))
         return replace(self, lower=lower, upper=upper)
 
-    def solid(self, kernel: SolidKernel) -> int:
+    def solid(self, kernel: Any) -> int:
         """A box."""
-        return kernel.addBox(*self.lower, *np.subtract(self.upper, self.lower))
+        return int(kernel.addBox(*self.lower, *np.subtract(self.upper, self.lower)))
 
     def distance_formulas(self) -> list[str]:
         """Differences of a coordinate."""
@@ -331,7 +318,48 @@ class Box(Container):
 
 
 @dataclass(frozen=True, slots=True)
-class HalfPlane(Container):
+class _Ball(Container):
+    """What a disc or ball around the origin and the upper half of one have in common."""
+
+    radius: float
+    axisymmetric: bool = False
+    dimension: int = 2
+
+    def size(self) -> float:
+        """Diameter."""
+        return 2.0 * self.radius
+
+    @property
+    def volume(self) -> float:
+        """Of the whole disc or ball, with an axis of half the disc."""
+        whole = np.pi * self.radius**2 if self.dimension == 2 else 4.0 / 3.0 * np.pi * self.radius**3
+        return float(whole) / (2.0 if self.axisymmetric else 1.0)
+
+    def _to_arc(self, x: Array) -> Array:
+        """Distance of points (n, d) to the sphere, from inside."""
+        return self.radius - lengths(x)
+
+    def _inward(self, x: Array) -> Array:
+        """Unit vectors from points (n, d) to the origin; zero there, where every direction is as good."""
+        length = np.linalg.norm(x, axis=1, keepdims=True)
+        direction: Array = -x / np.where(length > 0.0, length, 1.0)
+        return direction
+
+    @property
+    def _sphere(self) -> Sphere:
+        return Sphere(np.zeros(self.dimension), self.radius)
+
+    @property
+    def _distance_formula(self) -> str:
+        return f"({self.radius!r}-sqrt(x^2+y^2+z^2))"
+
+    def scaled(self, factor: float) -> Self:
+        """The radius times the factor."""
+        return replace(self, radius=factor * self.radius)
+
+
+@dataclass(frozen=True, slots=True)
+class HalfPlane(_Ball):
     """Half disc y > 0, |x| < radius, that stands for the half-plane above the wall `plane` (y = 0).
 
     The arc `far` carries the flow at infinity, at rest if not given. What the finite radius
@@ -339,14 +367,8 @@ class HalfPlane(Container):
     Axisymmetric, or with dimension = 3 and z for y, it is a half ball.
     """
 
-    radius: float
-    axisymmetric: bool = False
-    dimension: int = 2
-
-    @property
-    def walls(self) -> tuple[str, ...]:
-        """Names of the walls."""
-        return ("plane", "far")
+    walls: ClassVar[tuple[str, ...]] = ("plane", "far")
+    far_walls: ClassVar[tuple[str, ...]] = ("far",)
 
     @property
     def corner_axes(self) -> tuple[int, ...]:
@@ -355,28 +377,22 @@ class HalfPlane(Container):
 
     def distances(self, x: Array) -> Array:
         """Distance of each point (n, dimension) to the plane and to the arc, shape (n, 2)."""
-        return np.column_stack([x[:, -1], self.radius - lengths(x)])
+        return np.column_stack([x[:, -1], self._to_arc(x)])
 
     def normals(self, x: Array) -> Array:
         """Upwards from the plane, towards the origin from the arc."""
         upwards = np.broadcast_to(np.eye(self.dimension)[-1], x.shape)
-        return np.stack([upwards, _to_origin(x)], axis=1)
+        return np.stack([upwards, self._inward(x)], axis=1)
 
     def outline(self) -> tuple[WallCurve, ...]:
         """From the left end of the plane to the right, and back on the arc; with an axis half of each."""
-        left, top = (0.0, 0.5) if self.axisymmetric else (-self.radius, 1.0)
-        plane = Segment(0, np.array([[left, 0.0], [self.radius, 0.0]]))
-        return plane, Arc(1, self.radius, 0.0, top * np.pi)
+        left, turn = (0.0, 0.5 * np.pi) if self.axisymmetric else (-self.radius, np.pi)
+        return segment(0, (left, 0.0), (self.radius, 0.0)), arc(1, self.radius, 0.0, turn)
 
     @property
     def spheres(self) -> tuple[Sphere | None, ...]:
         """The arc is round."""
-        return None, Sphere(np.zeros(self.dimension), self.radius)
-
-    @property
-    def far_walls(self) -> tuple[str, ...]:
-        """The arc."""
-        return ("far",)
+        return None, self._sphere
 
     def wall_fluxes(self) -> Array:
         """What enters through the plane leaves through the arc."""
@@ -386,31 +402,18 @@ class HalfPlane(Container):
         rows[0] = -rows[1]
         return rows
 
-    def size(self) -> float:
-        """Diameter of the half disc."""
-        return 2.0 * self.radius
-
-    def axis(self) -> tuple[float, float]:
-        """From the plane to the top of the arc."""
-        return 0.0, self.radius
-
     @property
     def volume(self) -> float:
         """Of the half disc, the quarter of it, or the half ball."""
-        whole = _ball_volume(self.radius, self.dimension)
-        return whole / (4.0 if self.axisymmetric else 2.0)
+        return Round(self.radius, self.axisymmetric, self.dimension).volume / 2.0
 
-    def scaled(self, factor: float) -> Self:
-        """The radius times the factor."""
-        return replace(self, radius=factor * self.radius)
-
-    def solid(self, kernel: SolidKernel) -> int:
+    def solid(self, kernel: Any) -> int:
         """The northern half of a ball."""
-        return kernel.addSphere(0.0, 0.0, 0.0, self.radius, angle1=0.0)
+        return int(kernel.addSphere(0.0, 0.0, 0.0, self.radius, angle1=0.0))
 
     def distance_formulas(self) -> list[str]:
         """z, and the radius less the distance from the origin."""
-        return ["z", _DISTANCE_INSIDE.format(self.radius)]
+        return ["z", self._distance_formula]
 
     @property
     def middle(self) -> Array:
@@ -420,87 +423,44 @@ class HalfPlane(Container):
 
 
 @dataclass(frozen=True, slots=True)
-class Round(Container):
+class Round(_Ball):
     """Disc |x| < radius with the one wall `far`; axisymmetric, or with dimension = 3, a ball.
 
     A small one is a round container; a large one stands for unbounded fluid.
     """
 
-    radius: float
-    axisymmetric: bool = False
-    dimension: int = 2
-
-    @property
-    def walls(self) -> tuple[str, ...]:
-        """Names of the walls."""
-        return ("far",)
-
-    @property
-    def corner_axes(self) -> tuple[int, ...]:
-        """It has no corners."""
-        return (0,)
+    walls: ClassVar[tuple[str, ...]] = ("far",)
+    corner_axes: ClassVar[tuple[int, ...]] = (0,)  # it has no corners
 
     def distances(self, x: Array) -> Array:
         """Distance of each point (n, dimension) to the arc, shape (n, 1)."""
-        return (self.radius - lengths(x))[:, None]
+        return self._to_arc(x)[:, None]
 
     def normals(self, x: Array) -> Array:
         """Towards the origin."""
-        return _to_origin(x)[:, None]
+        return self._inward(x)[:, None]
 
     def outline(self) -> tuple[WallCurve, ...]:
         """Two arcs, with an axis the right one."""
         halves = [(-0.5, 0.5)] if self.axisymmetric else [(-0.5, 0.5), (0.5, 1.5)]
-        return tuple(Arc(0, self.radius, start * np.pi, end * np.pi) for start, end in halves)
+        return tuple(arc(0, self.radius, start * np.pi, end * np.pi) for start, end in halves)
 
     @property
     def spheres(self) -> tuple[Sphere | None, ...]:
         """Itself."""
-        return (Sphere(np.zeros(self.dimension), self.radius),)
+        return (self._sphere,)
 
     def wall_fluxes(self) -> Array:
         """A uniform flow and a shear flow leave as they enter."""
         return np.zeros((1, self.dimension + 1))
 
-    def size(self) -> float:
-        """Diameter."""
-        return 2.0 * self.radius
-
-    def axis(self) -> tuple[float, float]:
-        """From the lowest to the highest point."""
-        return -self.radius, self.radius
-
-    @property
-    def volume(self) -> float:
-        """Of the disc, the half of it, or the ball."""
-        whole = _ball_volume(self.radius, self.dimension)
-        return whole / 2.0 if self.axisymmetric else whole
-
-    def scaled(self, factor: float) -> Self:
-        """The radius times the factor."""
-        return replace(self, radius=factor * self.radius)
-
-    def solid(self, kernel: SolidKernel) -> int:
+    def solid(self, kernel: Any) -> int:
         """A ball."""
-        return kernel.addSphere(0.0, 0.0, 0.0, self.radius)
+        return int(kernel.addSphere(0.0, 0.0, 0.0, self.radius))
 
     def distance_formulas(self) -> list[str]:
         """The radius less the distance from the origin."""
-        return [_DISTANCE_INSIDE.format(self.radius)]
-
-
-_DISTANCE_INSIDE = "({!r}-sqrt(x^2+y^2+z^2))"
-
-
-def _to_origin(x: Array) -> Array:
-    """Unit vectors from points (n, d) to the origin; zero there, where every direction is as good."""
-    length = np.linalg.norm(x, axis=1, keepdims=True)
-    direction: Array = -x / np.where(length > 0.0, length, 1.0)
-    return direction
-
-
-def _ball_volume(radius: float, dimension: int) -> float:
-    return float(np.pi * radius**2 if dimension == 2 else 4.0 / 3.0 * np.pi * radius**3)
+        return [self._distance_formula]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
@@ -26,107 +26,43 @@ class Sphere:
         return onto
 
 
-class WallCurve(Protocol):
-    """A piece of a wall, with the fluid on its left; its places are lengths s along it."""
-
-    @property
-    def wall(self) -> int:
-        """Which of the container's walls it belongs to."""
-
-    @property
-    def ends(self) -> Array:
-        """Its first and its last point, (2, 2), the same numbers as where other pieces begin and end."""
-
-    @property
-    def interval(self) -> tuple[float, float]:
-        """s at both ends."""
-
-    @property
-    def centre(self) -> Array | None:
-        """Of its circle, None for a straight piece."""
-
-    @property
-    def longest_element(self) -> float:
-        """What no element on it exceeds."""
-
-    @property
-    def fewest_elements(self) -> int:
-        """How many it has at least."""
-
-    def at(self, s: Array) -> Array:
-        """The points (n, 2) at places s (n,)."""
-
-
 @dataclass(frozen=True, slots=True, eq=False)
-class Segment:
-    """The straight piece between two points, (2, 2)."""
+class WallCurve:
+    """A piece of a wall, with the fluid on its left; its places are lengths s along it.
+
+    Attributes:
+        wall: which of the container's walls it belongs to.
+        interval: s at both ends.
+        at: the points (n, 2) at places s (n,).
+        ends: the first and the last point, (2, 2), the same numbers as where other pieces begin and end.
+        longest_element: what no element on it exceeds.
+        fewest_elements: how many it has at least.
+        centre: of its circle, (2,), None for a straight piece.
+    """
 
     wall: int
+    interval: tuple[float, float]
+    at: Callable[[Array], Array]
     ends: Array
-
-    @property
-    def interval(self) -> tuple[float, float]:
-        """From 0 to its length."""
-        return 0.0, float(np.hypot(*(self.ends[1] - self.ends[0])))
-
-    @property
-    def centre(self) -> None:
-        """None."""
-        return
-
-    @property
-    def longest_element(self) -> float:
-        """A quarter of it."""
-        return 0.25 * self.interval[1]
-
-    @property
-    def fewest_elements(self) -> int:
-        """4."""
-        return 4
-
-    def at(self, s: Array) -> Array:
-        """The points at distances s from the first."""
-        along: Array = (self.ends[1] - self.ends[0]) / self.interval[1]
-        x: Array = self.ends[0] + s[:, None] * along
-        return x
+    longest_element: float
+    fewest_elements: int
+    centre: Array | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Arc:
-    """The arc around the origin between two angles in radians, counterclockwise: the fluid lies inside."""
+def segment(wall: int, start: ArrayLike, end: ArrayLike) -> WallCurve:
+    """The straight piece between two points."""
+    ends = np.array([start, end], dtype=float)
+    length = float(np.hypot(*(ends[1] - ends[0])))
+    along = (ends[1] - ends[0]) / length
+    return WallCurve(wall, (0.0, length), lambda s: ends[0] + s[:, None] * along, ends, 0.25 * length, 4)
 
-    wall: int
-    radius: float
-    start: float
-    end: float
 
-    @property
-    def ends(self) -> Array:
-        """Exactly on the axes at multiples of pi / 2, where other curves begin."""
-        directions = [[np.cos(a), np.sin(a)] for a in (self.start, self.end)]
-        ends: Array = self.radius * np.round(directions, 15)
-        return ends
+def arc(wall: int, radius: float, start: float, end: float) -> WallCurve:
+    """The arc around the origin between two angles, counterclockwise: the fluid lies inside."""
 
-    @property
-    def interval(self) -> tuple[float, float]:
-        """The angles times the radius."""
-        return self.start * self.radius, self.end * self.radius
+    def at(s: Array) -> Array:
+        return radius * np.column_stack([np.cos(s / radius), np.sin(s / radius)])
 
-    @property
-    def centre(self) -> Array:
-        """The origin."""
-        return np.zeros(2)
-
-    @property
-    def longest_element(self) -> float:
-        """Half the radius."""
-        return 0.5 * self.radius
-
-    @property
-    def fewest_elements(self) -> int:
-        """8."""
-        return 8
-
-    def at(self, s: Array) -> Array:
-        """The points at angles s / radius."""
-        return self.radius * np.column_stack([np.cos(s / self.radius), np.sin(s / self.radius)])
+    # Exactly on the axes at multiples of pi / 2, where other curves begin.
+    ends = radius * np.round([[np.cos(angle), np.sin(angle)] for angle in (start, end)], 15)
+    return WallCurve(wall, (start * radius, end * radius), at, ends, 0.5 * radius, 8, np.zeros(2))

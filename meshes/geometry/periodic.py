@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -36,11 +37,7 @@ class Cell(Container):
     vectors: tuple[Vector, Vector]
     gradient: tuple[Vector, Vector]
     time: float = 0.0
-
-    @property
-    def walls(self) -> tuple[str, ...]:
-        """It has none."""
-        return ()
+    walls: ClassVar[tuple[str, ...]] = ()
 
     def distances(self, x: Array) -> Array:
         """There are no walls: shape (n, 0)."""

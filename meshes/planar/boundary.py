@@ -6,7 +6,7 @@ import numpy as np
 
 from fsi.meshes.geometry.containers import Array, FluidDomain
 from fsi.meshes.planar.opened import opened
-from fsi.meshes.planar.sizing import PIECES, Curve, Resolution, Surfaces, around, half_around
+from fsi.meshes.planar.sizing import PIECES, Curve, Resolution, Surfaces, half_ring, rings
 
 
 def boundary(domain: FluidDomain, resolution: Resolution) -> list[Curve]:
@@ -20,8 +20,8 @@ def boundary(domain: FluidDomain, resolution: Resolution) -> list[Curve]:
         return opened(surfaces)
     every, walls = range(surfaces.bodies), domain.container.outline()
     if not domain.container.axisymmetric:
-        return around(surfaces, every) + [surfaces.wall(curve) for curve in walls]
-    halves = [half_around(surfaces, i) for i in every]
+        return rings(surfaces, every) + [surfaces.wall(curve) for curve in walls]
+    halves = [half_ring(surfaces, i) for i in every]
     return halves + [surfaces.wall(curve) for curve in walls] + axis(surfaces)
 
 

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Array
-from fsi.meshes.geometry.curves import Segment
+from fsi.meshes.geometry.curves import segment
 from fsi.meshes.planar.cut import NeighbourLinks, cut
-from fsi.meshes.planar.sizing import Curve, Surfaces, arcs, around
+from fsi.meshes.planar.sizing import Curve, Surfaces, arcs, rings
 
 PIECES = 16  # of a link, to begin with
 
@@ -38,7 +38,7 @@ def opened(surfaces: Surfaces) -> list[Curve]:
     whole = [i for i in range(surfaces.bodies) if i not in opened_bodies]
     outer = _closed(_curves(walk, links, surfaces))
     shifts = _shifts_inside(surfaces, surfaces.centres[whole], walk)
-    holes = around(surfaces, whole)
+    holes = rings(surfaces, whole)
     return [_moved(hole, shift) for hole, shift in zip(holes, shifts, strict=True)] + outer
 
 
@@ -113,7 +113,7 @@ def _curves(walk: list[Stretch], links: NeighbourLinks, surfaces: Surfaces) -> I
             radius = float(surfaces.radii[stretch.node])
         else:
             leaves = stretch.centre + _along_wall(surfaces, stretch.node)
-            yield surfaces.wall(Segment(stretch.node - n, np.array([stretch.centre, leaves])))
+            yield surfaces.wall(segment(stretch.node - n, stretch.centre, leaves))
         away, direction = along[stretch.link], links.step[stretch.link] / np.hypot(*links.step[stretch.link])
         if not stretch.forward:
             away, direction = (links.gap[stretch.link] - away)[::-1], -direction

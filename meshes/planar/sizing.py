@@ -162,7 +162,7 @@ class Surfaces:
         return s
 
 
-def around(surfaces: Surfaces, bodies: Sequence[int]) -> list[Curve]:
+def rings(surfaces: Surfaces, bodies: Sequence[int]) -> list[Curve]:
     """The nodes around bodies, each from where its gap is narrowest, so that a node stands there.
 
     Raises:
@@ -170,14 +170,14 @@ def around(surfaces: Surfaces, bodies: Sequence[int]) -> list[Curve]:
     """
     near = [_neighbourhood(surfaces, i) for i in bodies]
     turns = np.array([(body.narrowest, body.narrowest + 2.0 * np.pi) for body in near]).reshape(-1, 2)
-    rings = _on_arcs(surfaces, near, turns)
+    chains = _on_arcs(surfaces, near, turns)
     return [
         Curve(i + 1, nodes[:-1], closed=True, centre=surfaces.centres[i])
-        for i, nodes in zip(bodies, rings, strict=True)
+        for i, nodes in zip(bodies, chains, strict=True)
     ]
 
 
-def half_around(surfaces: Surfaces, i: int) -> Curve:
+def half_ring(surfaces: Surfaces, i: int) -> Curve:
     """The nodes from pole to pole of body i on the axis."""
     (curve,) = arcs(surfaces, [i], np.array([[-0.5, 0.5]]) * np.pi)
     centre, radius = surfaces.centres[i], surfaces.radii[i]

@@ -211,8 +211,8 @@ def _require_boundary(triangles: Indices, edges: Indices) -> None:
     """The edges that belong to one triangle must be the given ones."""
     n = int(triangles.max()) + 1
     sides = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [0, 2]]])
-    found, count = np.unique(edge_keys(sides, n), return_counts=True)
-    if not np.array_equal(found[count == 1], np.unique(edge_keys(edges, n))):
+    keys, count = np.unique(edge_keys(sides, n), return_counts=True)
+    if not np.array_equal(keys[count == 1], np.unique(edge_keys(edges, n))):
         raise MeshError("gmsh lost a part of the boundary; try a finer discretisation.cells_per_gap")
 
 

@@ -14,13 +14,13 @@ from pydantic import Field
 from fsi.bodies.configuration import Array
 from fsi.bodies.forces import Bulk
 from fsi.case.case import Case
-from fsi.case.domain import DOMAINS, Walled, register_domain
-from fsi.case.force_laws import FORCES, ForceLaw, register_force
+from fsi.case.domain import Walled, register_domain
+from fsi.case.force_laws import ForceSection, register_force
 from fsi.case.load import parse_case
 from fsi.case.section import Geometry
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Container
-from fsi.meshes.geometry.curves import Segment, WallCurve
+from fsi.meshes.geometry.curves import WallCurve, segment
 from fsi.reduced.model import ReducedModel
 from fsi.stokes.model import StokesModel
 
@@ -50,7 +50,7 @@ class Triangle(Container):
     def outline(self) -> tuple[WallCurve, ...]:
         angle = np.pi * np.array([7.0 / 6.0, 11.0 / 6.0, 1.0 / 2.0])
         corners = 2.0 * self.radius * np.column_stack([np.cos(angle), np.sin(angle)])
-        return tuple(Segment(k, corners[[k, (k + 1) % 3]]) for k in range(3))
+        return tuple(segment(k, corners[k], corners[(k + 1) % 3]) for k in range(3))
 
     def size(self) -> float:
         return float(2.0 * 3.0**0.5 * self.radius)
@@ -75,7 +75,7 @@ class TriangleDomain(Walled):
         return Triangle(self.radius)
 
 
-class Spring(ForceLaw):
+class Spring(ForceSection):
     """Pulls each body by itself, as heavy as it may be, to the right."""
 
     law: Literal["spring"]
@@ -89,8 +89,8 @@ class Spring(ForceLaw):
 @pytest.fixture(autouse=True)
 def registered(monkeypatch: pytest.MonkeyPatch) -> None:
     """Registered for one test only: messages list all shapes."""
-    monkeypatch.setattr(DOMAINS, "sections", [*DOMAINS.sections])
-    monkeypatch.setattr(FORCES, "sections", [*FORCES.sections])
+    for registry in (Walled.registry, ForceSection.registry):
+        monkeypatch.setattr(registry, "sections", [*registry.sections])
     register_domain(TriangleDomain)
     register_force(Spring)
 

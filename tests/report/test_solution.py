@@ -24,6 +24,7 @@ class Solved:
     """Some numbers in place of a flow."""
 
     bulk: None = field(default=None, init=False)
+    apparent_viscosity: None = field(default=None, init=False)
 
     U: Array
     F: Array

@@ -137,7 +137,7 @@ def _check_axis(case: Case) -> None:
                     " give [0.0, z] for pairs and drop what turns it"
                 )
     for name, wall in case.domain.walls.items():
-        if not wall.suits_axis(around=name == "right"):
+        if not wall.suits_axis(along=name == "right"):
             raise InputError(
                 f"domain.walls.{name} = {toml_text(wall)}: is not symmetric about the axis; give [0.0, u_z]"
             )
