@@ -47,9 +47,10 @@ def plot(
     benchmark writes with --json gives its CPU seconds against N.
     """
     from fsi.postprocess.plots.calibration import plot_calibration
-    from fsi.postprocess.plots.figure import require_figure
+    from fsi.postprocess.plots.figure import SUFFIXES
     from fsi.postprocess.plots.histories import plot_runs
     from fsi.postprocess.plots.scaling import plot_scaling
+    from fsi.postprocess.run.output import require_suffix
     from fsi.postprocess.run.run import open_run
     from fsi.report.calibration import SUMMARY
 
@@ -62,7 +63,7 @@ def plot(
     else:
         path = folders[0] / "history.png"
     path = output or path
-    parallel.on_root(lambda: require_figure(path))
+    parallel.on_root(lambda: require_suffix(path, *SUFFIXES))
     if draw is not None:
         parallel.on_root(lambda: draw(folders[0], path))
     else:

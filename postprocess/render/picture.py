@@ -106,14 +106,6 @@ def round_length(most: float) -> float:
     return float(max(f * power for f in (1.0, 2.0, 5.0) if f * power <= most * (1.0 + 1e-9)))
 
 
-def require_suffix(output: Path) -> None:
-    """Raise InputError unless pictures can be written there."""
-    if output.suffix not in (*STILLS, *MOVIES) or not output.absolute().parent.is_dir():
-        raise InputError(
-            f"output = {output}: give the path of a .png, .mp4 or .gif file in a folder that exists"
-        )
-
-
 def write_pictures(pictures: Iterable[Picture], output: Path) -> None:
     """Write pictures of one size, (height, width, 3) each, as they come. Raises InputError."""
     temporary = output.with_name(f".partial-{output.name}")
