@@ -202,11 +202,7 @@ def plot_runs(runs: Sequence[Run], output: Path, gap: str | None = None) -> None
         for panel in axes:
             for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
                 entries.setdefault(label, handle)
-        figure.legend(
-            list(entries.values()),
-            list(entries),
-            loc="outside right upper",
-        )
+        figure.legend(list(entries.values()), list(entries), loc="outside right upper")
 
 
 def _draw(axes: Axes, title: str, histories: Sequence[RunHistory]) -> None:

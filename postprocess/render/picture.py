@@ -127,22 +127,16 @@ def _write_mp4(pictures: Iterable[Picture], path: Path) -> None:
     """H.264, which browsers and slides show; it wants even sizes."""
     import imageio_ffmpeg
 
-    frames = iter(pictures)
-    first = _even(next(frames))
-    size = (first.shape[1], first.shape[0])
+    frames = map(_even, pictures)
+    first = next(frames)
+    size, quiet = (first.shape[1], first.shape[0]), {"macro_block_size": 2, "ffmpeg_log_level": "error"}
     writer = imageio_ffmpeg.write_frames(
-        str(path),
-        size,
-        fps=_PER_SECOND,
-        codec="libx264",
-        quality=8,
-        macro_block_size=2,
-        ffmpeg_log_level="error",
+        str(path), size, fps=_PER_SECOND, codec="libx264", quality=8, **quiet
     )
     writer.send(None)
     writer.send(first)
     for picture in frames:
-        writer.send(_even(picture))
+        writer.send(picture)
     writer.close()
 
 
