@@ -8,7 +8,6 @@ from __future__ import annotations
 import base64
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -18,12 +17,12 @@ import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from fsi.errors import InputError
-from fsi.files import replace
 from fsi.observables.identities import BOUND, IDENTITIES
 from fsi.postprocess.plots.histories import plot_runs
 from fsi.postprocess.render.picture import MOVIES, write_pictures
 from fsi.postprocess.render.render import artist, render_run
 from fsi.postprocess.render.view import Choice
+from fsi.postprocess.run.output import require_suffix, write_whole
 from fsi.postprocess.run.run import Run
 from fsi.reduced.identities import BOUND as REDUCED_BOUND
 from fsi.run_folder.folder import CASE
@@ -51,32 +50,13 @@ _IDENTITIES: dict[str, tuple[dict[str, str], float]] = {
 }
 
 
-@dataclass(frozen=True)
-class PageTable:
-    """A table of the page.
-
-    Attributes:
-        heads: of the columns; without any, the first column says what a row is.
-        rows: words go to the left, numbers to the right.
-    """
-
-    heads: list[str]
-    rows: list[list[Any]]
-
-    @classmethod
-    def of(cls, frame: pd.DataFrame) -> PageTable:
-        """All of a frame."""
-        return cls([*map(str, frame)], frame.astype(object).to_numpy().tolist())
-
-
 def write_report(run: Run, output: Path) -> None:
     """Write the report of a run, finished or not; what cannot be drawn is said in it.
 
     Raises:
         InputError: not a .html file, or it cannot be written.
     """
-    if output.suffix != ".html" or not output.absolute().parent.is_dir():
-        raise InputError(f"output = {output}: give the path of a .html file in a folder that exists")
+    require_suffix(output, ".html")
     templates = Environment(
         loader=PackageLoader("fsi.postprocess", "."), autoescape=True, undefined=StrictUndefined
     )
@@ -88,16 +68,11 @@ def write_report(run: Run, output: Path) -> None:
         case=_case(run),
         pictures=_pictures(run),
         checks=_or_reason(lambda: _checks(run)),
-        bodies=_or_reason(
-            lambda: PageTable.of(run.bodies[run.bodies["step"] == run.bodies["step"].iloc[-1]])
-        ),
+        bodies=_or_reason(lambda: run.bodies[run.bodies["step"] == run.bodies["step"].iloc[-1]]),
         steps=_or_reason(lambda: _steps(run.steps)),
         launches=_or_reason(lambda: _launches(run)),
     )
-    try:
-        replace(output, page.encode())
-    except OSError as error:
-        raise InputError(f"output = {output}: {error.strerror}; give another path") from None
+    write_whole(output, page)
 
 
 def _or_reason[Part](part: Callable[[], Part]) -> Part | str:
@@ -132,7 +107,7 @@ def _case(run: Run) -> dict[str, Any]:
         about += f", {case.geometry}, viscosity {case.fluid.viscosity:g}, walls: {walls}"
         rows = [[body.name, body.radius, ", ".join(f"{x:g}" for x in body.position)] for body in case.bodies]
     text = (run.path / CASE).read_text(encoding="utf-8")
-    return {"about": about, "bodies": PageTable(["body", "radius", "start"], rows), "text": text}
+    return {"about": about, "bodies": pd.DataFrame(rows, columns=["body", "radius", "start"]), "text": text}
 
 
 def _pictures(run: Run) -> list[dict[str, str] | str]:
@@ -172,7 +147,7 @@ def _animation(run: Run, path: Path) -> Path:
     return path
 
 
-def _checks(run: Run) -> PageTable:
+def _checks(run: Run) -> pd.DataFrame:
     """The worst defect of each identity over the whole run, and the smallest gap."""
     steps, rows = run.steps, []
     identities, bound = _IDENTITIES[run.model]
@@ -186,25 +161,23 @@ def _checks(run: Run) -> PageTable:
         verdict = "holds" if least["smallest_gap"] > 0.0 else "VIOLATED"
         gap, t = f"{least['smallest_gap']:.4g}", f"{least['t']:g}"
         rows.append(["gap", "bodies do not overlap", gap, t, "> 0", verdict])
-    return PageTable(["check", "what it says", "worst", "at t", "bound", ""], rows)
+    return pd.DataFrame(rows, columns=["check", "what it says", "worst", "at t", "bound", ""])
 
 
-def _steps(steps: pd.DataFrame) -> PageTable:
+def _steps(steps: pd.DataFrame) -> pd.DataFrame:
     """Some of the steps, evenly spread."""
     columns = [name for name in steps if not name.startswith("cpu_") and name not in IDENTITIES]
     chosen = np.unique(np.linspace(0, len(steps) - 1, _ROWS).astype(int))
-    return PageTable.of(steps[columns].iloc[chosen])
+    return steps[columns].iloc[chosen]
 
 
-def _launches(run: Run) -> PageTable:
-    """Of all launches: a column each."""
-    columns = [
-        launch
-        | {
-            "commit": (launch["git"] or "")[:10] + ("+dirty" if "dirty" in (launch["git"] or "") else ""),
-            "packages": ", ".join(f"{name} {version}" for name, version in launch["packages"].items()),
-        }
-        for launch in run.launches
+def _launches(run: Run) -> pd.DataFrame:
+    """A column for each launch, led by that of the names."""
+    launches = pd.DataFrame(run.launches)
+    git = launches["git"].fillna("")
+    launches["commit"] = git.str[:10] + git.str.contains("dirty").map({True: "+dirty", False: ""})
+    launches["packages"] = [
+        ", ".join(f"{k} {v}" for k, v in packages.items()) for packages in launches["packages"]
     ]
-    names = ("started", "command", "ranks", "commit", "python", "platform", "packages")
-    return PageTable([], [[name, *(column[name] for column in columns)] for name in names])
+    names = ["started", "command", "ranks", "commit", "python", "platform", "packages"]
+    return launches[names].T.reset_index()

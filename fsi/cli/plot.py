@@ -48,9 +48,10 @@ def plot(
     """
     from fsi.calibration.files import SUMMARY
     from fsi.postprocess.plots.calibration import plot_calibration
-    from fsi.postprocess.plots.figure import require_figure
+    from fsi.postprocess.plots.figure import SUFFIXES
     from fsi.postprocess.plots.histories import plot_runs
     from fsi.postprocess.plots.scaling import plot_scaling
+    from fsi.postprocess.run.output import require_suffix
     from fsi.postprocess.run.run import open_run
 
     calibrated = parallel.on_root(lambda: len(folders) == 1 and (folders[0] / SUMMARY).is_file())
@@ -62,7 +63,7 @@ def plot(
     else:
         path = folders[0] / "history.png"
     path = output or path
-    parallel.on_root(lambda: require_figure(path))
+    parallel.on_root(lambda: require_suffix(path, *SUFFIXES))
     if draw is not None:
         parallel.on_root(lambda: draw(folders[0], path))
     else:

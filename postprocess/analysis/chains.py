@@ -38,6 +38,7 @@ from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
 from fsi.errors import InputError
 from fsi.lubrication.exact import plane_lubrication
+from fsi.postprocess.analysis.listing import listed
 from fsi.postprocess.analysis.strain import strain_rate
 from fsi.postprocess.run.run import Run
 
@@ -218,32 +219,29 @@ def find_chains(links: LubricationLinks, bodies: int) -> tuple[Chain, ...]:
 def chains_table(chains: Chains) -> Table:
     """The chains that dissipate most, closed by the sum over all."""
     walls = chains.case.container().walls
-    table = Table(title=f"chains at step {chains.step}, t = {chains.t:.6g}")
     headings = ["discs", "walls", "smallest gap", "lubrication", "of the dissipation", "who"]
     if chains.shares is not None:
         headings.insert(5, "of the viscosity")
-    for heading in headings:
-        table.add_column(heading, justify="left" if heading == "who" else "right")
+    rows = []
     for chain in chains.chains[:_ROWS]:
         names = [chains.case.names[k] for k in chain.bodies]
-        table.add_row(
-            str(len(chain.bodies)), ", ".join(walls[k] for k in chain.walls), f"{chain.smallest_gap:.3g}",
-            f"{chain.dissipation:.5g}", f"{chain.dissipation / chains.dissipation:.1%}",
-            *_of_viscosity(chains, chain.links),
-            ", ".join(names[:4]) + (", ..." if len(names) > 4 else ""),
-        )  # fmt: skip
+        touched, gap = ", ".join(walls[k] for k in chain.walls), f"{chain.smallest_gap:.3g}"
+        who = ", ".join(names[:4]) + (", ..." if len(names) > 4 else "")
+        costs = _costs(chains, chain.dissipation, chain.links)
+        rows.append([str(len(chain.bodies)), touched, gap, *costs, who])
+    table = listed(f"chains at step {chains.step}, t = {chains.t:.6g}", headings, rows, words="who")
     table.add_section()
     discs = sum(len(chain.bodies) for chain in chains.chains)
     total = sum(chain.dissipation for chain in chains.chains)
-    carried = _of_viscosity(chains, range(len(chains.links.gaps)))
-    share = f"{total / chains.dissipation:.1%}"
-    table.add_row(str(discs), "", "", f"{total:.5g}", share, *carried, "together")
+    every = range(len(chains.links.gaps))
+    table.add_row(str(discs), "", "", *_costs(chains, total, every), "together")
     return table
 
 
-def _of_viscosity(chains: Chains, links: Sequence[int]) -> list[str]:
-    """The cell of the table with what links carry of the apparent viscosity, if there is one."""
-    return [] if chains.shares is None else [f"{float(chains.shares[list(links)].sum()):.1%}"]
+def _costs(chains: Chains, dissipation: float, links: Sequence[int]) -> list[str]:
+    """What links dissipate, its part in the whole, and what they carry of the apparent viscosity, if any."""
+    cells = [f"{dissipation:.5g}", f"{dissipation / chains.dissipation:.1%}"]
+    return cells if chains.shares is None else [*cells, f"{float(chains.shares[list(links)].sum()):.1%}"]
 
 
 def chains_data(chains: Chains) -> dict[str, Any]:

@@ -11,10 +11,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from rich.table import Table
 
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
+from fsi.postprocess.analysis.listing import listed
 from fsi.postprocess.run.run import Run
 
 _ROWS = 12
@@ -22,28 +24,19 @@ _ROWS = 12
 
 @dataclass(frozen=True, slots=True)
 class ContactMemories:
-    """Contacts that stored an impulse, in the order of release, and all times of output.
+    """Contacts that stored an impulse, and all times of output.
 
     Attributes:
-        names: of the contacts, "body - side".
-        stored: the largest -gamma of each, (contacts,).
-        reached: when that was.
-        released: when the contact came off; infinite if it is closed at the end.
+        contacts: in the order of release: `contact`, its name, "body - side"; `stored`, the largest -gamma;
+            `reached`, when that was; `released`, when it came off, infinite if it is closed at the end;
+            `lag`, from the one to the other.
         t: the times, (times,).
         closed: the number of contacts that remember, (times,).
     """
 
-    names: tuple[str, ...]
-    stored: Array
-    reached: Array
-    released: Array
+    contacts: pd.DataFrame
     t: Array
     closed: Array
-
-    @property
-    def lag(self) -> Array:
-        """From the largest push to the release."""
-        return self.released - self.reached
 
 
 def read_memories(run: Run) -> ContactMemories:
@@ -64,36 +57,32 @@ def read_memories(run: Run) -> ContactMemories:
     last = rows[stretch == stretch.groupby(contact).transform("max")].groupby(contact)
     push = rows.loc[last["gamma"].idxmin()]
     released = np.append(t, np.inf)[last["at"].last() + 1]
-    order = np.lexsort((push["t"], released))
-    push = push.iloc[order]
-    return ContactMemories(
-        tuple(f"{body} - {side}" for body, side in zip(push["body"], push["side"], strict=True)),
-        -push["gamma"].to_numpy(),
-        push["t"].to_numpy(),
-        released[order],
-        t,
-        np.bincount(rows["at"], minlength=len(t)).astype(float),
+    push = push.assign(
+        contact=push["body"].astype(str) + " - " + push["side"].astype(str),
+        stored=-push["gamma"],
+        released=released,
     )
+    push = push.rename(columns={"t": "reached"}).sort_values(["released", "reached"], kind="stable")
+    contacts = push.assign(lag=push["released"] - push["reached"])
+    contacts = contacts[["contact", "stored", "reached", "released", "lag"]].reset_index(drop=True)
+    return ContactMemories(contacts, t, np.bincount(rows["at"], minlength=len(t)).astype(float))
 
 
 def memory_table(memory: ContactMemories) -> Table:
     """At most twelve contacts, evenly spread over the order of release."""
-    table = Table(title="what contacts stored, and when they came off")
-    for heading in ("contact", "stored P", "at t", "released", "lag", "P / lag"):
-        table.add_column(heading, justify="left" if heading == "contact" else "right")
-    off = np.flatnonzero(np.isfinite(memory.released))
-    for k in off[np.unique(np.linspace(0, len(off) - 1, _ROWS).astype(int))] if len(off) else ():
-        numbers = memory.stored[k], memory.reached[k], memory.released[k], memory.lag[k]
-        table.add_row(memory.names[k], *(f"{x:.4g}" for x in (*numbers, memory.stored[k] / memory.lag[k])))
-    table.caption = f"{len(off)} of {len(memory.names)} contacts came off by t = {memory.t[-1]:g}"
+    off = memory.contacts[np.isfinite(memory.contacts["released"])]
+    shown = off.iloc[np.unique(np.linspace(0, len(off) - 1, _ROWS).astype(int)) if len(off) else []]
+    rows = [
+        [name, *(f"{x:.4g}" for x in (*numbers, numbers[0] / numbers[-1]))]
+        for name, *numbers in shown.itertuples(index=False)
+    ]
+    headings = ("contact", "stored P", "at t", "released", "lag", "P / lag")
+    table = listed("what contacts stored, and when they came off", headings, rows, words="contact")
+    table.caption = f"{len(off)} of {len(memory.contacts)} contacts came off by t = {memory.t[-1]:g}"
     return table
 
 
 def memory_data(memory: ContactMemories) -> dict[str, Any]:
     """All contacts; those that are closed at the end have not been released."""
-    columns = zip(memory.names, memory.stored, memory.reached, memory.released, strict=True)
-    contacts = [
-        {"contact": name, "stored": P, "reached": t, "released": end if np.isfinite(end) else None}
-        for name, P, t, end in columns
-    ]
+    contacts = memory.contacts.astype(object).replace(np.inf, None).to_dict("records")
     return {"contacts": contacts, "t": memory.t.tolist(), "closed": memory.closed.tolist()}

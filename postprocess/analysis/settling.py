@@ -14,6 +14,7 @@ from fsi.case.case import Case
 from fsi.case.section import toml_text
 from fsi.errors import InputError
 from fsi.lubrication import exact, sphere_settling
+from fsi.postprocess.analysis.listing import listed
 from fsi.postprocess.run.run import Run
 
 _ROWS = 12
@@ -111,20 +112,14 @@ def chosen_rows(gap: Array) -> NDArray[np.intp]:
 
 def settling_table(history: Settling) -> Table:
     """The history as a table, closed by the step of the largest difference."""
-    table = Table(title="disc settling onto a plane")
-    for heading in ("t", "gap", "exact gap", "relative difference"):
-        table.add_column(heading, justify="right")
-    rows = chosen_rows(history.gap)
-    worst = int(np.abs(history.difference).argmax())
-    for row in (*rows, worst):
-        table.add_row(
-            f"{history.time[row]:.6g}",
-            f"{history.gap[row]:.6e}",
-            f"{history.exact[row]:.6e}",
-            f"{history.difference[row]:+.1e}",
-            end_section=row == rows[-1],
-        )
-    table.caption = f"last line: the largest difference of all {len(history.time)} steps"
+    columns = history.time, history.gap, history.exact, history.difference
+    t, gap, exact, difference = (values.tolist() for values in columns)
+    rows = [*chosen_rows(history.gap), int(np.abs(history.difference).argmax())]
+    cells = [[f"{t[k]:.6g}", f"{gap[k]:.6e}", f"{exact[k]:.6e}", f"{difference[k]:+.1e}"] for k in rows]
+    headings = ("t", "gap", "exact gap", "relative difference")
+    table = listed("disc settling onto a plane", headings, cells)
+    table.rows[-2].end_section = True
+    table.caption = f"last line: the largest difference of all {len(t)} steps"
     return table
 
 

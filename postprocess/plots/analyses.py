@@ -45,10 +45,10 @@ def plot_chains(chains: Chains, path: Path) -> None:
 
 def plot_memories(memory: ContactMemories, path: Path) -> None:
     """The lag against the stored impulse, and how many contacts are closed. Raises InputError."""
-    off = np.isfinite(memory.released)
+    off = memory.contacts[np.isfinite(memory.contacts["released"])]
     with saved_figure(path, (10.0, 4.2)) as figure:
         left, right = figure.subplots(1, 2)
-        left.plot(memory.stored[off], memory.lag[off], "o", color=BLUE, ms=4, alpha=0.5)
+        left.plot(off["stored"], off["lag"], "o", color=BLUE, ms=4, alpha=0.5)
         left.set(xlabel=r"stored impulse $P = -\gamma$", ylabel="time lag of separation")
         left.set(xlim=(0, None), ylim=(0, None))
         right.step(memory.t, memory.closed, where="post", color=ORANGE)

@@ -41,14 +41,6 @@ def saved_figure(
             raise InputError(f"output = {path}: {reason}; choose another path") from None
 
 
-def require_figure(output: Path) -> None:
-    """Raise InputError unless a figure can be written there."""
-    if output.suffix not in SUFFIXES or not output.absolute().parent.is_dir():
-        raise InputError(
-            f"output = {output}: give the path of a .png, .svg or .pdf file in a folder that exists"
-        )
-
-
 def label_short(axis: Axis) -> None:
     """Label a logarithmic axis, whose ends are set, with plain numbers if shorter than two decades.
 

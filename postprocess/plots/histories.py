@@ -21,8 +21,9 @@ from fsi.bodies.gaps import find_gaps
 from fsi.errors import InputError
 from fsi.postprocess.analysis.settling import asymptotic_gap, exact_gap
 from fsi.postprocess.analysis.strain import accumulated_strain
-from fsi.postprocess.plots.figure import COLOURS, label_short, require_figure, saved_figure
+from fsi.postprocess.plots.figure import COLOURS, SUFFIXES, label_short, saved_figure
 from fsi.postprocess.run.gaps import gap_between, parse_sides
+from fsi.postprocess.run.output import require_suffix
 from fsi.postprocess.run.run import Run
 
 _DASHES = ("-", "--", ":", "-.")
@@ -125,11 +126,8 @@ register_panel("speed", _speeds)
 register_panel("load", _loads)
 register_panel(VISCOSITY, of_steps("apparent_viscosity"))
 register_panel(ADDED_VISCOSITY, of_steps("lubrication_viscosity"))
-# Of the limits of vanishing viscosity.
-register_panel("contacts", of_steps("contacts"))
-register_panel("largest density", of_steps("largest_density"))
-register_panel("smallest gamma", of_steps("smallest_gamma"))
-register_panel("kinetic energy", of_steps("kinetic_energy"))
+for _column in ("contacts", "largest_density", "smallest_gamma", "kinetic_energy"):  # of vanishing viscosity
+    register_panel(_column.replace("_", " "), of_steps(_column))
 
 
 @dataclass(frozen=True)
@@ -186,7 +184,7 @@ def plot_runs(runs: Sequence[Run], output: Path, gap: str | None = None) -> None
     Raises:
         InputError: unknown suffix or gap, a run without rows, or the disk refuses.
     """
-    require_figure(output)
+    require_suffix(output, *SUFFIXES)
     singly = len(COLOURS) if len(runs) == 1 else len(_DASHES)
     histories = [read_history(run, gap, singly) for run in runs]
     titles = [title for title in _PANELS if any(title in history.panels for history in histories)]
@@ -204,11 +202,7 @@ def plot_runs(runs: Sequence[Run], output: Path, gap: str | None = None) -> None
         for panel in axes:
             for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
                 entries.setdefault(label, handle)
-        figure.legend(
-            list(entries.values()),
-            list(entries),
-            loc="outside right upper",
-        )
+        figure.legend(list(entries.values()), list(entries), loc="outside right upper")
 
 
 def _draw(axes: Axes, title: str, histories: Sequence[RunHistory]) -> None:

@@ -15,8 +15,8 @@ from fsi.bodies.configuration import Array, Configuration
 from fsi.errors import InputError
 from fsi.postprocess.render.artist import Artist
 from fsi.postprocess.render.canvas import Picture, new_panel, new_spatial_panel
+from fsi.postprocess.render.fields import Span
 from fsi.postprocess.render.picture import Framed, compose
-from fsi.postprocess.render.scales import Span
 from fsi.postprocess.render.view import Choice, View, around_all
 from fsi.postprocess.run.cells import counted, nodes
 from fsi.postprocess.run.run import Run

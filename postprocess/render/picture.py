@@ -106,14 +106,6 @@ def round_length(most: float) -> float:
     return float(max(f * power for f in (1.0, 2.0, 5.0) if f * power <= most * (1.0 + 1e-9)))
 
 
-def require_suffix(output: Path) -> None:
-    """Raise InputError unless pictures can be written there."""
-    if output.suffix not in (*STILLS, *MOVIES) or not output.absolute().parent.is_dir():
-        raise InputError(
-            f"output = {output}: give the path of a .png, .mp4 or .gif file in a folder that exists"
-        )
-
-
 def write_pictures(pictures: Iterable[Picture], output: Path) -> None:
     """Write pictures of one size, (height, width, 3) each, as they come. Raises InputError."""
     temporary = output.with_name(f".partial-{output.name}")
@@ -135,22 +127,16 @@ def _write_mp4(pictures: Iterable[Picture], path: Path) -> None:
     """H.264, which browsers and slides show; it wants even sizes."""
     import imageio_ffmpeg
 
-    frames = iter(pictures)
-    first = _even(next(frames))
-    size = (first.shape[1], first.shape[0])
+    frames = map(_even, pictures)
+    first = next(frames)
+    size, quiet = (first.shape[1], first.shape[0]), {"macro_block_size": 2, "ffmpeg_log_level": "error"}
     writer = imageio_ffmpeg.write_frames(
-        str(path),
-        size,
-        fps=_PER_SECOND,
-        codec="libx264",
-        quality=8,
-        macro_block_size=2,
-        ffmpeg_log_level="error",
+        str(path), size, fps=_PER_SECOND, codec="libx264", quality=8, **quiet
     )
     writer.send(None)
     writer.send(first)
     for picture in frames:
-        writer.send(_even(picture))
+        writer.send(picture)
     writer.close()
 
 

@@ -7,11 +7,12 @@ from pathlib import Path
 from fsi.errors import InputError
 from fsi.postprocess.render.artist import Artist
 from fsi.postprocess.render.network import NetworkArtist
-from fsi.postprocess.render.picture import MOVIES, require_suffix, write_pictures
+from fsi.postprocess.render.picture import MOVIES, STILLS, write_pictures
 from fsi.postprocess.render.planar import PlanarArtist
 from fsi.postprocess.render.profile import ProfileArtist
 from fsi.postprocess.render.spatial import SpatialArtist
 from fsi.postprocess.render.view import Choice
+from fsi.postprocess.run.output import require_suffix
 from fsi.postprocess.run.run import Run
 
 
@@ -32,7 +33,7 @@ def render_run(
     Raises:
         InputError: no such field, gap or step, no fields in the run, no OpenGL here, or the disk refuses.
     """
-    require_suffix(output)
+    require_suffix(output, *STILLS, *MOVIES)
     if choice.size < 100:
         raise InputError(f"--size {choice.size}: give at least 100 pixels")
     painter = artist(run, choice)

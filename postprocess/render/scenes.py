@@ -177,8 +177,7 @@ def _rise(grid: pv.UnstructuredGrid, e: Array) -> float:
 def images(q: Configuration, container: Container, view: View) -> Configuration:
     """The images of the bodies that meet the window."""
     lattice = Lattice(container.periods)
-    reach = _reach(lattice, 2.0 * view.half) + 1
-    shifts = lattice.shift(_all_within(lattice, reach))
+    shifts = lattice.shift(_near(lattice, np.zeros(2), view, 2.0 * lattice.longest()))
     centres = (shifts[:, None] + lattice.wrapped(q.centres)).reshape(-1, 2)
     angles, radii = np.tile(q.angles, len(shifts)), np.tile(q.radii, len(shifts))
     seen = np.all(np.abs(centres - view.centre) <= view.half + radii[:, None], axis=1)
@@ -186,17 +185,8 @@ def images(q: Configuration, container: Container, view: View) -> Configuration:
 
 
 def _near(lattice: Lattice, centre: Array, view: View, length: float) -> Integers:
-    """The integers of all images of a grid of that length around `centre` that may meet the window."""
-    reach = _reach(lattice, 2.0 * view.half + length)
-    return _all_within(lattice, reach) + lattice.nearest((view.centre - centre)[None])
-
-
-def _reach(lattice: Lattice, length: float) -> int:
-    """How many of its shortest periods cover a length."""
-    return int(np.ceil(length / np.linalg.norm(lattice.vectors, axis=1).min()))
-
-
-def _all_within(lattice: Lattice, reach: int) -> Integers:
-    """All integers with |m_k| <= reach."""
+    """The integers of all images of what is so long, around `centre`, that may meet the window."""
+    reach = int(np.ceil((2.0 * view.half + length) / np.linalg.norm(lattice.vectors, axis=1).min()))
     ranges = [np.arange(-reach, reach + 1)] * lattice.dimension
-    return np.stack(np.meshgrid(*ranges), axis=-1).reshape(-1, lattice.dimension)
+    within = np.stack(np.meshgrid(*ranges), axis=-1).reshape(-1, lattice.dimension)
+    return within + lattice.nearest((view.centre - centre)[None])

@@ -31,6 +31,8 @@ _X, _UP = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 _POINTS = 161  # along each side of the plane: exact values there, linear in between
 _APART = 0.06  # distance of streamlines, over half the width of the window
 
+type Flow = tuple[pv.PolyData, pv.PolyData]  # a surface, and lines on it
+
 
 @dataclass(frozen=True, slots=True)
 class Cut:
@@ -81,23 +83,11 @@ def through_gap(gap: SurfaceGap, q: Configuration, view: View) -> Cut:
     return Cut(view.centre - ((view.centre - gap.middle) @ across) * across, view.half, along)
 
 
-@dataclass(frozen=True, slots=True)
-class CutFlow:
-    """The flow on a plane, at points (s, t, 0) of it.
+def flow_on(run: Run, step: int, cut: Cut, field: RenderedField, reach: float) -> Flow:
+    """The part of the cut with |s|, |t| <= reach inside the walls, as a surface and its streamlines.
 
-    Attributes:
-        surface: the part inside the walls, with the data `value` of a field.
-        lines: streamlines of the velocity in the plane; none where the field is without them.
-    """
-
-    surface: pv.PolyData
-    lines: pv.PolyData
-
-
-def flow_on(run: Run, step: int, cut: Cut, field: RenderedField, reach: float) -> CutFlow:
-    """The part of the cut with |s|, |t| <= reach inside the walls.
-
-    Values go on from the fluid into the bodies, whose pictures hide it.
+    Points are (s, t, 0); the surface has the point data `value`. Values go on from the fluid into the bodies,
+    whose pictures hide it.
     """
     grid = pv.ImageData(
         dimensions=(_POINTS, _POINTS, 1),
@@ -125,7 +115,7 @@ def flow_on(run: Run, step: int, cut: Cut, field: RenderedField, reach: float) -
             separating_distance_ratio=0.4,
             compute_vorticity=False,
         )
-    return CutFlow(_inside(surface), _inside(lines))
+    return _inside(surface), _inside(lines)
 
 
 def _known(table: pd.DataFrame) -> dict[str, Array]:
@@ -167,7 +157,7 @@ class SpatialArtist(FlowArtist):
         reach = _REACH if self.sides is None else 1.0
         cuts = [(step, cut) for step, (cut, _) in zip(steps, seen, strict=True)]
         flows = [flow_on(self.run, step, cut, self.field, reach) for step, cut in cuts]
-        values = np.concatenate([flow.surface["value"] for flow in flows])
+        values = np.concatenate([plane["value"] for plane, _ in flows])
         span = self.choice.span or self.field.scale.span_on_plane(values)
         shades = ScalarMappable(self.field.scale.norm(span), self.field.colour_map)
         draw = self._space if self.sides is None else self._close_up
@@ -196,21 +186,23 @@ class SpatialArtist(FlowArtist):
         cut = through_gap(gap, q, window.close_up(gap))
         return cut, f"{self.gap_title(gap)}: {self.field.name}, plane {cut.name}"
 
-    def _space(self, flow: CutFlow, cut: Cut, q: Configuration, shades: ScalarMappable) -> Picture:
+    def _space(self, flow: Flow, cut: Cut, q: Configuration, shades: ScalarMappable) -> Picture:
         """The spheres, and the plane behind and in front of them."""
         space = new_spatial_panel(View(cut.centre, cut.half), self.choice.size)
-        space.colour(_upright(flow.surface), shades)
-        space.lines(_upright(flow.lines))
+        plane, lines = (_upright(part) for part in flow)
+        space.colour(plane, shades)
+        space.lines(lines)
         space.bodies(q)
         if "plane" in self.run.case.container().walls:
             space.floor(0.0)
         return space.image()
 
-    def _close_up(self, flow: CutFlow, cut: Cut, q: Configuration, shades: ScalarMappable) -> Picture:
+    def _close_up(self, flow: Flow, cut: Cut, q: Configuration, shades: ScalarMappable) -> Picture:
         """The plane alone, and where it cuts the spheres."""
         panel = new_panel(View(np.zeros(2), 1.0), self.choice.size)
-        panel.colour(flow.surface, shades)
-        panel.lines(flow.lines, "white", width=3, opacity=0.8, layer=0.5)
+        plane, lines = flow
+        panel.colour(plane, shades)
+        panel.lines(lines, "white", width=3, opacity=0.8, layer=0.5)
         panel.bodies(cut.circles(q), turning=False)
         return panel.image()
 

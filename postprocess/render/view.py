@@ -9,7 +9,7 @@ import pyvista as pv
 
 from fsi.bodies.configuration import Array
 from fsi.meshes.geometry.containers import Container
-from fsi.postprocess.render.scales import Span
+from fsi.postprocess.render.fields import Span
 from fsi.postprocess.run.gaps import SurfaceGap
 
 _CLOSE_UP = 12.0  # width of the close-up, in gaps

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
-from fsi.files import replace
 from fsi.meshes.cells.lagrange import gradient, locate, order_of, tabulate
 from fsi.observables.velocity_gradient import hoop_rate, strain_rate, vorticity
 from fsi.postprocess.run.cells import nodes
+from fsi.postprocess.run.output import write_whole
 from fsi.postprocess.run.run import Run
 
 FLUID = "fluid"
@@ -126,7 +126,4 @@ def read_points(path: Path, dimension: int = 2) -> Array:
 
 def write_values(table: pd.DataFrame, output: Path) -> None:
     """Write a table as CSV, with all digits. Raises InputError."""
-    try:
-        replace(output, table.to_csv(index=False).encode())
-    except OSError as error:
-        raise InputError(f"output = {output}: {error.strerror}; give another path") from None
+    write_whole(output, table.to_csv(index=False))

@@ -126,8 +126,8 @@ class Run:
 
     def times_of(self, series: str) -> pd.Series[float]:
         """The same for another series, such as "surface"."""
-        found = {_step(entry): entry.t for entry in self._entries(series)}
-        return pd.Series(found, name="t", dtype=float).rename_axis("step")
+        times = {_step(entry): entry.t for entry in self._entries(series)}
+        return pd.Series(times, name="t", dtype=float).rename_axis("step")
 
     def mesh(self, step: int | None = None, series: str = "fluid") -> pv.UnstructuredGrid:
         """The fields of a step (default: the last that has any), all ranks' parts in one grid.
@@ -220,10 +220,10 @@ class Run:
         """What provenance.json says of each launch. Raises InputError."""
         path = self.path / "provenance.json"
         try:
-            found: list[dict[str, Any]] = json.loads(path.read_text(encoding="utf-8"))["launches"]
+            launches: list[dict[str, Any]] = json.loads(path.read_text(encoding="utf-8"))["launches"]
         except (OSError, ValueError, KeyError) as error:
             raise InputError(f"{path}: cannot be read ({error}); give a run folder") from None
-        return found
+        return launches
 
     @cached_property
     def _commit(self) -> Checkpoint | None:

@@ -53,9 +53,9 @@ def read_table(path: Path, length: int | None) -> pd.DataFrame:
 
 def _require_numbers(path: Path, frame: pd.DataFrame, columns: tuple[str, ...]) -> None:
     """These columns come first; all but the names of bodies and what is known sometimes have numbers."""
-    for found, wanted in zip(frame.columns, columns, strict=False):
-        if found != wanted:
-            raise _changed(path, f'a column is "{found}" where "{wanted}" stood')
+    for column, wanted in zip(frame.columns, columns, strict=False):
+        if column != wanted:
+            raise _changed(path, f'a column is "{column}" where "{wanted}" stood')
     if len(frame.columns) < len(columns):
         raise _changed(path, f'its column "{columns[len(frame.columns)]}" is missing')
     numbers = frame.drop(columns="body", errors="ignore")

@@ -25,9 +25,9 @@ def test_two_discs_come_off_after_the_push(tmp_path: Path) -> None:
     case = load_case(CASES / "gluey" / "two_discs.toml", overrides)
     run(case, tmp_path / "run")
     memory = read_memories(open_run(tmp_path / "run"))
-    np.testing.assert_allclose(memory.stored, 2.0, atol=0.05)
-    np.testing.assert_allclose(memory.lag, 2.0, atol=0.11)
+    np.testing.assert_allclose(memory.contacts["stored"], 2.0, atol=0.05)
+    np.testing.assert_allclose(memory.contacts["lag"], 2.0, atol=0.11)
     assert memory_table(memory).row_count == 1
-    assert memory_data(memory)["contacts"][0]["released"] == memory.released[0]
+    assert memory_data(memory)["contacts"][0]["released"] == memory.contacts["released"][0]
     plot_memories(memory, tmp_path / "memory.png")
     assert (tmp_path / "memory.png").stat().st_size > 10_000

@@ -52,8 +52,8 @@ def test_a_sphere_beside_the_plane_is_cut_in_a_smaller_disc() -> None:
 def test_streamlines_follow_the_flow_in_the_plane(tmp_path: Path) -> None:
     """On y = 1: u_x = z, u_z = x, so that x^2 - z^2 stays the same; the ball is not met there."""
     run = fsi.open_run(write_spatial_run(tmp_path))
-    flow = flow_on(run, 0, Cut(np.array([0.0, 1.0, 0.0]), 1.0, X), rendered_field("speed"), 1.5)
-    surface, lines = flow.surface, flow.lines
+    cut, speed = Cut(np.array([0.0, 1.0, 0.0]), 1.0, X), rendered_field("speed")
+    surface, lines = flow_on(run, 0, cut, speed, 1.5)
     assert surface.area == pytest.approx(9.0, rel=1e-6)
     assert lines.n_cells > 10
     for line in range(0, lines.n_cells, 5):
@@ -66,8 +66,8 @@ def test_streamlines_follow_the_flow_in_the_plane(tmp_path: Path) -> None:
 def test_the_plane_ends_at_the_walls(tmp_path: Path) -> None:
     """Half a window of 1.5 beyond x = 1 is cut at 2, square up to the corner."""
     run = fsi.open_run(write_spatial_run(tmp_path))
-    flow = flow_on(run, 0, Cut(np.array([1.0, 1.0, 1.0]), 1.0, X), rendered_field("pressure"), 1.5)
-    assert flow.surface.area == pytest.approx(2.5**2, rel=1e-6)
+    surface, _ = flow_on(run, 0, Cut(np.array([1.0, 1.0, 1.0]), 1.0, X), rendered_field("pressure"), 1.5)
+    assert surface.area == pytest.approx(2.5**2, rel=1e-6)
 
 
 @pytest.mark.usefixtures("drawing")

@@ -11,8 +11,14 @@ import pyvista as pv
 import fsi
 from fsi.bodies.configuration import Configuration
 from fsi.postprocess.render import fields
-from fsi.postprocess.render.fields import RenderedField, field_names, register_field, rendered_field
-from fsi.postprocess.render.scales import Linear, Span
+from fsi.postprocess.render.fields import (
+    Linear,
+    RenderedField,
+    Span,
+    field_names,
+    register_field,
+    rendered_field,
+)
 from fsi.postprocess.render.scenes import Scene
 from fsi.postprocess.render.view import View
 from tests.commands import fsi_command
