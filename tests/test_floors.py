@@ -5,21 +5,14 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from importlinter import cli
 
 ROOT = Path(__file__).parents[1]
-SOLVER = ("fsi/stokes", "meshes")
-FOLDERS = sorted(
-    {
-        str(path.parent.relative_to(ROOT))
-        for top in ("fsi", "meshes", "postprocess")
-        for path in (ROOT / top).rglob("*.py")
-    }
-)
-LIGHT = [folder for folder in FOLDERS if not f"{folder}/".startswith(tuple(f"{top}/" for top in SOLVER))]
+FOLDERS = ("fsi", "meshes", "postprocess")
+SOLVER = ("fsi.stokes", "fsi.meshes")
 HEAVY = {"dolfinx", "dolfinx_solver", "gmsh", "petsc4py", "mpi4py", "basix", "ffcx", "ufl"}
 # Hides the heavy packages as if they were not installed, then imports and uses the rest.
 ABSENT = f"""
@@ -35,63 +28,63 @@ import importlib
 for name in {{modules}}:
     importlib.import_module(name)
 assert not {HEAVY!r} & set(sys.modules)
-from fsi.cli import main
+from fsi.cli.main import main
 sys.argv = ["fsi", "check", "cases/disc_in_box.toml"]
 main()
 """
 
 
-def sources(*folders: str) -> Iterator[tuple[Path, set[str]]]:
-    """Each file of the folders with the modules that it imports at its top level, not inside functions."""
-    for folder in folders:
-        for path in sorted((ROOT / folder).glob("*.py")):
-            names: set[str] = set()
-            for node in ast.parse(path.read_text()).body:
-                if isinstance(node, ast.Import):
-                    names |= {alias.name for alias in node.names}
-                elif isinstance(node, ast.ImportFrom):
-                    names.add(str(node.module))
-            yield path, names
+def modules() -> dict[str, Path]:
+    """Every module of the house with its file."""
+    files = [path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py")]
+    names = {path: ".".join(path.relative_to(ROOT).with_suffix("").parts) for path in files}
+    return {name if name.startswith("fsi") else f"fsi.{name}": path for path, name in names.items()}
 
 
-def begins(names: set[str], *packages: str) -> set[str]:
-    return {name for name in names if any(f"{name}.".startswith(f"{package}.") for package in packages)}
+def test_imports_go_down_only(capsys: pytest.CaptureFixture[str]) -> None:
+    """The contracts of pyproject.toml; imports inside functions and under TYPE_CHECKING count."""
+    broken = cli.lint_imports(config_filename=str(ROOT / "pyproject.toml"), no_cache=True)
+    assert broken == cli.EXIT_STATUS_SUCCESS, capsys.readouterr().out
 
 
-def test_meshes_know_nothing_of_the_solver() -> None:
-    found = {
-        path.name: begins(names, "fsi") - begins(names, "fsi.meshes") for path, names in sources("meshes")
-    }
-    assert {name: bad for name, bad in found.items() if bad} == {}
+def test_an_import_that_runs_up_is_seen(tmp_path: Path) -> None:
+    """Hidden in a function: what the contracts are for."""
+    for name, text in (("low", "def f():\n    import house.high\n"), ("high", "import house.low\n")):
+        (tmp_path / "house").mkdir(exist_ok=True)
+        (tmp_path / "house" / f"{name}.py").write_text(text)
+    (tmp_path / "house" / "__init__.py").touch()
+    contract = "[importlinter:contract:1]\nname=x\ntype=layers\nlayers=\n    house.high\n    house.low\n"
+    (tmp_path / ".importlinter").write_text(f"[importlinter]\nroot_package=house\n{contract}")
+    program = [sys.executable, "-c", "from importlinter.cli import lint_imports_command as main; main()"]
+    done = subprocess.run([*program, "--no-cache"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert "house.low -> house.high" in done.stdout
 
 
-def test_the_solver_knows_nothing_of_pictures() -> None:
-    lower = [folder for folder in FOLDERS if folder.startswith("fsi/") and folder != "fsi/cli"]
-    found = sources(*lower)
-    assert {path.name: bad for path, names in found if (bad := begins(names, "fsi.postprocess"))} == {}
-
-
-def test_heavy_packages_live_in_two_places() -> None:
-    """Only fsi/stokes and meshes import them; `parallel` alone asks for MPI, where there is one."""
-    found = sources(*LIGHT)
-    bad = {path.name: names & HEAVY for path, names in found if names & HEAVY}
-    assert bad == {}
+def test_no_module_has_two_names() -> None:
+    """`meshes` and `postprocess` at the top are imported as rooms of fsi alone."""
+    files = [*modules().values(), *(ROOT / "tests").rglob("*.py"), *(ROOT / "bench").rglob("*.py")]
+    for path in files:
+        for node in ast.walk(ast.parse(path.read_text())):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            names += [str(node.module)] if isinstance(node, ast.ImportFrom) else []
+            assert not {name.partition(".")[0] for name in names} & {"meshes", "postprocess"}, path
 
 
 def test_closed_forms_need_numpy_and_scipy_only() -> None:
     standard = set(sys.stdlib_module_names) | {"numpy", "scipy", "fsi"}
-    for path, names in sources("fsi/lubrication"):
-        assert {name.partition(".")[0] for name in names} <= standard, path.name
-        assert not begins(names, "fsi.stokes", "fsi.case.case"), path.name
+    for path in (ROOT / "fsi" / "lubrication").glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            names += [str(node.module)] if isinstance(node, ast.ImportFrom) else []
+            assert {name.partition(".")[0] for name in names} <= standard, path.name
 
 
 def test_what_is_not_resolved_runs_without_the_heavy_packages() -> None:
     """Import every module outside fsi/stokes and meshes, and check a case, with those packages hidden."""
-    files = [path for folder in LIGHT for path in (ROOT / folder).glob("*.py")]
-    modules = sorted(".".join(path.relative_to(ROOT).with_suffix("").parts) for path in files)
-    modules = [name if name.startswith("fsi") else f"fsi.{name}" for name in modules]
-    modules = [name for name in modules if not name.endswith(("__init__", "__main__", ".resolved"))]
-    code = ABSENT.replace("{modules}", repr(modules))
+    light = [name for name in sorted(modules()) if not f"{name}.".startswith(tuple(f"{s}." for s in SOLVER))]
+    light = [name for name in light if not name.endswith(("__init__", "__main__", ".resolved"))]
+    code = ABSENT.replace("{modules}", repr(light))
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "disc" in done.stdout

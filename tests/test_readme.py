@@ -4,7 +4,9 @@ import re
 import tomllib
 from pathlib import Path
 
+from fsi.case.case import MODELS
 from fsi.case.load import parse_case
+from fsi.case.reference import as_markdown, sections_of_case
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -19,14 +21,30 @@ def test_the_example_is_a_case() -> None:
     given = case.model_dump(exclude_unset=True)
     for section in ("fluid", "discretisation", "time", "output"):
         fields = type(getattr(case, section)).model_fields
-        shown = {name for name, field in fields.items() if not field.exclude}  # not what the case puts there
-        assert shown == set(given[section]), section
+        assert set(fields) == set(given[section]), section
 
 
 def test_the_example_of_a_periodic_domain_is_a_case() -> None:
     examples = re.findall(r"```toml\n(.*?)```", (ROOT / "docs" / "case-file.md").read_text(), re.DOTALL)
     case = parse_case(tomllib.loads(examples[1]))
     assert (len(case.bodies), len(case.forces), len(case.container().periods)) == (2, 4, 2)
+
+
+def test_the_example_of_four_levels_is_a_case_at_each() -> None:
+    examples = re.findall(r"```toml\n(.*?)```", (ROOT / "docs" / "case-file.md").read_text(), re.DOTALL)
+    for model in MODELS:
+        assert parse_case(tomllib.loads(examples[2]) | {"model": model}).model == model
+
+
+def test_the_page_of_the_case_file_is_what_the_schema_says() -> None:
+    """Complete: every key of every section has its line, with a meaning."""
+    page = (ROOT / "docs" / "case-file.md").read_text().partition("<!-- generated -->")[2]
+    sections = sections_of_case()
+    assert page.strip() == as_markdown(sections).strip(), "write it anew with `fsi keys --markdown`"
+    assert [key.name for section in sections for key in section.keys if not key.meaning] == []
+    named = {key.name for section in sections for key in section.keys}
+    assert {"variant", "gamma_min", "eps", "roughness", "friction", "tangential", "scheme"} <= named
+    assert {"drag", "wall_law", "extrapolate", "parcels", "blocks", "counts"} <= named
 
 
 def test_the_files_that_they_name_exist() -> None:

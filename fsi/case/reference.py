@@ -72,7 +72,7 @@ def _walk(section: type[Section], path: str, title: str, seen: set[type[Section]
     for name, field in section.model_fields.items():
         here = f"{path}.{name}" if path else name
         in_it = [_INSTEAD[name]] if name in _INSTEAD else list(dict.fromkeys(sections_in(field.annotation)))
-        keys.append(Key(name, _meaning(here, field), _default(field)))
+        keys.append(Key(name, _meaning(here, section.describe(name)), _default(field)))
         brackets = f"[[{here}]]" if name in _INSTEAD or _is_list(field.annotation) else f"[{here}]"
         inner += [(each, here, f"`{brackets}`{_kind(each)}") for each in in_it]
     yield SectionKeys(title, inspect.getdoc(section) or "", tuple(keys))
@@ -96,10 +96,10 @@ def _is_list(annotation: Any) -> bool:
     return get_origin(annotation) is tuple
 
 
-def _meaning(path: str, field: FieldInfo) -> str:
+def _meaning(path: str, description: str | None) -> str:
     choices: Iterable[str] | None = _CHOICES.get(path)
     listed = "" if choices is None else f" ({', '.join(choices)})"
-    return f"{field.description or ''}{listed}"
+    return f"{description or ''}{listed}"
 
 
 def _default(field: FieldInfo) -> str:

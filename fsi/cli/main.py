@@ -20,6 +20,7 @@ from fsi.cli import (
     cases,
     check,
     compare,
+    keys,
     limit,
     mesh,
     pack,
@@ -50,6 +51,7 @@ app = typer.Typer(
 
 app.command(epilog=cases.EXAMPLE)(cases.cases)
 app.command(epilog=check.EXAMPLE)(check.check)
+app.command(epilog=keys.EXAMPLE)(keys.keys)
 app.command(epilog=mesh.EXAMPLE)(mesh.mesh)
 app.command(epilog=pack.EXAMPLE)(pack.pack)
 app.command(epilog=solve.EXAMPLE)(solve.solve)
