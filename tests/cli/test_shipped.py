@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from fsi.case.checks.expected import check_expected
+from fsi.case.load import load_case
 from fsi.cli import missing, shipped
 from fsi.cli.missing import explain
 from fsi.errors import InputError
@@ -26,6 +28,15 @@ def test_the_cases_are_written_as_they_are(tmp_path: Path) -> None:
     assert written == wanted
     with pytest.raises(InputError, match=r"folder = .*: is there already; give the name of a new one"):
         shipped.write_cases(tmp_path / "new")
+
+
+def test_every_shipped_case_stands_alone(tmp_path: Path) -> None:
+    """Written into an empty folder by `fsi cases`, each one loads and is checked there."""
+    shipped.write_cases(tmp_path / "cases")
+    paths = [path for path in (tmp_path / "cases").rglob("*.toml") if path.parent.name != "laws"]
+    assert len(paths) > 60
+    for path in paths:
+        check_expected(load_case(path))
 
 
 def test_a_package_without_its_cases_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
