@@ -72,6 +72,19 @@ def test_lost_rows_are_noticed(tmp_path: Path) -> None:
         resume(tmp_path / "run", make=by(make_model))
 
 
+@pytest.mark.parametrize("written", [{}, {"format": 3}])
+def test_a_run_of_another_version_is_refused_in_one_line(written: dict[str, int], tmp_path: Path) -> None:
+    """Before the format had a number, case files had other keys."""
+    break_off(tmp_path / "run", small_case(), step=4)
+    provenance = tmp_path / "run" / "provenance.json"
+    data = {key: value for key, value in json.loads(provenance.read_text()).items() if key != "format"}
+    provenance.write_text(json.dumps(data | written))
+    before = contents(tmp_path / "run")
+    with pytest.raises(InputError, match=r"a run of another version of this program .*; run the case again"):
+        resume(tmp_path / "run", make=by(make_model))
+    assert contents(tmp_path / "run") == before
+
+
 def test_a_damaged_state_is_one_line(tmp_path: Path) -> None:
     break_off(tmp_path / "run", small_case(), step=4)
     (tmp_path / "run" / "state.npz").write_bytes(b"PK\x03\x04 nothing")
