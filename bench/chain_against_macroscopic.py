@@ -20,6 +20,7 @@ from fsi.gluey.contacts import Room
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, System
 from fsi.macroscopic.model import Parcels, at_rest_in_memory, blocks
+from fsi.meshes.geometry.containers import Unbounded
 from fsi.report.console import standard_output
 
 END, FINE = 0.4, 6400
@@ -34,7 +35,7 @@ def start(n: int) -> Parcels:
 def gluey_chain(parcels: Parcels) -> tuple[System, GlueyState]:
     """Spheres on a line of the parcels' masses, with diameters that fill it at density 1."""
     n = len(parcels.X)
-    room = Room(np.empty((0, 1)), np.empty((0, 1)), np.zeros(1))
+    room = Room(np.empty((0, 1)), np.empty((0, 1)), Unbounded(dimension=1))
     mass, radii = np.full((n, 1), parcels.dm), np.full(n, 0.5 * parcels.dm)
     system = System(radii, mass, room, lambda _t0, _t1: np.zeros((n, 1)), ContactLaw())
     return system, GlueyState.at(parcels.X[:, None], parcels.u[:, None])

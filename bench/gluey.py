@@ -23,6 +23,7 @@ from fsi.errors import SolveError
 from fsi.gluey.contacts import Room
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, System
+from fsi.meshes.geometry.containers import Unbounded
 
 H = 0.01
 HEADINGS = ("discs", "step", "contacts", "closed", "iterations", "Newton", "kkt", "overlap", "CPU s")
@@ -38,7 +39,7 @@ def crowd(n: int, how: str) -> tuple[System, GlueyState]:
     radii = random.uniform(0.497, 0.5, len(q))
     m = np.pi * radii**2
     mass = np.column_stack([m, m, 0.5 * m * radii**2])
-    room = Room(np.zeros((2, 2)), np.eye(2), np.zeros(2))
+    room = Room(np.zeros((2, 2)), np.eye(2), Unbounded(dimension=2))
 
     def impulse(t0: float, t1: float) -> Array:
         load: Array = (t1 - t0) * m[:, None] * np.array([-0.5, -1.0, 0.0])

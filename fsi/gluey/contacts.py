@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array
+from fsi.bodies.gaps import neighbours
+from fsi.meshes.geometry.containers import Container
 
 SPINS = {1: 0, 2: 1, 3: 3}
 
@@ -23,21 +24,15 @@ SPINS = {1: 0, 2: 1, 3: 3}
 class Room:
     """What bounds the bodies.
 
-    points, normals: a point of each plane wall and its unit normal into the room, shape (W, d);
-    period: length of the periodic cell in each direction, 0 where it is not periodic, shape (d,).
+    Attributes:
+        points: a point of each plane wall, shape (W, d).
+        normals: its unit normal into the room, shape (W, d).
+        container: whose periods carry bodies onto their images.
     """
 
     points: Array
     normals: Array
-    period: Array
-
-    def nearest(self, separation: Array) -> Array:
-        """The shortest of the periodic images of separations (.., d)."""
-        period = np.where(self.period > 0.0, self.period, 1.0)
-        images: Array = separation - np.where(self.period > 0.0, self.period, 0.0) * np.rint(
-            separation / period
-        )
-        return images
+    container: Container
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,9 +61,8 @@ class Contacts:
 def find_contacts(centres: Array, radii: Array, room: Room, reach: float) -> Contacts:
     """All pairs of bodies, and of bodies and walls, whose gap is at most `reach`."""
     N, W = len(centres), len(room.points)
-    i, j = _near_pairs(centres, room, 2.0 * float(radii.max(initial=0.0)) + reach)
-    separation = room.nearest(centres[j] - centres[i])
-    distance = np.linalg.norm(separation, axis=1)
+    near = neighbours(centres, room.container, 2.0 * float(radii.max(initial=0.0)) + reach)
+    i, j, separation, distance = near.i, near.j, -near.separation, near.distance
     above = np.einsum("bwd,wd->bw", centres[:, None, :] - room.points, room.normals) - radii[:, None]
     body, wall = np.nonzero(above <= reach)
     i = np.concatenate([i, N + wall])
@@ -77,21 +71,14 @@ def find_contacts(centres: Array, radii: Array, room: Room, reach: float) -> Con
     with np.errstate(invalid="ignore"):
         n = np.concatenate([separation / distance[:, None], room.normals[wall]])
     key = i.astype(np.int64) * (N + W) + j
-    order = np.argsort(key)
-    order = order[D[order] <= reach]
+    near_enough = np.flatnonzero(D <= reach)
+    order = near_enough[np.argsort(key[near_enough])]
+    if len(room.container.periods):
+        # Of several images of a pair the nearest one counts, and a body does not meet its own.
+        order = near_enough[np.lexsort((D[near_enough], key[near_enough]))]
+        order = order[np.unique(key[order], return_index=True)[1]]
+        order = order[i[order] != j[order]]
     return Contacts(i[order], j[order], n[order], D[order], key[order])
-
-
-def _near_pairs(centres: Array, room: Room, cutoff: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Pairs i < j of centres nearer than the cutoff, which is below half of every period."""
-    if len(centres) < 2:
-        return np.empty(0, dtype=np.intp), np.empty(0, dtype=np.intp)
-    periodic = room.period > 0.0
-    wrapped = np.where(periodic, np.mod(centres, np.where(periodic, room.period, 1.0)), centres)
-    wrapped = np.where(periodic & (wrapped >= room.period), 0.0, wrapped)  # mod may round up to the period
-    tree = cKDTree(wrapped, boxsize=room.period if periodic.any() else None)
-    pairs = np.sort(tree.query_pairs(cutoff, output_type="ndarray"), axis=1)
-    return pairs[:, 0], pairs[:, 1]
 
 
 def gap_rows(contacts: Contacts, N: int, modes: int) -> sp.csr_matrix:

@@ -62,8 +62,7 @@ def room(case: Case) -> Room:
     for wall in case.gluey.walls:
         points.append(np.array(wall.point))
         normals.append(np.array(wall.normal) / np.linalg.norm(wall.normal))
-    period = np.abs(container.periods).sum(axis=0) if len(container.periods) else np.zeros(d)
-    return Room(np.array(points).reshape(-1, d), np.array(normals).reshape(-1, d), period)
+    return Room(np.array(points).reshape(-1, d), np.array(normals).reshape(-1, d), container)
 
 
 def _masses(case: Case) -> Array:

@@ -66,7 +66,7 @@ class System:
     @property
     def dimension(self) -> int:
         """The number d of coordinates of a centre."""
-        return len(self.room.period)
+        return self.room.container.dimension
 
 
 @dataclass(frozen=True, slots=True)

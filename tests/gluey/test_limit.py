@@ -18,6 +18,7 @@ from fsi.gluey.limit import Limit, piecewise_constant, slides_scheme
 from fsi.gluey.one_body import ESTIMATES, A, log_gap, solve
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, System
+from fsi.meshes.geometry.containers import Unbounded
 
 REFERENCE: dict[str, Any] = json.loads(
     (Path(__file__).parents[1] / "reference" / "gluey_1d.json").read_text()
@@ -190,7 +191,7 @@ def test_the_step_of_one_pair_is_the_slides_scheme(impulses: list[float], q0: fl
 
 
 def on_a_line(impulse: Any) -> System:
-    room = Room(np.array([[0.0]]), np.array([[1.0]]), np.zeros(1))
+    room = Room(np.array([[0.0]]), np.array([[1.0]]), Unbounded(dimension=1))
     return System(np.ones(1), np.ones((1, 1)), room, lambda t0, _t1: impulse(t0), ContactLaw())
 
 

@@ -13,6 +13,7 @@ from fsi.case.gluey import ContactLaw
 from fsi.gluey.contacts import Room, find_contacts
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, System
+from fsi.meshes.geometry.containers import Box, Unbounded
 
 H = 0.01
 
@@ -28,7 +29,7 @@ def bodies(
     q = np.atleast_2d(np.array(centres, dtype=float))
     n, d = q.shape
     modes = len(MODES[d])
-    room = room or Room(np.empty((0, d)), np.empty((0, d)), np.zeros(d))
+    room = room or Room(np.empty((0, d)), np.empty((0, d)), Unbounded(dimension=d))
     mass = np.ones((n, modes))
     mass[:, d:] = (0.5 if d == 2 else 0.4) * radius**2
 
@@ -46,7 +47,7 @@ def slope(alpha: float, d: int = 2) -> Room:
     """A plane through the origin that rises to the left by alpha; the y axis is vertical."""
     normal = np.zeros((1, d))
     normal[0, :2] = np.sin(alpha), np.cos(alpha)
-    return Room(np.zeros((1, d)), normal, np.zeros(d))
+    return Room(np.zeros((1, d)), normal, Unbounded(dimension=d))
 
 
 @pytest.mark.parametrize("variant", ["shifted", "cone"])
@@ -157,9 +158,9 @@ def test_a_crowd_keeps_its_invariants(d: int, periodic: bool) -> None:
     size = 1.06 * n
     walls = np.vstack([np.zeros((d, d)), np.full((d, d), size)])
     room = (
-        Room(np.empty((0, d)), np.empty((0, d)), np.full(d, size))
+        Room(np.empty((0, d)), np.empty((0, d)), Box((0.0,) * d, (size,) * d, periodic=tuple("xyz"[:d])))
         if periodic
-        else Room(walls, np.vstack([np.eye(d), -np.eye(d)]), np.zeros(d))
+        else Room(walls, np.vstack([np.eye(d), -np.eye(d)]), Unbounded(dimension=d))
     )
     system, state = bodies(q, lambda _t: np.zeros(d), room)
     state.U[:, :d] = random.normal(size=q.shape)
@@ -179,7 +180,7 @@ def test_contacts_are_all_pairs() -> None:
     """The neighbour search against all pairs and images, in a cell and beside walls."""
     random = np.random.default_rng(5)
     q, a = random.uniform(0.0, 10.0, (40, 2)), random.uniform(0.1, 0.5, 40)
-    room = Room(np.array([[0.0, 0.0]]), np.array([[0.0, 1.0]]), np.array([10.0, 0.0]))
+    room = Room(np.array([[0.0, 0.0]]), np.array([[0.0, 1.0]]), Box((0.0, 0.0), (10.0, 1.0), periodic=("x",)))
     found = find_contacts(q, a, room, 0.5)
     expected = {}
     for j in range(40):

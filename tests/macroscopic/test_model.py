@@ -12,6 +12,7 @@ from fsi.gluey.contacts import Room
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, System
 from fsi.macroscopic.model import Force, Parcels, at_rest_in_memory, blocks
+from fsi.meshes.geometry.containers import Unbounded
 
 NUMBERS = (200, 800, 3200)
 
@@ -80,7 +81,7 @@ def test_the_bulk_stores_a_parabola() -> None:
 
 def chain(n: int, X: Array, u: Array, dm: float) -> tuple[System, GlueyState]:
     """n spheres of diameter dm and mass dm on a line."""
-    room = Room(np.empty((0, 1)), np.empty((0, 1)), np.zeros(1))
+    room = Room(np.empty((0, 1)), np.empty((0, 1)), Unbounded(dimension=1))
     mass = np.full((n, 1), dm)
     system = System(np.full(n, dm / 2), mass, room, lambda _t0, _t1: np.zeros((n, 1)), ContactLaw())
     return system, GlueyState.at(X[:, None], u[:, None])
