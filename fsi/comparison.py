@@ -31,6 +31,8 @@ from fsi.runs import Progress, no_progress, resume, run
 
 # Of a table and a plot.
 TIMES = 601
+# Of the smallest radius: gaps that surfaces in contact have by the rounding of their places.
+ROUNDING = 1e-12
 LIMITS = (0.1, 0.01)
 # A gap at which the two models move it in opposite directions has no small relative error; so that one
 # turning point does not decide, a model is called good below a gap if this part of the samples is.
@@ -233,16 +235,15 @@ def compare_rates(case: Case, resolved: History, reduced: History) -> RateCompar
 
 
 def _gaps_over_time(case: Case, t: Array, centres: Array) -> Array:
-    """The smallest gap of each body for centres (T, N, d) at times t, (T, N)."""
+    """The smallest gap of each body for centres (T, N, d) at times t, (T, N); 0 where it is rounding."""
     radii, container = case.configuration().radii, case.container()
-    return np.array(
+    gaps = np.array(
         [
-            find_gaps(
-                Configuration.unturned(x, radii), container.at(float(at)), container.size()
-            ).smallest_of_each()
-            for at, x in zip(t, centres, strict=True)
+            find_gaps(Configuration.unturned(x, radii), container.at(at), container.size()).smallest_of_each()
+            for at, x in zip(t.tolist(), centres, strict=True)
         ]
     )
+    return np.where(np.abs(gaps) <= ROUNDING * radii.min(initial=np.inf), 0.0, gaps)
 
 
 def comparison_json(paths: Trajectories) -> dict[str, Any]:

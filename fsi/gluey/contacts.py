@@ -71,7 +71,7 @@ def find_contacts(centres: Array, radii: Array, room: Room, reach: float) -> Con
     with np.errstate(invalid="ignore"):
         n = np.concatenate([separation / distance[:, None], room.normals[wall]])
     key = i.astype(np.int64) * (N + W) + j
-    near_enough = np.flatnonzero(D <= reach)
+    near_enough = np.flatnonzero(reach >= D)
     order = near_enough[np.argsort(key[near_enough])]
     if len(room.container.periods):
         # Of several images of a pair the nearest one counts, and a body does not meet its own.
