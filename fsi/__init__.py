@@ -11,24 +11,9 @@ from typing import Any
 import fsi.meshes as _meshes  # noqa: F401  before NumPy: it sets the number of threads
 
 __all__ = [
-    "BodySolution",
-    "CalibrationResult",
-    "Case",
-    "FsiError",
-    "InputError",
-    "Resistance",
-    "Run",
-    "Solution",
-    "SolveError",
-    "StepRecord",
-    "calibrate",
-    "load_case",
-    "make_case",
-    "open_run",
-    "resume",
-    "run",
-    "solve",
-]
+    "BodySolution", "CalibrationResult", "Case", "FsiError", "InputError", "Resistance", "Run", "Solution",
+    "SolveError", "StepRecord", "calibrate", "load_case", "make_case", "open_run", "resume", "run", "solve",
+]  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:

@@ -41,24 +41,9 @@ from fsi.runs import resume as resume_run
 from fsi.runs import run as run_case
 
 __all__ = [
-    "BodySolution",
-    "CalibrationResult",
-    "Case",
-    "FsiError",
-    "InputError",
-    "Resistance",
-    "Run",
-    "Solution",
-    "SolveError",
-    "StepRecord",
-    "calibrate",
-    "load_case",
-    "make_case",
-    "open_run",
-    "resume",
-    "run",
-    "solve",
-]
+    "BodySolution", "CalibrationResult", "Case", "FsiError", "InputError", "Resistance", "Run", "Solution",
+    "SolveError", "StepRecord", "calibrate", "load_case", "make_case", "open_run", "resume", "run", "solve",
+]  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
