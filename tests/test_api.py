@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 import fsi
-from fsi import api
+import fsi.api as api
+from tests.cli.test_commands import MPIEXEC, call, needs_mpi
 
 ROOT = Path(__file__).parents[1]
 DISC: dict[str, Any] = {"name": "disc", "radius": 1.0, "position": [0.0, 2.0], "force": [0.0, -1.0]}
@@ -106,3 +107,48 @@ def test_levels_without_an_instant_say_so() -> None:
 def test_a_mistake_in_python_is_one_line_too() -> None:
     with pytest.raises(fsi.InputError, match=r"reduced\.darg = 10\.0: unknown key; use reduced\.drag"):
         reduced(reduced={"darg": 10.0})
+
+
+def test_cases_solutions_and_runs_say_what_they_are(tmp_path: Path) -> None:
+    case = reduced()
+    assert repr(case) == "<Case 'disc': reduced, planar, 1 bodies, half-plane>"
+    assert repr(fsi.solve(case)).startswith("<Solution of 'disc': reduced, 1 bodies in 2 dimensions, dissip")
+    assert repr(fsi.run(case, tmp_path / "run")).startswith("<Run 'disc': reduced, ")
+
+
+def test_files_of_the_user_that_are_named_like_its_folders_do_no_harm(tmp_path: Path) -> None:
+    """A script postprocess.py or meshes.py beside the user's own."""
+    fsi.run(reduced(), tmp_path / "run")
+    for name in ("postprocess", "meshes", "cases"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('not this one')")
+    code = "import fsi; print(len(fsi.open_run('run').steps))"
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert int(done.stdout) > 1
+
+
+@needs_mpi
+@pytest.mark.mpi
+def test_it_works_on_several_ranks(tmp_path: Path) -> None:
+    """The force on a disc, a point of the flow and a run are those of one process."""
+    script = tmp_path / "script.py"
+    script.write_text(
+        f"import fsi, fsi.parallel as parallel\n"
+        f"case = fsi.load_case({str(ROOT / 'cases' / 'disc_in_box.toml')!r}, ['discretisation.degree=2'])\n"
+        "solution = fsi.solve(case)\n"
+        "u, p = solution.evaluate([[0.0, 4.0]])\n"
+        "small = fsi.load_case(" + repr(str(ROOT / "cases" / "gluey" / "two_discs.toml")) + ", "
+        "['time.end=0.1', 'time.step=0.05'])\n"
+        f"steps = len(fsi.run(small, {str(tmp_path / 'run')!r} + str(parallel.size())).steps)\n"
+        "if parallel.is_root():\n"
+        "    print(solution['disc'].force[1], u[0, 1], p[0], steps)\n"
+    )
+    alone = call(sys.executable, str(script))
+    several = call(str(MPIEXEC), "-n", "2", sys.executable, str(script))
+    assert alone.returncode == several.returncode == 0, several.stderr
+    np.testing.assert_allclose(
+        [float(word) for word in several.stdout.split()],
+        [float(word) for word in alone.stdout.split()],
+        rtol=1e-9,
+    )

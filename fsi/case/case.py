@@ -221,6 +221,11 @@ class Case(Section):
         times = {time for part in parts for time in kinks(part)}
         return tuple(sorted(times.union(*(wall.kinks() for wall in self.domain.walls.values()))))
 
+    def __repr__(self) -> str:
+        """What it is, in one line."""
+        what = f"{self.model}, {self.geometry}, {len(self.bodies)} bodies, {self.domain.shape}"
+        return f"<Case {self.name!r}: {what}>"
+
     def as_data(self) -> dict[str, Any]:
         """The case as nested dictionaries with every default filled in; `parse_case` gives an equal Case."""
         data = self.model_dump(exclude_none=True)

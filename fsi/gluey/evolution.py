@@ -21,6 +21,7 @@ from fsi.gluey.system import GlueyState
 from fsi.integration.evolution import CsvTable, Moment
 from fsi.integration.schedule import Schedule
 from fsi.integration.state import State, StepRecord
+from fsi.parallel import on_root
 from fsi.run_folder.vtu import write_lines, write_points
 
 CONTACTS = "contacts.csv"
@@ -154,6 +155,9 @@ class GlueyEvolution:
 
     def _write(self, now: Stepped, folder: Path) -> dict[str, Sequence[str]]:
         """Bodies as points with radius and velocity, contacts as lines from centre (or wall) to centre."""
+        return on_root(lambda: self._write_files(now, folder))
+
+    def _write_files(self, now: Stepped, folder: Path) -> dict[str, Sequence[str]]:
         new, touching, step = now.state, now.touching, now.step
         d = self.system.dimension
         bodies, lines = f"bodies_{step:06d}.vtu", f"contacts_{step:06d}.vtu"

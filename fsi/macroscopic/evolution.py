@@ -17,6 +17,7 @@ from fsi.integration.schedule import Schedule
 from fsi.integration.state import State, StepRecord
 from fsi.macroscopic.model import Parcels
 from fsi.macroscopic.setup import matter
+from fsi.parallel import on_root
 from fsi.run_folder.vtu import write_polyline
 
 PROFILES = "profiles.csv"
@@ -95,5 +96,5 @@ def _tables(step: int, t: float, parcels: Parcels) -> dict[str, CsvTable]:
 
 def _write(step: int, parcels: Parcels, folder: Path) -> dict[str, Sequence[str]]:
     name = f"profile_{step:06d}.vtu"
-    write_polyline(folder / name, parcels.X[:, None], profile(parcels))
+    on_root(lambda: write_polyline(folder / name, parcels.X[:, None], profile(parcels)))
     return {"profile": [name]}

@@ -64,6 +64,10 @@ class Run:
 
     path: Path
 
+    def __repr__(self) -> str:
+        """What it is and how far it has come, in one line."""
+        return f"<Run {self.name!r}: {self.model}, {len(self.steps)} steps to t = {self.end:g}>"
+
     @cached_property
     def case(self) -> Case:
         """The case, with every default filled in."""
