@@ -43,9 +43,8 @@ class Walled(Section):
         description='for each wall its velocity [u_x, u_y] (in space [u_x, u_y, u_z]), "open", '
         "{pressure = p} or {shear = rate}",
     )
-    mesh: str | None = Field(
-        default=None, description="the path of a mesh file of this shape, seen from the case file's folder"
-    )
+    mesh: str | None = None
+    """the path of a mesh file of this shape, seen from the case file's folder"""
 
     @classmethod
     @override

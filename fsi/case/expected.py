@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field, field_validator, model_validator
 
-from fsi.case.section import Section, nearest_word
+from fsi.case.section import Positive, Section, Text, nearest_word
 from fsi.lubrication.exact_results import EXACT
 
 APPARENT_VISCOSITY = "apparent viscosity"
@@ -33,10 +33,13 @@ class Expected(Section):
         '"BODY.torque", '
         '"time at gap 0.1"',
     )
-    value: float | None = Field(default=None, description="the expected number, or give `exact`")
+    value: float | None = None
+    """the expected number, or give `exact`"""
     exact: str | None = Field(default=None, description=f"one of {', '.join(EXACT)}, or give `value`")
-    rtol: float = Field(gt=0.0, description="the relative tolerance, a number > 0")
-    source: str = Field(min_length=1, description="where the number comes from")
+    rtol: Positive
+    """the relative tolerance, a number > 0"""
+    source: Text
+    """where the number comes from"""
 
     @field_validator("exact")
     @classmethod
@@ -55,7 +58,7 @@ class Expected(Section):
 class Sweep(Section):
     """For `fsi validate`: the same case with one number changed, for each of several values."""
 
-    key: str = Field(
-        pattern=r"^[\w.-]+$", description='the dotted key of a number, like "bodies.0.position.1"'
-    )
-    values: tuple[float, ...] = Field(min_length=1, description="the values of that key, at least one")
+    key: str = Field(pattern=r"^[\w.-]+$")
+    'the dotted key of a number, like "bodies.0.position.1"'
+    values: tuple[float, ...] = Field(min_length=1)
+    """the values of that key, at least one"""

@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, Field, SerializeAsAny, field_validator, mo
 from fsi.bodies.configuration import Array
 from fsi.bodies.forces import Bulk
 from fsi.case.registry import Registry
-from fsi.case.section import Section, toml_text
+from fsi.case.section import Positive, Section, toml_text
 from fsi.case.series import Series, Table, is_zero, value_at
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Container
@@ -85,13 +85,10 @@ class Gravity(ForceLaw):
     """
 
     kind: Literal["gravity"] = Field(description=_KINDS)
-    acceleration: tuple[Series, ...] = Field(
-        description="the acceleration g, [g_x, g_y] or [g_x, g_y, g_z], each a number or a table in time"
-    )
-    density_difference: float | None = Field(
-        default=None,
-        description="the density of bodies less that of the fluid; their masses act if not given",
-    )
+    acceleration: tuple[Series, ...]
+    """the acceleration g, [g_x, g_y] or [g_x, g_y, g_z], each a number or a table in time"""
+    density_difference: float | None = None
+    """the density of bodies less that of the fluid; their masses act if not given"""
 
     @override
     def weight(self, bulk: Bulk) -> tuple[Array, tuple[float | Table, ...]]:
@@ -114,7 +111,8 @@ class BetweenSurfaces(ForceLaw):
 
     kind: Literal["attraction", "repulsion"] = Field(description=_KINDS)
     law: str
-    walls: bool = Field(default=False, description="true for the same force between bodies and walls")
+    walls: bool = False
+    """true for the same force between bodies and walls"""
 
     @property
     @override
@@ -155,7 +153,8 @@ class BetweenSurfaces(ForceLaw):
 class _CutOff(BetweenSurfaces):
     """A force that would never end."""
 
-    cutoff: float = Field(gt=0.0, description="the gap beyond which there is no force, a number > 0")
+    cutoff: Positive
+    """the gap beyond which there is no force, a number > 0"""
 
     @property
     @override
@@ -174,8 +173,10 @@ class Exponential(_CutOff):
     """|F| = strength exp(-d / length), a screened force."""
 
     law: Literal["exponential"]
-    strength: float = Field(gt=0.0, description="the force at contact, a number > 0")
-    length: float = Field(gt=0.0, description="the gap over which the force falls by e, a number > 0")
+    strength: Positive
+    """the force at contact, a number > 0"""
+    length: Positive
+    """the gap over which the force falls by e, a number > 0"""
 
     @override
     def strength_at(self, d: Array) -> Array:
@@ -188,9 +189,12 @@ class Power(_CutOff):
     """|F| = strength (length / d)^exponent."""
 
     law: Literal["power"]
-    strength: float = Field(gt=0.0, description="the force at the gap `length`, a number > 0")
-    length: float = Field(gt=0.0, description="the gap at which the force is `strength`, a number > 0")
-    exponent: float = Field(gt=0.0, description="the power of 1/d with which the force falls, a number > 0")
+    strength: Positive
+    """the force at the gap `length`, a number > 0"""
+    length: Positive
+    """the gap at which the force is `strength`, a number > 0"""
+    exponent: Positive
+    """the power of 1/d with which the force falls, a number > 0"""
 
     @override
     def strength_at(self, d: Array) -> Array:
@@ -204,10 +208,10 @@ class Tabulated(BetweenSurfaces):
     """|F| linear between given gaps, constant below the first and zero beyond the last."""
 
     law: Literal["table"]
-    gaps: tuple[float, ...] = Field(min_length=1, description="gaps, increasing")
-    values: tuple[float, ...] = Field(
-        description="one force for each gap; negative ones turn the force round"
-    )
+    gaps: tuple[float, ...] = Field(min_length=1)
+    """gaps, increasing"""
+    values: tuple[float, ...]
+    """one force for each gap; negative ones turn the force round"""
 
     @field_validator("gaps")
     @classmethod

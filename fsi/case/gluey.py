@@ -8,8 +8,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from fsi.case.body import NAME
-from fsi.case.section import Section, require_components, told
+from fsi.case.section import Name, NotNegative, Positive, Section, require_components, told
 
 type Variant = Literal["shifted", "cone", "film"]
 
@@ -45,9 +44,12 @@ class ContactLaw:
 class PlaneWall(Section):
     """A plane wall besides those of the domain."""
 
-    name: str = Field(pattern=NAME, description="a name of letters, digits, blanks, - and _")
-    point: tuple[float, ...] = Field(description="a point of the wall")
-    normal: tuple[float, ...] = Field(description="its normal, into the room, not zero")
+    name: Name
+    """a name of letters, digits, blanks, - and _"""
+    point: tuple[float, ...]
+    """a point of the wall"""
+    normal: tuple[float, ...]
+    """its normal, into the room, not zero"""
 
     @field_validator("point", "normal")
     @classmethod
@@ -65,33 +67,24 @@ class PlaneWall(Section):
 class Gluey(Section):
     """The limit of vanishing viscosity: what happens where surfaces touch."""
 
-    variant: Variant = Field(
-        default="shifted", description='"shifted" or "cone" (gluey), or "film": viscosity eps > 0'
-    )
-    gamma_min: float | None = Field(
-        default=None, le=0.0, description="the memory at which contact is solid, <= 0 (none if not given)"
-    )
-    eps: float | None = Field(
-        default=None,
-        gt=0.0,
-        description="the viscosity's coefficient in gamma = eps ln(gap/reference_gap), > 0",
-    )
-    reference_gap: float | None = Field(default=None, gt=0.0, description="the gap at which gamma is 0, > 0")
-    roughness: float | None = Field(
-        default=None, gt=0.0, description="the gap at which contact is solid, > 0, with eps and reference_gap"
-    )
-    friction: float = Field(default=0.0, ge=0.0, description="Coulomb's coefficient at solid contact, >= 0")
-    tangential: float = Field(
-        default=0.0,
-        ge=0.0,
-        description="the viscous slip resistance over |gamma|/a, >= 0; 1/3 for equal spheres",
-    )
-    density: float = Field(
-        default=1.0, gt=0.0, description="the density of the bodies to which no mass is given, a number > 0"
-    )
-    walls: tuple[PlaneWall, ...] = Field(
-        default=(), description="one section [[gluey.walls]] for each plane besides the walls of the domain"
-    )
+    variant: Variant = "shifted"
+    '"shifted" or "cone" (gluey), or "film": viscosity eps > 0'
+    gamma_min: float | None = Field(default=None, le=0.0)
+    """the memory at which contact is solid, <= 0 (none if not given)"""
+    eps: Positive | None = None
+    """the viscosity's coefficient in gamma = eps ln(gap/reference_gap), > 0"""
+    reference_gap: Positive | None = None
+    """the gap at which gamma is 0, > 0"""
+    roughness: Positive | None = None
+    """the gap at which contact is solid, > 0, with eps and reference_gap"""
+    friction: NotNegative = 0.0
+    """Coulomb's coefficient at solid contact, >= 0"""
+    tangential: NotNegative = 0.0
+    """the viscous slip resistance over |gamma|/a, >= 0; 1/3 for equal spheres"""
+    density: Positive = 1.0
+    """the density of the bodies to which no mass is given, a number > 0"""
+    walls: tuple[PlaneWall, ...] = ()
+    """one section [[gluey.walls]] for each plane besides the walls of the domain"""
 
     @model_validator(mode="after")
     def _whole(self) -> Gluey:
@@ -130,9 +123,7 @@ class Gluey(Section):
 class LimitStudy(Section):
     """For `fsi limit`: the viscosities that go to zero, and the numbers of steps of the slides' scheme."""
 
-    eps: tuple[Annotated[float, Field(gt=0.0)], ...] = Field(
-        default=(1e-1, 1e-2, 1e-4, 1e-6, 1e-8), min_length=1, description="viscosities, numbers > 0"
-    )
-    steps: tuple[Annotated[int, Field(ge=1)], ...] = Field(
-        default=(100, 200, 400, 800), min_length=1, description="numbers of steps of the scheme, at least 1"
-    )
+    eps: tuple[Positive, ...] = Field(default=(1e-1, 1e-2, 1e-4, 1e-6, 1e-8), min_length=1)
+    """viscosities, numbers > 0"""
+    steps: tuple[Annotated[int, Field(ge=1)], ...] = Field(default=(100, 200, 400, 800), min_length=1)
+    """numbers of steps of the scheme, at least 1"""

@@ -30,7 +30,7 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from fsi.bodies.configuration import Array
-from fsi.case.section import Section, explain, tuples
+from fsi.case.section import Positive, Section, explain, tuples
 from fsi.errors import InputError
 from fsi.lubrication.expansions import EXPONENTS, Mode, Shape
 from fsi.lubrication.fitting import band
@@ -45,12 +45,14 @@ _SAMPLED = ("series", "table")
 class SeriesSection(Section):
     """c_k and phi_k."""
 
-    powers: tuple[float, ...] = Field(min_length=1, description="the power of s of each term")
-    logs: tuple[bool, ...] = Field(description="for each term whether it has the factor ln(1/s)")
-    coefficients: tuple[float, ...] = Field(description="one number for each term")
-    covariance: tuple[tuple[float, ...], ...] = Field(
-        description="the covariance of the coefficients, a square"
-    )
+    powers: tuple[float, ...] = Field(min_length=1)
+    """the power of s of each term"""
+    logs: tuple[bool, ...]
+    """for each term whether it has the factor ln(1/s)"""
+    coefficients: tuple[float, ...]
+    """one number for each term"""
+    covariance: tuple[tuple[float, ...], ...]
+    """the covariance of the coefficients, a square"""
 
     @model_validator(mode="after")
     def _matching(self) -> SeriesSection:
@@ -75,8 +77,10 @@ class SeriesSection(Section):
 class TableSection(Section):
     """Points of K(s)."""
 
-    s: tuple[float, ...] = Field(min_length=2, description="gaps over the reduced radius, increasing, > 0")
-    K: tuple[float, ...] = Field(description="one resistance > 0 for each gap, decreasing")
+    s: tuple[float, ...] = Field(min_length=2)
+    """gaps over the reduced radius, increasing, > 0"""
+    K: tuple[float, ...]
+    """one resistance > 0 for each gap, decreasing"""
 
     @model_validator(mode="after")
     def _monotone(self) -> TableSection:
@@ -100,16 +104,22 @@ class LawFile(Section):
     """What a law file holds."""
 
     form: str = Field(description=f'"series", "table" or a name: {names_of_laws()}')
-    shape: Shape = Field(default="spheres", description='"spheres" or "discs"')
-    mode: Mode = Field(default="squeeze", description='"squeeze", "shear" or "rotation"')
-    ratio: float | None = Field(default=None, gt=0.0, description="b/a of the pair, or none beside a plane")
-    viscosity: float = Field(gt=0.0, description="the viscosity mu, a number > 0")
-    range: tuple[float, float] | None = Field(
-        default=None, description="the smallest and largest d/a_r for which it holds"
-    )
-    series: SeriesSection | None = Field(default=None, description="a section [series]")
-    table: TableSection | None = Field(default=None, description="a section [table]")
-    source: dict[str, Any] = Field(default={}, description="a section [source]")
+    shape: Shape = "spheres"
+    '"spheres" or "discs"'
+    mode: Mode = "squeeze"
+    '"squeeze", "shear" or "rotation"'
+    ratio: Positive | None = None
+    """b/a of the pair, or none beside a plane"""
+    viscosity: Positive
+    """the viscosity mu, a number > 0"""
+    range: tuple[float, float] | None = None
+    """the smallest and largest d/a_r for which it holds"""
+    series: SeriesSection | None = None
+    """a section [series]"""
+    table: TableSection | None = None
+    """a section [table]"""
+    source: dict[str, Any] = Field(default={})
+    """a section [source]"""
 
     @field_validator("form")
     @classmethod

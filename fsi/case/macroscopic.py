@@ -15,10 +15,14 @@ class Block(Section):
 
     renamed = {"velocity": "use initial_velocity: a velocity is prescribed"}  # noqa: RUF012
 
-    left: float = Field(description="its left end, a number")
-    right: float = Field(description="its right end, a number above `left`")
-    density: float = Field(gt=0.0, le=1.0, description="rho, in (0, 1]")
-    initial_velocity: str = Field(description='u at time 0, a formula of x and m, like "-x"')
+    left: float
+    """its left end, a number"""
+    right: float
+    """its right end, a number above `left`"""
+    density: float = Field(gt=0.0, le=1.0)
+    """rho, in (0, 1]"""
+    initial_velocity: str
+    'u at time 0, a formula of x and m, like "-x"'
 
     @field_validator("initial_velocity")
     @classmethod
@@ -36,15 +40,12 @@ class Block(Section):
 class Macroscopic(Section):
     """A line of gluey matter, at most as dense as 1: blocks of it, or the bodies of the case as such."""
 
-    parcels: int = Field(default=400, ge=2, description="the number of parcels of equal mass, at least 2")
-    blocks: tuple[Block, ...] = Field(
-        default=(),
-        description="one section [[macroscopic.blocks]] each, from left to right; the bodies if not given",
-    )
-    force_per_mass: str = Field(
-        default="0",
-        description='the force per mass on blocks, a formula of x, m (the mass left of x) and t, like "-x"',
-    )
+    parcels: int = Field(default=400, ge=2)
+    """the number of parcels of equal mass, at least 2"""
+    blocks: tuple[Block, ...] = ()
+    """one section [[macroscopic.blocks]] each, from left to right; the bodies if not given"""
+    force_per_mass: str = "0"
+    'the force per mass on blocks, a formula of x, m (the mass left of x) and t, like "-x"'
 
     @field_validator("force_per_mass")
     @classmethod

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from fsi.case.section import Section
+from fsi.case.section import NotNegative, Positive, Section, Text
 from fsi.lubrication.named_laws import names_of_laws
 
 
@@ -13,26 +13,14 @@ class Reduced(Section):
 
     renamed = {"scheme": "use time.scheme", "step": "use time.step"}  # noqa: RUF012
 
-    law: str = Field(
-        default="exact",
-        min_length=1,
-        description=f"the law of the gaps: {names_of_laws()} or the path of a law file",
+    law: Text = Field(
+        default="exact", description=f"the law of the gaps: {names_of_laws()} or the path of a law file"
     )
-    wall_law: str | None = Field(
-        default=None,
-        min_length=1,
-        description="the law of the gaps to walls, as `law`; the same if not given",
-    )
-    drag: float | None = Field(
-        default=None,
-        ge=0.0,
-        description="the drag of a lone disc over mu V, of a sphere over mu a V (6 pi if not given), >= 0",
-    )
-    cutoff: float | None = Field(
-        default=None,
-        gt=0.0,
-        description="the gap beyond which bodies do not feel each other, a length > 0, or none",
-    )
-    extrapolate: bool = Field(
-        default=False, description="true to use a law file outside the range of its gaps, false to stop there"
-    )
+    wall_law: Text | None = None
+    """the law of the gaps to walls, as `law`; the same if not given"""
+    drag: NotNegative | None = None
+    """the drag of a lone disc over mu V, of a sphere over mu a V (6 pi if not given), >= 0"""
+    cutoff: Positive | None = None
+    """the gap beyond which bodies do not feel each other, a length > 0, or none"""
+    extrapolate: bool = False
+    """true to use a law file outside the range of its gaps, false to stop there"""

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, Literal, override
 
 import numpy as np
-from pydantic import Field, ValidationInfo, field_validator
+from pydantic import ValidationInfo, field_validator
 
 from fsi.case.domain import MeanDrive, Walled, register_domain
 from fsi.case.section import Geometry, Section, dimension_of, require_components, told, toml_text
@@ -25,12 +25,10 @@ class BoxDomain(Walled):
     """The rectangle [lower, upper] with the walls left, right, bottom, top; in space also front, back."""
 
     shape: Literal["box"] = "box"
-    lower: tuple[float, ...] = Field(
-        description="the lower left corner [x, y] (in space [x, y, z]), left of and below `upper`"
-    )
-    upper: tuple[float, ...] = Field(
-        description="the upper right corner [x, y] (in space [x, y, z]), right of and above `lower`"
-    )
+    lower: tuple[float, ...]
+    """the lower left corner [x, y] (in space [x, y, z]), left of and below `upper`"""
+    upper: tuple[float, ...]
+    """the upper right corner [x, y] (in space [x, y, z]), right of and above `lower`"""
 
     @classmethod
     @override
@@ -68,9 +66,8 @@ class BoxDomain(Walled):
 class _Periodicity(Section):
     """What decides which walls a periodic box has: a base class, so that it is known before `walls`."""
 
-    periodic: tuple[Literal["x", "y", "z"], ...] = Field(
-        description='the periodic directions: ["x"]; for both give shape = "cell"'
-    )
+    periodic: tuple[Literal["x", "y", "z"], ...]
+    'the periodic directions: ["x"]; for both give shape = "cell"'
 
     @field_validator("periodic")
     @classmethod
@@ -89,11 +86,10 @@ class ChannelDomain(BoxDomain, _Periodicity):
 
     takes_mesh: ClassVar[bool] = False
 
-    pressure_gradient: float = Field(default=0.0, description="the mean dp/dx, a number")
-    net_flux: float | None = Field(
-        default=None,
-        description="the flux of fluid and bodies along x, a number; the pressure gradient is then a result",
-    )
+    pressure_gradient: float = 0.0
+    """the mean dp/dx, a number"""
+    net_flux: float | None = None
+    """the flux of fluid and bodies along x, a number; the pressure gradient is then a result"""
 
     @classmethod
     @override

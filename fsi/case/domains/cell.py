@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, Literal, override
 
 import numpy as np
-from pydantic import Field, ValidationInfo, field_validator
+from pydantic import ValidationInfo, field_validator
 
 from fsi.case.domain import Walled, register_domain
 from fsi.case.section import Geometry, told
@@ -23,11 +23,12 @@ class CellDomain(Walled):
     takes_mesh: ClassVar[bool] = False
 
     shape: Literal["cell"]
-    vectors: tuple[Vector, Vector] = Field(description="two lattice vectors [[x, y], [x, y]] at time 0")
-    shear: float = Field(default=0.0, description="the rate of the mean flow u = shear y e_x, a number")
-    extension: float = Field(
-        default=0.0, description="the rate of the mean flow u = extension (x e_x - y e_y), a number"
-    )
+    vectors: tuple[Vector, Vector]
+    """two lattice vectors [[x, y], [x, y]] at time 0"""
+    shear: float = 0.0
+    """the rate of the mean flow u = shear y e_x, a number"""
+    extension: float = 0.0
+    """the rate of the mean flow u = extension (x e_x - y e_y), a number"""
 
     @classmethod
     @override

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal, Self, override
 
-from pydantic import Field
-
 from fsi.case.domain import Walled, register_domain
-from fsi.case.section import Geometry, dimension_of
+from fsi.case.section import Geometry, Positive, dimension_of
 from fsi.meshes.geometry.containers import Container, HalfPlane
 
 
@@ -17,9 +15,8 @@ class HalfPlaneDomain(Walled):
     """The half disc y > 0 (half ball z > 0) of large radius that stands for the half-plane (half-space)."""
 
     shape: Literal["half-plane"]
-    radius: float = Field(
-        gt=0.0, description="the radius of the half disc, a number > 0, some 100 body radii"
-    )
+    radius: Positive
+    """the radius of the half disc, a number > 0, some 100 body radii"""
 
     @classmethod
     @override

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal, Self, override
 
-from pydantic import Field
-
 from fsi.case.domain import Walled, register_domain
-from fsi.case.section import Geometry, dimension_of
+from fsi.case.section import Geometry, Positive, dimension_of
 from fsi.meshes.geometry.containers import Container, Round
 
 
@@ -17,7 +15,8 @@ class RoundDomain(Walled):
     """The disc or ball of given radius around the origin; a large one stands for unbounded fluid."""
 
     shape: Literal["round"]
-    radius: float = Field(gt=0.0, description="the radius of the container, a number > 0")
+    radius: Positive
+    """the radius of the container, a number > 0"""
 
     @classmethod
     @override
