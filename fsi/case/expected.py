@@ -30,8 +30,7 @@ class Expected(Section):
     quantity: str = Field(
         pattern=_QUANTITY,
         description='"dissipation", "apparent viscosity", "BODY.force.x" (velocity, position; y), '
-        '"BODY.torque", '
-        '"time at gap 0.1"',
+        '"BODY.torque", "time at gap 0.1"',
     )
     value: float | None = None
     """the expected number, or give `exact`"""

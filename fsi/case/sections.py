@@ -71,8 +71,7 @@ class Time(Section):
     step: Positive | None = Field(
         default=None,
         description="the length of a step, a number > 0, for models and schemes that do not choose their "
-        "own: "
-        'gluey, macroscopic, "distance", "backward-euler"',
+        'own: gluey, macroscopic, "distance", "backward-euler"',
     )
     first_step: Positive | None = None
     """the first step to try, a number > 0"""

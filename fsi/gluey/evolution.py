@@ -100,8 +100,7 @@ class GlueyEvolution:
         if away[i] <= 0.0:
             raise SolveError(
                 f"domain.radius: body {self.case.names[i]} has come to the far end of the domain at t = "
-                f"{t:.9g}, "
-                "which stands for infinity; enlarge it, or give a box"
+                f"{t:.9g}, which stands for infinity; enlarge it, or give a box"
             )
 
     def _moment(self, now: Stepped) -> Moment:

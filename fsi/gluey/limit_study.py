@@ -48,8 +48,7 @@ def one_gap(case: Case) -> OneGap:
     if masses is None or len(case.bodies) not in (1, 2):
         raise InputError(
             f"bodies: there are {len(case.bodies)}; `fsi limit` is for one gap, of a body with a mass and a "
-            "wall, or of "
-            "two such bodies on a line along an axis"
+            "wall, or of two such bodies on a line along an axis"
         )
     q, U = case.configuration(), case.initial_velocity()
     if len(case.bodies) == 2:
@@ -60,8 +59,7 @@ def one_gap(case: Case) -> OneGap:
         if np.count_nonzero(between) > 1:
             raise InputError(
                 f"bodies.1.position = {toml_text(case.bodies[1].position)}: not on a line along an axis with "
-                "the other "
-                "one; `fsi limit` is for one gap"
+                "the other one; `fsi limit` is for one gap"
             )
         terms = [
             (s / masses[i, axis], case.bodies[i].loads[axis]) for s, i in zip((1.0, -1.0), sides, strict=True)

@@ -206,8 +206,7 @@ def _last_commit(path: Path) -> Checkpoint | None:
         if written != FORMAT:
             raise InputError(
                 f"output = {path}: a run of another version of this program (format {written}, this one "
-                "writes "
-                f"{FORMAT}); run the case again, or resume with that version"
+                f"writes {FORMAT}); run the case again, or resume with that version"
             )
         return read_checkpoint(path / STATE) if (path / STATE).exists() else None
 

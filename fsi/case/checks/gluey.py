@@ -45,8 +45,7 @@ def _check_walls(case: Case) -> None:
     if np.any(periods) and periods[periods != 0.0].min() < 8.0 * largest:
         raise InputError(
             f"domain = {toml_text(case.domain)}: a period is below four diameters, so that bodies meet their "
-            "own "
-            "images; widen it"
+            "own images; widen it"
         )
 
 

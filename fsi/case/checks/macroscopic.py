@@ -35,8 +35,7 @@ def check_macroscopic(case: Case) -> None:
     if abs(per_length[uneven] - per_length[0]) > _SAME * per_length[0]:
         raise InputError(
             f"bodies.{uneven}.mass = {masses[uneven, axis]:g}: matter has one density, mass over diameter, "
-            "here "
-            f"{per_length[0]:g}; give {2.0 * q.radii[uneven] * per_length[0]:g}"
+            f"here {per_length[0]:g}; give {2.0 * q.radii[uneven] * per_length[0]:g}"
         )
     _check_parcels(case, q.radii)
 
@@ -50,8 +49,7 @@ def line_of(case: Case) -> int:
     if np.count_nonzero(spread) > 1:
         raise InputError(
             f"bodies.1.position = {toml_text(case.bodies[1].position)}: not on a line along an axis with the "
-            "others; "
-            'model = "macroscopic" is for bodies on such a line'
+            'others; model = "macroscopic" is for bodies on such a line'
         )
     return int(spread.argmax())
 
@@ -62,8 +60,7 @@ def _check_loads(case: Case, axis: int) -> None:
         if body.motion[axis] != "free":
             raise InputError(
                 f"bodies.{i}.velocity = {toml_text(body.velocity)}: bodies of the macroscopic model are free "
-                "along "
-                'their line; give "free" there'
+                'along their line; give "free" there'
             )
         for k, (motion, load, key) in enumerate(zip(body.motion, body.loads, body.keys, strict=True)):
             if k != axis and motion == "free" and not is_zero(load):
@@ -79,6 +76,5 @@ def _check_parcels(case: Case, radii: Array) -> None:
     if np.abs(parts - np.rint(parts)).max() > _SAME * case.macroscopic.parcels:
         raise InputError(
             f"macroscopic.parcels = {case.macroscopic.parcels}: the diameters of the bodies are not whole "
-            "numbers of "
-            f"parcels; give a multiple of {len(radii)} for equal bodies"
+            f"numbers of parcels; give a multiple of {len(radii)} for equal bodies"
         )

@@ -25,8 +25,7 @@ def check_reduced(case: Case) -> None:
     if literal and (laws != {"slides"} or case.reduced.cutoff is not None):
         raise InputError(
             f'reduced.law = "{case.reduced.law}": scheme "backward-euler" is for "slides" without a cutoff; '
-            "use "
-            'time.scheme = "distance"'
+            'use time.scheme = "distance"'
         )
 
 

@@ -183,15 +183,13 @@ def _check_beginning(case: Case, i: int) -> None:
         if velocity is not None and body.mass is None and case.model in ("resolved", "reduced"):
             raise InputError(
                 f"bodies.{i}.{key} = {toml_text(velocity)}: without a mass the velocity is a result; drop it "
-                "or "
-                "give mass and moment_of_inertia"
+                "or give mass and moment_of_inertia"
             )
     for held, begin in zip(body.motion, body.initial_motion, strict=True):
         if held != "free" and begin != 0.0:
             raise InputError(
                 f"bodies.{i}.initial_velocity = {toml_text(body.initial_motion)}: body {body.name!r} holds "
-                "this "
-                'component; drop it there or make the velocity "free"'
+                'this component; drop it there or make the velocity "free"'
             )
 
 

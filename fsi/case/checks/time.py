@@ -42,8 +42,7 @@ def _check_scheme(case: Case) -> None:
         nearest = nearest_word(time.scheme, SCHEMES)
         raise InputError(
             f"time.scheme = {toml_text(time.scheme)}: there is no such scheme; the nearest is {nearest!r}, "
-            "of "
-            f"{', '.join(SCHEMES)}"
+            f"of {', '.join(SCHEMES)}"
         )
     scheme = scheme_for(time.scheme, inertia=case.masses() is not None)
     here = f"time.scheme = {toml_text(scheme.name)}"
@@ -78,8 +77,7 @@ def _check_jumps(case: Case) -> None:
         for t in jumps(series):
             raise InputError(
                 f'{key}: jumps at t = {t:g}, which model = "{case.model}" does not step over; give a steep '
-                "ramp, "
-                f"times {t:g} and a little later"
+                f"ramp, times {t:g} and a little later"
             )
 
 
