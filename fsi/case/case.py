@@ -18,13 +18,11 @@ from fsi.bodies.configuration import MODES, Array, Configuration, Motion
 from fsi.bodies.forces import Bulk, external_forces, moment_of_forces
 from fsi.case.body import FREE, Body
 from fsi.case.domains import Domain
-from fsi.case.expected import Expected, Sweep
 from fsi.case.force_laws import Force
 from fsi.case.gluey import Gluey, LimitStudy
 from fsi.case.macroscopic import Macroscopic
-from fsi.case.reduced import Reduced
 from fsi.case.section import Geometry, Section, Text, dimension_of
-from fsi.case.sections import Calibration, Discretisation, Fluid, Output, Time
+from fsi.case.sections import Calibration, Discretisation, Expected, Fluid, Output, Reduced, Sweep, Time
 from fsi.case.series import kinks, value_at
 from fsi.case.walls import WallVelocity
 from fsi.errors import InputError

@@ -7,12 +7,19 @@ One more shape is one more section here, a class registered with `register_domai
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, ClassVar, NamedTuple, Self, override
+from typing import Any, ClassVar, NamedTuple, Self, override
 
-from pydantic import BeforeValidator, Field, PrivateAttr, SerializeAsAny, ValidationInfo, field_validator
+from pydantic import Field, PrivateAttr, ValidationInfo, field_validator
 
-from fsi.case.registry import Registry
-from fsi.case.section import CaseContext, Geometry, Section, refuse_unknown, require_components, told
+from fsi.case.section import (
+    CaseContext,
+    Geometry,
+    Registry,
+    Section,
+    refuse_unknown,
+    require_components,
+    told,
+)
 from fsi.case.walls import Velocity, Wall
 from fsi.meshes.geometry.containers import Container
 
@@ -74,9 +81,9 @@ class Walled(Section):
         return mesh
 
     @classmethod
-    def wall_names(cls, geometry: Geometry, known: Mapping[str, Any]) -> tuple[str, ...]:
-        """Names of the walls of this shape, by the geometry and the keys that are known before `walls`."""
-        raise NotImplementedError
+    def wall_names(cls, geometry: Geometry, known: Mapping[str, Any]) -> tuple[str, ...]:  # noqa: ARG003
+        """Names of the walls of this shape, by the geometry and the keys before `walls`; none by default."""
+        return ()
 
     @override
     def model_post_init(self, context: Any) -> None:
@@ -110,5 +117,3 @@ class Walled(Section):
 
 DOMAINS: Registry[Walled] = Registry("shape")
 register_domain = DOMAINS.register
-
-Domain = Annotated[SerializeAsAny[Walled], BeforeValidator(DOMAINS.validate)]

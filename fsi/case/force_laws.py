@@ -12,8 +12,7 @@ from pydantic import BeforeValidator, Field, SerializeAsAny, field_validator, mo
 
 from fsi.bodies.configuration import Array
 from fsi.bodies.forces import Bulk
-from fsi.case.registry import Registry
-from fsi.case.section import Positive, Section, toml_text
+from fsi.case.section import Positive, Registry, Section, toml_text
 from fsi.case.series import Series, Table, is_zero, value_at
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Container
@@ -159,7 +158,6 @@ class _CutOff(BetweenSurfaces):
     @property
     @override
     def reach(self) -> float:
-        """The cut-off."""
         return self.cutoff
 
     @property
@@ -180,7 +178,6 @@ class Exponential(_CutOff):
 
     @override
     def strength_at(self, d: Array) -> Array:
-        """Strength exp(-d / length)."""
         return self.strength * np.exp(-d / self.length)
 
 
@@ -198,7 +195,6 @@ class Power(_CutOff):
 
     @override
     def strength_at(self, d: Array) -> Array:
-        """Strength (length / d)^exponent."""
         power: Array = self.strength * (self.length / d) ** self.exponent
         return power
 
@@ -240,7 +236,6 @@ class Tabulated(BetweenSurfaces):
 
     @override
     def strength_at(self, d: Array) -> Array:
-        """Linear interpolation."""
         return np.interp(d, self.gaps, self.values)
 
 

@@ -18,10 +18,9 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
-from fsi.gluey.contact_response import ContactResponse
+from fsi.gluey.augmented_lagrangian import Impulses, Program
 from fsi.gluey.contacts import Contacts, gap_rows, slip_rows
-from fsi.gluey.qp_solver import project
-from fsi.gluey.quadratic_program import Impulses, Program
+from fsi.gluey.qp_solver import ContactResponse, project
 from fsi.gluey.system import System
 
 # Of the largest impulse: how far friction may miss the bound that its own solid impulse sets.

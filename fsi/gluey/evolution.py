@@ -15,13 +15,12 @@ from fsi.bodies.configuration import Array, Configuration
 from fsi.case.case import Case
 from fsi.errors import SolveError
 from fsi.gluey.contacts import find_contacts
-from fsi.gluey.setup import gluey_state, gluey_system, wall_names
 from fsi.gluey.step import Checks, Touching, advance
-from fsi.gluey.system import GlueyState
+from fsi.gluey.system import GlueyState, gluey_state, gluey_system, wall_names
 from fsi.integration.evolution import CsvTable, Moment
 from fsi.integration.schedule import Schedule
 from fsi.integration.state import State, StepRecord
-from fsi.run_folder.vtu import write_lines, write_points
+from fsi.run_folder.paraview import write_lines, write_points
 
 CONTACTS = "contacts.csv"
 CONTACT_COLUMNS = ("step", "t", "side", "body", "gap", "gamma", "impulse", "solid_impulse")

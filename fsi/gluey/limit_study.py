@@ -15,8 +15,7 @@ from fsi.case.gluey import LimitStudy
 from fsi.case.section import toml_text
 from fsi.case.series import Table, polynomial
 from fsi.errors import InputError
-from fsi.gluey.limit import Limit, slides_scheme
-from fsi.gluey.one_body import Path, solve
+from fsi.gluey.limit import Limit, Path, slides_scheme, solve
 
 SAMPLES = 400
 

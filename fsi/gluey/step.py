@@ -27,11 +27,10 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
-from fsi.gluey.augmented_lagrangian import minimise
+from fsi.gluey.augmented_lagrangian import Impulses, Program, minimise
 from fsi.gluey.constraints import Rows, make_rows, solve_rows
 from fsi.gluey.contacts import Contacts, find_contacts, gap_rows
 from fsi.gluey.film import Film
-from fsi.gluey.quadratic_program import Impulses, Program
 from fsi.gluey.system import GlueyState, System
 
 # Of the largest velocity: the residual at which the projection stops, and the one that a step may leave.

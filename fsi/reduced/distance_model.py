@@ -25,16 +25,12 @@ from fsi.bodies.gaps import row_numbers
 from fsi.case.case import Case
 from fsi.errors import SolveError
 from fsi.integration.state import State
-from fsi.reduced.distance import (
-    FirstIntegral,
-    backward_euler_step,
-)
-from fsi.reduced.identities import identities, require
+from fsi.reduced.distance import FirstIntegral, backward_euler_step
 from fsi.reduced.model import ReducedInstant, ReducedModel
 from fsi.reduced.network import gradient, own_mobility
 from fsi.reduced.pairs import Pairs, find_pairs, of_keys, own_speed, turning
 from fsi.reduced.stress import lubrication_stress
-from fsi.reduced.system import Surroundings, solve_system
+from fsi.reduced.system import Surroundings, identities, require, solve_system
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,11 +18,10 @@ from fsi.integration.state import Instant
 from fsi.parallel import on_root
 from fsi.reduced.enclosure import drag, make_enclosure
 from fsi.reduced.gap_laws import make_laws
-from fsi.reduced.identities import identities, require
 from fsi.reduced.network import gradient
 from fsi.reduced.pairs import Pairs, find_pairs
 from fsi.reduced.stress import LubricationStress, lubrication_stress
-from fsi.reduced.system import Surroundings, solve_system
+from fsi.reduced.system import Surroundings, identities, require, solve_system
 from fsi.reduced.write import write_bodies, write_contacts
 
 

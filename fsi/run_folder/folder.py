@@ -37,7 +37,7 @@ from fsi.errors import FsiError, InputError, SolveError
 from fsi.integration.state import State, StepRecord
 from fsi.parallel import on_root
 from fsi.run_folder.checkpoint import TEMPORARY, Checkpoint, read_checkpoint, replace, write_checkpoint
-from fsi.run_folder.pvd import Entry, collection, read_collection
+from fsi.run_folder.paraview import Entry, collection, read_collection
 
 CASE, PROVENANCE, STATE, FIELDS = "case.toml", "provenance.json", "state.npz", "fields"
 STEPS, BODIES = "steps.csv", "bodies.csv"

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from fsi.cli import missing, shipped
+from fsi.cli import cases, missing
 from fsi.cli.missing import explain
 from fsi.errors import InputError
 from tests.cli.test_commands import ROOT, fsi
@@ -25,15 +25,15 @@ def test_the_cases_are_written_as_they_are(tmp_path: Path) -> None:
     }
     assert written == wanted
     with pytest.raises(InputError, match=r"folder = .*: is there already; give the name of a new one"):
-        shipped.write_cases(tmp_path / "new")
+        cases.write_cases(tmp_path / "new")
 
 
 def test_a_package_without_its_cases_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(shipped, "_CASES", tmp_path / "cases")
+    monkeypatch.setattr(cases, "_CASES", tmp_path / "cases")
     with pytest.raises(InputError, match="has come without its cases"):
-        shipped.shipped_cases()
+        cases.shipped_cases()
     (tmp_path / "cases" / "validation").mkdir(parents=True)
-    assert shipped.shipped_cases() == tmp_path / "cases"
+    assert cases.shipped_cases() == tmp_path / "cases"
 
 
 @pytest.mark.parametrize(

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from fsi.case.case import Case
-from fsi.case.expected import APPARENT_VISCOSITY, DISSIPATION, Expected
 from fsi.case.section import nearest_word, toml_text
+from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, Expected
 from fsi.errors import InputError
 from fsi.lubrication.exact_results import EXACT, Fitting
 

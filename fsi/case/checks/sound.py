@@ -11,11 +11,8 @@ import numpy as np
 
 from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
-from fsi.case.checks.determined import check_determined
-from fsi.case.checks.flux import check_flux
-from fsi.case.checks.gluey import check_gluey
-from fsi.case.checks.macroscopic import check_macroscopic
-from fsi.case.checks.reduced import check_reduced
+from fsi.case.checks.determined import check_determined, check_flux
+from fsi.case.checks.levels import check_gluey, check_macroscopic, check_reduced
 from fsi.case.checks.time import check_time
 from fsi.case.section import toml_text
 from fsi.case.series import Component, is_zero

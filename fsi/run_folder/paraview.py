@@ -1,15 +1,43 @@
-"""Points and lines with numbers as VTU files, for ParaView."""
+"""Files of ParaView: which file shows which time (.pvd), points and lines with numbers (.vtu)."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from xml.etree import ElementTree
+from xml.sax.saxutils import quoteattr
 
 import meshio
 import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One file of a collection; `file` is relative to the collection, with slashes."""
+
+    t: float
+    part: int
+    file: str
+
+
+def collection(entries: Iterable[Entry]) -> bytes:
+    """The collection as XML."""
+    lines = [
+        f'    <DataSet timestep="{entry.t!r}" part="{entry.part}" file={quoteattr(entry.file)}/>'
+        for entry in entries
+    ]
+    head = ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="1.0">', "  <Collection>"]
+    return "\n".join([*head, *lines, "  </Collection>", "</VTKFile>", ""]).encode()
+
+
+def read_collection(path: Path) -> list[Entry]:
+    """The entries of a collection, in order."""
+    data_sets = ElementTree.parse(path).iter("DataSet")
+    return [Entry(float(d.attrib["timestep"]), int(d.attrib["part"]), d.attrib["file"]) for d in data_sets]
 
 
 def write_points(path: Path, x: Array, values: Mapping[str, Array]) -> None:

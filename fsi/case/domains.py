@@ -1,18 +1,18 @@
-"""Boxes: `shape = "box"`, and with `periodic` those that repeat themselves."""
+"""The shapes of domains, in the order of messages: boxes, half-plane, disc or ball, cell, unbounded."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, Literal, override
+from typing import Annotated, Any, ClassVar, Literal, Self, override
 
 import numpy as np
-from pydantic import ValidationInfo, field_validator
+from pydantic import BeforeValidator, SerializeAsAny, ValidationInfo, field_validator
 
-from fsi.case.domain import MeanDrive, Walled, register_domain
-from fsi.case.section import Geometry, Section, dimension_of, require_components, told, toml_text
+from fsi.case.domain import DOMAINS, MeanDrive, Walled, register_domain
+from fsi.case.section import Geometry, Positive, Section, dimension_of, require_components, told, toml_text
 from fsi.errors import InputError
-from fsi.meshes.geometry.containers import Box, Container
-from fsi.meshes.geometry.periodic import Channel
+from fsi.meshes.geometry.containers import Box, Container, HalfPlane, Round, Unbounded
+from fsi.meshes.geometry.periodic import Cell, Channel
 
 
 def _walls_of(geometry: Geometry, periodic: tuple[str, ...] = ()) -> tuple[str, ...]:
@@ -51,7 +51,6 @@ class BoxDomain(Walled):
 
     @override
     def container(self) -> Container:
-        """The geometry."""
         return Box(self.lower, self.upper, self.geometry == "axisymmetric")
 
     @override
@@ -120,12 +119,10 @@ class ChannelDomain(BoxDomain, _Periodicity):
 
     @override
     def mean_drive(self) -> MeanDrive:
-        """As given."""
         return MeanDrive(self.pressure_gradient if self.net_flux is None else None, self.net_flux)
 
     @override
     def container(self) -> Container:
-        """The geometry."""
         return Channel(self.lower, self.upper, periodic=self.periodic)
 
     @override
@@ -135,3 +132,117 @@ class ChannelDomain(BoxDomain, _Periodicity):
                 f"domain.periodic = {toml_text(self.periodic)}: a flow is solved for only in planar boxes "
                 'that are periodic in x; give ["x"], for both give shape = "cell"'
             )
+
+
+@register_domain
+class HalfPlaneDomain(Walled):
+    """The half disc y > 0 (half ball z > 0) of large radius that stands for the half-plane (half-space)."""
+
+    shape: Literal["half-plane"]
+    radius: Positive
+    """the radius of the half disc, a number > 0, some 100 body radii"""
+
+    @classmethod
+    @override
+    def wall_names(cls, geometry: Geometry, known: Mapping[str, Any]) -> tuple[str, ...]:
+        return HalfPlane(1.0).walls
+
+    @override
+    def container(self) -> Container:
+        return HalfPlane(self.radius, self.geometry == "axisymmetric", dimension_of(self.geometry))
+
+    @override
+    def halved(self) -> Self:
+        return self.model_copy(update={"radius": self.radius / 2.0})
+
+
+@register_domain
+class RoundDomain(Walled):
+    """The disc or ball of given radius around the origin; a large one stands for unbounded fluid."""
+
+    shape: Literal["round"]
+    radius: Positive
+    """the radius of the container, a number > 0"""
+
+    @classmethod
+    @override
+    def wall_names(cls, geometry: Geometry, known: Mapping[str, Any]) -> tuple[str, ...]:
+        return Round(1.0).walls
+
+    @override
+    def container(self) -> Container:
+        return Round(self.radius, self.geometry == "axisymmetric", dimension_of(self.geometry))
+
+    @override
+    def halved(self) -> Self:
+        return self.model_copy(update={"radius": self.radius / 2.0})
+
+
+type Vector = tuple[float, float]
+
+
+@register_domain
+class CellDomain(Walled):
+    """A cell of the plane, periodic along two lattice vectors, in the mean flow u = E x."""
+
+    takes_mesh: ClassVar[bool] = False
+
+    shape: Literal["cell"]
+    vectors: tuple[Vector, Vector]
+    """two lattice vectors [[x, y], [x, y]] at time 0"""
+    shear: float = 0.0
+    """the rate of the mean flow u = shear y e_x, a number"""
+    extension: float = 0.0
+    """the rate of the mean flow u = extension (x e_x - y e_y), a number"""
+
+    @field_validator("walls", mode="before")
+    @classmethod
+    def _no_walls(cls, walls: Any) -> Any:
+        if walls:
+            raise ValueError("a cell has no walls; drop it, and give shear or extension for a mean flow")
+        return walls
+
+    @field_validator("vectors")
+    @classmethod
+    def _independent(cls, vectors: tuple[Vector, Vector], info: ValidationInfo) -> tuple[Vector, Vector]:
+        if told(info).geometry != "planar":
+            raise ValueError('only planar cells are periodic; give geometry = "planar"')
+        area = abs(np.linalg.det(np.array(vectors)))
+        longest = float(np.hypot(*np.transpose(vectors)).max())
+        if not area > 1e-9 * longest * longest:
+            raise ValueError("the vectors are parallel, or one is far too short; give two that span a cell")
+        return vectors
+
+    @field_validator("extension")
+    @classmethod
+    def _one_flow(cls, extension: float, info: Any) -> float:
+        if extension != 0.0 and info.data.get("shear"):
+            raise ValueError("a shear is given too; drop one of them")
+        return extension
+
+    @override
+    def container(self) -> Container:
+        if self.shear:
+            return Cell(self.vectors, ((0.0, self.shear), (0.0, 0.0)))
+        return Cell(self.vectors, ((self.extension, 0.0), (0.0, -self.extension)))
+
+
+@register_domain
+class UnboundedDomain(Walled):
+    """Space without walls, for models that do not resolve a flow."""
+
+    shape: Literal["unbounded"]
+
+    @override
+    def container(self) -> Container:
+        return Unbounded(self.geometry == "axisymmetric", dimension_of(self.geometry))
+
+    @override
+    def require_fluid(self) -> None:
+        raise InputError(
+            'domain.shape = "unbounded": a flow is solved for in a container; give "round" with a large '
+            "radius"
+        )
+
+
+Domain = Annotated[SerializeAsAny[Walled], BeforeValidator(DOMAINS.validate)]
