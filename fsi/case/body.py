@@ -161,8 +161,7 @@ class Grid(Section):
 def with_grids(data: Mapping[str, Any], context: object) -> dict[str, Any]:
     """The data of a case with the members of its [[grids]] after the bodies that it lists.
 
-    Raises:
-        InputError: a grid is not sound.
+    Raises InputError: a grid is not sound.
     """
     grids, bodies = data.get("grids", ()), data.get("bodies", ())
     if not (isinstance(grids, list | tuple) and isinstance(bodies, list | tuple)):

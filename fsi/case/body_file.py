@@ -69,8 +69,7 @@ def with_bodies(data: Mapping[str, Any], known: Sequence[str]) -> dict[str, Any]
 def read_bodies(path: Path) -> BodyFile:
     """The bodies of a JSON or CSV file.
 
-    Raises:
-        InputError: it cannot be read, or a column or value is missing or wrong; names the row.
+    Raises InputError: it cannot be read, or a column or value is missing or wrong; names the row.
     """
     readers = {".json": _read_json, ".csv": _read_csv}
     if path.suffix not in readers:

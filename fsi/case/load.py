@@ -29,8 +29,7 @@ def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
         path: the TOML file.
         overrides: `key=value` with a dotted key (`bodies.0.radius=2`) and a TOML value, applied in order.
 
-    Raises:
-        InputError: the file cannot be read or the case is not sound; nothing has been written.
+    Raises InputError: the file cannot be read or the case is not sound; nothing has been written.
     """
     path = Path(path)
     data = read_toml(path)
@@ -110,8 +109,7 @@ def override(data: dict[str, Any], text: str) -> None:
         text: `key=value`; the key is dotted, bodies count from 0 (`bodies.0.radius`); the value is
             TOML, where a single word needs no quotes.
 
-    Raises:
-        InputError: no `=`, a value that is not TOML, or a key that leads through no section.
+    Raises InputError: no `=`, a value that is not TOML, or a key that leads through no section.
     """
     key, separator, value = (part.strip() for part in text.partition("="))
     if not (key and separator):

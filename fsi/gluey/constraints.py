@@ -95,8 +95,7 @@ def solve_rows(rows: Rows, program: Program, tolerance: float, bound: Callable[[
         tolerance: of the residual, a velocity.
         bound: the largest friction of each contact, (C,), given the normal impulses, (C,).
 
-    Raises:
-        SolveError: friction does not settle.
+    Raises SolveError: friction does not settle.
     """
     C = len(rows.least)
     p, iterations, steps = rows.p, 0, 0

@@ -199,9 +199,8 @@ def solve(q0: float, u0: float, f: PPoly, eps: float, t: Array) -> Path:
         eps: > 0.
         t: increasing times within the range of f.
 
-    Raises:
-        InputError: eps is below the rounding of velocities.
-        SolveError: MOST_STEPS do not reach the end.
+    Raises InputError: eps is below the rounding of velocities. Raises SolveError: MOST_STEPS do not reach the
+    end.
     """
     w = f.antiderivative()
     w.c[-1] += u0 + eps * np.log(q0)

@@ -95,8 +95,7 @@ class _Found:
 def advance(system: System, state: GlueyState, t: float, h: float) -> tuple[GlueyState, Touching, Checks]:
     """The state after a step from t to t + h, what touched on the way, and how good it is.
 
-    Raises:
-        SolveError: friction does not settle, or a check fails, as the projection has not converged.
+    Raises SolveError: friction does not settle, or a check fails, as the projection has not converged.
     """
     load = system.load(state.centres, t, t + h)
     free = state.U + load / system.mass

@@ -83,8 +83,7 @@ class Stepper:
     def advance(self, state: State) -> Step:
         """One accepted step; a rejected one is halved.
 
-        Raises:
-            SolveError: the step would have to be shorter than `smallest_step`.
+        Raises SolveError: the step would have to be shorter than `smallest_step`.
         """
         h, rejected = state.h, 0
         while True:
@@ -234,8 +233,7 @@ class RefiningStepper:
     def advance(self, state: State) -> Step:
         """One accepted step whose error is below the tolerance.
 
-        Raises:
-            SolveError: as the stepper; or the tolerance is out of reach.
+        Raises SolveError: as the stepper; or the tolerance is out of reach.
         """
         return self._accurate(partial(self.stepper.advance, state))
 

@@ -51,8 +51,7 @@ class FirstIntegral:
     def solve(self) -> Array:
         """x at the end of the step, (P,).
 
-        Raises:
-            SolveError: a gap between two bodies that are both held is closed by their motion.
+        Raises SolveError: a gap between two bodies that are both held is closed by their motion.
         """
         h, D0, active = self.h, np.exp(self.x0), np.arange(len(self.x0))
         if np.any((self.g == 0.0) & (D0 + h * self.w <= 0.0)):

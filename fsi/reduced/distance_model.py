@@ -103,8 +103,7 @@ class DistanceModel(ReducedModel):
     def march(self, state: State, t_end: float) -> tuple[Configuration, ReducedInstant]:
         """One step from `state` to `t_end`: where it ends, and the instant there.
 
-        Raises:
-            SolveError: new neighbours overlap, or an identity is violated.
+        Raises SolveError: new neighbours overlap, or an identity is violated.
         """
         began = process_time()
         assert self._memory is not None

@@ -92,8 +92,7 @@ class ReducedModel:
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> ReducedInstant:
         """The velocities at configuration q and time t.
 
-        Raises:
-            SolveError: a gap is not positive, the motion is not determined, or an identity is violated.
+        Raises SolveError: a gap is not positive, the motion is not determined, or an identity is violated.
         """
         return self.under(self.surroundings(q, t), q, t, inertia)
 

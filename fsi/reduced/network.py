@@ -89,8 +89,7 @@ class GapNetwork:
         Returns:
             u (N, d) and lambda (P,), positive where a gap opens.
 
-        Raises:
-            SolveError: the system cannot be solved.
+        Raises SolveError: the system cannot be solved.
         """
         if len(self.pairs) == 0:
             return u0, np.empty(0)

@@ -103,8 +103,7 @@ class SolvedSystem:
 def solve_system(ambient: Surroundings, pairs: Pairs, kappa: Array, inertia: Inertia | None) -> SolvedSystem:
     """Solve for the velocities, with resistances kappa (P,).
 
-    Raises:
-        SolveError: the motion is not determined.
+    Raises SolveError: the motion is not determined.
     """
     motion, d = ambient.motion, pairs.n.shape[1]
     zero = np.zeros_like(ambient.zeta)

@@ -83,8 +83,7 @@ class RunFolder:
     def create(cls, path: Path, case_toml: str, launch: Mapping[str, Any]) -> Self:
         """Make a folder with the case and its provenance; it appears complete or not at all.
 
-        Raises:
-            InputError: there is something at that path, or it cannot be written.
+        Raises InputError: there is something at that path, or it cannot be written.
         """
         path = path.resolve()
         on_root(lambda: _create(path, case_toml, launch))
@@ -94,8 +93,7 @@ class RunFolder:
     def reopen(cls, path: Path) -> Self:
         """Open a folder, without changing anything in it.
 
-        Raises:
-            InputError: it is not a run folder, or cannot be read.
+        Raises InputError: it is not a run folder, or cannot be read.
         """
         path = path.resolve()
         return cls(path, on_root(lambda: _last_commit(path)))
@@ -113,16 +111,14 @@ class RunFolder:
     def rewind(self, launch: Mapping[str, Any]) -> None:
         """Cut off what came after the last commit, and add a launch to the provenance.
 
-        Raises:
-            InputError: the folder cannot be written, or rows or files of the run are missing in it.
+        Raises InputError: the folder cannot be written, or rows or files of the run are missing in it.
         """
         on_root(lambda: self._rewind(launch))
 
     def keep(self, commit: Commit) -> None:
         """Append a step to the tables and its field files, by series, to their series; then commit.
 
-        Raises:
-            SolveError: the folder can no longer be written (the disk is full).
+        Raises SolveError: the folder can no longer be written (the disk is full).
         """
         on_root(lambda: self._keep(commit))
 
