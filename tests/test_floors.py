@@ -35,7 +35,7 @@ import importlib
 for name in {{modules}}:
     importlib.import_module(name)
 assert not {HEAVY!r} & set(sys.modules)
-from fsi.cli import main
+from fsi.cli.main import main
 sys.argv = ["fsi", "check", "cases/disc_in_box.toml"]
 main()
 """

@@ -33,7 +33,7 @@ def test_the_wheel_has_every_module_and_case_and_nothing_else(tmp_path: Path) ->
     with zipfile.ZipFile(wheel) as archive:
         held = {name for name in archive.namelist() if ".dist-info/" not in name}
         about = [name for name in archive.namelist() if name.endswith("entry_points.txt")]
-        assert b"fsi = fsi.cli:main" in archive.read(about[0])
+        assert b"fsi = fsi.cli.main:main" in archive.read(about[0])
     packages = ("fsi", "meshes", "postprocess")
     every = (path for package in packages for path in (source / package).rglob("*"))
     wanted = {path.relative_to(source).as_posix() for path in every if path.suffix == ".py"}

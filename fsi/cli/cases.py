@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 import fsi.parallel as parallel
+from fsi.cli.arguments import tell
 from fsi.errors import InputError
 
 EXAMPLE = "Example: fsi cases, then fsi run cases/settling_disc.toml"
@@ -38,5 +39,4 @@ def cases(
 ) -> None:
     """Write the cases that come with the program into a folder: examples, validation, calibration."""
     count = parallel.on_root(lambda: write_cases(folder))
-    if parallel.is_root():
-        typer.echo(f"wrote {count} cases to {folder}; begin with: fsi run {folder}/settling_disc.toml")
+    tell(f"wrote {count} cases to {folder}; begin with: fsi run {folder}/settling_disc.toml")
