@@ -12,9 +12,8 @@ import numpy as np
 from fsi.case.case import Case
 from fsi.errors import InputError
 from fsi.integration.evolution import Evolution, SteppedEvolution
-from fsi.integration.schedule import Schedule
 from fsi.integration.schemes import Beginning, scheme_for
-from fsi.integration.state import Advance, Model
+from fsi.integration.state import Advance, Model, Schedule
 from fsi.integration.stepper import FixedStepper, Refinable, RefiningStepper, Stepper
 
 

@@ -9,7 +9,16 @@ import numpy as np
 from pydantic import BeforeValidator, SerializeAsAny, ValidationInfo, field_validator
 
 from fsi.case.domain import DOMAINS, MeanDrive, Walled, register_domain
-from fsi.case.section import Geometry, Positive, Section, dimension_of, require_components, told, toml_text
+from fsi.case.section import (
+    Geometry,
+    Positive,
+    Section,
+    dimension_of,
+    refusal,
+    require_components,
+    told,
+    toml_text,
+)
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Box, Container, HalfPlane, Round, Unbounded
 from fsi.meshes.geometry.periodic import Cell, Channel
@@ -56,9 +65,8 @@ class BoxDomain(Walled):
     @override
     def require_axis(self) -> None:
         if self.lower[0] != 0.0:
-            raise InputError(
-                f"domain.lower = {toml_text(self.lower)}: an axisymmetric domain begins on the axis;"
-                " give [0.0, z]"
+            raise refusal(
+                "domain.lower", self.lower, "an axisymmetric domain begins on the axis; give [0.0, z]"
             )
 
 

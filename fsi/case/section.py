@@ -16,6 +16,8 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, get_args, get_
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, model_validator
 from pydantic_core import ErrorDetails, PydanticCustomError
 
+from fsi.errors import InputError
+
 type Geometry = Literal["planar", "axisymmetric", "spatial"]
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
@@ -120,6 +122,11 @@ def tuples(value: Any) -> Any:
             return tuple(map(tuples, value))
         case _:
             return value
+
+
+def refusal(key: str, value: object, what: str) -> InputError:
+    """`key = value: what is wrong; what to do`."""
+    return InputError(f"{key} = {toml_text(value)}: {what}")
 
 
 def toml_text(value: object) -> str:

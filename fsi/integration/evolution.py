@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps
-from fsi.integration.schedule import Schedule
-from fsi.integration.state import Advance, State, Step, StepRecord
+from fsi.integration.state import Advance, Schedule, State, Step, StepRecord
 from fsi.meshes.geometry.containers import Container
 
 type CsvTable = tuple[Sequence[str], Sequence[Sequence[object]]]

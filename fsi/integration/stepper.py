@@ -19,8 +19,7 @@ from fsi.bodies.configuration import Array, Configuration, Inertia
 from fsi.bodies.gaps import find_gaps, pair_gaps
 from fsi.errors import SolveError
 from fsi.integration.gap_limiter import Approach, GapRefusedError, greatest_approach, limited_step
-from fsi.integration.schedule import Schedule
-from fsi.integration.state import Advance, Instant, Model, Scheme, State, Step
+from fsi.integration.state import Advance, Instant, Model, Schedule, Scheme, State, Step
 from fsi.meshes.geometry.containers import Container
 from fsi.observables.error_estimate import StepErrors
 

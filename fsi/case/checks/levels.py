@@ -9,7 +9,7 @@ from fsi.bodies.gaps import find_gaps
 from fsi.case.background_flow import background
 from fsi.case.case import Case
 from fsi.case.domain import MeanDrive
-from fsi.case.section import toml_text
+from fsi.case.section import refusal, toml_text
 from fsi.case.series import is_zero
 from fsi.errors import InputError
 
@@ -30,9 +30,8 @@ def _check_walls(case: Case) -> None:
     """Walls are at rest, and the lattice stands along the axes, several bodies wide."""
     for name, wall in case.domain.walls.items():
         if not wall.rests:
-            raise InputError(
-                f"domain.walls.{name} = {toml_text(wall)}: walls of the gluey model are solid and at rest; "
-                "drop it"
+            raise refusal(
+                f"domain.walls.{name}", wall, "walls of the gluey model are solid and at rest; drop it"
             )
     container, largest = case.container(), case.configuration().radii.max()
     if container.mean_gradient.any() or case.domain.mean_drive() != (0.0, None):
@@ -42,9 +41,8 @@ def _check_walls(case: Case) -> None:
         )
     periods = container.periods
     if np.count_nonzero(periods) > len(periods):
-        raise InputError(
-            f"domain = {toml_text(case.domain)}: the gluey model wants periods along the axes; give such "
-            "vectors"
+        raise refusal(
+            "domain", case.domain, "the gluey model wants periods along the axes; give such vectors"
         )
     if np.any(periods) and periods[periods != 0.0].min() < 8.0 * largest:
         raise InputError(
@@ -57,9 +55,8 @@ def _check_names(case: Case) -> None:
     taken = {*case.domain.walls, *case.names}
     for i, wall in enumerate(case.gluey.walls):
         if wall.name in taken:
-            raise InputError(
-                f"gluey.walls.{i}.name = {toml_text(wall.name)}: a wall or body has this name; give another "
-                "one"
+            raise refusal(
+                f"gluey.walls.{i}.name", wall.name, "a wall or body has this name; give another one"
             )
         taken.add(wall.name)
 
@@ -101,9 +98,8 @@ def check_macroscopic(case: Case) -> None:
     """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
     if case.macroscopic.blocks:
         if case.bodies:
-            raise InputError(
-                f"bodies.0 = {toml_text(case.bodies[0].name)}: there are [[macroscopic.blocks]]; give bodies "
-                "or blocks"
+            raise refusal(
+                "bodies.0", case.bodies[0].name, "there are [[macroscopic.blocks]]; give bodies or blocks"
             )
         return
     if not case.bodies:
@@ -147,9 +143,7 @@ def _check_loads(case: Case, axis: int) -> None:
             )
         for k, (motion, load, key) in enumerate(zip(body.motion, body.loads, body.keys, strict=True)):
             if k != axis and motion == "free" and not is_zero(load):
-                raise InputError(
-                    f"bodies.{i}.{key} = {toml_text(load)}: pushes the body off its line; drop it"
-                )
+                raise refusal(f"bodies.{i}.{key}", load, "pushes the body off its line; drop it")
     for k, _ in enumerate(case.forces):
         raise InputError(f"forces.{k}: the macroscopic model knows only the forces of [[bodies]]; drop it")
 

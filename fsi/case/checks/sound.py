@@ -14,7 +14,7 @@ from fsi.case.case import Case
 from fsi.case.checks.determined import check_determined, check_flux
 from fsi.case.checks.levels import check_gluey, check_macroscopic, check_reduced
 from fsi.case.checks.time import check_time
-from fsi.case.section import toml_text
+from fsi.case.section import refusal, toml_text
 from fsi.case.series import Component, is_zero
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Container
@@ -135,9 +135,7 @@ def _check_axis(case: Case) -> None:
                 )
     for name, wall in case.domain.walls.items():
         if not wall.suits_axis(around=name == "right"):
-            raise InputError(
-                f"domain.walls.{name} = {toml_text(wall)}: is not symmetric about the axis; give [0.0, u_z]"
-            )
+            raise refusal(f"domain.walls.{name}", wall, "is not symmetric about the axis; give [0.0, u_z]")
 
 
 def _nothing(component: Component) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from fsi.case.case import Case
-from fsi.case.section import nearest_word, toml_text
+from fsi.case.section import nearest_word, refusal, toml_text
 from fsi.case.series import Table, jumps
 from fsi.errors import InputError
 from fsi.integration.schemes import SCHEMES, scheme_for
@@ -32,9 +32,8 @@ def _check_scheme(case: Case) -> None:
     time = case.timing
     if case.model in _OWN_STEP:
         if time.scheme is not None:
-            raise InputError(
-                f'time.scheme = {toml_text(time.scheme)}: model = "{case.model}" has a scheme of its own; '
-                "drop it"
+            raise refusal(
+                "time.scheme", time.scheme, f'model = "{case.model}" has a scheme of its own; drop it'
             )
         _require_step(case, f'model = "{case.model}"')
         return
