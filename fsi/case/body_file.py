@@ -114,9 +114,8 @@ def _read_json(path: Path, text: str) -> tuple[list[Any], tuple[float, ...] | No
         corners = [data.get(key) for key in ("lower", "upper")]
         return data["bodies"], _sides(*corners)
     if isinstance(data, dict) and isinstance(data.get("centers"), list):
-        rows = [
-            _centre_row(path, number, c, data.get("radius")) for number, c in enumerate(data["centers"], 1)
-        ]
+        radius = data.get("radius")
+        rows = [_centre_row(path, number, c, radius) for number, c in enumerate(data["centers"], 1)]
         return rows, _sides((0.0, 0.0), (data.get("L"), data.get("H")))
     raise _refusal(path, "no list of bodies; give an object with `bodies`, or with `centers` and `radius`")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from abc import abstractmethod
 from collections.abc import Sequence
-from typing import Annotated, Literal, override
+from typing import Annotated, ClassVar, Literal, override
 
 import numpy as np
 from pydantic import BeforeValidator, Field, SerializeAsAny, field_validator, model_validator
@@ -108,6 +108,8 @@ class Gravity(ForceLaw):
 class BetweenSurfaces(ForceLaw):
     """A force along the line of centres, on each of two bodies, that depends on their gap d."""
 
+    reach_key: ClassVar[str]  # which says where the force ends
+
     kind: Literal["attraction", "repulsion"] = Field(description=_KINDS)
     law: str
     walls: bool = False
@@ -118,11 +120,6 @@ class BetweenSurfaces(ForceLaw):
     @abstractmethod
     def reach(self) -> float:
         """The gap beyond which there is no force."""
-
-    @property
-    @abstractmethod
-    def reach_key(self) -> str:
-        """The key that says so."""
 
     @abstractmethod
     def strength_at(self, d: Array) -> Array:
@@ -152,6 +149,7 @@ class BetweenSurfaces(ForceLaw):
 class _CutOff(BetweenSurfaces):
     """A force that would never end."""
 
+    reach_key: ClassVar[str] = "cutoff"
     cutoff: Positive
     """the gap beyond which there is no force, a number > 0"""
 
@@ -159,11 +157,6 @@ class _CutOff(BetweenSurfaces):
     @override
     def reach(self) -> float:
         return self.cutoff
-
-    @property
-    @override
-    def reach_key(self) -> str:
-        return "cutoff"
 
 
 @register_force
@@ -203,6 +196,7 @@ class Power(_CutOff):
 class Tabulated(BetweenSurfaces):
     """|F| linear between given gaps, constant below the first and zero beyond the last."""
 
+    reach_key: ClassVar[str] = "gaps"
     law: Literal["table"]
     gaps: tuple[float, ...] = Field(min_length=1)
     """gaps, increasing"""
@@ -228,11 +222,6 @@ class Tabulated(BetweenSurfaces):
     def reach(self) -> float:
         """The last gap of the table."""
         return self.gaps[-1]
-
-    @property
-    @override
-    def reach_key(self) -> str:
-        return "gaps"
 
     @override
     def strength_at(self, d: Array) -> Array:

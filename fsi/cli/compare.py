@@ -58,10 +58,8 @@ def _compare(cases: dict[str, Any], folder: Path, *, quiet: bool) -> dict[str, A
     from fsi.report.comparison import print_rates, print_trajectories
     from fsi.run_folder.checkpoint import replace
 
-    histories = {
-        level: History.of_table(case, open_run(folder / level).columns("bodies"))
-        for level, case in cases.items()
-    }
+    tables = {level: open_run(folder / level).columns("bodies") for level in cases}
+    histories = {level: History.of_table(case, tables[level]) for level, case in cases.items()}
     paths = trajectories(cases, histories)
     data, picture = comparison_json(paths), folder / "comparison.png"
     if set(cases) == {"resolved", "reduced"}:

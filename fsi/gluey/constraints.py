@@ -71,12 +71,9 @@ def make_rows(system: System, contacts: Contacts, gamma: Array, h: float) -> Row
     compliance[C:first] = np.repeat(1.0 / (h * k), across)
     least = np.where(gamma < 0.0, 0.0 if shifted else -np.inf, 0.0)
     at_wall = contacts.i >= len(system.radii)
-    sides = [
-        at_wall,
-        np.repeat(at_wall[films], across),
-        np.repeat(at_wall, across if law.friction > 0.0 else 0),
-    ]
-    return Rows(J, b, compliance, p, least, law.friction > 0.0, first, np.concatenate(sides))
+    rubs = law.friction > 0.0
+    sides = [at_wall, np.repeat(at_wall[films], across), np.repeat(at_wall, across if rubs else 0)]
+    return Rows(J, b, compliance, p, least, rubs, first, np.concatenate(sides))
 
 
 def _curvature(contacts: Contacts, radii: Array) -> Array:

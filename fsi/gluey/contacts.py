@@ -33,10 +33,8 @@ class Room:
 
     def nearest(self, separation: Array) -> Array:
         """The shortest of the periodic images of separations (.., d)."""
-        period = np.where(self.period > 0.0, self.period, 1.0)
-        images: Array = separation - np.where(self.period > 0.0, self.period, 0.0) * np.rint(
-            separation / period
-        )
+        turns = np.rint(separation / np.where(self.period > 0.0, self.period, np.inf))
+        images: Array = separation - self.period * turns
         return images
 
 

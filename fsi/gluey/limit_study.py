@@ -59,9 +59,8 @@ def one_gap(case: Case) -> OneGap:
                 f"bodies.1.position = {toml_text(case.bodies[1].position)}: not on a line along an axis with "
                 "the other one; `fsi limit` is for one gap"
             )
-        terms = [
-            (s / masses[i, axis], case.bodies[i].loads[axis]) for s, i in zip((1.0, -1.0), sides, strict=True)
-        ]
+        signed = zip((1.0, -1.0), sides, strict=True)
+        terms = [(sign / masses[i, axis], case.bodies[i].loads[axis]) for sign, i in signed]
         return OneGap(gap, float(U[sides[0], axis] - U[sides[1], axis]), _sum(terms, end), end)
     container = case.container()
     free = [axis for axis in range(case.dimension) if case.bodies[0].motion[axis] == "free"]

@@ -178,11 +178,8 @@ def _held(case: Case) -> Held | None:
     held = case.held()
     if not held.any():
         return None
-    motions = [
-        (tuple(0.0 if part == "free" else part for part in body.motion), ~held[i])
-        for i, body in enumerate(case.bodies)
-    ]
-    travelled = _integrals(case, motions)
+    motions = ([0.0 if part == "free" else part for part in body.motion] for body in case.bodies)
+    travelled = _integrals(case, list(zip(motions, ~held, strict=True)))
     return Held(held, lambda t0, t1: travelled(t0, t1) / (t1 - t0))
 
 

@@ -109,13 +109,10 @@ class SteppedEvolution:
         errors = self.stepper.model.errors(state.q, state.t, instant) if self.estimated else None
         columns = {**instant.record, **(errors.columns if errors else {})}
         # Only some models know more of each body than velocity and load.
-        of_bodies = {
-            **getattr(instant, "body_columns", {}), **(errors.body_columns if errors else {}),
-        }  # fmt: skip
-        gap = smallest_gap(state.q, self.stepper.container.at(state.t))
-        record = StepRecord(
-            state.step, state.t, step.h, gap, step.rejected, state.q, instant.U, instant.F, columns, of_bodies
-        )
+        of_bodies = {**getattr(instant, "body_columns", {}), **(errors.body_columns if errors else {})}
+        q, U, F = state.q, instant.U, instant.F
+        gap = smallest_gap(q, self.stepper.container.at(state.t))
+        record = StepRecord(state.step, state.t, step.h, gap, step.rejected, q, U, F, columns, of_bodies)
         return Moment(state, record, self.names, lambda folder: instant.write(folder, state.step))
 
 

@@ -147,9 +147,7 @@ class BogackiShampine:
         return Trial(q_end, instant, h * (-5 / 72 * U1 + 1 / 12 * U2 + 1 / 9 * U3 - 1 / 8 * instant.U))
 
 
-@register_scheme("bogacki-shampine")
-def _make(_: Beginning) -> BogackiShampine:
-    return BogackiShampine()
+register_scheme("bogacki-shampine")(lambda _: BogackiShampine())
 
 
 class MarchingModel(Model, Protocol):

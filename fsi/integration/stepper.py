@@ -136,12 +136,8 @@ class Stepper:
     def _first_step(self, q: Configuration, U: Array) -> float:
         """The step whose error is the tolerance if it is that power of the displacement, both relative."""
         speed = self.tolerance * self._norm(q, 0.0, U)
-        longest = self.schedule.end
-        return (
-            min(longest, self.tolerance ** (1.0 / self.scheme.error_order) / speed)
-            if speed > 0.0
-            else longest
-        )
+        tolerated = self.tolerance ** (1.0 / self.scheme.error_order)
+        return min(self.schedule.end, tolerated / speed) if speed > 0.0 else self.schedule.end
 
     def _next_step(self, h: float, used: float, error: float, rejected: int) -> float:
         """The next step to try, after one of length `used` that was proposed as h."""

@@ -19,8 +19,7 @@ from fsi.case.section import toml_text
 from fsi.case.series import value_at
 from fsi.errors import InputError, SolveError
 from fsi.integration.evolution import CsvTable, Moment
-from fsi.integration.schedule import Schedule
-from fsi.integration.state import State, StepRecord
+from fsi.integration.state import Schedule, State, StepRecord
 from fsi.macroscopic.model import Force, Parcels, at_rest_in_memory, blocks
 from fsi.run_folder.paraview import write_polyline
 

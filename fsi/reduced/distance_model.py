@@ -292,12 +292,7 @@ class DistanceModel(ReducedModel):
         return PairMemory(pairs.key, x, rates + own_mobility(G, self._inverse_masses(ambient, d)) * K, force)
 
     def _instant(
-        self,
-        q: Configuration,
-        U: Array,
-        pairs: Pairs,
-        ambient: Surroundings,
-        record: Mapping[str, float],
+        self, q: Configuration, U: Array, pairs: Pairs, ambient: Surroundings, record: Mapping[str, float]
     ) -> ReducedInstant:
         """What is known at the end of a step; gamma = g K of the stored gaps."""
         assert self._memory is not None
@@ -308,8 +303,7 @@ class DistanceModel(ReducedModel):
         F = ambient.zeta * (U - ambient.background)
         F[:, :d] += (G.T @ memory.force).reshape(-1, d)
         stored = {"log10_stored_gap": float(memory.x.min(initial=np.inf) / np.log(10.0))}
-        stress = lubrication_stress(
-            ambient.enclosure, pairs, memory.force, q.radii, self.case.fluid.viscosity
-        )
+        viscosity = self.case.fluid.viscosity
+        stress = lubrication_stress(ambient.enclosure, pairs, memory.force, q.radii, viscosity)
         columns = {**record, **({} if stress is None else stress.record), **stored}
         return ReducedInstant(q, U, F, pairs, memory.x, memory.force, gamma, columns, stress)

@@ -122,9 +122,8 @@ def _solve_spd(S: sp.csr_array, right: Array, d: int) -> Array:
                 "reduced.cutoff or give the bodies more drag"
             )
     try:
-        factors = splu(
-            S.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-        )
+        symmetric = {"SymmetricMode": True}
+        factors = splu(S.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
     except RuntimeError as error:
         raise SolveError(
             f"the forces in the gaps are not determined ({error}); give the bodies more drag or mass"

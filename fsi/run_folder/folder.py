@@ -134,9 +134,8 @@ class RunFolder:
                 entries += [Entry(record.t, part, f"{FIELDS}/{name}") for part, name in enumerate(added)]
                 replace(self._collection(series), collection(entries))
             counts = {series: len(entries) for series, entries in self._series.items()}
-            write_checkpoint(
-                self.path / STATE, Checkpoint(commit.state, commit.memory, self._lengths, counts)
-            )
+            checkpoint = Checkpoint(commit.state, commit.memory, self._lengths, counts)
+            write_checkpoint(self.path / STATE, checkpoint)
 
     def _append(self, table: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
         text = io.StringIO()

@@ -13,6 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
+from fsi.errors import SolveError
+
+type Cells = list[tuple[str, NDArray[np.intp]]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,10 +29,7 @@ class Entry:
 
 def collection(entries: Iterable[Entry]) -> bytes:
     """The collection as XML."""
-    lines = [
-        f'    <DataSet timestep="{entry.t!r}" part="{entry.part}" file={quoteattr(entry.file)}/>'
-        for entry in entries
-    ]
+    lines = [f'    <DataSet timestep="{e.t!r}" part="{e.part}" file={quoteattr(e.file)}/>' for e in entries]
     head = ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="1.0">', "  <Collection>"]
     return "\n".join([*head, *lines, "  </Collection>", "</VTKFile>", ""]).encode()
 
@@ -50,9 +50,8 @@ def write_lines(path: Path, start: Array, end: Array, values: Mapping[str, Array
     """Straight lines between points (n, d), with numbers (n,) on each."""
     n = len(start)
     cells = [("line", np.column_stack([np.arange(n), n + np.arange(n)]))]
-    _write(
-        path, np.concatenate([start, end]), cells, cell_data={key: [value] for key, value in values.items()}
-    )
+    on_lines: dict[str, object] = {name: [value] for name, value in values.items()}
+    _write(path, np.concatenate([start, end]), cells, cell_data=on_lines)
 
 
 def write_polyline(path: Path, x: Array, values: Mapping[str, Array]) -> None:
@@ -61,10 +60,16 @@ def write_polyline(path: Path, x: Array, values: Mapping[str, Array]) -> None:
     _write(path, x, [("line", np.column_stack([k, k + 1]))], point_data=dict(values))
 
 
-def _write(
-    path: Path, x: Array, cells: list[tuple[str, NDArray[np.intp]]], **data: dict[str, object]
-) -> None:
-    space = np.pad(x, ((0, 0), (0, 3 - x.shape[1])))
-    partial = path.with_name(f".{path.name}")
-    meshio.Mesh(space, cells, **data).write(partial, file_format="vtu")
-    partial.rename(path)
+def in_space(vectors: Array) -> Array:
+    """Vectors (n, d) with three components."""
+    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
+
+
+def _write(path: Path, x: Array, cells: Cells, **data: dict[str, object]) -> None:
+    """Write under a temporary name that is then the path's."""
+    partial = path.with_name(f".{path.name}.partial")
+    try:
+        meshio.Mesh(in_space(x), cells, **data).write(partial, file_format="vtu")
+        partial.replace(path)
+    except OSError as error:
+        raise SolveError(f"cannot write {path}: {error.strerror}") from error

@@ -37,9 +37,7 @@ def check_determined(case: Case) -> None:
         return
     rank = _rank(case, _stopped_modes(case))
     if rank < case.modes.sum():
-        free = (
-            "everything is free" if rank == 0 else "what is held leaves a rigid motion of all together free"
-        )
+        free = "what is held leaves a rigid motion of all together free" if rank else "everything is free"
         raise InputError(
             f"domain.walls = {toml_text(case.domain.walls)}: no wall has a velocity and {free}, so the "
             "motion is not determined; give a wall a velocity or hold a body"

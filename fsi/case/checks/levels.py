@@ -65,19 +65,16 @@ def _check_contacts(case: Case) -> None:
     """Bodies and walls touch at most, and films have gaps."""
     q, container = case.configuration(), case.container()
     gaps = find_gaps(q, container, reach=0.0)
-    touching = [
-        (gap, f"{case.names[i]} and {case.names[j]}")
-        for (i, j), gap in zip(gaps.pairs, gaps.pair_gaps, strict=True)
-    ]
+    between_bodies = zip(gaps.pairs, gaps.pair_gaps, strict=True)
+    touching = [(gap, f"{case.names[i]} and {case.names[j]}") for (i, j), gap in between_bodies]
     of_planes = [
         (np.array(wall.normal) / np.linalg.norm(wall.normal)) @ (q.centres - np.array(wall.point)).T - q.radii
         for wall in case.gluey.walls
     ]
     to_walls = np.column_stack([container.distances(q.centres) - q.radii[:, None], *of_planes])
     names = [*container.walls, *(wall.name for wall in case.gluey.walls)]
-    touching += [
-        (to_walls[i, w], f"{case.names[i]} and wall {names[w]}") for i, w in np.argwhere(to_walls <= 0.0)
-    ]
+    overlaps = np.argwhere(to_walls <= 0.0)
+    touching += [(to_walls[i, w], f"{case.names[i]} and wall {names[w]}") for i, w in overlaps]
     if not touching:
         return
     deepest, between = min(touching)

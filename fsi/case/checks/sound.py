@@ -170,11 +170,8 @@ def _check_inertia(case: Case) -> None:
 def _check_beginning(case: Case, i: int) -> None:
     """Only a free component of a body with inertia begins with a velocity of its own."""
     body = case.bodies[i]
-    begun = {
-        "initial_velocity": body.initial_velocity,
-        "initial_angular_velocity": body.initial_angular_velocity,
-    }
-    for key, velocity in begun.items():
+    for key in ("initial_velocity", "initial_angular_velocity"):
+        velocity = getattr(body, key)
         if velocity is not None and body.mass is None and case.model in ("resolved", "reduced"):
             raise InputError(
                 f"bodies.{i}.{key} = {toml_text(velocity)}: without a mass the velocity is a result; drop it "
