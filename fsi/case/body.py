@@ -159,10 +159,7 @@ class Grid(Section):
 
 
 def with_grids(data: Mapping[str, Any], context: object) -> dict[str, Any]:
-    """The data of a case with the members of its [[grids]] after the bodies that it lists.
-
-    Raises InputError: a grid is not sound.
-    """
+    """The data of a case with the members of its [[grids]] after its bodies. Raises InputError."""
     grids, bodies = data.get("grids", ()), data.get("bodies", ())
     if not (isinstance(grids, list | tuple) and isinstance(bodies, list | tuple)):
         return dict(data)  # the schema says what is wrong

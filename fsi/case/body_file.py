@@ -67,10 +67,7 @@ def with_bodies(data: Mapping[str, Any], known: Sequence[str]) -> dict[str, Any]
 
 
 def read_bodies(path: Path) -> BodyFile:
-    """The bodies of a JSON or CSV file.
-
-    Raises InputError: it cannot be read, or a column or value is missing or wrong; names the row.
-    """
+    """The bodies of a JSON or CSV file. Raises InputError, which names the row and what is wrong in it."""
     readers = {".json": _read_json, ".csv": _read_csv}
     if path.suffix not in readers:
         raise _refusal(path, f"ends in {path.suffix or 'nothing'}; give a .json or a .csv file")

@@ -21,10 +21,7 @@ _KINDS = '"gravity", "attraction" or "repulsion"'
 
 
 class ForceLaw(Section):
-    """What acts on bodies besides the fluid; a law says what is different with it.
-
-    One more law is one more class here, registered with `register_force`.
-    """
+    """What acts on bodies besides the fluid. One more law is a class here, under `@register_force`."""
 
     @classmethod
     @override
@@ -63,13 +60,7 @@ class ForceLaw(Section):
         return np.zeros_like(d)
 
     def require_fit(self, key: str, container: Container, *, heavy: bool) -> None:
-        """Raise InputError, which calls the law `key`, where it makes no sense.
-
-        Args:
-            key: of this law.
-            container: what encloses the bodies.
-            heavy: whether a body has a mass.
-        """
+        """Raise InputError, which calls the law `key`, where it makes no sense; heavy: a body has a mass."""
 
 
 FORCES: Registry[ForceLaw] = Registry("law")

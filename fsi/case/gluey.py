@@ -18,19 +18,14 @@ class ContactLaw:
     """What happens between two surfaces that touch.
 
     Attributes:
-        variant: "shifted", in which release costs no step, or "cone", the set C_q of the slides; "film" is
-        the
-            model before the limit, with a viscosity.
-        gamma_min: the memory at which roughness stops the film from draining, `eps ln(delta/delta0)`, <= 0,
-        or
-            -inf for smooth bodies; at it the contact is solid.
+        variant: "shifted": release costs no step; "cone": the slides' set C_q; "film": before the limit.
+        gamma_min: the memory, <= 0, at which roughness makes contact solid, `eps ln(delta/delta0)`; or -inf.
         friction: Coulomb's coefficient mu_f at solid contact, >= 0.
-        tangential: c in the viscous force `-c |gamma| slip / a` with `a = a_i a_j/(a_i + a_j)`, >= 0: the
-        film
-            gives gamma resists slip as well, and both resistances grow as ln D. Two equal spheres have c =
-            1/3.
+        tangential: c >= 0 in the viscous force `-c |gamma| slip / a`, `a = a_i a_j/(a_i + a_j)`.
         eps: of films, `gamma = eps Psi'(D)` below the gap delta0 (`fsi.gluey.film`), > 0 for "film".
         delta0: that gap, > 0 for "film".
+
+    The film that gives gamma resists slip as well: both resistances grow as ln D, c = 1/3 of equal spheres.
     """
 
     variant: Variant = "shifted"

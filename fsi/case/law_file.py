@@ -140,12 +140,7 @@ class LawFile(Section):
         return self
 
     def law(self, *, viscosity: float | None = None, extrapolate: bool = False) -> LubricationLaw:
-        """The law, which is linear in mu: at this viscosity, or at its own.
-
-        Args:
-            viscosity: mu of the fluid.
-            extrapolate: whether gaps outside its range are allowed.
-        """
+        """The law, linear in mu: at this viscosity, or its own; `extrapolate` beyond the range of gaps."""
         mu = self.viscosity if viscosity is None else viscosity
         if self.form in LAWS:
             return LAWS[self.form].of(SqueezeFilm(self.shape, mu, self.ratio or inf, extrapolate))

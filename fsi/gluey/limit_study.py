@@ -38,10 +38,7 @@ class OneGap:
 
 
 def one_gap(case: Case) -> OneGap:
-    """The gap of a case with one body that a wall faces, or with two bodies along an axis.
-
-    Raises InputError: it has more, or none.
-    """
+    """The gap of one body that a wall faces, or of two along an axis. Raises InputError of other cases."""
     end, masses = case.timing.end, case.masses()
     if masses is None or len(case.bodies) not in (1, 2):
         raise InputError(

@@ -127,11 +127,7 @@ class Trial:
 
 
 class Scheme(Protocol):
-    """A one-step method.
-
-    Attributes:
-        error_order: the power of the step with which the estimated error of a step goes to zero.
-    """
+    """A one-step method; error_order: the power of the step with which its estimated error goes to zero."""
 
     error_order: ClassVar[int]
 

@@ -80,10 +80,7 @@ class Stepper:
         return Step(State(0.0, 0, q, instant.U, h), instant, 0.0, 0)
 
     def advance(self, state: State) -> Step:
-        """One accepted step; a rejected one is halved.
-
-        Raises SolveError: the step would have to be shorter than `smallest_step`.
-        """
+        """One accepted step; a rejected one is halved. Raises SolveError below `smallest_step`."""
         h, rejected = state.h, 0
         while True:
             h, approach = limited_step(state.q, self.container.at(state.t), state.U, h, self.gap_loss)
@@ -226,10 +223,7 @@ class RefiningStepper:
         return self._accurate(partial(self.stepper.start, q, first_step))
 
     def advance(self, state: State) -> Step:
-        """One accepted step whose error is below the tolerance.
-
-        Raises SolveError: as the stepper; or the tolerance is out of reach.
-        """
+        """One accepted step, its error below the tolerance. Raises SolveError: that is out of reach."""
         return self._accurate(partial(self.stepper.advance, state))
 
     def _accurate(self, make: Callable[[], Step]) -> Step:

@@ -66,10 +66,7 @@ class FirstIntegral:
     integral: Integral
 
     def solve(self) -> Array:
-        """x at the end of the step, (P,).
-
-        Raises SolveError: a gap between two bodies that are both held is closed by their motion.
-        """
+        """x at the end of the step, (P,). Raises SolveError: two held bodies close their gap."""
         h, D0, active = self.h, np.exp(self.x0), np.arange(len(self.x0))
         if np.any((self.g == 0.0) & (D0 + h * self.w <= 0.0)):
             raise SolveError("a gap between bodies or walls that are all held is closed by their motion")
@@ -196,10 +193,7 @@ class DistanceModel(ReducedModel):
         return replace(instant, record={**instant.record, "cpu_solve": 0.0})
 
     def march(self, state: State, t_end: float) -> tuple[Configuration, ReducedInstant]:
-        """One step from `state` to `t_end`: where it ends, and the instant there.
-
-        Raises SolveError: new neighbours overlap, or an identity is violated.
-        """
+        """One step: its end, the instant there. Raises SolveError: new pairs overlap, an identity fails."""
         began = process_time()
         assert self._memory is not None
         h = t_end - state.t

@@ -64,11 +64,7 @@ class ReducedInstant:
         return {} if self.stress is None else self.stress.body_columns
 
     def write(self, folder: Path, step: int) -> dict[str, list[str]]:
-        """Write the series "bodies" and "contacts".
-
-        Of each pair: the gap of the model, which may be stored, lambda, positive where the gap opens, and
-        gamma.
-        """
+        """Write "bodies" and "contacts": the gap, maybe stored, lambda, positive where it opens, gamma."""
         return on_root(lambda: self._write(folder, step))
 
     def _write(self, folder: Path, step: int) -> dict[str, list[str]]:
@@ -96,10 +92,7 @@ class ReducedModel:
         self._steady = None if case.knots() else case.motion(0.0)  # with many bodies worth keeping
 
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> ReducedInstant:
-        """The velocities at configuration q and time t.
-
-        Raises SolveError: a gap is not positive, the motion is not determined, or an identity is violated.
-        """
+        """The velocities at q and t. Raises SolveError: overlap, undetermined motion, a violated identity."""
         return self.under(self.surroundings(q, t), q, t, inertia)
 
     def under(

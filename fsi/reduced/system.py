@@ -101,10 +101,7 @@ class SolvedSystem:
 
 
 def solve_system(ambient: Surroundings, pairs: Pairs, kappa: Array, inertia: Inertia | None) -> SolvedSystem:
-    """Solve for the velocities, with resistances kappa (P,).
-
-    Raises SolveError: the motion is not determined.
-    """
+    """Solve for the velocities, with resistances kappa (P,). Raises SolveError if they are not determined."""
     motion, d = ambient.motion, pairs.n.shape[1]
     zero = np.zeros_like(ambient.zeta)
     D, U0 = (inertia.D, inertia.U0) if inertia else (zero, zero)
