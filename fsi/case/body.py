@@ -9,7 +9,17 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
-from fsi.case.section import Name, NotNegative, Positive, Section, explain, require_components, told, tuples
+from fsi.case.section import (
+    Name,
+    NotNegative,
+    Positive,
+    Section,
+    all_components,
+    explain,
+    require_components,
+    told,
+    tuples,
+)
 from fsi.case.series import Angle, Component, Series, Spin, Torque
 from fsi.errors import InputError
 
@@ -69,10 +79,7 @@ class Body(Section):
             "torque": turning(0.0),
         } | data
 
-    @field_validator("position", "velocity", "force", "initial_velocity")
-    @classmethod
-    def _all_components[T](cls, vector: tuple[T, ...] | None, info: ValidationInfo) -> tuple[T, ...] | None:
-        return None if vector is None else require_components(vector, told(info).dimension, "a vector")
+    _all_components = field_validator("position", "velocity", "force", "initial_velocity")(all_components)
 
     @field_validator("angle", "angular_velocity", "torque", "initial_angular_velocity")
     @classmethod
@@ -132,10 +139,7 @@ class Grid(Section):
     initial_velocity: tuple[float, ...] | None = None
     """their velocity at time 0, as in [[bodies]]; at rest if not given"""
 
-    @field_validator("counts", "lower", "initial_velocity")
-    @classmethod
-    def _all_components[T](cls, vector: tuple[T, ...] | None, info: ValidationInfo) -> tuple[T, ...] | None:
-        return None if vector is None else require_components(vector, told(info).dimension, "a vector")
+    _all_components = field_validator("counts", "lower", "initial_velocity")(all_components)
 
     @field_validator("radius")
     @classmethod

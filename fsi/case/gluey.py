@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
-from fsi.case.section import Name, NotNegative, Positive, Section, require_components, told
+from fsi.case.section import Name, NotNegative, Positive, Section, all_components
 
 type Variant = Literal["shifted", "cone", "film"]
 
@@ -46,10 +46,7 @@ class PlaneWall(Section):
     normal: tuple[float, ...]
     """its normal, into the room, not zero"""
 
-    @field_validator("point", "normal")
-    @classmethod
-    def _all_components(cls, vector: tuple[float, ...], info: ValidationInfo) -> tuple[float, ...]:
-        return require_components(vector, told(info).dimension, "a vector")
+    _all_components = field_validator("point", "normal")(all_components)
 
     @field_validator("normal")
     @classmethod

@@ -19,7 +19,6 @@ name (`fsi.lubrication.named_laws`): "exact", "leading", or "slides", which is v
 
 from __future__ import annotations
 
-import tomllib
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -30,7 +29,7 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from fsi.bodies.configuration import Array
-from fsi.case.section import Positive, Section, explain, tuples
+from fsi.case.section import Positive, Section, explain, toml_data, tuples
 from fsi.errors import InputError
 from fsi.lubrication.expansions import EXPONENTS, Mode, Shape
 from fsi.lubrication.fitting import band
@@ -168,12 +167,7 @@ class LawFile(Section):
 
 def read_law_file(path: Path) -> LawFile:
     """The content of a law file. Raises InputError, one line with key, value and remedy."""
-    try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not TOML: {error}; correct the file there") from None
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror or error}; give the path of a law file") from None
+    data = toml_data(path, "a law file")
     try:
         return LawFile.model_validate(tuples(data))
     except ValidationError as error:

@@ -18,16 +18,12 @@ from fsi.case.body import Body, with_grids
 from fsi.case.body_file import with_bodies
 from fsi.case.case import MODELS, Case
 from fsi.case.checks.sound import check_case
-from fsi.case.section import CaseContext, Geometry, explain, toml_text, tuples
+from fsi.case.section import CaseContext, Geometry, explain, toml_data, toml_text, tuples
 from fsi.errors import InputError
 
 
 def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
-    """Read a case file.
-
-    Args:
-        path: the TOML file.
-        overrides: `key=value` with a dotted key (`bodies.0.radius=2`) and a TOML value, applied in order.
+    """Read a case file; overrides are `key=value`, a dotted key (`bodies.0.radius=2`) and TOML, in order.
 
     Raises InputError: the file cannot be read or the case is not sound; nothing has been written.
     """
@@ -63,14 +59,7 @@ def parse_case(data: Mapping[str, Any]) -> Case:
 
 def read_toml(path: Path) -> dict[str, Any]:
     """The data of a case file. Raises InputError."""
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not TOML: {error}; correct the file there") from None
-    except OSError as error:
-        raise InputError(
-            f"{path}: {error.strerror or error}; give the path of a case file, `fsi cases` writes some"
-        ) from None
+    return toml_data(path, "a case file, `fsi cases` writes some")
 
 
 def _check_model(path: Path, model: Any) -> None:
@@ -102,14 +91,10 @@ _QUOTED = 'domain.mesh="mine.msh"'
 
 
 def override(data: dict[str, Any], text: str) -> None:
-    """Set one value in the nested data of a case file, in place.
+    """Set one value in the nested data of a case file, in place; if the key is known is checked later.
 
-    Args:
-        data: dictionaries and lists as TOML gives them; whether the key is known is checked later.
-        text: `key=value`; the key is dotted, bodies count from 0 (`bodies.0.radius`); the value is
-            TOML, where a single word needs no quotes.
-
-    Raises InputError: no `=`, a value that is not TOML, or a key that leads through no section.
+    text: `key=value`; the key is dotted, bodies count from 0 (`bodies.0.radius`); the value is TOML, where a
+    single word needs no quotes. Raises InputError: no `=`, no TOML, or a key that leads through no section.
     """
     key, separator, value = (part.strip() for part in text.partition("="))
     if not (key and separator):

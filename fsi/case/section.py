@@ -10,7 +10,9 @@ one place (domains, laws of force) are told apart by a word in them: a key that 
 from __future__ import annotations
 
 import difflib
+import tomllib
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, model_validator
@@ -100,6 +102,11 @@ def told(info: ValidationInfo) -> CaseContext:
     return info.context if isinstance(info.context, CaseContext) else CaseContext()
 
 
+def all_components[T](vector: tuple[T, ...] | None, info: ValidationInfo) -> tuple[T, ...] | None:
+    """A validator: the vector, if given, has as many components as points of the case have coordinates."""
+    return None if vector is None else require_components(vector, told(info).dimension, "a vector")
+
+
 def refuse_unknown(key: str, known: Iterable[str]) -> None:
     """Raise pydantic's error for a key that is not among the known ones; it names the nearest."""
     known = list(known)
@@ -111,6 +118,16 @@ def refuse_unknown(key: str, known: Iterable[str]) -> None:
 def nearest_word(word: str, known: Iterable[str]) -> str:
     """The known word that looks most like `word`."""
     return difflib.get_close_matches(word, list(known), n=1, cutoff=0.0)[0]
+
+
+def toml_data(path: Path, remedy: str) -> dict[str, Any]:
+    """The data of a TOML file. Raises InputError."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not TOML: {error}; correct the file there") from None
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror or error}; give the path of {remedy}") from None
 
 
 def tuples(value: Any) -> Any:

@@ -160,16 +160,9 @@ class _Proximal:
 
 
 def minimise(program: Program, p: Array, response: Response, tolerance: float) -> Impulses:
-    """Solve the program.
+    """Solve the program from impulses p, (rows,), to a residual, a rate, below the tolerance.
 
-    Args:
-        program: the rows, masses and the velocity without impulses.
-        p: where to begin, (rows,).
-        response: what the rows answer.
-        tolerance: of the residual, a rate.
-
-    Returns:
-        the best that rounding allows: its residual may exceed the tolerance, which is the caller's to judge.
+    The best that rounding allows: its residual may exceed the tolerance, which is the caller's to judge.
     """
     weight = program.weight
     sigma = FIRST / weight

@@ -84,15 +84,10 @@ def _curvature(contacts: Contacts, radii: Array) -> Array:
 
 
 def solve_rows(rows: Rows, program: Program, tolerance: float, bound: Callable[[Array], Array]) -> Impulses:
-    """The impulses and the velocity after them.
+    """The impulses and the velocity after them; tolerance: of the residual, a velocity.
 
-    Args:
-        rows: the constraints.
-        program: with these rows.
-        tolerance: of the residual, a velocity.
-        bound: the largest friction of each contact, (C,), given the normal impulses, (C,).
-
-    Raises SolveError: friction does not settle.
+    `bound` gives the largest friction of each contact, (C,), by the normal impulses, (C,). Raises SolveError:
+    friction does not settle.
     """
     C = len(rows.least)
     p, iterations, steps = rows.p, 0, 0

@@ -110,17 +110,10 @@ CLOSE = 1e-10
 
 
 def project(program: Program, p: Array, response: ContactResponse, tolerance: float) -> Impulses:
-    """Solve the dual.
+    """Solve the dual from impulses p, (rows,), to a `kkt`, a velocity, below the tolerance.
 
-    Args:
-        program: its rows are those of `response`.
-        p: where to begin, (rows,).
-        response: which impulses are allowed, and compliances.
-        tolerance: of `kkt`, a velocity.
-
-    Returns:
-        the solution; its `kkt`, the largest natural residual `|p - P_K(p - (W p + c) / W_ii)| W_ii`, a rate
-        of a gap, may exceed the tolerance, which is the caller's to judge.
+    `kkt` is the largest natural residual `|p - P_K(p - (W p + c) / W_ii)| W_ii`, a rate of a gap. It may exceed
+    the tolerance, which is the caller's to judge.
     """
     dual = _Dual.of(program, response)
     if response.only_gaps:

@@ -21,11 +21,6 @@ from fsi.meshes.geometry.containers import Container
 type CsvTable = tuple[Sequence[str], Sequence[Sequence[object]]]
 
 
-def no_tables() -> Mapping[str, CsvTable]:
-    """None beyond steps.csv and bodies.csv."""
-    return {}
-
-
 @dataclass(frozen=True, slots=True)
 class Moment:
     """The end of a step.
@@ -42,7 +37,7 @@ class Moment:
     record: StepRecord
     names: Sequence[str]
     write: Callable[[Path], Mapping[str, Sequence[str]]]
-    tables: Callable[[], Mapping[str, CsvTable]] = no_tables
+    tables: Callable[[], Mapping[str, CsvTable]] = dict
 
 
 class Evolution(Protocol):

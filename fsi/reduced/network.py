@@ -80,15 +80,9 @@ class GapNetwork:
         return loads
 
     def solve(self, u0: Array, Z_inverse: Array) -> tuple[Array, Array]:
-        """Velocities and forces of the gaps.
+        """Velocities u, (N, d), and forces lambda, (P,), of the gaps, positive where one opens.
 
-        Args:
-            u0: the velocities without lubrication, `Z^-1 f`; where held, the prescribed ones; (N, d).
-            Z_inverse: 0 where held, (N, d).
-
-        Returns:
-            u (N, d) and lambda (P,), positive where a gap opens.
-
+        u0: the velocities without lubrication, `Z^-1 f`; where held, the prescribed ones, with Z_inverse = 0.
         Raises SolveError: the system cannot be solved.
         """
         if len(self.pairs) == 0:
