@@ -43,8 +43,8 @@ class BodyFile:
 def with_bodies(data: Mapping[str, Any], known: Sequence[str]) -> dict[str, Any]:
     """The data of a case with the bodies of `bodies_from` after its own, all with `body_defaults` filled in.
 
-    The path is absolute; known: the keys that a body may have. Raises InputError: the file cannot be read, its
-    box is not that of the domain, or a default has no meaning.
+    The path is absolute; known: the keys that a body may have. Raises InputError: the file cannot be read,
+    its box is not that of the domain, or a default has no meaning.
     """
     listed = data.get("bodies", ())
     defaults = data.get("body_defaults", {})

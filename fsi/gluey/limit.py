@@ -108,8 +108,8 @@ class Limit:
 def slides_scheme(q0: float, u0: float, impulses: Array, h: Array) -> tuple[Array, Array, Array]:
     """The scheme of the slides, case by case: a push stores gamma, a pull pays it back before release.
 
-    It begins at q0, u0, with `int f dt` over steps of lengths h, both (n,), and gives q, u, gamma at the start
-    and at the ends of all steps, (n + 1,). First order in h.
+    It begins at q0, u0, with `int f dt` over steps of lengths h, both (n,), and gives q, u, gamma at the
+    start and at the ends of all steps, (n + 1,). First order in h.
     """
     q, u, gamma = (np.zeros(len(h) + 1) for _ in range(3))
     q[0], u[0] = q0, u0
@@ -186,8 +186,8 @@ def log_gap(r: float, c: float) -> float:
 def solve(q0: float, u0: float, f: PPoly, eps: float, t: Array) -> Path:
     """The solution from q0 > 0, u0 at increasing times t >= 0, for eps > 0 and the force f per mass.
 
-    f is a piecewise polynomial that begins at time 0 and covers t. Raises InputError: eps is below the rounding
-    of velocities; SolveError: MOST_STEPS do not reach the end.
+    f is a piecewise polynomial that begins at time 0 and covers t. Raises InputError: eps is below the
+    rounding of velocities; SolveError: MOST_STEPS do not reach the end.
     """
     w = f.antiderivative()
     w.c[-1] += u0 + eps * np.log(q0)

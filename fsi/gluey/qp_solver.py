@@ -112,8 +112,8 @@ CLOSE = 1e-10
 def project(program: Program, p: Array, response: ContactResponse, tolerance: float) -> Impulses:
     """Solve the dual from impulses p, (rows,), to a `kkt`, a velocity, below the tolerance.
 
-    `kkt` is the largest natural residual `|p - P_K(p - (W p + c) / W_ii)| W_ii`, a rate of a gap. It may exceed
-    the tolerance, which is the caller's to judge.
+    `kkt` is the largest natural residual `|p - P_K(p - (W p + c) / W_ii)| W_ii`, a rate of a gap. It may
+    exceed the tolerance, which is the caller's to judge.
     """
     dual = _Dual.of(program, response)
     if response.only_gaps:
