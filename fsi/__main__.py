@@ -2,6 +2,6 @@
 
 import sys
 
-from fsi.cli import main
+from fsi.cli.main import main
 
 sys.exit(main())

@@ -12,12 +12,9 @@ import numpy as np
 from fsi.case.case import Case
 from fsi.errors import InputError
 from fsi.integration.evolution import Evolution, SteppedEvolution
-from fsi.integration.fixed_stepper import FixedStepper
-from fsi.integration.refining_stepper import Refinable, RefiningStepper
-from fsi.integration.schedule import Schedule
 from fsi.integration.schemes import Beginning, scheme_for
-from fsi.integration.state import Advance, Model
-from fsi.integration.stepper import Stepper
+from fsi.integration.state import Advance, Model, Schedule
+from fsi.integration.stepper import FixedStepper, Refinable, RefiningStepper, Stepper
 
 
 def make_model(case: Case) -> Model:

@@ -24,7 +24,7 @@ from fsi.postprocess.render.render import artist, render_run
 from fsi.postprocess.render.view import Choice
 from fsi.postprocess.run.output import require_suffix, write_whole
 from fsi.postprocess.run.run import Run
-from fsi.reduced.identities import BOUND as REDUCED_BOUND
+from fsi.reduced.system import BOUND as REDUCED_BOUND
 from fsi.run_folder.folder import CASE
 
 _ROWS = 15  # of the table of steps

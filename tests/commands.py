@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from unittest import mock
 
-from fsi.cli import main
+from fsi.cli.main import main
 
 
 def fsi_command(*arguments: object) -> int:

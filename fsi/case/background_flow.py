@@ -21,9 +21,7 @@ def background(container: Container, walls: Mapping[str, WallVelocity]) -> tuple
     It is the mean flow of a cell, uniform where all walls move alike, the shear flow that is given at a wall,
     or of a box the linear flow between two opposite walls that move along themselves, wherever the sides are;
     with one of the two open it is uniform. Walls that move along their normals squeeze and drive no flow.
-
-    Raises:
-        InputError: the walls drive another flow.
+    Raises InputError: the walls drive another flow.
     """
     d = container.dimension
     if not container.walls:

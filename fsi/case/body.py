@@ -9,12 +9,21 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
-from fsi.case.section import Section, explain, require_components, told, tuples
+from fsi.case.section import (
+    Name,
+    NotNegative,
+    Positive,
+    Section,
+    all_components,
+    explain,
+    require_components,
+    told,
+    tuples,
+)
 from fsi.case.series import Angle, Component, Series, Spin, Torque
 from fsi.errors import InputError
 
 FREE: Literal["free"] = "free"
-NAME = r"^\w[\w -]*$"
 _LOAD = "a number or a table {times = [...], values = [...]}"
 _MOTION = f'"free", {_LOAD}'
 
@@ -25,14 +34,14 @@ class Body(Section):
     In space what turns (angle, angular_velocity, torque) is a vector of three.
     """
 
-    name: str = Field(pattern=NAME, description="a name of letters, digits, blanks, - and _")
-    radius: float = Field(gt=0.0, description="the radius, a number > 0")
-    position: tuple[float, ...] = Field(
-        description="the centre [x, y] (in space [x, y, z]) at time 0, finite numbers"
-    )
-    angle: Angle = Field(
-        description="the angle at time 0 in radians (in space a rotation vector), 0 if not given"
-    )
+    name: Name
+    """a name of letters, digits, blanks, - and _"""
+    radius: Positive
+    """the radius, a number > 0"""
+    position: tuple[float, ...]
+    """the centre [x, y] (in space [x, y, z]) at time 0, finite numbers"""
+    angle: Angle
+    """the angle at time 0 in radians (in space a rotation vector), 0 if not given"""
     velocity: tuple[Component, ...] = Field(
         description=f"the prescribed velocity, two components (in space three), each {_MOTION}; free if not "
         f"given"
@@ -40,29 +49,18 @@ class Body(Section):
     angular_velocity: Spin = Field(
         description=f"the prescribed angular velocity, (in space three times) {_MOTION}; free if not given"
     )
-    initial_velocity: tuple[float, ...] | None = Field(
-        default=None,
-        description="the velocity at time 0 of a body with a mass, two numbers (in space three); at rest if "
-        "not "
-        "given",
-    )
-    initial_angular_velocity: Angle | None = Field(
-        default=None,
-        description="the angular velocity at time 0 of a body with a mass, a number (in space three); 0 if "
-        "not given",
-    )
+    initial_velocity: tuple[float, ...] | None = None
+    """the velocity at time 0 of a body with a mass, two numbers (in space three); at rest if not given"""
+    initial_angular_velocity: Angle | None = None
+    """the angular velocity at time 0 of a body with a mass, a number (in space three); 0 if not given"""
     force: tuple[Series, ...] = Field(
         description=f"the external force, two components (in space three), each {_LOAD}; 0 if not given"
     )
     torque: Torque = Field(description=f"the external torque, (in space three times) {_LOAD}; 0 if not given")
-    mass: float | None = Field(
-        default=None, gt=0.0, description="the mass (in the plane per unit length), a number > 0, or none"
-    )
-    moment_of_inertia: float | None = Field(
-        default=None,
-        gt=0.0,
-        description="the moment of inertia (in the plane per unit length), a number > 0, or none",
-    )
+    mass: Positive | None = None
+    """the mass (in the plane per unit length), a number > 0, or none"""
+    moment_of_inertia: Positive | None = None
+    """the moment of inertia (in the plane per unit length), a number > 0, or none"""
 
     @model_validator(mode="before")
     @classmethod
@@ -81,10 +79,7 @@ class Body(Section):
             "torque": turning(0.0),
         } | data
 
-    @field_validator("position", "velocity", "force", "initial_velocity")
-    @classmethod
-    def _all_components[T](cls, vector: tuple[T, ...] | None, info: ValidationInfo) -> tuple[T, ...] | None:
-        return None if vector is None else require_components(vector, told(info).dimension, "a vector")
+    _all_components = field_validator("position", "velocity", "force", "initial_velocity")(all_components)
 
     @field_validator("angle", "angular_velocity", "torque", "initial_angular_velocity")
     @classmethod
@@ -127,25 +122,24 @@ class Body(Section):
 class Grid(Section):
     """Rows of like bodies, a little disturbed; the case holds them one by one, named `NAME k` from 0."""
 
-    name: str = Field(pattern=NAME, description="a name of letters, digits, blanks, - and _")
-    counts: tuple[Annotated[int, Field(ge=1)], ...] = Field(
-        min_length=2, max_length=3, description="how many in each direction, at least 1"
-    )
-    lower: tuple[float, ...] = Field(description="the centre of the first, a point")
-    spacing: float = Field(gt=0.0, description="the distance between neighbours' centres, a number > 0")
-    radius: tuple[Annotated[float, Field(gt=0.0)], Annotated[float, Field(gt=0.0)]] = Field(
-        description="the smallest and the largest radius, two numbers > 0"
-    )
-    jitter: float = Field(default=0.0, ge=0.0, description="the largest disturbance of a coordinate, >= 0")
-    seed: int = Field(default=0, ge=0, description="of the random numbers, a whole number >= 0")
-    initial_velocity: tuple[float, ...] | None = Field(
-        default=None, description="their velocity at time 0, as in [[bodies]]; at rest if not given"
-    )
+    name: Name
+    """a name of letters, digits, blanks, - and _"""
+    counts: tuple[Annotated[int, Field(ge=1)], ...] = Field(min_length=2, max_length=3)
+    """how many in each direction, at least 1"""
+    lower: tuple[float, ...]
+    """the centre of the first, a point"""
+    spacing: Positive
+    """the distance between neighbours' centres, a number > 0"""
+    radius: tuple[Positive, Positive]
+    """the smallest and the largest radius, two numbers > 0"""
+    jitter: NotNegative = 0.0
+    """the largest disturbance of a coordinate, >= 0"""
+    seed: int = Field(default=0, ge=0)
+    """of the random numbers, a whole number >= 0"""
+    initial_velocity: tuple[float, ...] | None = None
+    """their velocity at time 0, as in [[bodies]]; at rest if not given"""
 
-    @field_validator("counts", "lower", "initial_velocity")
-    @classmethod
-    def _all_components[T](cls, vector: tuple[T, ...] | None, info: ValidationInfo) -> tuple[T, ...] | None:
-        return None if vector is None else require_components(vector, told(info).dimension, "a vector")
+    _all_components = field_validator("counts", "lower", "initial_velocity")(all_components)
 
     @field_validator("radius")
     @classmethod
@@ -169,11 +163,7 @@ class Grid(Section):
 
 
 def with_grids(data: Mapping[str, Any], context: object) -> dict[str, Any]:
-    """The data of a case with the members of its [[grids]] after the bodies that it lists.
-
-    Raises:
-        InputError: a grid is not sound.
-    """
+    """The data of a case with the members of its [[grids]] after its bodies. Raises InputError."""
     grids, bodies = data.get("grids", ()), data.get("bodies", ())
     if not (isinstance(grids, list | tuple) and isinstance(bodies, list | tuple)):
         return dict(data)  # the schema says what is wrong

@@ -43,12 +43,8 @@ class BodyFile:
 def with_bodies(data: Mapping[str, Any], known: Sequence[str]) -> dict[str, Any]:
     """The data of a case with the bodies of `bodies_from` after its own, all with `body_defaults` filled in.
 
-    Args:
-        data: a case as nested dictionaries; its path `bodies_from` is absolute.
-        known: the keys that a body may have.
-
-    Raises:
-        InputError: the file cannot be read, its box is not that of the domain, or a default has no meaning.
+    The path is absolute; known: the keys that a body may have. Raises InputError: the file cannot be read,
+    its box is not that of the domain, or a default has no meaning.
     """
     listed = data.get("bodies", ())
     defaults = data.get("body_defaults", {})
@@ -67,11 +63,7 @@ def with_bodies(data: Mapping[str, Any], known: Sequence[str]) -> dict[str, Any]
 
 
 def read_bodies(path: Path) -> BodyFile:
-    """The bodies of a JSON or CSV file.
-
-    Raises:
-        InputError: it cannot be read, or a column or value is missing or wrong; names the row.
-    """
+    """The bodies of a JSON or CSV file. Raises InputError, which names the row and what is wrong in it."""
     readers = {".json": _read_json, ".csv": _read_csv}
     if path.suffix not in readers:
         raise _refusal(path, f"ends in {path.suffix or 'nothing'}; give a .json or a .csv file")
@@ -115,9 +107,8 @@ def _read_json(path: Path, text: str) -> tuple[list[Any], tuple[float, ...] | No
         corners = [data.get(key) for key in ("lower", "upper")]
         return data["bodies"], _sides(*corners)
     if isinstance(data, dict) and isinstance(data.get("centers"), list):
-        rows = [
-            _centre_row(path, number, c, data.get("radius")) for number, c in enumerate(data["centers"], 1)
-        ]
+        radius = data.get("radius")
+        rows = [_centre_row(path, number, c, radius) for number, c in enumerate(data["centers"], 1)]
         return rows, _sides((0.0, 0.0), (data.get("L"), data.get("H")))
     raise _refusal(path, "no list of bodies; give an object with `bodies`, or with `centers` and `radius`")
 

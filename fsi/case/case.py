@@ -18,13 +18,11 @@ from fsi.bodies.configuration import MODES, Array, Configuration, Motion
 from fsi.bodies.forces import Bulk, external_forces, moment_of_forces
 from fsi.case.body import FREE, Body
 from fsi.case.domains import Domain
-from fsi.case.expected import Expected, Sweep
 from fsi.case.force_laws import Force
 from fsi.case.gluey import Gluey, LimitStudy
 from fsi.case.macroscopic import Macroscopic
-from fsi.case.reduced import Reduced
-from fsi.case.section import Geometry, Section, dimension_of
-from fsi.case.sections import Calibration, Discretisation, Fluid, Output, Time
+from fsi.case.section import Geometry, Section, Text, dimension_of
+from fsi.case.sections import Calibration, Discretisation, Expected, Fluid, Output, Reduced, Sweep, Time
 from fsi.case.series import kinks, value_at
 from fsi.case.walls import WallVelocity
 from fsi.errors import InputError
@@ -58,44 +56,47 @@ class Case(Section):
         "steps": "use limit.steps",
     }
 
-    name: str = Field(min_length=1, description="a few words that name the case")
-    geometry: Geometry = Field(default="planar", description='"planar", "axisymmetric" or "spatial"')
-    model: ModelName = Field(
-        default="resolved", description='"resolved", "reduced", "gluey" or "macroscopic": the level'
-    )
-    fluid: Fluid = Field(
-        default_factory=lambda: Fluid(viscosity=1.0), description="a section [fluid] with its viscosity"
-    )
-    domain: Domain = Field(description='a section [domain] of shape "box", "half-plane" or "round"')
-    bodies: tuple[Body, ...] = Field(default=(), description="one section [[bodies]] for each body")
+    name: Text
+    """a few words that name the case"""
+    geometry: Geometry = "planar"
+    '"planar", "axisymmetric" or "spatial"'
+    model: ModelName = "resolved"
+    '"resolved", "reduced", "gluey" or "macroscopic": the level'
+    fluid: Fluid = Field(default_factory=lambda: Fluid(viscosity=1.0))
+    """a section [fluid] with its viscosity"""
+    domain: Domain
+    'a section [domain] of shape "box", "half-plane" or "round"'
+    bodies: tuple[Body, ...] = ()
+    """one section [[bodies]] for each body"""
     # The next three are None in a sound case: what they give is in `bodies`, so that a case stands alone.
-    bodies_from: str | None = Field(
-        default=None,
-        description="the path of a .json or .csv file of bodies, seen from the case file's folder",
-    )
-    body_defaults: dict[str, Any] | None = Field(
-        default=None, description="a section [body_defaults] with keys of [[bodies]] for all that lack them"
-    )
-    grids: None = Field(default=None, description="one section [[grids]] for rows of like bodies")
-    forces: tuple[Force, ...] = Field(
-        default=(), description="one section [[forces]] for gravity and each law of force between bodies"
-    )
-    discretisation: Discretisation = Field(description="a section [discretisation]")
-    reduced: Reduced = Field(default_factory=Reduced, description="a section [reduced]")
-    gluey: Gluey = Field(default_factory=Gluey, description="a section [gluey]")
-    macroscopic: Macroscopic = Field(default_factory=Macroscopic, description="a section [macroscopic]")
-    limit: LimitStudy | None = Field(default=None, description="a section [limit], for `fsi limit`")
-    time: Time | None = Field(default=None, description="a section [time] with its end")
-    output: Output = Field(default_factory=Output, description="a section [output]")
-    expected: Annotated[tuple[Expected, ...], BeforeValidator(_rows)] = Field(
-        default=(), description="one section [[expected]] for each number"
-    )
-    sweep: Sweep | None = Field(
-        default=None, description="a section [sweep] with key and values, for `fsi validate`"
-    )
-    calibration: Calibration | None = Field(
-        default=None, description="a section [calibration] with pair and range, for `fsi calibrate`"
-    )
+    bodies_from: str | None = None
+    """the path of a .json or .csv file of bodies, seen from the case file's folder"""
+    body_defaults: dict[str, Any] | None = None
+    """a section [body_defaults] with keys of [[bodies]] for all that lack them"""
+    grids: None = None
+    """one section [[grids]] for rows of like bodies"""
+    forces: tuple[Force, ...] = ()
+    """one section [[forces]] for gravity and each law of force between bodies"""
+    discretisation: Discretisation
+    """a section [discretisation]"""
+    reduced: Reduced = Field(default_factory=Reduced)
+    """a section [reduced]"""
+    gluey: Gluey = Field(default_factory=Gluey)
+    """a section [gluey]"""
+    macroscopic: Macroscopic = Field(default_factory=Macroscopic)
+    """a section [macroscopic]"""
+    limit: LimitStudy | None = None
+    """a section [limit], for `fsi limit`"""
+    time: Time | None = None
+    """a section [time] with its end"""
+    output: Output = Field(default_factory=Output)
+    """a section [output]"""
+    expected: Annotated[tuple[Expected, ...], BeforeValidator(_rows)] = ()
+    """one section [[expected]] for each number"""
+    sweep: Sweep | None = None
+    """a section [sweep] with key and values, for `fsi validate`"""
+    calibration: Calibration | None = None
+    """a section [calibration] with pair and range, for `fsi calibrate`"""
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -7,12 +7,19 @@ One more shape is one more section here, a class registered with `register_domai
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, NamedTuple, Self, override
+from typing import Any, ClassVar, NamedTuple, Self, override
 
-from pydantic import BeforeValidator, Field, PrivateAttr, SerializeAsAny, ValidationInfo, field_validator
+from pydantic import Field, PrivateAttr, ValidationInfo, field_validator
 
-from fsi.case.registry import Registered, Registry
-from fsi.case.section import CaseContext, Geometry, refuse_unknown, require_components, told
+from fsi.case.section import (
+    CaseContext,
+    Geometry,
+    Registered,
+    Registry,
+    refuse_unknown,
+    require_components,
+    told,
+)
 from fsi.case.walls import Velocity, Wall
 from fsi.meshes.geometry.containers import Container
 
@@ -44,9 +51,8 @@ class Walled(Registered):
         description='for each wall its velocity [u_x, u_y] (in space [u_x, u_y, u_z]), "open", '
         "{pressure = p} or {shear = rate}",
     )
-    mesh: str | None = Field(
-        default=None, description="the path of a mesh file of this shape, seen from the case file's folder"
-    )
+    mesh: str | None = None
+    """the path of a mesh file of this shape, seen from the case file's folder"""
 
     @field_validator("walls")
     @classmethod
@@ -66,9 +72,9 @@ class Walled(Registered):
         return mesh
 
     @classmethod
-    def wall_names(cls, geometry: Geometry, known: Mapping[str, Any]) -> tuple[str, ...]:
-        """Names of the walls of this shape, by the geometry and the keys that are known before `walls`."""
-        raise NotImplementedError
+    def wall_names(cls, geometry: Geometry, known: Mapping[str, Any]) -> tuple[str, ...]:  # noqa: ARG003
+        """Names of the walls of this shape, by the geometry and the keys before `walls`; none by default."""
+        return ()
 
     @override
     def model_post_init(self, context: Any) -> None:
@@ -101,5 +107,3 @@ class Walled(Registered):
 
 
 register_domain = Walled.registry.register
-
-Domain = Annotated[SerializeAsAny[Walled], BeforeValidator(Walled.registry.validate)]

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
 from abc import abstractmethod
 from typing import Annotated, Any, ClassVar, Literal, override
 
 import numpy as np
-from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
+from pydantic import BeforeValidator, Field, SerializeAsAny, field_validator, model_validator
 
 from fsi.bodies.configuration import Array
 from fsi.bodies.forces import Bulk, ForceLaw
-from fsi.case.registry import Registered, Registry
-from fsi.case.section import toml_text
-from fsi.case.series import Increasing, Series, Table, is_zero, require_pairs, value_at
+from fsi.case.section import Positive, Registered, Registry, toml_text
+from fsi.case.series import Series, Table, is_zero, value_at
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Container
 
@@ -20,7 +20,7 @@ _KINDS = '"gravity", "attraction" or "repulsion"'
 
 
 class ForceSection(Registered, ForceLaw):
-    """What acts on bodies besides the fluid. One more law is one more class here, registered."""
+    """What acts on bodies besides the fluid. One more law is a class here, under `@register_force`."""
 
     registry: ClassVar[Registry[Any]] = Registry("law")
 
@@ -38,13 +38,7 @@ class ForceSection(Registered, ForceLaw):
         return force
 
     def require_fit(self, key: str, container: Container, *, heavy: bool) -> None:
-        """Raise InputError, which calls the law `key`, where it makes no sense.
-
-        Args:
-            key: of this law.
-            container: what encloses the bodies.
-            heavy: whether a body has a mass.
-        """
+        """Raise InputError, which calls the law `key`, where it makes no sense; heavy: a body has a mass."""
 
 
 register_force = ForceSection.registry.register
@@ -58,13 +52,10 @@ class Gravity(ForceSection):
     """
 
     kind: Literal["gravity"] = Field(description=_KINDS)
-    acceleration: tuple[Series, ...] = Field(
-        description="the acceleration g, [g_x, g_y] or [g_x, g_y, g_z], each a number or a table in time"
-    )
-    density_difference: float | None = Field(
-        default=None,
-        description="the density of bodies less that of the fluid; their masses act if not given",
-    )
+    acceleration: tuple[Series, ...]
+    """the acceleration g, [g_x, g_y] or [g_x, g_y, g_z], each a number or a table in time"""
+    density_difference: float | None = None
+    """the density of bodies less that of the fluid; their masses act if not given"""
 
     @override
     def weight(self, bulk: Bulk) -> tuple[Array, tuple[float | Table, ...]]:
@@ -85,10 +76,12 @@ class Gravity(ForceSection):
 class BetweenSurfaces(ForceSection):
     """A force along the line of centres, on each of two bodies, that depends on their gap d."""
 
-    reach_key: ClassVar[str] = "cutoff"
+    reach_key: ClassVar[str]  # which says where the force ends
+
     kind: Literal["attraction", "repulsion"] = Field(description=_KINDS)
     law: str
-    walls: bool = Field(default=False, description="true for the same force between bodies and walls")
+    walls: bool = False
+    """true for the same force between bodies and walls"""
 
     @property
     @override
@@ -124,12 +117,13 @@ class BetweenSurfaces(ForceSection):
 class _CutOff(BetweenSurfaces):
     """A force that would never end."""
 
-    cutoff: float = Field(gt=0.0, description="the gap beyond which there is no force, a number > 0")
+    reach_key: ClassVar[str] = "cutoff"
+    cutoff: Positive
+    """the gap beyond which there is no force, a number > 0"""
 
     @property
     @override
     def reach(self) -> float:
-        """The cut-off."""
         return self.cutoff
 
 
@@ -138,12 +132,13 @@ class Exponential(_CutOff):
     """|F| = strength exp(-d / length), a screened force."""
 
     law: Literal["exponential"]
-    strength: float = Field(gt=0.0, description="the force at contact, a number > 0")
-    length: float = Field(gt=0.0, description="the gap over which the force falls by e, a number > 0")
+    strength: Positive
+    """the force at contact, a number > 0"""
+    length: Positive
+    """the gap over which the force falls by e, a number > 0"""
 
     @override
     def strength_at(self, d: Array) -> Array:
-        """Strength exp(-d / length)."""
         return self.strength * np.exp(-d / self.length)
 
 
@@ -152,13 +147,15 @@ class Power(_CutOff):
     """|F| = strength (length / d)^exponent."""
 
     law: Literal["power"]
-    strength: float = Field(gt=0.0, description="the force at the gap `length`, a number > 0")
-    length: float = Field(gt=0.0, description="the gap at which the force is `strength`, a number > 0")
-    exponent: float = Field(gt=0.0, description="the power of 1/d with which the force falls, a number > 0")
+    strength: Positive
+    """the force at the gap `length`, a number > 0"""
+    length: Positive
+    """the gap at which the force is `strength`, a number > 0"""
+    exponent: Positive
+    """the power of 1/d with which the force falls, a number > 0"""
 
     @override
     def strength_at(self, d: Array) -> Array:
-        """Strength (length / d)^exponent."""
         power: Array = self.strength * (self.length / d) ** self.exponent
         return power
 
@@ -169,14 +166,23 @@ class Tabulated(BetweenSurfaces):
 
     reach_key: ClassVar[str] = "gaps"
     law: Literal["table"]
-    gaps: Increasing = Field(min_length=1, description="gaps, increasing")
-    values: tuple[float, ...] = Field(
-        description="one force for each gap; negative ones turn the force round"
-    )
+    gaps: tuple[float, ...] = Field(min_length=1)
+    """gaps, increasing"""
+    values: tuple[float, ...]
+    """one force for each gap; negative ones turn the force round"""
+
+    @field_validator("gaps")
+    @classmethod
+    def _increasing(cls, gaps: tuple[float, ...]) -> tuple[float, ...]:
+        for before, after in itertools.pairwise(gaps):
+            if not before < after:
+                raise ValueError(f"must increase, but {after!r} follows {before!r}")
+        return gaps
 
     @model_validator(mode="after")
     def _paired(self) -> Tabulated:
-        require_pairs(gaps=self.gaps, values=self.values)
+        if len(self.gaps) != len(self.values):
+            raise ValueError(f"has {len(self.gaps)} gaps but {len(self.values)} values")
         return self
 
     @property
@@ -187,7 +193,6 @@ class Tabulated(BetweenSurfaces):
 
     @override
     def strength_at(self, d: Array) -> Array:
-        """Linear interpolation."""
         return np.interp(d, self.gaps, self.values)
 
 

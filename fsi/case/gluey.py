@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
-from fsi.case.body import NAME
-from fsi.case.section import Section, require_components, told
+from fsi.case.section import Name, NotNegative, Positive, Section, all_components
 
 type Variant = Literal["shifted", "cone", "film"]
 
@@ -19,19 +18,14 @@ class ContactLaw:
     """What happens between two surfaces that touch.
 
     Attributes:
-        variant: "shifted", in which release costs no step, or "cone", the set C_q of the slides; "film" is
-        the
-            model before the limit, with a viscosity.
-        gamma_min: the memory at which roughness stops the film from draining, `eps ln(delta/delta0)`, <= 0,
-        or
-            -inf for smooth bodies; at it the contact is solid.
+        variant: "shifted": release costs no step; "cone": the slides' set C_q; "film": before the limit.
+        gamma_min: the memory, <= 0, at which roughness makes contact solid, `eps ln(delta/delta0)`; or -inf.
         friction: Coulomb's coefficient mu_f at solid contact, >= 0.
-        tangential: c in the viscous force `-c |gamma| slip / a` with `a = a_i a_j/(a_i + a_j)`, >= 0: the
-        film
-            gives gamma resists slip as well, and both resistances grow as ln D. Two equal spheres have c =
-            1/3.
+        tangential: c >= 0 in the viscous force `-c |gamma| slip / a`, `a = a_i a_j/(a_i + a_j)`.
         eps: of films, `gamma = eps Psi'(D)` below the gap delta0 (`fsi.gluey.film`), > 0 for "film".
         delta0: that gap, > 0 for "film".
+
+    The film that gives gamma resists slip as well: both resistances grow as ln D, c = 1/3 of equal spheres.
     """
 
     variant: Variant = "shifted"
@@ -45,14 +39,14 @@ class ContactLaw:
 class PlaneWall(Section):
     """A plane wall besides those of the domain."""
 
-    name: str = Field(pattern=NAME, description="a name of letters, digits, blanks, - and _")
-    point: tuple[float, ...] = Field(description="a point of the wall")
-    normal: tuple[float, ...] = Field(description="its normal, into the room, not zero")
+    name: Name
+    """a name of letters, digits, blanks, - and _"""
+    point: tuple[float, ...]
+    """a point of the wall"""
+    normal: tuple[float, ...]
+    """its normal, into the room, not zero"""
 
-    @field_validator("point", "normal")
-    @classmethod
-    def _all_components(cls, vector: tuple[float, ...], info: ValidationInfo) -> tuple[float, ...]:
-        return require_components(vector, told(info).dimension, "a vector")
+    _all_components = field_validator("point", "normal")(all_components)
 
     @field_validator("normal")
     @classmethod
@@ -65,33 +59,24 @@ class PlaneWall(Section):
 class Gluey(Section):
     """The limit of vanishing viscosity: what happens where surfaces touch."""
 
-    variant: Variant = Field(
-        default="shifted", description='"shifted" or "cone" (gluey), or "film": viscosity eps > 0'
-    )
-    gamma_min: float | None = Field(
-        default=None, le=0.0, description="the memory at which contact is solid, <= 0 (none if not given)"
-    )
-    eps: float | None = Field(
-        default=None,
-        gt=0.0,
-        description="the viscosity's coefficient in gamma = eps ln(gap/reference_gap), > 0",
-    )
-    reference_gap: float | None = Field(default=None, gt=0.0, description="the gap at which gamma is 0, > 0")
-    roughness: float | None = Field(
-        default=None, gt=0.0, description="the gap at which contact is solid, > 0, with eps and reference_gap"
-    )
-    friction: float = Field(default=0.0, ge=0.0, description="Coulomb's coefficient at solid contact, >= 0")
-    tangential: float = Field(
-        default=0.0,
-        ge=0.0,
-        description="the viscous slip resistance over |gamma|/a, >= 0; 1/3 for equal spheres",
-    )
-    density: float = Field(
-        default=1.0, gt=0.0, description="the density of the bodies to which no mass is given, a number > 0"
-    )
-    walls: tuple[PlaneWall, ...] = Field(
-        default=(), description="one section [[gluey.walls]] for each plane besides the walls of the domain"
-    )
+    variant: Variant = "shifted"
+    '"shifted" or "cone" (gluey), or "film": viscosity eps > 0'
+    gamma_min: float | None = Field(default=None, le=0.0)
+    """the memory at which contact is solid, <= 0 (none if not given)"""
+    eps: Positive | None = None
+    """the viscosity's coefficient in gamma = eps ln(gap/reference_gap), > 0"""
+    reference_gap: Positive | None = None
+    """the gap at which gamma is 0, > 0"""
+    roughness: Positive | None = None
+    """the gap at which contact is solid, > 0, with eps and reference_gap"""
+    friction: NotNegative = 0.0
+    """Coulomb's coefficient at solid contact, >= 0"""
+    tangential: NotNegative = 0.0
+    """the viscous slip resistance over |gamma|/a, >= 0; 1/3 for equal spheres"""
+    density: Positive = 1.0
+    """the density of the bodies to which no mass is given, a number > 0"""
+    walls: tuple[PlaneWall, ...] = ()
+    """one section [[gluey.walls]] for each plane besides the walls of the domain"""
 
     @model_validator(mode="after")
     def _whole(self) -> Gluey:
@@ -130,9 +115,7 @@ class Gluey(Section):
 class LimitStudy(Section):
     """For `fsi limit`: the viscosities that go to zero, and the numbers of steps of the slides' scheme."""
 
-    eps: tuple[Annotated[float, Field(gt=0.0)], ...] = Field(
-        default=(1e-1, 1e-2, 1e-4, 1e-6, 1e-8), min_length=1, description="viscosities, numbers > 0"
-    )
-    steps: tuple[Annotated[int, Field(ge=1)], ...] = Field(
-        default=(100, 200, 400, 800), min_length=1, description="numbers of steps of the scheme, at least 1"
-    )
+    eps: tuple[Positive, ...] = Field(default=(1e-1, 1e-2, 1e-4, 1e-6, 1e-8), min_length=1)
+    """viscosities, numbers > 0"""
+    steps: tuple[Annotated[int, Field(ge=1)], ...] = Field(default=(100, 200, 400, 800), min_length=1)
+    """numbers of steps of the scheme, at least 1"""

@@ -19,7 +19,6 @@ name (`fsi.lubrication.named_laws`): "exact", "leading", or "slides", which is v
 
 from __future__ import annotations
 
-import tomllib
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -30,7 +29,7 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from fsi.bodies.configuration import Array
-from fsi.case.section import Section, explain, tuples
+from fsi.case.section import Positive, Section, explain, toml_data, tuples
 from fsi.errors import InputError
 from fsi.files import replace
 from fsi.lubrication.expansions import EXPONENTS, Mode, Shape
@@ -45,12 +44,14 @@ _SAMPLED = ("series", "table")
 class SeriesSection(Section):
     """c_k and phi_k."""
 
-    powers: tuple[float, ...] = Field(min_length=1, description="the power of s of each term")
-    logs: tuple[bool, ...] = Field(description="for each term whether it has the factor ln(1/s)")
-    coefficients: tuple[float, ...] = Field(description="one number for each term")
-    covariance: tuple[tuple[float, ...], ...] = Field(
-        description="the covariance of the coefficients, a square"
-    )
+    powers: tuple[float, ...] = Field(min_length=1)
+    """the power of s of each term"""
+    logs: tuple[bool, ...]
+    """for each term whether it has the factor ln(1/s)"""
+    coefficients: tuple[float, ...]
+    """one number for each term"""
+    covariance: tuple[tuple[float, ...], ...]
+    """the covariance of the coefficients, a square"""
 
     @model_validator(mode="after")
     def _matching(self) -> SeriesSection:
@@ -75,8 +76,10 @@ class SeriesSection(Section):
 class TableSection(Section):
     """Points of K(s)."""
 
-    s: tuple[float, ...] = Field(min_length=2, description="gaps over the reduced radius, increasing, > 0")
-    K: tuple[float, ...] = Field(description="one resistance > 0 for each gap, decreasing")
+    s: tuple[float, ...] = Field(min_length=2)
+    """gaps over the reduced radius, increasing, > 0"""
+    K: tuple[float, ...]
+    """one resistance > 0 for each gap, decreasing"""
 
     @model_validator(mode="after")
     def _monotone(self) -> TableSection:
@@ -100,16 +103,22 @@ class LawFile(Section):
     """What a law file holds."""
 
     form: str = Field(description=f'"series", "table" or a name: {names_of_laws()}')
-    shape: Shape = Field(default="spheres", description='"spheres" or "discs"')
-    mode: Mode = Field(default="squeeze", description='"squeeze", "shear" or "rotation"')
-    ratio: float | None = Field(default=None, gt=0.0, description="b/a of the pair, or none beside a plane")
-    viscosity: float = Field(gt=0.0, description="the viscosity mu, a number > 0")
-    range: tuple[float, float] | None = Field(
-        default=None, description="the smallest and largest d/a_r for which it holds"
-    )
-    series: SeriesSection | None = Field(default=None, description="a section [series]")
-    table: TableSection | None = Field(default=None, description="a section [table]")
-    source: dict[str, Any] = Field(default={}, description="a section [source]")
+    shape: Shape = "spheres"
+    '"spheres" or "discs"'
+    mode: Mode = "squeeze"
+    '"squeeze", "shear" or "rotation"'
+    ratio: Positive | None = None
+    """b/a of the pair, or none beside a plane"""
+    viscosity: Positive
+    """the viscosity mu, a number > 0"""
+    range: tuple[float, float] | None = None
+    """the smallest and largest d/a_r for which it holds"""
+    series: SeriesSection | None = None
+    """a section [series]"""
+    table: TableSection | None = None
+    """a section [table]"""
+    source: dict[str, Any] = Field(default={})
+    """a section [source]"""
 
     @field_validator("form")
     @classmethod
@@ -130,12 +139,7 @@ class LawFile(Section):
         return self
 
     def law(self, *, viscosity: float | None = None, extrapolate: bool = False) -> LubricationLaw:
-        """The law, which is linear in mu: at this viscosity, or at its own.
-
-        Args:
-            viscosity: mu of the fluid.
-            extrapolate: whether gaps outside its range are allowed.
-        """
+        """The law, linear in mu: at this viscosity, or its own; `extrapolate` beyond the range of gaps."""
         mu = self.viscosity if viscosity is None else viscosity
         if self.form in LAWS:
             return LAWS[self.form].of(SqueezeFilm(self.shape, mu, self.ratio or inf, extrapolate))
@@ -163,12 +167,7 @@ class LawFile(Section):
 
 def read_law_file(path: Path) -> LawFile:
     """The content of a law file. Raises InputError, one line with key, value and remedy."""
-    try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not TOML: {error}; correct the file there") from None
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror or error}; give the path of a law file") from None
+    data = toml_data(path, "a law file")
     try:
         return LawFile.model_validate(tuples(data))
     except ValidationError as error:

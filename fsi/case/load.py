@@ -6,6 +6,7 @@ the key, its value and the remedy.
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -17,20 +18,14 @@ from fsi.case.body import Body, with_grids
 from fsi.case.body_file import with_bodies
 from fsi.case.case import MODELS, Case
 from fsi.case.checks.sound import check_case
-from fsi.case.overrides import override
-from fsi.case.section import CaseContext, Geometry, explain, toml_text, tuples
+from fsi.case.section import CaseContext, Geometry, explain, toml_data, toml_text, tuples
 from fsi.errors import InputError
 
 
 def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
-    """Read a case file.
+    """Read a case file; overrides are `key=value`, a dotted key (`bodies.0.radius=2`) and TOML, in order.
 
-    Args:
-        path: the TOML file.
-        overrides: `key=value` with a dotted key (`bodies.0.radius=2`) and a TOML value, applied in order.
-
-    Raises:
-        InputError: the file cannot be read or the case is not sound; nothing has been written.
+    Raises InputError: the file cannot be read or the case is not sound; nothing has been written.
     """
     path = Path(path)
     data = read_toml(path)
@@ -64,14 +59,7 @@ def parse_case(data: Mapping[str, Any]) -> Case:
 
 def read_toml(path: Path) -> dict[str, Any]:
     """The data of a case file. Raises InputError."""
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not TOML: {error}; correct the file there") from None
-    except OSError as error:
-        raise InputError(
-            f"{path}: {error.strerror or error}; give the path of a case file, `fsi cases` writes some"
-        ) from None
+    return toml_data(path, "a case file, `fsi cases` writes some")
 
 
 def _check_model(path: Path, model: Any) -> None:
@@ -95,3 +83,53 @@ def _resolve(section: Any, keys: Sequence[str], folder: Path) -> None:
         value = section.get(key)
         if isinstance(value, str) and (key == "mesh" or Path(value).suffix):
             section[key] = str((folder / value).resolve())
+
+
+_REMEDY = "write key=value, for instance --set discretisation.degree=2"
+
+_QUOTED = 'domain.mesh="mine.msh"'
+
+
+def override(data: dict[str, Any], text: str) -> None:
+    """Set one value in the nested data of a case file, in place; if the key is known is checked later.
+
+    text: `key=value`; the key is dotted, bodies count from 0 (`bodies.0.radius`); the value is TOML, where a
+    single word needs no quotes. Raises InputError: no `=`, no TOML, or a key that leads through no section.
+    """
+    key, separator, value = (part.strip() for part in text.partition("="))
+    if not (key and separator):
+        raise InputError(f"--set {text}: no key=value; {_REMEDY}")
+    *path, last = key.split(".")
+    here: Any = data
+    for depth, part in enumerate(path):
+        here = _enter(here, part, ".".join(path[: depth + 1]), text)
+    if isinstance(here, dict):
+        here[last] = _toml_value(value, text)
+    else:
+        here[_index(here, last, key, text)] = _toml_value(value, text)
+
+
+def _enter(here: Any, part: str, key: str, text: str) -> Any:
+    """The section or list `part` of `here`; a section that is not there yet is made."""
+    inner = here.setdefault(part, {}) if isinstance(here, dict) else here[_index(here, part, key, text)]
+    if not isinstance(inner, dict | list):
+        raise InputError(f"--set {text}: {key} = {toml_text(inner)} is no section; set {key} itself")
+    return inner
+
+
+def _index(items: list[Any], part: str, key: str, text: str) -> int:
+    if part.isdecimal() and int(part) < len(items):
+        return int(part)
+    raise InputError(f"--set {text}: no {key}; the list has the entries 0 to {len(items) - 1}")
+
+
+def _toml_value(value: str, text: str) -> Any:
+    try:
+        parsed = tomllib.loads(f"value = {value}")
+    except tomllib.TOMLDecodeError:
+        if re.fullmatch(r"[A-Za-z][\w-]*", value):
+            return value
+        parsed = {}
+    if set(parsed) != {"value"}:
+        raise InputError(f"--set {text}: the value is not TOML; {_REMEDY}, or '{_QUOTED}' for other text")
+    return parsed["value"]

@@ -37,10 +37,8 @@ class SectionKeys:
 
 # Keys whose choices stand in registries, which grow by what is registered.
 _CHOICES: Mapping[str, Iterable[str]] = {
-    "time.scheme": SCHEMES,
-    "reduced.law": LAWS,
-    "reduced.wall_law": LAWS,
-}
+    "time.scheme": SCHEMES, "reduced.law": LAWS, "reduced.wall_law": LAWS,
+}  # fmt: skip
 # Where the schema has none: a grid is told apart from bodies when a case is read.
 _INSTEAD = {"grids": Grid}
 

@@ -2,19 +2,30 @@
 
 Sections are frozen pydantic models that refuse unknown keys and take no number for a word or a
 word for a number. Unions are told apart by a tag in angle brackets, so that pydantic reports the
-one alternative that was meant; the tags are dropped from the key that the user reads.
+one alternative that was meant; the tags are dropped from the key that the user reads. Sections that stand at
+one place (domains, laws of force) are told apart by a word in them: a key that allows one choice only, like
+`shape: Literal["box"]`. They are registered by a decorator, also from outside this package.
 """
 
 from __future__ import annotations
 
 import difflib
+import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, ClassVar, Literal, NamedTuple, get_args
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, get_args, get_origin, override
 
-from pydantic import BaseModel, ConfigDict, ValidationError, ValidationInfo, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, model_validator
 from pydantic_core import ErrorDetails, PydanticCustomError
 
+from fsi.errors import InputError
+
 type Geometry = Literal["planar", "axisymmetric", "spatial"]
+Positive = Annotated[float, Field(gt=0.0)]
+NotNegative = Annotated[float, Field(ge=0.0)]
+Fraction = Annotated[float, Field(gt=0.0, lt=1.0)]
+Text = Annotated[str, Field(min_length=1)]
+Name = Annotated[str, Field(pattern=r"^\w[\w -]*$")]
 
 _LONGEST_VALUE = 60
 _COMPLAINTS = {
@@ -47,7 +58,9 @@ class Section(BaseModel):
     renamed: keys of earlier versions, each with the whole key that took its place.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", strict=True, allow_inf_nan=False, use_attribute_docstrings=True
+    )
     renamed: ClassVar[Mapping[str, str]] = {}
 
     @model_validator(mode="before")
@@ -89,6 +102,11 @@ def told(info: ValidationInfo) -> CaseContext:
     return info.context if isinstance(info.context, CaseContext) else CaseContext()
 
 
+def all_components[T](vector: tuple[T, ...] | None, info: ValidationInfo) -> tuple[T, ...] | None:
+    """A validator: the vector, if given, has as many components as points of the case have coordinates."""
+    return None if vector is None else require_components(vector, told(info).dimension, "a vector")
+
+
 def refuse_unknown(key: str, known: Iterable[str]) -> None:
     """Raise pydantic's error for a key that is not among the known ones; it names the nearest."""
     known = list(known)
@@ -102,6 +120,16 @@ def nearest_word(word: str, known: Iterable[str]) -> str:
     return difflib.get_close_matches(word, list(known), n=1, cutoff=0.0)[0]
 
 
+def toml_data(path: Path, remedy: str) -> dict[str, Any]:
+    """The data of a TOML file. Raises InputError."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not TOML: {error}; correct the file there") from None
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror or error}; give the path of {remedy}") from None
+
+
 def tuples(value: Any) -> Any:
     """The same data with tuples for lists, as frozen sections want it."""
     match value:
@@ -111,6 +139,11 @@ def tuples(value: Any) -> Any:
             return tuple(map(tuples, value))
         case _:
             return value
+
+
+def refusal(key: str, value: object, what: str) -> InputError:
+    """`key = value: what is wrong; what to do`."""
+    return InputError(f"{key} = {toml_text(value)}: {what}")
 
 
 def toml_text(value: object) -> str:
@@ -197,3 +230,70 @@ def sections_in(annotation: Any) -> Iterable[type[Section]]:
         yield from annotation.alternatives()
     for inner in get_args(annotation):
         yield from sections_in(inner)
+
+
+class Registry[S: Section]:
+    """The sections of one place, in the order of registration.
+
+    Attributes:
+        key: whose words messages list.
+        sections: the classes.
+    """
+
+    def __init__(self, key: str) -> None:
+        self.key = key
+        self.sections: list[type[S]] = []
+
+    def register[T: Section](self, section: type[T]) -> type[T]:
+        """Take a section up; a decorator."""
+        self.sections.append(section)  # type: ignore[arg-type]
+        return section
+
+    @property
+    def choices(self) -> str:
+        """The words at the key, as messages list them: "one", "two" or "three"."""
+        words = [_words(section).get(self.key) for section in self.sections]
+        *most, last = dict.fromkeys(f'"{word}"' for word in words if word)
+        return f"{', '.join(most)} or {last}" if most else last
+
+    def section_for(self, data: Mapping[str, Any]) -> type[S]:
+        """The section whose words the data have; for misspelt or missing ones that which knows most keys.
+
+        That section then refuses the word, or the key that is not its own, by name.
+        """
+
+        def fit(section: type[S]) -> tuple[int, int]:
+            right = [data[key] == word for key, word in _words(section).items() if key in data]
+            return sum(right), sum(key in section.model_fields for key in data) - right.count(False)
+
+        return max(self.sections, key=fit)
+
+    def validate(self, value: Any, info: ValidationInfo) -> Any:
+        """The section that nested dictionaries describe; what is a section already stays."""
+        if isinstance(value, tuple(self.sections)):
+            return value
+        section = self.section_for(value) if isinstance(value, dict) else self.sections[0]
+        return section.model_validate(value, context=info.context)
+
+
+class Registered(Section):
+    """The base of the sections of one registry."""
+
+    registry: ClassVar[Registry[Any]]
+
+    @classmethod
+    @override
+    def alternatives(cls) -> Sequence[type[Section]]:
+        return cls.registry.sections
+
+    @classmethod
+    @override
+    def describe(cls, key: str) -> str | None:
+        return cls.registry.choices if key == cls.registry.key else super().describe(key)
+
+
+def _words(section: type[Section]) -> dict[str, str]:
+    """The keys of a section that allow one choice only, and that."""
+    fields = {key: field.annotation for key, field in section.model_fields.items()}
+    choices = {key: get_args(kind) for key, kind in fields.items() if get_origin(kind) is Literal}
+    return {key: words[0] for key, words in choices.items() if len(words) == 1}

@@ -1,4 +1,4 @@
-"""The sections of a case file below the top: fluid, discretisation, time, output, calibration."""
+"""The sections of a case file below the top, but for domain, bodies, forces and the models without fluid."""
 
 from __future__ import annotations
 
@@ -6,13 +6,16 @@ from typing import Any, Literal, NamedTuple
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from fsi.case.section import CaseContext, Section, told
+from fsi.case.section import CaseContext, Fraction, NotNegative, Positive, Section, Text, nearest_word, told
+from fsi.lubrication.exact_results import EXACT
+from fsi.lubrication.named_laws import names_of_laws
 
 
 class Fluid(Section):
     """The fluid."""
 
-    viscosity: float = Field(gt=0.0, description="the dynamic viscosity mu, a number > 0")
+    viscosity: Positive
+    """the dynamic viscosity mu, a number > 0"""
 
 
 class _Sizes(NamedTuple):
@@ -37,29 +40,22 @@ def _sizes(case: CaseContext) -> _Sizes:
 class Discretisation(Section):
     """The mesh and the finite elements; with many bodies and in space, a coarser mesh by default."""
 
-    degree: int = Field(default=3, ge=2, le=4, description="the degree of the velocity, 2, 3 or 4")
-    cells_per_gap: float = Field(
-        gt=0.0, description="the number of cells across a gap of 0.012 radii, a number > 0"
-    )
-    cells_per_circle: int = Field(ge=6, description="the number of cells around a lone body, at least 6")
-    growth: float = Field(
-        gt=0.0, le=1.0, description="the cell size over the distance to the nearest body, in (0, 1]"
-    )
-    interior: Literal["graded", "sparse"] = Field(
-        default="graded", description='"graded" or, in the plane, "sparse"'
-    )
-    tolerance: float | None = Field(
-        default=None,
-        gt=0.0,
-        lt=1.0,
-        description="the estimated relative error below which the mesh is refined, in (0, 1), or none",
-    )
-    formulation: Literal["eliminated", "multiplier"] = Field(
-        default="eliminated", description='"eliminated" or "multiplier"'
-    )
-    solver: Literal["automatic", "direct", "iterative"] = Field(
-        default="automatic", description='"automatic", "direct" or, in space, "iterative"'
-    )
+    degree: int = Field(default=3, ge=2, le=4)
+    """the degree of the velocity, 2, 3 or 4"""
+    cells_per_gap: Positive
+    """the number of cells across a gap of 0.012 radii, a number > 0"""
+    cells_per_circle: int = Field(ge=6)
+    """the number of cells around a lone body, at least 6"""
+    growth: float = Field(gt=0.0, le=1.0)
+    """the cell size over the distance to the nearest body, in (0, 1]"""
+    interior: Literal["graded", "sparse"] = "graded"
+    '"graded" or, in the plane, "sparse"'
+    tolerance: Fraction | None = None
+    """the estimated relative error below which the mesh is refined, in (0, 1), or none"""
+    formulation: Literal["eliminated", "multiplier"] = "eliminated"
+    '"eliminated" or "multiplier"'
+    solver: Literal["automatic", "direct", "iterative"] = "automatic"
+    '"automatic", "direct" or, in space, "iterative"'
 
     @model_validator(mode="before")
     @classmethod
@@ -70,65 +66,53 @@ class Discretisation(Section):
 class Time(Section):
     """How the motion is stepped."""
 
-    end: float = Field(gt=0.0, description="the time at which the run ends, a number > 0")
-    scheme: str | None = Field(
+    end: Positive
+    """the time at which the run ends, a number > 0"""
+    scheme: Text | None = None
+    """the name of a time scheme; one that suits model and masses if not given"""
+    step: Positive | None = Field(
         default=None,
-        min_length=1,
-        description="the name of a time scheme; one that suits model and masses if not given",
-    )
-    step: float | None = Field(
-        default=None,
-        gt=0.0,
         description="the length of a step, a number > 0, for models and schemes that do not choose their "
-        "own: "
-        'gluey, macroscopic, "distance", "backward-euler"',
+        'own: gluey, macroscopic, "distance", "backward-euler"',
     )
-    first_step: float | None = Field(default=None, gt=0.0, description="the first step to try, a number > 0")
-    smallest_step: float = Field(
-        default_factory=lambda known: 1e-9 * known.get("end", 1.0),
-        gt=0.0,
-        description="the step below which the run stops, a number > 0 (1e-9 of `end` if not given)",
-    )
-    tolerance: float = Field(
-        default=1e-4, gt=0.0, lt=1.0, description="the error of a step over the gap, in (0, 1)"
-    )
-    gap_loss: float = Field(
-        default=0.2, gt=0.0, lt=1.0, description="the part of a gap that a step may close, in (0, 1)"
-    )
-    remesh: Literal["always", "when-needed"] = Field(
-        default="always", description='"always" or "when-needed"'
-    )
+    first_step: Positive | None = None
+    """the first step to try, a number > 0"""
+    smallest_step: Positive = Field(default_factory=lambda known: 1e-9 * known.get("end", 1.0))
+    """the step below which the run stops, a number > 0 (1e-9 of `end` if not given)"""
+    tolerance: Fraction = 1e-4
+    """the error of a step over the gap, in (0, 1)"""
+    gap_loss: Fraction = 0.2
+    """the part of a gap that a step may close, in (0, 1)"""
+    remesh: Literal["always", "when-needed"] = "always"
+    '"always" or "when-needed"'
 
 
 class Output(Section):
     """What a run writes."""
 
-    interval: float | None = Field(
-        default=None, gt=0.0, description="the time between field files, a number > 0"
-    )
-    fields: bool = Field(default=True, description="true to write field files, false for tables only")
-    error_estimates: bool = Field(
-        default=False, description="true to estimate the discretisation error of each step, false not to"
-    )
+    interval: Positive | None = None
+    """the time between field files, a number > 0"""
+    fields: bool = True
+    """true to write field files, false for tables only"""
+    error_estimates: bool = False
+    """true to estimate the discretisation error of each step, false not to"""
 
 
 class Calibration(Section):
     """For `fsi calibrate`: which resistance is sampled, at which gaps, and what becomes of it."""
 
-    pair: tuple[str, str] = Field(
-        description='two names, ["ball", "plane"]: a body, and a body or plane wall'
-    )
-    mode: Literal["squeeze", "shear", "rotation"] = Field(
-        default="squeeze", description='"squeeze", or beside a wall also "shear" or "rotation"'
-    )
-    range: tuple[float, float] = Field(description="the smallest and the largest gap, increasing numbers > 0")
-    samples: int = Field(
-        default=20, ge=6, description="the number of gaps in the range, at least 6, equal in the logarithm"
-    )
-    held_out: int = Field(
-        default=4, ge=0, description="the number of gaps between these that test the law, at least 0"
-    )
-    form: Literal["series", "table"] = Field(default="series", description='"series" or "table"')
+    pair: tuple[str, str]
+    """two names, ["ball", "plane"]: a body, and a body or plane wall"""
+    mode: Literal["squeeze", "shear", "rotation"] = "squeeze"
+    '"squeeze", or beside a wall also "shear" or "rotation"'
+    range: tuple[float, float]
+    """the smallest and the largest gap, increasing numbers > 0"""
+    samples: int = Field(default=20, ge=6)
+    """the number of gaps in the range, at least 6, equal in the logarithm"""
+    held_out: int = Field(default=4, ge=0)
+    """the number of gaps between these that test the law, at least 0"""
+    form: Literal["series", "table"] = "series"
+    '"series" or "table"'
 
     @field_validator("range")
     @classmethod
@@ -142,3 +126,77 @@ class Calibration(Section):
         if self.held_out >= self.samples:
             raise ValueError(f"has {self.samples} samples and as many between them at most one fewer")
         return self
+
+
+class Reduced(Section):
+    """The reduced model: which laws, which drag."""
+
+    renamed = {"scheme": "use time.scheme", "step": "use time.step"}  # noqa: RUF012
+
+    law: Text = Field(
+        default="exact", description=f"the law of the gaps: {names_of_laws()} or the path of a law file"
+    )
+    wall_law: Text | None = None
+    """the law of the gaps to walls, as `law`; the same if not given"""
+    drag: NotNegative | None = None
+    """the drag of a lone disc over mu V, of a sphere over mu a V (6 pi if not given), >= 0"""
+    cutoff: Positive | None = None
+    """the gap beyond which bodies do not feel each other, a length > 0, or none"""
+    extrapolate: bool = False
+    """true to use a law file outside the range of its gaps, false to stop there"""
+
+
+APPARENT_VISCOSITY = "apparent viscosity"
+DISSIPATION = "dissipation"
+TIME_AT_GAP = "time at gap "
+_COMPONENT = r"(velocity|force|position|angular_velocity|torque)\.[xyrz]|angular_velocity|torque"
+_QUANTITY = rf"^({DISSIPATION}|{APPARENT_VISCOSITY}|{TIME_AT_GAP}[\d.e-]+|[\w -]+\.({_COMPONENT}))$"
+
+
+def gap_of(quantity: str) -> float:
+    """The gap in `time at gap 0.1`."""
+    return float(quantity.removeprefix(TIME_AT_GAP))
+
+
+class Expected(Section):
+    """A number that the case must give: a value, or the name of an entry of `fsi.lubrication.exact_results`.
+
+    quantity: `dissipation`, `apparent viscosity`, or of a body `disc.velocity.x`, `disc.force.y` (by the
+    fluid on the body), `disc.angular_velocity`, `disc.torque`, at the end of a run `disc.position.y`; for a
+    run also `time at gap 0.1`, the first time at which the smallest gap is 0.1.
+    """
+
+    quantity: str = Field(
+        pattern=_QUANTITY,
+        description='"dissipation", "apparent viscosity", "BODY.force.x" (velocity, position; y), '
+        '"BODY.torque", "time at gap 0.1"',
+    )
+    value: float | None = None
+    """the expected number, or give `exact`"""
+    exact: str | None = Field(default=None, description=f"one of {', '.join(EXACT)}, or give `value`")
+    rtol: Positive
+    """the relative tolerance, a number > 0"""
+    source: Text
+    """where the number comes from"""
+
+    @field_validator("exact")
+    @classmethod
+    def _known(cls, exact: str | None) -> str | None:
+        if exact is not None and exact not in EXACT:
+            raise ValueError(f"no such exact result; the nearest is {nearest_word(exact, EXACT)!r}")
+        return exact
+
+    @model_validator(mode="after")
+    def _one_of_them(self) -> Expected:
+        if (self.value is None) == (self.exact is None):
+            raise ValueError("needs either a value or the name of an exact result")
+        return self
+
+
+class Sweep(Section):
+    """For `fsi validate`: the same case with one number changed, for each of several values."""
+
+    key: str = Field(pattern=r"^[\w.-]+$")
+    'the dotted key of a number, like "bodies.0.position.1"'
+    values: tuple[float, ...] = Field(min_length=1)
+    """the values of that key, at least one"""

@@ -36,10 +36,10 @@ class Table(Section):
     macroscopic); the others want a steep ramp.
     """
 
-    times: tuple[float, ...] = Field(
-        min_length=1, description="the times of the table, not decreasing; a time given twice is a jump"
-    )
-    values: tuple[float, ...] = Field(description="one value for each time of the table")
+    times: tuple[float, ...] = Field(min_length=1)
+    """the times of the table, not decreasing; a time given twice is a jump"""
+    values: tuple[float, ...]
+    """one value for each time of the table"""
 
     @field_validator("times")
     @classmethod

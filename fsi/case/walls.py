@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal, override
 
 import numpy as np
-from pydantic import ConfigDict, Discriminator, Field, RootModel, Tag
+from pydantic import ConfigDict, Discriminator, RootModel, Tag
 
 from fsi.bodies.configuration import Array
 from fsi.case.section import Section, nearest_word
@@ -101,7 +101,8 @@ class Pressure(Section, WallCondition):
     """An open wall: the traction there is `sigma n = -pressure n`."""
 
     tag: ClassVar[str] = "<pressure>"
-    pressure: float = Field(description="the pressure outside an open wall, a number")
+    pressure: float
+    """the pressure outside an open wall, a number"""
 
     @property
     @override
@@ -113,7 +114,8 @@ class Shear(Section, WallCondition):
     """A wall on which the fluid has the shear flow `u = shear y e_x`, in space `shear z e_x`."""
 
     tag: ClassVar[str] = "<shear>"
-    shear: float = Field(description="the shear rate of the flow u_x = shear y (in space shear z), a number")
+    shear: float
+    """the shear rate of the flow u_x = shear y (in space shear z), a number"""
 
     @override
     def velocity(self, t: float, dimension: int) -> WallVelocity:

@@ -1,5 +1,1 @@
-"""The command `fsi`: one module for each command, `main` runs them."""
-
-from fsi.cli.main import main
-
-__all__ = ["main"]
+"""The command `fsi`: one module for each command, `fsi.cli.main` runs them."""

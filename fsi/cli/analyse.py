@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import fsi.parallel as parallel
-from fsi.cli.arguments import AsJson, RunFolder
+from fsi.cli.arguments import AsJson, RunFolder, option
 
 if TYPE_CHECKING:
     from rich.table import Table
+
+    from fsi.postprocess.run.run import Run
 
 EXAMPLE = "Example: fsi analyse settling runs/settling_disc"
 
@@ -28,9 +30,7 @@ analyse = typer.Typer(
 @analyse.command(epilog="Example: fsi analyse chains runs/couette_N10 --step 5")
 def chains(
     folder: RunFolder,
-    step: Annotated[
-        int | None, typer.Option(help="Which step.", show_default="the one that dissipates most")
-    ] = None,
+    step: Annotated[int | None, option("Which step.", "the one that dissipates most")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Find the chains of close discs that resist at a step: what lubrication costs in them.
@@ -40,14 +40,14 @@ def chains(
     """
     from fsi.postprocess.analysis.chains import chains_data, chains_table, read_chains
     from fsi.postprocess.plots.analyses import plot_chains
-    from fsi.postprocess.run.run import open_run
 
-    def work(picture: Path) -> tuple[Table, dict[str, Any]]:
-        chains = read_chains(open_run(folder), step)
-        plot_chains(chains, picture)
-        return chains_table(chains), chains_data(chains)
-
-    _show(work, folder / "chains.png", as_json)
+    _show(
+        folder,
+        "chains.png",
+        as_json,
+        lambda run: read_chains(run, step),
+        (plot_chains, chains_table, chains_data),
+    )
 
 
 @analyse.command(epilog="Example: fsi analyse memory runs/layers")
@@ -61,14 +61,8 @@ def memory(folder: RunFolder, as_json: AsJson = False) -> None:
     """
     from fsi.postprocess.analysis.memory import memory_data, memory_table, read_memories
     from fsi.postprocess.plots.analyses import plot_memories
-    from fsi.postprocess.run.run import open_run
 
-    def work(picture: Path) -> tuple[Table, dict[str, Any]]:
-        memories = read_memories(open_run(folder))
-        plot_memories(memories, picture)
-        return memory_table(memories), memory_data(memories)
-
-    _show(work, folder / "memory.png", as_json)
+    _show(folder, "memory.png", as_json, read_memories, (plot_memories, memory_table, memory_data))
 
 
 @analyse.command(epilog=EXAMPLE)
@@ -79,25 +73,31 @@ def settling(folder: RunFolder, as_json: AsJson = False) -> None:
     """
     from fsi.postprocess.analysis.settling import read_settling, settling_data, settling_table
     from fsi.postprocess.plots.analyses import plot_settling
+
+    _show(folder, "settling.png", as_json, read_settling, (plot_settling, settling_table, settling_data))
+
+
+def _show[T](
+    folder: Path,
+    picture: str,
+    as_json: bool,
+    read: Callable[[Run], T],
+    tell: tuple[Callable[[T, Path], None], Callable[[T], Table], Callable[[T], dict[str, Any]]],
+) -> None:
+    """Draw an analysis of a run, and print its table or its data, on root; tell: plot, table, data."""
     from fsi.postprocess.run.run import open_run
-
-    def work(picture: Path) -> tuple[Table, dict[str, Any]]:
-        history = read_settling(open_run(folder))
-        plot_settling(history, picture)
-        return settling_table(history), settling_data(history)
-
-    _show(work, folder / "settling.png", as_json)
-
-
-def _show(work: Callable[[Path], tuple[Table, dict[str, Any]]], picture: Path, as_json: bool) -> None:
-    """Print the table of an analysis, or its data, on root."""
-    table, data = parallel.on_root(lambda: work(picture))
-    if not parallel.is_root():
-        return
-    if as_json:
-        typer.echo(json.dumps(data))
-        return
     from fsi.report.console import standard_output
 
-    standard_output().print(table)
-    typer.echo(f"picture: {picture}")
+    plot, table, data = tell
+
+    def work() -> T:
+        result = read(open_run(folder))
+        plot(result, folder / picture)
+        return result
+
+    result = parallel.on_root(work)
+    if parallel.is_root() and as_json:
+        typer.echo(json.dumps(data(result)))
+    elif parallel.is_root():
+        standard_output().print(table(result))
+        typer.echo(f"picture: {folder / picture}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -15,21 +15,38 @@ from fsi.errors import InputError
 if TYPE_CHECKING:  # what a command needs is imported in it: `fsi --help` must be quick
     from fsi.case.case import Case
 
+
+def option(text: str, default: str | bool = True, *names: str, **more: Any) -> Any:
+    """An option with its help; `default` says what holds if it is not given, False nothing."""
+    return typer.Option(*names, help=text, show_default=default, **more)
+
+
+def output_to(text: str, default: str | bool = True) -> Any:
+    """The option --output, a file or a folder."""
+    return option(text, default, "--output", "-o")
+
+
 CaseFile = Annotated[Path, typer.Argument(metavar="CASE", help="A case file (TOML).", show_default=False)]
 RunFolder = Annotated[
     Path, typer.Argument(metavar="RUN", help="A folder made by fsi run.", show_default=False)
 ]
 Overrides = Annotated[
     list[str] | None,
-    typer.Option(
+    option(
+        "Change a value of the case, e.g. discretisation.degree=2, bodies.0.radius=2. May be repeated.",
+        False,
         "--set",
         metavar="KEY=VALUE",
-        help="Change a value of the case, e.g. discretisation.degree=2, bodies.0.radius=2. May be repeated.",
-        show_default=False,
     ),
 ]
-Step = Annotated[int | None, typer.Option(help="Which step.", show_default="the last with fields")]
-AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+Step = Annotated[int | None, option("Which step.", "the last with fields")]
+AsJson = Annotated[bool, option("Print one JSON object and nothing else.", True, "--json")]
+
+
+def tell(line: str) -> None:
+    """Print a line, on root."""
+    if parallel.is_root():
+        typer.echo(line)
 
 
 def load(path: Path, overrides: list[str] | None) -> Case:

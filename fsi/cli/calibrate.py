@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 import fsi.parallel as parallel
-from fsi.cli.arguments import CaseFile, Overrides, load_resolved
+from fsi.cli.arguments import CaseFile, Overrides, load_resolved, option, output_to
 from fsi.report.console import standard_output
 
 EXAMPLE = "Example: fsi calibrate cases/calibration/equal_discs.toml --workers 2"
@@ -18,17 +18,12 @@ EXAMPLE = "Example: fsi calibrate cases/calibration/equal_discs.toml --workers 2
 def calibrate(
     case_file: CaseFile,
     output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output", "-o", help="The folder of the law.", show_default="runs/calibration/<case file>"
-        ),
+        Path | None, output_to("The folder of the law.", "runs/calibration/<case file>")
     ] = None,
-    cache: Annotated[Path, typer.Option(help="The folder of all samples ever computed, of any case.")] = Path(
+    cache: Annotated[Path, option("The folder of all samples ever computed, of any case.")] = Path(
         "runs/calibration/samples"
     ),
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="Local processes.", show_default="one for each CPU")
-    ] = None,
+    workers: Annotated[int | None, option("Local processes.", "one for each CPU", min=1)] = None,
     overrides: Overrides = None,
 ) -> None:
     """Sample the resolved resistance of a pair over its gap and fit a lubrication law to it.

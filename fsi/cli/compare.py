@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 import fsi.parallel as parallel
-from fsi.cli.arguments import AsJson, CaseFile, Overrides, load
+from fsi.cli.arguments import AsJson, CaseFile, Overrides, load, option, output_to
 from fsi.report.console import standard_output
 
 EXAMPLE = "Example: fsi compare cases/levels.toml --levels resolved,reduced,gluey,macroscopic"
@@ -18,21 +18,12 @@ EXAMPLE = "Example: fsi compare cases/levels.toml --levels resolved,reduced,glue
 def compare(
     case_file: CaseFile,
     levels: Annotated[
-        str,
-        typer.Option(
-            help="Levels, with commas between them; the first is what the others are compared with."
-        ),
+        str, option("Levels, with commas between them; the first is what the others are compared with.")
     ] = "resolved,reduced",
     law: Annotated[
-        str | None,
-        typer.Option(
-            help="The law of the reduced model: a name, or a law file.", show_default="that of the case"
-        ),
+        str | None, option("The law of the reduced model: a name, or a law file.", "that of the case")
     ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", help="The folder.", show_default="runs/<case file>_compared"),
-    ] = None,
+    output: Annotated[Path | None, output_to("The folder.", "runs/<case file>_compared")] = None,
     as_json: AsJson = False,
     overrides: Overrides = None,
 ) -> None:
@@ -67,10 +58,8 @@ def _compare(cases: dict[str, Any], folder: Path, *, quiet: bool) -> dict[str, A
     from fsi.postprocess.run.run import open_run
     from fsi.report.comparison import print_rates, print_trajectories
 
-    histories = {
-        level: History.of_table(case, open_run(folder / level).columns("bodies"))
-        for level, case in cases.items()
-    }
+    tables = {level: open_run(folder / level).columns("bodies") for level in cases}
+    histories = {level: History.of_table(case, tables[level]) for level, case in cases.items()}
     paths = trajectories(cases, histories)
     data, picture = comparison_json(paths), folder / "comparison.png"
     if set(cases) == {"resolved", "reduced"}:

@@ -8,16 +8,14 @@ from typing import Annotated
 import typer
 
 import fsi.parallel as parallel
-from fsi.cli.arguments import CaseFile, Overrides, load, require_writable
+from fsi.cli.arguments import CaseFile, Overrides, load, output_to, require_writable
 
 EXAMPLE = "Example: fsi limit cases/gluey/pushed_then_pulled.toml --output limit.png"
 
 
 def limit(
     case_file: CaseFile,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="A picture to write.", show_default="none")
-    ] = None,
+    output: Annotated[Path | None, output_to("A picture to write.", "none")] = None,
     overrides: Overrides = None,
 ) -> None:
     """Solve q'' = -eps q'/q + f, of one gap of a case, for ever smaller eps, and compare with the limit.

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 import fsi.parallel as parallel
-from fsi.cli.arguments import Overrides, load_resolved, require_writable
+from fsi.cli.arguments import Overrides, load_resolved, option, output_to, require_writable, tell
 from fsi.errors import InputError
 
 EXAMPLE = "Example: fsi mesh cases/disc_in_box.toml -o disc.vtu, or fsi mesh RUN --step 7 -o 7.msh"
@@ -18,10 +18,8 @@ def mesh(
     source: Annotated[
         Path, typer.Argument(metavar="CASE|RUN", help="A case file, or a run folder.", show_default=False)
     ],
-    output: Annotated[Path, typer.Option("--output", "-o", help="The mesh file: .msh or .vtu")],
-    step: Annotated[
-        int | None, typer.Option(help="Which step of a run.", show_default="the last with fields")
-    ] = None,
+    output: Annotated[Path, output_to("The mesh file: .msh or .vtu")],
+    step: Annotated[int | None, option("Which step of a run.", "the last with fields")] = None,
     overrides: Overrides = None,
 ) -> None:
     """Write the mesh of a case at time 0, or the one that a run used at a step."""
@@ -43,5 +41,4 @@ def mesh(
         require_suffix(output)
         write_mesh(StokesModel(case).mesh(case.configuration()), output, case.names)
         message = f"wrote {output}"
-    if parallel.is_root():
-        typer.echo(message)
+    tell(message)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 import fsi.parallel as parallel
-from fsi.cli.arguments import require_writable
+from fsi.cli.arguments import option, output_to, require_writable
 from fsi.errors import InputError
 
 if TYPE_CHECKING:
@@ -25,55 +25,39 @@ _SPREADS = {"equal": 0.0, "bidisperse": 1.4, "lognormal": 0.2}  # unless it is g
 
 def pack(
     kind: Annotated[Kind, typer.Argument(help="How the bodies are arranged.", show_default=False)],
-    output: Annotated[Path, typer.Option("--output", "-o", help="The file of bodies: .json")],
-    number: Annotated[int, typer.Option("--number", "-n", min=1, help="How many bodies.")] = 50,
+    output: Annotated[Path, output_to("The file of bodies: .json")],
+    number: Annotated[int, option("How many bodies.", True, "--number", "-n", min=1)] = 50,
     area_fraction: Annotated[
-        float, typer.Option(help="The part of the cell that the bodies fill (in space, of the volume).")
+        float, option("The part of the cell that the bodies fill (in space, of the volume).")
     ] = 0.4,
-    radius: Annotated[float, typer.Option(help="The mean radius.")] = 1.0,
+    radius: Annotated[float, option("The mean radius.")] = 1.0,
     gap: Annotated[
-        float | None,
-        typer.Option(help="The smallest gap, between bodies and to walls.", show_default="0.02 radii"),
+        float | None, option("The smallest gap, between bodies and to walls.", "0.02 radii")
     ] = None,
     cell: Annotated[
-        CellKind,
-        typer.Option(help="Walls above and below only, none at all, or all round; periodic sides elsewhere."),
+        CellKind, option("Walls above and below only, none at all, or all round; periodic sides elsewhere.")
     ] = "channel",
-    seed: Annotated[int | None, typer.Option(min=0, help="Of random.", show_default="1")] = None,
-    aspect: Annotated[
-        float | None, typer.Option(help="Of random: length over height of the cell.", show_default="1")
-    ] = None,
-    sizes: Annotated[Sizes | None, typer.Option(help="Of random: the radii.", show_default="equal")] = None,
+    seed: Annotated[int | None, option("Of random.", "1", min=0)] = None,
+    aspect: Annotated[float | None, option("Of random: length over height of the cell.", "1")] = None,
+    sizes: Annotated[Sizes | None, option("Of random: the radii.", "equal")] = None,
     spread: Annotated[
         float | None,
-        typer.Option(
-            help="Of random: large over small radius (bidisperse), deviation over mean radius (lognormal).",
-            show_default="1.4, 0.2",
+        option(
+            "Of random: large over small radius (bidisperse), deviation over mean radius (lognormal).",
+            "1.4, 0.2",
         ),
     ] = None,
     dimension: Annotated[
-        int | None,
-        typer.Option(min=2, max=3, help="Of random: 2 for discs, 3 for spheres.", show_default="2"),
+        int | None, option("Of random: 2 for discs, 3 for spheres.", "2", min=2, max=3)
     ] = None,
     rows: Annotated[
-        int | None,
-        typer.Option(
-            min=1, help="Of arrays and rows; layers of chains.", show_default="square cell; 1 layer"
-        ),
+        int | None, option("Of arrays and rows; layers of chains.", "square cell; 1 layer", min=1)
     ] = None,
     length: Annotated[
-        int | None,
-        typer.Option(
-            min=1, help="Discs in each chain or column.", show_default="4; square root of the number"
-        ),
+        int | None, option("Discs in each chain or column.", "4; square root of the number", min=1)
     ] = None,
-    angle: Annotated[
-        float | None,
-        typer.Option(help="Of chains and columns: degrees from the flow.", show_default="135; 90"),
-    ] = None,
-    picture: Annotated[
-        Path | None, typer.Option(help="The picture.", show_default="beside the file, .png")
-    ] = None,
+    angle: Annotated[float | None, option("Of chains and columns: degrees from the flow.", "135; 90")] = None,
+    picture: Annotated[Path | None, option("The picture.", "beside the file, .png")] = None,
 ) -> None:
     """Arrange bodies at an area fraction: at random, in arrays, rows, oblique chains or wall-to-wall columns.
 
@@ -98,10 +82,10 @@ def _wanted(kind: Kind, common: dict[str, Any], options: dict[str, Any]) -> Want
     from fsi.arrangements.arrangement import Wanted
     from fsi.arrangements.kinds import KINDS
 
-    for option, value in options.items():
-        if option not in KINDS[kind].options:
-            takes = ", ".join(f"--{name}" for name in KINDS[kind].options)
-            raise InputError(f"--{option} {value}: {kind} has no such option; drop it ({kind} takes {takes})")
+    for name, value in options.items():
+        if name not in KINDS[kind].options:
+            takes = ", ".join(f"--{known}" for known in KINDS[kind].options)
+            raise InputError(f"--{name} {value}: {kind} has no such option; drop it ({kind} takes {takes})")
     sizes = options.get("sizes", "equal")
     if "spread" in options and sizes == "equal":
         raise InputError(
@@ -139,7 +123,7 @@ def _make(kind: Kind, wanted: Wanted, output: Path, drawn: Path) -> None:
         "kind": kind,
         "area_fraction": arrangement.fraction(),
         "gap": wanted.gap,
-        **{option: getattr(wanted, option) for option in KINDS[kind].options},
+        **{name: getattr(wanted, name) for name in KINDS[kind].options},
     }
     write_arrangement(arrangement, output, described)
     draw_arrangement(arrangement, drawn)

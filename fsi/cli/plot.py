@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 import fsi.parallel as parallel
+from fsi.cli.arguments import option, output_to, tell
 
 EXAMPLE = "Example: fsi plot runs/settling_disc runs/settling_discs -o gaps.pdf"
 
@@ -24,19 +25,14 @@ def plot(
     ],
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            help="A .png, .svg or .pdf file.",
-            show_default="history.png in the first run folder, or beside the file",
-        ),
+        output_to("A .png, .svg or .pdf file.", "history.png in the first run folder, or beside the file"),
     ] = None,
     gap: Annotated[
         str | None,
-        typer.Option(
+        option(
+            "The gap between two bodies, or a body and a wall, by name or number from 0.",
+            "the smallest gap of each body",
             metavar="A,B",
-            help="The gap between two bodies, or a body and a wall, by name or number from 0.",
-            show_default="the smallest gap of each body",
         ),
     ] = None,
 ) -> None:
@@ -68,5 +64,4 @@ def plot(
         parallel.on_root(lambda: draw(folders[0], path))
     else:
         parallel.on_root(lambda: plot_runs([open_run(folder) for folder in folders], path, gap))
-    if parallel.is_root():
-        typer.echo(f"wrote {path}")
+    tell(f"wrote {path}")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import fsi.parallel as parallel
-from fsi.cli.arguments import RunFolder, Step, numbers, require_writable
+from fsi.cli.arguments import RunFolder, Step, numbers, option, output_to, require_writable
 from fsi.errors import InputError
 
 if TYPE_CHECKING:
@@ -19,25 +19,14 @@ EXAMPLE = "Example: fsi probe runs/settling_disc --line 0,0,3,0.5 --count 7 --st
 
 def probe(
     folder: RunFolder,
-    line: Annotated[
-        str | None,
-        typer.Option(metavar="X,Y,X,Y", help="Along a line, from end to end.", show_default=False),
-    ] = None,
+    line: Annotated[str | None, option("Along a line, from end to end.", False, metavar="X,Y,X,Y")] = None,
     plane: Annotated[
-        str | None,
-        typer.Option(
-            metavar="X,Y,X,Y", help="On a grid over a rectangle, corner to corner.", show_default=False
-        ),
+        str | None, option("On a grid over a rectangle, corner to corner.", False, metavar="X,Y,X,Y")
     ] = None,
-    points: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="At the points of a CSV file, x,y.", show_default=False),
-    ] = None,
-    count: Annotated[int, typer.Option(min=2, help="Points along the line, or a side of the grid.")] = 11,
+    points: Annotated[Path | None, option("At the points of a CSV file, x,y.", False, metavar="FILE")] = None,
+    count: Annotated[int, option("Points along the line, or a side of the grid.", min=2)] = 11,
     step: Step = None,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="A CSV file.", show_default="the terminal")
-    ] = None,
+    output: Annotated[Path | None, output_to("A CSV file.", "the terminal")] = None,
 ) -> None:
     """Print velocity, pressure, vorticity and strain rate at points, as CSV, exact.
 

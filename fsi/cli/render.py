@@ -5,10 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 import fsi.parallel as parallel
-from fsi.cli.arguments import RunFolder, Step, numbers
+from fsi.cli.arguments import RunFolder, Step, numbers, option, output_to, tell
 from fsi.errors import InputError
 from fsi.postprocess.render.fields import field_names
 
@@ -19,36 +17,25 @@ def render(
     folder: RunFolder,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            help=".png: one step; .mp4 or .gif: all of them.",
-            show_default="flow.png in the run folder",
-        ),
+        output_to(".png: one step; .mp4 or .gif: all of them.", "flow.png in the run folder"),
     ] = None,
     field: Annotated[
-        str | None,
-        typer.Option(
-            help=f"{', '.join(field_names())}; of contacts or profiles a column.", show_default=False
-        ),
+        str | None, option(f"{', '.join(field_names())}; of contacts or profiles a column.", False)
     ] = None,
     gap: Annotated[
         str | None,
-        typer.Option(
+        option(
+            "Zoom into the gap between two bodies, or a body and a wall, by name or number from 0.",
+            False,
             metavar="A,B",
-            help="Zoom into the gap between two bodies, or a body and a wall, by name or number from 0.",
-            show_default=False,
         ),
     ] = None,
-    time: Annotated[
-        float | None, typer.Option(help="Draw the step nearest to this time.", show_default=False)
-    ] = None,
+    time: Annotated[float | None, option("Draw the step nearest to this time.", False)] = None,
     step: Step = None,
     span: Annotated[
-        str | None,
-        typer.Option("--range", metavar="LOW,HIGH", help="What the colours span.", show_default=False),
+        str | None, option("What the colours span.", False, "--range", metavar="LOW,HIGH")
     ] = None,
-    size: Annotated[int, typer.Option(help="Pixels of a panel's side.")] = 1000,
+    size: Annotated[int, option("Pixels of a panel's side.")] = 1000,
 ) -> None:
     """Draw a run: speed, streamlines, and the mesh in the narrowest gap, or the field of your choice.
 
@@ -74,5 +61,4 @@ def render(
         return render_run(open_run(folder), output or folder / "flow.png", choice, step, time)
 
     picture = parallel.on_root(draw)
-    if parallel.is_root():
-        typer.echo(f"wrote {picture}")
+    tell(f"wrote {picture}")

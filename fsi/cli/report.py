@@ -5,20 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 import fsi.parallel as parallel
-from fsi.cli.arguments import RunFolder
+from fsi.cli.arguments import RunFolder, output_to, tell
 
 EXAMPLE = "Example: fsi report runs/settling_discs -o settling.html"
 
 
 def report(
     folder: RunFolder,
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", help="A .html file.", show_default="report.html in the run folder"),
-    ] = None,
+    output: Annotated[Path | None, output_to("A .html file.", "report.html in the run folder")] = None,
 ) -> None:
     """Write one HTML file about a run: case, pictures, animation, checks, tables, provenance.
 
@@ -29,5 +24,4 @@ def report(
 
     path = output or folder / "report.html"
     parallel.on_root(lambda: write_report(open_run(folder), path))
-    if parallel.is_root():
-        typer.echo(f"wrote {path}")
+    tell(f"wrote {path}")

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 import fsi.parallel as parallel
-from fsi.cli.arguments import AsJson, CaseFile, Overrides, load_resolved, require_writable
+from fsi.cli.arguments import AsJson, CaseFile, Overrides, load_resolved, output_to, require_writable
 from fsi.errors import InputError
 from fsi.report.console import standard_output
 
@@ -19,13 +19,7 @@ EXAMPLE = "Example: fsi resistance cases/two_discs.toml -o two_discs.npz"
 def resistance(
     case_file: CaseFile,
     output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            help="A .json or .npz file for R and its inverse, .csv for R.",
-            show_default=False,
-        ),
+        Path | None, output_to("A .json or .npz file for R and its inverse, .csv for R.", False)
     ] = None,
     as_json: AsJson = False,
     overrides: Overrides = None,

@@ -5,24 +5,19 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 import fsi.parallel as parallel
-from fsi.cli.arguments import RunFolder
+from fsi.cli.arguments import RunFolder, option, output_to, tell
 
 EXAMPLE = "Example: fsi revolve runs/settling_spheres --degrees 270 -o runs/spheres_3d"
 
 
 def revolve(
     folder: RunFolder,
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", help="A new folder.", show_default="revolved in the run folder"),
-    ] = None,
+    output: Annotated[Path | None, output_to("A new folder.", "revolved in the run folder")] = None,
     degrees: Annotated[
-        float, typer.Option(min=1.0, max=360.0, help="How far to turn; less than 360 shows the inside.")
+        float, option("How far to turn; less than 360 shows the inside.", min=1.0, max=360.0)
     ] = 360.0,
-    sectors: Annotated[int, typer.Option(min=3, max=360, help="Into how many to divide that.")] = 36,
+    sectors: Annotated[int, option("Into how many to divide that.", min=3, max=360)] = 36,
 ) -> None:
     """Turn the ParaView series of an axisymmetric run around its axis, z.
 
@@ -33,5 +28,4 @@ def revolve(
 
     path = output or folder / "revolved"
     parallel.on_root(lambda: export_revolved(open_run(folder), path, degrees, sectors))
-    if parallel.is_root():
-        typer.echo(f"wrote {path / 'fluid.pvd'} and {path / 'surface.pvd'}")
+    tell(f"wrote {path / 'fluid.pvd'} and {path / 'surface.pvd'}")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import fsi.parallel as parallel
-from fsi.cli.arguments import CaseFile, Overrides, RunFolder, load
+from fsi.cli.arguments import CaseFile, Overrides, RunFolder, load, output_to
 
 if TYPE_CHECKING:
     from fsi.integration.state import StepRecord
@@ -22,10 +22,7 @@ RESUME_EXAMPLE = "Example: fsi resume runs/settling_disc"
 
 def run(
     case_file: CaseFile,
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", help="The run folder, a new one.", show_default="runs/<case file>"),
-    ] = None,
+    output: Annotated[Path | None, output_to("The run folder, a new one.", "runs/<case file>")] = None,
     overrides: Overrides = None,
 ) -> None:
     """Move the bodies in time and write a run folder: tables, ParaView series, state.

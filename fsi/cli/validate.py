@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 import fsi.parallel as parallel
+from fsi.cli.arguments import option, output_to
 from fsi.report.console import standard_error, standard_output
 
 EXAMPLE = "Example: fsi validate two_discs concentric_sphere"
@@ -19,18 +20,15 @@ def validate(
         typer.Argument(metavar="NAME...", help="Validation cases.", show_default="all of them"),
     ] = None,
     cases: Annotated[
-        Path | None,
-        typer.Option(help="The folder of the case files.", show_default="those that come with the program"),
+        Path | None, option("The folder of the case files.", "those that come with the program")
     ] = None,
-    output: Annotated[Path, typer.Option("--output", "-o", help="A new folder for the results.")] = Path(
-        "runs/validation"
-    ),
+    output: Annotated[Path, output_to("A new folder for the results.")] = Path("runs/validation"),
 ) -> None:
     """Compare resolved forces, velocities and times with exact ones, and error bars with true errors.
 
     Prints a table, and writes it as JSON, CSV and a plot. Exit code 4 if a value lies outside its tolerance.
     """
-    from fsi.cli.shipped import shipped_cases
+    from fsi.cli.cases import shipped_cases
     from fsi.postprocess.plots.validation import plot_rows
     from fsi.report.validation import print_errors, print_rows
     from fsi.validation.validate import require_passed, validate_cases

@@ -18,10 +18,9 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
-from fsi.gluey.contact_response import ContactResponse
+from fsi.gluey.augmented_lagrangian import Impulses, Program
 from fsi.gluey.contacts import Contacts, gap_rows, slip_rows
-from fsi.gluey.qp_solver import project
-from fsi.gluey.quadratic_program import Impulses, Program
+from fsi.gluey.qp_solver import ContactResponse, project
 from fsi.gluey.system import System
 
 # Of the largest impulse: how far friction may miss the bound that its own solid impulse sets.
@@ -72,12 +71,9 @@ def make_rows(system: System, contacts: Contacts, gamma: Array, h: float) -> Row
     compliance[C:first] = np.repeat(1.0 / (h * k), across)
     least = np.where(gamma < 0.0, 0.0 if shifted else -np.inf, 0.0)
     at_wall = contacts.i >= len(system.radii)
-    sides = [
-        at_wall,
-        np.repeat(at_wall[films], across),
-        np.repeat(at_wall, across if law.friction > 0.0 else 0),
-    ]
-    return Rows(J, b, compliance, p, least, law.friction > 0.0, first, np.concatenate(sides))
+    rubs = law.friction > 0.0
+    sides = [at_wall, np.repeat(at_wall[films], across), np.repeat(at_wall, across if rubs else 0)]
+    return Rows(J, b, compliance, p, least, rubs, first, np.concatenate(sides))
 
 
 def _curvature(contacts: Contacts, radii: Array) -> Array:
@@ -88,16 +84,10 @@ def _curvature(contacts: Contacts, radii: Array) -> Array:
 
 
 def solve_rows(rows: Rows, program: Program, tolerance: float, bound: Callable[[Array], Array]) -> Impulses:
-    """The impulses and the velocity after them.
+    """The impulses and the velocity after them; tolerance: of the residual, a velocity.
 
-    Args:
-        rows: the constraints.
-        program: with these rows.
-        tolerance: of the residual, a velocity.
-        bound: the largest friction of each contact, (C,), given the normal impulses, (C,).
-
-    Raises:
-        SolveError: friction does not settle.
+    `bound` gives the largest friction of each contact, (C,), by the normal impulses, (C,). Raises SolveError:
+    friction does not settle.
     """
     C = len(rows.least)
     p, iterations, steps = rows.p, 0, 0

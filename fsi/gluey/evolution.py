@@ -15,14 +15,12 @@ from fsi.bodies.configuration import Array, Configuration
 from fsi.case.case import Case
 from fsi.errors import SolveError
 from fsi.gluey.contacts import find_contacts
-from fsi.gluey.setup import gluey_state, gluey_system, wall_names
 from fsi.gluey.step import Checks, Touching, advance
-from fsi.gluey.system import GlueyState
+from fsi.gluey.system import GlueyState, gluey_state, gluey_system, wall_names
 from fsi.integration.evolution import CsvTable, Moment
-from fsi.integration.schedule import Schedule
-from fsi.integration.state import State, StepRecord
+from fsi.integration.state import Schedule, State, StepRecord
 from fsi.parallel import on_root
-from fsi.run_folder.vtu import write_lines, write_points
+from fsi.run_folder.paraview import in_space, write_lines, write_points
 
 CONTACTS = "contacts.csv"
 CONTACT_COLUMNS = ("step", "t", "side", "body", "gap", "gamma", "impulse", "solid_impulse")
@@ -101,8 +99,7 @@ class GlueyEvolution:
         if away[i] <= 0.0:
             raise SolveError(
                 f"domain.radius: body {self.case.names[i]} has come to the far end of the domain at t = "
-                f"{t:.9g}, "
-                "which stands for infinity; enlarge it, or give a box"
+                f"{t:.9g}, which stands for infinity; enlarge it, or give a box"
             )
 
     def _moment(self, now: Stepped) -> Moment:
@@ -110,12 +107,11 @@ class GlueyEvolution:
         self._key, self._gamma = new.key, new.gamma
         angles = new.angles[:, 0] if self.system.dimension == 2 else new.angles
         q = Configuration(new.centres, angles, self.system.radii)
-        kinetic = 0.5 * float((self.system.mass * new.U**2).sum())
         columns = {
             "contacts": int((touching.p > 0.0).sum()),
             "solid_contacts": int((touching.solid > 0.0).sum()),
             "smallest_gamma": float(new.gamma.min(initial=0.0)),
-            "kinetic_energy": kinetic,
+            "kinetic_energy": 0.5 * float((self.system.mass * new.U**2).sum()),
             "kkt": checks.kkt,
             "momentum_defect": checks.momentum,
             "overlap": checks.overlap,
@@ -139,16 +135,9 @@ class GlueyEvolution:
         """Contacts that carry an impulse or remember; the gap is that at the beginning of the step."""
         touching = now.touching
         c = touching.contacts
+        numbers = np.column_stack([c.D, touching.gamma, touching.p, touching.solid]).tolist()
         rows = [
-            [
-                now.step,
-                now.t,
-                self._sides[c.i[k]],
-                self._sides[c.j[k]],
-                *map(float, (c.D[k], touching.gamma[k])),
-                float(touching.p[k]),
-                float(touching.solid[k]),
-            ]
+            [now.step, now.t, self._sides[c.i[k]], self._sides[c.j[k]], *numbers[k]]
             for k in np.flatnonzero((touching.p > 0.0) | (touching.gamma < 0.0))
         ]
         return {CONTACTS: (CONTACT_COLUMNS, rows)}
@@ -161,23 +150,12 @@ class GlueyEvolution:
         new, touching, step = now.state, now.touching, now.step
         d = self.system.dimension
         bodies, lines = f"bodies_{step:06d}.vtu", f"contacts_{step:06d}.vtu"
-        write_points(
-            folder / bodies, new.centres, {"radius": self.system.radii, "velocity": _in_space(new.U[:, :d])}
-        )
         c, radii = touching.contacts, self.system.radii
+        write_points(folder / bodies, new.centres, {"radius": radii, "velocity": in_space(new.U[:, :d])})
         shown = (touching.p > 0.0) | (touching.gamma < 0.0)
         j, n = c.j[shown], c.n[shown]
         reach = radii[j] + np.append(radii, 0.0)[np.minimum(c.i[shown], len(radii))]
         ends = new.centres[j], new.centres[j] - reach[:, None] * n
-        values = {
-            "gamma": touching.gamma[shown],
-            "impulse": touching.p[shown],
-            "solid": touching.solid[shown],
-        }
-        write_lines(folder / lines, *ends, values)
+        values = {"gamma": touching.gamma, "impulse": touching.p, "solid": touching.solid}
+        write_lines(folder / lines, *ends, {name: value[shown] for name, value in values.items()})
         return {"bodies": [bodies], "contacts": [lines]}
-
-
-def _in_space(vectors: Array) -> Array:
-    """Vectors (n, d) with three components."""
-    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))

@@ -1,4 +1,4 @@
-"""One body above a wall as the viscosity vanishes: the exact limit for any force, and the first-order scheme.
+"""One body above a wall as the viscosity vanishes: its path, the exact limit, the first-order scheme.
 
     q'' = -eps q'/q + f,  q(0) = q0 > 0,  q'(0) = u0,          gamma_eps = eps ln q
 
@@ -9,6 +9,24 @@ As eps -> 0, with `utilde = u0 + int f`,
 While the body sticks, `gamma` stores the impulse of the push, and a pull must pay it back before release.
 Source: B. Maury, A gluey particle model, ESAIM Proc. 18 (2007) 133; A. Lefebvre, Numerical simulation
 of gluey particles, M2AN 43 (2009) 53. The unit of mass is that of the body.
+
+At eps > 0 the equation is solved by its first integral:
+
+    w = q' + gamma,  gamma = eps ln q,   w' = f       so that      q' = w(t) - gamma,  w known exactly.
+
+The unknown is gamma, since q = exp(gamma/eps) underflows where the body sticks: then the equation turns into
+`gamma = w` by itself, and no memory is lost. Each implicit stage is solved in closed form by the Wright
+omega function. Source of the method: E. Hairer & G. Wanner, Solving Ordinary Differential Equations II,
+table IV.6.5: SDIRK of order 4, L-stable, stiffly accurate, so of order 4 where the equation is algebraic,
+too.
+
+On arrival at the speed W, q falls by exp(-W/eps) within what rounding leaves of t, and gamma jumps: the
+collision of the limit. There the shortest step is taken by backward Euler,
+
+    (exp(gamma_1/eps) - q)/h + gamma_1 = w(t + h),
+
+the gluey scheme at eps > 0. It is monotone, so it leaps to `gamma = w` without overshooting, and since
+`d(w - eps ln q)/dq < 0`, errors of q never grow: that of this step is below h W, which is rounding.
 """
 
 from __future__ import annotations
@@ -18,8 +36,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PPoly
+from scipy.special import wrightomega
 
 from fsi.bodies.configuration import Array
+from fsi.errors import InputError, SolveError
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,14 +108,8 @@ class Limit:
 def slides_scheme(q0: float, u0: float, impulses: Array, h: Array) -> tuple[Array, Array, Array]:
     """The scheme of the slides, case by case: a push stores gamma, a pull pays it back before release.
 
-    Args:
-        q0: distance at time 0.
-        u0: velocity at time 0.
-        impulses: `int f dt` over each step, shape (n,).
-        h: lengths of the steps, shape (n,).
-
-    Returns:
-        q, u, gamma at the ends of all steps and at the start, shape (n + 1,). First order in h.
+    It begins at q0, u0, with `int f dt` over steps of lengths h, both (n,), and gives q, u, gamma at the
+    start and at the ends of all steps, (n + 1,). First order in h.
     """
     q, u, gamma = (np.zeros(len(h) + 1) for _ in range(3))
     q[0], u[0] = q0, u0
@@ -113,3 +127,147 @@ def slides_scheme(q0: float, u0: float, impulses: Array, h: Array) -> tuple[Arra
 def piecewise_constant(times: NDArray[np.float64], values: Array) -> PPoly:
     """f with `values[k]` on (times[k], times[k + 1]); times has one entry more than values."""
     return PPoly(np.asarray(values, dtype=float)[None, :], times)
+
+
+A = np.array(
+    [
+        [1 / 4, 0, 0, 0, 0],
+        [1 / 2, 1 / 4, 0, 0, 0],
+        [17 / 50, -1 / 25, 1 / 4, 0, 0],
+        [371 / 1360, -137 / 2720, 15 / 544, 1 / 4, 0],
+        [25 / 24, -49 / 48, 125 / 16, -85 / 12, 1 / 4],
+    ]
+)
+C = A.sum(axis=1)
+# Two formulas of order 3 less that of order 4, for the slopes at the start and of the stages. The first is
+# the source's: blind to what happens before the first stage, at a quarter of the step, as a release may.
+ESTIMATES = np.array([[0, -3 / 16, -27 / 32, 25 / 32, 0, 1 / 4], [1 / 4, -11 / 16, -11 / 32, 25 / 32, 0, 0]])
+DIAGONAL = 1 / 4
+# Errors of a step that are tolerated: in q, relative and absolute; in gamma.
+RELATIVE, ABSOLUTE, IN_GAMMA = 1e-10, 1e-12, 1e-8
+# In ln q: less than that, or a step that has not seen the wall could be taken for a good one.
+IN_LOG = 1e-2
+# Of the largest w: what rounding makes of gamma in a step; and the least eps whose ln q this leaves alone.
+ROUNDING, SMALLEST = 2e-14, 1e-12
+# Of the time span: the shortest step, which t still feels.
+SHORTEST = 1e-15
+# A step that would end nearer than this to a stop, of itself, ends there: less than a rejected step shrinks.
+NEARLY = 1.05
+MOST_STEPS = 200_000
+
+
+@dataclass(frozen=True, slots=True)
+class Path:
+    """A solution.
+
+    Attributes:
+        t: times, shape (n,).
+        q: the distance there, 0 where it underflows, (n,).
+        gamma: eps ln q, (n,).
+        steps: how many were tried.
+    """
+
+    t: Array
+    q: Array
+    gamma: Array
+    steps: int
+
+
+def log_gap(r: float, c: float) -> float:
+    """The solution y of `exp(y) + c y = r`, c > 0: one implicit stage, with y = gamma/eps = ln q.
+
+    With z = exp(y)/c it reads `z + ln z = r/c - ln c`, so z is Wright's omega function of the right side.
+    """
+    z = float(wrightomega(r / c - np.log(c)))
+    # Where z is large, r/c - z cancels; where it is small, its logarithm underflows.
+    return float(np.log(c * z)) if z > 1.0 else r / c - z
+
+
+def solve(q0: float, u0: float, f: PPoly, eps: float, t: Array) -> Path:
+    """The solution from q0 > 0, u0 at increasing times t >= 0, for eps > 0 and the force f per mass.
+
+    f is a piecewise polynomial that begins at time 0 and covers t. Raises InputError: eps is below the
+    rounding of velocities; SolveError: MOST_STEPS do not reach the end.
+    """
+    w = f.antiderivative()
+    w.c[-1] += u0 + eps * np.log(q0)
+    # Steps land on the breaks of f, and on the contacts of the limit, which they could leap over.
+    events = np.concatenate([f.x, np.ravel(Limit.of(q0, u0, f).contacts())])
+    stops = np.unique(np.concatenate([t, events[(events > 0.0) & (events < t[-1])]]))
+    largest = float(np.abs(w(np.concatenate([f.x, t]))).max())
+    if eps < SMALLEST * largest:
+        raise InputError(f"eps = {eps!r}: below the rounding of velocities of {largest:.3g}; make it larger")
+    tolerated = min(IN_GAMMA, IN_LOG * eps) + ROUNDING * largest
+    film = _Film(w, eps, tolerated, SHORTEST * float(t[-1]))
+    now = _Now(0.0, q0, eps * np.log(q0), 1e-3 * float(t[-1]), 0)
+    stages = {0.0: now}
+    for stop in map(float, stops[stops > 0.0]):
+        now = stages[stop] = _until(stop, film, now)
+    q, gamma = np.array([(stages[time].q, stages[time].gamma) for time in map(float, t)]).T
+    return Path(t, q, gamma, now.steps)
+
+
+@dataclass(frozen=True, slots=True)
+class _Film:
+    """The equation and how it is solved: w(t), eps, the tolerated error of gamma, the shortest step."""
+
+    w: PPoly
+    eps: float
+    tolerated: float
+    shortest: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Now:
+    """A time t, q and gamma there, the step h to try next, how many were tried."""
+
+    t: float
+    q: float
+    gamma: float
+    h: float
+    steps: int
+
+
+def _until(stop: float, film: _Film, now: _Now) -> _Now:
+    """Go on to the time `stop`, by steps whose estimated errors are tolerated. Raises SolveError."""
+    t, q, gamma, h, steps = now.t, now.q, now.gamma, now.h, now.steps
+    while t < stop:
+        steps += 1
+        if steps > MOST_STEPS:
+            raise SolveError(f"eps = {film.eps:g}: {MOST_STEPS} steps end at t = {t:.9g}; shorten the time")
+        landing = t + NEARLY * h >= stop
+        used = stop - t if landing else h
+        q1, gamma1, error = _step(film, q, gamma, t, used)
+        growth = min(4.0, max(0.1, 0.9 * max(error, 1e-12) ** -0.25))
+        if error > 1.0 and used > NEARLY * film.shortest:
+            h = max(used * growth, film.shortest)
+            continue
+        q, gamma = (q1, gamma1) if error <= 1.0 else _collide(film, q, t, used)
+        t = stop if landing else t + used
+        h = max(h if landing else film.shortest, used * growth)
+    return _Now(t, q, gamma, h, steps)
+
+
+def _collide(film: _Film, q: float, t: float, h: float) -> tuple[float, float]:
+    """q and gamma after a step of backward Euler."""
+    y = log_gap(q + h * float(film.w(np.nextafter(t + h, t))), h * film.eps)
+    return float(np.exp(y)), film.eps * y
+
+
+def _step(film: _Film, q: float, gamma: float, t: float, h: float) -> tuple[float, float, float]:
+    """q and gamma after a step, and its estimated error over what is tolerated."""
+    w, eps = film.w, film.eps
+    start, slopes = float(w(t)) - gamma, np.zeros(5)
+    w_stages = w(np.minimum(t + h * C, np.nextafter(t + h, t)))  # the piece of this step also at its end
+    stage = gamma
+    c = DIAGONAL * h * eps
+    for i in range(5):
+        r = q + h * float(A[i, :i] @ slopes[:i]) + DIAGONAL * h * float(w_stages[i])
+        y = log_gap(r, c)
+        stage = eps * y
+        slopes[i] = w_stages[i] - stage
+    q1 = float(np.exp(stage / eps))
+    raw = h * float(np.abs(ESTIMATES @ np.append(start, slopes)).max())
+    # The estimate filtered by (1 + h eps / (4 q))^-1, as stiff equations want it.
+    in_q, in_gamma = raw * q1 / (q1 + c), raw * eps / (q1 + c)
+    return q1, stage, max(in_q / (RELATIVE * q1 + ABSOLUTE), in_gamma / film.tolerated)

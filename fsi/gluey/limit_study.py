@@ -15,8 +15,7 @@ from fsi.case.gluey import LimitStudy
 from fsi.case.section import toml_text
 from fsi.case.series import Table, polynomial
 from fsi.errors import InputError
-from fsi.gluey.limit import Limit, slides_scheme
-from fsi.gluey.one_body import Path, solve
+from fsi.gluey.limit import Limit, Path, slides_scheme, solve
 
 SAMPLES = 400
 
@@ -39,17 +38,12 @@ class OneGap:
 
 
 def one_gap(case: Case) -> OneGap:
-    """The gap of a case with one body that a wall faces, or with two bodies along an axis.
-
-    Raises:
-        InputError: it has more, or none.
-    """
+    """The gap of one body that a wall faces, or of two along an axis. Raises InputError of other cases."""
     end, masses = case.timing.end, case.masses()
     if masses is None or len(case.bodies) not in (1, 2):
         raise InputError(
             f"bodies: there are {len(case.bodies)}; `fsi limit` is for one gap, of a body with a mass and a "
-            "wall, or of "
-            "two such bodies on a line along an axis"
+            "wall, or of two such bodies on a line along an axis"
         )
     q, U = case.configuration(), case.initial_velocity()
     if len(case.bodies) == 2:
@@ -60,12 +54,10 @@ def one_gap(case: Case) -> OneGap:
         if np.count_nonzero(between) > 1:
             raise InputError(
                 f"bodies.1.position = {toml_text(case.bodies[1].position)}: not on a line along an axis with "
-                "the other "
-                "one; `fsi limit` is for one gap"
+                "the other one; `fsi limit` is for one gap"
             )
-        terms = [
-            (s / masses[i, axis], case.bodies[i].loads[axis]) for s, i in zip((1.0, -1.0), sides, strict=True)
-        ]
+        signed = zip((1.0, -1.0), sides, strict=True)
+        terms = [(sign / masses[i, axis], case.bodies[i].loads[axis]) for sign, i in signed]
         return OneGap(gap, float(U[sides[0], axis] - U[sides[1], axis]), _sum(terms, end), end)
     container = case.container()
     free = [axis for axis in range(case.dimension) if case.bodies[0].motion[axis] == "free"]

@@ -27,11 +27,10 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
-from fsi.gluey.augmented_lagrangian import minimise
+from fsi.gluey.augmented_lagrangian import Impulses, Program, minimise
 from fsi.gluey.constraints import Rows, make_rows, solve_rows
 from fsi.gluey.contacts import Contacts, find_contacts, gap_rows
 from fsi.gluey.film import Film
-from fsi.gluey.quadratic_program import Impulses, Program
 from fsi.gluey.system import GlueyState, System
 
 # Of the largest velocity: the residual at which the projection stops, and the one that a step may leave.
@@ -96,8 +95,7 @@ class _Found:
 def advance(system: System, state: GlueyState, t: float, h: float) -> tuple[GlueyState, Touching, Checks]:
     """The state after a step from t to t + h, what touched on the way, and how good it is.
 
-    Raises:
-        SolveError: friction does not settle, or a check fails, as the projection has not converged.
+    Raises SolveError: friction does not settle, or a check fails, as the projection has not converged.
     """
     load = system.load(state.centres, t, t + h)
     free = state.U + load / system.mass

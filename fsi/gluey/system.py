@@ -1,15 +1,19 @@
-"""What moves in the gluey model, and its state."""
+"""What moves in the gluey model, and its state: masses, walls, loads, what is held, also from a case."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import PPoly
 
-from fsi.bodies.configuration import Array, turned
+from fsi.bodies.configuration import Array, Configuration, turned
+from fsi.bodies.forces import Bulk, between_bodies
+from fsi.case.case import Case
 from fsi.case.gluey import ContactLaw
+from fsi.case.series import Table, is_zero, polynomial
 from fsi.gluey.contacts import Room
 from fsi.gluey.film import Film, Shape
 
@@ -105,3 +109,115 @@ class GlueyState:
         d, kept = self.centres.shape[1], gamma != 0.0
         angles = turned(self.angles, h * U[:, d:])
         return GlueyState(self.centres + h * U[:, :d], angles, U, key[kept], gamma[kept])
+
+
+def gluey_system(case: Case) -> System:
+    """What moves, and what acts on it."""
+    q, mass, held = case.configuration(), _masses(case), case.held()
+    loads = _integrals(case, [(body.loads, held[i]) for i, body in enumerate(case.bodies)])
+    bulk = Bulk.of(mass[:, 0], q.radii, spheres=case.spheres)
+    weights = [weight for force in case.forces if (weight := force.weight(bulk)) is not None]
+    gravities = [
+        (heavy, [polynomial(part, case.timing.end).antiderivative() for part in acceleration])
+        for heavy, acceleration in weights
+    ]
+
+    def impulse(t0: float, t1: float) -> Array:
+        load = loads(t0, t1)
+        for heavy, parts in gravities:
+            g = np.array([float(part(t1) - part(t0)) for part in parts])
+            load[:, : case.dimension] += np.where(held[:, : case.dimension], 0.0, heavy[:, None] * g)
+        return load
+
+    return System(
+        q.radii, mass, room(case), impulse, case.gluey.law(), _held(case), _forces(case),
+        "sphere" if case.spheres else "disc",
+    )  # fmt: skip
+
+
+def gluey_state(case: Case) -> GlueyState:
+    """The state at time 0."""
+    q = case.configuration()
+    state = GlueyState.at(q.centres, case.initial_velocity())
+    return GlueyState(q.centres, q.angles.reshape(state.angles.shape), state.U, state.key, state.gamma)
+
+
+def wall_names(case: Case) -> tuple[str, ...]:
+    """Names of the walls in the order of the room."""
+    of_domain = (name for name in case.container().walls if name not in case.container().far_walls)
+    return (*of_domain, *(wall.name for wall in case.gluey.walls))
+
+
+def room(case: Case) -> Room:
+    """Walls and periods."""
+    container, d = case.container(), case.dimension
+    origin = np.zeros((1, d))
+    near = [k for k, name in enumerate(container.walls) if name not in container.far_walls]
+    normals = [*container.normals(origin)[0, near]]
+    points = [-away * n for away, n in zip(container.distances(origin)[0, near], normals, strict=True)]
+    for wall in case.gluey.walls:
+        points.append(np.array(wall.point))
+        normals.append(np.array(wall.normal) / np.linalg.norm(wall.normal))
+    return Room(np.array(points).reshape(-1, d), np.array(normals).reshape(-1, d), container)
+
+
+def _masses(case: Case) -> Array:
+    """m and I of each mode, those of uniform bodies where none are given, (N, M)."""
+    q, d = case.configuration(), case.dimension
+    volumes = 4.0 / 3.0 * np.pi * q.radii**3 if case.spheres else np.pi * q.radii**2
+    masses = [body.mass for body in case.bodies]
+    m = np.array([case.gluey.density * V if m is None else m for m, V in zip(masses, volumes, strict=True)])
+    uniform = (0.4 if case.spheres else 0.5) * m * q.radii**2
+    moments = [body.moment_of_inertia for body in case.bodies]
+    inertia = [uniform[i] if moment is None else moment for i, moment in enumerate(moments)]
+    return np.repeat(np.column_stack([m, inertia]), [d, len(case.modes) - d], axis=1)
+
+
+def _held(case: Case) -> Held | None:
+    held = case.held()
+    if not held.any():
+        return None
+    motions = ([0.0 if part == "free" else part for part in body.motion] for body in case.bodies)
+    travelled = _integrals(case, list(zip(motions, ~held, strict=True)))
+    return Held(held, lambda t0, t1: travelled(t0, t1) / (t1 - t0))
+
+
+def _integrals(
+    case: Case, parts: Sequence[tuple[Sequence[float | Table], Sequence[bool]]]
+) -> Callable[[float, float], Array]:
+    """`(t0, t1) -> int dt` of what bodies have for each mode, but 0 for the modes that are marked, (N, M)."""
+    end, shape = case.timing.end, (len(case.bodies), len(case.modes))
+
+    def nonzero() -> Iterator[tuple[int, int, PPoly]]:
+        for i, (series, dropped) in enumerate(parts):
+            for k, (part, drop) in enumerate(zip(series, dropped, strict=True)):
+                if not (drop or is_zero(part)):
+                    yield i, k, polynomial(part, end).antiderivative()
+
+    integrals = list(nonzero())
+
+    def integral(t0: float, t1: float) -> Array:
+        total = np.zeros(shape)
+        for i, k, primitive in integrals:
+            total[i, k] = float(primitive(t1) - primitive(t0))
+        return total
+
+    return integral
+
+
+def _forces(case: Case) -> Callable[[Array, float], Array] | None:
+    """Of attraction and repulsion; None without."""
+    acting = [force for force in case.forces if force.reach > 0.0]
+    if not acting:
+        return None
+    radii, container = case.configuration().radii, case.container()
+    free = ~case.held()[:, : case.dimension]
+
+    def forces(centres: Array, t: float) -> Array:
+        q = Configuration.unturned(centres, radii)
+        total = np.zeros_like(centres)
+        for force in acting:
+            total += between_bodies(force, q, container.at(t))
+        return free * total
+
+    return forces

@@ -15,16 +15,10 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps
-from fsi.integration.schedule import Schedule
-from fsi.integration.state import Advance, State, Step, StepRecord
+from fsi.integration.state import Advance, Schedule, State, Step, StepRecord
 from fsi.meshes.geometry.containers import Container
 
 type CsvTable = tuple[Sequence[str], Sequence[Sequence[object]]]
-
-
-def no_tables() -> Mapping[str, CsvTable]:
-    """None beyond steps.csv and bodies.csv."""
-    return {}
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +37,7 @@ class Moment:
     record: StepRecord
     names: Sequence[str]
     write: Callable[[Path], Mapping[str, Sequence[str]]]
-    tables: Callable[[], Mapping[str, CsvTable]] = no_tables
+    tables: Callable[[], Mapping[str, CsvTable]] = dict
 
 
 class Evolution(Protocol):
@@ -110,13 +104,10 @@ class SteppedEvolution:
         errors = self.stepper.model.errors(state.q, state.t, instant) if self.estimated else None
         columns = {**instant.record, **(errors.columns if errors else {})}
         # Only some models know more of each body than velocity and load.
-        of_bodies = {
-            **getattr(instant, "body_columns", {}), **(errors.body_columns if errors else {}),
-        }  # fmt: skip
-        gap = smallest_gap(state.q, self.stepper.container.at(state.t))
-        record = StepRecord(
-            state.step, state.t, step.h, gap, step.rejected, state.q, instant.U, instant.F, columns, of_bodies
-        )
+        of_bodies = {**getattr(instant, "body_columns", {}), **(errors.body_columns if errors else {})}
+        q, U, F = state.q, instant.U, instant.F
+        gap = smallest_gap(q, self.stepper.container.at(state.t))
+        record = StepRecord(state.step, state.t, step.h, gap, step.rejected, q, U, F, columns, of_bodies)
         return Moment(state, record, self.names, lambda folder: instant.write(folder, state.step))
 
 

@@ -100,11 +100,7 @@ def _sides(index: int, pairs: NDArray[np.intp], bodies_walls: tuple[int, ...]) -
 def limited_step(
     q: Configuration, container: Container, velocity: Array, h: float, gap_loss: float
 ) -> tuple[float, Approach]:
-    """The longest step up to h in which the present velocity (N, M) closes no gap by more than `gap_loss`.
-
-    Returns:
-        the step, and the gap that limits it (that closes most, if none does).
-    """
+    """The longest step up to h in which velocities (N, M) close no gap by more than `gap_loss`; that gap."""
     approach = greatest_approach(q, container, h * velocity, gap_loss, h)
     while approach.loss > gap_loss:
         h *= SAFETY * gap_loss / approach.loss

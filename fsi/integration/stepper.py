@@ -1,11 +1,16 @@
-"""Motion of the bodies in time: step size by the error and by the gaps, landing on the times that matter."""
+"""Motion of the bodies in time, landing on the times that matter.
+
+`Stepper` chooses its steps by the error and by the gaps, `FixedStepper` takes given ones, `RefiningStepper`
+makes steps again on finer meshes until their estimated error is below `discretisation.tolerance`.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +19,7 @@ from fsi.bodies.configuration import Array, Configuration, Inertia
 from fsi.bodies.gaps import find_gaps, pair_gaps
 from fsi.errors import SolveError
 from fsi.integration.gap_limiter import Approach, GapRefusedError, greatest_approach, limited_step
-from fsi.integration.schedule import Schedule
-from fsi.integration.state import Instant, Model, Scheme, State, Step
+from fsi.integration.state import Advance, Instant, Model, Schedule, Scheme, State, Step
 from fsi.integration.step_errors import StepErrors
 from fsi.meshes.geometry.containers import Container
 
@@ -76,11 +80,7 @@ class Stepper:
         return Step(State(0.0, 0, q, instant.U, h), instant, 0.0, 0)
 
     def advance(self, state: State) -> Step:
-        """One accepted step; a rejected one is halved.
-
-        Raises:
-            SolveError: the step would have to be shorter than `smallest_step`.
-        """
+        """One accepted step; a rejected one is halved. Raises SolveError below `smallest_step`."""
         h, rejected = state.h, 0
         while True:
             h, approach = limited_step(state.q, self.container.at(state.t), state.U, h, self.gap_loss)
@@ -133,12 +133,8 @@ class Stepper:
     def _first_step(self, q: Configuration, U: Array) -> float:
         """The step whose error is the tolerance if it is that power of the displacement, both relative."""
         speed = self.tolerance * self._norm(q, 0.0, U)
-        longest = self.schedule.end
-        return (
-            min(longest, self.tolerance ** (1.0 / self.scheme.error_order) / speed)
-            if speed > 0.0
-            else longest
-        )
+        tolerated = self.tolerance ** (1.0 / self.scheme.error_order)
+        return min(self.schedule.end, tolerated / speed) if speed > 0.0 else self.schedule.end
 
     def _next_step(self, h: float, used: float, error: float, rejected: int) -> float:
         """The next step to try, after one of length `used` that was proposed as h."""
@@ -154,4 +150,91 @@ class Stepper:
         return SolveError(
             f"time.smallest_step = {self.smallest_step:g}: a shorter step is needed at t = {state.t:.9g}, "
             f"where the gap between {one} and {other} is {approach.gap:.3g}; lower it or end the run before"
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class FixedStepper:
+    """Advances the bodies by steps of length h, longer or shorter to land on the times that matter."""
+
+    model: Model
+    scheme: Scheme
+    container: Container
+    schedule: Schedule
+    h: float
+
+    def start(self, q: Configuration, first_step: float | None = None) -> Step:  # noqa: ARG002
+        """The step of length 0 that begins a run; the length of all others is given."""
+        instant = self.scheme.start(self.model, q)
+        return Step(State(0.0, 0, q, instant.U, self.h), instant, 0.0, 0)
+
+    def advance(self, state: State) -> Step:
+        """One step. Raises SolveError."""
+        t_end = self.schedule.landing(state.t, self.h)
+        trial = self.scheme.step(self.model, state, t_end)
+        new = State(t_end, state.step + 1, trial.q, trial.instant.U, self.h)
+        return Step(new, trial.instant, t_end - state.t, 0)
+
+
+# A step that is made again on finer meshes ends elsewhere, by about the error that it had.
+TRIES = 4
+
+
+@runtime_checkable
+class Refinable(Model, Protocol):
+    """A model whose meshes can be made finer."""
+
+    def errors(self, q: Configuration, t: float, instant: Instant) -> StepErrors:
+        """The estimated errors of an instant that this model gave."""
+
+    def refine(self, q: Configuration, t: float, instant: Instant) -> None:
+        """Use meshes from now on that lower the error of this instant well below the tolerance."""
+
+
+@dataclass(frozen=True, slots=True)
+class RefiningStepper:
+    """A stepper that makes a step again, with a finer mesh, when the error at its end is too large.
+
+    stepper: makes the steps, with `refinable` as its model; tolerance: of the largest error over the largest
+    result.
+    """
+
+    stepper: Advance
+    refinable: Refinable
+    tolerance: float
+
+    @property
+    def model(self) -> Model:
+        """The model."""
+        return self.refinable
+
+    @property
+    def container(self) -> Container:
+        """What encloses the fluid."""
+        return self.stepper.container
+
+    @property
+    def schedule(self) -> Schedule:
+        """The times to land on."""
+        return self.stepper.schedule
+
+    def start(self, q: Configuration, first_step: float | None = None) -> Step:
+        """The step of length 0 that begins a run."""
+        return self._accurate(partial(self.stepper.start, q, first_step))
+
+    def advance(self, state: State) -> Step:
+        """One accepted step, its error below the tolerance. Raises SolveError: that is out of reach."""
+        return self._accurate(partial(self.stepper.advance, state))
+
+    def _accurate(self, make: Callable[[], Step]) -> Step:
+        for _ in range(TRIES):
+            step = make()
+            q, t = step.state.q, step.state.t
+            error = max(self.refinable.errors(q, t, step.instant).relative.values(), default=0.0)
+            if error <= self.tolerance:
+                return step
+            self.refinable.refine(q, t, step.instant)
+        raise SolveError(
+            f"discretisation.tolerance = {self.tolerance:g}: missed at t = {t:.9g}, where the error is "
+            f"{error:.1e} on the finest mesh that was tried; raise it, or discretisation.degree"
         )

@@ -1,18 +1,19 @@
 """The decoupled distance scheme of the slides for `M u' + zeta (u - u_inf) + A u = Phi`: pairs store gaps.
 
 Each step h
-  1. advances the distance of each pair by itself, `D'' = -g kappa(D) D' + f` (`fsi.reduced.distance`); f
-     holds the other pairs, drag and `G'.u` at the beginning of the step, and the loads. So stored gaps are
-     positive;
+  1. advances the distance of each pair by itself, `D'' = -g kappa(D) D' + f`, in x = ln D, which does not
+     underflow where D does; f holds the other pairs, drag and `G'.u` at the beginning of the step, and the
+     loads. So stored gaps are positive;
   2. takes A with kappa(D^{n+1}) and G at q^n, and solves `(M + h Z + h A) u^{n+1} = M u^n + h Phi`;
   3. moves the bodies, `q += h u^{n+1}`.
 The energy inequality `1/2 |u^{n+1}|^2_M + h A u.u + ... <= 1/2 |u^n|^2_M + h Phi.u^{n+1}` holds at each
 step. Stored gaps drift away from those of the bodies, at first order in h; the drift is recorded.
+Source: A. Lefebvre and B. Maury, Direct simulation of dense suspensions (2008).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from time import process_time
 from typing import Any
@@ -25,16 +26,103 @@ from fsi.bodies.gaps import row_numbers
 from fsi.case.case import Case
 from fsi.errors import SolveError
 from fsi.integration.state import State
-from fsi.reduced.distance import (
-    FirstIntegral,
-    backward_euler_step,
-)
-from fsi.reduced.identities import identities, require
 from fsi.reduced.model import ReducedInstant, ReducedModel
 from fsi.reduced.network import gradient, own_mobility
 from fsi.reduced.pairs import Pairs, find_pairs, of_keys, own_speed, turning
 from fsi.reduced.stress import lubrication_stress
-from fsi.reduced.system import Surroundings, solve_system
+from fsi.reduced.system import Surroundings, identities, require, solve_system
+
+# (x) -> K and dK/dx, of an antiderivative K of kappa in D, for some of the pairs.
+type Integral = Callable[[Array, NDArray[np.intp]], tuple[Array, Array]]
+
+_ROUNDING = 4.0 * float(np.finfo(float).eps)
+_ITERATIONS = 200
+_LAST_STEP = 1e-8  # of Newton's method in x: the error after it is about its square
+_LEAST = float(np.finfo(float).tiny)
+
+
+@dataclass(frozen=True, slots=True)
+class FirstIntegral:
+    """One implicit step of `D' = w - g K(D)`, by which `w = D' + g K(D)` is kept, `w' = f`.
+
+    The equation for x = ln D at the end of the step is
+
+        (e^x - e^x0) / h + g K(x) = w
+
+    Its left side increases, so that there is one root; g K is the gamma of the slides, which stores the push.
+
+    Attributes:
+        x0: ln D at the beginning, (P,).
+        w: the first integral at the end, (P,).
+        h: the step.
+        g: >= 0, (P,).
+        integral: K and dK/dx at x for the pairs of an index.
+    """
+
+    x0: Array
+    w: Array
+    h: float
+    g: Array
+    integral: Integral
+
+    def solve(self) -> Array:
+        """x at the end of the step, (P,). Raises SolveError: two held bodies close their gap."""
+        h, D0, active = self.h, np.exp(self.x0), np.arange(len(self.x0))
+        if np.any((self.g == 0.0) & (D0 + h * self.w <= 0.0)):
+            raise SolveError("a gap between bodies or walls that are all held is closed by their motion")
+        F, _, _ = self._residual(self.x0, active)
+        # K increases, so that e^x <= e^x0 - h F(x0) if the gap opens: the start is never left of the root.
+        x = np.where(F < 0.0, np.log(D0 - h * np.minimum(F, 0.0) + _LEAST), self.x0)
+        low, high = np.full(len(x), -np.inf), x.copy()
+        for _ in range(_ITERATIONS):
+            at = x[active]
+            F, slope, size = self._residual(at, active)
+            high[active] = np.where(F >= 0.0, at, high[active])
+            low[active] = np.where(F < 0.0, at, low[active])
+            to = at - F / slope
+            beyond = (to > high[active]) | (to < low[active])
+            to = np.where(beyond, 0.5 * (low[active] + high[active]), to)
+            solved = np.abs(F) <= _ROUNDING * size
+            x[active] = np.where(solved, at, to)
+            active = active[~(solved | (~beyond & (np.abs(to - at) <= _LAST_STEP)))]
+            if len(active) == 0:
+                return x
+        raise SolveError("the distance of a pair was not found; shorten reduced.step")
+
+    def defect(self, x: Array) -> float:
+        """How far `D' + g K(D)` is from w after a step to x, at most, over the size of its terms.
+
+        Rounding of x = ln D, which is that of D and of K, counts among them.
+        """
+        F, slope, size = self._residual(x, np.arange(len(x)))
+        size = size + slope * np.abs(x) + _LEAST
+        return float(np.max(np.abs(F) / size, initial=0.0))
+
+    def _residual(self, x: Array, index: NDArray[np.intp]) -> tuple[Array, Array, Array]:
+        """Of the equation for some pairs, its derivative, and the size of its terms."""
+        K, slope = self.integral(x, index)
+        D, D0, g, w = np.exp(x), np.exp(self.x0[index]), self.g[index], self.w[index]
+        F = (D - D0) / self.h + g * K - w
+        size = (D + D0) / self.h + np.abs(g * K) + np.abs(w)
+        return F, D / self.h + g * slope, size
+
+
+def backward_euler_step(x0: Array, V: Array, f: Array, h: float, g_mu: Array) -> tuple[Array, Array]:
+    """The literal step for kappa = mu/D: the root D > 0 of `D^2 + p D = h g mu D0`.
+
+    Here `p = h g mu - D0 - h V - h^2 f`. Positive, but it keeps the push only in the gap itself, which is
+    lost once h |f| is not small against g mu.
+
+    Returns:
+        x = ln D and D' = (D - D0) / h.
+    """
+    D0 = np.exp(x0)
+    p = h * g_mu - D0 - h * V - h**2 * f
+    root = np.sqrt(p**2 + 4.0 * h * g_mu * D0)
+    with np.errstate(divide="ignore"):
+        shrinking = np.log(2.0 * h * g_mu) + x0 - np.log(np.abs(p) + root)
+        x = np.where(p > 0.0, shrinking, np.log(0.5 * (np.abs(p) + root)))
+    return x, (np.exp(x) - D0) / h
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,11 +193,7 @@ class DistanceModel(ReducedModel):
         return replace(instant, record={**instant.record, "cpu_solve": 0.0})
 
     def march(self, state: State, t_end: float) -> tuple[Configuration, ReducedInstant]:
-        """One step from `state` to `t_end`: where it ends, and the instant there.
-
-        Raises:
-            SolveError: new neighbours overlap, or an identity is violated.
-        """
+        """One step: its end, the instant there. Raises SolveError: new pairs overlap, an identity fails."""
         began = process_time()
         assert self._memory is not None
         h = t_end - state.t
@@ -202,12 +286,7 @@ class DistanceModel(ReducedModel):
         return PairMemory(pairs.key, x, rates + own_mobility(G, self._inverse_masses(ambient, d)) * K, force)
 
     def _instant(
-        self,
-        q: Configuration,
-        U: Array,
-        pairs: Pairs,
-        ambient: Surroundings,
-        record: Mapping[str, float],
+        self, q: Configuration, U: Array, pairs: Pairs, ambient: Surroundings, record: Mapping[str, float]
     ) -> ReducedInstant:
         """What is known at the end of a step; gamma = g K of the stored gaps."""
         assert self._memory is not None
@@ -218,8 +297,7 @@ class DistanceModel(ReducedModel):
         F = ambient.zeta * (U - ambient.background)
         F[:, :d] += (G.T @ memory.force).reshape(-1, d)
         stored = {"log10_stored_gap": float(memory.x.min(initial=np.inf) / np.log(10.0))}
-        stress = lubrication_stress(
-            ambient.enclosure, pairs, memory.force, q.radii, self.case.fluid.viscosity
-        )
+        viscosity = self.case.fluid.viscosity
+        stress = lubrication_stress(ambient.enclosure, pairs, memory.force, q.radii, viscosity)
         columns = {**record, **({} if stress is None else stress.record), **stored}
         return ReducedInstant(q, U, F, pairs, memory.x, memory.force, gamma, columns, stress)

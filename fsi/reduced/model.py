@@ -18,12 +18,11 @@ from fsi.integration.state import Instant
 from fsi.parallel import on_root
 from fsi.reduced.enclosure import drag, make_enclosure
 from fsi.reduced.gap_laws import make_laws
-from fsi.reduced.identities import identities, require
 from fsi.reduced.network import gradient
 from fsi.reduced.pairs import Pairs, find_pairs
 from fsi.reduced.stress import LubricationStress, lubrication_stress
-from fsi.reduced.system import Surroundings, solve_system
-from fsi.reduced.write import write_bodies, write_contacts
+from fsi.reduced.system import Surroundings, identities, require, solve_system
+from fsi.run_folder.paraview import in_space, write_lines, write_points
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,18 +64,20 @@ class ReducedInstant:
         return {} if self.stress is None else self.stress.body_columns
 
     def write(self, folder: Path, step: int) -> dict[str, list[str]]:
-        """Write the series "bodies" and "contacts".
+        """Write "bodies" and "contacts": the gap, maybe stored, lambda, positive where it opens, gamma."""
+        return on_root(lambda: self._write(folder, step))
 
-        Of each pair: the gap of the model, which may be stored, lambda, positive where the gap opens, and
-        gamma.
-        """
+    def _write(self, folder: Path, step: int) -> dict[str, list[str]]:
+        q, pairs, d = self.q, self.pairs, self.q.dimension
+        bodies, contacts = f"bodies_{step:06d}.vtu", f"contacts_{step:06d}.vtu"
+        vectors = {"velocity": in_space(self.U[:, :d]), "force": in_space(self.F[:, :d])}
+        write_points(folder / bodies, q.centres, {"radius": q.radii} | vectors)
+        # A line for each pair from centre to centre, or to the wall.
+        start, other = q.centres[pairs.i], np.where(pairs.is_wall, 0, pairs.j)
+        length = q.radii[pairs.i] + pairs.gap + np.where(pairs.is_wall, 0.0, q.radii[other])
         films = {"gap": np.exp(self.x), "force": self.force, "gamma": self.gamma}
-        return on_root(
-            lambda: {
-                "bodies": [write_bodies(folder, step, self.q, self.U, self.F)],
-                "contacts": [write_contacts(folder, step, self.q, self.pairs, films)],
-            }
-        )
+        write_lines(folder / contacts, start, start - length[:, None] * pairs.n, films)
+        return {"bodies": [bodies], "contacts": [contacts]}
 
 
 class ReducedModel:
@@ -91,11 +92,7 @@ class ReducedModel:
         self._steady = None if case.knots() else case.motion(0.0)  # with many bodies worth keeping
 
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> ReducedInstant:
-        """The velocities at configuration q and time t.
-
-        Raises:
-            SolveError: a gap is not positive, the motion is not determined, or an identity is violated.
-        """
+        """The velocities at q and t. Raises SolveError: overlap, undetermined motion, a violated identity."""
         return self.under(self.surroundings(q, t), q, t, inertia)
 
     def under(
@@ -113,9 +110,8 @@ class ReducedModel:
         checks = identities(solved.network, q, solved.U, solved.alone, solved.force) | solved.balances()
         require(checks, t)
         spent = {"cpu_pairs": paired - began, "cpu_solve": process_time() - paired}
-        stress = lubrication_stress(
-            ambient.enclosure, pairs, solved.force, q.radii, self.case.fluid.viscosity
-        )
+        viscosity = self.case.fluid.viscosity
+        stress = lubrication_stress(ambient.enclosure, pairs, solved.force, q.radii, viscosity)
         columns = {} if stress is None else stress.record
         record = {"pairs": len(pairs), "dissipation": solved.dissipation, **columns, **checks, **spent}
         nothing = np.zeros(len(pairs))

@@ -80,17 +80,10 @@ class GapNetwork:
         return loads
 
     def solve(self, u0: Array, Z_inverse: Array) -> tuple[Array, Array]:
-        """Velocities and forces of the gaps.
+        """Velocities u, (N, d), and forces lambda, (P,), of the gaps, positive where one opens.
 
-        Args:
-            u0: the velocities without lubrication, `Z^-1 f`; where held, the prescribed ones; (N, d).
-            Z_inverse: 0 where held, (N, d).
-
-        Returns:
-            u (N, d) and lambda (P,), positive where a gap opens.
-
-        Raises:
-            SolveError: the system cannot be solved.
+        u0: the velocities without lubrication, `Z^-1 f`; where held, the prescribed ones, with Z_inverse = 0.
+        Raises SolveError: the system cannot be solved.
         """
         if len(self.pairs) == 0:
             return u0, np.empty(0)
@@ -123,9 +116,8 @@ def _solve_spd(S: sp.csr_array, right: Array, d: int) -> Array:
                 "reduced.cutoff or give the bodies more drag"
             )
     try:
-        factors = splu(
-            S.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-        )
+        symmetric = {"SymmetricMode": True}
+        factors = splu(S.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
     except RuntimeError as error:
         raise SolveError(
             f"the forces in the gaps are not determined ({error}); give the bodies more drag or mass"

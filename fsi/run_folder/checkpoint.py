@@ -32,15 +32,8 @@ class Checkpoint:
 def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
     """Replace the file."""
     state = checkpoint.state
-    arrays: dict[str, Any] = {
-        "t": state.t,
-        "step": state.step,
-        "h": state.h,
-        "centres": state.q.centres,
-        "angles": state.q.angles,
-        "radii": state.q.radii,
-        "U": state.U,
-    }
+    arrays: dict[str, Any] = {"t": state.t, "step": state.step, "h": state.h, "U": state.U}
+    arrays |= {"centres": state.q.centres, "angles": state.q.angles, "radii": state.q.radii}
     for group in ("model", "lengths", "entries"):
         arrays |= {f"{group}/{key}": value for key, value in getattr(checkpoint, group).items()}
     packed = io.BytesIO()

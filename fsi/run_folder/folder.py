@@ -38,7 +38,7 @@ from fsi.files import TEMPORARY, replace
 from fsi.integration.state import State, StepRecord
 from fsi.parallel import on_root
 from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
-from fsi.run_folder.pvd import Entry, collection, read_collection
+from fsi.run_folder.paraview import Entry, collection, read_collection
 
 CASE, PROVENANCE, STATE, FIELDS = "case.toml", "provenance.json", "state.npz", "fields"
 STEPS, BODIES = "steps.csv", "bodies.csv"
@@ -68,10 +68,7 @@ class Commit:
 
 
 class RunFolder:
-    """A run folder open for writing. Every method is called by all ranks; root alone touches the disk.
-
-    checkpoint: the last commit when the folder was opened; None if there was none.
-    """
+    """A run folder open for writing, with its last commit. All ranks call every method; root alone writes."""
 
     def __init__(self, path: Path, checkpoint: Checkpoint | None = None) -> None:
         self.path = path
@@ -82,22 +79,14 @@ class RunFolder:
 
     @classmethod
     def create(cls, path: Path, case_toml: str, launch: Mapping[str, Any]) -> Self:
-        """Make a folder with the case and its provenance; it appears complete or not at all.
-
-        Raises:
-            InputError: there is something at that path, or it cannot be written.
-        """
+        """Make a folder, complete or not at all. Raises InputError: it exists, or cannot be written."""
         path = path.resolve()
         on_root(lambda: _create(path, case_toml, launch))
         return cls(path)
 
     @classmethod
     def reopen(cls, path: Path) -> Self:
-        """Open a folder, without changing anything in it.
-
-        Raises:
-            InputError: it is not a run folder, or cannot be read.
-        """
+        """Open a folder, changing nothing in it. Raises InputError: no run folder, or not readable."""
         path = path.resolve()
         return cls(path, on_root(lambda: _last_commit(path)))
 
@@ -112,19 +101,11 @@ class RunFolder:
         return self.path / FIELDS
 
     def rewind(self, launch: Mapping[str, Any]) -> None:
-        """Cut off what came after the last commit, and add a launch to the provenance.
-
-        Raises:
-            InputError: the folder cannot be written, or rows or files of the run are missing in it.
-        """
+        """Cut off what came after the last commit, and add a launch. Raises InputError: parts are missing."""
         on_root(lambda: self._rewind(launch))
 
     def keep(self, commit: Commit) -> None:
-        """Append a step to the tables and its field files, by series, to their series; then commit.
-
-        Raises:
-            SolveError: the folder can no longer be written (the disk is full).
-        """
+        """Append a step to tables and series; then commit. Raises SolveError: not writable (disk full)."""
         on_root(lambda: self._keep(commit))
 
     def _keep(self, commit: Commit) -> None:
@@ -139,9 +120,8 @@ class RunFolder:
                 entries += [Entry(record.t, part, f"{FIELDS}/{name}") for part, name in enumerate(added)]
                 replace(self._collection(series), collection(entries))
             counts = {series: len(entries) for series, entries in self._series.items()}
-            write_checkpoint(
-                self.path / STATE, Checkpoint(commit.state, commit.memory, self._lengths, counts)
-            )
+            checkpoint = Checkpoint(commit.state, commit.memory, self._lengths, counts)
+            write_checkpoint(self.path / STATE, checkpoint)
 
     def _append(self, table: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
         text = io.StringIO()
@@ -207,8 +187,7 @@ def _last_commit(path: Path) -> Checkpoint | None:
         if written != FORMAT:
             raise InputError(
                 f"output = {path}: a run of another version of this program (format {written}, this one "
-                "writes "
-                f"{FORMAT}); run the case again, or resume with that version"
+                f"writes {FORMAT}); run the case again, or resume with that version"
             )
         return read_checkpoint(path / STATE) if (path / STATE).exists() else None
 

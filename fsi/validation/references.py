@@ -5,7 +5,7 @@ from __future__ import annotations
 from decimal import Decimal
 
 from fsi.case.case import Case
-from fsi.case.expected import TIME_AT_GAP, Expected, gap_of
+from fsi.case.sections import TIME_AT_GAP, Expected, gap_of
 from fsi.lubrication.exact_results import EXACT, ExactProblem
 
 EXACT_DIGITS = 1e-13  # relative error of the functions in `fsi.lubrication`

@@ -13,7 +13,7 @@ import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
-from fsi.case.expected import TIME_AT_GAP, Expected, gap_of
+from fsi.case.sections import TIME_AT_GAP, Expected, gap_of
 from fsi.errors import InputError, SolveError
 from fsi.integration.schemes import BogackiShampine
 from fsi.integration.step_errors import ErrorEstimate

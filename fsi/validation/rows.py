@@ -13,10 +13,9 @@ import numpy as np
 
 from fsi.case.case import Case
 from fsi.case.checks.expected import check_expected
-from fsi.case.expected import APPARENT_VISCOSITY, DISSIPATION, TIME_AT_GAP
-from fsi.case.load import load_case, parse_case
-from fsi.case.overrides import override
+from fsi.case.load import load_case, override, parse_case
 from fsi.case.section import nearest_word, toml_text
+from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, TIME_AT_GAP
 from fsi.errors import InputError
 from fsi.integration.step_errors import Measured
 from fsi.lubrication.expansions import expansion

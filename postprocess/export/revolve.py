@@ -18,7 +18,7 @@ from fsi.files import replace
 from fsi.meshes.cells.lagrange import order_of
 from fsi.postprocess.run.cells import along_curves, nodes, small_triangles
 from fsi.postprocess.run.run import Run
-from fsi.run_folder.pvd import Entry, collection
+from fsi.run_folder.paraview import Entry, collection
 
 SERIES = ("fluid", "surface")
 

@@ -32,7 +32,7 @@ from fsi.postprocess.run.cells import counted, nodes
 from fsi.postprocess.run.tables import read_table
 from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint
 from fsi.run_folder.folder import CASE
-from fsi.run_folder.pvd import Entry, read_collection
+from fsi.run_folder.paraview import Entry, read_collection
 
 _SAME_NODE = 1e-13  # of the size of the domain: ranks agree on the nodes that they share to rounding
 

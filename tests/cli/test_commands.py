@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from fsi.cli import main
+from fsi.cli.main import main
 from tests.exact_model import DiscsBesidePlane
 
 ROOT = Path(__file__).parents[2]
@@ -70,7 +70,7 @@ def test_check_shows_bodies_gaps_and_walls() -> None:
 def test_check_and_help_load_neither_dolfinx_nor_gmsh_nor_pyvista() -> None:
     script = f"""
         import sys
-        from fsi.cli import main
+        from fsi.cli.main import main
         for arguments in (["--help"], ["check", {str(CASE)!r}]):
             sys.argv = ["fsi", *arguments]
             assert main() == 0
@@ -157,7 +157,8 @@ def test_an_error_on_one_rank_ends_all_with_one_message(error: str) -> None:
         import fsi.meshes.backend
         from mpi4py import MPI
         import fsi.parallel as parallel
-        from fsi.cli import check, main
+        from fsi.cli import check
+        from fsi.cli.main import main
         from fsi.errors import InputError
 
         def load(path, overrides):

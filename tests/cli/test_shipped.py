@@ -8,7 +8,7 @@ import pytest
 
 from fsi.case.checks.expected import check_expected
 from fsi.case.load import load_case
-from fsi.cli import missing, shipped
+from fsi.cli import cases, missing
 from fsi.cli.missing import explain
 from fsi.errors import InputError
 from tests.cli.test_commands import ROOT, fsi
@@ -27,12 +27,12 @@ def test_the_cases_are_written_as_they_are(tmp_path: Path) -> None:
     }
     assert written == wanted
     with pytest.raises(InputError, match=r"folder = .*: is there already; give the name of a new one"):
-        shipped.write_cases(tmp_path / "new")
+        cases.write_cases(tmp_path / "new")
 
 
 def test_every_shipped_case_stands_alone(tmp_path: Path) -> None:
     """Written into an empty folder by `fsi cases`, each one loads and is checked there."""
-    shipped.write_cases(tmp_path / "cases")
+    cases.write_cases(tmp_path / "cases")
     paths = [path for path in (tmp_path / "cases").rglob("*.toml") if path.parent.name != "laws"]
     assert len(paths) > 60
     for path in paths:
@@ -40,11 +40,11 @@ def test_every_shipped_case_stands_alone(tmp_path: Path) -> None:
 
 
 def test_a_package_without_its_cases_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(shipped, "_CASES", tmp_path / "cases")
+    monkeypatch.setattr(cases, "_CASES", tmp_path / "cases")
     with pytest.raises(InputError, match="has come without its cases"):
-        shipped.shipped_cases()
+        cases.shipped_cases()
     (tmp_path / "cases" / "validation").mkdir(parents=True)
-    assert shipped.shipped_cases() == tmp_path / "cases"
+    assert cases.shipped_cases() == tmp_path / "cases"
 
 
 @pytest.mark.parametrize(

@@ -8,10 +8,9 @@ import scipy.sparse as sp
 from scipy.optimize import brentq
 
 from fsi.bodies.configuration import Array
-from fsi.gluey.augmented_lagrangian import minimise
-from fsi.gluey.contact_response import ContactResponse
+from fsi.gluey.augmented_lagrangian import Program, minimise
 from fsi.gluey.film import Film, Shape
-from fsi.gluey.quadratic_program import Program
+from fsi.gluey.qp_solver import ContactResponse
 
 H = 0.02
 

@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 from fsi.bodies.configuration import Array
 from fsi.case.gluey import ContactLaw
 from fsi.gluey.contacts import Room
-from fsi.gluey.limit import Limit, piecewise_constant, slides_scheme
-from fsi.gluey.one_body import ESTIMATES, A, log_gap, solve
+from fsi.gluey.limit import ESTIMATES, A, Limit, log_gap, piecewise_constant, slides_scheme, solve
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, System
 from fsi.meshes.geometry.containers import Unbounded

@@ -12,10 +12,8 @@ from scipy.optimize import isotonic_regression, lsq_linear
 from bench.gluey import H, crowd
 from fsi.bodies.configuration import Array
 from fsi.gluey import qp_solver
-from fsi.gluey.augmented_lagrangian import minimise
-from fsi.gluey.contact_response import ContactResponse
-from fsi.gluey.qp_solver import by_interior_points
-from fsi.gluey.quadratic_program import Impulses, Program
+from fsi.gluey.augmented_lagrangian import Impulses, Program, minimise
+from fsi.gluey.qp_solver import ContactResponse, by_interior_points
 from fsi.gluey.step import advance
 
 

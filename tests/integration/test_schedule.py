@@ -3,7 +3,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fsi.integration.schedule import STRETCH, Schedule
+from fsi.integration.state import STRETCH, Schedule
 
 END = 10.0
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from fsi.bodies.configuration import Array, Configuration, Inertia
-from fsi.integration.schemes import SCHEMES, AscherRuuthSpiteri, Beginning, BogackiShampine, registry
+from fsi.integration.schemes import SCHEMES, AscherRuuthSpiteri, Beginning, BogackiShampine, register_scheme
 from fsi.integration.state import Instant, Model, Scheme, State, Trial
 from fsi.lubrication.exact import settling_time
 from fsi.models import make_stepper
@@ -121,7 +121,7 @@ def test_a_scheme_from_outside_is_chosen_by_its_name(monkeypatch: pytest.MonkeyP
     for name, kind in SCHEMES.items():
         monkeypatch.setitem(SCHEMES, name, kind)  # so that what is added goes again
 
-    @registry.register_scheme("midpoint", fixed=True)
+    @register_scheme("midpoint", fixed=True)
     class Midpoint:
         error_order: ClassVar[int] = 3
 

@@ -14,9 +14,8 @@ from hypothesis import strategies as st
 from fsi.bodies.configuration import Array, Configuration
 from fsi.case.case import Case
 from fsi.errors import SolveError
-from fsi.integration.schedule import Schedule
 from fsi.integration.schemes import BogackiShampine
-from fsi.integration.state import Advance, Step
+from fsi.integration.state import Advance, Schedule, Step
 from fsi.integration.stepper import Stepper
 from fsi.lubrication.exact import settling_time
 from fsi.meshes.geometry.containers import Box

@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 import fsi
-from fsi.cli import main
+from fsi.cli.main import main
 from fsi.integration.state import StepRecord
 from fsi.postprocess.render import canvas
 from fsi.postprocess.report import write_report

@@ -13,7 +13,7 @@ from fsi.bodies.configuration import Array
 from fsi.integration.state import Step
 from fsi.models import make_model, make_stepper
 from fsi.reduced.distance_model import DistanceModel, PairMemory, merged
-from fsi.reduced.identities import BOUND
+from fsi.reduced.system import BOUND
 from tests.reduced_data import INERTIA, heap, reduced_case
 
 REFERENCE = json.loads((Path(__file__).parents[1] / "reference" / "gluey_1d.json").read_text())

@@ -13,10 +13,9 @@ from scipy.interpolate import CubicHermiteSpline
 from fsi.errors import InputError, SolveError
 from fsi.lubrication import exact, spheres
 from fsi.models import make_model, make_stepper
-from fsi.reduced.identities import BOUND, identities
 from fsi.reduced.model import ReducedInstant, ReducedModel
 from fsi.reduced.pairs import find_pairs
-from fsi.reduced.system import solve_system
+from fsi.reduced.system import BOUND, identities, solve_system
 from tests.reduced_data import INERTIA, heap, reduced_case
 
 SETTLING = json.loads((Path(__file__).parents[1] / "reference" / "settling.json").read_text())

@@ -25,7 +25,7 @@ from fsi.models import make_model
 from fsi.postprocess.export.step_mesh import write_step_mesh
 from fsi.postprocess.run.probe import probe
 from fsi.postprocess.run.run import open_run
-from fsi.run_folder.pvd import read_collection
+from fsi.run_folder.paraview import read_collection
 from fsi.runs import resume
 from fsi.runs import run as run_case
 from tests.exact_model import DiscsBesidePlane, by

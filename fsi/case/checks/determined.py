@@ -1,4 +1,4 @@
-"""Whether the motion of a case is determined: something must stop every rigid motion of all together."""
+"""Whether the motion of a case is determined and its fluid incompressible, by walls and by what is held."""
 
 from __future__ import annotations
 
@@ -37,9 +37,7 @@ def check_determined(case: Case) -> None:
         return
     rank = _rank(case, _stopped_modes(case))
     if rank < case.modes.sum():
-        free = (
-            "everything is free" if rank == 0 else "what is held leaves a rigid motion of all together free"
-        )
+        free = "what is held leaves a rigid motion of all together free" if rank else "everything is free"
         raise InputError(
             f"domain.walls = {toml_text(case.domain.walls)}: no wall has a velocity and {free}, so the "
             "motion is not determined; give a wall a velocity or hold a body"
@@ -66,3 +64,22 @@ def _stopped_modes(case: Case, inertia: bool = True) -> Iterator[Array]:
         for held, form in zip(body.motion, of_body, strict=True):
             if held != "free" or (inertia and body.mass is not None):
                 yield form
+
+
+def check_flux(case: Case) -> None:
+    """An incompressible fluid that is enclosed all round cannot take a net flux, at any time."""
+    if case.wall_pressure() or not case.domain.walls:
+        return
+    fluxes = dict(zip(case.domain.walls, case.container().wall_fluxes(), strict=True))
+    for t in case.knots() or (0.0,):
+        outward = {
+            name: float(fluxes[name][:-1] @ wall.velocity + fluxes[name][-1] * wall.shear)
+            for name, wall in case.wall_velocity(t).items()
+        }
+        worst = max(outward, key=lambda name: abs(outward[name]))
+        net = sum(outward.values())
+        if abs(net) > 1e-12 * abs(outward[worst]):
+            raise InputError(
+                f"domain.walls.{worst} = {toml_text(case.domain.walls[worst])}: the net flux out of the "
+                f'closed domain is {net:.6g} at t = {t:g}; balance the wall velocities or make a wall "open"'
+            )

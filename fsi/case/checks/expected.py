@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from fsi.case.case import Case
-from fsi.case.expected import APPARENT_VISCOSITY, DISSIPATION, Expected
-from fsi.case.section import nearest_word, toml_text
+from fsi.case.section import nearest_word, refusal, toml_text
+from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, Expected
 from fsi.errors import InputError
 from fsi.lubrication.exact_results import EXACT, Fitting
 
@@ -21,9 +21,7 @@ def check_expected(case: Case) -> None:
         if "." in row.quantity and not row.quantity.startswith("time"):
             _check_component(case, row, f"expected.{i}.quantity = {toml_text(row.quantity)}")
         elif row.quantity == APPARENT_VISCOSITY and not len(case.container().periods):
-            raise InputError(
-                f"expected.{i}.quantity = {toml_text(row.quantity)}: is that of a periodic domain; drop it"
-            )
+            raise refusal(f"expected.{i}.quantity", row.quantity, "is that of a periodic domain; drop it")
         if row.exact is not None:
             _check_exact(case, row, EXACT[row.exact].fitting, f"expected.{i}.exact = {toml_text(row.exact)}")
 

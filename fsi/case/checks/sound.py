@@ -11,13 +11,10 @@ import numpy as np
 
 from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
-from fsi.case.checks.determined import check_determined
-from fsi.case.checks.flux import check_flux
-from fsi.case.checks.gluey import check_gluey
-from fsi.case.checks.macroscopic import check_macroscopic
-from fsi.case.checks.reduced import check_reduced
+from fsi.case.checks.determined import check_determined, check_flux
+from fsi.case.checks.levels import check_gluey, check_macroscopic, check_reduced
 from fsi.case.checks.time import check_time
-from fsi.case.section import toml_text
+from fsi.case.section import refusal, toml_text
 from fsi.case.series import Component, is_zero
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Container
@@ -138,9 +135,7 @@ def _check_axis(case: Case) -> None:
                 )
     for name, wall in case.domain.walls.items():
         if not wall.suits_axis(along=name == "right"):
-            raise InputError(
-                f"domain.walls.{name} = {toml_text(wall)}: is not symmetric about the axis; give [0.0, u_z]"
-            )
+            raise refusal(f"domain.walls.{name}", wall, "is not symmetric about the axis; give [0.0, u_z]")
 
 
 def _nothing(component: Component) -> bool:
@@ -175,23 +170,18 @@ def _check_inertia(case: Case) -> None:
 def _check_beginning(case: Case, i: int) -> None:
     """Only a free component of a body with inertia begins with a velocity of its own."""
     body = case.bodies[i]
-    begun = {
-        "initial_velocity": body.initial_velocity,
-        "initial_angular_velocity": body.initial_angular_velocity,
-    }
-    for key, velocity in begun.items():
+    for key in ("initial_velocity", "initial_angular_velocity"):
+        velocity = getattr(body, key)
         if velocity is not None and body.mass is None and case.model in ("resolved", "reduced"):
             raise InputError(
                 f"bodies.{i}.{key} = {toml_text(velocity)}: without a mass the velocity is a result; drop it "
-                "or "
-                "give mass and moment_of_inertia"
+                "or give mass and moment_of_inertia"
             )
     for held, begin in zip(body.motion, body.initial_motion, strict=True):
         if held != "free" and begin != 0.0:
             raise InputError(
                 f"bodies.{i}.initial_velocity = {toml_text(body.initial_motion)}: body {body.name!r} holds "
-                "this "
-                'component; drop it there or make the velocity "free"'
+                'this component; drop it there or make the velocity "free"'
             )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from fsi.case.case import Case
-from fsi.case.section import nearest_word, toml_text
+from fsi.case.section import nearest_word, refusal, toml_text
 from fsi.case.series import Table, jumps
 from fsi.errors import InputError
 from fsi.integration.schemes import SCHEMES, scheme_for
@@ -32,9 +32,8 @@ def _check_scheme(case: Case) -> None:
     time = case.timing
     if case.model in _OWN_STEP:
         if time.scheme is not None:
-            raise InputError(
-                f'time.scheme = {toml_text(time.scheme)}: model = "{case.model}" has a scheme of its own; '
-                "drop it"
+            raise refusal(
+                "time.scheme", time.scheme, f'model = "{case.model}" has a scheme of its own; drop it'
             )
         _require_step(case, f'model = "{case.model}"')
         return
@@ -42,8 +41,7 @@ def _check_scheme(case: Case) -> None:
         nearest = nearest_word(time.scheme, SCHEMES)
         raise InputError(
             f"time.scheme = {toml_text(time.scheme)}: there is no such scheme; the nearest is {nearest!r}, "
-            "of "
-            f"{', '.join(SCHEMES)}"
+            f"of {', '.join(SCHEMES)}"
         )
     scheme = scheme_for(time.scheme, inertia=case.masses() is not None)
     here = f"time.scheme = {toml_text(scheme.name)}"
@@ -78,8 +76,7 @@ def _check_jumps(case: Case) -> None:
         for t in jumps(series):
             raise InputError(
                 f'{key}: jumps at t = {t:g}, which model = "{case.model}" does not step over; give a steep '
-                "ramp, "
-                f"times {t:g} and a little later"
+                f"ramp, times {t:g} and a little later"
             )
 
 

@@ -1,0 +1,204 @@
+"""What a case must satisfy to be run with the gluey, the macroscopic or the reduced model."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fsi.bodies.configuration import Array
+from fsi.bodies.gaps import find_gaps
+from fsi.case.background_flow import background
+from fsi.case.case import Case
+from fsi.case.domain import MeanDrive
+from fsi.case.section import refusal, toml_text
+from fsi.case.series import is_zero
+from fsi.errors import InputError
+
+# Of the smallest radius: an overlap that is rounding in a contact.
+_ROUNDING = 1e-10
+
+
+def check_gluey(case: Case) -> None:
+    """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
+    if not case.bodies:
+        raise InputError("bodies: missing; give [[bodies]], [[grids]] or bodies_from")
+    _check_walls(case)
+    _check_names(case)
+    _check_contacts(case)
+
+
+def _check_walls(case: Case) -> None:
+    """Walls are at rest, and the lattice stands along the axes, several bodies wide."""
+    for name, wall in case.domain.walls.items():
+        if not wall.rests:
+            raise refusal(
+                f"domain.walls.{name}", wall, "walls of the gluey model are solid and at rest; drop it"
+            )
+    container, largest = case.container(), case.configuration().radii.max()
+    if container.mean_gradient.any() or case.domain.mean_drive() != (0.0, None):
+        raise InputError(
+            f"domain = {toml_text(case.domain)}: no fluid drives gluey bodies; drop shear, extension, "
+            "pressure_gradient or net_flux"
+        )
+    periods = container.periods
+    if np.count_nonzero(periods) > len(periods):
+        raise refusal(
+            "domain", case.domain, "the gluey model wants periods along the axes; give such vectors"
+        )
+    if np.any(periods) and periods[periods != 0.0].min() < 8.0 * largest:
+        raise InputError(
+            f"domain = {toml_text(case.domain)}: a period is below four diameters, so that bodies meet their "
+            "own images; widen it"
+        )
+
+
+def _check_names(case: Case) -> None:
+    taken = {*case.domain.walls, *case.names}
+    for i, wall in enumerate(case.gluey.walls):
+        if wall.name in taken:
+            raise refusal(
+                f"gluey.walls.{i}.name", wall.name, "a wall or body has this name; give another one"
+            )
+        taken.add(wall.name)
+
+
+def _check_contacts(case: Case) -> None:
+    """Bodies and walls touch at most, and films have gaps."""
+    q, container = case.configuration(), case.container()
+    gaps = find_gaps(q, container, reach=0.0)
+    between_bodies = zip(gaps.pairs, gaps.pair_gaps, strict=True)
+    touching = [(gap, f"{case.names[i]} and {case.names[j]}") for (i, j), gap in between_bodies]
+    of_planes = [
+        (np.array(wall.normal) / np.linalg.norm(wall.normal)) @ (q.centres - np.array(wall.point)).T - q.radii
+        for wall in case.gluey.walls
+    ]
+    to_walls = np.column_stack([container.distances(q.centres) - q.radii[:, None], *of_planes])
+    names = [*container.walls, *(wall.name for wall in case.gluey.walls)]
+    overlaps = np.argwhere(to_walls <= 0.0)
+    touching += [(to_walls[i, w], f"{case.names[i]} and wall {names[w]}") for i, w in overlaps]
+    if not touching:
+        return
+    deepest, between = min(touching)
+    if deepest < -_ROUNDING * q.radii.min():
+        raise InputError(f"bodies: {between} overlap by {-deepest:.3g}; move them apart")
+    if case.gluey.variant == "film":
+        raise InputError(
+            f'bodies: {between} touch, where gluey.variant = "film" needs a gap; move them apart or give '
+            '"shifted"'
+        )
+
+
+# Relative: densities of bodies, and numbers of parcels in each, nearer than this are the same.
+_SAME = 1e-9
+
+
+def check_macroscopic(case: Case) -> None:
+    """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
+    if case.macroscopic.blocks:
+        if case.bodies:
+            raise refusal(
+                "bodies.0", case.bodies[0].name, "there are [[macroscopic.blocks]]; give bodies or blocks"
+            )
+        return
+    if not case.bodies:
+        raise InputError("macroscopic.blocks: missing; give [[macroscopic.blocks]] or [[bodies]] on a line")
+    axis = line_of(case)
+    q, masses = case.configuration(), case.masses()
+    _check_loads(case, axis)
+    if masses is None or any(body.mass is None for body in case.bodies):
+        raise InputError("bodies.0.mass: missing; the macroscopic model wants the mass of each body")
+    per_length = masses[:, axis] / (2.0 * q.radii)
+    uneven = int(np.abs(per_length - per_length[0]).argmax())
+    if abs(per_length[uneven] - per_length[0]) > _SAME * per_length[0]:
+        raise InputError(
+            f"bodies.{uneven}.mass = {masses[uneven, axis]:g}: matter has one density, mass over diameter, "
+            f"here {per_length[0]:g}; give {2.0 * q.radii[uneven] * per_length[0]:g}"
+        )
+    _check_parcels(case, q.radii)
+
+
+def line_of(case: Case) -> int:
+    """The axis along which the bodies of a case stand, the first that separates them. Raises InputError."""
+    centres = case.configuration().centres
+    spread = np.ptp(centres, axis=0)
+    if case.axisymmetric:
+        return 1
+    if np.count_nonzero(spread) > 1:
+        raise InputError(
+            f"bodies.1.position = {toml_text(case.bodies[1].position)}: not on a line along an axis with the "
+            'others; model = "macroscopic" is for bodies on such a line'
+        )
+    return int(spread.argmax())
+
+
+def _check_loads(case: Case, axis: int) -> None:
+    """Along the line bodies are free; nothing pushes free ones off it."""
+    for i, body in enumerate(case.bodies):
+        if body.motion[axis] != "free":
+            raise InputError(
+                f"bodies.{i}.velocity = {toml_text(body.velocity)}: bodies of the macroscopic model are free "
+                'along their line; give "free" there'
+            )
+        for k, (motion, load, key) in enumerate(zip(body.motion, body.loads, body.keys, strict=True)):
+            if k != axis and motion == "free" and not is_zero(load):
+                raise refusal(f"bodies.{i}.{key}", load, "pushes the body off its line; drop it")
+    for k, _ in enumerate(case.forces):
+        raise InputError(f"forces.{k}: the macroscopic model knows only the forces of [[bodies]]; drop it")
+
+
+def _check_parcels(case: Case, radii: Array) -> None:
+    parts = case.macroscopic.parcels * radii / radii.sum()
+    if np.abs(parts - np.rint(parts)).max() > _SAME * case.macroscopic.parcels:
+        raise InputError(
+            f"macroscopic.parcels = {case.macroscopic.parcels}: the diameters of the bodies are not whole "
+            f"numbers of parcels; give a multiple of {len(radii)} for equal bodies"
+        )
+
+
+def check_reduced(case: Case) -> None:
+    """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
+    if case.drag == 0.0 and case.masses() is None:
+        raise InputError(
+            "reduced.drag = 0: only lubrication would resist bodies without mass; give them drag or mass"
+        )
+    if case.output.error_estimates:
+        raise InputError(
+            "output.error_estimates = true: a reduced model has no mesh to estimate the error of; drop it"
+        )
+    _check_periodic(case)
+    _check_background(case)
+    laws = {case.reduced.law, case.reduced.wall_law or case.reduced.law}
+    literal = case.time is not None and case.time.scheme == "backward-euler"
+    if literal and (laws != {"slides"} or case.reduced.cutoff is not None):
+        raise InputError(
+            f'reduced.law = "{case.reduced.law}": scheme "backward-euler" is for "slides" without a cutoff; '
+            'use time.scheme = "distance"'
+        )
+
+
+def _check_periodic(case: Case) -> None:
+    """Images end at the cutoff."""
+    if case.reduced.cutoff is None and len(case.container().periods):
+        raise InputError(
+            "reduced.cutoff: missing; a body of a periodic domain has images without end; give the gap from "
+            "which on they do not feel each other"
+        )
+
+
+def _check_background(case: Case) -> None:
+    """Walls drive a flow that is known at any time, and no pressure drives one."""
+    drive = case.domain.mean_drive()
+    if drive != MeanDrive(0.0, None):
+        key = "pressure_gradient" if drive.net_flux is None else "net_flux"
+        raise InputError(
+            f"domain.{key} = {getattr(drive, key):g}: the reduced model knows only flow between moving "
+            "walls; drop it"
+        )
+    pressures = case.wall_pressure()
+    if len(set(pressures.values())) > 1:
+        name = max(pressures, key=lambda name: abs(pressures[name]))
+        raise InputError(
+            f"domain.walls.{name} = {{pressure = {pressures[name]:g}}}: the reduced model knows no flow that "
+            "pressure drives; give all open walls the same"
+        )
+    for t in case.knots() or (0.0,):
+        background(case.container(), case.wall_velocity(t))

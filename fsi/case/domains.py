@@ -1,0 +1,256 @@
+"""The shapes of domains, in the order of messages: boxes, half-plane, disc or ball, cell, unbounded."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal, Self, override
+
+import numpy as np
+from pydantic import BeforeValidator, SerializeAsAny, ValidationInfo, field_validator
+
+from fsi.case.domain import MeanDrive, Walled, register_domain
+from fsi.case.section import (
+    Geometry,
+    Positive,
+    Section,
+    dimension_of,
+    refusal,
+    require_components,
+    told,
+    toml_text,
+)
+from fsi.errors import InputError
+from fsi.meshes.geometry.containers import Box, Container, HalfPlane, Round, Unbounded
+from fsi.meshes.geometry.periodic import Cell, Channel
+
+
+def _walls_of(geometry: Geometry, periodic: tuple[str, ...] = ()) -> tuple[str, ...]:
+    corner = (0.0,) * dimension_of(geometry)
+    return Box(corner, corner, geometry == "axisymmetric", periodic).walls
+
+
+@register_domain
+class BoxDomain(Walled):
+    """The rectangle [lower, upper] with the walls left, right, bottom, top; in space also front, back."""
+
+    shape: Literal["box"] = "box"
+    lower: tuple[float, ...]
+    """the lower left corner [x, y] (in space [x, y, z]), left of and below `upper`"""
+    upper: tuple[float, ...]
+    """the upper right corner [x, y] (in space [x, y, z]), right of and above `lower`"""
+
+    @classmethod
+    @override
+    def wall_names(cls, geometry: Geometry, known: Mapping[str, Any]) -> tuple[str, ...]:
+        """left, right, front, back, bottom, top; no front and back in the plane, a cylinder has no left."""
+        return _walls_of(geometry)
+
+    @field_validator("lower", "upper")
+    @classmethod
+    def _all_components(cls, corner: tuple[float, ...], info: ValidationInfo) -> tuple[float, ...]:
+        return require_components(corner, told(info).dimension, "a corner")
+
+    @field_validator("upper")
+    @classmethod
+    def _right_way_round(cls, upper: tuple[float, ...], info: Any) -> tuple[float, ...]:
+        lower = info.data.get("lower", (-np.inf,) * len(upper))
+        if not all(low < high for low, high in zip(lower, upper, strict=True)):
+            raise ValueError(f"does not lie to the right of and above lower = {list(lower)}")
+        return upper
+
+    @override
+    def container(self) -> Container:
+        return Box(self.lower, self.upper, self.geometry == "axisymmetric")
+
+    @override
+    def require_axis(self) -> None:
+        if self.lower[0] != 0.0:
+            raise refusal(
+                "domain.lower", self.lower, "an axisymmetric domain begins on the axis; give [0.0, z]"
+            )
+
+
+class _Periodicity(Section):
+    """What decides which walls a periodic box has: a base class, so that it is known before `walls`."""
+
+    periodic: tuple[Literal["x", "y", "z"], ...]
+    'the periodic directions: ["x"]; for both give shape = "cell"'
+
+    @field_validator("periodic")
+    @classmethod
+    def _each_once(cls, periodic: tuple[str, ...], info: ValidationInfo) -> tuple[str, ...]:
+        if told(info).geometry == "axisymmetric":
+            raise ValueError('only planar and spatial domains are periodic; give geometry = "planar"')
+        letters = "xyz"[: told(info).dimension]
+        if not periodic or len(set(periodic)) < len(periodic) or not set(periodic) <= set(letters):
+            raise ValueError(f"does not name each of some directions of {', '.join(letters)} once")
+        return periodic
+
+
+@register_domain
+class ChannelDomain(BoxDomain, _Periodicity):
+    """The box that is periodic in some directions, across which it has no walls: along x, a channel."""
+
+    takes_mesh: ClassVar[bool] = False
+
+    pressure_gradient: float = 0.0
+    """the mean dp/dx, a number"""
+    net_flux: float | None = None
+    """the flux of fluid and bodies along x, a number; the pressure gradient is then a result"""
+
+    @classmethod
+    @override
+    def wall_names(cls, geometry: Geometry, known: Mapping[str, Any]) -> tuple[str, ...]:
+        """Those of a box but for the sides that are periodic."""
+        return _walls_of(geometry, known.get("periodic", ()))
+
+    @field_validator("walls", mode="before")
+    @classmethod
+    def _no_sides(cls, walls: Any, info: ValidationInfo) -> Any:
+        if not isinstance(walls, dict):
+            return walls
+        geometry = told(info).geometry
+        for letter in info.data.get("periodic", ()):
+            for side in set(_walls_of(geometry)) - set(_walls_of(geometry, (letter,))):
+                if side in walls:
+                    raise ValueError(
+                        f"a domain periodic in {letter} has no wall {side}; drop walls.{side} or periodic"
+                    )
+        return walls
+
+    @field_validator("net_flux")
+    @classmethod
+    def _one_of_them(cls, net_flux: float | None, info: Any) -> float | None:
+        if net_flux is not None and info.data.get("pressure_gradient"):
+            raise ValueError("the pressure gradient is given too; drop one of them")
+        return net_flux
+
+    @override
+    def mean_drive(self) -> MeanDrive:
+        return MeanDrive(self.pressure_gradient if self.net_flux is None else None, self.net_flux)
+
+    @override
+    def container(self) -> Container:
+        return Channel(self.lower, self.upper, periodic=self.periodic)
+
+    @override
+    def require_fluid(self) -> None:
+        if (self.geometry, self.periodic) != ("planar", ("x",)):
+            raise InputError(
+                f"domain.periodic = {toml_text(self.periodic)}: a flow is solved for only in planar boxes "
+                'that are periodic in x; give ["x"], for both give shape = "cell"'
+            )
+
+
+@register_domain
+class HalfPlaneDomain(Walled):
+    """The half disc y > 0 (half ball z > 0) of large radius that stands for the half-plane (half-space)."""
+
+    shape: Literal["half-plane"]
+    radius: Positive
+    """the radius of the half disc, a number > 0, some 100 body radii"""
+
+    @classmethod
+    @override
+    def wall_names(cls, geometry: Geometry, known: Mapping[str, Any]) -> tuple[str, ...]:
+        return HalfPlane(1.0).walls
+
+    @override
+    def container(self) -> Container:
+        return HalfPlane(self.radius, self.geometry == "axisymmetric", dimension_of(self.geometry))
+
+    @override
+    def halved(self) -> Self:
+        return self.model_copy(update={"radius": self.radius / 2.0})
+
+
+@register_domain
+class RoundDomain(Walled):
+    """The disc or ball of given radius around the origin; a large one stands for unbounded fluid."""
+
+    shape: Literal["round"]
+    radius: Positive
+    """the radius of the container, a number > 0"""
+
+    @classmethod
+    @override
+    def wall_names(cls, geometry: Geometry, known: Mapping[str, Any]) -> tuple[str, ...]:
+        return Round(1.0).walls
+
+    @override
+    def container(self) -> Container:
+        return Round(self.radius, self.geometry == "axisymmetric", dimension_of(self.geometry))
+
+    @override
+    def halved(self) -> Self:
+        return self.model_copy(update={"radius": self.radius / 2.0})
+
+
+type Vector = tuple[float, float]
+
+
+@register_domain
+class CellDomain(Walled):
+    """A cell of the plane, periodic along two lattice vectors, in the mean flow u = E x."""
+
+    takes_mesh: ClassVar[bool] = False
+
+    shape: Literal["cell"]
+    vectors: tuple[Vector, Vector]
+    """two lattice vectors [[x, y], [x, y]] at time 0"""
+    shear: float = 0.0
+    """the rate of the mean flow u = shear y e_x, a number"""
+    extension: float = 0.0
+    """the rate of the mean flow u = extension (x e_x - y e_y), a number"""
+
+    @field_validator("walls", mode="before")
+    @classmethod
+    def _no_walls(cls, walls: Any) -> Any:
+        if walls:
+            raise ValueError("a cell has no walls; drop it, and give shear or extension for a mean flow")
+        return walls
+
+    @field_validator("vectors")
+    @classmethod
+    def _independent(cls, vectors: tuple[Vector, Vector], info: ValidationInfo) -> tuple[Vector, Vector]:
+        if told(info).geometry != "planar":
+            raise ValueError('only planar cells are periodic; give geometry = "planar"')
+        area = abs(np.linalg.det(np.array(vectors)))
+        longest = float(np.hypot(*np.transpose(vectors)).max())
+        if not area > 1e-9 * longest * longest:
+            raise ValueError("the vectors are parallel, or one is far too short; give two that span a cell")
+        return vectors
+
+    @field_validator("extension")
+    @classmethod
+    def _one_flow(cls, extension: float, info: Any) -> float:
+        if extension != 0.0 and info.data.get("shear"):
+            raise ValueError("a shear is given too; drop one of them")
+        return extension
+
+    @override
+    def container(self) -> Container:
+        if self.shear:
+            return Cell(self.vectors, ((0.0, self.shear), (0.0, 0.0)))
+        return Cell(self.vectors, ((self.extension, 0.0), (0.0, -self.extension)))
+
+
+@register_domain
+class UnboundedDomain(Walled):
+    """Space without walls, for models that do not resolve a flow."""
+
+    shape: Literal["unbounded"]
+
+    @override
+    def container(self) -> Container:
+        return Unbounded(self.geometry == "axisymmetric", dimension_of(self.geometry))
+
+    @override
+    def require_fluid(self) -> None:
+        raise InputError(
+            'domain.shape = "unbounded": a flow is solved for in a container; give "round" with a large '
+            "radius"
+        )
+
+
+Domain = Annotated[SerializeAsAny[Walled], BeforeValidator(Walled.registry.validate)]

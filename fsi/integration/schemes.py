@@ -1,0 +1,179 @@
+"""The time schemes by name, and what each is for; `time.scheme` chooses one.
+
+One more scheme is one class: it satisfies `fsi.integration.state.Scheme` and stands under `@register_scheme`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import ClassVar, Literal, Protocol, cast
+
+import numpy as np
+
+from fsi.bodies.configuration import Array, Configuration, Inertia
+from fsi.integration.state import Instant, Model, Scheme, State, Trial
+
+
+@dataclass(frozen=True, slots=True)
+class Beginning:
+    """What a scheme learns of the bodies before the first step.
+
+    Attributes:
+        masses: m or I of each mode, 0 without inertia, shape (N, M).
+        U: the velocity of each mode at time 0, prescribed, given or at rest, shape (N, M).
+        rest: a duration that is short against everything.
+    """
+
+    masses: Array
+    U: Array
+    rest: float
+
+
+@dataclass(frozen=True, slots=True)
+class SchemeKind:
+    """A scheme in the registry.
+
+    Attributes:
+        name: what `time.scheme` calls it.
+        make: the scheme for given bodies.
+        inertia: "none" of bodies, "some" (those with masses have it) or "all".
+        fixed: true where steps have the length `time.step`, false where the stepper chooses.
+        models: the levels that it steps.
+    """
+
+    name: str
+    make: Callable[[Beginning], Scheme]
+    inertia: Literal["none", "some", "all"]
+    fixed: bool
+    models: tuple[str, ...]
+
+
+SCHEMES: dict[str, SchemeKind] = {}
+FLOWS = ("resolved", "reduced")
+
+
+def register_scheme[T: Callable[[Beginning], Scheme]](
+    name: str,
+    inertia: Literal["none", "some", "all"] = "none",
+    *,
+    fixed: bool = False,
+    models: tuple[str, ...] = FLOWS,
+) -> Callable[[T], T]:
+    """Put a scheme into the registry: a class, or a function, that makes it from a `Beginning`."""
+
+    def register(make: T) -> T:
+        SCHEMES[name] = SchemeKind(name, make, inertia, fixed, models)
+        return make
+
+    return register
+
+
+def scheme_for(name: str | None, *, inertia: bool) -> SchemeKind:
+    """The scheme of that name, or the one that is taken for bodies with or without inertia."""
+    return SCHEMES[name or ("ascher-ruuth-spiteri" if inertia else "bogacki-shampine")]
+
+
+GAMMA = 1.0 - 1.0 / math.sqrt(2.0)
+DELTA = 1.0 - 1.0 / (2.0 * GAMMA)
+
+
+@register_scheme("ascher-ruuth-spiteri", "some")
+@dataclass(frozen=True, slots=True)
+class AscherRuuthSpiteri:
+    """`q' = U, m U' = F_ext(t) - F(q, U)`: the implicit-explicit Runge-Kutta scheme ARS(2,2,2).
+
+    U. M. Ascher, S. J. Ruuth & R. J. Spiteri, Appl. Numer. Math. 25 (1997) 151, section 2.6.
+
+    Positions take the explicit tableau, velocities the implicit one, in which the resistance is that
+    of the stage's configuration: each stage is one linear solve. Order 2, L-stable, stiffly accurate:
+    the last stage is the end of the step. Where m = 0 the velocity is the quasi-static one of its
+    stage, so that m -> 0 is the motion without inertia.
+
+    The first instant is that of an implicit Euler step, short against everything: bodies with mass have the
+    velocity that they begin with, held modes their prescribed one, and modes without inertia their
+    quasi-static one.
+
+    Attributes:
+        beginning: masses, shape (N, M), 0 for modes without inertia; the first velocities; that short time.
+    """
+
+    beginning: Beginning
+    error_order: ClassVar[int] = 3
+
+    def start(self, model: Model, q: Configuration) -> Instant:
+        """The instant at time 0."""
+        return model(q, 0.0, Inertia(self.beginning.masses / self.beginning.rest, self.beginning.U))
+
+    def step(self, model: Model, state: State, t_end: float) -> Trial:
+        """One step; the error is the difference of the displacement from the trapezoidal rule's."""
+        t, q, U = state.t, state.q, state.U
+        h = t_end - t
+        D = self.beginning.masses / (GAMMA * h)
+        U1 = model(q.moved(GAMMA * h * U), t + GAMMA * h, Inertia(D, U)).U
+        # Each stage leaves h m^-1 (F_ext - F) = (U_i - U0_i) / gamma.
+        U0 = U + (1.0 - GAMMA) / GAMMA * (U1 - U)
+        displacement = h * (DELTA * U + (1.0 - DELTA) * U1)
+        q_end = q.moved(displacement)
+        instant = model(q_end, t_end, Inertia(D, U0))
+        return Trial(q_end, instant, displacement - h / 2 * (U + instant.U))
+
+
+@dataclass(frozen=True, slots=True)
+class BogackiShampine:
+    """`q' = U(q, t)`: the embedded Runge-Kutta pair 3(2).
+
+    P. Bogacki & L. F. Shampine, A 3(2) pair of Runge-Kutta formulas, Appl. Math. Lett. 2 (1989) 321.
+
+    The last stage lies at the end of the step: it is the instant recorded there and the first stage
+    of the next step. Order 3; the difference of its two members is of order h^3.
+    """
+
+    error_order: ClassVar[int] = 3
+
+    def start(self, model: Model, q: Configuration) -> Instant:
+        """The instant at time 0."""
+        return model(q, 0.0)
+
+    def step(self, model: Model, state: State, t_end: float) -> Trial:
+        """One step; the error is the difference of the two members of the pair."""
+        t, q, U1 = state.t, state.q, state.U
+        h = t_end - t
+        U2 = model(q.moved(h / 2 * U1), t + h / 2).U
+        U3 = model(q.moved(3 * h / 4 * U2), t + 3 * h / 4).U
+        q_end = q.moved(h * (2 / 9 * U1 + 1 / 3 * U2 + 4 / 9 * U3))
+        instant = model(q_end, t_end)
+        return Trial(q_end, instant, h * (-5 / 72 * U1 + 1 / 12 * U2 + 1 / 9 * U3 - 1 / 8 * instant.U))
+
+
+register_scheme("bogacki-shampine")(lambda _: BogackiShampine())
+
+
+class MarchingModel(Model, Protocol):
+    """A model that makes its steps itself, as the distances of its pairs are part of its state."""
+
+    def begin(self, q: Configuration, U: Array) -> Instant:
+        """The instant at time 0 with the velocities (N, M); the memory begins."""
+
+    def march(self, state: State, t_end: float) -> tuple[Configuration, Instant]:
+        """One step from `state` to `t_end`: where it ends, and the instant there."""
+
+
+@register_scheme("distance", "all", fixed=True, models=("reduced",))
+@register_scheme("backward-euler", "all", fixed=True, models=("reduced",))
+@dataclass(frozen=True, slots=True)
+class DistanceScheme:
+    """Steps of given length, of order 1: nothing is rejected, since stored gaps stay positive."""
+
+    beginning: Beginning
+    error_order: ClassVar[int] = 2
+
+    def start(self, model: Model, q: Configuration) -> Instant:
+        """The instant at time 0."""
+        return cast(MarchingModel, model).begin(q, self.beginning.U)
+
+    def step(self, model: Model, state: State, t_end: float) -> Trial:
+        """One step, without an estimate of its error."""
+        q, instant = cast(MarchingModel, model).march(state, t_end)
+        return Trial(q, instant, np.zeros_like(instant.U))

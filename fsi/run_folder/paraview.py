@@ -1,0 +1,75 @@
+"""Files of ParaView: which file shows which time (.pvd), points and lines with numbers (.vtu)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree
+from xml.sax.saxutils import quoteattr
+
+import meshio
+import numpy as np
+from numpy.typing import NDArray
+
+from fsi.bodies.configuration import Array
+from fsi.errors import SolveError
+
+type Cells = list[tuple[str, NDArray[np.intp]]]
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One file of a collection; `file` is relative to the collection, with slashes."""
+
+    t: float
+    part: int
+    file: str
+
+
+def collection(entries: Iterable[Entry]) -> bytes:
+    """The collection as XML."""
+    lines = [f'    <DataSet timestep="{e.t!r}" part="{e.part}" file={quoteattr(e.file)}/>' for e in entries]
+    head = ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="1.0">', "  <Collection>"]
+    return "\n".join([*head, *lines, "  </Collection>", "</VTKFile>", ""]).encode()
+
+
+def read_collection(path: Path) -> list[Entry]:
+    """The entries of a collection, in order."""
+    data_sets = ElementTree.parse(path).iter("DataSet")
+    return [Entry(float(d.attrib["timestep"]), int(d.attrib["part"]), d.attrib["file"]) for d in data_sets]
+
+
+def write_points(path: Path, x: Array, values: Mapping[str, Array]) -> None:
+    """Points (n, d) with numbers (n,) or vectors (n, 3) at each."""
+    cells = [("vertex", np.arange(len(x))[:, None])]
+    _write(path, x, cells, point_data=dict(values))
+
+
+def write_lines(path: Path, start: Array, end: Array, values: Mapping[str, Array]) -> None:
+    """Straight lines between points (n, d), with numbers (n,) on each."""
+    n = len(start)
+    cells = [("line", np.column_stack([np.arange(n), n + np.arange(n)]))]
+    on_lines: dict[str, object] = {name: [value] for name, value in values.items()}
+    _write(path, np.concatenate([start, end]), cells, cell_data=on_lines)
+
+
+def write_polyline(path: Path, x: Array, values: Mapping[str, Array]) -> None:
+    """A line through the points (n, d) in their order, with numbers (n,) at each."""
+    k = np.arange(len(x) - 1)
+    _write(path, x, [("line", np.column_stack([k, k + 1]))], point_data=dict(values))
+
+
+def in_space(vectors: Array) -> Array:
+    """Vectors (n, d) with three components."""
+    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
+
+
+def _write(path: Path, x: Array, cells: Cells, **data: dict[str, object]) -> None:
+    """Write under a temporary name that is then the path's."""
+    partial = path.with_name(f".{path.name}.partial")
+    try:
+        meshio.Mesh(in_space(x), cells, **data).write(partial, file_format="vtu")
+        partial.replace(path)
+    except OSError as error:
+        raise SolveError(f"cannot write {path}: {error.strerror}") from error
