@@ -12,18 +12,23 @@ import basix.ufl
 import dolfinx
 import numpy as np
 import ufl
+from dolfinx import fem
 from mpi4py import MPI
+from numpy.typing import NDArray
 
-from fsi.meshes.aliases import Mesh
 from fsi.meshes.cells.curved import SIMPLEX, CurvedCells, curve
 from fsi.meshes.cells.quality import require_valid
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.containers import FluidDomain
-from fsi.meshes.geometry.lattice import NO_LATTICE, Lattice
+from fsi.meshes.geometry.containers import Array, FluidDomain
+from fsi.meshes.geometry.lattice import NO_LATTICE, Lattice, PeriodicPairs, matching_points
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import FarSize, Indices, triangulate
 from fsi.meshes.spatial.tetrahedra import fill
+
+# dolfinx's generic types at double precision.
+type Mesh = dolfinx.mesh.Mesh[np.float64]
+type FunctionSpace = fem.FunctionSpace[np.float64]
 
 # How much faster sizes may grow in the fluid than along the walls.
 SLOPE = 2.0
@@ -166,3 +171,45 @@ def _facet_tags(mesh: Mesh, edges: Indices, tags: Indices) -> dolfinx.mesh.MeshT
     place = np.minimum(np.searchsorted(keys[order], wanted), len(keys) - 1)
     values = np.where(keys[order][place] == wanted, tags[order][place], 0).astype(np.int32)
     return dolfinx.mesh.meshtags(mesh, dimension - 1, facets, values)
+
+
+def matching_nodes(fluid: FluidMesh, space: FunctionSpace, x: Array) -> PeriodicPairs:
+    """The pairs of nodes x of a Lagrange space on the cut; collective, none without periods.
+
+    Raises:
+        MeshError: a node on one side has none on the other.
+    """
+    comm, numbers = fluid.mesh.comm, space.dofmap.index_map
+    if fluid.lattice.dimension == 0:
+        nothing = np.empty(0, dtype=np.int64)
+        return PeriodicPairs(nothing, nothing, nothing.reshape(0, 0))
+    nodes = fem.locate_dofs_topological(space, 1, fluid.facet_tags.find(fluid.cut_tag))
+    nodes = nodes[nodes < numbers.size_local]
+    global_numbers = numbers.local_to_global(nodes.astype(np.int32)).astype(np.int64)
+    parts = comm.allgather((global_numbers, x[nodes, :2]))
+    every, on_cut = (np.concatenate([part[k] for part in parts]) for k in range(2))
+    pairs = matching_points(on_cut, fluid.lattice)
+    return PeriodicPairs(every[pairs.slave], every[pairs.master], pairs.shift)
+
+
+def columns_of_masters(
+    comm: MPI.Intracomm, master: NDArray[np.int64], rows: NDArray[np.int64], columns: NDArray[np.int64]
+) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
+    """Which rows in `master` are unknowns, (n,), and their columns; collective.
+
+    Args:
+        comm: all ranks.
+        master: global numbers of the rows asked for, perhaps of other ranks, (n,).
+        rows: global numbers of this rank's rows that are unknowns.
+        columns: of these.
+    """
+    wanted = np.concatenate(comm.allgather(master))
+    asked = np.isin(rows, wanted)
+    answers = comm.allgather((rows[asked], columns[asked]))
+    row, column = (np.concatenate([part[k] for part in answers]) for k in range(2))
+    order = np.argsort(row)
+    place = np.searchsorted(row[order], master)
+    known = np.zeros(len(master), dtype=bool)
+    inside = place < len(row)
+    known[inside] = row[order][place[inside]] == master[inside]
+    return known, column[order][place[known]]

@@ -12,10 +12,14 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
+from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Array
 
 Integers = NDArray[np.int64]
+
+SAME_PLACE = 1e-9  # of the longest period
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,3 +120,50 @@ def reduced(vectors: Array) -> Array:
         if a @ a <= b @ b:
             return np.array([a, b])
         a, b = b, a
+
+
+@dataclass(frozen=True, slots=True)
+class PeriodicPairs:
+    """Pairs of nodes or points, the same on all ranks: `slave` is the image of `master`.
+
+        x_slave = x_master + shift @ vectors of the lattice
+
+    Attributes:
+        slave: numbers, of nodes global ones, (n,).
+        master: the same, (n,); no number is in both.
+        shift: integers, (n, k).
+    """
+
+    slave: NDArray[np.int64]
+    master: NDArray[np.int64]
+    shift: Integers
+
+
+def matching_points(x: Array, lattice: Lattice) -> PeriodicPairs:
+    """The pairs among points x (n, 2), each of which has one image among them, by their numbers 0 ... n - 1.
+
+    Raises:
+        MeshError: a point has no image.
+    """
+    torus = on_torus(x, lattice)
+    _, near = cKDTree(torus).query(torus, k=[1, 2])
+    number = np.arange(len(x))
+    partner = np.where(near[:, 0] == number, near[:, 1], near[:, 0])
+    paired = bool(np.all(partner < len(x))) and np.array_equal(partner[partner], number)
+    if paired:
+        difference = x - x[partner]
+        shift = np.rint(lattice.coordinates(difference)).astype(np.int64)
+        off = np.abs(difference - lattice.shift(shift)).max(initial=0.0)
+        paired = off < SAME_PLACE * lattice.longest()
+    if not paired:
+        raise MeshError("the two sides of a periodic domain do not match; was the mesh made elsewhere?")
+    slave = positive(shift)
+    return PeriodicPairs(number[slave], partner[slave], shift[slave])
+
+
+def on_torus(x: Array, lattice: Lattice) -> Array:
+    """Points as points of a torus in space, where images coincide."""
+    turn = 2.0 * np.pi * lattice.coordinates(x)
+    size = np.sqrt(np.square(lattice.vectors).sum(axis=1))
+    across = x - lattice.coordinates(x) @ lattice.vectors
+    return np.column_stack([np.cos(turn) * size, np.sin(turn) * size, across])

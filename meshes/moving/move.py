@@ -29,14 +29,19 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fsi.meshes.build import FluidMesh, coordinate_element
+from fsi.meshes.build import FluidMesh, columns_of_masters, coordinate_element, matching_nodes
 from fsi.meshes.cells.curved import SIMPLEX
 from fsi.meshes.cells.quality import determinant, scaled_jacobian
-from fsi.meshes.cholesky import factorised
 from fsi.meshes.geometry.containers import Array
-from fsi.meshes.matching import columns_of_masters, matching_nodes
-from fsi.meshes.moving.curved_boundary_cells import CurvedBoundaryCells, along, linear_weights, turned
-from fsi.meshes.moving.slip import Slip, SlipModes
+from fsi.meshes.moving.slip import (
+    CurvedBoundaryCells,
+    Slip,
+    SlipModes,
+    along,
+    factorised,
+    linear_weights,
+    turned,
+)
 
 # A moved cell may differ from its base by this ratio of stretches at most, and keeps this scaled Jacobian.
 LARGEST_DISTORTION = 2.0

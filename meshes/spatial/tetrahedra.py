@@ -1,9 +1,14 @@
-"""Tetrahedra in the fluid around spheres: gmsh fills it but for the layers of prisms in narrow gaps."""
+"""Tetrahedra in the fluid around spheres: gmsh fills it but for the layers of prisms in narrow gaps.
+
+gmsh's spheres are turned so that their seams spare those. A sphere of gmsh has an edge, the half circle from
+pole to pole at which its longitude begins. Where that crosses the edge of a layer of prisms it splits a side
+of the layer, which then has five corners and cannot be structured.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import ceil
 
@@ -12,17 +17,17 @@ import fsi.meshes.backend  # noqa: F401
 import gmsh
 import numpy as np
 from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
 
 from fsi.meshes.cells.curved import CurvedCells
 from fsi.meshes.cells.quality import WORST_ACCEPTED, scaled_jacobian
 from fsi.meshes.errors import MeshError, at
-from fsi.meshes.geometry.containers import FluidDomain, lengths
+from fsi.meshes.geometry.containers import Array, FluidDomain, lengths
 from fsi.meshes.geometry.curves import Sphere
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import Indices, StraightCells, gmsh_model
 from fsi.meshes.spatial.curved_tetrahedra import curve_tets
 from fsi.meshes.spatial.gap_prisms import GapPrisms, choose, find_gaps, pattern, split_prisms
-from fsi.meshes.spatial.seams import seam_turn
 from fsi.meshes.spatial.sizing import Spacing
 
 OVERLAP = 0.25  # how far a layer's cylinder enters either surface, in radii of the smaller body
@@ -229,3 +234,48 @@ def _upright(cells: StraightCells) -> Indices:
     a, b, c, d = (cells.vertices[cells.cells[:, k]] for k in range(4))
     mirrored = np.einsum("td,td->t", np.cross(b - a, c - a), d - a) < 0.0
     return np.where(mirrored[:, None], cells.cells[:, [0, 2, 1, 3]], cells.cells)
+
+
+CLEARANCE = 0.05  # radians between a seam and an edge
+_LATITUDE = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 91)
+SEAM = np.column_stack([np.cos(_LATITUDE), np.zeros(91), np.sin(_LATITUDE)])
+POLE = 1.0 - 1e-12
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """A turn by an angle about an axis, (3,), through the centre of a sphere."""
+
+    axis: Array
+    angle: float
+
+
+AS_IT_IS = Turn(np.array([0.0, 0.0, 1.0]), 0.0)
+TURNS = [AS_IT_IS, *(Turn(axis, k * np.pi / 8.0) for axis in np.eye(3)[::-1] for k in range(1, 16))]
+
+
+def seam_turn(tag: int, radius: float, layers: Sequence[GapPrisms]) -> Turn:
+    """How to turn the sphere with that facet tag: not at all where its seam spares the layers as it is.
+
+    It also spares a layer around a pole, whose edge has a corner on it.
+    """
+    axes, widths = _caps(tag, radius, layers)
+    at_pole = np.abs(axes[:, 2]) > POLE
+    if _clearance(AS_IT_IS, axes[~at_pole], widths[~at_pole]) > CLEARANCE:
+        return AS_IT_IS
+    return max(TURNS, key=lambda turn: _clearance(turn, axes, widths))
+
+
+def _caps(tag: int, radius: float, layers: Sequence[GapPrisms]) -> tuple[Array, Array]:
+    """Directions of the layers on a sphere, (k, 3), and the angles from their axes to their edges, (k,)."""
+    mine = [layer for layer in layers if tag in layer.gap.tags]
+    signs = [1.0 if layer.gap.tags[0] == tag else -1.0 for layer in mine]
+    axes = np.array([sign * layer.gap.along for sign, layer in zip(signs, mine, strict=True)]).reshape(-1, 3)
+    return axes, np.arcsin(np.array([layer.rho / radius for layer in mine]))
+
+
+def _clearance(turn: Turn, axes: Array, widths: Array) -> float:
+    """The smallest angle between the turned seam and an edge, negative where the seam crosses it."""
+    seam = Rotation.from_rotvec(turn.angle * turn.axis).apply(SEAM)
+    away = np.arccos(np.clip(axes @ seam.T, -1.0, 1.0)).min(axis=1)
+    return float((away - widths).min(initial=np.inf))

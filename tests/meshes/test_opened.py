@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 from fsi.meshes.cells.curved import curve
 from fsi.meshes.cells.quality import scaled_jacobian
 from fsi.meshes.geometry.containers import Array, FluidDomain
-from fsi.meshes.geometry.lattice import NO_LATTICE, Lattice, reduced
+from fsi.meshes.geometry.lattice import NO_LATTICE, Lattice, matching_points, reduced
 from fsi.meshes.geometry.periodic import Cell, Channel, Periodic
-from fsi.meshes.matching import matching_points
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import triangulate

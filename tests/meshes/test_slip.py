@@ -11,8 +11,8 @@ import pytest
 from fsi.meshes.build import build
 from fsi.meshes.geometry.containers import Array, Box, Container, FluidDomain
 from fsi.meshes.geometry.periodic import Channel
-from fsi.meshes.moving.curved_boundary_cells import turned
 from fsi.meshes.moving.move import Mover
+from fsi.meshes.moving.slip import turned
 from fsi.meshes.planar.sizing import Resolution
 
 BOX = Box((-4.0, -4.0), (4.0, 4.0))

@@ -13,7 +13,7 @@ import pyvista
 
 from fsi.meshes.cells.curved import reference_points
 from fsi.meshes.cells.quality import determinant, scaled_jacobian
-from fsi.meshes.files.recover import recover
+from fsi.meshes.files.read import recover
 from fsi.meshes.files.write import gather, write_mesh
 from fsi.meshes.geometry.containers import Box, FluidDomain, HalfPlane, Round
 from fsi.meshes.geometry.curves import Sphere

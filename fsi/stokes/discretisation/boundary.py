@@ -9,8 +9,7 @@ import numpy as np
 from dolfinx import fem, la
 from numpy.typing import NDArray
 
-from fsi.meshes.aliases import FunctionSpace
-from fsi.meshes.build import FluidMesh
+from fsi.meshes.build import FluidMesh, FunctionSpace
 from fsi.meshes.geometry.containers import Array
 
 Nodes = NDArray[np.int32]

@@ -23,7 +23,6 @@ from dolfinx.mesh import exterior_facet_indices
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
-from fsi.meshes.aliases import Form
 from fsi.meshes.build import FluidMesh, coordinate_element
 from fsi.meshes.cells.curved import reference_points
 from fsi.stokes.discretisation.compile import compile_form
@@ -39,6 +38,7 @@ MATRICES = ("a", "b", "b^T")
 BENT = 1e-12  # distance of a node from its place in a straight cell, in sizes of the cell
 
 type Expr = ufl.core.expr.Expr
+type Form = fem.Form[np.float64]
 
 
 def velocity_element(degree: int, dimension: int) -> basix.ufl._ElementBase:

@@ -21,8 +21,7 @@ from scipy.sparse.linalg import spsolve
 from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array
-from fsi.meshes.geometry.lattice import Integers, Lattice
-from fsi.meshes.matching import SAME_PLACE, on_torus
+from fsi.meshes.geometry.lattice import SAME_PLACE, Integers, Lattice, on_torus
 from fsi.stokes.solvers.elimination import StokesSystem
 
 FACET = {2: basix.CellType.interval, 3: basix.CellType.triangle}
