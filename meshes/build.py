@@ -16,14 +16,13 @@ from dolfinx import fem
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from fsi.meshes.cells.curved import SIMPLEX, CurvedCells, curve
-from fsi.meshes.cells.quality import require_valid
+from fsi.meshes.cells.curved import SIMPLEX, CurvedCells, curve, require_valid
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Array, FluidDomain
 from fsi.meshes.geometry.lattice import NO_LATTICE, Lattice, PeriodicPairs, matching_points
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.sizing import Resolution
-from fsi.meshes.planar.triangulate import FarSize, Indices, triangulate
+from fsi.meshes.planar.triangulate import FarSize, Indices, places_of, side_keys, triangulate
 from fsi.meshes.spatial.tetrahedra import fill
 
 # dolfinx's generic types at double precision.
@@ -95,15 +94,9 @@ class FluidMesh:
 
 
 def build(domain: FluidDomain, resolution: Resolution, order: int) -> FluidMesh:
-    """Mesh the fluid around discs, or spheres in space; collective, gmsh runs on rank 0.
+    """Mesh the fluid around discs, or spheres in space, by cells of order 1 ... 4.
 
-    Args:
-        domain: the container and the bodies.
-        resolution: element sizes.
-        order: of the curved cells, 1 ... 4.
-
-    Raises:
-        MeshError: gmsh fails or a cell is invalid (on all ranks).
+    Collective, gmsh runs on rank 0. Raises MeshError (on all ranks) where gmsh fails or a cell is invalid.
     """
     make = fill if domain.container.dimension == 3 else _triangles
     return shared(lambda: make(domain, resolution, order), domain)
@@ -139,9 +132,8 @@ def shared(make: Callable[[], CurvedCells], domain: FluidDomain) -> FluidMesh:
 
 def coordinate_element(order: int, dimension: int = 2) -> basix.ufl._ElementBase:
     """The isoparametric element of the cells: equispaced nodes, as VTK and gmsh have them."""
-    return basix.ufl.element(
-        "Lagrange", SIMPLEX[dimension], order, basix.LagrangeVariant.equispaced, shape=(dimension,)
-    )
+    variant = basix.LagrangeVariant.equispaced
+    return basix.ufl.element("Lagrange", SIMPLEX[dimension], order, variant, shape=(dimension,))
 
 
 def distribute(
@@ -163,21 +155,18 @@ def _facet_tags(mesh: Mesh, edges: Indices, tags: Indices) -> dolfinx.mesh.MeshT
     mesh.topology.create_connectivity(dimension - 1, dimension)
     facets = dolfinx.mesh.exterior_facet_indices(mesh.topology)
     local = dolfinx.mesh.entities_to_geometry(mesh, dimension - 1, facets)[:, :dimension]
+    ends = mesh.geometry.input_global_indices[local]
     n = int(edges.max()) + 1
-    ends = np.sort(mesh.geometry.input_global_indices[local], axis=1)
-    radix = n ** np.arange(dimension)[::-1]
-    keys, wanted = np.sort(edges, axis=1) @ radix, ends @ radix
-    order = np.argsort(keys)
-    place = np.minimum(np.searchsorted(keys[order], wanted), len(keys) - 1)
-    values = np.where(keys[order][place] == wanted, tags[order][place], 0).astype(np.int32)
+    place, there = places_of(side_keys(ends, n), side_keys(edges, n))
+    values = np.zeros(len(facets), dtype=np.int32)
+    values[there] = tags[place]
     return dolfinx.mesh.meshtags(mesh, dimension - 1, facets, values)
 
 
 def matching_nodes(fluid: FluidMesh, space: FunctionSpace, x: Array) -> PeriodicPairs:
     """The pairs of nodes x of a Lagrange space on the cut; collective, none without periods.
 
-    Raises:
-        MeshError: a node on one side has none on the other.
+    Raises MeshError where a node on one side has none on the other.
     """
     comm, numbers = fluid.mesh.comm, space.dofmap.index_map
     if fluid.lattice.dimension == 0:
@@ -207,9 +196,5 @@ def columns_of_masters(
     asked = np.isin(rows, wanted)
     answers = comm.allgather((rows[asked], columns[asked]))
     row, column = (np.concatenate([part[k] for part in answers]) for k in range(2))
-    order = np.argsort(row)
-    place = np.searchsorted(row[order], master)
-    known = np.zeros(len(master), dtype=bool)
-    inside = place < len(row)
-    known[inside] = row[order][place[inside]] == master[inside]
-    return known, column[order][place[known]]
+    place, known = places_of(master, row)
+    return known, column[place]

@@ -10,7 +10,6 @@ import io
 from collections.abc import Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from itertools import product
-from math import comb
 from pathlib import Path
 
 import fsi.meshes.backend  # noqa: F401
@@ -21,6 +20,7 @@ from scipy.spatial import cKDTree
 
 from fsi.meshes.build import FluidMesh, shared
 from fsi.meshes.cells.curved import CurvedCells, curve, reference_points
+from fsi.meshes.cells.lagrange import order_of
 from fsi.meshes.errors import MeshFileError, at
 from fsi.meshes.files.write import LINES, TRIANGLES, VTK_SIMPLICES, gmsh_order, vtk_order
 from fsi.meshes.geometry.containers import Array, FluidDomain
@@ -38,15 +38,8 @@ def read_mesh(path: Path, names: Sequence[str], domain: FluidDomain, order: int)
     Straight triangles are curved to `order` along the discs and round walls; curved ones are taken as they
     are.
 
-    Args:
-        path: of the file.
-        names: of the bodies.
-        domain: the container and the bodies.
-        order: of the cells, 1 ... 4.
-
-    Raises:
-        MeshFileError: unreadable file, missing or misplaced group, untagged boundary.
-        MeshError: invalid cell.
+    The names are those of the bodies, the order 1 ... 4. Raises MeshFileError for an unreadable file, a
+    missing or misplaced group, an untagged boundary, and MeshError for an invalid cell.
     """
 
     def read() -> CurvedCells:
@@ -156,12 +149,8 @@ ON_SURFACE = 1e-8
 def recover(parts: Sequence[Path], domain: FluidDomain) -> CurvedCells:
     """The cells in the field files of one step, with their boundary tagged as in `FluidMesh`.
 
-    Args:
-        parts: the VTU files of all ranks.
-        domain: the container and the bodies at that step.
-
-    Raises:
-        MeshFileError: a file cannot be read, or its boundary is not that of these bodies and walls.
+    The parts are the VTU files of all ranks. Raises MeshFileError where a file cannot be read, or its
+    boundary is not that of the bodies and walls of the domain at that step.
     """
     pieces, first, d = [], 0, domain.container.dimension
     try:
@@ -175,7 +164,7 @@ def recover(parts: Sequence[Path], domain: FluidDomain) -> CurvedCells:
     x, cells = (np.concatenate([piece[k] for piece in pieces]) for k in range(2))
     x, cells = _merged(x, cells, SAME_NODE * domain.container.size())
     cells = cells[:, np.argsort(vtk_order(cells.shape[1], d))]
-    order = next(k for k in range(1, cells.shape[1]) if comb(k + d, d) == cells.shape[1])
+    order = order_of(cells.shape[1], d)
     edges = boundary_sides(cells[:, : d + 1])
     return CurvedCells(x, cells, edges, _tags(x[edges], domain), order)
 

@@ -27,9 +27,10 @@ class Lattice:
     """The translations m @ vectors.
 
     Attributes:
-        vectors: e_k as rows, (k, d) with k from 0 to d; independent, and reduced (Lagrange, Gauss): no other
-            basis is shorter, so that the nearest image of a point is among those with |m_k| <= 1 after
-            rounding its coordinates. Orthogonal ones are.
+        vectors: e_k as rows, (k, d) with k from 0 to d; independent, and reduced (Lagrange, Gauss).
+
+    No other basis is shorter, so that the nearest image of a point is among those with |m_k| <= 1 after
+    rounding its coordinates. Orthogonal vectors are reduced.
     """
 
     vectors: Array
@@ -86,10 +87,8 @@ class Lattice:
         steps = [range(-n, n + 1) for n in np.ceil(width).astype(int)]
         # Few points are near a side of the cell: they are looked up once, and sought in no other way.
         at_side = {
-            (k, step): np.flatnonzero((at[:, k] + step >= -width[k]) & (at[:, k] + step <= 1.0 + width[k]))
-            for k, every in enumerate(steps)
-            for step in every
-            if step
+            (k, m): np.flatnonzero((at[:, k] + m >= -width[k]) & (at[:, k] + m <= 1.0 + width[k]))
+            for k, m in ((k, m) for k, every in enumerate(steps) for m in every if m)
         }
         shifts = np.array(list(product(*steps)), np.int64).reshape(-1, self.dimension)
         originals, m = [np.empty(0, np.intp)], [np.empty((0, self.dimension), np.int64)]
@@ -142,8 +141,7 @@ class PeriodicPairs:
 def matching_points(x: Array, lattice: Lattice) -> PeriodicPairs:
     """The pairs among points x (n, 2), each of which has one image among them, by their numbers 0 ... n - 1.
 
-    Raises:
-        MeshError: a point has no image.
+    Raises MeshError where a point has no image.
     """
     torus = on_torus(x, lattice)
     _, near = cKDTree(torus).query(torus, k=[1, 2])

@@ -1,13 +1,12 @@
-"""Periodic containers: the channel, periodic along x, and the cell, periodic along two lattice vectors."""
+"""The cell: the plane, periodic along two lattice vectors."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from fsi.meshes.geometry.containers import Array, Box, Container
+from fsi.meshes.geometry.containers import Array, WithoutWalls
 from fsi.meshes.geometry.curves import WallCurve
 from fsi.meshes.geometry.lattice import reduced
 
@@ -15,14 +14,7 @@ Vector = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
-class Channel(Box):
-    """A box that is periodic, unless said otherwise along x: in the plane the strip from bottom to top."""
-
-    periodic: tuple[str, ...] = ("x",)
-
-
-@dataclass(frozen=True, slots=True)
-class Cell(Container):
+class Cell(WithoutWalls):
     """The plane with a lattice that moves with the mean flow `u = E x`.
 
     The lattice at time t is that of `exp(E t)` times the vectors, given by its reduced basis: a sheared
@@ -37,15 +29,6 @@ class Cell(Container):
     vectors: tuple[Vector, Vector]
     gradient: tuple[Vector, Vector]
     time: float = 0.0
-    walls: ClassVar[tuple[str, ...]] = ()
-
-    def distances(self, x: Array) -> Array:
-        """There are no walls: shape (n, 0)."""
-        return np.empty((len(x), 0))
-
-    def normals(self, x: Array) -> Array:
-        """There are no walls: shape (n, 0, 2)."""
-        return np.empty((len(x), 0, 2))
 
     def outline(self) -> tuple[WallCurve, ...]:
         """There are no walls."""
@@ -93,6 +76,3 @@ class Cell(Container):
         """Half of both vectors of the reduced basis."""
         middle: Array = 0.5 * self.periods.sum(axis=0)
         return middle
-
-
-Periodic = Channel | Cell

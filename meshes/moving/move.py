@@ -30,8 +30,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fsi.meshes.build import FluidMesh, columns_of_masters, coordinate_element, matching_nodes
-from fsi.meshes.cells.curved import SIMPLEX
-from fsi.meshes.cells.quality import determinant, scaled_jacobian
+from fsi.meshes.cells.curved import SIMPLEX, determinant, scaled_jacobian
 from fsi.meshes.geometry.containers import Array
 from fsi.meshes.moving.slip import (
     CurvedBoundaryCells,
@@ -84,12 +83,8 @@ class Mover:
     def move(self, centres: Array, carried: Callable[[Array], Array] = np.copy) -> float | None:
         """Move the bodies to `centres` (N, dimension), in place; collective.
 
-        Args:
-            centres: where the bodies shall be.
-            carried: what vectors (n, 2) between images have become.
-
-        Returns:
-            the worst scaled Jacobian, or None (and the base mesh again) if the moved mesh is not good enough.
+        `carried` says what vectors (n, 2) between images have become. Gives the worst scaled Jacobian, or
+        None (and the base mesh again) if the moved mesh is not good enough.
         """
         known, turns = self._known(centres - self.centres, carried)
         geometry = self.fluid.mesh.geometry
@@ -106,12 +101,10 @@ class Mover:
     def _boundary_tags(self) -> NDArray[np.int32]:
         """Tag of each vertex, ghosts last, 0 inside. Vertices at the corner of walls have either's tag."""
         marker = fem.Function(self._vertices)
+        facets, d = self.fluid.facet_tags, self.fluid.dimension
         for tag in range(1, self.fluid.bodies + len(self.fluid.walls) + 1):
-            marker.x.array[
-                fem.locate_dofs_topological(
-                    self._vertices, self.fluid.dimension - 1, self.fluid.facet_tags.find(tag)
-                )
-            ] = tag
+            vertices = fem.locate_dofs_topological(self._vertices, d - 1, facets.find(tag))
+            marker.x.array[vertices] = tag
         marker.x.scatter_forward()
         return np.rint(marker.x.array).astype(np.int32)
 
@@ -125,9 +118,8 @@ class Mover:
         inverse_volume.x.array[:] = factorial(d) / np.abs(determinant(sides))
         cells = np.arange(mesh.topology.index_map(d).size_local, dtype=np.int32)
         domain = {fem.IntegralType.cell: [(-1, cells)]}
-        matrix = assemble_matrix(
-            fem.create_form(form, [self._vertices] * 2, mesh, domain, {weight: inverse_volume}, {})
-        )
+        bound = fem.create_form(form, [self._vertices] * 2, mesh, domain, {weight: inverse_volume}, {})
+        matrix = assemble_matrix(bound)
         matrix.assemble()
         return matrix
 
@@ -147,9 +139,8 @@ class Mover:
         column[free], column[slave[known]] = unit, tied
         indptr = np.concatenate([[0], np.cumsum(column >= 0)]).astype(PETSc.IntType)
         entries = column[column >= 0].astype(PETSc.IntType)
-        P = PETSc.Mat().createAIJ(
-            ((rows, None), (len(unit), None)), csr=(indptr, entries, np.ones(len(entries))), comm=comm
-        )
+        size, csr = ((rows, None), (len(unit), None)), (indptr, entries, np.ones(len(entries)))
+        P = PETSc.Mat().createAIJ(size, csr=csr, comm=comm)
         return slave, away, P
 
     def _known(self, displacements: Array, carried: Callable[[Array], Array]) -> tuple[Array, Array]:
@@ -175,12 +166,9 @@ class Mover:
         sliding = len(fluid.walls) if fluid.lattice.dimension == 1 else 0
         on_wall = np.flatnonzero((self._tags > fluid.bodies) & (self._tags <= fluid.bodies + sliding))
         direction = np.tile(along(fluid.lattice), (len(on_wall), 1))
-        return SlipModes(
-            np.concatenate([self._on_body, on_wall]),
-            np.concatenate([self._body, self._tags[on_wall] - 1]).astype(np.int64),
-            np.concatenate([quarter, direction]),
-            fluid.bodies + sliding,
-        )
+        vertex, mode = np.append(self._on_body, on_wall), np.append(self._body, self._tags[on_wall] - 1)
+        by = np.concatenate([quarter, direction])
+        return SlipModes(vertex, mode.astype(np.int64), by, fluid.bodies + sliding)
 
     def _extension(self, known: Array) -> Array:
         """Displacements of the corners of this rank's cells (T, d + 1, d) from what is known at vertices."""
@@ -230,11 +218,8 @@ def _stiffness_form(order: int, dimension: int) -> tuple[fem.forms.CompiledForm,
     space = ufl.FunctionSpace(omega, vertex_element(dimension))
     w = ufl.Coefficient(ufl.FunctionSpace(omega, cell_element(dimension)))
     d, v = ufl.TrialFunction(space), ufl.TestFunction(space)
-    form = (
-        w
-        * ufl.inner(ufl.grad(d), ufl.grad(v))
-        * ufl.dx(omega, metadata={"quadrature_degree": dimension * (order - 1)})
-    )
+    dx = ufl.dx(omega, metadata={"quadrature_degree": dimension * (order - 1)})
+    form = w * ufl.inner(ufl.grad(d), ufl.grad(v)) * dx
     return fem.compile_form(MPI.COMM_WORLD, form), w
 
 

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fsi.meshes.build import FluidMesh
-from fsi.meshes.cells.curved import reference_points
+from fsi.meshes.cells.curved import barycentric, reference_points
 from fsi.meshes.geometry.containers import Array
 from fsi.meshes.geometry.lattice import Lattice
 
@@ -69,10 +69,7 @@ class CurvedBoundaryCells:
     def of(fluid: FluidMesh, tags: NDArray[np.int32], x: Array) -> CurvedBoundaryCells:
         """Those of a mesh.
 
-        Args:
-            fluid: the mesh.
-            tags: of the corners of this rank's cells, (T, d + 1), 0 inside.
-            x: its nodes, (n, d).
+        The tags are those of the corners of this rank's cells, (T, d + 1), 0 inside; x are the nodes, (n, d).
         """
         ordered = np.sort(tags, axis=1)
         # Corners of one disc alone belong to an edge on it: two discs never share a triangle's three corners.
@@ -81,9 +78,8 @@ class CurvedBoundaryCells:
         body = twice.max(axis=1)
         cells = np.flatnonzero(body)
         nodes = x[fluid.mesh.geometry.dofmaps[0][cells]]
-        straight = np.einsum(
-            "kc,tcd->tkd", linear_weights(fluid.order, fluid.dimension), nodes[:, : fluid.dimension + 1]
-        )
+        weights = linear_weights(fluid.order, fluid.dimension)
+        straight = np.einsum("kc,tcd->tkd", weights, nodes[:, : fluid.dimension + 1])
         return CurvedBoundaryCells(cells, body[cells] - 1, nodes - straight)
 
 
@@ -106,8 +102,7 @@ def along(lattice: Lattice) -> Array:
 @cache
 def linear_weights(order: int, dimension: int) -> Array:
     """Barycentric coordinates of the cell's nodes, (nodes, dimension + 1)."""
-    X = reference_points(order, dimension)
-    return np.column_stack([1.0 - X.sum(axis=1), X])
+    return barycentric(reference_points(order, dimension))
 
 
 Integers = NDArray[np.int64]
@@ -151,16 +146,11 @@ class Slip:
         # Rank 0 owns the modes, after its own free vertices.
         columns = free.col + modes.count * (free.col >= 2 * root_free)
         rows = (2 * modes.vertex[:, None] + np.arange(2)).ravel()
-        every = sp.csr_matrix(
-            (
-                np.concatenate([free.data, modes.by.ravel()]),
-                (
-                    np.concatenate([free.row, rows]),
-                    np.concatenate([columns, np.repeat(2 * root_free + modes.mode, 2)]),
-                ),
-            ),
-            (free.shape[0], free.shape[1] + modes.count),
-        )
+        values = np.concatenate([free.data, modes.by.ravel()])
+        rows = np.concatenate([free.row, rows])
+        columns = np.concatenate([columns, np.repeat(2 * root_free + modes.mode, 2)])
+        size = (free.shape[0], free.shape[1] + modes.count)
+        every = sp.csr_matrix((values, (rows, columns)), size)
         self._P = _matrix(every, self._free + self._modes, stiffness)
         self._solver = factorised(self._stiffness, self._P)
 

@@ -26,8 +26,7 @@ from fsi.meshes.planar.sizing import PIECES, Curve, Resolution, Surfaces, arcs, 
 def boundary(domain: FluidDomain, resolution: Resolution) -> list[Curve]:
     """All curves: bodies (tags 1 ... N), walls (N + 1 ...), and the axis or the cut with the last tag.
 
-    Raises:
-        MeshError: a body touches another or a wall.
+    Raises MeshError where a body touches another or a wall.
     """
     surfaces = Surfaces.of(domain, resolution)
     if surfaces.lattice.dimension:
@@ -60,11 +59,7 @@ LINK_PIECES = 16  # of a link, to begin with
 
 
 def opened(surfaces: Surfaces) -> list[Curve]:
-    """Whole bodies (tags 1 ... N), then what bounds the opened domain: arcs, walls (N + 1 ...), the cut.
-
-    Raises:
-        MeshError: bodies touch each other or a wall.
-    """
+    """Whole bodies, then what bounds the opened domain: arcs, walls, the cut."""
     links = cut(surfaces)
     if links.gap.min(initial=np.inf) <= 0.0:
         raise MeshError("two bodies, or a body and a wall, touch or overlap; move them apart")
@@ -101,9 +96,8 @@ class Stretch:
 def _walk(links: NeighbourLinks, surfaces: Surfaces) -> Iterator[Stretch]:
     """Once around the opened domain. Raises MeshError where the cut does not open it to one piece."""
     count, n = len(links), surfaces.bodies
-    origin = np.concatenate([links.first, links.second])
-    angle = np.arctan2(*np.concatenate([links.step, -links.step]).T[::-1])
-    step = np.concatenate([links.step, -links.step])
+    origin, step = np.concatenate([links.first, links.second]), np.concatenate([links.step, -links.step])
+    angle = np.arctan2(step[:, 1], step[:, 0])
     # From the centre of the first node of link 0, which is a wall if there are no bodies.
     place = surfaces.centres[int(links.first[0])] if n else surfaces.container.outline()[0].ends[0]
     half, passed = 0, set[int]()
@@ -115,9 +109,8 @@ def _walk(links: NeighbourLinks, surfaces: Surfaces) -> Iterator[Stretch]:
         turn = (angle[arrived] - angle[leaving]) % (2.0 * np.pi)
         turn[leaving == arrived] = 2.0 * np.pi
         half = int(leaving[np.argmin(turn)])
-        yield Stretch(
-            node, place, float(angle[arrived]), float(angle[arrived] - turn.min()), half % count, half < count
-        )
+        start = float(angle[arrived])
+        yield Stretch(node, place, start, start - float(turn.min()), half % count, half < count)
         if node >= n:
             place = place + _along_wall(surfaces, node)
     if half != 0 or len(passed) != 2 * count:
@@ -161,10 +154,8 @@ def _on_link(links: NeighbourLinks, k: int, surfaces: Surfaces) -> Array:
     is_body = first < surfaces.bodies
     begin = surfaces.centres[first] if is_body else np.zeros(2)
     radius = float(surfaces.radii[first]) if is_body else 0.0
-    direction = links.step[k] / np.hypot(*links.step[k])
-    return surfaces.line(
-        lambda s: begin + (radius + s)[:, None] * direction, 0.0, float(links.gap[k]), LINK_PIECES
-    )
+    along, gap = links.step[k] / np.hypot(*links.step[k]), float(links.gap[k])
+    return surfaces.line(lambda s: begin + (radius + s)[:, None] * along, 0.0, gap, LINK_PIECES)
 
 
 def _closed(curves: Iterator[Curve]) -> list[Curve]:
@@ -184,8 +175,7 @@ def _moved(curve: Curve, shift: Array) -> Curve:
 def _shifts_inside(surfaces: Surfaces, centres: Array, walk: list[Stretch]) -> Array:
     """The translations (n, 2) that bring centres (n, 2) into the opened domain.
 
-    Raises:
-        MeshError: not exactly one image of a body lies inside.
+    Raises MeshError where not exactly one image of a body lies inside.
     """
     lattice, corners = surfaces.lattice, []
     for stretch in walk:

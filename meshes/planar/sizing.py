@@ -38,14 +38,7 @@ from fsi.meshes.geometry.lattice import Lattice
 MOST_HALVINGS = 60
 
 Indices = NDArray[np.int64]
-type Size = Callable[[Array], Array]
 type Sizes = Callable[[Array, Indices], Array]
-
-
-def resolve(size: Size, start: float, end: float, pieces: int) -> tuple[Array, Array]:
-    """Places s along a curve, and the element sizes there, so close that none is missed."""
-    s, h, _ = resolve_all(lambda s, _: size(s), np.array([[start, end]]), pieces)
-    return s, h
 
 
 def resolve_all(size: Sizes, ends: Array, pieces: int) -> tuple[Array, Array, Indices]:
@@ -132,8 +125,7 @@ class Surfaces:
 
     Attributes:
         container: what encloses the fluid.
-        centres: of the bodies, in one cell of a periodic container, and after them of their images next to
-            it, (n, 2).
+        centres: of the bodies, in one cell of a periodic container, then of their images next to it, (n, 2).
         radii: of all of these, (n,).
         tree: over the centres.
         bodies: N.
@@ -185,17 +177,18 @@ class Surfaces:
     def wall(self, curve: WallCurve) -> Curve:
         """The nodes on a piece of a wall, whose tag follows the bodies'."""
 
-        def size(s: Array) -> Array:
+        def size(s: Array, _: Indices) -> Array:
             return np.minimum(self.sizes(curve.at(s)), curve.longest_element)
 
-        s, h = resolve(size, *curve.interval, PIECES)
+        s, h, _ = resolve_all(size, np.array([curve.interval]), PIECES)
         nodes = curve.at(equidistribute(s, 1.0 / h, curve.fewest_elements))
         nodes[[0, -1]] = curve.ends
         return Curve(self.bodies + 1 + curve.wall, nodes, closed=False, centre=curve.centre)
 
     def line(self, at: Callable[[Array], Array], start: float, end: float, pieces: int) -> Array:
         """Places s of the nodes on a line `at(s)` through the fluid from surface to surface."""
-        s, h = resolve(lambda s: self.sizes(at(s), end - start), start, end, pieces)
+        ends = np.array([[start, end]])
+        s, h, _ = resolve_all(lambda s, _: self.sizes(at(s), end - start), ends, pieces)
         s = equidistribute(s, 1.0 / h, least=1)
         s[[0, -1]] = start, end
         return s
@@ -204,16 +197,12 @@ class Surfaces:
 def rings(surfaces: Surfaces, bodies: Sequence[int]) -> list[Curve]:
     """The nodes around bodies, each from where its gap is narrowest, so that a node stands there.
 
-    Raises:
-        MeshError: a body touches another or a wall.
+    Raises MeshError where a body touches another or a wall.
     """
     near = [_neighbourhood(surfaces, i) for i in bodies]
     turns = np.array([(body.narrowest, body.narrowest + 2.0 * np.pi) for body in near]).reshape(-1, 2)
-    chains = _on_arcs(surfaces, near, turns)
-    return [
-        Curve(i + 1, nodes[:-1], closed=True, centre=surfaces.centres[i])
-        for i, nodes in zip(bodies, chains, strict=True)
-    ]
+    chains = zip(bodies, _on_arcs(surfaces, near, turns), strict=True)
+    return [Curve(i + 1, nodes[:-1], closed=True, centre=surfaces.centres[i]) for i, nodes in chains]
 
 
 def half_ring(surfaces: Surfaces, i: int) -> Curve:
@@ -226,11 +215,9 @@ def half_ring(surfaces: Surfaces, i: int) -> Curve:
 
 def arcs(surfaces: Surfaces, bodies: Sequence[int], angles: Array) -> list[Curve]:
     """The nodes on bodies between two angles each, start < end, (n, 2)."""
-    pieces = _on_arcs(surfaces, [_neighbourhood(surfaces, i) for i in bodies], angles)
-    return [
-        Curve(i + 1, nodes, closed=False, centre=surfaces.centres[i])
-        for i, nodes in zip(bodies, pieces, strict=True)
-    ]
+    near = [_neighbourhood(surfaces, i) for i in bodies]
+    chains = zip(bodies, _on_arcs(surfaces, near, angles), strict=True)
+    return [Curve(i + 1, nodes, closed=False, centre=surfaces.centres[i]) for i, nodes in chains]
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,13 +19,12 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from fsi.meshes.cells.curved import CurvedCells
-from fsi.meshes.cells.quality import WORST_ACCEPTED, scaled_jacobian
+from fsi.meshes.cells.curved import WORST_ACCEPTED, CurvedCells, scaled_jacobian
 from fsi.meshes.errors import MeshError, at
 from fsi.meshes.geometry.containers import Array, FluidDomain, lengths
 from fsi.meshes.geometry.curves import Sphere
 from fsi.meshes.planar.sizing import Resolution
-from fsi.meshes.planar.triangulate import Indices, StraightCells, gmsh_model
+from fsi.meshes.planar.triangulate import Indices, StraightCells, gmsh_model, require_boundary
 from fsi.meshes.spatial.curved_tetrahedra import curve_tets
 from fsi.meshes.spatial.gap_prisms import GapPrisms, choose, find_gaps, pattern, split_prisms
 from fsi.meshes.spatial.sizing import Spacing
@@ -43,10 +42,8 @@ def fill(domain: FluidDomain, resolution: Resolution, order: int) -> CurvedCells
     bodies of the container.
 
     A cell that lies flat on a sphere can turn over when it is curved, and gmsh can lose a part of a boundary:
-    then all is meshed again with smaller elements on the spheres.
-
-    Raises:
-        MeshError: spheres touch, or gmsh fails with all sizes.
+    then all is meshed again with smaller elements on the spheres. Raises MeshError where spheres touch, or
+    gmsh fails with all sizes.
     """
     unit = float(domain.radii.max(initial=0.0)) or domain.container.size()
     container = domain.container.scaled(1.0 / unit)
@@ -85,7 +82,7 @@ def _fill(spacing: Spacing, order: int) -> CurvedCells:
         cells.vertices[on] = sphere.project(cells.vertices[on])
     for layer in layers:
         cells = _with_prisms(cells, layer, spacing)
-    _require_boundary(cells)
+    require_boundary(cells.cells, cells.facets)
     return curve_tets(replace(cells, cells=_upright(cells)), spheres, order)
 
 
@@ -94,13 +91,10 @@ def _outside(spacing: Spacing, layers: Sequence[GapPrisms]) -> StraightCells:
     with gmsh_model():
         _add_fluid(spacing.domain, layers)
         sides = [face for layer in layers for face in _structure(layer)]
-        for name, value in {
-            "Mesh.MeshSizeExtendFromBoundary": 0,
-            "Mesh.MeshSizeFromPoints": 0,
-            "Mesh.OptimizeNetgen": 1,
-            "Mesh.OptimizeThreshold": 0.5,
-        }.items():
-            gmsh.option.setNumber(name, value)
+        gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
+        gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
+        gmsh.option.setNumber("Mesh.OptimizeNetgen", 1)
+        gmsh.option.setNumber("Mesh.OptimizeThreshold", 0.5)
         spacing.apply()
         gmsh.model.mesh.generate(3)
         return _read(spacing.domain, sides)
@@ -127,11 +121,8 @@ def _add_cylinder(layer: GapPrisms) -> int:
     below, above = (float(height) for height in gap.heights(layer.rho))
     overlap = OVERLAP * gap.smallest
     foot = gap.centre + (below - overlap) * gap.along
-    quarters = [0.5 * np.pi * k for k in range(5)]
-    arcs = [
-        occ.addCircle(*foot, layer.rho, -1, start, end, list(gap.along), list(gap.frame()[0]))
-        for start, end in pairwise(quarters)
-    ]
+    quarters, axes = pairwise(0.5 * np.pi * k for k in range(5)), (list(gap.along), list(gap.frame()[0]))
+    arcs = [occ.addCircle(*foot, layer.rho, -1, start, end, *axes) for start, end in quarters]
     disc = occ.addPlaneSurface([occ.addCurveLoop(arcs)])
     occ.synchronize()
     solid = occ.extrude([(2, disc)], *((above - below + 2.0 * overlap) * gap.along))
@@ -184,9 +175,8 @@ def _read(domain: FluidDomain, sides: Sequence[int]) -> StraightCells:
         tag = 0 if face in sides else int(away[mine.ravel()].max(axis=0).argmin()) + 1
         facets.append(mine)
         values.append(np.full(len(mine), tag))
-    return StraightCells(
-        vertices, tets.reshape(-1, 4).astype(np.int64), np.concatenate(facets), np.concatenate(values)
-    )
+    cells = tets.reshape(-1, 4).astype(np.int64)
+    return StraightCells(vertices, cells, np.concatenate(facets), np.concatenate(values))
 
 
 def _with_prisms(cells: StraightCells, layer: GapPrisms, spacing: Spacing) -> StraightCells:
@@ -217,16 +207,6 @@ def _with_prisms(cells: StraightCells, layer: GapPrisms, spacing: Spacing) -> St
         np.concatenate([cells.facets[~mine], below[triangles], above[triangles]]),
         np.concatenate([cells.tags[~mine], *(np.full(len(triangles), tag) for tag in layer.gap.tags)]),
     )
-
-
-def _require_boundary(cells: StraightCells) -> None:
-    """The facets that belong to one cell must be the tagged ones."""
-    sides = np.sort(cells.cells[:, [0, 1, 2, 0, 1, 3, 0, 2, 3, 1, 2, 3]].reshape(-1, 3), axis=1)
-    radix = len(cells.vertices) ** np.arange(3)[::-1]
-    keys, count = np.unique(sides @ radix, return_counts=True)
-    tagged = np.sort(np.sort(cells.facets, axis=1) @ radix)
-    if count.max() > 2 or not np.array_equal(keys[count == 1], tagged):
-        raise MeshError("gmsh lost a part of the boundary; try a finer discretisation.cells_per_gap")
 
 
 def _upright(cells: StraightCells) -> Indices:

@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps, neighbours, pair_gaps
-from fsi.meshes.geometry.containers import Box
-from fsi.meshes.geometry.periodic import Cell, Channel, Periodic
+from fsi.meshes.geometry.containers import Box, Container
+from fsi.meshes.geometry.periodic import Cell
 
 type Found = list[tuple[int, int, float, float, float]]
 
 
-def by_brute_force(q: Configuration, container: Periodic, reach: float) -> Found:
+def by_brute_force(q: Configuration, container: Container, reach: float) -> Found:
     """(i, j, away, gap) for all images up to six periods off; a body and its own image once."""
     found, periods = [], container.periods
     for i, j in product(range(len(q)), repeat=2):
@@ -34,7 +34,7 @@ def by_brute_force(q: Configuration, container: Periodic, reach: float) -> Found
 def test_all_near_pairs_and_no_others(seed: int, number: int, strain: float, cell: bool) -> None:
     """Bodies lie up to two periods away from the cell; none may be missed or found twice."""
     rng = np.random.default_rng(seed)
-    container: Periodic = Channel((1.0, -4.0), (9.0, 4.0))
+    container: Container = Box((1.0, -4.0), (9.0, 4.0), periodic=("x",))
     if cell:
         container = Cell(((8.0, 0.0), (0.0, 9.0)), ((0.0, 1.0), (0.0, 0.0)), strain)
     centres = rng.uniform(-16.0, 16.0, (number, 2)) * ([1.0, 1.0] if cell else [1.0, 0.1])
@@ -56,7 +56,9 @@ def test_images_are_carried_at_the_mean_velocity() -> None:
     slope = (cell.carried(e, h) - cell.carried(e, -h)) / (2.0 * h)
     np.testing.assert_allclose(cell.mean_velocity(e), slope, atol=1e-8)
     assert cell.mean_velocity(e)[0, 0] == pytest.approx(3.5)
-    np.testing.assert_array_equal(Channel((0.0, 0.0), (1.0, 1.0)).mean_velocity(e), np.zeros((2, 2)))
+    np.testing.assert_array_equal(
+        Box((0.0, 0.0), (1.0, 1.0), periodic=("x",)).mean_velocity(e), np.zeros((2, 2))
+    )
 
 
 @settings(max_examples=30)

@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 import pyvista
 
-from fsi.meshes.cells.curved import reference_points
-from fsi.meshes.cells.quality import determinant, scaled_jacobian
+from fsi.meshes.cells.curved import determinant, reference_points, scaled_jacobian
 from fsi.meshes.files.read import recover
 from fsi.meshes.files.write import gather, write_mesh
 from fsi.meshes.geometry.containers import Box, FluidDomain, HalfPlane, Round

@@ -12,7 +12,6 @@ from fsi.case.domain import MeanDrive, Walled, register_domain
 from fsi.case.section import Geometry, Section, dimension_of, require_components, told, toml_text
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Box, Container
-from fsi.meshes.geometry.periodic import Channel
 
 
 def _walls_of(geometry: Geometry, periodic: tuple[str, ...] = ()) -> tuple[str, ...]:
@@ -130,7 +129,7 @@ class ChannelDomain(BoxDomain, _Periodicity):
     @override
     def container(self) -> Container:
         """The geometry."""
-        return Channel(self.lower, self.upper, periodic=self.periodic)
+        return Box(self.lower, self.upper, periodic=self.periodic)
 
     @override
     def require_fluid(self) -> None:
