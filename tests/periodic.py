@@ -10,7 +10,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Configuration, Motion
 from fsi.meshes.geometry.containers import Box
-from fsi.meshes.geometry.periodic import Cell
+from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.discretisation.boundary import Boundary
 from fsi.stokes.solution import StokesSolution

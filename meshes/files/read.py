@@ -108,7 +108,6 @@ def _tagged_edges(mesh: meshio.Mesh, kind: str, names: Sequence[str]) -> tuple[I
 
 
 def _require_boundary(triangles: Indices, edges: Indices) -> None:
-    """Every boundary edge must be tagged."""
     boundary = {tuple(edge) for edge in boundary_sides(triangles).tolist()}
     tagged = {tuple(edge) for edge in np.sort(edges, axis=1).tolist()}
     if boundary != tagged:

@@ -22,6 +22,7 @@ import fsi.meshes.backend  # noqa: F401
 
 import basix.ufl
 import numpy as np
+import scipy.sparse as sp
 import ufl
 from dolfinx import fem
 from dolfinx.fem.petsc import assemble_matrix
@@ -32,15 +33,7 @@ from petsc4py import PETSc
 from fsi.meshes.build import FluidMesh, columns_of_masters, coordinate_element, matching_nodes
 from fsi.meshes.cells.curved import SIMPLEX, determinant, scaled_jacobian
 from fsi.meshes.geometry.containers import Array
-from fsi.meshes.moving.slip import (
-    CurvedBoundaryCells,
-    Slip,
-    SlipModes,
-    along,
-    factorised,
-    linear_weights,
-    turned,
-)
+from fsi.meshes.moving.slip import CurvedBoundaryCells, Extension, Slip, along, linear_weights, turned
 
 # A moved cell may differ from its base by this ratio of stretches at most, and keeps this scaled Jacobian.
 LARGEST_DISTORTION = 2.0
@@ -66,19 +59,16 @@ class Mover:
         r = places - centres[self._body]
         self._to_image = fluid.lattice.shift(fluid.lattice.nearest(r))
         self._r = r - self._to_image
-        self._slave, self._away, self._P = self._inside()
-        self._stiffness = self._laplace()
-        self._solver = factorised(self._stiffness, self._P)
-        modes = self._slip_modes()
-        self._slip = None if modes is None else Slip(self._stiffness, self._P, modes)
+        self._slave, self._away, P = self._inside()
+        stiffness, modes = self._laplace(), self._slip_modes()
+        self._extension = Extension(stiffness, P)
+        self._slip = None if modes is None else Slip(stiffness, P, modes)
 
     def close(self) -> None:
         """Free matrix and factors."""
         if self._slip is not None:
             self._slip.close()
-        self._solver.destroy()
-        self._stiffness.destroy()
-        self._P.destroy()
+        self._extension.close()
 
     def move(self, centres: Array, carried: Callable[[Array], Array] = np.copy) -> float | None:
         """Move the bodies to `centres` (N, dimension), in place; collective.
@@ -89,7 +79,7 @@ class Mover:
         known, turns = self._known(centres - self.centres, carried)
         geometry = self.fluid.mesh.geometry
         linear, d = linear_weights(self.fluid.order, self.fluid.dimension), self.fluid.dimension
-        of_nodes = np.tensordot(self._extension(known), linear, axes=(1, 1)).transpose(0, 2, 1)
+        of_nodes = np.tensordot(self._at_corners(known), linear, axes=(1, 1)).transpose(0, 2, 1)
         if self._slip is not None:
             of_nodes[self._curved.cells] += turned(self._curved.off_straight, turns[self._curved.body])
         geometry.x[geometry.dofmaps[0], :d] = self._x[geometry.dofmaps[0]] + of_nodes
@@ -110,8 +100,7 @@ class Mover:
 
     def _laplace(self) -> PETSc.Mat:
         """Stiffness matrix with weights 1 / volume."""
-        mesh = self.fluid.mesh
-        d = self.fluid.dimension
+        mesh, d = self.fluid.mesh, self.fluid.dimension
         form, weight = _stiffness_form(self.fluid.order, d)
         inverse_volume = fem.Function(fem.functionspace(mesh, cell_element(d)))
         sides = _sides(self._x[mesh.geometry.dofmaps[0]])
@@ -150,14 +139,13 @@ class Mover:
         known[self._slave] = carried(self._away) - self._away
         if self._slip is None:
             return known, np.zeros(self.fluid.bodies)
-        slips = self._slip.of(known)
-        turns, slides = np.split(slips, [self.fluid.bodies])
+        turns, slides = np.split(self._slip.of(known), [self.fluid.bodies])
         known[self._on_body] += turned(self._r, turns[self._body])
         for k, slide in enumerate(slides):
             known[self._tags == self.fluid.bodies + 1 + k] = slide * along(self.fluid.lattice)
         return known, turns
 
-    def _slip_modes(self) -> SlipModes | None:
+    def _slip_modes(self) -> sp.csr_matrix | None:
         """Discs turn, and the walls of a channel slide; None with an axis and in space."""
         fluid = self.fluid
         if fluid.dimension == 3 or fluid.axisymmetric or fluid.bodies == 0:
@@ -167,28 +155,18 @@ class Mover:
         on_wall = np.flatnonzero((self._tags > fluid.bodies) & (self._tags <= fluid.bodies + sliding))
         direction = np.tile(along(fluid.lattice), (len(on_wall), 1))
         vertex, mode = np.append(self._on_body, on_wall), np.append(self._body, self._tags[on_wall] - 1)
-        by = np.concatenate([quarter, direction])
-        return SlipModes(vertex, mode.astype(np.int64), by, fluid.bodies + sliding)
+        rows, by = 2 * vertex[:, None] + np.arange(2), np.concatenate([quarter, direction])
+        size = (2 * len(self._tags), fluid.bodies + sliding)
+        return sp.csr_matrix((by.ravel(), (rows.ravel(), np.repeat(mode, 2))), size)
 
-    def _extension(self, known: Array) -> Array:
+    def _at_corners(self, known: Array) -> Array:
         """Displacements of the corners of this rank's cells (T, d + 1, d) from what is known at vertices."""
-        d = self.fluid.dimension
-        result = fem.Function(self._vertices)
-        corners = np.empty((len(self._vertices.dofmap.list), d + 1, d))
-        moved, load = self._stiffness.createVecs()
-        y, rhs = self._P.createVecRight(), self._P.createVecRight()
-        for axis in range(d):
-            moved.array[:] = known[:, axis]
-            self._stiffness.mult(moved, load)
-            self._P.multTranspose(load, rhs)
-            self._solver.solve(rhs, y)
-            self._P.mult(y, moved)
-            result.x.array[: len(known)] = known[:, axis] - moved.array
+        result, components = fem.Function(self._vertices), []
+        for component in known.T:
+            result.x.array[: len(known)] = self._extension(component)[1]
             result.x.scatter_forward()
-            corners[:, :, axis] = result.x.array[self._vertices.dofmap.list]
-        for vector in (moved, load, y, rhs):
-            vector.destroy()
-        return corners
+            components.append(result.x.array[self._vertices.dofmap.list])
+        return np.stack(components, axis=2)
 
     def _quality(self) -> float | None:
         """Worst scaled Jacobian over all ranks, None if a cell is distorted too much."""

@@ -42,13 +42,35 @@ def unfactorised(matrix: PETSc.Mat) -> PETSc.KSP:
     return solver
 
 
-def factorised(stiffness: PETSc.Mat, P: PETSc.Mat) -> PETSc.KSP:
-    """Solver for P^T K P, to be destroyed by the caller."""
-    inside = stiffness.ptap(P)
-    solver = unfactorised(inside)
-    solver.setUp()
-    inside.destroy()
-    return solver
+class Extension:
+    """Extends what is known of d such that d^T K d is smallest; `close` frees K, P and the factors."""
+
+    def __init__(self, K: PETSc.Mat, P: PETSc.Mat) -> None:
+        """Factorise P^T K P; P takes the unknowns y to d = known + P y."""
+        self._K, self._P = K, P
+        inside = K.ptap(P)
+        self._solver = unfactorised(inside)
+        self._solver.setUp()
+        inside.destroy()
+
+    def __call__(self, known: Array) -> tuple[Array, Array]:
+        """This rank's rows of y and of d; `known` is zero where d is free."""
+        Py, load = self._K.createVecs()
+        y, rhs = self._P.createVecRight(), self._P.createVecRight()
+        load.array[:] = -known
+        self._K.mult(load, Py)
+        self._P.multTranspose(Py, rhs)
+        self._solver.solve(rhs, y)
+        self._P.mult(y, Py)
+        result = y.array.copy(), known + Py.array
+        for vector in (Py, load, y, rhs):
+            vector.destroy()
+        return result
+
+    def close(self) -> None:
+        """Free matrices and factors."""
+        for used in (self._solver, self._K, self._P):
+            used.destroy()
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,54 +127,26 @@ def linear_weights(order: int, dimension: int) -> Array:
     return barycentric(reference_points(order, dimension))
 
 
-Integers = NDArray[np.int64]
-
-
-@dataclass(frozen=True, slots=True)
-class SlipModes:
-    """The modes of slipping at this rank's vertices: mode `mode[k]` moves vertex `vertex[k]` by `by[k]`.
-
-    Attributes:
-        vertex: (n,).
-        mode: (n,).
-        by: (n, 2).
-        count: how many modes there are on all ranks.
-    """
-
-    vertex: Integers
-    mode: Integers
-    by: Array
-    count: int
-
-
 class Slip:
     """Finds the slip of least distortion; `close` frees the factors."""
 
-    def __init__(self, stiffness: PETSc.Mat, P: PETSc.Mat, modes: SlipModes) -> None:
+    def __init__(self, stiffness: PETSc.Mat, P: PETSc.Mat, modes: sp.csr_matrix) -> None:
         """Prepare.
 
         Args:
             stiffness: of `int (1 / area) grad d . grad v`, for one component of d at all vertices.
             P: its vertices by the free ones.
-            modes: of slipping, at vertices that are not free.
+            modes: by which slipping moves this rank's vertices, none of them free, (2 vertices, modes).
         """
-        comm = stiffness.comm.tompi4py()
-        free_here = P.getLocalSize()[1]
-        root_free = comm.bcast(free_here)
-        self._comm, self._free = comm, 2 * free_here
-        self._modes = modes.count if comm.rank == 0 else 0
-        self._stiffness = _matrix(_of_both(stiffness), 2 * stiffness.getLocalSize()[1], stiffness)
-        free = _of_both(P).tocoo()
+        self._comm, self._free = stiffness.comm.tompi4py(), 2 * P.getLocalSize()[1]
         # Rank 0 owns the modes, after its own free vertices.
-        columns = free.col + modes.count * (free.col >= 2 * root_free)
-        rows = (2 * modes.vertex[:, None] + np.arange(2)).ravel()
-        values = np.concatenate([free.data, modes.by.ravel()])
-        rows = np.concatenate([free.row, rows])
-        columns = np.concatenate([columns, np.repeat(2 * root_free + modes.mode, 2)])
-        size = (free.shape[0], free.shape[1] + modes.count)
-        every = sp.csr_matrix((values, (rows, columns)), size)
-        self._P = _matrix(every, self._free + self._modes, stiffness)
-        self._solver = factorised(self._stiffness, self._P)
+        before = self._comm.bcast(self._free)
+        free = _of_both(P)
+        every = sp.hstack([free[:, :before], modes, free[:, before:]], "csr")
+        columns_here = self._free + (modes.shape[1] if self._comm.rank == 0 else 0)
+        K = _matrix(_of_both(stiffness), 2 * stiffness.getLocalSize()[1], stiffness)
+        self._extension = Extension(K, _matrix(every, columns_here, stiffness))
+        self.close = self._extension.close
 
     def of(self, known: Array) -> Array:
         """How far each mode slips, on all ranks.
@@ -160,21 +154,9 @@ class Slip:
         Args:
             known: displacements (n, 2) of this rank's vertices without slips, zero where they are free.
         """
-        d, load = self._stiffness.createVecs()
-        y, rhs = self._P.createVecRight(), self._P.createVecRight()
-        d.array[:] = -known.ravel()
-        self._stiffness.mult(d, load)
-        self._P.multTranspose(load, rhs)
-        self._solver.solve(rhs, y)
-        amounts: Array = self._comm.bcast(y.array[self._free :].copy())
-        for vector in (d, load, y, rhs):
-            vector.destroy()
+        y, _ = self._extension(known.ravel())
+        amounts: Array = self._comm.bcast(y[self._free :])
         return amounts
-
-    def close(self) -> None:
-        """Free matrices and factors."""
-        for used in (self._solver, self._stiffness, self._P):
-            used.destroy()
 
 
 def _of_both(matrix: PETSc.Mat) -> sp.csr_matrix:

@@ -22,6 +22,8 @@ from fsi.meshes.geometry.curves import segment
 from fsi.meshes.planar.cut import NeighbourLinks, cut
 from fsi.meshes.planar.sizing import PIECES, Curve, Resolution, Surfaces, arcs, half_ring, rings
 
+LINK_PIECES = 16  # of a link, to begin with
+
 
 def boundary(domain: FluidDomain, resolution: Resolution) -> list[Curve]:
     """All curves: bodies (tags 1 ... N), walls (N + 1 ...), and the axis or the cut with the last tag.
@@ -55,9 +57,6 @@ def axis(surfaces: Surfaces) -> list[Curve]:
     ]
 
 
-LINK_PIECES = 16  # of a link, to begin with
-
-
 def opened(surfaces: Surfaces) -> list[Curve]:
     """Whole bodies, then what bounds the opened domain: arcs, walls, the cut."""
     links = cut(surfaces)
@@ -78,7 +77,8 @@ class Stretch:
 
     Attributes:
         node: a body, or N + wall.
-        centre: of the image that is met, (2,).
+        centre: of the image that is met, or where the link meets the wall, (2,).
+        leaves: the same where the next link leaves: along a wall one period on, (2,).
         start: the angle at which it begins on a body.
         end: the angle at which it ends there, end < start.
         link: the link that leaves.
@@ -87,6 +87,7 @@ class Stretch:
 
     node: int
     centre: Array
+    leaves: Array
     start: float
     end: float
     link: int
@@ -109,19 +110,13 @@ def _walk(links: NeighbourLinks, surfaces: Surfaces) -> Iterator[Stretch]:
         turn = (angle[arrived] - angle[leaving]) % (2.0 * np.pi)
         turn[leaving == arrived] = 2.0 * np.pi
         half = int(leaving[np.argmin(turn)])
-        start = float(angle[arrived])
-        yield Stretch(node, place, start, start - float(turn.min()), half % count, half < count)
+        start, met = float(angle[arrived]), place
         if node >= n:
-            place = place + _along_wall(surfaces, node)
+            begin, end = surfaces.container.outline()[node - n].ends
+            place = place + (end - begin)
+        yield Stretch(node, met, place, start, start - float(turn.min()), half % count, half < count)
     if half != 0 or len(passed) != 2 * count:
         raise MeshError("the periodic domain cannot be opened; are bodies about to touch?")
-
-
-def _along_wall(surfaces: Surfaces, node: int) -> Array:
-    """One period along a wall, with the fluid on the left."""
-    start, end = surfaces.container.outline()[node - surfaces.bodies].ends
-    along: Array = end - start
-    return along
 
 
 def _curves(walk: list[Stretch], links: NeighbourLinks, surfaces: Surfaces) -> Iterator[Curve]:
@@ -133,19 +128,19 @@ def _curves(walk: list[Stretch], links: NeighbourLinks, surfaces: Surfaces) -> I
     angles = np.array([(stretch.end, stretch.start) for stretch in on_bodies]).reshape(-1, 2)
     pieces = iter(arcs(surfaces, [stretch.node for stretch in on_bodies], angles))
     for stretch in walk:
-        leaves, radius = stretch.centre, 0.0
+        radius = 0.0
         if stretch.node < n:
             piece = next(pieces)
             moved = _moved(piece, stretch.centre - surfaces.centres[stretch.node])
             yield Curve(moved.tag, moved.nodes[::-1], closed=False, centre=moved.centre)
             radius = float(surfaces.radii[stretch.node])
         else:
-            leaves = stretch.centre + _along_wall(surfaces, stretch.node)
-            yield surfaces.wall(segment(stretch.node - n, stretch.centre, leaves))
+            yield surfaces.wall(segment(stretch.node - n, stretch.centre, stretch.leaves))
         away, direction = along[stretch.link], links.step[stretch.link] / np.hypot(*links.step[stretch.link])
         if not stretch.forward:
             away, direction = (links.gap[stretch.link] - away)[::-1], -direction
-        yield Curve(cut_tag, leaves + (radius + away)[:, None] * direction, closed=False, centre=None)
+        nodes = stretch.leaves + (radius + away)[:, None] * direction
+        yield Curve(cut_tag, nodes, closed=False, centre=None)
 
 
 def _on_link(links: NeighbourLinks, k: int, surfaces: Surfaces) -> Array:
@@ -167,7 +162,6 @@ def _closed(curves: Iterator[Curve]) -> list[Curve]:
 
 
 def _moved(curve: Curve, shift: Array) -> Curve:
-    """The curve, translated."""
     centre = None if curve.centre is None else curve.centre + shift
     return Curve(curve.tag, curve.nodes + shift, curve.closed, centre)
 
@@ -177,12 +171,8 @@ def _shifts_inside(surfaces: Surfaces, centres: Array, walk: list[Stretch]) -> A
 
     Raises MeshError where not exactly one image of a body lies inside.
     """
-    lattice, corners = surfaces.lattice, []
-    for stretch in walk:
-        corners.append(stretch.centre)
-        if stretch.node >= surfaces.bodies:
-            corners.append(stretch.centre + _along_wall(surfaces, stretch.node))
-    polygon = np.array(corners)
+    lattice = surfaces.lattice
+    polygon = np.array([corner for stretch in walk for corner in (stretch.centre, stretch.leaves)])
     extent = np.ceil(np.abs(lattice.coordinates(polygon)).max(axis=0)).astype(int) + 1
     m = np.array(list(product(*(range(-k, k + 1) for k in extent))), dtype=np.int64)
     images = centres[:, None] + lattice.shift(m)

@@ -106,7 +106,6 @@ def _to_walls(surfaces: Surfaces) -> NeighbourLinks:
 
 
 def _joined(one: NeighbourLinks, other: NeighbourLinks) -> NeighbourLinks:
-    """The links of both."""
     names = [field.name for field in fields(NeighbourLinks)]
     return NeighbourLinks(*(np.concatenate([getattr(one, name), getattr(other, name)]) for name in names))
 

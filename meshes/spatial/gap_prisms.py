@@ -109,7 +109,6 @@ def find_gaps(spacing: Spacing) -> list[NarrowGap]:
 
 
 def _to_wall(domain: FluidDomain, i: int, k: int) -> NarrowGap:
-    """The gap between body i and wall k."""
     centre, a, container = domain.centres[i], float(domain.radii[i]), domain.container
     distance = float(container.distances(centre[None])[0, k])
     tags, sphere = (i + 1, len(domain.radii) + 1 + k), container.spheres[k]

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps, neighbours, pair_gaps
 from fsi.meshes.geometry.containers import Box, Container
-from fsi.meshes.geometry.periodic import Cell
+from fsi.meshes.geometry.lattice import Cell
 
 type Found = list[tuple[int, int, float, float, float]]
 
@@ -69,7 +69,7 @@ def test_neighbours_in_boxes_that_are_periodic_in_any_directions(
     """Against all images up to five periods off, of points up to two periods outside; the cell is small."""
     container = Box((1.0, -2.0, 0.0), (3.0, 0.5, 3.0), periodic=tuple(sorted(periodic)))
     x = np.random.default_rng(seed).uniform(-2.0, 4.0, (number, 3))
-    near, cutoff, periods = neighbours(x, container, 2.6), 2.6, container.periods
+    (pairs, m_near), cutoff, periods = neighbours(x, container, 2.6), 2.6, container.periods
     expected = {}
     for i, j in product(range(number), repeat=2):
         for m in product(range(-5, 6), repeat=len(periods)):
@@ -77,9 +77,11 @@ def test_neighbours_in_boxes_that_are_periodic_in_any_directions(
             first = i < j or (i == j and next((k for k in m if k), 0) > 0)
             if first and np.linalg.norm(separation) <= cutoff:
                 expected[(i, j, *m)] = separation
-    rows = np.column_stack([near.i, near.j, near.shift]).tolist()
+    rows = np.column_stack([pairs, m_near]).tolist()
     assert len(rows) == len(expected)
     assert set(map(tuple, rows)) == set(expected)
-    for row, separation, distance in zip(rows, near.separation, near.distance, strict=True):
+    separations = x[pairs[:, 0]] - x[pairs[:, 1]] - m_near @ periods
+    distances = pair_gaps(Configuration.unturned(x, np.zeros(number)), pairs, m_near @ periods)
+    for row, separation, distance in zip(rows, separations, distances, strict=True):
         np.testing.assert_allclose(separation, expected[tuple(row)], atol=1e-12)
         assert distance == pytest.approx(np.linalg.norm(separation), rel=1e-14)

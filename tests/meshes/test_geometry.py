@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fsi.meshes.geometry.containers import Array, Box, Container, HalfPlane, Round
-from fsi.meshes.geometry.periodic import Cell
+from fsi.meshes.geometry.lattice import Cell
 
 IN_PLANE: list[Container] = [
     Box((-1.0, -2.0), (3.0, 5.0)),

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 
 from fsi.meshes.cells.curved import curve, scaled_jacobian
 from fsi.meshes.geometry.containers import Array, Box, Container, FluidDomain
-from fsi.meshes.geometry.lattice import NO_LATTICE, Lattice, matching_points, reduced
-from fsi.meshes.geometry.periodic import Cell
+from fsi.meshes.geometry.lattice import NO_LATTICE, Cell, Lattice, matching_points, reduced
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import triangulate

@@ -11,7 +11,7 @@ from pydantic import Field, ValidationInfo, field_validator
 from fsi.case.domain import Walled, register_domain
 from fsi.case.section import Geometry, told
 from fsi.meshes.geometry.containers import Container
-from fsi.meshes.geometry.periodic import Cell
+from fsi.meshes.geometry.lattice import Cell
 
 type Vector = tuple[float, float]
 

@@ -8,7 +8,7 @@ import pyvista as pv
 
 from fsi.bodies.configuration import Configuration
 from fsi.meshes.geometry.containers import Box, Container
-from fsi.meshes.geometry.periodic import Cell
+from fsi.meshes.geometry.lattice import Cell
 from fsi.postprocess.render.scenes import images, tiled
 from fsi.postprocess.render.view import around_period
 
