@@ -23,7 +23,6 @@ from bench.step import PHASES, forget_peak, peak_memory
 from fsi.bodies.configuration import Array, Configuration, Motion
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.geometry.containers import Box, FluidDomain
-from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.clock import Clock
@@ -120,7 +119,7 @@ def moved_steps(sheared: Sheared, repeats: int) -> list[StokesSolution]:
             quality = mover.move(there.q.centres)
             if quality is None:
                 raise SystemExit("the mesh cannot be moved that far: lessen MOVE")
-            fluid = mover.fluid.moved(quality, Lattice(sheared.channel.periods))
+            fluid = mover.fluid.moved(quality, sheared.channel)
             clock.lap("mesh")
             found.append(there.solve(fluid, clock, workspace))
     mover.close()

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from fsi.meshes.cells.curved import SIMPLEX, CurvedCells, curve, require_valid
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.containers import Array, FluidDomain
-from fsi.meshes.geometry.lattice import NO_LATTICE, Lattice, PeriodicPairs, matching_points
+from fsi.meshes.geometry.containers import Array, Container, FluidDomain
+from fsi.meshes.geometry.lattice import Lattice, PeriodicPairs, matching_points
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import FarSize, Indices, places_of, side_keys, triangulate
@@ -39,49 +39,42 @@ class FluidMesh:
 
     Attributes:
         mesh: curved triangles, in space tetrahedra.
-        facet_tags: body i has tag i + 1, wall k has tag N + 1 + k, the axis the tag after the last wall's,
-            and so has the cut of a periodic domain, whose two sides differ by vectors of its lattice.
+        facet_tags: body i has tag i + 1, wall k has tag N + 1 + k, the axis or the cut the one after these.
         bodies: N.
-        walls: names, in the order of their tags.
-        axisymmetric: whether points are (r, z).
+        container: what encloses the fluid, at the time of the mesh.
         order: of the cells.
         quality: worst scaled Jacobian of all cells.
-        lattice: of the periods.
     """
 
     mesh: Mesh
     facet_tags: dolfinx.mesh.MeshTags
     bodies: int
-    walls: tuple[str, ...]
-    axisymmetric: bool
+    container: Container
     order: int
     quality: float
-    lattice: Lattice = NO_LATTICE
+
+    @property
+    def lattice(self) -> Lattice:
+        """Of the periods; the two sides of the cut differ by vectors of it."""
+        return Lattice(self.container.periods)
 
     def wall_tag(self, wall: str) -> int:
         """Facet tag of a wall."""
-        return self.bodies + 1 + self.walls.index(wall)
-
-    @property
-    def boundary_names(self) -> tuple[str, ...]:
-        """Names of the walls, and of the axis or the cut, in the order of their tags."""
-        if self.axisymmetric:
-            return (*self.walls, "axis")
-        return (*self.walls, "cut") if self.lattice.dimension else self.walls
+        return self.bodies + 1 + self.container.walls.index(wall)
 
     @property
     def axis_tag(self) -> int:
         """Facet tag of the axis."""
-        return self.bodies + 1 + len(self.walls)
+        return self.bodies + 1 + len(self.container.walls)
 
     @property
     def cut_tag(self) -> int:
         """Facet tag of both sides of the cut; a periodic domain has no axis."""
         return self.axis_tag
 
-    def moved(self, quality: float, lattice: Lattice) -> FluidMesh:
+    def moved(self, quality: float, container: Container) -> FluidMesh:
         """The same mesh, moved, with its new quality; the lattice may have moved too."""
-        return replace(self, quality=quality, lattice=lattice)
+        return replace(self, quality=quality, container=container)
 
     @property
     def dimension(self) -> int:
@@ -125,27 +118,19 @@ def shared(make: Callable[[], CurvedCells], domain: FluidDomain) -> FluidMesh:
     problem, quality, order = comm.bcast((problem, quality, order))
     if problem is not None:
         raise problem
-    mesh, tags = distribute(cells, order, comm, container.dimension)
-    lattice, bodies = Lattice(container.periods), len(domain.radii)
-    return FluidMesh(mesh, tags, bodies, container.walls, container.axisymmetric, order, quality, lattice)
+    # The other ranks give no cells.
+    d = container.dimension
+    topology = np.empty((0, comb(order + d, d)), dtype=np.int64) if cells is None else cells.cells
+    x = np.empty((0, d)) if cells is None else cells.nodes
+    mesh = dolfinx.mesh.create_mesh(comm, topology, ufl.Mesh(coordinate_element(order, d)), x)
+    tags = _facet_tags(mesh, *comm.bcast(None if cells is None else (cells.edges, cells.tags)))
+    return FluidMesh(mesh, tags, len(domain.radii), container, order, quality)
 
 
 def coordinate_element(order: int, dimension: int = 2) -> basix.ufl._ElementBase:
     """The isoparametric element of the cells: equispaced nodes, as VTK and gmsh have them."""
     variant = basix.LagrangeVariant.equispaced
     return basix.ufl.element("Lagrange", SIMPLEX[dimension], order, variant, shape=(dimension,))
-
-
-def distribute(
-    cells: CurvedCells | None, order: int, comm: MPI.Intracomm, dimension: int = 2
-) -> tuple[Mesh, dolfinx.mesh.MeshTags]:
-    """Share rank 0's cells out over the ranks (the others pass None); mesh and facet tags."""
-    nodes_per_cell = comb(order + dimension, dimension)
-    topology = np.empty((0, nodes_per_cell), dtype=np.int64) if cells is None else cells.cells
-    x = np.empty((0, dimension)) if cells is None else cells.nodes
-    mesh = dolfinx.mesh.create_mesh(comm, topology, ufl.Mesh(coordinate_element(order, dimension)), x)
-    edges, tags = comm.bcast(None if cells is None else (cells.edges, cells.tags))
-    return mesh, _facet_tags(mesh, edges, tags)
 
 
 def _facet_tags(mesh: Mesh, edges: Indices, tags: Indices) -> dolfinx.mesh.MeshTags:

@@ -69,28 +69,25 @@ def _cells(mesh: meshio.Mesh, names: Sequence[str], domain: FluidDomain, order: 
         raise MeshFileError(
             f"has {len(kinds)} kinds of triangles; make the fluid a physical surface, of order 1 to 4"
         )
-    order_in_file = kinds[0] + 1
-    if order_in_file > order:
-        raise MeshFileError(
-            f"has triangles of order {order_in_file}; give discretisation.degree = {order_in_file} or more"
-        )
+    degree = kinds[0] + 1
+    if degree > order:
+        raise MeshFileError(f"has triangles of order {degree}; give discretisation.degree = {degree} or more")
     triangles = mesh.cells_dict[TRIANGLES[kinds[0]]].astype(np.int64)
     edges, tags = _tagged_edges(mesh, LINES[kinds[0]], names)
     used, numbers = np.unique(triangles, return_inverse=True)
     renumber = np.full(len(mesh.points), -1)
     renumber[used] = np.arange(len(used))
-    triangles = numbers.reshape(triangles.shape)[:, np.argsort(gmsh_order(order_in_file))]
+    triangles = numbers.reshape(triangles.shape)[:, np.argsort(gmsh_order(degree))]
     nodes, edges = mesh.points[used, :2], renumber[edges]
     _require_boundary(triangles[:, :3], edges)
     _require_places(nodes[edges], tags, names, domain)
-    triangles = _counterclockwise(nodes, triangles, order_in_file)
-    if order_in_file > 1:
-        return CurvedCells(nodes, triangles, edges, tags, order_in_file)
+    triangles = _counterclockwise(nodes, triangles, degree)
+    if degree > 1:
+        return CurvedCells(nodes, triangles, edges, tags, degree)
     walls = zip(domain.container.walls, domain.container.spheres, strict=True)
-    centres = dict(enumerate(domain.centres)) | {
-        names.index(wall): sphere.centre for wall, sphere in walls if sphere is not None
-    }
-    circles = [Curve(k + 1, np.empty((0, 2)), closed=False, centre=x) for k, x in centres.items()]
+    centres = dict(enumerate(domain.centres))
+    centres |= {names.index(wall): sphere.centre for wall, sphere in walls if sphere is not None}
+    circles = [Curve(k + 1, np.empty((0, 2)), centre=x) for k, x in centres.items()]
     return curve(StraightCells(nodes, triangles, edges, tags), circles, order)
 
 

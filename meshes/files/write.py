@@ -33,10 +33,7 @@ TRIANGLES = ("triangle", "triangle6", "triangle10", "triangle15")
 TETRAHEDRA = ("tetra", "tetra10", "tetra20", "tetra35")
 SIMPLICES = (LINES, TRIANGLES, TETRAHEDRA)  # of dimension 1, 2, 3
 # Corners of the edges and faces of gmsh's tetrahedron.
-GMSH_SIDES = (
-    ((0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1)),
-    ((0, 2, 1), (0, 1, 3), (0, 3, 2), (3, 1, 2)),
-)
+GMSH_SIDES = (((0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1)), ((0, 2, 1), (0, 1, 3), (0, 3, 2), (3, 1, 2)))
 VTK_SIMPLICES = ("VTK_LAGRANGE_CURVE", "VTK_LAGRANGE_TRIANGLE", "VTK_LAGRANGE_TETRAHEDRON")
 
 
@@ -50,7 +47,7 @@ def write_mesh(fluid: FluidMesh, path: Path, names: Sequence[str]) -> None:
     cells, problem = gather(fluid), None
     if cells is not None:
         try:
-            write_cells(cells, path, [*names, *fluid.boundary_names])
+            write_cells(cells, path, [*names, *fluid.container.boundary_names])
         except MeshFileError as error:
             problem = error
     problem = fluid.mesh.comm.bcast(problem)

@@ -188,10 +188,7 @@ def lengths(x: Array) -> Array:
 
 
 # Names of the walls of a box: the low and the high end along x, then along the other axes.
-_FACES = {
-    2: ("left", "right", "bottom", "top"),
-    3: ("left", "right", "front", "back", "bottom", "top"),
-}
+_FACES = {2: ("left", "right", "bottom", "top"), 3: ("left", "right", "front", "back", "bottom", "top")}
 
 
 @dataclass(frozen=True, slots=True)

@@ -103,9 +103,6 @@ class Lattice:
         return np.concatenate(originals), np.concatenate(m)
 
 
-NO_LATTICE = Lattice(np.empty((0, 1)))
-
-
 def positive(m: Integers) -> NDArray[np.bool_]:
     """Of every two opposite shifts (n, k) one: that whose first component other than 0 is positive."""
     first_positive: NDArray[np.bool_] = np.sign(m) @ 3.0 ** -np.arange(m.shape[1]) > 0.0

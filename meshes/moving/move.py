@@ -92,7 +92,7 @@ class Mover:
         """Tag of each vertex, ghosts last, 0 inside. Vertices at the corner of walls have either's tag."""
         marker = fem.Function(self._vertices)
         facets, d = self.fluid.facet_tags, self.fluid.dimension
-        for tag in range(1, self.fluid.bodies + len(self.fluid.walls) + 1):
+        for tag in range(1, self.fluid.bodies + len(self.fluid.container.walls) + 1):
             vertices = fem.locate_dofs_topological(self._vertices, d - 1, facets.find(tag))
             marker.x.array[vertices] = tag
         marker.x.scatter_forward()
@@ -148,10 +148,10 @@ class Mover:
     def _slip_modes(self) -> sp.csr_matrix | None:
         """Discs turn, and the walls of a channel slide; None with an axis and in space."""
         fluid = self.fluid
-        if fluid.dimension == 3 or fluid.axisymmetric or fluid.bodies == 0:
+        if fluid.dimension == 3 or fluid.container.axisymmetric or fluid.bodies == 0:
             return None
         quarter = np.column_stack([-self._r[:, 1], self._r[:, 0]])
-        sliding = len(fluid.walls) if fluid.lattice.dimension == 1 else 0
+        sliding = len(fluid.container.walls) if fluid.lattice.dimension == 1 else 0
         on_wall = np.flatnonzero((self._tags > fluid.bodies) & (self._tags <= fluid.bodies + sliding))
         direction = np.tile(along(fluid.lattice), (len(on_wall), 1))
         vertex, mode = np.append(self._on_body, on_wall), np.append(self._body, self._tags[on_wall] - 1)

@@ -51,10 +51,8 @@ def axis(surfaces: Surfaces) -> list[Curve]:
     def at(z: Array) -> Array:
         return np.column_stack([np.zeros_like(z), z])
 
-    return [
-        Curve(tag, at(surfaces.line(at, start, end, PIECES)), closed=False, centre=None)
-        for start, end in zip(tops, bottoms, strict=True)
-    ]
+    pieces = zip(tops, bottoms, strict=True)
+    return [Curve(tag, at(surfaces.line(at, start, end, PIECES))) for start, end in pieces]
 
 
 def opened(surfaces: Surfaces) -> list[Curve]:
@@ -132,15 +130,14 @@ def _curves(walk: list[Stretch], links: NeighbourLinks, surfaces: Surfaces) -> I
         if stretch.node < n:
             piece = next(pieces)
             moved = _moved(piece, stretch.centre - surfaces.centres[stretch.node])
-            yield Curve(moved.tag, moved.nodes[::-1], closed=False, centre=moved.centre)
+            yield Curve(moved.tag, moved.nodes[::-1], centre=moved.centre)
             radius = float(surfaces.radii[stretch.node])
         else:
             yield surfaces.wall(segment(stretch.node - n, stretch.centre, stretch.leaves))
         away, direction = along[stretch.link], links.step[stretch.link] / np.hypot(*links.step[stretch.link])
         if not stretch.forward:
             away, direction = (links.gap[stretch.link] - away)[::-1], -direction
-        nodes = stretch.leaves + (radius + away)[:, None] * direction
-        yield Curve(cut_tag, nodes, closed=False, centre=None)
+        yield Curve(cut_tag, stretch.leaves + (radius + away)[:, None] * direction)
 
 
 def _on_link(links: NeighbourLinks, k: int, surfaces: Surfaces) -> Array:

@@ -115,8 +115,8 @@ class Curve:
 
     tag: int
     nodes: Array
-    closed: bool
-    centre: Array | None
+    closed: bool = False
+    centre: Array | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,7 +183,7 @@ class Surfaces:
         s, h, _ = resolve_all(size, np.array([curve.interval]), PIECES)
         nodes = curve.at(equidistribute(s, 1.0 / h, curve.fewest_elements))
         nodes[[0, -1]] = curve.ends
-        return Curve(self.bodies + 1 + curve.wall, nodes, closed=False, centre=curve.centre)
+        return Curve(self.bodies + 1 + curve.wall, nodes, centre=curve.centre)
 
     def line(self, at: Callable[[Array], Array], start: float, end: float, pieces: int) -> Array:
         """Places s of the nodes on a line `at(s)` through the fluid from surface to surface."""
@@ -217,7 +217,7 @@ def arcs(surfaces: Surfaces, bodies: Sequence[int], angles: Array) -> list[Curve
     """The nodes on bodies between two angles each, start < end, (n, 2)."""
     near = [_neighbourhood(surfaces, i) for i in bodies]
     chains = zip(bodies, _on_arcs(surfaces, near, angles), strict=True)
-    return [Curve(i + 1, nodes, closed=False, centre=surfaces.centres[i]) for i, nodes in chains]
+    return [Curve(i + 1, nodes, centre=surfaces.centres[i]) for i, nodes in chains]
 
 
 @dataclass(frozen=True, slots=True)

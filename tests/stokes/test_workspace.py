@@ -16,7 +16,6 @@ from numpy.testing import assert_allclose
 from fsi.bodies.configuration import Configuration, Motion
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.geometry.containers import Box, Container, FluidDomain
-from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.discretisation.boundary import Boundary
@@ -57,7 +56,7 @@ def moved(container: Container) -> Iterator[Iterator[tuple[FluidMesh, Configurat
             there = replace(Q, centres=Q.centres + s * np.array([[1.0, -0.5], [-1.0, 1.0]]))
             quality = mover.move(there.centres)
             assert quality is not None
-            yield mover.fluid.moved(quality, Lattice(container.periods)), there
+            yield mover.fluid.moved(quality, container), there
 
     try:
         yield along()

@@ -118,7 +118,7 @@ def dof_layout(
     off_axis = ~np.isin(on_body, axis)
     return DofLayout(
         fluid.mesh.comm, d, len(nodes.x), pressure_nodes, fixed, on_body[off_axis], body[off_axis],
-        len(MODES[d]) * fluid.bodies, fluid.axisymmetric,
+        len(MODES[d]) * fluid.bodies, fluid.container.axisymmetric,
     )  # fmt: skip
 
 

@@ -175,10 +175,10 @@ class Forms:
 
     def __init__(self, fluid: FluidMesh, degree: int, viscosity: float) -> None:
         """Bind the forms to a mesh; degree of the velocity, at least the order of the cells."""
-        self._compiled = compile_forms(fluid.order, degree, fluid.dimension, fluid.axisymmetric)
+        self._compiled = compile_forms(fluid.order, degree, fluid.dimension, fluid.container.axisymmetric)
         self.mesh = fluid.mesh
         self._degree, self._viscosity = degree, viscosity
-        self.axisymmetric = fluid.axisymmetric
+        self.axisymmetric = fluid.container.axisymmetric
         self._curved, self._straight = _cells(fluid)
         self.V = fem.functionspace(fluid.mesh, velocity_element(degree, fluid.dimension))
         self.Q = fem.functionspace(fluid.mesh, pressure_element(degree, fluid.dimension))

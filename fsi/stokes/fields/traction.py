@@ -73,7 +73,9 @@ def collect(system: StokesSystem, reaction: Array) -> Surface:
     nodes, xs, reactions, numbers, bodies = (np.concatenate([part[k] for part in parts]) for k in range(5))
     unique, first = np.unique(nodes, return_index=True)
     of_facets = np.searchsorted(unique, numbers)
-    return Surface(xs[first], of_facets, degree, bodies, reactions[first], fluid.lattice, fluid.axisymmetric)
+    return Surface(
+        xs[first], of_facets, degree, bodies, reactions[first], fluid.lattice, fluid.container.axisymmetric
+    )
 
 
 def places(surface: Surface) -> Integers:
