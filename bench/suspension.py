@@ -22,9 +22,7 @@ from bench.scaling import JSON_HELP, Scaling
 from bench.step import PHASES, forget_peak, peak_memory
 from fsi.bodies.configuration import Array, Configuration, Motion
 from fsi.meshes.build import FluidMesh, build
-from fsi.meshes.geometry.containers import FluidDomain
-from fsi.meshes.geometry.lattice import Lattice
-from fsi.meshes.geometry.periodic import Channel
+from fsi.meshes.geometry.containers import Box, FluidDomain
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.clock import Clock
@@ -57,7 +55,7 @@ MB: the peak of the resident memory. All five sizes take some two minutes and 4 
 class Sheared:
     """A suspension of free discs between sliding walls H apart; the rate of shear is 1."""
 
-    channel: Channel
+    channel: Box
     q: Configuration
     H: float
 
@@ -92,7 +90,9 @@ def suspension(n: int) -> Sheared:
         centres = np.concatenate(
             [np.array(given["centers"]) + np.array([k * L, 0.0]) for k in range(PERIODS[n])]
         )
-    return Sheared(Channel((0.0, 0.0), (PERIODS[n] * L, H)), Configuration.unturned(centres, np.ones(n)), H)
+    return Sheared(
+        Box((0.0, 0.0), (PERIODS[n] * L, H), periodic=("x",)), Configuration.unturned(centres, np.ones(n)), H
+    )
 
 
 def new_steps(sheared: Sheared, repeats: int) -> list[StokesSolution]:
@@ -119,7 +119,7 @@ def moved_steps(sheared: Sheared, repeats: int) -> list[StokesSolution]:
             quality = mover.move(there.q.centres)
             if quality is None:
                 raise SystemExit("the mesh cannot be moved that far: lessen MOVE")
-            fluid = mover.fluid.moved(quality, Lattice(sheared.channel.periods))
+            fluid = mover.fluid.moved(quality, sheared.channel)
             clock.lap("mesh")
             found.append(there.solve(fluid, clock, workspace))
     mover.close()

@@ -12,18 +12,22 @@ import basix.ufl
 import dolfinx
 import numpy as np
 import ufl
+from dolfinx import fem
 from mpi4py import MPI
+from numpy.typing import NDArray
 
-from fsi.meshes.aliases import Mesh
-from fsi.meshes.cells.curved import SIMPLEX, CurvedCells, curve
-from fsi.meshes.cells.quality import require_valid
+from fsi.meshes.cells.curved import SIMPLEX, CurvedCells, curve, require_valid
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.containers import FluidDomain
-from fsi.meshes.geometry.lattice import NO_LATTICE, Lattice
+from fsi.meshes.geometry.containers import Array, Container, FluidDomain
+from fsi.meshes.geometry.lattice import Lattice, PeriodicPairs, matching_points
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.sizing import Resolution
-from fsi.meshes.planar.triangulate import FarSize, Indices, triangulate
+from fsi.meshes.planar.triangulate import FarSize, Indices, places_of, side_keys, triangulate
 from fsi.meshes.spatial.tetrahedra import fill
+
+# dolfinx's generic types at double precision.
+type Mesh = dolfinx.mesh.Mesh[np.float64]
+type FunctionSpace = fem.FunctionSpace[np.float64]
 
 # How much faster sizes may grow in the fluid than along the walls.
 SLOPE = 2.0
@@ -35,49 +39,42 @@ class FluidMesh:
 
     Attributes:
         mesh: curved triangles, in space tetrahedra.
-        facet_tags: body i has tag i + 1, wall k has tag N + 1 + k, the axis the tag after the last wall's,
-            and so has the cut of a periodic domain, whose two sides differ by vectors of its lattice.
+        facet_tags: body i has tag i + 1, wall k has tag N + 1 + k, the axis or the cut the one after these.
         bodies: N.
-        walls: names, in the order of their tags.
-        axisymmetric: whether points are (r, z).
+        container: what encloses the fluid, at the time of the mesh.
         order: of the cells.
         quality: worst scaled Jacobian of all cells.
-        lattice: of the periods.
     """
 
     mesh: Mesh
     facet_tags: dolfinx.mesh.MeshTags
     bodies: int
-    walls: tuple[str, ...]
-    axisymmetric: bool
+    container: Container
     order: int
     quality: float
-    lattice: Lattice = NO_LATTICE
+
+    @property
+    def lattice(self) -> Lattice:
+        """Of the periods; the two sides of the cut differ by vectors of it."""
+        return Lattice(self.container.periods)
 
     def wall_tag(self, wall: str) -> int:
         """Facet tag of a wall."""
-        return self.bodies + 1 + self.walls.index(wall)
-
-    @property
-    def boundary_names(self) -> tuple[str, ...]:
-        """Names of the walls, and of the axis or the cut, in the order of their tags."""
-        if self.axisymmetric:
-            return (*self.walls, "axis")
-        return (*self.walls, "cut") if self.lattice.dimension else self.walls
+        return self.bodies + 1 + self.container.walls.index(wall)
 
     @property
     def axis_tag(self) -> int:
         """Facet tag of the axis."""
-        return self.bodies + 1 + len(self.walls)
+        return self.bodies + 1 + len(self.container.walls)
 
     @property
     def cut_tag(self) -> int:
         """Facet tag of both sides of the cut; a periodic domain has no axis."""
         return self.axis_tag
 
-    def moved(self, quality: float, lattice: Lattice) -> FluidMesh:
+    def moved(self, quality: float, container: Container) -> FluidMesh:
         """The same mesh, moved, with its new quality; the lattice may have moved too."""
-        return replace(self, quality=quality, lattice=lattice)
+        return replace(self, quality=quality, container=container)
 
     @property
     def dimension(self) -> int:
@@ -90,15 +87,9 @@ class FluidMesh:
 
 
 def build(domain: FluidDomain, resolution: Resolution, order: int) -> FluidMesh:
-    """Mesh the fluid around discs, or spheres in space; collective, gmsh runs on rank 0.
+    """Mesh the fluid around discs, or spheres in space, by cells of order 1 ... 4.
 
-    Args:
-        domain: the container and the bodies.
-        resolution: element sizes.
-        order: of the curved cells, 1 ... 4.
-
-    Raises:
-        MeshError: gmsh fails or a cell is invalid (on all ranks).
+    Collective, gmsh runs on rank 0. Raises MeshError (on all ranks) where gmsh fails or a cell is invalid.
     """
     make = fill if domain.container.dimension == 3 else _triangles
     return shared(lambda: make(domain, resolution, order), domain)
@@ -127,28 +118,19 @@ def shared(make: Callable[[], CurvedCells], domain: FluidDomain) -> FluidMesh:
     problem, quality, order = comm.bcast((problem, quality, order))
     if problem is not None:
         raise problem
-    mesh, tags = distribute(cells, order, comm, container.dimension)
-    lattice, bodies = Lattice(container.periods), len(domain.radii)
-    return FluidMesh(mesh, tags, bodies, container.walls, container.axisymmetric, order, quality, lattice)
+    # The other ranks give no cells.
+    d = container.dimension
+    topology = np.empty((0, comb(order + d, d)), dtype=np.int64) if cells is None else cells.cells
+    x = np.empty((0, d)) if cells is None else cells.nodes
+    mesh = dolfinx.mesh.create_mesh(comm, topology, ufl.Mesh(coordinate_element(order, d)), x)
+    tags = _facet_tags(mesh, *comm.bcast(None if cells is None else (cells.edges, cells.tags)))
+    return FluidMesh(mesh, tags, len(domain.radii), container, order, quality)
 
 
 def coordinate_element(order: int, dimension: int = 2) -> basix.ufl._ElementBase:
     """The isoparametric element of the cells: equispaced nodes, as VTK and gmsh have them."""
-    return basix.ufl.element(
-        "Lagrange", SIMPLEX[dimension], order, basix.LagrangeVariant.equispaced, shape=(dimension,)
-    )
-
-
-def distribute(
-    cells: CurvedCells | None, order: int, comm: MPI.Intracomm, dimension: int = 2
-) -> tuple[Mesh, dolfinx.mesh.MeshTags]:
-    """Share rank 0's cells out over the ranks (the others pass None); mesh and facet tags."""
-    nodes_per_cell = comb(order + dimension, dimension)
-    topology = np.empty((0, nodes_per_cell), dtype=np.int64) if cells is None else cells.cells
-    x = np.empty((0, dimension)) if cells is None else cells.nodes
-    mesh = dolfinx.mesh.create_mesh(comm, topology, ufl.Mesh(coordinate_element(order, dimension)), x)
-    edges, tags = comm.bcast(None if cells is None else (cells.edges, cells.tags))
-    return mesh, _facet_tags(mesh, edges, tags)
+    variant = basix.LagrangeVariant.equispaced
+    return basix.ufl.element("Lagrange", SIMPLEX[dimension], order, variant, shape=(dimension,))
 
 
 def _facet_tags(mesh: Mesh, edges: Indices, tags: Indices) -> dolfinx.mesh.MeshTags:
@@ -158,11 +140,46 @@ def _facet_tags(mesh: Mesh, edges: Indices, tags: Indices) -> dolfinx.mesh.MeshT
     mesh.topology.create_connectivity(dimension - 1, dimension)
     facets = dolfinx.mesh.exterior_facet_indices(mesh.topology)
     local = dolfinx.mesh.entities_to_geometry(mesh, dimension - 1, facets)[:, :dimension]
+    ends = mesh.geometry.input_global_indices[local]
     n = int(edges.max()) + 1
-    ends = np.sort(mesh.geometry.input_global_indices[local], axis=1)
-    radix = n ** np.arange(dimension)[::-1]
-    keys, wanted = np.sort(edges, axis=1) @ radix, ends @ radix
-    order = np.argsort(keys)
-    place = np.minimum(np.searchsorted(keys[order], wanted), len(keys) - 1)
-    values = np.where(keys[order][place] == wanted, tags[order][place], 0).astype(np.int32)
+    place, there = places_of(side_keys(ends, n), side_keys(edges, n))
+    values = np.zeros(len(facets), dtype=np.int32)
+    values[there] = tags[place]
     return dolfinx.mesh.meshtags(mesh, dimension - 1, facets, values)
+
+
+def matching_nodes(fluid: FluidMesh, space: FunctionSpace, x: Array) -> PeriodicPairs:
+    """The pairs of nodes x of a Lagrange space on the cut; collective, none without periods.
+
+    Raises MeshError where a node on one side has none on the other.
+    """
+    comm, numbers = fluid.mesh.comm, space.dofmap.index_map
+    if fluid.lattice.dimension == 0:
+        nothing = np.empty(0, dtype=np.int64)
+        return PeriodicPairs(nothing, nothing, nothing.reshape(0, 0))
+    nodes = fem.locate_dofs_topological(space, 1, fluid.facet_tags.find(fluid.cut_tag))
+    nodes = nodes[nodes < numbers.size_local]
+    global_numbers = numbers.local_to_global(nodes.astype(np.int32)).astype(np.int64)
+    parts = comm.allgather((global_numbers, x[nodes, :2]))
+    every, on_cut = (np.concatenate([part[k] for part in parts]) for k in range(2))
+    pairs = matching_points(on_cut, fluid.lattice)
+    return PeriodicPairs(every[pairs.slave], every[pairs.master], pairs.shift)
+
+
+def columns_of_masters(
+    comm: MPI.Intracomm, master: NDArray[np.int64], rows: NDArray[np.int64], columns: NDArray[np.int64]
+) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
+    """Which rows in `master` are unknowns, (n,), and their columns; collective.
+
+    Args:
+        comm: all ranks.
+        master: global numbers of the rows asked for, perhaps of other ranks, (n,).
+        rows: global numbers of this rank's rows that are unknowns.
+        columns: of these.
+    """
+    wanted = np.concatenate(comm.allgather(master))
+    asked = np.isin(rows, wanted)
+    answers = comm.allgather((rows[asked], columns[asked]))
+    row, column = (np.concatenate([part[k] for part in answers]) for k in range(2))
+    place, known = places_of(master, row)
+    return known, column[place]

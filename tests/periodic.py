@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from fsi.bodies.configuration import Configuration, Motion
-from fsi.meshes.geometry.periodic import Cell, Channel
+from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.discretisation.boundary import Boundary
 from fsi.stokes.solution import StokesSolution
@@ -41,7 +42,7 @@ def couette(name: str, resolution: Resolution, degree: int = 3) -> StokesSolutio
         "bottom": lambda x: np.tile([-0.5 * H, 0.0], (len(x), 1)),
         "top": lambda x: np.tile([0.5 * H, 0.0], (len(x), 1)),
     }
-    channel = Channel((0.0, 0.0), (L, H))
+    channel = Box((0.0, 0.0), (L, H), periodic=("x",))
     return solved(channel, q, force_free(q), Boundary(walls, {}), resolution, degree)
 
 
@@ -54,7 +55,7 @@ def in_cell(
 
 
 def in_channel(
-    channel: Channel, q: Configuration, motion: Motion, pressure_gradient: float | None = 0.0,
+    channel: Box, q: Configuration, motion: Motion, pressure_gradient: float | None = 0.0,
     net_flux: float = 0.0, formulation: str = "eliminated",
 ) -> StokesSolution:  # fmt: skip
     """The flow between walls at rest."""

@@ -61,15 +61,7 @@ def separations(q: Configuration, gaps: Gaps) -> Array:
 def external_forces(
     forces: Sequence[ForceLaw], q: Configuration, container: Container, bulk: Bulk, t: float
 ) -> Array:
-    """The sum of all forces on each body at time t, shape (N, d).
-
-    Args:
-        forces: what acts.
-        q: where the bodies are; their gaps are positive.
-        container: what encloses the fluid at that time.
-        bulk: what is heavy.
-        t: the time.
-    """
+    """The sum of all forces on each body at time t, shape (N, d); the gaps of q are positive."""
     total = np.zeros_like(q.centres)
     for force in forces:
         total += force.on_bodies(bulk, t)

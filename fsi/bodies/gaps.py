@@ -94,63 +94,41 @@ def _search(q: Configuration, container: Container) -> _Search:
 
 def _find_gaps(q: Configuration, container: Container, reach: float) -> Gaps:
     largest = float(q.radii.max(initial=0.0))
-    near = neighbours(q.centres, container, 2.0 * largest + reach)
-    order = np.argsort(row_numbers(np.column_stack([near.i, near.j, near.shift]))[0])
-    pairs = np.column_stack([near.i, near.j]).take(order, axis=0)
-    away = Lattice(container.periods).shift(near.shift.take(order, axis=0))
-    gaps = near.distance[order] - q.radii[pairs[:, 0]] - q.radii[pairs[:, 1]]
+    near, m = neighbours(q.centres, container, 2.0 * largest + reach)
+    order = np.argsort(row_numbers(np.column_stack([near, m]))[0])
+    pairs, away = near.take(order, axis=0), Lattice(container.periods).shift(m.take(order, axis=0))
     wall_gaps = container.distances(q.centres) - q.radii[:, None]
-    return Gaps(pairs, away, gaps, wall_gaps).within(reach)
+    return Gaps(pairs, away, pair_gaps(q, pairs, away), wall_gaps).within(reach)
 
 
-@dataclass(frozen=True, slots=True)
-class Neighbours:
-    """Pairs of points, and of points and images, that are near each other, in any order.
-
-    Attributes:
-        i: one of the points, (P,).
-        j: the other one, i < j, or i = j for a point and its own image, (P,).
-        shift: the integers by which the image of j that is meant is moved, (P, k).
-        separation: from that image to i, `x_i - x_j - shift @ periods`, (P, d).
-    """
-
-    i: NDArray[np.intp]
-    j: NDArray[np.intp]
-    shift: Integers
-    separation: Array
-
-    @property
-    def distance(self) -> Array:
-        """The length of the separation, (P,)."""
-        distance: Array = np.sqrt(np.einsum("pk,pk->p", self.separation, self.separation))
-        return distance
-
-
-def neighbours(x: Array, container: Container, cutoff: float) -> Neighbours:
+def neighbours(x: Array, container: Container, cutoff: float) -> tuple[NDArray[np.intp], Integers]:
     """All pairs of points x (N, d) and images in a container that are no farther apart than a cutoff.
 
     Points are wrapped into one cell; those of the cells around it that are near to it are their images. So
     it takes O(N) operations, whatever the periods are.
+
+    Returns:
+        the pairs (i, j) in any order, i < j, or i = j for a point and its own image, (P, 2), and the integers
+        by which the image of j that is meant is moved, (P, k).
     """
     lattice = Lattice(container.periods)
     m = -np.floor(lattice.coordinates(x)).astype(np.int64)
     home = x + lattice.shift(m)
     tree = cKDTree(home)
-    i, j = tree.query_pairs(cutoff, output_type="ndarray").astype(np.intp, copy=False).reshape(-1, 2).T
+    pairs = tree.query_pairs(cutoff, output_type="ndarray").astype(np.intp, copy=False).reshape(-1, 2)
     if lattice.dimension == 0:
-        return Neighbours(i, j, np.empty((len(i), 0), np.int64), x.take(i, axis=0) - x.take(j, axis=0))
+        return pairs, np.empty((len(pairs), 0), np.int64)
     original, cell = lattice.images(home, cutoff)
-    across = tree.sparse_distance_matrix(
-        cKDTree(home[original] + lattice.shift(cell)), cutoff, output_type="ndarray"
-    )
-    inside = len(i)
-    i, j = np.concatenate([i, across["i"]]), np.concatenate([j, original[across["j"]]])
-    shift = m.take(j, axis=0) - m.take(i, axis=0)
+    images = cKDTree(home[original] + lattice.shift(cell))
+    across = tree.sparse_distance_matrix(images, cutoff, output_type="ndarray")
+    inside = len(pairs)
+    pairs = np.concatenate([pairs, np.column_stack([across["i"], original[across["j"]]])])
+    shift = m.take(pairs[:, 1], axis=0) - m.take(pairs[:, 0], axis=0)
     shift[inside:] += cell[across["j"]]
-    backwards = i > j
-    i[backwards], j[backwards] = j[backwards], i[backwards]
+    backwards = pairs[:, 0] > pairs[:, 1]
+    pairs[backwards] = pairs[backwards, ::-1]
     shift[backwards] *= -1
-    return Neighbours(i, j, shift, x.take(i, axis=0) - x.take(j, axis=0) - lattice.shift(shift))
+    return pairs, shift
 
 
 def row_numbers(*tables: NDArray[np.int64]) -> list[NDArray[np.int64]]:

@@ -21,7 +21,7 @@ from fsi.case.section import (
 )
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Box, Container, HalfPlane, Round, Unbounded
-from fsi.meshes.geometry.periodic import Cell, Channel
+from fsi.meshes.geometry.lattice import Cell
 
 
 def _walls_of(geometry: Geometry, periodic: tuple[str, ...] = ()) -> tuple[str, ...]:
@@ -131,7 +131,7 @@ class ChannelDomain(BoxDomain, _Periodicity):
 
     @override
     def container(self) -> Container:
-        return Channel(self.lower, self.upper, periodic=self.periodic)
+        return Box(self.lower, self.upper, periodic=self.periodic)
 
     @override
     def require_fluid(self) -> None:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array
 from fsi.bodies.gaps import neighbours
 from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.lattice import Lattice
 
 SPINS = {1: 0, 2: 1, 3: 3}
 
@@ -61,8 +62,12 @@ class Contacts:
 def find_contacts(centres: Array, radii: Array, room: Room, reach: float) -> Contacts:
     """All pairs of bodies, and of bodies and walls, whose gap is at most `reach`."""
     N, W = len(centres), len(room.points)
-    near = neighbours(centres, room.container, 2.0 * float(radii.max(initial=0.0)) + reach)
-    i, j, separation, distance = near.i, near.j, -near.separation, near.distance
+    pairs, shift = neighbours(centres, room.container, 2.0 * float(radii.max(initial=0.0)) + reach)
+    i, j = pairs[:, 0], pairs[:, 1]
+    separation = centres.take(j, axis=0) - centres.take(i, axis=0)
+    if len(room.container.periods):
+        separation += Lattice(room.container.periods).shift(shift)
+    distance = np.linalg.norm(separation, axis=1)
     above = np.einsum("bwd,wd->bw", centres[:, None, :] - room.points, room.normals) - radii[:, None]
     body, wall = np.nonzero(above <= reach)
     i = np.concatenate([i, N + wall])

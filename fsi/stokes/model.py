@@ -17,7 +17,6 @@ from fsi.integration.step_errors import Results, StepErrors
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.files.read import read_mesh
 from fsi.meshes.geometry.containers import FluidDomain
-from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.clock import Clock
@@ -123,7 +122,7 @@ class StokesModel:
             container, duration = self.case.container(), t - self._meshed_time
             quality = self._mover.move(q.centres, lambda e: container.carried(e, duration))
             if quality is not None:
-                return self._mover.fluid.moved(quality, Lattice(container.at(t).periods))
+                return self._mover.fluid.moved(quality, container.at(t))
         return self._remesh(q, t)
 
     def _remesh(self, q: Configuration, t: float) -> FluidMesh:

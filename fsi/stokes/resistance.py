@@ -137,7 +137,7 @@ def solve_resistance(
     clock, fluid, q = clock or Clock(), problem.fluid, problem.q
     shape, radii = q.arms.shape, q.radii
     units, modes = np.eye(q.arms.size), all_modes(names, radii, problem.viscosity, q.dimension)
-    if fluid.axisymmetric:
+    if fluid.container.axisymmetric:
         units, modes = units[AXIAL_MODE :: shape[1]], axial_modes(names, radii, problem.viscosity)
     columns, worst = [], dict[str, float]()
     with assembled(problem, options, clock) as system, factorised(system) as responses:

@@ -1,25 +1,34 @@
-"""Curved triangles of order k: the nodes of isoparametric cells, in NumPy.
+"""Curved triangles of order k: the nodes of isoparametric cells, in NumPy; and whether cells are valid.
 
 Edges on a circle follow it through their Gauss-Lobatto points; inner edges stay straight; inner nodes
 follow by a polynomial lift (Szabo and Babuska, Finite Element Analysis, 1991, section 6.1). The derivatives
 of order m of the map are then O(h^m), which the full order 2 k of the forces requires (Lenoir 1986, SIAM J.
 Numer. Anal. 23:562).
+
+A cell is valid if its Jacobian determinant is positive. That of a triangle of order k is a polynomial of
+degree 2 (k - 1), that of a tetrahedron one of degree 3 (k - 1); it lies between the smallest and the largest
+of its Bezier coefficients, which bound it rigorously.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
+from itertools import product
+from math import factorial, prod
 
 import basix
 import numpy as np
 
+from fsi.meshes.errors import MeshError, at
 from fsi.meshes.geometry.containers import Array
 from fsi.meshes.planar.sizing import Curve
-from fsi.meshes.planar.triangulate import Indices, StraightCells, edge_keys
+from fsi.meshes.planar.triangulate import Indices, StraightCells, side_keys
 
 SIMPLEX = {2: basix.CellType.triangle, 3: basix.CellType.tetrahedron}  # by dimension
 EDGES = ((1, 2), (0, 2), (0, 1))  # local vertices of the local edges, as in basix
+WORST_ACCEPTED = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,29 +52,40 @@ class CurvedCells:
 
 def reference_points(order: int, dimension: int = 2) -> Array:
     """Equispaced nodes of the reference simplex in the order of basix, shape (nodes, dimension)."""
-    element = basix.create_element(
-        basix.ElementFamily.P, SIMPLEX[dimension], order, basix.LagrangeVariant.equispaced
-    )
-    points: Array = element.points
+    points: Array = _lagrange(order, dimension).points
     return points
+
+
+def _lagrange(order: int, dimension: int) -> basix.finite_element.FiniteElement:
+    variant = basix.LagrangeVariant.equispaced
+    return basix.create_element(basix.ElementFamily.P, SIMPLEX[dimension], order, variant)
+
+
+@cache
+def along_side(order: int) -> basix.finite_element.FiniteElement:
+    """Polynomials along a side by their values at the Gauss-Lobatto points."""
+    variant = basix.LagrangeVariant.gll_isaac
+    return basix.create_element(basix.ElementFamily.P, basix.CellType.interval, order, variant)
+
+
+def barycentric(X: Array) -> Array:
+    """Barycentric coordinates (n, d + 1) of reference points (n, d)."""
+    return np.column_stack([1.0 - X.sum(axis=1), X])
 
 
 def curve(straight: StraightCells, curves: Sequence[Curve], order: int) -> CurvedCells:
     """Cells of the given order from straight triangles whose boundary lies on the curves."""
     vertices, triangles = straight.vertices, straight.cells
     sides = np.stack([triangles[:, EDGES[e]] for e in range(3)], axis=1)
-    keys, side_numbers = np.unique(edge_keys(sides.reshape(-1, 2), len(vertices)), return_inverse=True)
+    keys, side_numbers = np.unique(side_keys(sides.reshape(-1, 2), len(vertices)), return_inverse=True)
     unique, side_numbers = np.column_stack(np.divmod(keys, len(vertices))), side_numbers.reshape(-1, 3)
     bend = _Bend(straight, unique, curves, order)
 
     per_side = order - 1
     t = np.arange(1, order) / order
     a, b = vertices[unique[:, 0]], vertices[unique[:, 1]]
-    side_nodes = (
-        a[:, None] * (1 - t)[:, None]
-        + b[:, None] * t[:, None]
-        + bend(np.arange(len(unique)), np.tile(t, (len(unique), 1)))
-    )
+    bent = bend(np.arange(len(unique)), np.tile(t, (len(unique), 1)))
+    side_nodes = a[:, None] * (1 - t)[:, None] + b[:, None] * t[:, None] + bent
 
     X = reference_points(order)
     cells = np.empty((len(triangles), len(X)), dtype=np.int64)
@@ -97,14 +117,12 @@ class _Bend:
         round_edges = np.isin(straight.tags, [c.tag for c in curves if c.centre is not None])
         ends = np.sort(straight.facets[round_edges], axis=1)
         vertices, n = straight.vertices, len(straight.vertices)
-        self.side = np.searchsorted(edge_keys(sides, n), edge_keys(ends, n))
+        self.side = np.searchsorted(side_keys(sides, n), side_keys(ends, n))
         self.row = np.full(len(sides), -1)
         self.row[self.side] = np.arange(len(self.side))
         self.a, self.b = vertices[ends[:, 0]], vertices[ends[:, 1]]
         self.centre = _centres(straight.tags[round_edges], self.a, curves)
-        self.side_element = basix.create_element(
-            basix.ElementFamily.P, basix.CellType.interval, order, basix.LagrangeVariant.gll_isaac
-        )
+        self.side_element = along_side(order)
         self.values = self._arc_minus_chord(self.side_element.points[:, 0])
 
     def _arc_minus_chord(self, t: Array) -> Array:
@@ -124,9 +142,8 @@ class _Bend:
         curved = np.flatnonzero(rows >= 0)
         points, place = np.unique(t[curved], return_inverse=True)
         basis = self.side_element.tabulate(0, points[:, None])[0, :, :, 0]
-        offset[curved] = np.einsum(
-            "smn,snd->smd", basis[place.reshape(len(curved), t.shape[1])], self.values[rows[curved]]
-        )
+        basis = basis[place.reshape(len(curved), t.shape[1])]
+        offset[curved] = np.einsum("smn,snd->smd", basis, self.values[rows[curved]])
         return offset
 
 
@@ -152,13 +169,74 @@ def _inner_nodes(corners: Array, inner: Array, sides: Indices, side_numbers: Ind
     The bend is s (1 - s) c(s) with polynomials c; its lift  l_i l_j c((1 + l_j - l_i) / 2)  in barycentric
     coordinates is a polynomial of the same degree, equal to it on the side and zero on the two others.
     """
-    barycentric = np.column_stack([1 - inner.sum(axis=1), inner])
-    x: Array = np.einsum("mv,tvd->tmd", barycentric, corners)
+    l = barycentric(inner)  # noqa: E741  (as in the formula)
+    x: Array = np.einsum("mv,tvd->tmd", l, corners)
     if len(inner) == 0:
         return x
     for e, (i, j) in enumerate(EDGES):
-        a, b = barycentric[:, i], barycentric[:, j]
+        a, b = l[:, i], l[:, j]
         t = 0.5 * (1.0 + b - a)
         along = np.where((sides[:, e, 0] < sides[:, e, 1])[:, None], t, 1.0 - t)
         x += (a * b / (t * (1.0 - t)))[:, None] * bend(side_numbers[:, e], along)
     return x
+
+
+def scaled_jacobian(x: Array, order: int) -> Array:
+    """Smallest over largest Jacobian determinant of each cell, (T,): 1 for a straight cell.
+
+    Where it is positive it is a lower bound, and the cell is valid; an inverted cell has it <= 0. The nodes x
+    of the cells are in the order of basix, shape (T, nodes, dimension).
+    """
+    derivatives, to_bezier = _tables(order, x.shape[2])
+    J = np.tensordot(derivatives, x.transpose(1, 0, 2), axes=1)  # (a, q, cell, d)
+    bezier = np.tensordot(to_bezier, determinant(J.transpose(1, 2, 3, 0)), axes=1)
+    largest = np.abs(bezier).max(axis=0)
+    ratio: Array = bezier.min(axis=0) / np.maximum(largest, np.finfo(float).tiny)
+    return ratio
+
+
+def determinant(J: Array) -> Array:
+    """Determinants of matrices (..., dimension, dimension)."""
+    if J.shape[-1] == 2:
+        area: Array = J[..., 0, 0] * J[..., 1, 1] - J[..., 0, 1] * J[..., 1, 0]
+        return area
+    volume: Array = (
+        J[..., 0, 0] * (J[..., 1, 1] * J[..., 2, 2] - J[..., 1, 2] * J[..., 2, 1])
+        - J[..., 0, 1] * (J[..., 1, 0] * J[..., 2, 2] - J[..., 1, 2] * J[..., 2, 0])
+        + J[..., 0, 2] * (J[..., 1, 0] * J[..., 2, 1] - J[..., 1, 1] * J[..., 2, 0])
+    )
+    return volume
+
+
+def require_valid(x: Array, order: int) -> float:
+    """The worst scaled Jacobian of all cells. Raises MeshError where a cell is inverted or nearly so."""
+    quality = scaled_jacobian(x, order)
+    worst = int(np.argmin(quality))
+    if not quality[worst] > WORST_ACCEPTED:
+        place = x[worst].mean(axis=0)
+        raise MeshError(
+            f"the cell at {at(place)} has scaled Jacobian {quality[worst]:.3g},"
+            f" at most {WORST_ACCEPTED:g} is refused; raise discretisation.cells_per_circle or cells_per_gap"
+        )
+    return float(quality[worst])
+
+
+@cache
+def _tables(order: int, dimension: int) -> tuple[Array, Array]:
+    """Derivatives of the nodal basis (dimension, q, nodes) at the sample points; matrix samples -> Bezier."""
+    degree = dimension * (order - 1)
+    middle = np.full((1, dimension), 1.0 / (dimension + 1))
+    samples = reference_points(degree, dimension) if degree else middle
+    derivatives = _lagrange(order, dimension).tabulate(1, samples)[1:, :, :, 0]
+    return derivatives, np.linalg.inv(_bernstein(degree, samples))
+
+
+def _bernstein(degree: int, X: Array) -> Array:
+    """Bernstein polynomials of the simplex at points X, shape (points, polynomials)."""
+    columns = []
+    for powers in product(range(degree + 1), repeat=X.shape[1]):
+        first = degree - sum(powers)
+        if first >= 0:
+            weight = factorial(degree) / prod(factorial(p) for p in (first, *powers))
+            columns.append(weight * np.prod(barycentric(X) ** np.array([first, *powers]), axis=1))
+    return np.column_stack(columns)

@@ -19,6 +19,10 @@ from fsi.meshes.geometry.containers import Array
 
 Indices = NDArray[np.int64]
 
+type Rows = tuple[tuple[int, ...], ...]
+VTK_EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
+VTK_FACES = ((0, 1, 3), (2, 3, 1), (0, 3, 2), (0, 2, 1))
+
 _NEWTON_STEPS = 30
 _CONVERGED = 1e-13  # of a step in reference coordinates
 _SLACK = 0.1  # of the size of a cell, by which its box of nodes is enlarged to hold its curved sides
@@ -35,16 +39,15 @@ def lattice(order: int) -> list[tuple[int, int]]:
     return [(0, 0), (order, 0), (0, order), *sides, *inside]
 
 
-def lattice_in_space(order: int) -> list[tuple[int, ...]]:
-    """The same of a tetrahedron, to order 4: vertices, sides 01, 12, 20, 03, 13, 23, faces, then inside."""
+def lattice_in_space(order: int, edges: Rows = VTK_EDGES, faces: Rows = VTK_FACES) -> list[tuple[int, ...]]:
+    """The same of a tetrahedron, to order 4: vertices, edges and faces by their corners, then inside."""
     corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     points = [order * corner for corner in corners]
-    for i, j in ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)):
+    for i, j in edges:
         points += [(order - k) * corners[i] + k * corners[j] for k in range(1, order)]
-    for face in ((0, 1, 3), (2, 3, 1), (0, 3, 2), (0, 2, 1)):
-        points += [
-            np.array((order - 2 - i - j, i + 1, j + 1)) @ corners[[*face]] for i, j in lattice(order - 3)
-        ]
+    inner = [(order - 2 - i - j, i + 1, j + 1) for i, j in lattice(order - 3)]
+    for face in faces:
+        points += [np.array(steps) @ corners[[*face]] for steps in inner]
     if order == 4:
         points.append(corners.sum(axis=0))
     return [tuple(int(c) for c in point) for point in points]
@@ -135,15 +138,12 @@ def _solve(A: Array, b: Array) -> Array:
 
 
 def locate(x: Array, points: Array, tolerance: float) -> tuple[Indices, Array]:
-    """The cell that holds each point and where in it.
+    """The cell that holds each point, (n,), -1 outside all of them, and where in it, X (n, d), NaN there.
 
     Args:
         x: nodes of the cells, (cells, nodes, d).
         points: (n, d).
         tolerance: how far outside a cell, in barycentric coordinates, a point still counts as inside.
-
-    Returns:
-        The numbers of the cells (n,), -1 for points outside all of them, and X (n, d), NaN there.
     """
     cell, X = np.full(len(points), -1), np.full(points.shape, np.nan)
     low, high = x.min(axis=1), x.max(axis=1)

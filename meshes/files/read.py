@@ -1,22 +1,30 @@
-"""Read a user's own gmsh mesh, through meshio."""
+"""Read a user's own gmsh mesh, or the mesh of any step of a run back from its field files, through meshio.
+
+Field files hold the curved cells, of one rank each; the tags of the boundary follow from where bodies and
+walls were.
+"""
 
 from __future__ import annotations
 
 import io
 from collections.abc import Sequence
 from contextlib import redirect_stderr, redirect_stdout
+from itertools import product
 from pathlib import Path
 
 import fsi.meshes.backend  # noqa: F401
 
 import meshio
 import numpy as np
+from scipy.spatial import cKDTree
 
 from fsi.meshes.build import FluidMesh, shared
 from fsi.meshes.cells.curved import CurvedCells, curve, reference_points
-from fsi.meshes.errors import MeshFileError
-from fsi.meshes.files.write import LINES, TRIANGLES, gmsh_order
+from fsi.meshes.cells.lagrange import order_of
+from fsi.meshes.errors import MeshFileError, at
+from fsi.meshes.files.write import LINES, TRIANGLES, VTK_SIMPLICES, gmsh_order, vtk_order
 from fsi.meshes.geometry.containers import Array, FluidDomain
+from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.planar.sizing import Curve
 from fsi.meshes.planar.triangulate import Indices, StraightCells, boundary_sides, clockwise
 
@@ -30,15 +38,8 @@ def read_mesh(path: Path, names: Sequence[str], domain: FluidDomain, order: int)
     Straight triangles are curved to `order` along the discs and round walls; curved ones are taken as they
     are.
 
-    Args:
-        path: of the file.
-        names: of the bodies.
-        domain: the container and the bodies.
-        order: of the cells, 1 ... 4.
-
-    Raises:
-        MeshFileError: unreadable file, missing or misplaced group, untagged boundary.
-        MeshError: invalid cell.
+    The names are those of the bodies, the order 1 ... 4. Raises MeshFileError for an unreadable file, a
+    missing or misplaced group, an untagged boundary, and MeshError for an invalid cell.
     """
 
     def read() -> CurvedCells:
@@ -68,28 +69,25 @@ def _cells(mesh: meshio.Mesh, names: Sequence[str], domain: FluidDomain, order: 
         raise MeshFileError(
             f"has {len(kinds)} kinds of triangles; make the fluid a physical surface, of order 1 to 4"
         )
-    order_in_file = kinds[0] + 1
-    if order_in_file > order:
-        raise MeshFileError(
-            f"has triangles of order {order_in_file}; give discretisation.degree = {order_in_file} or more"
-        )
+    degree = kinds[0] + 1
+    if degree > order:
+        raise MeshFileError(f"has triangles of order {degree}; give discretisation.degree = {degree} or more")
     triangles = mesh.cells_dict[TRIANGLES[kinds[0]]].astype(np.int64)
     edges, tags = _tagged_edges(mesh, LINES[kinds[0]], names)
     used, numbers = np.unique(triangles, return_inverse=True)
     renumber = np.full(len(mesh.points), -1)
     renumber[used] = np.arange(len(used))
-    triangles = numbers.reshape(triangles.shape)[:, np.argsort(gmsh_order(order_in_file))]
+    triangles = numbers.reshape(triangles.shape)[:, np.argsort(gmsh_order(degree))]
     nodes, edges = mesh.points[used, :2], renumber[edges]
     _require_boundary(triangles[:, :3], edges)
     _require_places(nodes[edges], tags, names, domain)
-    triangles = _counterclockwise(nodes, triangles, order_in_file)
-    if order_in_file > 1:
-        return CurvedCells(nodes, triangles, edges, tags, order_in_file)
+    triangles = _counterclockwise(nodes, triangles, degree)
+    if degree > 1:
+        return CurvedCells(nodes, triangles, edges, tags, degree)
     walls = zip(domain.container.walls, domain.container.spheres, strict=True)
-    centres = dict(enumerate(domain.centres)) | {
-        names.index(wall): sphere.centre for wall, sphere in walls if sphere is not None
-    }
-    circles = [Curve(k + 1, np.empty((0, 2)), closed=False, centre=x) for k, x in centres.items()]
+    centres = dict(enumerate(domain.centres))
+    centres |= {names.index(wall): sphere.centre for wall, sphere in walls if sphere is not None}
+    circles = [Curve(k + 1, np.empty((0, 2)), centre=x) for k, x in centres.items()]
     return curve(StraightCells(nodes, triangles, edges, tags), circles, order)
 
 
@@ -107,7 +105,6 @@ def _tagged_edges(mesh: meshio.Mesh, kind: str, names: Sequence[str]) -> tuple[I
 
 
 def _require_boundary(triangles: Indices, edges: Indices) -> None:
-    """Every boundary edge must be tagged."""
     boundary = {tuple(edge) for edge in boundary_sides(triangles).tolist()}
     tagged = {tuple(edge) for edge in np.sort(edges, axis=1).tolist()}
     if boundary != tagged:
@@ -138,3 +135,67 @@ def _counterclockwise(nodes: Array, triangles: Indices, order: int) -> Indices:
     X = reference_points(order)
     mirror = np.argmin(np.abs(X[:, None, ::-1] - X[None]).sum(axis=2), axis=1)
     return np.where(clockwise(nodes, triangles)[:, None], triangles[:, mirror], triangles)
+
+
+# Ranks share nodes to rounding; ends of a boundary edge lie on their body or wall nearly so.
+SAME_NODE = 1e-13
+ON_SURFACE = 1e-8
+
+
+def recover(parts: Sequence[Path], domain: FluidDomain) -> CurvedCells:
+    """The cells in the field files of one step, with their boundary tagged as in `FluidMesh`.
+
+    The parts are the VTU files of all ranks. Raises MeshFileError where a file cannot be read, or its
+    boundary is not that of the bodies and walls of the domain at that step.
+    """
+    pieces, first, d = [], 0, domain.container.dimension
+    try:
+        for part in parts:
+            mesh = meshio.read(part)
+            simplices = mesh.cells_dict[VTK_SIMPLICES[d - 1]].astype(np.int64)
+            pieces.append((mesh.points[:, :d], simplices + first))
+            first += len(mesh.points)
+    except (OSError, meshio.ReadError, KeyError) as error:
+        raise MeshFileError(f"{part}: cannot be read ({error}); mend the run with `fsi resume`") from None
+    x, cells = (np.concatenate([piece[k] for piece in pieces]) for k in range(2))
+    x, cells = _merged(x, cells, SAME_NODE * domain.container.size())
+    cells = cells[:, np.argsort(vtk_order(cells.shape[1], d))]
+    order = order_of(cells.shape[1], d)
+    edges = boundary_sides(cells[:, : d + 1])
+    return CurvedCells(x, cells, edges, _tags(x[edges], domain), order)
+
+
+def _merged(x: Array, cells: Indices, distance: float) -> tuple[Array, Indices]:
+    """Nodes that coincide become one."""
+    same = np.arange(len(x))
+    pairs = cKDTree(x).query_pairs(distance, output_type="ndarray")
+    np.minimum.at(same, pairs.max(axis=1), pairs.min(axis=1))
+    distinct, number = np.unique(same, return_inverse=True)
+    return x[distinct], number[cells]
+
+
+def _tags(ends: Array, domain: FluidDomain) -> Indices:
+    """The body or wall that all corners of each facet (E, d, d) lie on; the rest is the cut, if any."""
+    container, radii = domain.container, domain.radii
+    tags, lattice = np.zeros(len(ends), dtype=np.int64), Lattice(container.periods)
+    centres = lattice.wrapped(domain.centres)
+    home = lattice.wrapped(ends.mean(axis=1))
+    ends = ends - (ends.mean(axis=1) - home)[:, None]
+    middles = cKDTree(home)
+    for i, m in product(range(len(radii)), lattice.near()):
+        centre, radius = centres[i] + lattice.shift(m[None])[0], radii[i]
+        near = np.array(middles.query_ball_point(centre, radius * (1.0 + ON_SURFACE)), dtype=np.intp)
+        away = np.abs(np.hypot.reduce(ends[near] - centre, axis=2) - radius).max(axis=1, initial=0.0)
+        tags[near[away < ON_SURFACE * radius]] = i + 1
+    corners = np.moveaxis(ends, 1, 0)
+    to_walls = np.abs(np.stack([container.boundary_distances(x) for x in corners])).max(axis=0)
+    if to_walls.shape[1]:
+        wall = to_walls.argmin(axis=1)
+        on_wall = (tags == 0) & (to_walls.min(axis=1) < ON_SURFACE * container.size())
+        tags[on_wall] = len(radii) + 1 + wall[on_wall]
+    if lattice.dimension:
+        tags[tags == 0] = len(radii) + 1 + len(container.walls)
+    if not tags.all():
+        lost = ends[np.flatnonzero(tags == 0)[0]].mean(axis=0)
+        raise MeshFileError(f"the boundary at {at(lost)} is on no body or wall; is it another run's file?")
+    return tags

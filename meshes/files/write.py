@@ -20,11 +20,11 @@ from dolfinx.mesh import CellType, entities_to_geometry
 from numpy.typing import NDArray
 
 from fsi.meshes.build import FluidMesh
-from fsi.meshes.cells.curved import CurvedCells, reference_points
-from fsi.meshes.cells.lagrange import lattice
+from fsi.meshes.cells.curved import CurvedCells, barycentric, reference_points
+from fsi.meshes.cells.lagrange import lattice, lattice_in_space
 from fsi.meshes.errors import MeshFileError
 from fsi.meshes.geometry.containers import Array
-from fsi.meshes.planar.triangulate import Indices
+from fsi.meshes.planar.triangulate import Indices, places_of, side_keys
 
 VTK_CELLS = {1: CellType.interval, 2: CellType.triangle, 3: CellType.tetrahedron}
 # Names that meshio gives to cells of order 1 ... 4, nodes in gmsh's order.
@@ -32,25 +32,22 @@ LINES = ("line", "line3", "line4", "line5")
 TRIANGLES = ("triangle", "triangle6", "triangle10", "triangle15")
 TETRAHEDRA = ("tetra", "tetra10", "tetra20", "tetra35")
 SIMPLICES = (LINES, TRIANGLES, TETRAHEDRA)  # of dimension 1, 2, 3
+# Corners of the edges and faces of gmsh's tetrahedron.
+GMSH_SIDES = (((0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1)), ((0, 2, 1), (0, 1, 3), (0, 3, 2), (3, 1, 2)))
 VTK_SIMPLICES = ("VTK_LAGRANGE_CURVE", "VTK_LAGRANGE_TRIANGLE", "VTK_LAGRANGE_TETRAHEDRON")
 
 
 def write_mesh(fluid: FluidMesh, path: Path, names: Sequence[str]) -> None:
     """Write the mesh; collective, rank 0 writes.
 
-    Args:
-        fluid: the mesh.
-        path: .msh (gmsh 2.2) or .vtu.
-        names: of the bodies.
-
-    Raises:
-        MeshFileError: unknown suffix, or the disk refuses.
+    The path ends in .msh (gmsh 2.2) or .vtu, the names are those of the bodies. Raises MeshFileError where
+    the suffix is unknown or the disk refuses.
     """
     require_suffix(path)
     cells, problem = gather(fluid), None
     if cells is not None:
         try:
-            write_cells(cells, path, [*names, *fluid.boundary_names])
+            write_cells(cells, path, [*names, *fluid.container.boundary_names])
         except MeshFileError as error:
             problem = error
     problem = fluid.mesh.comm.bcast(problem)
@@ -59,11 +56,7 @@ def write_mesh(fluid: FluidMesh, path: Path, names: Sequence[str]) -> None:
 
 
 def require_suffix(path: Path) -> None:
-    """The suffix must be one that `write_mesh` knows.
-
-    Raises:
-        MeshFileError: it is not.
-    """
+    """Raises MeshFileError where `write_mesh` does not know the suffix."""
     if path.suffix not in FORMATS:
         raise MeshFileError(f"output = {path}: unknown suffix {path.suffix!r}; give {' or '.join(FORMATS)}")
 
@@ -86,13 +79,7 @@ def gather(fluid: FluidMesh) -> CurvedCells | None:
 def write_cells(cells: CurvedCells, path: Path, names: Sequence[str]) -> None:
     """Write cells that are all here, to a temporary name that is then renamed.
 
-    Args:
-        cells: the mesh.
-        path: .msh (gmsh 2.2) or .vtu.
-        names: of the tags 1, 2, ...: bodies, then walls.
-
-    Raises:
-        MeshFileError: unknown suffix, or the disk refuses.
+    Path and errors are those of `write_mesh`; the names are those of the tags 1, 2, ...: bodies, then walls.
     """
     require_suffix(path)
     file_format, convert = FORMATS[path.suffix]
@@ -155,34 +142,16 @@ def vtk_order(nodes: int, dimension: int = 2) -> NDArray[np.int64]:
 
 def gmsh_order(order: int, dimension: int = 2) -> NDArray[np.int64]:
     """Columns that put the nodes of simplices from the order of basix into gmsh's (dolfinx knows up to 3)."""
-    points = np.array(lattice(order) if dimension == 2 else _gmsh_lattice_in_space(order)) / order
+    points = np.array(lattice(order) if dimension == 2 else lattice_in_space(order, *GMSH_SIDES)) / order
     return np.abs(points[:, None] - reference_points(order, dimension)).sum(axis=2).argmin(axis=1)
-
-
-def _gmsh_lattice_in_space(order: int) -> list[tuple[int, ...]]:
-    """The same of a tetrahedron: vertices, edges, faces, then the tetrahedron inside (a point of order 4)."""
-    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
-    points = [order * corner for corner in corners]
-    for i, j in ((0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1)):
-        points += [(order - k) * corners[i] + k * corners[j] for k in range(1, order)]
-    for i, j, k in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (3, 1, 2)):
-        for a, b in lattice(order - 3):
-            points.append((order - 2 - a - b) * corners[i] + (a + 1) * corners[j] + (b + 1) * corners[k])
-    if order == 4:
-        points.append(np.ones(3, dtype=int))
-    return [tuple(int(c) for c in point) for point in points]
 
 
 def _facet_nodes(cells: CurvedCells) -> Indices:
     """All nodes of the tagged facets in the order of basix, (F, nodes); edges have their ends first."""
     d = cells.nodes.shape[1]
     columns = facet_columns(cells.order, d)
-    sides = cells.cells[:, columns].reshape(-1, columns.shape[1])
-    radix = len(cells.nodes) ** np.arange(d)[::-1]
-    keys = np.sort(sides[:, :d], axis=1) @ radix
-    order = np.argsort(keys)
-    wanted = np.sort(cells.edges, axis=1) @ radix
-    facets: Indices = sides[order[np.searchsorted(keys[order], wanted)]]
+    sides, n = cells.cells[:, columns].reshape(-1, columns.shape[1]), len(cells.nodes)
+    facets: Indices = sides[places_of(side_keys(cells.edges, n), side_keys(sides[:, :d], n))[0]]
     return facets
 
 
@@ -191,9 +160,7 @@ def facet_columns(order: int, dimension: int) -> Indices:
     X = reference_points(order, dimension)
     corners = np.concatenate([np.zeros((1, dimension)), np.eye(dimension)])
     line = np.array([0.0, 1.0, *np.arange(1, order) / order])[:, None]
-    Y = line if dimension == 2 else reference_points(order)
-    weights = np.column_stack([1.0 - Y.sum(axis=1), Y])
-    facets = [np.delete(np.arange(dimension + 1), k) for k in range(dimension + 1)]
-    places = np.array([weights @ corners[facet] for facet in facets])
+    weights = barycentric(line if dimension == 2 else reference_points(order))
+    places = np.array([weights @ np.delete(corners, k, axis=0) for k in range(dimension + 1)])
     columns: Indices = np.abs(places[:, :, None] - X).sum(axis=3).argmin(axis=2)
     return columns

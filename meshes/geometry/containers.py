@@ -188,10 +188,7 @@ def lengths(x: Array) -> Array:
 
 
 # Names of the walls of a box: the low and the high end along x, then along the other axes.
-_FACES = {
-    2: ("left", "right", "bottom", "top"),
-    3: ("left", "right", "front", "back", "bottom", "top"),
-}
+_FACES = {2: ("left", "right", "bottom", "top"), 3: ("left", "right", "front", "back", "bottom", "top")}
 
 
 @dataclass(frozen=True, slots=True)
@@ -318,12 +315,45 @@ class Box(Container):
 
 
 @dataclass(frozen=True, slots=True)
-class _Ball(Container):
-    """What a disc or ball around the origin and the upper half of one have in common."""
+class Round(Container):
+    """Disc |x| < radius with the one wall `far`; axisymmetric, or with dimension = 3, a ball.
+
+    A small one is a round container; a large one stands for unbounded fluid.
+    """
 
     radius: float
     axisymmetric: bool = False
     dimension: int = 2
+    walls: ClassVar[tuple[str, ...]] = ("far",)
+
+    @property
+    def corner_axes(self) -> tuple[int, ...]:
+        """It has no corners."""
+        return (0,)
+
+    def distances(self, x: Array) -> Array:
+        """Distance of each point (n, dimension) to the arc, shape (n, 1)."""
+        return self.radius - lengths(x)[:, None]
+
+    def normals(self, x: Array) -> Array:
+        """Towards the origin; zero there, where every direction is as good."""
+        length = np.linalg.norm(x, axis=1, keepdims=True)
+        inward: Array = -x / np.where(length > 0.0, length, 1.0)
+        return inward[:, None]
+
+    def outline(self) -> tuple[WallCurve, ...]:
+        """Two arcs, with an axis the right one."""
+        halves = [(-0.5, 0.5)] if self.axisymmetric else [(-0.5, 0.5), (0.5, 1.5)]
+        return tuple(arc(0, self.radius, start * np.pi, end * np.pi) for start, end in halves)
+
+    @property
+    def spheres(self) -> tuple[Sphere | None, ...]:
+        """Its only or last wall is round."""
+        return *(None for _ in self.walls[1:]), Sphere(np.zeros(self.dimension), self.radius)
+
+    def wall_fluxes(self) -> Array:
+        """A uniform flow and a shear flow leave as they enter."""
+        return np.zeros((1, self.dimension + 1))
 
     def size(self) -> float:
         """Diameter."""
@@ -335,31 +365,21 @@ class _Ball(Container):
         whole = np.pi * self.radius**2 if self.dimension == 2 else 4.0 / 3.0 * np.pi * self.radius**3
         return float(whole) / (2.0 if self.axisymmetric else 1.0)
 
-    def _to_arc(self, x: Array) -> Array:
-        """Distance of points (n, d) to the sphere, from inside."""
-        return self.radius - lengths(x)
-
-    def _inward(self, x: Array) -> Array:
-        """Unit vectors from points (n, d) to the origin; zero there, where every direction is as good."""
-        length = np.linalg.norm(x, axis=1, keepdims=True)
-        direction: Array = -x / np.where(length > 0.0, length, 1.0)
-        return direction
-
-    @property
-    def _sphere(self) -> Sphere:
-        return Sphere(np.zeros(self.dimension), self.radius)
-
-    @property
-    def _distance_formula(self) -> str:
-        return f"({self.radius!r}-sqrt(x^2+y^2+z^2))"
-
     def scaled(self, factor: float) -> Self:
         """The radius times the factor."""
         return replace(self, radius=factor * self.radius)
 
+    def solid(self, kernel: Any) -> int:
+        """A ball."""
+        return int(kernel.addSphere(0.0, 0.0, 0.0, self.radius))
+
+    def distance_formulas(self) -> list[str]:
+        """The radius less the distance from the origin."""
+        return [f"({self.radius!r}-sqrt(x^2+y^2+z^2))"]
+
 
 @dataclass(frozen=True, slots=True)
-class HalfPlane(_Ball):
+class HalfPlane(Round):
     """Half disc y > 0, |x| < radius, that stands for the half-plane above the wall `plane` (y = 0).
 
     The arc `far` carries the flow at infinity, at rest if not given. What the finite radius
@@ -377,22 +397,17 @@ class HalfPlane(_Ball):
 
     def distances(self, x: Array) -> Array:
         """Distance of each point (n, dimension) to the plane and to the arc, shape (n, 2)."""
-        return np.column_stack([x[:, -1], self._to_arc(x)])
+        return np.column_stack([x[:, -1], Round.distances(self, x)])
 
     def normals(self, x: Array) -> Array:
         """Upwards from the plane, towards the origin from the arc."""
         upwards = np.broadcast_to(np.eye(self.dimension)[-1], x.shape)
-        return np.stack([upwards, self._inward(x)], axis=1)
+        return np.concatenate([upwards[:, None], Round.normals(self, x)], axis=1)
 
     def outline(self) -> tuple[WallCurve, ...]:
         """From the left end of the plane to the right, and back on the arc; with an axis half of each."""
         left, turn = (0.0, 0.5 * np.pi) if self.axisymmetric else (-self.radius, np.pi)
         return segment(0, (left, 0.0), (self.radius, 0.0)), arc(1, self.radius, 0.0, turn)
-
-    @property
-    def spheres(self) -> tuple[Sphere | None, ...]:
-        """The arc is round."""
-        return None, self._sphere
 
     def wall_fluxes(self) -> Array:
         """What enters through the plane leaves through the arc."""
@@ -413,54 +428,13 @@ class HalfPlane(_Ball):
 
     def distance_formulas(self) -> list[str]:
         """z, and the radius less the distance from the origin."""
-        return ["z", self._distance_formula]
+        return ["z", *Round.distance_formulas(self)]
 
     @property
     def middle(self) -> Array:
         """Half the radius above the plane."""
         middle: Array = 0.5 * self.radius * np.eye(self.dimension)[-1]
         return middle
-
-
-@dataclass(frozen=True, slots=True)
-class Round(_Ball):
-    """Disc |x| < radius with the one wall `far`; axisymmetric, or with dimension = 3, a ball.
-
-    A small one is a round container; a large one stands for unbounded fluid.
-    """
-
-    walls: ClassVar[tuple[str, ...]] = ("far",)
-    corner_axes: ClassVar[tuple[int, ...]] = (0,)  # it has no corners
-
-    def distances(self, x: Array) -> Array:
-        """Distance of each point (n, dimension) to the arc, shape (n, 1)."""
-        return self._to_arc(x)[:, None]
-
-    def normals(self, x: Array) -> Array:
-        """Towards the origin."""
-        return self._inward(x)[:, None]
-
-    def outline(self) -> tuple[WallCurve, ...]:
-        """Two arcs, with an axis the right one."""
-        halves = [(-0.5, 0.5)] if self.axisymmetric else [(-0.5, 0.5), (0.5, 1.5)]
-        return tuple(arc(0, self.radius, start * np.pi, end * np.pi) for start, end in halves)
-
-    @property
-    def spheres(self) -> tuple[Sphere | None, ...]:
-        """Itself."""
-        return (self._sphere,)
-
-    def wall_fluxes(self) -> Array:
-        """A uniform flow and a shear flow leave as they enter."""
-        return np.zeros((1, self.dimension + 1))
-
-    def solid(self, kernel: Any) -> int:
-        """A ball."""
-        return int(kernel.addSphere(0.0, 0.0, 0.0, self.radius))
-
-    def distance_formulas(self) -> list[str]:
-        """The radius less the distance from the origin."""
-        return [self._distance_formula]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -478,25 +452,27 @@ class FluidDomain:
     radii: Array
 
 
+class WithoutWalls(Container):
+    """What has no walls."""
+
+    __slots__ = ()
+    walls: ClassVar[tuple[str, ...]] = ()
+
+    def distances(self, x: Array) -> Array:
+        """There are none: shape (n, 0)."""
+        return np.empty((len(x), 0))
+
+    def normals(self, x: Array) -> Array:
+        """There are none: shape (n, 0, dimension)."""
+        return np.empty((len(x), 0, self.dimension))
+
+
 @dataclass(frozen=True, slots=True)
-class Unbounded(Container):
+class Unbounded(WithoutWalls):
     """All of the plane or space, without walls: nothing there is meshed."""
 
     axisymmetric: bool = False
     dimension: int = 2
-
-    @property
-    def walls(self) -> tuple[str, ...]:
-        """It has none."""
-        return ()
-
-    def distances(self, x: Array) -> Array:
-        """There are no walls: shape (n, 0)."""
-        return np.empty((len(x), 0))
-
-    def normals(self, x: Array) -> Array:
-        """There are no walls: shape (n, 0, dimension)."""
-        return np.empty((len(x), 0, self.dimension))
 
     def size(self) -> float:
         """Without a bound."""

@@ -1,7 +1,8 @@
 """The lattice of translations that carry a periodic domain onto itself.
 
 Every point, node and body has images at `x + m @ vectors` with integers m. Nothing else in the code knows how
-many periods there are: without any, the lattice has no vectors and each point is its only image.
+many periods there are: without any, the lattice has no vectors and each point is its only image. A box may
+have periods in some directions; the cell here is periodic along two vectors, and moves.
 """
 
 from __future__ import annotations
@@ -12,10 +13,16 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
-from fsi.meshes.geometry.containers import Array
+from fsi.meshes.errors import MeshError
+from fsi.meshes.geometry.containers import Array, WithoutWalls
+from fsi.meshes.geometry.curves import WallCurve
 
 Integers = NDArray[np.int64]
+Vector = tuple[float, float]
+
+SAME_PLACE = 1e-9  # of the longest period
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,9 +30,10 @@ class Lattice:
     """The translations m @ vectors.
 
     Attributes:
-        vectors: e_k as rows, (k, d) with k from 0 to d; independent, and reduced (Lagrange, Gauss): no other
-            basis is shorter, so that the nearest image of a point is among those with |m_k| <= 1 after
-            rounding its coordinates. Orthogonal ones are.
+        vectors: e_k as rows, (k, d) with k from 0 to d; independent, and reduced (Lagrange, Gauss).
+
+    No other basis is shorter, so that the nearest image of a point is among those with |m_k| <= 1 after
+    rounding its coordinates. Orthogonal vectors are reduced.
     """
 
     vectors: Array
@@ -82,10 +90,8 @@ class Lattice:
         steps = [range(-n, n + 1) for n in np.ceil(width).astype(int)]
         # Few points are near a side of the cell: they are looked up once, and sought in no other way.
         at_side = {
-            (k, step): np.flatnonzero((at[:, k] + step >= -width[k]) & (at[:, k] + step <= 1.0 + width[k]))
-            for k, every in enumerate(steps)
-            for step in every
-            if step
+            (k, m): np.flatnonzero((at[:, k] + m >= -width[k]) & (at[:, k] + m <= 1.0 + width[k]))
+            for k, m in ((k, m) for k, every in enumerate(steps) for m in every if m)
         }
         shifts = np.array(list(product(*steps)), np.int64).reshape(-1, self.dimension)
         originals, m = [np.empty(0, np.intp)], [np.empty((0, self.dimension), np.int64)]
@@ -95,9 +101,6 @@ class Lattice:
             originals.append(near)
             m.append(np.tile(shift, (len(near), 1)))
         return np.concatenate(originals), np.concatenate(m)
-
-
-NO_LATTICE = Lattice(np.empty((0, 1)))
 
 
 def positive(m: Integers) -> NDArray[np.bool_]:
@@ -116,3 +119,114 @@ def reduced(vectors: Array) -> Array:
         if a @ a <= b @ b:
             return np.array([a, b])
         a, b = b, a
+
+
+@dataclass(frozen=True, slots=True)
+class Cell(WithoutWalls):
+    """The plane with a lattice that moves with the mean flow `u = E x`.
+
+    The lattice at time t is that of `exp(E t)` times the vectors, given by its reduced basis: a sheared
+    lattice returns to itself at whole strains, and no cell is ever more oblique than it must be.
+
+    Attributes:
+        vectors: two lattice vectors at time 0.
+        gradient: E, rows of (dV_i / dx_j), without trace.
+        time: t.
+    """
+
+    vectors: tuple[Vector, Vector]
+    gradient: tuple[Vector, Vector]
+    time: float = 0.0
+
+    def outline(self) -> tuple[WallCurve, ...]:
+        """There are no walls."""
+        return ()
+
+    def size(self) -> float:
+        """Length of the longer diagonal."""
+        a, b = self.periods
+        return float(max(np.hypot(*(a + b)), np.hypot(*(a - b))))
+
+    def carried(self, e: Array, duration: float) -> Array:
+        """Vectors e (n, 2) carried along by the mean flow: exp(E t) e."""
+        E = self.mean_gradient
+        rate = np.sqrt(max(-np.linalg.det(E), 0.0))  # E has no trace: E^2 = -det(E) I
+        by_E = np.sinh(rate * duration) / rate if rate > 0.0 else duration
+        moved: Array = e @ (np.cosh(rate * duration) * np.eye(2) + by_E * E).T
+        return moved
+
+    @property
+    def periods(self) -> Array:
+        """The reduced basis at this time, (2, 2)."""
+        return reduced(self.carried(np.array(self.vectors), self.time))
+
+    @property
+    def image_reach(self) -> float:
+        """The longer diagonal of a cell of this area is at least as long, however it is sheared."""
+        return float(np.sqrt(2.0 * self.volume))
+
+    def at(self, t: float) -> Cell:
+        """The cell at time t."""
+        return Cell(self.vectors, self.gradient, t)
+
+    @property
+    def mean_gradient(self) -> Array:
+        """E, (2, 2)."""
+        return np.array(self.gradient)
+
+    @property
+    def volume(self) -> float:
+        """Of fluid and bodies together, an area; the flow preserves it."""
+        return float(abs(np.linalg.det(np.array(self.vectors))))
+
+    @property
+    def middle(self) -> Array:
+        """Half of both vectors of the reduced basis."""
+        middle: Array = 0.5 * self.periods.sum(axis=0)
+        return middle
+
+
+@dataclass(frozen=True, slots=True)
+class PeriodicPairs:
+    """Pairs of nodes or points, the same on all ranks: `slave` is the image of `master`.
+
+        x_slave = x_master + shift @ vectors of the lattice
+
+    Attributes:
+        slave: numbers, of nodes global ones, (n,).
+        master: the same, (n,); no number is in both.
+        shift: integers, (n, k).
+    """
+
+    slave: NDArray[np.int64]
+    master: NDArray[np.int64]
+    shift: Integers
+
+
+def matching_points(x: Array, lattice: Lattice) -> PeriodicPairs:
+    """The pairs among points x (n, 2), each of which has one image among them, by their numbers 0 ... n - 1.
+
+    Raises MeshError where a point has no image.
+    """
+    torus = on_torus(x, lattice)
+    _, near = cKDTree(torus).query(torus, k=[1, 2])
+    number = np.arange(len(x))
+    partner = np.where(near[:, 0] == number, near[:, 1], near[:, 0])
+    paired = bool(np.all(partner < len(x))) and np.array_equal(partner[partner], number)
+    if paired:
+        difference = x - x[partner]
+        shift = np.rint(lattice.coordinates(difference)).astype(np.int64)
+        off = np.abs(difference - lattice.shift(shift)).max(initial=0.0)
+        paired = off < SAME_PLACE * lattice.longest()
+    if not paired:
+        raise MeshError("the two sides of a periodic domain do not match; was the mesh made elsewhere?")
+    slave = positive(shift)
+    return PeriodicPairs(number[slave], partner[slave], shift[slave])
+
+
+def on_torus(x: Array, lattice: Lattice) -> Array:
+    """Points as points of a torus in space, where images coincide."""
+    turn = 2.0 * np.pi * lattice.coordinates(x)
+    size = np.sqrt(np.square(lattice.vectors).sum(axis=1))
+    across = x - lattice.coordinates(x) @ lattice.vectors
+    return np.column_stack([np.cos(turn) * size, np.sin(turn) * size, across])

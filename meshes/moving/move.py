@@ -22,6 +22,7 @@ import fsi.meshes.backend  # noqa: F401
 
 import basix.ufl
 import numpy as np
+import scipy.sparse as sp
 import ufl
 from dolfinx import fem
 from dolfinx.fem.petsc import assemble_matrix
@@ -29,14 +30,10 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fsi.meshes.build import FluidMesh, coordinate_element
-from fsi.meshes.cells.curved import SIMPLEX
-from fsi.meshes.cells.quality import determinant, scaled_jacobian
-from fsi.meshes.cholesky import factorised
+from fsi.meshes.build import FluidMesh, columns_of_masters, coordinate_element, matching_nodes
+from fsi.meshes.cells.curved import SIMPLEX, determinant, scaled_jacobian
 from fsi.meshes.geometry.containers import Array
-from fsi.meshes.matching import columns_of_masters, matching_nodes
-from fsi.meshes.moving.curved_boundary_cells import CurvedBoundaryCells, along, linear_weights, turned
-from fsi.meshes.moving.slip import Slip, SlipModes
+from fsi.meshes.moving.slip import CurvedBoundaryCells, Extension, Slip, along, linear_weights, turned
 
 # A moved cell may differ from its base by this ratio of stretches at most, and keeps this scaled Jacobian.
 LARGEST_DISTORTION = 2.0
@@ -62,34 +59,27 @@ class Mover:
         r = places - centres[self._body]
         self._to_image = fluid.lattice.shift(fluid.lattice.nearest(r))
         self._r = r - self._to_image
-        self._slave, self._away, self._P = self._inside()
-        self._stiffness = self._laplace()
-        self._solver = factorised(self._stiffness, self._P)
-        modes = self._slip_modes()
-        self._slip = None if modes is None else Slip(self._stiffness, self._P, modes)
+        self._slave, self._away, P = self._inside()
+        stiffness, modes = self._laplace(), self._slip_modes()
+        self._extension = Extension(stiffness, P)
+        self._slip = None if modes is None else Slip(stiffness, P, modes)
 
     def close(self) -> None:
         """Free matrix and factors."""
         if self._slip is not None:
             self._slip.close()
-        self._solver.destroy()
-        self._stiffness.destroy()
-        self._P.destroy()
+        self._extension.close()
 
     def move(self, centres: Array, carried: Callable[[Array], Array] = np.copy) -> float | None:
         """Move the bodies to `centres` (N, dimension), in place; collective.
 
-        Args:
-            centres: where the bodies shall be.
-            carried: what vectors (n, 2) between images have become.
-
-        Returns:
-            the worst scaled Jacobian, or None (and the base mesh again) if the moved mesh is not good enough.
+        `carried` says what vectors (n, 2) between images have become. Gives the worst scaled Jacobian, or
+        None (and the base mesh again) if the moved mesh is not good enough.
         """
         known, turns = self._known(centres - self.centres, carried)
         geometry = self.fluid.mesh.geometry
         linear, d = linear_weights(self.fluid.order, self.fluid.dimension), self.fluid.dimension
-        of_nodes = np.tensordot(self._extension(known), linear, axes=(1, 1)).transpose(0, 2, 1)
+        of_nodes = np.tensordot(self._at_corners(known), linear, axes=(1, 1)).transpose(0, 2, 1)
         if self._slip is not None:
             of_nodes[self._curved.cells] += turned(self._curved.off_straight, turns[self._curved.body])
         geometry.x[geometry.dofmaps[0], :d] = self._x[geometry.dofmaps[0]] + of_nodes
@@ -101,28 +91,24 @@ class Mover:
     def _boundary_tags(self) -> NDArray[np.int32]:
         """Tag of each vertex, ghosts last, 0 inside. Vertices at the corner of walls have either's tag."""
         marker = fem.Function(self._vertices)
-        for tag in range(1, self.fluid.bodies + len(self.fluid.walls) + 1):
-            marker.x.array[
-                fem.locate_dofs_topological(
-                    self._vertices, self.fluid.dimension - 1, self.fluid.facet_tags.find(tag)
-                )
-            ] = tag
+        facets, d = self.fluid.facet_tags, self.fluid.dimension
+        for tag in range(1, self.fluid.bodies + len(self.fluid.container.walls) + 1):
+            vertices = fem.locate_dofs_topological(self._vertices, d - 1, facets.find(tag))
+            marker.x.array[vertices] = tag
         marker.x.scatter_forward()
         return np.rint(marker.x.array).astype(np.int32)
 
     def _laplace(self) -> PETSc.Mat:
         """Stiffness matrix with weights 1 / volume."""
-        mesh = self.fluid.mesh
-        d = self.fluid.dimension
+        mesh, d = self.fluid.mesh, self.fluid.dimension
         form, weight = _stiffness_form(self.fluid.order, d)
         inverse_volume = fem.Function(fem.functionspace(mesh, cell_element(d)))
         sides = _sides(self._x[mesh.geometry.dofmaps[0]])
         inverse_volume.x.array[:] = factorial(d) / np.abs(determinant(sides))
         cells = np.arange(mesh.topology.index_map(d).size_local, dtype=np.int32)
         domain = {fem.IntegralType.cell: [(-1, cells)]}
-        matrix = assemble_matrix(
-            fem.create_form(form, [self._vertices] * 2, mesh, domain, {weight: inverse_volume}, {})
-        )
+        bound = fem.create_form(form, [self._vertices] * 2, mesh, domain, {weight: inverse_volume}, {})
+        matrix = assemble_matrix(bound)
         matrix.assemble()
         return matrix
 
@@ -142,9 +128,8 @@ class Mover:
         column[free], column[slave[known]] = unit, tied
         indptr = np.concatenate([[0], np.cumsum(column >= 0)]).astype(PETSc.IntType)
         entries = column[column >= 0].astype(PETSc.IntType)
-        P = PETSc.Mat().createAIJ(
-            ((rows, None), (len(unit), None)), csr=(indptr, entries, np.ones(len(entries))), comm=comm
-        )
+        size, csr = ((rows, None), (len(unit), None)), (indptr, entries, np.ones(len(entries)))
+        P = PETSc.Mat().createAIJ(size, csr=csr, comm=comm)
         return slave, away, P
 
     def _known(self, displacements: Array, carried: Callable[[Array], Array]) -> tuple[Array, Array]:
@@ -154,48 +139,34 @@ class Mover:
         known[self._slave] = carried(self._away) - self._away
         if self._slip is None:
             return known, np.zeros(self.fluid.bodies)
-        slips = self._slip.of(known)
-        turns, slides = np.split(slips, [self.fluid.bodies])
+        turns, slides = np.split(self._slip.of(known), [self.fluid.bodies])
         known[self._on_body] += turned(self._r, turns[self._body])
         for k, slide in enumerate(slides):
             known[self._tags == self.fluid.bodies + 1 + k] = slide * along(self.fluid.lattice)
         return known, turns
 
-    def _slip_modes(self) -> SlipModes | None:
+    def _slip_modes(self) -> sp.csr_matrix | None:
         """Discs turn, and the walls of a channel slide; None with an axis and in space."""
         fluid = self.fluid
-        if fluid.dimension == 3 or fluid.axisymmetric or fluid.bodies == 0:
+        if fluid.dimension == 3 or fluid.container.axisymmetric or fluid.bodies == 0:
             return None
         quarter = np.column_stack([-self._r[:, 1], self._r[:, 0]])
-        sliding = len(fluid.walls) if fluid.lattice.dimension == 1 else 0
+        sliding = len(fluid.container.walls) if fluid.lattice.dimension == 1 else 0
         on_wall = np.flatnonzero((self._tags > fluid.bodies) & (self._tags <= fluid.bodies + sliding))
         direction = np.tile(along(fluid.lattice), (len(on_wall), 1))
-        return SlipModes(
-            np.concatenate([self._on_body, on_wall]),
-            np.concatenate([self._body, self._tags[on_wall] - 1]).astype(np.int64),
-            np.concatenate([quarter, direction]),
-            fluid.bodies + sliding,
-        )
+        vertex, mode = np.append(self._on_body, on_wall), np.append(self._body, self._tags[on_wall] - 1)
+        rows, by = 2 * vertex[:, None] + np.arange(2), np.concatenate([quarter, direction])
+        size = (2 * len(self._tags), fluid.bodies + sliding)
+        return sp.csr_matrix((by.ravel(), (rows.ravel(), np.repeat(mode, 2))), size)
 
-    def _extension(self, known: Array) -> Array:
+    def _at_corners(self, known: Array) -> Array:
         """Displacements of the corners of this rank's cells (T, d + 1, d) from what is known at vertices."""
-        d = self.fluid.dimension
-        result = fem.Function(self._vertices)
-        corners = np.empty((len(self._vertices.dofmap.list), d + 1, d))
-        moved, load = self._stiffness.createVecs()
-        y, rhs = self._P.createVecRight(), self._P.createVecRight()
-        for axis in range(d):
-            moved.array[:] = known[:, axis]
-            self._stiffness.mult(moved, load)
-            self._P.multTranspose(load, rhs)
-            self._solver.solve(rhs, y)
-            self._P.mult(y, moved)
-            result.x.array[: len(known)] = known[:, axis] - moved.array
+        result, components = fem.Function(self._vertices), []
+        for component in known.T:
+            result.x.array[: len(known)] = self._extension(component)[1]
             result.x.scatter_forward()
-            corners[:, :, axis] = result.x.array[self._vertices.dofmap.list]
-        for vector in (moved, load, y, rhs):
-            vector.destroy()
-        return corners
+            components.append(result.x.array[self._vertices.dofmap.list])
+        return np.stack(components, axis=2)
 
     def _quality(self) -> float | None:
         """Worst scaled Jacobian over all ranks, None if a cell is distorted too much."""
@@ -225,11 +196,8 @@ def _stiffness_form(order: int, dimension: int) -> tuple[fem.forms.CompiledForm,
     space = ufl.FunctionSpace(omega, vertex_element(dimension))
     w = ufl.Coefficient(ufl.FunctionSpace(omega, cell_element(dimension)))
     d, v = ufl.TrialFunction(space), ufl.TestFunction(space)
-    form = (
-        w
-        * ufl.inner(ufl.grad(d), ufl.grad(v))
-        * ufl.dx(omega, metadata={"quadrature_degree": dimension * (order - 1)})
-    )
+    dx = ufl.dx(omega, metadata={"quadrature_degree": dimension * (order - 1)})
+    form = w * ufl.inner(ufl.grad(d), ufl.grad(v)) * dx
     return fem.compile_form(MPI.COMM_WORLD, form), w
 
 

@@ -8,12 +8,14 @@ distorted least: of all
 
 those for which the energy  int (1 / area) |grad d|^2  of the harmonic extension is smallest. Two discs that
 go round each other then carry the mesh in their gap along as it is, where it would be sheared by their way
-over the gap; in a dense sheared suspension that is thirty times as much.
+over the gap; in a dense sheared suspension that is thirty times as much. The curved cells around a disc turn
+with the nodes on it.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import fsi.meshes.backend  # noqa: F401
 
@@ -22,62 +24,129 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fsi.meshes.cholesky import factorised
+from fsi.meshes.build import FluidMesh
+from fsi.meshes.cells.curved import barycentric, reference_points
 from fsi.meshes.geometry.containers import Array
+from fsi.meshes.geometry.lattice import Lattice
 
-Integers = NDArray[np.int64]
+
+def unfactorised(matrix: PETSc.Mat) -> PETSc.KSP:
+    """The solver for a symmetric matrix, whose factors are still to be made."""
+    solver = PETSc.KSP().create(matrix.comm)
+    solver.setOperators(matrix)
+    solver.setType(PETSc.KSP.Type.PREONLY)
+    pc = solver.getPC()
+    pc.setType(PETSc.PC.Type.CHOLESKY)
+    pc.setFactorSolverType("mumps")
+    pc.destroy()  # handles hold references: undestroyed they leak megabytes a step in parallel
+    return solver
+
+
+class Extension:
+    """Extends what is known of d such that d^T K d is smallest; `close` frees K, P and the factors."""
+
+    def __init__(self, K: PETSc.Mat, P: PETSc.Mat) -> None:
+        """Factorise P^T K P; P takes the unknowns y to d = known + P y."""
+        self._K, self._P = K, P
+        inside = K.ptap(P)
+        self._solver = unfactorised(inside)
+        self._solver.setUp()
+        inside.destroy()
+
+    def __call__(self, known: Array) -> tuple[Array, Array]:
+        """This rank's rows of y and of d; `known` is zero where d is free."""
+        Py, load = self._K.createVecs()
+        y, rhs = self._P.createVecRight(), self._P.createVecRight()
+        load.array[:] = -known
+        self._K.mult(load, Py)
+        self._P.multTranspose(Py, rhs)
+        self._solver.solve(rhs, y)
+        self._P.mult(y, Py)
+        result = y.array.copy(), known + Py.array
+        for vector in (Py, load, y, rhs):
+            vector.destroy()
+        return result
+
+    def close(self) -> None:
+        """Free matrices and factors."""
+        for used in (self._solver, self._K, self._P):
+            used.destroy()
 
 
 @dataclass(frozen=True, slots=True)
-class SlipModes:
-    """The modes of slipping at this rank's vertices: mode `mode[k]` moves vertex `vertex[k]` by `by[k]`.
+class CurvedBoundaryCells:
+    """This rank's cells with an edge on a disc.
 
     Attributes:
-        vertex: (n,).
-        mode: (n,).
-        by: (n, 2).
-        count: how many modes there are on all ranks.
+        cells: their numbers, (n,).
+        body: whose edge it is, (n,).
+        off_straight: how far their nodes are from where a straight cell has them, (n, nodes, 2).
     """
 
-    vertex: Integers
-    mode: Integers
-    by: Array
-    count: int
+    cells: NDArray[np.intp]
+    body: NDArray[np.intp]
+    off_straight: Array
+
+    @staticmethod
+    def of(fluid: FluidMesh, tags: NDArray[np.int32], x: Array) -> CurvedBoundaryCells:
+        """Those of a mesh.
+
+        The tags are those of the corners of this rank's cells, (T, d + 1), 0 inside; x are the nodes, (n, d).
+        """
+        ordered = np.sort(tags, axis=1)
+        # Corners of one disc alone belong to an edge on it: two discs never share a triangle's three corners.
+        twice = np.where(ordered[:, 1:] == ordered[:, :-1], ordered[:, 1:], 0)
+        twice[twice > fluid.bodies] = 0
+        body = twice.max(axis=1)
+        cells = np.flatnonzero(body)
+        nodes = x[fluid.mesh.geometry.dofmaps[0][cells]]
+        weights = linear_weights(fluid.order, fluid.dimension)
+        straight = np.einsum("kc,tcd->tkd", weights, nodes[:, : fluid.dimension + 1])
+        return CurvedBoundaryCells(cells, body[cells] - 1, nodes - straight)
+
+
+def turned(r: Array, angle: Array) -> Array:
+    """What vectors r (n, ..., 2) change by if they turn by angles (n,), counterclockwise: (R - 1) r."""
+    angle = angle.reshape(-1, *[1] * (r.ndim - 2))
+    # cos - 1 without cancellation.
+    lost, s = -2.0 * np.sin(0.5 * angle) ** 2, np.sin(angle)
+    return np.stack([lost * r[..., 0] - s * r[..., 1], s * r[..., 0] + lost * r[..., 1]], axis=-1)
+
+
+def along(lattice: Lattice) -> Array:
+    """The direction of the only period, (2,); zero where there is none, or two."""
+    if lattice.dimension != 1:
+        return np.zeros(2)
+    direction: Array = lattice.vectors[0] / lattice.longest()
+    return direction
+
+
+@cache
+def linear_weights(order: int, dimension: int) -> Array:
+    """Barycentric coordinates of the cell's nodes, (nodes, dimension + 1)."""
+    return barycentric(reference_points(order, dimension))
 
 
 class Slip:
     """Finds the slip of least distortion; `close` frees the factors."""
 
-    def __init__(self, stiffness: PETSc.Mat, P: PETSc.Mat, modes: SlipModes) -> None:
+    def __init__(self, stiffness: PETSc.Mat, P: PETSc.Mat, modes: sp.csr_matrix) -> None:
         """Prepare.
 
         Args:
             stiffness: of `int (1 / area) grad d . grad v`, for one component of d at all vertices.
             P: its vertices by the free ones.
-            modes: of slipping, at vertices that are not free.
+            modes: by which slipping moves this rank's vertices, none of them free, (2 vertices, modes).
         """
-        comm = stiffness.comm.tompi4py()
-        free_here = P.getLocalSize()[1]
-        root_free = comm.bcast(free_here)
-        self._comm, self._free = comm, 2 * free_here
-        self._modes = modes.count if comm.rank == 0 else 0
-        self._stiffness = _matrix(_of_both(stiffness), 2 * stiffness.getLocalSize()[1], stiffness)
-        free = _of_both(P).tocoo()
+        self._comm, self._free = stiffness.comm.tompi4py(), 2 * P.getLocalSize()[1]
         # Rank 0 owns the modes, after its own free vertices.
-        columns = free.col + modes.count * (free.col >= 2 * root_free)
-        rows = (2 * modes.vertex[:, None] + np.arange(2)).ravel()
-        every = sp.csr_matrix(
-            (
-                np.concatenate([free.data, modes.by.ravel()]),
-                (
-                    np.concatenate([free.row, rows]),
-                    np.concatenate([columns, np.repeat(2 * root_free + modes.mode, 2)]),
-                ),
-            ),
-            (free.shape[0], free.shape[1] + modes.count),
-        )
-        self._P = _matrix(every, self._free + self._modes, stiffness)
-        self._solver = factorised(self._stiffness, self._P)
+        before = self._comm.bcast(self._free)
+        free = _of_both(P)
+        every = sp.hstack([free[:, :before], modes, free[:, before:]], "csr")
+        columns_here = self._free + (modes.shape[1] if self._comm.rank == 0 else 0)
+        K = _matrix(_of_both(stiffness), 2 * stiffness.getLocalSize()[1], stiffness)
+        self._extension = Extension(K, _matrix(every, columns_here, stiffness))
+        self.close = self._extension.close
 
     def of(self, known: Array) -> Array:
         """How far each mode slips, on all ranks.
@@ -85,21 +154,9 @@ class Slip:
         Args:
             known: displacements (n, 2) of this rank's vertices without slips, zero where they are free.
         """
-        d, load = self._stiffness.createVecs()
-        y, rhs = self._P.createVecRight(), self._P.createVecRight()
-        d.array[:] = -known.ravel()
-        self._stiffness.mult(d, load)
-        self._P.multTranspose(load, rhs)
-        self._solver.solve(rhs, y)
-        amounts: Array = self._comm.bcast(y.array[self._free :].copy())
-        for vector in (d, load, y, rhs):
-            vector.destroy()
+        y, _ = self._extension(known.ravel())
+        amounts: Array = self._comm.bcast(y[self._free :])
         return amounts
-
-    def close(self) -> None:
-        """Free matrices and factors."""
-        for used in (self._solver, self._stiffness, self._P):
-            used.destroy()
 
 
 def _of_both(matrix: PETSc.Mat) -> sp.csr_matrix:

@@ -14,7 +14,7 @@ a mesh has lines from surface to surface anyway.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,9 +50,7 @@ class NeighbourLinks:
 
     def __getitem__(self, chosen: NDArray[np.bool_] | Indices) -> NeighbourLinks:
         """Some of them."""
-        return NeighbourLinks(
-            self.first[chosen], self.second[chosen], self.shift[chosen], self.step[chosen], self.gap[chosen]
-        )
+        return NeighbourLinks(*(getattr(self, field.name)[chosen] for field in fields(self)))
 
     def __len__(self) -> int:
         """How many."""
@@ -60,11 +58,7 @@ class NeighbourLinks:
 
 
 def cut(surfaces: Surfaces) -> NeighbourLinks:
-    """The links that open a periodic domain.
-
-    Raises:
-        MeshError: a cell without walls has no body.
-    """
+    """The links that open a periodic domain. Raises MeshError where a cell without walls has no body."""
     container, bodies = surfaces.container, surfaces.bodies
     if len(container.walls) + bodies == 0:
         raise MeshError("a periodic cell without walls needs a body; give it one")
@@ -83,9 +77,8 @@ def neighbours(surfaces: Surfaces, reach: float) -> NeighbourLinks:
     """All links with gaps up to `reach` between bodies, and those of all bodies to the walls."""
     n, m, lattice = surfaces.bodies, surfaces.lattice.near(), surfaces.lattice
     centres, radii = surfaces.centres[:n], surfaces.radii[:n]
-    pairs = cKDTree(centres).sparse_distance_matrix(
-        surfaces.tree, 2.0 * radii.max(initial=0.0) + reach, output_type="ndarray"
-    )
+    farthest = 2.0 * radii.max(initial=0.0) + reach
+    pairs = cKDTree(centres).sparse_distance_matrix(surfaces.tree, farthest, output_type="ndarray")
     first, (which, second) = pairs["i"], np.divmod(pairs["j"], max(n, 1))
     # Each link once: to a later body, or to the body's own image by the first of two opposite shifts.
     once = (second > first) | ((second == first) & positive(m[which]))
@@ -113,8 +106,7 @@ def _to_walls(surfaces: Surfaces) -> NeighbourLinks:
 
 
 def _joined(one: NeighbourLinks, other: NeighbourLinks) -> NeighbourLinks:
-    """The links of both."""
-    names = ("first", "second", "shift", "step", "gap")
+    names = [field.name for field in fields(NeighbourLinks)]
     return NeighbourLinks(*(np.concatenate([getattr(one, name), getattr(other, name)]) for name in names))
 
 
@@ -154,9 +146,9 @@ def _tree(links: NeighbourLinks, root: int, nodes: int) -> _Tree:
     of_pair = dict(zip((low * nodes + high)[best].tolist(), best.tolist(), strict=True))
     reached = np.flatnonzero(parent >= 0)
     link = np.full(nodes, -1, dtype=np.int64)
-    link[reached] = [
-        of_pair[min(a, b) * nodes + max(a, b)] for a, b in zip(reached, parent[reached], strict=True)
-    ]
+    before = parent[reached]
+    of_way = np.minimum(reached, before) * nodes + np.maximum(reached, before)
+    link[reached] = [of_pair[key] for key in of_way.tolist()]
     return _Tree(length, link, parent.astype(np.int64))
 
 

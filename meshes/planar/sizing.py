@@ -34,7 +34,39 @@ from fsi.meshes.errors import MeshError, at
 from fsi.meshes.geometry.containers import Array, Container, FluidDomain
 from fsi.meshes.geometry.curves import WallCurve
 from fsi.meshes.geometry.lattice import Lattice
-from fsi.meshes.planar.nodes_on_curves import Indices, equidistribute, resolve, resolve_all
+
+MOST_HALVINGS = 60
+
+Indices = NDArray[np.int64]
+type Sizes = Callable[[Array, Indices], Array]
+
+
+def resolve_all(size: Sizes, ends: Array, pieces: int) -> tuple[Array, Array, Indices]:
+    """Places s along curves from ends[k, 0] to ends[k, 1], the element sizes there, and the curve k of each.
+
+    Intervals are halved until they are no longer than half the element size at both their ends.
+    """
+    s = np.linspace(ends[:, 0], ends[:, 1], pieces + 1, axis=1).ravel()
+    k = np.repeat(np.arange(len(ends)), pieces + 1)
+    h = size(s, k)
+    for _ in range(MOST_HALVINGS):
+        too_long = (np.diff(s) > 0.5 * np.minimum(h[:-1], h[1:])) & (k[:-1] == k[1:])
+        long = np.flatnonzero(too_long)
+        if len(long) == 0:
+            return s, h, k
+        middle, of = 0.5 * (s[long] + s[long + 1]), k[long]
+        h = np.insert(h, long + 1, size(middle, of))
+        s, k = np.insert(s, long + 1, middle), np.insert(k, long + 1, of)
+    raise MeshError(f"element sizes down to {h.min():.3g} cannot be resolved; is a gap that small meant?")
+
+
+def equidistribute(s: Array, density: Array, least: int) -> Array:
+    """Parameters, with both ends of s, that split `int density ds` into equal parts of at most 1."""
+    cumulative = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(s))])
+    parts = max(least, int(np.ceil(cumulative[-1] - 1e-6)))
+    placed: Array = np.interp(np.linspace(0.0, cumulative[-1], parts + 1), cumulative, s)
+    return placed
+
 
 LENGTH, SHORTEST, LONGEST = 0.11, 0.3, 4.0
 NEIGHBOURS = 16
@@ -83,8 +115,8 @@ class Curve:
 
     tag: int
     nodes: Array
-    closed: bool
-    centre: Array | None
+    closed: bool = False
+    centre: Array | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,8 +125,7 @@ class Surfaces:
 
     Attributes:
         container: what encloses the fluid.
-        centres: of the bodies, in one cell of a periodic container, and after them of their images next to
-            it, (n, 2).
+        centres: of the bodies, in one cell of a periodic container, then of their images next to it, (n, 2).
         radii: of all of these, (n,).
         tree: over the centres.
         bodies: N.
@@ -146,17 +177,18 @@ class Surfaces:
     def wall(self, curve: WallCurve) -> Curve:
         """The nodes on a piece of a wall, whose tag follows the bodies'."""
 
-        def size(s: Array) -> Array:
+        def size(s: Array, _: Indices) -> Array:
             return np.minimum(self.sizes(curve.at(s)), curve.longest_element)
 
-        s, h = resolve(size, *curve.interval, PIECES)
+        s, h, _ = resolve_all(size, np.array([curve.interval]), PIECES)
         nodes = curve.at(equidistribute(s, 1.0 / h, curve.fewest_elements))
         nodes[[0, -1]] = curve.ends
-        return Curve(self.bodies + 1 + curve.wall, nodes, closed=False, centre=curve.centre)
+        return Curve(self.bodies + 1 + curve.wall, nodes, centre=curve.centre)
 
     def line(self, at: Callable[[Array], Array], start: float, end: float, pieces: int) -> Array:
         """Places s of the nodes on a line `at(s)` through the fluid from surface to surface."""
-        s, h = resolve(lambda s: self.sizes(at(s), end - start), start, end, pieces)
+        ends = np.array([[start, end]])
+        s, h, _ = resolve_all(lambda s, _: self.sizes(at(s), end - start), ends, pieces)
         s = equidistribute(s, 1.0 / h, least=1)
         s[[0, -1]] = start, end
         return s
@@ -165,16 +197,12 @@ class Surfaces:
 def rings(surfaces: Surfaces, bodies: Sequence[int]) -> list[Curve]:
     """The nodes around bodies, each from where its gap is narrowest, so that a node stands there.
 
-    Raises:
-        MeshError: a body touches another or a wall.
+    Raises MeshError where a body touches another or a wall.
     """
     near = [_neighbourhood(surfaces, i) for i in bodies]
     turns = np.array([(body.narrowest, body.narrowest + 2.0 * np.pi) for body in near]).reshape(-1, 2)
-    chains = _on_arcs(surfaces, near, turns)
-    return [
-        Curve(i + 1, nodes[:-1], closed=True, centre=surfaces.centres[i])
-        for i, nodes in zip(bodies, chains, strict=True)
-    ]
+    chains = zip(bodies, _on_arcs(surfaces, near, turns), strict=True)
+    return [Curve(i + 1, nodes[:-1], closed=True, centre=surfaces.centres[i]) for i, nodes in chains]
 
 
 def half_ring(surfaces: Surfaces, i: int) -> Curve:
@@ -187,11 +215,9 @@ def half_ring(surfaces: Surfaces, i: int) -> Curve:
 
 def arcs(surfaces: Surfaces, bodies: Sequence[int], angles: Array) -> list[Curve]:
     """The nodes on bodies between two angles each, start < end, (n, 2)."""
-    pieces = _on_arcs(surfaces, [_neighbourhood(surfaces, i) for i in bodies], angles)
-    return [
-        Curve(i + 1, nodes, closed=False, centre=surfaces.centres[i])
-        for i, nodes in zip(bodies, pieces, strict=True)
-    ]
+    near = [_neighbourhood(surfaces, i) for i in bodies]
+    chains = zip(bodies, _on_arcs(surfaces, near, angles), strict=True)
+    return [Curve(i + 1, nodes, centre=surfaces.centres[i]) for i, nodes in chains]
 
 
 @dataclass(frozen=True, slots=True)

@@ -59,9 +59,8 @@ def gmsh_model() -> Iterator[None]:
     except MeshError:
         raise
     except Exception as error:
-        raise MeshError(
-            f"gmsh failed: {error}; try a finer discretisation.cells_per_gap or cells_per_circle"
-        ) from error
+        remedy = "try a finer discretisation.cells_per_gap or cells_per_circle"
+        raise MeshError(f"gmsh failed: {error}; {remedy}") from error
     finally:
         gmsh.clear()
 
@@ -89,8 +88,7 @@ def chain(curves: Sequence[Curve]) -> tuple[Array, list[Indices]]:
 class FarSize:
     """A bound on the element size in the fluid: `smallest + slope d` at the distance d from the nearest body.
 
-    Without it gmsh, which interpolates between distant boundaries, leaves the surroundings of bodies too
-    coarse.
+    Without it gmsh, which interpolates between distant boundaries, leaves what is around bodies too coarse.
 
     Attributes:
         bodies: how many, with the tags 1 ... N.
@@ -111,15 +109,11 @@ class FarSize:
         field = gmsh.model.mesh.field
         distance, bound = field.add("Distance"), field.add("Threshold")
         field.setNumbers(distance, "CurvesList", [BODIES])
-        numbers = {
-            "InField": distance,
-            "DistMin": 0.0,
-            "SizeMin": self.smallest,
-            "DistMax": self.reach,
-            "SizeMax": self.smallest + self.slope * self.reach,
-        }
-        for name, number in numbers.items():
-            field.setNumber(bound, name, number)
+        largest = self.smallest + self.slope * self.reach
+        for end, d, size in (("Min", 0.0, self.smallest), ("Max", self.reach, largest)):
+            field.setNumber(bound, f"Dist{end}", d)
+            field.setNumber(bound, f"Size{end}", size)
+        field.setNumber(bound, "InField", distance)
         field.setAsBackgroundMesh(bound)
         if self.alone:
             gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
@@ -128,12 +122,7 @@ class FarSize:
 def triangulate(curves: Sequence[Curve], far: FarSize | None = None) -> StraightCells:
     """Triangles between the curves: the fluid lies inside the open ones and outside the closed ones.
 
-    Args:
-        curves: the boundary.
-        far: bound on the size far from the bodies.
-
-    Raises:
-        MeshError: gmsh fails, or loses a boundary edge.
+    `far` bounds the size far from the bodies. Raises MeshError where gmsh fails, or loses a boundary edge.
     """
     nodes, chains = chain(curves)
     edges = np.concatenate([np.column_stack([c[:-1], c[1:]]) for c in chains])
@@ -145,7 +134,7 @@ def triangulate(curves: Sequence[Curve], far: FarSize | None = None) -> Straight
             far.apply()
         gmsh.model.mesh.generate(2)
         vertices, triangles = _read_triangles()
-    _require_boundary(triangles, edges)
+    require_boundary(triangles, edges)
     return StraightCells(vertices, triangles, edges, tags)
 
 
@@ -201,22 +190,30 @@ def clockwise(vertices: Array, triangles: Indices) -> NDArray[np.bool_]:
 
 def boundary_sides(cells: Indices) -> Indices:
     """The sides of cells (T, d + 1) that belong to one cell only, corners in order, (F, d)."""
-    sides = np.concatenate([np.delete(cells, k, axis=1) for k in range(cells.shape[1])])
-    unique, count = np.unique(np.sort(sides, axis=1), axis=0, return_counts=True)
+    unique, count = np.unique(np.sort(_sides(cells), axis=1), axis=0, return_counts=True)
     outer: Indices = unique[count == 1]
     return outer
 
 
-def _require_boundary(triangles: Indices, edges: Indices) -> None:
-    """The edges that belong to one triangle must be the given ones."""
-    n = int(triangles.max()) + 1
-    sides = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [0, 2]]])
-    keys, count = np.unique(edge_keys(sides, n), return_counts=True)
-    if not np.array_equal(keys[count == 1], np.unique(edge_keys(edges, n))):
+def _sides(cells: Indices) -> Indices:
+    return np.concatenate([np.delete(cells, k, axis=1) for k in range(cells.shape[1])])
+
+
+def require_boundary(cells: Indices, facets: Indices) -> None:
+    """The sides that belong to one cell must be the facets, and none may belong to more than two."""
+    n = int(max(cells.max(), facets.max())) + 1
+    keys, count = np.unique(side_keys(_sides(cells), n), return_counts=True)
+    if count.max() > 2 or not np.array_equal(keys[count == 1], np.sort(side_keys(facets, n))):
         raise MeshError("gmsh lost a part of the boundary; try a finer discretisation.cells_per_gap")
 
 
-def edge_keys(edges: Indices, n: int) -> Indices:
-    """One number for each edge (E, 2) between n vertices, whichever of its ends comes first."""
-    key: Indices = edges.min(axis=1) * n + edges.max(axis=1)
-    return key
+def side_keys(sides: Indices, n: int) -> Indices:
+    """One number for each side (F, d) of cells with n vertices, in whatever order its corners are."""
+    keys: Indices = np.sort(sides, axis=1) @ n ** np.arange(sides.shape[1])[::-1]
+    return keys
+
+
+def places_of(wanted: Indices, keys: Indices) -> tuple[Indices, NDArray[np.bool_]]:
+    """Where among the keys those of the wanted ones stand that are there, and which are, (wanted,)."""
+    order, there = np.argsort(keys), np.isin(wanted, keys)
+    return order[np.searchsorted(keys, wanted[there], sorter=order)], there

@@ -19,16 +19,15 @@ zero on all other sides. The derivatives of order m of the map are O(h^m) (Lenoi
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache
 from itertools import combinations, permutations
 
 import basix
 import numpy as np
 
-from fsi.meshes.cells.curved import CurvedCells, reference_points
+from fsi.meshes.cells.curved import CurvedCells, along_side, barycentric, reference_points
 from fsi.meshes.geometry.containers import Array
 from fsi.meshes.geometry.curves import Sphere
-from fsi.meshes.planar.triangulate import Indices, StraightCells
+from fsi.meshes.planar.triangulate import Indices, StraightCells, places_of
 
 NEWTON_STEPS = 3  # for the radial place of a facet: linear but for (h / a)^2
 
@@ -42,29 +41,24 @@ def curve_tets(straight: StraightCells, spheres: Mapping[int, Sphere], order: in
         order: 1 ... 4.
     """
     vertices, tets = straight.vertices, straight.cells
-    barycentric = _barycentric(reference_points(order, 3))
-    x = np.einsum("nv,tvd->tnd", barycentric, vertices[tets])
+    l = barycentric(reference_points(order, 3))  # noqa: E741
+    x = np.einsum("nv,tvd->tnd", l, vertices[tets])
     for tag, sphere in spheres.items():
         faces = np.sort(straight.facets[straight.tags == tag], axis=1)
         edges = np.unique(faces[:, [0, 1, 0, 2, 1, 2]].reshape(-1, 2), axis=0)
         bends = _edge_bends(vertices[edges], sphere, order)
         for ij in permutations(range(4), 2):
             cells, rows = _matches(tets[:, ij], edges)
-            x[cells] += np.einsum("nm,cmd->cnd", _edge_lift(barycentric[:, ij], order), bends[rows])
+            x[cells] += np.einsum("nm,cmd->cnd", _edge_lift(l[:, ij], order), bends[rows])
         if order < 3:
             continue
         bubbles = _face_bends(vertices[faces], bends, _find(faces, edges), sphere, order)
         for ijk in permutations(range(4), 3):
             cells, rows = _matches(tets[:, ijk], faces)
-            x[cells] += np.einsum("nm,cmd->cnd", _bubbles(barycentric[:, ijk], order), bubbles[rows])
-    nodes, cells = _numbered(x, tets, np.rint(order * barycentric).astype(np.int64))
+            x[cells] += np.einsum("nm,cmd->cnd", _bubbles(l[:, ijk], order), bubbles[rows])
+    nodes, cells = _numbered(x, tets, np.rint(order * l).astype(np.int64))
     nodes[: len(vertices)] = vertices
     return CurvedCells(nodes, cells, straight.facets, straight.tags, order)
-
-
-def _barycentric(X: Array) -> Array:
-    """Barycentric coordinates of reference points."""
-    return np.column_stack([1.0 - X.sum(axis=1), X])
 
 
 def _keys(rows: Indices, n: int) -> Indices:
@@ -76,12 +70,8 @@ def _keys(rows: Indices, n: int) -> Indices:
 def _matches(corners: Indices, sides: Indices) -> tuple[Indices, Indices]:
     """Which rows of `corners` are rows of `sides` (sorted each), and which rows those are."""
     n = int(max(corners.max(), sides.max())) + 1
-    keys = _keys(sides, n)
-    order = np.argsort(keys)
-    wanted = _keys(corners, n)
-    place = np.minimum(np.searchsorted(keys[order], wanted), len(keys) - 1)
-    rows = np.flatnonzero(keys[order][place] == wanted)
-    return rows, order[place[rows]]
+    place, there = places_of(_keys(corners, n), _keys(sides, n))
+    return np.flatnonzero(there), place
 
 
 def _find(faces: Indices, edges: Indices) -> Indices:
@@ -89,42 +79,34 @@ def _find(faces: Indices, edges: Indices) -> Indices:
     return np.column_stack([_matches(faces[:, ij], edges)[1] for ij in combinations(range(3), 2)])
 
 
-@cache
-def _along(order: int) -> basix.finite_element.FiniteElement:
-    """Polynomials along an edge by their values at the Gauss-Lobatto points."""
-    return basix.create_element(
-        basix.ElementFamily.P, basix.CellType.interval, order, basix.LagrangeVariant.gll_isaac
-    )
-
-
 def _edge_bends(ends: Array, sphere: Sphere, order: int) -> Array:
     """Phi minus chord at the inner Gauss-Lobatto points of edges (E, 2, 3), shape (E, order - 1, 3)."""
-    t = _along(order).points[2:]
+    t = along_side(order).points[2:]
     chord = ends[:, :1] * (1.0 - t) + ends[:, 1:] * t
     bends: Array = sphere.project(chord) - chord
     return bends
 
 
-def _edge_lift(barycentric: Array, order: int) -> Array:
+def _edge_lift(l: Array, order: int) -> Array:  # noqa: E741
     """What each inner node of an edge adds at points whose l_i, l_j are (points, 2); (points, order - 1)."""
-    a, b = barycentric.T
+    a, b = l.T
     t = 0.5 * (1.0 + b - a)
     at_end = a * b == 0.0
     t = np.where(at_end, 0.5, t)
-    basis = _along(order).tabulate(0, t[:, None])[0, :, 2:, 0]
+    basis = along_side(order).tabulate(0, t[:, None])[0, :, 2:, 0]
     lift: Array = np.where(at_end, 0.0, a * b / (t * (1.0 - t)))[:, None] * basis
     return lift
 
 
-def _bubbles(barycentric: Array, order: int) -> Array:
+def _bubbles(l: Array, order: int) -> Array:  # noqa: E741
     """Polynomials of a facet that vanish on its edges, at points whose l_i, l_j, l_k are (points, 3)."""
-    bubble: Array = barycentric.prod(axis=1)[:, None] * _moments(barycentric, order)
+    bubble: Array = l.prod(axis=1)[:, None] * _moments(l, order)
     return bubble
 
 
-def _moments(barycentric: Array, order: int) -> Array:
+def _moments(l: Array, order: int) -> Array:  # noqa: E741
     """Polynomials of degree order - 3 on a facet: 1 for order 3, l_i, l_j, l_k for order 4."""
-    return np.ones((len(barycentric), 1)) if order == 3 else barycentric
+    return np.ones((len(l), 1)) if order == 3 else l
 
 
 def _face_bends(corners: Array, edge_bends: Array, edges: Indices, sphere: Sphere, order: int) -> Array:
@@ -136,13 +118,13 @@ def _face_bends(corners: Array, edge_bends: Array, edges: Indices, sphere: Spher
             x += np.einsum("nm,fmd->fnd", _edge_lift(l[:, ij], order), edge_bends[edges[:, e]])
         return x
 
-    inner = _barycentric(reference_points(order)[3 * order :])
+    inner = barycentric(reference_points(order)[3 * order :])
     straight = np.einsum("nv,fvd->fnd", inner, corners)
     bend = sphere.project(straight) - without_bubbles(inner)
     coefficients: Array = np.linalg.inv(_bubbles(inner, order)) @ bend
 
     points, weights = basix.make_quadrature(basix.CellType.triangle, 2 * order + 2)
-    l = _barycentric(points)  # noqa: E741
+    l = barycentric(points)  # noqa: E741
     # The solid angle that a piece of the facet is seen under from the centre.
     away = np.linalg.norm(np.einsum("nv,fvd->fnd", l, corners) - sphere.centre, axis=2)
     moments = np.einsum("ni,n,fn->fin", _moments(l, order), weights, away**-3.0)

@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 from scipy.spatial import Delaunay
 
 from fsi.meshes.geometry.containers import Array, FluidDomain, lengths
-from fsi.meshes.planar.nodes_on_curves import equidistribute
+from fsi.meshes.planar.sizing import equidistribute
 from fsi.meshes.planar.triangulate import Indices
 from fsi.meshes.spatial.sizing import Spacing
 
@@ -94,11 +94,7 @@ class GapPrisms:
 
 
 def find_gaps(spacing: Spacing) -> list[NarrowGap]:
-    """All gaps that are narrower than the elements there would be long.
-
-    Raises:
-        MeshError: a sphere touches another or a wall.
-    """
+    """All gaps narrower than the elements there would be long. Raises MeshError where surfaces touch."""
     gaps, centres, radii = [], spacing.domain.centres, spacing.domain.radii
     for pair in spacing.close_pairs():
         i, j = pair.body, pair.other
@@ -106,15 +102,13 @@ def find_gaps(spacing: Spacing) -> list[NarrowGap]:
             gaps.append(_to_wall(spacing.domain, i, j - len(radii)))
             continue
         apart = centres[j] - centres[i]
-        distance = float(np.linalg.norm(apart))
-        a, b = float(radii[i]), float(radii[j])
+        away, a, b = float(np.linalg.norm(apart)), float(radii[i]), float(radii[j])
         tags = (i + 1, j + 1)
-        gaps.append(NarrowGap(tags, centres[i], a, apart / distance, distance, -1.0, b, pair.smallest))
+        gaps.append(NarrowGap(tags, centres[i], a, apart / away, away, -1.0, b, pair.smallest))
     return [gap for gap in gaps if gap.width(0.0) < spacing.in_gap(gap.width(0.0), gap.smallest)]
 
 
 def _to_wall(domain: FluidDomain, i: int, k: int) -> NarrowGap:
-    """The gap between body i and wall k."""
     centre, a, container = domain.centres[i], float(domain.radii[i]), domain.container
     distance = float(container.distances(centre[None])[0, k])
     tags, sphere = (i + 1, len(domain.radii) + 1 + k), container.spheres[k]
@@ -189,9 +183,4 @@ def split_prisms(triangles: Indices, below: Indices, above: Indices, backwards: 
     turned = np.isin(v[:, 1] * n + v[:, 2], backwards @ [n, 1])
     v[turned] = v[turned][:, [0, 2, 1]]
     low, high = below[v], above[v]
-    split = [
-        np.column_stack([low, high[:, 2]]),
-        np.column_stack([low[:, :2], high[:, 1:]]),
-        np.column_stack([low[:, 0], high]),
-    ]
-    return np.concatenate(split)
+    return np.concatenate([np.column_stack([low[:, : 3 - k], high[:, 2 - k :]]) for k in range(3)])

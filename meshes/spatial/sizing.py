@@ -59,11 +59,7 @@ class Spacing:
         return law
 
     def close_pairs(self) -> list[ClosePair]:
-        """All gaps where h_gap is smaller than the size on the larger body.
-
-        Raises:
-            MeshError: a sphere touches another or a wall.
-        """
+        """All gaps where h_gap is smaller than the size on the larger body. Raises MeshError at contacts."""
         centres, radii = self.domain.centres, self.domain.radii
         close, size = [], self.resolution.on_body(radii)
         to_walls = self.domain.container.distances(centres) - radii[:, None]

@@ -1,9 +1,14 @@
-"""Tetrahedra in the fluid around spheres: gmsh fills it but for the layers of prisms in narrow gaps."""
+"""Tetrahedra in the fluid around spheres: gmsh fills it but for the layers of prisms in narrow gaps.
+
+gmsh's spheres are turned so that their seams spare those. A sphere of gmsh has an edge, the half circle from
+pole to pole at which its longitude begins. Where that crosses the edge of a layer of prisms it splits a side
+of the layer, which then has five corners and cannot be structured.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import ceil
 
@@ -12,17 +17,16 @@ import fsi.meshes.backend  # noqa: F401
 import gmsh
 import numpy as np
 from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
 
-from fsi.meshes.cells.curved import CurvedCells
-from fsi.meshes.cells.quality import WORST_ACCEPTED, scaled_jacobian
+from fsi.meshes.cells.curved import WORST_ACCEPTED, CurvedCells, scaled_jacobian
 from fsi.meshes.errors import MeshError, at
-from fsi.meshes.geometry.containers import FluidDomain, lengths
+from fsi.meshes.geometry.containers import Array, FluidDomain, lengths
 from fsi.meshes.geometry.curves import Sphere
 from fsi.meshes.planar.sizing import Resolution
-from fsi.meshes.planar.triangulate import Indices, StraightCells, gmsh_model
+from fsi.meshes.planar.triangulate import Indices, StraightCells, gmsh_model, require_boundary
 from fsi.meshes.spatial.curved_tetrahedra import curve_tets
 from fsi.meshes.spatial.gap_prisms import GapPrisms, choose, find_gaps, pattern, split_prisms
-from fsi.meshes.spatial.seams import seam_turn
 from fsi.meshes.spatial.sizing import Spacing
 
 OVERLAP = 0.25  # how far a layer's cylinder enters either surface, in radii of the smaller body
@@ -38,10 +42,8 @@ def fill(domain: FluidDomain, resolution: Resolution, order: int) -> CurvedCells
     bodies of the container.
 
     A cell that lies flat on a sphere can turn over when it is curved, and gmsh can lose a part of a boundary:
-    then all is meshed again with smaller elements on the spheres.
-
-    Raises:
-        MeshError: spheres touch, or gmsh fails with all sizes.
+    then all is meshed again with smaller elements on the spheres. Raises MeshError where spheres touch, or
+    gmsh fails with all sizes.
     """
     unit = float(domain.radii.max(initial=0.0)) or domain.container.size()
     container = domain.container.scaled(1.0 / unit)
@@ -80,7 +82,7 @@ def _fill(spacing: Spacing, order: int) -> CurvedCells:
         cells.vertices[on] = sphere.project(cells.vertices[on])
     for layer in layers:
         cells = _with_prisms(cells, layer, spacing)
-    _require_boundary(cells)
+    require_boundary(cells.cells, cells.facets)
     return curve_tets(replace(cells, cells=_upright(cells)), spheres, order)
 
 
@@ -89,13 +91,10 @@ def _outside(spacing: Spacing, layers: Sequence[GapPrisms]) -> StraightCells:
     with gmsh_model():
         _add_fluid(spacing.domain, layers)
         sides = [face for layer in layers for face in _structure(layer)]
-        for name, value in {
-            "Mesh.MeshSizeExtendFromBoundary": 0,
-            "Mesh.MeshSizeFromPoints": 0,
-            "Mesh.OptimizeNetgen": 1,
-            "Mesh.OptimizeThreshold": 0.5,
-        }.items():
-            gmsh.option.setNumber(name, value)
+        gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
+        gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
+        gmsh.option.setNumber("Mesh.OptimizeNetgen", 1)
+        gmsh.option.setNumber("Mesh.OptimizeThreshold", 0.5)
         spacing.apply()
         gmsh.model.mesh.generate(3)
         return _read(spacing.domain, sides)
@@ -122,11 +121,8 @@ def _add_cylinder(layer: GapPrisms) -> int:
     below, above = (float(height) for height in gap.heights(layer.rho))
     overlap = OVERLAP * gap.smallest
     foot = gap.centre + (below - overlap) * gap.along
-    quarters = [0.5 * np.pi * k for k in range(5)]
-    arcs = [
-        occ.addCircle(*foot, layer.rho, -1, start, end, list(gap.along), list(gap.frame()[0]))
-        for start, end in pairwise(quarters)
-    ]
+    quarters, axes = pairwise(0.5 * np.pi * k for k in range(5)), (list(gap.along), list(gap.frame()[0]))
+    arcs = [occ.addCircle(*foot, layer.rho, -1, start, end, *axes) for start, end in quarters]
     disc = occ.addPlaneSurface([occ.addCurveLoop(arcs)])
     occ.synchronize()
     solid = occ.extrude([(2, disc)], *((above - below + 2.0 * overlap) * gap.along))
@@ -179,9 +175,8 @@ def _read(domain: FluidDomain, sides: Sequence[int]) -> StraightCells:
         tag = 0 if face in sides else int(away[mine.ravel()].max(axis=0).argmin()) + 1
         facets.append(mine)
         values.append(np.full(len(mine), tag))
-    return StraightCells(
-        vertices, tets.reshape(-1, 4).astype(np.int64), np.concatenate(facets), np.concatenate(values)
-    )
+    cells = tets.reshape(-1, 4).astype(np.int64)
+    return StraightCells(vertices, cells, np.concatenate(facets), np.concatenate(values))
 
 
 def _with_prisms(cells: StraightCells, layer: GapPrisms, spacing: Spacing) -> StraightCells:
@@ -214,18 +209,53 @@ def _with_prisms(cells: StraightCells, layer: GapPrisms, spacing: Spacing) -> St
     )
 
 
-def _require_boundary(cells: StraightCells) -> None:
-    """The facets that belong to one cell must be the tagged ones."""
-    sides = np.sort(cells.cells[:, [0, 1, 2, 0, 1, 3, 0, 2, 3, 1, 2, 3]].reshape(-1, 3), axis=1)
-    radix = len(cells.vertices) ** np.arange(3)[::-1]
-    keys, count = np.unique(sides @ radix, return_counts=True)
-    tagged = np.sort(np.sort(cells.facets, axis=1) @ radix)
-    if count.max() > 2 or not np.array_equal(keys[count == 1], tagged):
-        raise MeshError("gmsh lost a part of the boundary; try a finer discretisation.cells_per_gap")
-
-
 def _upright(cells: StraightCells) -> Indices:
     """The cells, those with a negative volume mirrored."""
     a, b, c, d = (cells.vertices[cells.cells[:, k]] for k in range(4))
     mirrored = np.einsum("td,td->t", np.cross(b - a, c - a), d - a) < 0.0
     return np.where(mirrored[:, None], cells.cells[:, [0, 2, 1, 3]], cells.cells)
+
+
+CLEARANCE = 0.05  # radians between a seam and an edge
+_LATITUDE = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 91)
+SEAM = np.column_stack([np.cos(_LATITUDE), np.zeros(91), np.sin(_LATITUDE)])
+POLE = 1.0 - 1e-12
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """A turn by an angle about an axis, (3,), through the centre of a sphere."""
+
+    axis: Array
+    angle: float
+
+
+AS_IT_IS = Turn(np.array([0.0, 0.0, 1.0]), 0.0)
+TURNS = [AS_IT_IS, *(Turn(axis, k * np.pi / 8.0) for axis in np.eye(3)[::-1] for k in range(1, 16))]
+
+
+def seam_turn(tag: int, radius: float, layers: Sequence[GapPrisms]) -> Turn:
+    """How to turn the sphere with that facet tag: not at all where its seam spares the layers as it is.
+
+    It also spares a layer around a pole, whose edge has a corner on it.
+    """
+    axes, widths = _caps(tag, radius, layers)
+    at_pole = np.abs(axes[:, 2]) > POLE
+    if _clearance(AS_IT_IS, axes[~at_pole], widths[~at_pole]) > CLEARANCE:
+        return AS_IT_IS
+    return max(TURNS, key=lambda turn: _clearance(turn, axes, widths))
+
+
+def _caps(tag: int, radius: float, layers: Sequence[GapPrisms]) -> tuple[Array, Array]:
+    """Directions of the layers on a sphere, (k, 3), and the angles from their axes to their edges, (k,)."""
+    mine = [layer for layer in layers if tag in layer.gap.tags]
+    signs = [1.0 if layer.gap.tags[0] == tag else -1.0 for layer in mine]
+    axes = np.array([sign * layer.gap.along for sign, layer in zip(signs, mine, strict=True)]).reshape(-1, 3)
+    return axes, np.arcsin(np.array([layer.rho / radius for layer in mine]))
+
+
+def _clearance(turn: Turn, axes: Array, widths: Array) -> float:
+    """The smallest angle between the turned seam and an edge, negative where the seam crosses it."""
+    seam = Rotation.from_rotvec(turn.angle * turn.axis).apply(SEAM)
+    away = np.arccos(np.clip(axes @ seam.T, -1.0, 1.0)).min(axis=1)
+    return float((away - widths).min(initial=np.inf))

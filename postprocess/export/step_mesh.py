@@ -15,7 +15,7 @@ def write_step_mesh(run: Path, step: int | None, output: Path) -> int:
         InputError: the run has no fields of that step.
         MeshFileError: the suffix is unknown, or a file cannot be read or written.
     """
-    from fsi.meshes.files.recover import recover
+    from fsi.meshes.files.read import recover
     from fsi.meshes.files.write import require_suffix, write_cells
 
     require_suffix(output)

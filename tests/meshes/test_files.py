@@ -46,7 +46,7 @@ def test_msh_round_trip(order: int, tmp_path: Path) -> None:
     read = read_mesh(path, NAMES, FluidDomain(SMALL_BOX, PAIR.centres, PAIR.radii), max(order, 2))
     if order == 1:  # a straight mesh is curved on the way in, by the rule that `build` follows
         written = mesh(SMALL_BOX, PAIR, COARSE, 2)
-    assert (read.order, read.cells(), read.walls) == (max(order, 2), written.cells(), written.walls)
+    assert (read.order, read.cells(), read.container) == (max(order, 2), written.cells(), written.container)
     expected = force(written, SMALL_BOX, PAIR, motion)
     np.testing.assert_allclose(
         force(read, SMALL_BOX, PAIR, motion), expected, atol=1e-12 * np.abs(expected).max()
@@ -65,7 +65,7 @@ def test_gmsh_reads_the_same_cells(order: int, tmp_path: Path) -> None:
         cells = gmsh.model.mesh.getElementsByType({2: 9, 3: 21, 4: 23}[order])[0]
         quality = np.array(gmsh.model.mesh.getElementQualities(cells, "minSJ"))
         sides = gmsh.model.mesh.getElementsByType({2: 8, 3: 26, 4: 27}[order])[0]
-    assert groups == dict.fromkeys((*NAMES, *fluid.walls), 1) | {"fluid": 2}
+    assert groups == dict.fromkeys((*NAMES, *fluid.container.walls), 1) | {"fluid": 2}
     assert len(cells) == fluid.cells()
     assert len(sides) == len(fluid.facet_tags.indices)
     assert quality.min() > 0.3

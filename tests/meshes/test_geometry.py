@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from fsi.meshes.geometry.containers import Array, Box, Container, HalfPlane, Round
-from fsi.meshes.geometry.periodic import Cell, Channel
+from fsi.meshes.geometry.lattice import Cell
 
 IN_PLANE: list[Container] = [
     Box((-1.0, -2.0), (3.0, 5.0)),
     HalfPlane(4.0),
     Round(4.0),
-    Channel((-1.0, -2.0), (3.0, 5.0)),
+    Box((-1.0, -2.0), (3.0, 5.0), periodic=("x",)),
     Box((-1.0, -2.0), (3.0, 5.0), periodic=("y",)),
     Box((-1.0, -2.0), (3.0, 5.0), periodic=("x", "y")),
     Cell(((5.0, 0.0), (1.0, 4.0)), ((0.0, 1.0), (0.0, 0.0))),

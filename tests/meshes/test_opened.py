@@ -7,12 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fsi.meshes.cells.curved import curve
-from fsi.meshes.cells.quality import scaled_jacobian
-from fsi.meshes.geometry.containers import Array, FluidDomain
-from fsi.meshes.geometry.lattice import NO_LATTICE, Lattice, reduced
-from fsi.meshes.geometry.periodic import Cell, Channel, Periodic
-from fsi.meshes.matching import matching_points
+from fsi.meshes.cells.curved import curve, scaled_jacobian
+from fsi.meshes.geometry.containers import Array, Box, Container, FluidDomain
+from fsi.meshes.geometry.lattice import Cell, Lattice, matching_points, reduced
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import triangulate
@@ -28,7 +25,7 @@ def hexagonal(gap: float) -> tuple[Cell, Array]:
     )
 
 
-def check(container: Periodic, centres: Array, radii: Array) -> None:
+def check(container: Container, centres: Array, radii: Array) -> None:
     """The area is that of the domain without the discs; both sides of the cut match; no cell is inverted."""
     curves = boundary(FluidDomain(container, centres, radii), COARSE)
     straight = triangulate(curves)
@@ -56,7 +53,7 @@ def test_hexagonal_array(gap: float) -> None:
 
 
 def test_a_channel_without_bodies() -> None:
-    check(Channel((0.0, 0.0), (3.0, 1.0)), np.empty((0, 2)), np.empty(0))
+    check(Box((0.0, 0.0), (3.0, 1.0), periodic=("x",)), np.empty((0, 2)), np.empty(0))
 
 
 @settings(max_examples=25)
@@ -64,9 +61,9 @@ def test_a_channel_without_bodies() -> None:
 def test_random_discs(seed: int, walls: bool) -> None:
     """Polydisperse discs anywhere, one of them alone or many."""
     random = np.random.default_rng(seed)
-    container: Periodic = Cell(((6.0, 0.0), (2.0, 5.0)), ((0.0, 0.0), (0.0, 0.0)))
+    container: Container = Cell(((6.0, 0.0), (2.0, 5.0)), ((0.0, 0.0), (0.0, 0.0)))
     if walls:
-        container = Channel((-1.0, 0.0), (5.0, 5.0))
+        container = Box((-1.0, 0.0), (5.0, 5.0), periodic=("x",))
     lattice, centres, radii = Lattice(container.periods), np.empty((0, 2)), np.empty(0)
     for _ in range(int(random.integers(1, 40))):
         x, a = random.uniform((-9.0, 0.0), (9.0, 5.0))[None], random.uniform(0.2, 1.2)
@@ -80,10 +77,10 @@ def test_random_discs(seed: int, walls: bool) -> None:
 
 
 def test_without_periods_each_point_is_its_only_image() -> None:
-    x = np.array([[1.0, -2.0, 3.0]])
-    assert NO_LATTICE.near().shape == (1, 0)
-    np.testing.assert_array_equal(NO_LATTICE.wrapped(x), x)
-    np.testing.assert_array_equal(x - NO_LATTICE.shift(NO_LATTICE.nearest(x)), x)
+    x, no_lattice = np.array([[1.0, -2.0, 3.0]]), Lattice(np.empty((0, 3)))
+    assert no_lattice.near().shape == (1, 0)
+    np.testing.assert_array_equal(no_lattice.wrapped(x), x)
+    np.testing.assert_array_equal(x - no_lattice.shift(no_lattice.nearest(x)), x)
 
 
 def test_reduced_basis_of_a_lattice() -> None:

@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from fsi.bodies.configuration import Array
-from fsi.meshes.cells.curved import reference_points
-from fsi.meshes.cells.quality import require_valid, scaled_jacobian
+from fsi.meshes.cells.curved import reference_points, require_valid, scaled_jacobian
 from fsi.meshes.errors import MeshError
 
 ORDERS = [1, 2, 3, 4]

@@ -9,8 +9,8 @@ from scipy.spatial.transform import Rotation
 from fsi.meshes.geometry.containers import Array, Box, FluidDomain
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.spatial.gap_prisms import GapPrisms, choose, find_gaps
-from fsi.meshes.spatial.seams import AS_IT_IS, CLEARANCE, SEAM, seam_turn
 from fsi.meshes.spatial.sizing import Spacing
+from fsi.meshes.spatial.tetrahedra import AS_IT_IS, CLEARANCE, SEAM, seam_turn
 from tests.meshes.spheres import mesh
 
 BOX = Box((-3.0, -3.0, -3.0), (3.0, 3.0, 3.0))

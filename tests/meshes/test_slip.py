@@ -10,13 +10,12 @@ import pytest
 
 from fsi.meshes.build import build
 from fsi.meshes.geometry.containers import Array, Box, Container, FluidDomain
-from fsi.meshes.geometry.periodic import Channel
-from fsi.meshes.moving.curved_boundary_cells import turned
 from fsi.meshes.moving.move import Mover
+from fsi.meshes.moving.slip import turned
 from fsi.meshes.planar.sizing import Resolution
 
 BOX = Box((-4.0, -4.0), (4.0, 4.0))
-CHANNEL = Channel((0.0, 0.0), (5.0, 4.0))
+CHANNEL = Box((0.0, 0.0), (5.0, 4.0), periodic=("x",))
 RADII = np.array([1.0, 0.7])
 COARSE = Resolution(cells_per_gap=0.3, cells_per_circle=16, growth=0.5)
 GAP = 0.01

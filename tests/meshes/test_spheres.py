@@ -54,12 +54,16 @@ def test_tags_cover_the_boundary(container: Container, whole: float, walls: tupl
     np.testing.assert_array_equal(
         np.sort(fluid.facet_tags.indices), exterior_facet_indices(fluid.mesh.topology)
     )
-    assert (fluid.dimension, fluid.order, fluid.walls) == (3, 3, container.walls)
+    assert (fluid.dimension, fluid.order, fluid.container.walls) == (3, 3, container.walls)
     assert volume(fluid) == pytest.approx(whole - 1.064 * BALL, rel=1e-4)
-    assert [area(fluid, fluid.wall_tag(wall)) for wall in fluid.walls] == pytest.approx(walls, rel=1e-4)
+    assert [area(fluid, fluid.wall_tag(wall)) for wall in fluid.container.walls] == pytest.approx(
+        walls, rel=1e-4
+    )
     assert [area(fluid, 1), area(fluid, 2)] == pytest.approx([4.0 * np.pi, 0.64 * np.pi], rel=2e-5)
     if isinstance(container, Box):
-        assert [area(fluid, fluid.wall_tag(wall)) for wall in fluid.walls] == pytest.approx(walls, rel=1e-12)
+        assert [area(fluid, fluid.wall_tag(wall)) for wall in fluid.container.walls] == pytest.approx(
+            walls, rel=1e-12
+        )
 
 
 TILT = np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)

@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 import pyvista
 
-from fsi.meshes.cells.curved import reference_points
-from fsi.meshes.cells.quality import determinant, scaled_jacobian
-from fsi.meshes.files.recover import recover
+from fsi.meshes.cells.curved import determinant, reference_points, scaled_jacobian
+from fsi.meshes.files.read import recover
 from fsi.meshes.files.write import gather, write_mesh
 from fsi.meshes.geometry.containers import Box, FluidDomain, HalfPlane, Round
 from fsi.meshes.geometry.curves import Sphere
@@ -63,7 +62,7 @@ def test_gmsh_reads_the_same_cells(order: int, tmp_path: Path) -> None:
         facets = gmsh.model.mesh.getElementsByType({2: 9, 3: 21, 4: 23}[order])[0]
         quality = np.array(gmsh.model.mesh.getElementQualities(cells, "minDetJac"))
         on_facets = np.array(gmsh.model.mesh.getElementQualities(facets, "minSJ"))
-    assert groups == dict.fromkeys(("ball", *fluid.walls), 2) | {"fluid": 3}
+    assert groups == dict.fromkeys(("ball", *fluid.container.walls), 2) | {"fluid": 3}
     assert (len(cells), len(facets)) == (fluid.cells(), len(fluid.facet_tags.indices))
     assert quality.min() > 0.0
     assert on_facets.min() > 0.1

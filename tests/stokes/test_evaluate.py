@@ -13,8 +13,8 @@ from numpy.testing import assert_allclose
 import fsi.parallel as parallel
 from fsi.bodies.configuration import Array, Configuration
 from fsi.case.load import parse_case
-from fsi.meshes.geometry.containers import Round
-from fsi.meshes.geometry.periodic import Cell, Channel
+from fsi.meshes.geometry.containers import Box, Round
+from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.model import StokesModel
 from fsi.stokes.problem import SolverOptions, StokesProblem
@@ -24,7 +24,7 @@ from tests.flows import discs, held, mesh, resting, solved
 from tests.periodic import force_free, in_cell, in_channel
 
 R, OMEGA = 2.5, 0.8
-CHANNEL = Channel((-4.0, -1.0), (4.0, 1.0))
+CHANNEL = Box((-4.0, -1.0), (4.0, 1.0), periodic=("x",))
 SPECK = discs([(3.9, 0.2)], [0.01])
 MPIEXEC = Path(sys.executable).with_name("mpiexec")
 

@@ -9,7 +9,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fsi.bodies.configuration import Configuration
-from fsi.meshes.geometry.periodic import Cell, Channel
+from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.solve import FORMULATIONS
 from tests.flows import discs, free, held
@@ -70,7 +71,7 @@ def test_disc_between_plates(k: str) -> None:
 
     Without the condition on the flux the force at k = 0.5 is 16 % smaller in this channel.
     """
-    given, channel = reference("disc_between_plates"), Channel((-8.0, -1.0), (8.0, 1.0))
+    given, channel = reference("disc_between_plates"), Box((-8.0, -1.0), (8.0, 1.0), periodic=("x",))
     q = discs([(7.9, 0.0)], [float(k)])
     pulled = in_channel(channel, q, held((1.0, 0.0, 0.0)), None)
     assert pulled.F[0, 0] == pytest.approx(given["F_parallel"][k], rel=1e-4)
@@ -81,7 +82,7 @@ def test_disc_between_plates(k: str) -> None:
 def test_a_pressure_gradient_drives_poiseuille_flow() -> None:
     """dp/dx = -2 gives u = 1 - y^2; a disc of 1e-2 half widths on the axis moves with 1 - (2/3) k^2."""
     q = discs([(0.2, 0.0)], [0.01])
-    found = in_channel(Channel((-4.0, -1.0), (4.0, 1.0)), q, force_free(q), -2.0)
+    found = in_channel(Box((-4.0, -1.0), (4.0, 1.0), periodic=("x",)), q, force_free(q), -2.0)
     assert found.U[0, 0] == pytest.approx(1.0 - 2.0 / 3.0 * 1e-4, rel=1e-4)
 
 
@@ -98,7 +99,7 @@ def test_dilute_limit() -> None:
 def test_a_channel_does_not_know_where_it_begins() -> None:
     """All velocities to 1e-6 when everything is shifted; a body left behind would show at once."""
     channel, motion = (
-        Channel((0.0, -2.6), (5.0, 2.6)),
+        Box((0.0, -2.6), (5.0, 2.6), periodic=("x",)),
         free((1.0, 0.5, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)),
     )
     U = [in_channel(channel, shifted(THREE, (s, 0.0)), motion).U for s in (0.0, 4.9, -7.3)]
@@ -149,7 +150,7 @@ def test_both_forms_agree() -> None:
     assert one.checks["stress"] < 1e-10
     assert_allclose(one.U, other.U, rtol=0, atol=1e-9)
     pulled = free((1.0, 0.5, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0))
-    channel = Channel((0.0, -2.6), (5.0, 2.6))
+    channel = Box((0.0, -2.6), (5.0, 2.6), periodic=("x",))
     one, other = (in_channel(channel, THREE, pulled, None, 1.0, form) for form in FORMULATIONS)
     assert_allclose(one.U, other.U, rtol=0, atol=1e-9 * np.abs(other.U).max())
 

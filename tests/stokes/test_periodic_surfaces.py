@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from fsi.case.load import parse_case
 from fsi.errors import InputError
-from fsi.meshes.geometry.periodic import Channel
+from fsi.meshes.geometry.containers import Box
 from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.fields.traction import places, traction
 from fsi.stokes.resistance import case_resistance, held_at_rest, solve_resistance
@@ -37,7 +37,7 @@ def test_traction_where_the_cut_meets_a_body() -> None:
 
 def test_resistance_in_a_periodic_channel() -> None:
     """The column of one motion is the load of that motion, and R does not know where the channel begins."""
-    channel, fine = Channel((0.0, -2.0), (6.0, 2.0)), Resolution(1.0, 24, 0.5)
+    channel, fine = Box((0.0, -2.0), (6.0, 2.0), periodic=("x",)), Resolution(1.0, 24, 0.5)
     R = []
     for shift in (0.0, 2.3):
         q = discs([(1.0 + shift, -0.6), (3.6 + shift, 0.3)], [1.0, 0.8])

@@ -9,8 +9,7 @@ import numpy as np
 from dolfinx import fem, la
 from numpy.typing import NDArray
 
-from fsi.meshes.aliases import FunctionSpace
-from fsi.meshes.build import FluidMesh
+from fsi.meshes.build import FluidMesh, FunctionSpace
 from fsi.meshes.geometry.containers import Array
 
 Nodes = NDArray[np.int32]
@@ -78,8 +77,10 @@ def locate(fluid: FluidMesh, V: FunctionSpace) -> BoundaryNodes:
     tags = fluid.facet_tags.values[np.searchsorted(fluid.facet_tags.indices, bodies)]
     body_tag = _tag_of_nodes(fluid, V, bodies, tags)
     body_nodes = np.flatnonzero(body_tag).astype(np.int32)
-    walls = {wall: _nodes_with(fluid, V, fluid.wall_tag(wall)) for wall in fluid.walls}
-    axis = _nodes_with(fluid, V, fluid.axis_tag) if fluid.axisymmetric else np.empty(0, dtype=np.int32)
+    walls = {wall: _nodes_with(fluid, V, fluid.wall_tag(wall)) for wall in fluid.container.walls}
+    axis = (
+        _nodes_with(fluid, V, fluid.axis_tag) if fluid.container.axisymmetric else np.empty(0, dtype=np.int32)
+    )
     x = np.ascontiguousarray(V.tabulate_dof_coordinates()[:, : fluid.dimension])
     return BoundaryNodes(body_nodes, body_tag[body_nodes] - 1, walls, axis, x, V.dofmap.index_map.size_local)
 

@@ -23,9 +23,8 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fsi.bodies.configuration import MODES, Array, Configuration, rigid_motion
-from fsi.meshes.build import FluidMesh
+from fsi.meshes.build import FluidMesh, columns_of_masters
 from fsi.meshes.geometry.lattice import Lattice
-from fsi.meshes.matching import columns_of_masters
 from fsi.stokes.discretisation.boundary import BoundaryNodes
 
 Index = NDArray[np.int64]
@@ -119,7 +118,7 @@ def dof_layout(
     off_axis = ~np.isin(on_body, axis)
     return DofLayout(
         fluid.mesh.comm, d, len(nodes.x), pressure_nodes, fixed, on_body[off_axis], body[off_axis],
-        len(MODES[d]) * fluid.bodies, fluid.axisymmetric,
+        len(MODES[d]) * fluid.bodies, fluid.container.axisymmetric,
     )  # fmt: skip
 
 

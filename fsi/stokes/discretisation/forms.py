@@ -23,7 +23,6 @@ from dolfinx.mesh import exterior_facet_indices
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
-from fsi.meshes.aliases import Form
 from fsi.meshes.build import FluidMesh, coordinate_element
 from fsi.meshes.cells.curved import reference_points
 from fsi.stokes.discretisation.compile import compile_form
@@ -39,6 +38,7 @@ MATRICES = ("a", "b", "b^T")
 BENT = 1e-12  # distance of a node from its place in a straight cell, in sizes of the cell
 
 type Expr = ufl.core.expr.Expr
+type Form = fem.Form[np.float64]
 
 
 def velocity_element(degree: int, dimension: int) -> basix.ufl._ElementBase:
@@ -175,10 +175,10 @@ class Forms:
 
     def __init__(self, fluid: FluidMesh, degree: int, viscosity: float) -> None:
         """Bind the forms to a mesh; degree of the velocity, at least the order of the cells."""
-        self._compiled = compile_forms(fluid.order, degree, fluid.dimension, fluid.axisymmetric)
+        self._compiled = compile_forms(fluid.order, degree, fluid.dimension, fluid.container.axisymmetric)
         self.mesh = fluid.mesh
         self._degree, self._viscosity = degree, viscosity
-        self.axisymmetric = fluid.axisymmetric
+        self.axisymmetric = fluid.container.axisymmetric
         self._curved, self._straight = _cells(fluid)
         self.V = fem.functionspace(fluid.mesh, velocity_element(degree, fluid.dimension))
         self.Q = fem.functionspace(fluid.mesh, pressure_element(degree, fluid.dimension))

@@ -21,8 +21,7 @@ from scipy.sparse.linalg import spsolve
 from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array
-from fsi.meshes.geometry.lattice import Integers, Lattice
-from fsi.meshes.matching import SAME_PLACE, on_torus
+from fsi.meshes.geometry.lattice import SAME_PLACE, Integers, Lattice, on_torus
 from fsi.stokes.solvers.elimination import StokesSystem
 
 FACET = {2: basix.CellType.interval, 3: basix.CellType.triangle}
@@ -74,7 +73,9 @@ def collect(system: StokesSystem, reaction: Array) -> Surface:
     nodes, xs, reactions, numbers, bodies = (np.concatenate([part[k] for part in parts]) for k in range(5))
     unique, first = np.unique(nodes, return_index=True)
     of_facets = np.searchsorted(unique, numbers)
-    return Surface(xs[first], of_facets, degree, bodies, reactions[first], fluid.lattice, fluid.axisymmetric)
+    return Surface(
+        xs[first], of_facets, degree, bodies, reactions[first], fluid.lattice, fluid.container.axisymmetric
+    )
 
 
 def places(surface: Surface) -> Integers:

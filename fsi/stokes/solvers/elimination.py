@@ -29,10 +29,9 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fsi.bodies.configuration import Array, Motion
-from fsi.meshes.aliases import Form
 from fsi.stokes.discretisation.boundary import BoundaryNodes
 from fsi.stokes.discretisation.constraints import DofLayout, RigidModes
-from fsi.stokes.discretisation.forms import Forms
+from fsi.stokes.discretisation.forms import Form, Forms
 from fsi.stokes.problem import StokesProblem
 from fsi.stokes.solvers.coarse import Coarse, transfer
 from fsi.stokes.solvers.fgmres import Iteration, SchurBlocks

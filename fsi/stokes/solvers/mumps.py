@@ -10,7 +10,7 @@ from petsc4py import PETSc
 
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
-from fsi.meshes.cholesky import unfactorised
+from fsi.meshes.moving.slip import unfactorised
 
 # ICNTL(7). Nested dissection (PORD) saves a fifth of a large factorisation, but takes as much longer to order
 # as two to four of them save: at 1000 and at 200 discs.

@@ -25,9 +25,8 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Motion
-from fsi.meshes.build import FluidMesh
-from fsi.meshes.geometry.lattice import Integers
-from fsi.meshes.matching import matching_nodes, matching_points
+from fsi.meshes.build import FluidMesh, matching_nodes
+from fsi.meshes.geometry.lattice import Integers, matching_points
 from fsi.stokes.discretisation.boundary import facets_with
 from fsi.stokes.discretisation.constraints import DofLayout
 from fsi.stokes.discretisation.forms import Forms

@@ -5,13 +5,13 @@ import pytest
 import pyvista as pv
 
 from fsi.bodies.configuration import Configuration
-from fsi.meshes.geometry.periodic import Channel
+from fsi.meshes.geometry.containers import Box
 from fsi.postprocess.render.scenes import tiled
 from fsi.postprocess.render.view import View
 from fsi.postprocess.run.gaps import gap_between, narrowest_gap
 
 RISE = -0.3
-CHANNEL = Channel((0.0, 0.0), (1.0, 1.0))
+CHANNEL = Box((0.0, 0.0), (1.0, 1.0), periodic=("x",))
 
 
 def one_period() -> pv.UnstructuredGrid:

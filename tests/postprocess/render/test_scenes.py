@@ -7,15 +7,16 @@ import pytest
 import pyvista as pv
 
 from fsi.bodies.configuration import Configuration
-from fsi.meshes.geometry.periodic import Cell, Channel, Periodic
+from fsi.meshes.geometry.containers import Box, Container
+from fsi.meshes.geometry.lattice import Cell
 from fsi.postprocess.render.scenes import images, tiled
 from fsi.postprocess.render.view import around_period
 
 SHEARED = Cell(((4.0, 0.0), (1.0, 3.0)), ((0.0, 0.8), (0.0, 0.0)))
-CHANNEL = Channel((-1.0, 0.0), (5.0, 3.0))
+CHANNEL = Box((-1.0, 0.0), (5.0, 3.0), periodic=("x",))
 
 
-def one_period(container: Periodic, origin: tuple[float, float]) -> pv.UnstructuredGrid:
+def one_period(container: Container, origin: tuple[float, float]) -> pv.UnstructuredGrid:
     """Two triangles that fill a period, opened anywhere, with the velocity E x."""
     a = container.periods[0]
     b = container.periods[1] if isinstance(container, Cell) else np.array([0.0, 3.0])
@@ -29,7 +30,7 @@ def one_period(container: Periodic, origin: tuple[float, float]) -> pv.Unstructu
 
 @pytest.mark.parametrize("container", [SHEARED, CHANNEL])
 @pytest.mark.parametrize("along", [0.0, 17.0])
-def test_copies_fill_the_window_without_overlap(container: Periodic, along: float) -> None:
+def test_copies_fill_the_window_without_overlap(container: Container, along: float) -> None:
     """Areas add up to whole periods, and the velocity is E x in every copy, so that it is continuous."""
     start = along * container.periods[0] / np.linalg.norm(container.periods[0])
     fluid, view = one_period(container, (start[0], start[1])), around_period(container)
@@ -47,7 +48,7 @@ def test_copies_fill_the_window_without_overlap(container: Periodic, along: floa
 
 
 @pytest.mark.parametrize("container", [SHEARED, CHANNEL])
-def test_images_of_bodies_against_a_plain_search(container: Periodic) -> None:
+def test_images_of_bodies_against_a_plain_search(container: Container) -> None:
     q = Configuration.unturned(np.array([[0.3, 0.4], [30.0, 2.0]]), np.array([0.5, 0.3]))
     view = around_period(container)
     found = images(q, container, view)
