@@ -61,7 +61,7 @@ def write_report(run: Run, output: Path) -> None:
         loader=PackageLoader("fsi.postprocess", "."), autoescape=True, undefined=StrictUndefined
     )
     page = templates.get_template("report.html.jinja").render(
-        name=run.name,
+        name=run.case.name,
         path=run.path,
         many=_MANY,
         state=_or_reason(lambda: _state(run)),
@@ -100,7 +100,7 @@ def _state(run: Run) -> dict[str, Any]:
 
 def _case(run: Run) -> dict[str, Any]:
     """The bodies and the whole case."""
-    about, rows = f"{run.model} model", []
+    about, rows = f"{run.case.model} model", []
     if run.has_flow:
         case = run.case
         walls = ", ".join(case.domain.walls) or "none"
@@ -150,7 +150,7 @@ def _animation(run: Run, path: Path) -> Path:
 def _checks(run: Run) -> pd.DataFrame:
     """The worst defect of each identity over the whole run, and the smallest gap."""
     steps, rows = run.steps, []
-    identities, bound = _IDENTITIES[run.model]
+    identities, bound = _IDENTITIES[run.case.model]
     for name in (name for name in identities if name in steps):
         worst = steps[name].abs().idxmax()
         defect, t = abs(float(steps[name][worst])), steps["t"][worst]

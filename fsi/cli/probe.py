@@ -56,7 +56,7 @@ def probe(
 
     def values() -> DataFrame:
         run = open_run(folder)
-        d = run.dimension
+        d = run.case.dimension
         if points is not None:
             return values_at(run, read_points(points, d), step)
         place, option = (on_line, "--line") if line is not None else (on_plane, "--plane")

@@ -38,9 +38,9 @@ from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
 from fsi.errors import InputError
 from fsi.lubrication.exact import plane_lubrication
-from fsi.postprocess.analysis.listing import listed
 from fsi.postprocess.analysis.strain import strain_rate
 from fsi.postprocess.run.run import Run
+from fsi.report.console import table
 
 CLOSE = 0.1  # gaps below this many mean radii make a link
 _ROWS = 12
@@ -219,23 +219,22 @@ def find_chains(links: LubricationLinks, bodies: int) -> tuple[Chain, ...]:
 def chains_table(chains: Chains) -> Table:
     """The chains that dissipate most, closed by the sum over all."""
     walls = chains.case.container().walls
-    headings = ["discs", "walls", "smallest gap", "lubrication", "of the dissipation", "who"]
-    if chains.shares is not None:
-        headings.insert(5, "of the viscosity")
-    rows = []
+    headings = ["discs", "walls", "smallest gap", "lubrication", "of the dissipation"]
+    headings += [] if chains.shares is None else ["of the viscosity"]
+    listed = table((), headings, title=f"chains at step {chains.step}, t = {chains.t:.6g}")
+    listed.add_column("who")
     for chain in chains.chains[:_ROWS]:
         names = [chains.case.names[k] for k in chain.bodies]
         touched, gap = ", ".join(walls[k] for k in chain.walls), f"{chain.smallest_gap:.3g}"
         who = ", ".join(names[:4]) + (", ..." if len(names) > 4 else "")
         costs = _costs(chains, chain.dissipation, chain.links)
-        rows.append([str(len(chain.bodies)), touched, gap, *costs, who])
-    table = listed(f"chains at step {chains.step}, t = {chains.t:.6g}", headings, rows, words="who")
-    table.add_section()
+        listed.add_row(str(len(chain.bodies)), touched, gap, *costs, who)
+    listed.add_section()
     discs = sum(len(chain.bodies) for chain in chains.chains)
     total = sum(chain.dissipation for chain in chains.chains)
     every = range(len(chains.links.gaps))
-    table.add_row(str(discs), "", "", *_costs(chains, total, every), "together")
-    return table
+    listed.add_row(str(discs), "", "", *_costs(chains, total, every), "together")
+    return listed
 
 
 def _costs(chains: Chains, dissipation: float, links: Sequence[int]) -> list[str]:

@@ -16,8 +16,8 @@ from rich.table import Table
 
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
-from fsi.postprocess.analysis.listing import listed
 from fsi.postprocess.run.run import Run
+from fsi.report.console import table
 
 _ROWS = 12
 
@@ -76,10 +76,10 @@ def memory_table(memory: ContactMemories) -> Table:
         [name, *(f"{x:.4g}" for x in (*numbers, numbers[0] / numbers[-1]))]
         for name, *numbers in shown.itertuples(index=False)
     ]
-    headings = ("contact", "stored P", "at t", "released", "lag", "P / lag")
-    table = listed("what contacts stored, and when they came off", headings, rows, words="contact")
-    table.caption = f"{len(off)} of {len(memory.contacts)} contacts came off by t = {memory.t[-1]:g}"
-    return table
+    numbers = ("stored P", "at t", "released", "lag", "P / lag")
+    caption = f"{len(off)} of {len(memory.contacts)} contacts came off by t = {memory.t[-1]:g}"
+    title = "what contacts stored, and when they came off"
+    return table(("contact",), numbers, rows, title=title, caption=caption)
 
 
 def memory_data(memory: ContactMemories) -> dict[str, Any]:

@@ -1,18 +1,27 @@
-"""Draw `fsi compare`: gaps over time by both models, and the error of gap rates over the gap."""
+"""Draw `fsi compare`: gaps over time at several levels, and the error of gap rates over the gap."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
+from fsi.bodies.configuration import Array
 from fsi.comparison import LIMITS, RateComparison
 from fsi.postprocess.plots.figure import BLUE, GREY, ORANGE, saved_figure
 
 _NAMED = 10  # most bodies that get a colour and a name
+# Colours that the colour-blind tell apart, and lines that grey print does.
+_STYLES = {
+    "resolved": ("#0072b2", "-"),
+    "reduced": ("#d55e00", "--"),
+    "gluey": ("black", ":"),
+    "macroscopic": ("#009e73", "-."),
+}
 
 
 def plot_comparison(names: Sequence[str], comparison: RateComparison, path: Path) -> None:
@@ -46,3 +55,19 @@ def _draw_errors(axes: Axes, comparison: RateComparison) -> None:
         if good is not None:
             axes.plot([good], [limit], "v", color=ORANGE)
     axes.set(xlabel="gap D", ylabel="|error of D'| / |D'|", title="rate of a gap, at the same configuration")
+
+
+def plot_levels(t: Array, gaps: Mapping[str, Array], path: Path) -> None:
+    """Draw the smallest gap of each level, shape (T,), at times t."""
+    figure = Figure(figsize=(10.0, 4.0), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    for level, gap in gaps.items():
+        colour, style = _STYLES[level]
+        left.plot(t, gap, style, color=colour, label=level)
+        right.semilogy(t, np.where(gap > 0.0, gap, np.nan), style, color=colour, label=level)
+    left.set(xlabel="time", ylabel="smallest gap")
+    right.set(xlabel="time", ylabel="smallest gap (none where surfaces touch)")
+    left.legend(frameon=False)
+    for axes in (left, right):
+        axes.spines[["top", "right"]].set_visible(False)
+    figure.savefig(path, dpi=150)

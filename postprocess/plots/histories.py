@@ -154,7 +154,7 @@ class RunHistory:
 def read_history(run: Run, gap: str | None = None, singly: int = len(COLOURS)) -> RunHistory:
     """The curves of a run; gap and singly as in `Asked`. Raises InputError."""
     if gap is not None and not run.has_flow:
-        raise InputError(f'--gap {gap}: model = "{run.model}" of {run.path} has no such curve; drop it')
+        raise InputError(f'--gap {gap}: model = "{run.case.model}" of {run.path} has no such curve; drop it')
     t, name = run.steps["t"].to_numpy(), run.path.resolve().name
     panels = {title: read(Asked(run, gap, singly)) for title, read in _PANELS.items()}
     panels = {title: curves for title, curves in panels.items() if curves}
@@ -193,7 +193,7 @@ def plot_runs(runs: Sequence[Run], output: Path, gap: str | None = None) -> None
     with saved_figure(output, (8.5, 0.8 + 2.4 * len(titles))) as figure:
         axes = list(figure.subplots(len(titles), 1, sharex=True, squeeze=False)[:, 0])
         if len(histories) == 1:
-            axes[0].set_title(runs[0].name)
+            axes[0].set_title(runs[0].case.name)
         for title, panel in zip(titles, axes, strict=True):
             _draw(panel, title, histories)
         _scale_time(axes, histories)

@@ -13,10 +13,9 @@ from matplotlib.colors import ListedColormap, Normalize
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.errors import InputError
-from fsi.postprocess.render.artist import Artist
 from fsi.postprocess.render.canvas import Picture, new_panel, new_spatial_panel
 from fsi.postprocess.render.fields import Span
-from fsi.postprocess.render.picture import Framed, compose
+from fsi.postprocess.render.picture import Artist, Framed, compose
 from fsi.postprocess.render.view import Choice, View, around_all
 from fsi.postprocess.run.cells import counted, nodes
 from fsi.postprocess.run.run import Run
@@ -66,14 +65,14 @@ class NetworkArtist(Artist):
         centres = np.stack([network.q.centres for network in networks])
         view = self._above_floor(around_all(centres, networks[0].q.radii))
         shades = _shades(np.concatenate([network.values for network in networks]), self.choice.span)
-        draw = self._plane if self.run.dimension == 2 else self._space
+        draw = self._plane if self.run.case.dimension == 2 else self._space
         for step, network in zip(steps, networks, strict=True):
             framed = Framed(draw(network, view, shades), "contacts", view.half, self.field, shades)
             yield compose(self.title(step), [framed])
 
     def _above_floor(self, view: View) -> View:
         """The window, raised until it shows less of a wall below the bodies."""
-        if self.run.dimension == 3:
+        if self.run.case.dimension == 3:
             return view
         steps = np.linspace(0.0, 1.0, 51)[:, None] * [0.0, view.half]
         below = view.centre - [0.0, _FLOOR * view.half] + steps
@@ -83,7 +82,7 @@ class NetworkArtist(Artist):
     def _read(self, step: int) -> ContactNetwork:
         """Bodies and contacts of a step; a step without contacts has no values."""
         bodies, contacts = self.run.mesh(step, BODIES), self.run.mesh(step, CONTACTS)
-        centres = np.asarray(bodies.points[:, : self.run.dimension], dtype=float)
+        centres = np.asarray(bodies.points[:, : self.run.case.dimension], dtype=float)
         q = Configuration.unturned(centres, np.asarray(bodies["radius"], dtype=float))
         if not contacts.n_cells:
             return ContactNetwork(q, np.empty((0, 2, 3)), np.empty(0))

@@ -9,11 +9,10 @@ import numpy as np
 from matplotlib.cm import ScalarMappable
 
 from fsi.errors import InputError
-from fsi.postprocess.render.artist import FlowArtist
 from fsi.postprocess.render.canvas import INK, Panel, Picture, new_panel
 from fsi.postprocess.render.curved_cells import edges, rims
 from fsi.postprocess.render.fields import RenderedField, Span, rendered_field
-from fsi.postprocess.render.picture import Framed, compose
+from fsi.postprocess.render.picture import FlowArtist, Framed, compose
 from fsi.postprocess.render.scenes import Scene, gap_at, in_window, scene, window_on
 from fsi.postprocess.render.view import Choice, View
 from fsi.postprocess.run.gaps import SurfaceGap

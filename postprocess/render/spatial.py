@@ -15,10 +15,9 @@ from matplotlib.cm import ScalarMappable
 from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.postprocess.render.artist import FlowArtist
 from fsi.postprocess.render.canvas import Picture, new_panel, new_spatial_panel
 from fsi.postprocess.render.fields import RenderedField, rendered_field
-from fsi.postprocess.render.picture import Framed, compose
+from fsi.postprocess.render.picture import FlowArtist, Framed, compose
 from fsi.postprocess.render.view import Choice, View, around_all
 from fsi.postprocess.run.gaps import SurfaceGap, gap_between
 from fsi.postprocess.run.probe import FLUID, probe

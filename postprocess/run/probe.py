@@ -40,7 +40,7 @@ def probe(run: Run, points: Array, step: int | None = None) -> pd.DataFrame:
     Raises:
         InputError: the run has no fields of that step.
     """
-    letters = "rz" if run.case.axisymmetric else "xyz"[: run.dimension]
+    letters = "rz" if run.case.axisymmetric else "xyz"[: run.case.dimension]
     step = run.step(step)
     points = np.asarray(points, dtype=float)
     inside, values = _values(run, run.mesh(step), points, letters)

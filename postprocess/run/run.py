@@ -25,8 +25,9 @@ from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import PLACES, Array, Configuration
 from fsi.case.case import Case
-from fsi.case.load import load_case, read_toml
+from fsi.case.load import load_case
 from fsi.errors import InputError
+from fsi.gluey.setup import room
 from fsi.meshes.geometry.containers import Container
 from fsi.postprocess.run.cells import counted, nodes
 from fsi.postprocess.run.tables import read_table
@@ -51,7 +52,6 @@ def open_run(path: Path | str) -> Run:
 
 # By model: the series of files that pictures are made of.
 _SERIES = {"resolved": "fluid", "reduced": "bodies", "gluey": "bodies", "macroscopic": "profile"}
-_INSTEAD = "use `fsi render`, `fsi plot` or `fsi report`"  # for a run without a flow field
 
 
 @dataclass(frozen=True)
@@ -69,35 +69,15 @@ class Run:
         """The case, with every default filled in."""
         return load_case(self.path / CASE)
 
-    @cached_property
-    def name(self) -> str:
-        """The name that the case has, of whatever model."""
-        return str(self.data["name"])
-
-    @property
-    def model(self) -> str:
-        """The model of the run: resolved, reduced, gluey or macroscopic."""
-        return str(self.data.get("model", "resolved"))
-
     @property
     def has_flow(self) -> bool:
         """Whether it is of a model with a viscous fluid."""
-        return self.model in ("resolved", "reduced")
+        return self.case.model in ("resolved", "reduced")
 
     @property
     def series(self) -> str:
         """What its pictures are made of: "fluid", "bodies" (and their contacts), or "profile"."""
-        return _SERIES[self.model]
-
-    @cached_property
-    def dimension(self) -> int:
-        """2 or 3; with an axis 2."""
-        return 3 if "z" in self.bodies else 2
-
-    @cached_property
-    def data(self) -> dict[str, Any]:
-        """The case file. Raises InputError."""
-        return read_toml(self.path / CASE)
+        return _SERIES[self.case.model]
 
     @cached_property
     def steps(self) -> pd.DataFrame:
@@ -152,26 +132,22 @@ class Run:
         written = self.times_of(series).index
         if written.empty:
             if self.series != "fluid" and series in ("fluid", "surface"):
-                raise InputError(
-                    f'model = "{self.model}": the run in {self.path} has no flow field; {_INSTEAD}'
-                )
-            raise InputError(
-                f"{self.path / series}.pvd: the run has written no fields; set output.fields = true"
-                " and run it again"
-            )
+                what = f'model = "{self.case.model}": the run in {self.path} has no flow field'
+                raise InputError(f"{what}; use `fsi render`, `fsi plot` or `fsi report`")
+            what = f"{self.path / series}.pvd: the run has written no fields"
+            raise InputError(f"{what}; set output.fields = true and run it again")
         if step is None:
             return int(written[-1])
         if step not in written:
-            some = ", ".join(map(str, written))
-            some = some if len(written) < 5 else f"{written[0]}, {written[1]}, ..., {written[-1]}"
+            ends = [written[0], written[1], "...", written[-1]]
+            some = ", ".join(map(str, written if len(written) < 5 else ends))
             raise InputError(f"step = {step}: has no fields; give one of {some}")
         return step
 
     def nearest(self, time: float, series: str = "fluid") -> int:
         """The step with fields nearest to a time. Raises InputError."""
         self.step(None, series)
-        times = self.times_of(series)
-        return int((times - time).abs().idxmin())
+        return int((self.times_of(series) - time).abs().idxmin())
 
     def container(self, step: int) -> Container:
         """What encloses the fluid at a step; the lattice of a sheared cell moves."""
@@ -179,25 +155,19 @@ class Run:
 
     def configuration(self, step: int) -> Configuration:
         """Where the bodies were at a step."""
-        start = self.case.configuration()
+        start, d = self.case.configuration(), self.case.dimension
         if not len(start):
             return start
-        now = self.bodies[self.bodies["step"] == step]
-        d = start.centres.shape[1]
-        place = now[list(PLACES[d])].to_numpy()
+        place = self.bodies.loc[self.bodies["step"] == step, list(PLACES[d])].to_numpy()
         return Configuration(place[:, :d], place[:, d:].reshape(start.angles.shape), start.radii)
 
     def wall_distances(self, x: Array) -> Array:
-        """Distance of points (n, d) to each wall, (n, walls); a gluey case lists planes and a cell."""
+        """Distance of points (n, d) to each wall, (n, walls); in gluey runs not to those far away."""
         if self.has_flow:
             return self.case.container().distances(x)
-        planes = [(wall["point"], wall["normal"]) for wall in self.data.get("walls", ())]
-        cell = self.data.get("cell")
-        for axis, e in enumerate(np.eye(x.shape[1])):
-            if cell is not None and "xyz"[axis] not in cell.get("periodic", ()):
-                planes += [(cell["lower"], e), (cell["upper"], -e)]
-        to_each = [(x - point) @ np.array(n) / np.linalg.norm(n) for point, n in planes]
-        return np.column_stack(to_each) if planes else np.empty((len(x), 0))
+        walls = room(self.case)
+        distances: Array = np.sum((x[:, None] - walls.points) * walls.normals, axis=2)
+        return distances
 
     @property
     def end(self) -> float:
@@ -207,8 +177,7 @@ class Run:
     @property
     def asked(self) -> float | None:
         """The time until which the case asks it to run; None where it has no [time]."""
-        time = self.data.get("time")
-        return None if time is None else float(time["end"])
+        return None if self.case.time is None else self.case.time.end
 
     @property
     def finished(self) -> bool:

@@ -1,8 +1,8 @@
-"""An axisymmetric run in three dimensions: its series, turned around the axis, for ParaView.
+"""A run in other forms: the mesh of a step, and an axisymmetric run turned around its axis, for ParaView.
 
-The axis becomes z. Each curved cell is cut into small triangles between its own nodes, each triangle becomes
-a ring of wedges, and all data are those of the nodes, vectors turned along; surfaces become rings of
-rectangles.
+Of the latter the axis becomes z. Each curved cell is cut into small triangles between its own nodes, each
+triangle becomes a ring of wedges, and all data are those of the nodes, vectors turned along; surfaces become
+rings of rectangles.
 """
 
 from __future__ import annotations
@@ -16,8 +16,9 @@ from fsi.bodies.configuration import Array
 from fsi.errors import InputError
 from fsi.files import replace
 from fsi.meshes.cells.lagrange import order_of
+from fsi.meshes.geometry.containers import FluidDomain
 from fsi.postprocess.run.cells import along_curves, nodes, small_triangles
-from fsi.postprocess.run.run import Run
+from fsi.postprocess.run.run import Run, open_run
 from fsi.run_folder.pvd import Entry, collection
 
 SERIES = ("fluid", "surface")
@@ -90,3 +91,23 @@ def _turned(v: Array, angles: Array) -> Array:
     cos, sin = np.cos(angles)[:, None], np.sin(angles)[:, None]
     turned: Array = np.stack([r * cos, r * sin, z], axis=-1).reshape(-1, 3)
     return turned
+
+
+def write_step_mesh(run: Path, step: int | None, output: Path) -> int:
+    """Write the mesh of a run at a step (default: the last with fields), with its tags; gives the step.
+
+    Raises:
+        InputError: the run has no fields of that step.
+        MeshFileError: the suffix is unknown, or a file cannot be read or written.
+    """
+    from fsi.meshes.files.recover import recover
+    from fsi.meshes.files.write import require_suffix, write_cells
+
+    require_suffix(output)
+    read = open_run(run)
+    step = read.step(step)
+    q, container = read.configuration(step), read.container(step)
+    parts = sorted((run / "fields").glob(f"fluid_{step:06d}*.vtu"))
+    cells = recover(parts, FluidDomain(container, q.centres, q.radii))
+    write_cells(cells, output, [*read.case.names, *container.boundary_names])
+    return step
