@@ -123,6 +123,10 @@ class Chains:
     dissipation: float
     shares: Array | None
 
+    def share(self, links: Sequence[int]) -> float | None:
+        """Of those links in the apparent viscosity, None where there is none."""
+        return None if self.shares is None else float(self.shares[list(links)].sum())
+
 
 def read_chains(run: Run, step: int | None = None, close: float = CLOSE) -> Chains:
     """The chains of a step of a run, of the one that dissipates most if none is given.
@@ -156,9 +160,8 @@ def read_chains(run: Run, step: int | None = None, close: float = CLOSE) -> Chai
 def _row(steps: Array, step: int) -> int:
     rows = np.flatnonzero(steps == step)
     if not rows.size:
-        raise InputError(
-            f"step = {step}: the run has the steps {steps[0]:g} to {steps[-1]:g}; give one of them"
-        )
+        known = f"the run has the steps {steps[0]:g} to {steps[-1]:g}"
+        raise InputError(f"step = {step}: {known}; give one of them")
     return int(rows[0])
 
 
@@ -175,12 +178,9 @@ def find_links(case: Case, q: Configuration, V: Array, t: float, reach: float) -
     body, wall = np.nonzero(gaps.wall_gaps <= reach)
     normal = container.normals(q.centres)[body, wall]
     d = np.concatenate([gaps.pair_gaps, gaps.wall_gaps[body, wall]])
-    rates = np.concatenate(
-        [
-            np.sum(unit * (V[i] - V[j] - container.mean_velocity(gaps.away)), axis=1),
-            np.sum(normal * (V[body] - _wall_velocities(case, t)[wall]), axis=1),
-        ]
-    )
+    of_pairs = np.sum(unit * (V[i] - V[j] - container.mean_velocity(gaps.away)), axis=1)
+    of_walls = np.sum(normal * (V[body] - _wall_velocities(case, t)[wall]), axis=1)
+    rates = np.concatenate([of_pairs, of_walls])
     reduced = np.concatenate([a[i] * a[j] / (a[i] + a[j]), a[body]])
     kappa = plane_lubrication(d, reduced, case.fluid.viscosity)
     to_wall = normal * (gaps.wall_gaps[body, wall] + a[body])[:, None]
@@ -207,12 +207,9 @@ def find_chains(links: LubricationLinks, bodies: int) -> tuple[Chain, ...]:
         members, linked = np.flatnonzero(label == k), np.flatnonzero(label[i] == k)
         if linked.size:
             walls = np.unique(j[linked][j[linked] >= bodies] - bodies)
-            chains.append(
-                Chain(
-                    tuple(members.tolist()), tuple(walls.tolist()), tuple(linked.tolist()),
-                    float(links.gaps[linked].min()), float(links.dissipation[linked].sum()),
-                )
-            )  # fmt: skip
+            numbers = tuple(members.tolist()), tuple(walls.tolist()), tuple(linked.tolist())
+            gap, dissipation = float(links.gaps[linked].min()), float(links.dissipation[linked].sum())
+            chains.append(Chain(*numbers, gap, dissipation))
     return tuple(sorted(chains, key=lambda chain: -chain.dissipation))
 
 
@@ -239,8 +236,8 @@ def chains_table(chains: Chains) -> Table:
 
 def _costs(chains: Chains, dissipation: float, links: Sequence[int]) -> list[str]:
     """What links dissipate, its part in the whole, and what they carry of the apparent viscosity, if any."""
-    cells = [f"{dissipation:.5g}", f"{dissipation / chains.dissipation:.1%}"]
-    return cells if chains.shares is None else [*cells, f"{float(chains.shares[list(links)].sum()):.1%}"]
+    cells, share = [f"{dissipation:.5g}", f"{dissipation / chains.dissipation:.1%}"], chains.share(links)
+    return cells if share is None else [*cells, f"{share:.1%}"]
 
 
 def chains_data(chains: Chains) -> dict[str, Any]:
@@ -252,9 +249,7 @@ def chains_data(chains: Chains) -> dict[str, Any]:
             "walls": [walls[k] for k in chain.walls],
             "smallest_gap": chain.smallest_gap,
             "dissipation": chain.dissipation,
-            "of_the_viscosity": None
-            if chains.shares is None
-            else float(chains.shares[list(chain.links)].sum()),
+            "of_the_viscosity": chains.share(chain.links),
         }
         for chain in chains.chains
     ]

@@ -25,6 +25,17 @@ periodic = ["y"]
 name = "plane"
 point = [0.0, -1.0]
 normal = [0.0, 2.0]
+[[bodies]]
+name = "a"
+radius = 1.0
+position = [-1.0, 0.0]
+[[bodies]]
+name = "b"
+radius = 1.0
+position = [1.0, 0.0]
+[time]
+end = 1.0
+step = 0.1
 """
 BODY, WALL = (0xF3, 0xEF, 0xE6), (0xC9, 0xC9, 0xC9)
 STRONG, SIZE = -4.0, 400
