@@ -16,12 +16,12 @@ import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from fsi.errors import InputError
+from fsi.files import require_suffix, write_whole
 from fsi.observables.identities import BOUND, IDENTITIES
 from fsi.postprocess.plots.histories import plot_runs
 from fsi.postprocess.render.picture import MOVIES, write_pictures
 from fsi.postprocess.render.render import artist, render_run
 from fsi.postprocess.render.view import Choice
-from fsi.postprocess.run.output import require_suffix, write_whole
 from fsi.postprocess.run.run import Run
 from fsi.postprocess.run.tables import spread
 from fsi.reduced.identities import BOUND as REDUCED_BOUND

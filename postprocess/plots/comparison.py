@@ -46,13 +46,11 @@ def _draw_gaps(axes: Axes, names: Sequence[str], comparison: RateComparison) -> 
 
 def _draw_errors(axes: Axes, comparison: RateComparison) -> None:
     """Relative errors of the rates of all gaps, at the same configurations."""
-    axes.loglog(
-        comparison.sample_gap, np.maximum(comparison.rate_error, 1e-6), ".", color=BLUE, ms=4, alpha=0.5
-    )
+    error = np.maximum(comparison.rate_error, 1e-6)
+    axes.loglog(comparison.sample_gap, error, ".", color=BLUE, ms=4, alpha=0.5)
     for limit in LIMITS:
         axes.axhline(limit, color="black", lw=0.8, ls=":")
-        good = comparison.good_below(limit)
-        if good is not None:
+        if (good := comparison.good_below(limit)) is not None:
             axes.plot([good], [limit], "v", color=ORANGE)
     axes.set(xlabel="gap D", ylabel="|error of D'| / |D'|", title="rate of a gap, at the same configuration")
 

@@ -21,11 +21,11 @@ from matplotlib.ticker import NullFormatter
 from fsi.bodies.configuration import Array
 from fsi.bodies.gaps import find_gaps
 from fsi.errors import InputError
+from fsi.files import require_suffix
 from fsi.postprocess.analysis.settling import asymptotic_gap, exact_gap
 from fsi.postprocess.analysis.strain import accumulated_strain
 from fsi.postprocess.plots.figure import COLOURS, SUFFIXES, label_short, saved_figure
 from fsi.postprocess.run.gaps import gap_between, parse_sides
-from fsi.postprocess.run.output import require_suffix
 from fsi.postprocess.run.run import Run
 
 _DASHES = ("-", "--", ":", "-.")

@@ -34,9 +34,8 @@ def _draw_sphere(axes: Axes, rows: Sequence[Row]) -> None:
     for colour, (terms, name) in zip(COLOURS, TERMS.items(), strict=False):
         axes.loglog(s, series[terms].value(s) / leading, "--", color=colour, lw=1, label=name)
     for marker, case in zip("ox+", dict.fromkeys(row.case for row in rows), strict=False):
-        of_case = [row for row in rows if row.case == case]
-        gap = np.array([row.gap for row in of_case])
-        ratio = np.array([row.value / row.reference for row in of_case])
+        of_case = ([row.gap, row.value / row.reference] for row in rows if row.case == case)
+        gap, ratio = np.array([*of_case]).T
         exact = normal_resistance(gap, 1.0, 1.0) / series[1].value(gap)
         axes.loglog(gap, ratio * exact, marker, color="black", mfc="none", label=case)
     axes.set(ylim=(0.8, 20.0), xlabel="gap / radius", ylabel="force / leading term")
@@ -53,10 +52,8 @@ def _draw_errors(axes: Axes, rows: Sequence[Row]) -> None:
     axes.vlines(place, 0.1 * bar, bar, color=COLOURS[0], lw=3, alpha=0.5, label="estimate, down to a tenth")
     axes.plot(place, [max(row.true_error, _FLOOR) for row in rows], "o", color=COLOURS[1], ms=4, label="true")
     axes.plot(place, [row.rtol for row in rows], "_", color="black", label="tolerance")
-    axes.set_yscale("log")
-    axes.set_xticks(
-        place[begins], [names[k] for k in np.flatnonzero(begins)], rotation=45, ha="right", fontsize=8
-    )
-    axes.set_ylabel("relative error")
+    axes.set(yscale="log", ylabel="relative error")
+    labels = [names[k] for k in np.flatnonzero(begins)]
+    axes.set_xticks(place[begins], labels, rotation=45, ha="right", fontsize=8)
     axes.legend(ncols=3)
     axes.grid(visible=False, axis="x")

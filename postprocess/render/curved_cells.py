@@ -86,10 +86,8 @@ def rims(bodies: pv.UnstructuredGrid, inward: float) -> pv.PolyData:
     points = np.concatenate([outer.reshape(-1, 3), inner.reshape(-1, 3)])
     ribbon = pv.PolyData(points, faces=counted(quads))
     for name, values in bodies.point_data.items():
-        along = _along(curves, values.reshape(len(values), -1))
-        ribbon.point_data[name] = np.tile(
-            along.reshape(count, *values.shape[1:]), (2, *[1] * (values.ndim - 1))
-        )
+        along = _along(curves, values.reshape(len(values), -1)).reshape(count, *values.shape[1:])
+        ribbon.point_data[name] = np.concatenate([along, along])
     return ribbon
 
 

@@ -92,8 +92,7 @@ class NetworkArtist(Artist):
     def _plane(self, network: ContactNetwork, view: View, shades: ScalarMappable) -> Picture:
         """Discs, and bars between their centres, the wider the larger the value."""
         panel = new_panel(view, self.choice.size)
-        inside = _inside(self.run, view)
-        if inside.n_points:
+        if (inside := _inside(self.run, view)).n_points:
             panel.fill(inside, "white")
         panel.bodies(network.q, turning=False, rims=True)
         if len(network.values):
@@ -111,11 +110,10 @@ class NetworkArtist(Artist):
 
 def _shades(values: Array, span: Span | None) -> ScalarMappable:
     """Colours from zero to the largest value, or on both sides of zero where values have both signs."""
-    low, high = (float(values.min(initial=0.0)), float(values.max(initial=0.0))) if span is None else span
-    if low < 0.0 < high and min(-low, high) > 1e-6 * max(-low, high):
-        largest = max(-low, high)
-        ends = (-largest, largest) if span is None else (low, high)
-        return ScalarMappable(Normalize(*ends), _TWO_SIDED)
+    low, high = span or (float(values.min(initial=0.0)), float(values.max(initial=0.0)))
+    largest = max(-low, high)
+    if low < 0.0 < high and min(-low, high) > 1e-6 * largest:
+        return ScalarMappable(Normalize(*(span or (-largest, largest))), _TWO_SIDED)
     if low == high:
         high = low + 1.0
     colours = _DARK if abs(high) >= abs(low) else _DARK.reversed()
@@ -147,7 +145,6 @@ def _bars(network: ContactNetwork, view: View, shades: ScalarMappable) -> pv.Pol
 
 
 def _inside(run: Run, view: View) -> pv.PolyData:
-    """The part of the window between the walls."""
     plane = pv.Plane(i_size=2.0, j_size=2.0, i_resolution=400, j_resolution=400)
     distances = run.wall_distances(view.centre + view.half * np.asarray(plane.points[:, :2], dtype=float))
     if not distances.size:

@@ -131,14 +131,12 @@ def _frame(axes: Axes, panel: Framed) -> None:
     """Room for the image under its title, and below it a bar of a round length."""
     axes.patch.set_visible(False)
     axes.set_title(panel.title, fontsize=11.0 * min(1.0, _FITS / len(panel.title)), loc="left", pad=7)
-    axes.set_xticks([])
-    axes.set_yticks([])
+    axes.set(xticks=[], yticks=[])
     length = round_length(_SCALE * 2.0 * panel.half)
     end = length / (2.0 * panel.half)
     axes.plot([0.0, end], [-0.04, -0.04], color="black", lw=2.5, clip_on=False, solid_capstyle="butt")
     axes.text(end + 0.015, -0.04, f"{length:g}", va="center")
-    axes.set_xlim(0.0, 1.0)
-    axes.set_ylim(0.0, 1.0)
+    axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
 
 
 def pixels(figure: Figure) -> Picture:
@@ -178,9 +176,8 @@ def _write_mp4(pictures: Iterable[Picture], path: Path) -> None:
     frames = map(_even, pictures)
     first = next(frames)
     size, quiet = (first.shape[1], first.shape[0]), {"macro_block_size": 2, "ffmpeg_log_level": "error"}
-    writer = imageio_ffmpeg.write_frames(
-        str(path), size, fps=_PER_SECOND, codec="libx264", quality=8, **quiet
-    )
+    coded = {"fps": _PER_SECOND, "codec": "libx264", "quality": 8}
+    writer = imageio_ffmpeg.write_frames(str(path), size, **coded, **quiet)
     writer.send(None)
     writer.send(first)
     for picture in frames:
@@ -193,7 +190,6 @@ def _even(picture: Picture) -> Picture:
 
 
 def _write_gif(pictures: Iterable[Picture], path: Path) -> None:
-    frames = [Image.fromarray(picture).quantize(128) for picture in pictures]
-    frames[0].save(
-        path, format="GIF", save_all=True, append_images=frames[1:], duration=1000 // _PER_SECOND, loop=0
-    )
+    first, *others = (Image.fromarray(picture).quantize(128) for picture in pictures)
+    duration = 1000 // _PER_SECOND
+    first.save(path, format="GIF", save_all=True, append_images=others, duration=duration, loop=0)
