@@ -27,11 +27,7 @@ SERIES = ("fluid", "surface")
 def export_revolved(run: Run, folder: Path, degrees: float, sectors: int) -> list[Path]:
     """Write fluid.pvd and surface.pvd, with their files, into a new folder; gives the collections.
 
-    Args:
-        run: an axisymmetric one.
-        folder: does not exist yet.
-        degrees: how far to turn, up to 360; less shows the inside.
-        sectors: into how many to divide that.
+    degrees: how far to turn, up to 360 (less shows the inside), in so many sectors.
 
     Raises:
         InputError: the run is planar or has no fields, or the folder is there or cannot be written.
@@ -42,14 +38,12 @@ def export_revolved(run: Run, folder: Path, degrees: float, sectors: int) -> lis
     try:
         folder.mkdir()
         angles = np.linspace(0.0, np.radians(degrees), sectors + 1)
-        written = [_series(run, name, folder, angles) for name in SERIES]
+        return [_series(run, name, folder, angles) for name in SERIES]
     except OSError as error:
         raise InputError(f"output = {folder}: {error.strerror}; give a new folder") from None
-    return written
 
 
 def _series(run: Run, series: str, folder: Path, angles: Array) -> Path:
-    """One series, a file for each step."""
     entries = []
     for step, t in run.times_of(series).items():
         name = f"{series}_{step:06d}.vtu"
@@ -63,8 +57,7 @@ def _series(run: Run, series: str, folder: Path, angles: Array) -> Path:
 def revolved(grid: pv.UnstructuredGrid, angles: Array) -> pv.UnstructuredGrid:
     """The grid of a meridian plane, (r, z), at the angles (k,) and between them; a full turn is closed."""
     cells = nodes(grid)
-    surface = grid.celltypes[0] == pv.CellType.LAGRANGE_CURVE
-    if surface:
+    if surface := grid.celltypes[0] == pv.CellType.LAGRANGE_CURVE:
         pieces = np.lib.stride_tricks.sliding_window_view(along_curves(cells), 2, axis=1).reshape(-1, 2)
     else:
         pieces = cells[:, small_triangles(order_of(cells.shape[1]))].reshape(-1, 3)

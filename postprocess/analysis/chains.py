@@ -69,14 +69,11 @@ class LubricationLinks:
     def viscosities(self, E: Array, viscosity: float, area: float) -> Array:
         """The part of the apparent viscosity that each link carries, (L,).
 
-        Args:
-            E: the mean strain rate, (2, 2).
-            viscosity: mu.
-            area: of fluid and bodies together.
+        E: the mean strain rate, (2, 2); area: of fluid and bodies together.
         """
         along = np.einsum("li,ij,lj->l", self.vectors, E, self.vectors)  # r^2 n.E.n
-        r = np.linalg.norm(self.vectors, axis=1)
-        parts: Array = self.tension * along / r / (2.0 * viscosity * float(np.sum(E**2)) * area)
+        dissipated = 2.0 * viscosity * float(np.sum(E**2)) * area
+        parts: Array = self.tension * along / np.linalg.norm(self.vectors, axis=1) / dissipated
         return parts
 
 
@@ -129,12 +126,9 @@ class Chains:
 
 
 def read_chains(run: Run, step: int | None = None, close: float = CLOSE) -> Chains:
-    """The chains of a step of a run, of the one that dissipates most if none is given.
+    """The chains of discs of a step of a run, of the one that dissipates most if none is given.
 
-    Args:
-        run: of discs in the plane.
-        step: its number.
-        close: gaps below this many mean radii make a link.
+    close: gaps below this many mean radii make a link.
 
     Raises:
         InputError: another kind of run, or no such step.
@@ -144,8 +138,12 @@ def read_chains(run: Run, step: int | None = None, close: float = CLOSE) -> Chai
         raise InputError(f'geometry = "{case.geometry}": the lubrication law of discs needs "planar"')
     if "dissipation" not in steps:
         raise InputError(f"{run.path / 'steps.csv'}: no column dissipation; give a run of the resolved model")
-    row = int(np.argmax(steps["dissipation"])) if step is None else _row(steps["step"], step)
-    step, t = int(steps["step"][row]), float(steps["t"][row])
+    written = steps["step"]
+    if step is not None and step not in written:
+        known = f"the run has the steps {written[0]:g} to {written[-1]:g}"
+        raise InputError(f"step = {step}: {known}; give one of them")
+    row = int(np.argmax(steps["dissipation"] if step is None else written == step))
+    step, t = int(written[row]), float(steps["t"][row])
     q = run.configuration(step)
     V = run.bodies.loc[run.bodies["step"] == step, ["V_x", "V_y"]].to_numpy()
     links = find_links(case, q, V, t, close * float(q.radii.mean()))
@@ -155,14 +153,6 @@ def read_chains(run: Run, step: int | None = None, close: float = CLOSE) -> Chai
         shares = viscosities / steps["apparent_viscosity"][row]
     chains, dissipation = find_chains(links, len(q)), float(steps["dissipation"][row])
     return Chains(case, step, t, q, links, chains, dissipation, shares)
-
-
-def _row(steps: Array, step: int) -> int:
-    rows = np.flatnonzero(steps == step)
-    if not rows.size:
-        known = f"the run has the steps {steps[0]:g} to {steps[-1]:g}"
-        raise InputError(f"step = {step}: {known}; give one of them")
-    return int(rows[0])
 
 
 def find_links(case: Case, q: Configuration, V: Array, t: float, reach: float) -> LubricationLinks:

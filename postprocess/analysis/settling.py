@@ -43,11 +43,7 @@ class Settling:
 
 
 def read_settling(run: Run) -> Settling:
-    """The computed and the exact gap history of a run.
-
-    Raises:
-        InputError: not one disc above a plane under a constant normal force.
-    """
+    """The computed and the exact gap history of a run. Raises InputError, as does `exact_gap`."""
     case, table = run.case, run.columns("bodies")
     disc = case.bodies[0]
     return Settling(table["t"], table["y"] - disc.radius, exact_gap(case, table["t"]), disc.radius)
@@ -98,9 +94,8 @@ def _normal_force(case: Case) -> float:
         raise InputError(f"bodies.0.mass = {disc.mass}: the exact settling law has no inertia; drop the mass")
     for name, wall in case.domain.walls.items():
         if not wall.rests:
-            raise InputError(
-                f"domain.walls.{name} = {toml_text(wall)}: the exact settling law needs walls at rest"
-            )
+            value = f"domain.walls.{name} = {toml_text(wall)}"
+            raise InputError(f"{value}: the exact settling law needs walls at rest")
     return float(force)
 
 

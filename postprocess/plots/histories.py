@@ -47,7 +47,7 @@ class Asked:
     """What a panel is asked for.
 
     Attributes:
-        run: the run.
+        run: what is drawn.
         gap: two sides as in `plot_runs`; None for the smallest gap of each body.
         singly: up to so many bodies have a curve each; of more it is the smallest, median and largest value.
     """
@@ -171,12 +171,9 @@ def read_history(run: Run, gap: str | None = None, singly: int = len(COLOURS)) -
 def plot_runs(runs: Sequence[Run], output: Path, gap: str | None = None) -> Path:
     """Draw gap, speed, load and, where there is one, apparent viscosity of runs against time; gives the file.
 
-    Runs of sheared suspensions are drawn against the strain.
+    Runs of sheared suspensions are drawn against the strain. The file is a .png, .svg or .pdf.
 
-    Args:
-        runs: at least one.
-        output: .png, .svg or .pdf.
-        gap: "3,7" or "disc,bottom", names or numbers; if not given, the smallest gap of each body.
+    gap: "3,7" or "disc,bottom", names or numbers; if not given, the smallest gap of each body.
 
     Raises:
         InputError: unknown suffix or gap, a run without rows, or the disk refuses.

@@ -96,8 +96,7 @@ def _along(curves: Indices, values: Array) -> Array:
     degree = curves.shape[1] - 1
     shape = polyvander(np.linspace(0, 1, _SEGMENTS + 1), degree)
     shape = shape @ np.linalg.inv(polyvander(np.linspace(0, 1, degree + 1), degree))
-    between: Array = np.einsum("sn,end->esd", shape, values[curves])
-    return between
+    return np.asarray(shape @ values[curves])
 
 
 def mirrored(grid: pv.UnstructuredGrid) -> pv.UnstructuredGrid:

@@ -50,7 +50,7 @@ class ProfileArtist(Artist):
             yield pixels(profile_figure(self.title(step), profile, ends, self.choice.size))[..., :3]
 
     def _read(self, step: int) -> dict[str, Array]:
-        """The profiles of a step at the middles x of its parcels."""
+        """At the middles x of the parcels, (n,) each."""
         grid = self.run.mesh(step, self.series)
         return {"x": np.asarray(grid.points)[:, 0]} | {name: np.asarray(grid[name]) for name in self.names}
 
@@ -65,13 +65,9 @@ def _ends(values: Array, least: float) -> tuple[float, float]:
 def profile_figure(
     title: str, profile: Mapping[str, Array], ends: Mapping[str, tuple[float, float]], size: int
 ) -> Figure:
-    """Draw all columns of a profile against its column x.
+    """Draw all columns (n,) of a profile against its column x, below each other.
 
-    Args:
-        title: what stands above them.
-        profile: the columns, shapes (n,).
-        ends: of the axis of each column.
-        size: about as many pixels high and wide.
+    ends: of the axis of each column; size: about as many pixels high and wide.
     """
     names = [name for name in LABELS if name in profile]
     with mpl.rc_context(STYLE):

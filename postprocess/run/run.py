@@ -189,10 +189,9 @@ class Run:
         """What provenance.json says of each launch. Raises InputError."""
         path = self.path / "provenance.json"
         try:
-            launches: list[dict[str, Any]] = json.loads(path.read_text(encoding="utf-8"))["launches"]
+            return list(json.loads(path.read_text(encoding="utf-8"))["launches"])
         except (OSError, ValueError, KeyError) as error:
             raise InputError(f"{path}: cannot be read ({error}); give a run folder") from None
-        return launches
 
     @cached_property
     def _commit(self) -> Checkpoint | None:
