@@ -17,8 +17,7 @@ from fsi.errors import InputError
 from fsi.files import replace
 from fsi.meshes.cells.lagrange import order_of
 from fsi.meshes.geometry.containers import FluidDomain
-from fsi.postprocess.run.cells import along_curves, nodes, small_triangles
-from fsi.postprocess.run.run import Run, open_run
+from fsi.postprocess.run.run import Run, along_curves, nodes, open_run, small_triangles
 from fsi.run_folder.pvd import Entry, collection
 
 SERIES = ("fluid", "surface")

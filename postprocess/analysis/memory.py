@@ -72,10 +72,8 @@ def memory_table(memory: ContactMemories) -> Table:
     """At most twelve contacts, evenly spread over the order of release."""
     off = memory.contacts[np.isfinite(memory.contacts["released"])]
     shown = off.iloc[spread(len(off), _ROWS)]
-    rows = [
-        [name, *(f"{x:.4g}" for x in (*numbers, numbers[0] / numbers[-1]))]
-        for name, *numbers in shown.itertuples(index=False)
-    ]
+    shown = shown.assign(pull=shown["stored"] / shown["lag"])
+    rows = ([name, *(f"{x:.4g}" for x in of)] for name, *of in shown.itertuples(index=False))
     numbers = ("stored P", "at t", "released", "lag", "P / lag")
     caption = f"{len(off)} of {len(memory.contacts)} contacts came off by t = {memory.t[-1]:g}"
     title = "what contacts stored, and when they came off"

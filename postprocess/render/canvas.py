@@ -22,7 +22,7 @@ from PIL import Image
 from fsi.bodies.configuration import Array, Configuration
 from fsi.errors import InputError
 from fsi.postprocess.render.view import View
-from fsi.postprocess.run.cells import counted
+from fsi.postprocess.run.run import counted
 
 type Picture = NDArray[np.uint8]
 

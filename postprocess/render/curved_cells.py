@@ -1,6 +1,6 @@
 """Fields for drawing: refine curved cells, mirror them, find streamlines.
 
-Points have shape (n, 3) with z = 0. For the nodes of the cells see `fsi.postprocess.run.cells`.
+Points have shape (n, 3) with z = 0. For the nodes of the cells see `fsi.postprocess.run.run`.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from fsi.bodies.configuration import Array
 from fsi.meshes.cells.lagrange import order_of, reference_nodes, tabulate
-from fsi.postprocess.run.cells import Indices, along_curves, counted, nodes, small_triangles
+from fsi.postprocess.run.run import Indices, along_curves, counted, nodes, small_triangles
 
 _SEGMENTS = 8  # straight pieces that stand for a curved edge
 _MOST_HALVINGS = 4  # of the sides of a cell

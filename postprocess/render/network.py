@@ -17,8 +17,7 @@ from fsi.postprocess.render.canvas import Picture, new_panel, new_spatial_panel
 from fsi.postprocess.render.fields import Span
 from fsi.postprocess.render.picture import Artist, Framed, compose
 from fsi.postprocess.render.view import Choice, View, around_all
-from fsi.postprocess.run.cells import counted, nodes
-from fsi.postprocess.run.run import Run
+from fsi.postprocess.run.run import Run, counted, nodes
 
 BODIES, CONTACTS = "bodies", "contacts"
 DEFAULTS = ("force", "gamma")  # whichever of them the run has

@@ -12,6 +12,7 @@ from fsi.bodies.configuration import Array
 from fsi.errors import InputError
 from fsi.postprocess.plots.figure import BLUE, STYLE
 from fsi.postprocess.render.canvas import Picture
+from fsi.postprocess.render.fields import Span
 from fsi.postprocess.render.picture import Artist, pixels
 from fsi.postprocess.render.view import Choice
 from fsi.postprocess.run.run import Run
@@ -55,16 +56,14 @@ class ProfileArtist(Artist):
         return {"x": np.asarray(grid.points)[:, 0]} | {name: np.asarray(grid[name]) for name in self.names}
 
 
-def _ends(values: Array, least: float) -> tuple[float, float]:
+def _ends(values: Array, least: float) -> Span:
     """Of an axis that shows all values, and a little more; what differs by less is constant."""
     low, high = float(values.min()), float(values.max())
     room = 0.05 * (high - low) if high - low > least else 0.5
     return low - room, high + room
 
 
-def profile_figure(
-    title: str, profile: Mapping[str, Array], ends: Mapping[str, tuple[float, float]], size: int
-) -> Figure:
+def profile_figure(title: str, profile: Mapping[str, Array], ends: Mapping[str, Span], size: int) -> Figure:
     """Draw all columns (n,) of a profile against its column x, below each other.
 
     ends: of the axis of each column; size: about as many pixels high and wide.

@@ -20,9 +20,8 @@ from fsi.meshes.geometry.lattice import Integers, Lattice
 from fsi.postprocess.render.curved_cells import cells_within, mirrored, refine, stream_function
 from fsi.postprocess.render.fields import RenderedField
 from fsi.postprocess.render.view import View, around_bodies, around_period
-from fsi.postprocess.run.cells import nodes
 from fsi.postprocess.run.gaps import SurfaceGap, gap_between, narrowest_gap
-from fsi.postprocess.run.run import Run
+from fsi.postprocess.run.run import Run, nodes
 
 _SIDE = 12.0  # of the triangles that stand for a cell, in pixels; the colours between are linear
 _SAME_PLACE = 1e-9  # of the window: nodes of two copies that are one

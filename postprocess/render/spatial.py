@@ -107,7 +107,8 @@ def flow_on(run: Run, step: int, cut: Cut, field: RenderedField, reach: float) -
         # The first begins where the flow is fastest. Lengths of this filter are in cells.
         start = np.asarray(grid.points)[np.argmax(np.linalg.norm(grid["in plane"], axis=1))].tolist()
         apart = {"separating_distance": _APART / side, "separating_distance_ratio": 0.4}
-        lines = grid.streamlines_evenly_spaced_2D("in plane", start, compute_vorticity=False, **apart)
+        what = {"vectors": "in plane", "start_position": start, "compute_vorticity": False}
+        lines = grid.streamlines_evenly_spaced_2D(**what, **apart)
     return _inside(surface), _inside(lines)
 
 

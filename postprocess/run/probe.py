@@ -20,8 +20,7 @@ from fsi.errors import InputError
 from fsi.files import write_whole
 from fsi.meshes.cells.lagrange import gradient, locate, order_of, tabulate
 from fsi.observables.velocity_gradient import hoop_rate, strain_rate, vorticity
-from fsi.postprocess.run.cells import nodes
-from fsi.postprocess.run.run import Run
+from fsi.postprocess.run.run import Run, nodes
 
 FLUID = "fluid"
 OUTSIDE = "outside"

@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pyvista as pv
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import PLACES, Array, Configuration
@@ -28,12 +29,14 @@ from fsi.case.case import Case
 from fsi.case.load import load_case
 from fsi.errors import InputError
 from fsi.gluey.setup import room
+from fsi.meshes.cells.lagrange import lattice
 from fsi.meshes.geometry.containers import Container
-from fsi.postprocess.run.cells import counted, nodes
 from fsi.postprocess.run.tables import read_table
 from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint
 from fsi.run_folder.folder import CASE
 from fsi.run_folder.pvd import Entry, read_collection
+
+Indices = NDArray[np.intp]
 
 _SAME_NODE = 1e-13  # of the size of the domain: ranks agree on the nodes that they share to rounding
 
@@ -225,3 +228,32 @@ def _joined(parts: list[pv.UnstructuredGrid]) -> pv.UnstructuredGrid:
     joined.point_data.update({name: values[first] for name, values in grid.point_data.items()})
     joined.cell_data.update(grid.cell_data)
     return joined
+
+
+def nodes(grid: pv.UnstructuredGrid) -> Indices:
+    """Node numbers of each cell, in a grid of Lagrange cells of one kind, shape (cells, nodes of one).
+
+    A cell of the fluid has 3 vertices (in space 4), then the inner nodes of its edges, in the plane 01, 12,
+    20, then its inner nodes; a curve has both ends, then its inner nodes along it.
+    """
+    numbers: Indices = grid.cell_connectivity.reshape(grid.n_cells, -1)
+    return numbers
+
+
+def small_triangles(order: int) -> Indices:
+    """The triangles between the nodes of a cell, (order^2, 3), as it is oriented itself."""
+    at = {index: k for k, index in enumerate(lattice(order))}
+    cells = [(i, j) for i in range(order) for j in range(order - i)]
+    up = [(at[i, j], at[i + 1, j], at[i, j + 1]) for i, j in cells]
+    down = [(at[i + 1, j], at[i + 1, j + 1], at[i, j + 1]) for i, j in cells if i + j < order - 1]
+    return np.array(up + down, dtype=np.intp)
+
+
+def along_curves(curves: Indices) -> Indices:
+    """The nodes of curves (cells, order + 1) from end to end."""
+    return curves[:, [0, *range(2, curves.shape[1]), 1]]
+
+
+def counted(cells: Indices) -> Indices:
+    """VTK's list of cells: each row led by its length."""
+    return np.insert(cells, 0, cells.shape[1], axis=1).ravel()
