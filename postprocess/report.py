@@ -12,40 +12,35 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from fsi.errors import InputError
+from fsi.files import require_suffix, write_whole
 from fsi.observables.identities import BOUND, IDENTITIES
 from fsi.postprocess.plots.histories import plot_runs
 from fsi.postprocess.render.picture import MOVIES, write_pictures
 from fsi.postprocess.render.render import artist, render_run
 from fsi.postprocess.render.view import Choice
-from fsi.postprocess.run.output import require_suffix, write_whole
 from fsi.postprocess.run.run import Run
+from fsi.postprocess.run.tables import spread
 from fsi.reduced.system import BOUND as REDUCED_BOUND
 from fsi.run_folder.folder import CASE
 
 _ROWS = 15  # of the table of steps
 _MANY = 20  # bodies, more than which are not listed in the open
 _FRAMES, _FRAME_SIZE, _PICTURE_SIZE = 30, 320, 700
+_OF_NETWORK = {
+    "kernel": "rigid motions of clusters change no gap",
+    "invariant": "the first integral of each gap is kept",
+    "energy": "the energy inequality",
+}
+_OF_IMPULSES = {"kkt": "velocities and impulses are optimal", "momentum_defect": "impulses act and react"}
 # By model: columns of steps.csv, what they say, and the bound of each, which the models enforce.
 _IDENTITIES: dict[str, tuple[dict[str, str], float]] = {
     "resolved": (IDENTITIES, BOUND),
-    "reduced": (
-        IDENTITIES
-        | {
-            "kernel": "rigid motions of clusters change no gap",
-            "invariant": "the first integral of each gap is kept",
-            "energy": "the energy inequality",
-        },
-        REDUCED_BOUND,
-    ),
-    "gluey": (
-        {"kkt": "velocities and impulses are optimal", "momentum_defect": "impulses act and react"},
-        BOUND,
-    ),
+    "reduced": (IDENTITIES | _OF_NETWORK, REDUCED_BOUND),
+    "gluey": (_OF_IMPULSES, BOUND),
     "macroscopic": ({}, BOUND),
 }
 
@@ -57,11 +52,10 @@ def write_report(run: Run, output: Path) -> None:
         InputError: not a .html file, or it cannot be written.
     """
     require_suffix(output, ".html")
-    templates = Environment(
-        loader=PackageLoader("fsi.postprocess", "."), autoescape=True, undefined=StrictUndefined
-    )
+    loader = PackageLoader("fsi.postprocess", ".")
+    templates = Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
     page = templates.get_template("report.html.jinja").render(
-        name=run.name,
+        name=run.case.name,
         path=run.path,
         many=_MANY,
         state=_or_reason(lambda: _state(run)),
@@ -86,23 +80,16 @@ def _or_reason[Part](part: Callable[[], Part]) -> Part | str:
 def _state(run: Run) -> dict[str, Any]:
     """Whether the run has come to its end."""
     steps = run.steps
-    smallest = steps.loc[steps["smallest_gap"].idxmin()]
-    return {
-        "steps": len(steps) - 1,
-        "end": run.end,
-        "asked": run.asked,
-        "finished": run.finished,
-        "gap": smallest["smallest_gap"],
-        "at": smallest["t"],
-        "cpu": steps["cpu_step"].sum() if "cpu_step" in steps else 0.0,
-    }
+    gap, t = steps.loc[steps["smallest_gap"].idxmin(), ["smallest_gap", "t"]]
+    cpu = steps["cpu_step"].sum() if "cpu_step" in steps else 0.0
+    ends = {"end": run.end, "asked": run.asked, "finished": run.finished}
+    return {"steps": len(steps) - 1, "gap": gap, "at": t, "cpu": cpu} | ends
 
 
 def _case(run: Run) -> dict[str, Any]:
     """The bodies and the whole case."""
-    about, rows = f"{run.model} model", []
+    case, about, rows = run.case, f"{run.case.model} model", []
     if run.has_flow:
-        case = run.case
         walls = ", ".join(case.domain.walls) or "none"
         about += f", {case.geometry}, viscosity {case.fluid.viscosity:g}, walls: {walls}"
         rows = [[body.name, body.radius, ", ".join(f"{x:g}" for x in body.position)] for body in case.bodies]
@@ -118,7 +105,7 @@ def _pictures(run: Run) -> list[dict[str, str] | str]:
         last["dissipation at the last step"] = Choice("dissipation", size=_PICTURE_SIZE)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "picture.png"
-        parts = {"histories": partial(_histories, run, file)}
+        parts = {"histories": partial(plot_runs, [run], file)}
         parts |= {caption: partial(render_run, run, file, choice) for caption, choice in last.items()}
         parts["all of the run"] = partial(_animation, run, Path(folder) / f"all{MOVIES[1]}")
         return [_or_reason(partial(_embedded, caption, draw)) for caption, draw in parts.items()]
@@ -131,26 +118,19 @@ def _embedded(caption: str, draw: Callable[[], Path]) -> dict[str, str]:
     return {"caption": caption, "kind": path.suffix.removeprefix("."), "data": data}
 
 
-def _histories(run: Run, path: Path) -> Path:
-    """Of gaps, speeds and so on."""
-    plot_runs([run], path)
-    return path
-
-
 def _animation(run: Run, path: Path) -> Path:
     """At most thirty steps, evenly spread; of a flow its speed."""
     painter = artist(run, Choice("speed" if run.series == "fluid" else None, size=_FRAME_SIZE))
     painter.require(run.step(None, painter.series))
     steps = run.times_of(painter.series).index.to_numpy()
-    shown = steps[np.unique(np.linspace(0, len(steps) - 1, _FRAMES).astype(int))].tolist()
-    write_pictures(painter.pictures(shown), path)
+    write_pictures(painter.pictures(steps[spread(len(steps), _FRAMES)].tolist()), path)
     return path
 
 
 def _checks(run: Run) -> pd.DataFrame:
     """The worst defect of each identity over the whole run, and the smallest gap."""
     steps, rows = run.steps, []
-    identities, bound = _IDENTITIES[run.model]
+    identities, bound = _IDENTITIES[run.case.model]
     for name in (name for name in identities if name in steps):
         worst = steps[name].abs().idxmax()
         defect, t = abs(float(steps[name][worst])), steps["t"][worst]
@@ -165,10 +145,8 @@ def _checks(run: Run) -> pd.DataFrame:
 
 
 def _steps(steps: pd.DataFrame) -> pd.DataFrame:
-    """Some of the steps, evenly spread."""
     columns = [name for name in steps if not name.startswith("cpu_") and name not in IDENTITIES]
-    chosen = np.unique(np.linspace(0, len(steps) - 1, _ROWS).astype(int))
-    return steps[columns].iloc[chosen]
+    return steps[columns].iloc[spread(len(steps), _ROWS)]
 
 
 def _launches(run: Run) -> pd.DataFrame:
@@ -176,8 +154,6 @@ def _launches(run: Run) -> pd.DataFrame:
     launches = pd.DataFrame(run.launches)
     git = launches["git"].fillna("")
     launches["commit"] = git.str[:10] + git.str.contains("dirty").map({True: "+dirty", False: ""})
-    launches["packages"] = [
-        ", ".join(f"{k} {v}" for k, v in packages.items()) for packages in launches["packages"]
-    ]
+    launches["packages"] = [", ".join(f"{k} {v}" for k, v in of.items()) for of in launches["packages"]]
     names = ["started", "command", "ranks", "commit", "python", "platform", "packages"]
     return launches[names].T.reset_index()

@@ -53,8 +53,7 @@ def _compare(cases: dict[str, Any], folder: Path, *, quiet: bool) -> dict[str, A
     """Compare the runs in a folder, on root: what is printed unless it is quiet, drawn and kept as JSON."""
     from fsi.comparison import History, compare_rates, comparison_json, rates_json, trajectories
     from fsi.files import replace
-    from fsi.postprocess.plots.comparison import plot_comparison
-    from fsi.postprocess.plots.levels import plot_levels
+    from fsi.postprocess.plots.studies import plot_comparison, plot_levels
     from fsi.postprocess.run.run import open_run
     from fsi.report.comparison import print_rates, print_trajectories
 

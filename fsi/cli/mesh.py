@@ -25,7 +25,7 @@ def mesh(
     """Write the mesh of a case at time 0, or the one that a run used at a step."""
     require_writable(output)
     if source.is_dir():
-        from fsi.postprocess.export.step_mesh import write_step_mesh
+        from fsi.postprocess.export import write_step_mesh
 
         if overrides:
             raise InputError(f"--set {overrides[0]}: a run is what it is; give a case file to change a value")

@@ -43,11 +43,11 @@ def plot(
     benchmark writes with --json gives its CPU seconds against N.
     """
     from fsi.calibration.files import SUMMARY
+    from fsi.files import require_suffix
     from fsi.postprocess.plots.calibration import plot_calibration
     from fsi.postprocess.plots.figure import SUFFIXES
     from fsi.postprocess.plots.histories import plot_runs
     from fsi.postprocess.plots.scaling import plot_scaling
-    from fsi.postprocess.run.output import require_suffix
     from fsi.postprocess.run.run import open_run
 
     calibrated = parallel.on_root(lambda: len(folders) == 1 and (folders[0] / SUMMARY).is_file())

@@ -34,7 +34,9 @@ def probe(
     Bodies of axisymmetric runs lie on the axis r = 0: x, y are r, z. In space points have three coordinates,
     and a rectangle lies across one of the axes.
     """
-    from fsi.postprocess.run.probe import on_line, on_plane, read_points, write_values
+    import numpy as np
+
+    from fsi.postprocess.run.probe import on_plane, read_points, write_values
     from fsi.postprocess.run.probe import probe as values_at
     from fsi.postprocess.run.run import open_run
 
@@ -45,10 +47,10 @@ def probe(
 
     def values() -> DataFrame:
         run = open_run(folder)
-        d = run.dimension
+        d = run.case.dimension
         if points is not None:
             return values_at(run, read_points(points, d), step)
-        place, option = (on_line, "--line") if line is not None else (on_plane, "--plane")
+        place, option = (np.linspace, "--line") if line is not None else (on_plane, "--plane")
         ends = numbers(option, line or plane or "", 2 * d)
         return values_at(run, place(ends[:d], ends[d:], count), step)
 

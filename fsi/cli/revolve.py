@@ -23,7 +23,7 @@ def revolve(
 
     Fluid and surfaces come as straight cells between the nodes, where all values are those of the run.
     """
-    from fsi.postprocess.export.revolve import export_revolved
+    from fsi.postprocess.export import export_revolved
     from fsi.postprocess.run.run import open_run
 
     path = output or folder / "revolved"

@@ -29,7 +29,7 @@ def validate(
     Prints a table, and writes it as JSON, CSV and a plot. Exit code 4 if a value lies outside its tolerance.
     """
     from fsi.cli.cases import shipped_cases
-    from fsi.postprocess.plots.validation import plot_rows
+    from fsi.postprocess.plots.studies import plot_rows
     from fsi.report.validation import print_errors, print_rows
     from fsi.validation.validate import require_passed, validate_cases
 

@@ -38,9 +38,9 @@ from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
 from fsi.errors import InputError
 from fsi.lubrication.exact import plane_lubrication
-from fsi.postprocess.analysis.listing import listed
 from fsi.postprocess.analysis.strain import strain_rate
 from fsi.postprocess.run.run import Run
+from fsi.report.console import table
 
 CLOSE = 0.1  # gaps below this many mean radii make a link
 _ROWS = 12
@@ -69,14 +69,11 @@ class LubricationLinks:
     def viscosities(self, E: Array, viscosity: float, area: float) -> Array:
         """The part of the apparent viscosity that each link carries, (L,).
 
-        Args:
-            E: the mean strain rate, (2, 2).
-            viscosity: mu.
-            area: of fluid and bodies together.
+        E: the mean strain rate, (2, 2); area: of fluid and bodies together.
         """
         along = np.einsum("li,ij,lj->l", self.vectors, E, self.vectors)  # r^2 n.E.n
-        r = np.linalg.norm(self.vectors, axis=1)
-        parts: Array = self.tension * along / r / (2.0 * viscosity * float(np.sum(E**2)) * area)
+        dissipated = 2.0 * viscosity * float(np.sum(E**2)) * area
+        parts: Array = self.tension * along / np.linalg.norm(self.vectors, axis=1) / dissipated
         return parts
 
 
@@ -123,14 +120,15 @@ class Chains:
     dissipation: float
     shares: Array | None
 
+    def share(self, links: Sequence[int]) -> float | None:
+        """Of those links in the apparent viscosity, None where there is none."""
+        return None if self.shares is None else float(self.shares[list(links)].sum())
+
 
 def read_chains(run: Run, step: int | None = None, close: float = CLOSE) -> Chains:
-    """The chains of a step of a run, of the one that dissipates most if none is given.
+    """The chains of discs of a step of a run, of the one that dissipates most if none is given.
 
-    Args:
-        run: of discs in the plane.
-        step: its number.
-        close: gaps below this many mean radii make a link.
+    close: gaps below this many mean radii make a link.
 
     Raises:
         InputError: another kind of run, or no such step.
@@ -140,8 +138,12 @@ def read_chains(run: Run, step: int | None = None, close: float = CLOSE) -> Chai
         raise InputError(f'geometry = "{case.geometry}": the lubrication law of discs needs "planar"')
     if "dissipation" not in steps:
         raise InputError(f"{run.path / 'steps.csv'}: no column dissipation; give a run of the resolved model")
-    row = int(np.argmax(steps["dissipation"])) if step is None else _row(steps["step"], step)
-    step, t = int(steps["step"][row]), float(steps["t"][row])
+    written = steps["step"]
+    if step is not None and step not in written:
+        known = f"the run has the steps {written[0]:g} to {written[-1]:g}"
+        raise InputError(f"step = {step}: {known}; give one of them")
+    row = int(np.argmax(steps["dissipation"] if step is None else written == step))
+    step, t = int(written[row]), float(steps["t"][row])
     q = run.configuration(step)
     V = run.bodies.loc[run.bodies["step"] == step, ["V_x", "V_y"]].to_numpy()
     links = find_links(case, q, V, t, close * float(q.radii.mean()))
@@ -151,15 +153,6 @@ def read_chains(run: Run, step: int | None = None, close: float = CLOSE) -> Chai
         shares = viscosities / steps["apparent_viscosity"][row]
     chains, dissipation = find_chains(links, len(q)), float(steps["dissipation"][row])
     return Chains(case, step, t, q, links, chains, dissipation, shares)
-
-
-def _row(steps: Array, step: int) -> int:
-    rows = np.flatnonzero(steps == step)
-    if not rows.size:
-        raise InputError(
-            f"step = {step}: the run has the steps {steps[0]:g} to {steps[-1]:g}; give one of them"
-        )
-    return int(rows[0])
 
 
 def find_links(case: Case, q: Configuration, V: Array, t: float, reach: float) -> LubricationLinks:
@@ -175,12 +168,9 @@ def find_links(case: Case, q: Configuration, V: Array, t: float, reach: float) -
     body, wall = np.nonzero(gaps.wall_gaps <= reach)
     normal = container.normals(q.centres)[body, wall]
     d = np.concatenate([gaps.pair_gaps, gaps.wall_gaps[body, wall]])
-    rates = np.concatenate(
-        [
-            np.sum(unit * (V[i] - V[j] - container.mean_velocity(gaps.away)), axis=1),
-            np.sum(normal * (V[body] - _wall_velocities(case, t)[wall]), axis=1),
-        ]
-    )
+    of_pairs = np.sum(unit * (V[i] - V[j] - container.mean_velocity(gaps.away)), axis=1)
+    of_walls = np.sum(normal * (V[body] - _wall_velocities(case, t)[wall]), axis=1)
+    rates = np.concatenate([of_pairs, of_walls])
     reduced = np.concatenate([a[i] * a[j] / (a[i] + a[j]), a[body]])
     kappa = plane_lubrication(d, reduced, case.fluid.viscosity)
     to_wall = normal * (gaps.wall_gaps[body, wall] + a[body])[:, None]
@@ -207,41 +197,37 @@ def find_chains(links: LubricationLinks, bodies: int) -> tuple[Chain, ...]:
         members, linked = np.flatnonzero(label == k), np.flatnonzero(label[i] == k)
         if linked.size:
             walls = np.unique(j[linked][j[linked] >= bodies] - bodies)
-            chains.append(
-                Chain(
-                    tuple(members.tolist()), tuple(walls.tolist()), tuple(linked.tolist()),
-                    float(links.gaps[linked].min()), float(links.dissipation[linked].sum()),
-                )
-            )  # fmt: skip
+            numbers = tuple(members.tolist()), tuple(walls.tolist()), tuple(linked.tolist())
+            gap, dissipation = float(links.gaps[linked].min()), float(links.dissipation[linked].sum())
+            chains.append(Chain(*numbers, gap, dissipation))
     return tuple(sorted(chains, key=lambda chain: -chain.dissipation))
 
 
 def chains_table(chains: Chains) -> Table:
     """The chains that dissipate most, closed by the sum over all."""
     walls = chains.case.container().walls
-    headings = ["discs", "walls", "smallest gap", "lubrication", "of the dissipation", "who"]
-    if chains.shares is not None:
-        headings.insert(5, "of the viscosity")
-    rows = []
+    headings = ["discs", "walls", "smallest gap", "lubrication", "of the dissipation"]
+    headings += [] if chains.shares is None else ["of the viscosity"]
+    listed = table((), headings, title=f"chains at step {chains.step}, t = {chains.t:.6g}")
+    listed.add_column("who")
     for chain in chains.chains[:_ROWS]:
         names = [chains.case.names[k] for k in chain.bodies]
         touched, gap = ", ".join(walls[k] for k in chain.walls), f"{chain.smallest_gap:.3g}"
         who = ", ".join(names[:4]) + (", ..." if len(names) > 4 else "")
         costs = _costs(chains, chain.dissipation, chain.links)
-        rows.append([str(len(chain.bodies)), touched, gap, *costs, who])
-    table = listed(f"chains at step {chains.step}, t = {chains.t:.6g}", headings, rows, words="who")
-    table.add_section()
+        listed.add_row(str(len(chain.bodies)), touched, gap, *costs, who)
+    listed.add_section()
     discs = sum(len(chain.bodies) for chain in chains.chains)
     total = sum(chain.dissipation for chain in chains.chains)
     every = range(len(chains.links.gaps))
-    table.add_row(str(discs), "", "", *_costs(chains, total, every), "together")
-    return table
+    listed.add_row(str(discs), "", "", *_costs(chains, total, every), "together")
+    return listed
 
 
 def _costs(chains: Chains, dissipation: float, links: Sequence[int]) -> list[str]:
     """What links dissipate, its part in the whole, and what they carry of the apparent viscosity, if any."""
-    cells = [f"{dissipation:.5g}", f"{dissipation / chains.dissipation:.1%}"]
-    return cells if chains.shares is None else [*cells, f"{float(chains.shares[list(links)].sum()):.1%}"]
+    cells, share = [f"{dissipation:.5g}", f"{dissipation / chains.dissipation:.1%}"], chains.share(links)
+    return cells if share is None else [*cells, f"{share:.1%}"]
 
 
 def chains_data(chains: Chains) -> dict[str, Any]:
@@ -253,9 +239,7 @@ def chains_data(chains: Chains) -> dict[str, Any]:
             "walls": [walls[k] for k in chain.walls],
             "smallest_gap": chain.smallest_gap,
             "dissipation": chain.dissipation,
-            "of_the_viscosity": None
-            if chains.shares is None
-            else float(chains.shares[list(chain.links)].sum()),
+            "of_the_viscosity": chains.share(chain.links),
         }
         for chain in chains.chains
     ]

@@ -16,8 +16,9 @@ from rich.table import Table
 
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
-from fsi.postprocess.analysis.listing import listed
 from fsi.postprocess.run.run import Run
+from fsi.postprocess.run.tables import spread
+from fsi.report.console import table
 
 _ROWS = 12
 
@@ -42,44 +43,41 @@ class ContactMemories:
 def read_memories(run: Run) -> ContactMemories:
     """The contacts of a run; of one that closes again, the last time. Raises InputError."""
     if not (run.path / "contacts.csv").is_file():
-        raise InputError(
-            f"{run.path / 'contacts.csv'}: No such file or directory; give the folder of a gluey run"
-        )
+        missing = f"{run.path / 'contacts.csv'}: No such file or directory"
+        raise InputError(f"{missing}; give the folder of a gluey run")
     t, rows = np.unique(run.bodies["t"]), run.table("contacts")
     rows = rows[rows["gamma"] < 0.0].assign(at=lambda rows: np.searchsorted(t, rows["t"]))
     if rows.empty:
-        raise InputError(
-            f"{run.path}: no contact remembers anything; let bodies meet, and write output more often"
-        )
+        remedy = "let bodies meet, and write output more often"
+        raise InputError(f"{run.path}: no contact remembers anything; {remedy}")
     # Of each contact the stretch since it last had come off.
     contact = rows.groupby(["body", "side"], sort=False).ngroup()
     stretch = (rows.groupby(contact)["at"].diff() > 1).groupby(contact).cumsum()
     last = rows[stretch == stretch.groupby(contact).transform("max")].groupby(contact)
     push = rows.loc[last["gamma"].idxmin()]
     released = np.append(t, np.inf)[last["at"].last() + 1]
-    push = push.assign(
-        contact=push["body"].astype(str) + " - " + push["side"].astype(str),
-        stored=-push["gamma"],
-        released=released,
-    )
-    push = push.rename(columns={"t": "reached"}).sort_values(["released", "reached"], kind="stable")
-    contacts = push.assign(lag=push["released"] - push["reached"])
-    contacts = contacts[["contact", "stored", "reached", "released", "lag"]].reset_index(drop=True)
+    contacts = pd.DataFrame(
+        {
+            "contact": push["body"].astype(str) + " - " + push["side"].astype(str),
+            "stored": -push["gamma"],
+            "reached": push["t"],
+            "released": released,
+            "lag": released - push["t"],
+        }
+    ).sort_values(["released", "reached"], kind="stable", ignore_index=True)
     return ContactMemories(contacts, t, np.bincount(rows["at"], minlength=len(t)).astype(float))
 
 
 def memory_table(memory: ContactMemories) -> Table:
     """At most twelve contacts, evenly spread over the order of release."""
     off = memory.contacts[np.isfinite(memory.contacts["released"])]
-    shown = off.iloc[np.unique(np.linspace(0, len(off) - 1, _ROWS).astype(int)) if len(off) else []]
-    rows = [
-        [name, *(f"{x:.4g}" for x in (*numbers, numbers[0] / numbers[-1]))]
-        for name, *numbers in shown.itertuples(index=False)
-    ]
-    headings = ("contact", "stored P", "at t", "released", "lag", "P / lag")
-    table = listed("what contacts stored, and when they came off", headings, rows, words="contact")
-    table.caption = f"{len(off)} of {len(memory.contacts)} contacts came off by t = {memory.t[-1]:g}"
-    return table
+    shown = off.iloc[spread(len(off), _ROWS)]
+    shown = shown.assign(pull=shown["stored"] / shown["lag"])
+    rows = ([name, *(f"{x:.4g}" for x in of)] for name, *of in shown.itertuples(index=False))
+    numbers = ("stored P", "at t", "released", "lag", "P / lag")
+    caption = f"{len(off)} of {len(memory.contacts)} contacts came off by t = {memory.t[-1]:g}"
+    title = "what contacts stored, and when they came off"
+    return table(("contact",), numbers, rows, title=title, caption=caption)
 
 
 def memory_data(memory: ContactMemories) -> dict[str, Any]:

@@ -14,8 +14,8 @@ from fsi.case.case import Case
 from fsi.case.section import toml_text
 from fsi.errors import InputError
 from fsi.lubrication import exact, sphere_settling
-from fsi.postprocess.analysis.listing import listed
 from fsi.postprocess.run.run import Run
+from fsi.report.console import table
 
 _ROWS = 12
 
@@ -43,11 +43,7 @@ class Settling:
 
 
 def read_settling(run: Run) -> Settling:
-    """The computed and the exact gap history of a run.
-
-    Raises:
-        InputError: not one disc above a plane under a constant normal force.
-    """
+    """The computed and the exact gap history of a run. Raises InputError, as does `exact_gap`."""
     case, table = run.case, run.columns("bodies")
     disc = case.bodies[0]
     return Settling(table["t"], table["y"] - disc.radius, exact_gap(case, table["t"]), disc.radius)
@@ -98,9 +94,8 @@ def _normal_force(case: Case) -> float:
         raise InputError(f"bodies.0.mass = {disc.mass}: the exact settling law has no inertia; drop the mass")
     for name, wall in case.domain.walls.items():
         if not wall.rests:
-            raise InputError(
-                f"domain.walls.{name} = {toml_text(wall)}: the exact settling law needs walls at rest"
-            )
+            value = f"domain.walls.{name} = {toml_text(wall)}"
+            raise InputError(f"{value}: the exact settling law needs walls at rest")
     return float(force)
 
 
@@ -112,15 +107,14 @@ def chosen_rows(gap: Array) -> NDArray[np.intp]:
 
 def settling_table(history: Settling) -> Table:
     """The history as a table, closed by the step of the largest difference."""
-    columns = history.time, history.gap, history.exact, history.difference
-    t, gap, exact, difference = (values.tolist() for values in columns)
+    t, gap, exact, difference = history.time, history.gap, history.exact, history.difference
     rows = [*chosen_rows(history.gap), int(np.abs(history.difference).argmax())]
     cells = [[f"{t[k]:.6g}", f"{gap[k]:.6e}", f"{exact[k]:.6e}", f"{difference[k]:+.1e}"] for k in rows]
     headings = ("t", "gap", "exact gap", "relative difference")
-    table = listed("disc settling onto a plane", headings, cells)
-    table.rows[-2].end_section = True
-    table.caption = f"last line: the largest difference of all {len(t)} steps"
-    return table
+    caption = f"last line: the largest difference of all {len(t)} steps"
+    listed = table((), headings, cells, title="disc settling onto a plane", caption=caption)
+    listed.rows[-2].end_section = True
+    return listed
 
 
 def settling_data(history: Settling) -> dict[str, Any]:

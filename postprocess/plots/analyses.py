@@ -32,15 +32,12 @@ def plot_chains(chains: Chains, path: Path) -> None:
         other = centres[links.ends[:, 1] % n]
         second = np.where((links.ends[:, 1] < n)[:, None], other, first - links.vectors)
         ends = [np.stack([first, first - links.vectors], 1), np.stack([second, second + links.vectors], 1)]
-        drawn = LineCollection(
-            list(np.concatenate(ends)), cmap="inferno_r", norm=norm, linewidths=widths, zorder=3
-        )
-        drawn.set_array(share)
+        style = {"cmap": "inferno_r", "norm": norm, "linewidths": widths, "zorder": 3}
+        drawn = LineCollection(list(np.concatenate(ends)), array=share, **style)
         axes.add_collection(drawn)
         figure.colorbar(drawn, ax=axes, shrink=0.7, label=f"part of the {what}, by lubrication")
-        axes.set_title(
-            f"step {chains.step}, t = {chains.t:.5g}: gaps below {CLOSE:g} radii", loc="center", fontsize=10
-        )
+        title = f"step {chains.step}, t = {chains.t:.5g}: gaps below {CLOSE:g} radii"
+        axes.set_title(title, loc="center", fontsize=10)
 
 
 def plot_memories(memory: ContactMemories, path: Path) -> None:
@@ -57,22 +54,17 @@ def plot_memories(memory: ContactMemories, path: Path) -> None:
 
 def plot_settling(history: Settling, path: Path) -> None:
     """Draw the gap, computed and exact, above the difference. Raises InputError."""
+    later, a = history.time > 0.0, history.radius
+    t, exact, gap = (of[later] for of in (history.time, history.exact / a, history.gap / a))
     with saved_figure(path, (7.0, 6.5)) as figure:
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2.5, 1.0])
-        _draw_gap(upper, history)
+        upper.loglog(t, exact, color=GREY, lw=5, alpha=0.6, label="exact")
+        upper.loglog(t, gap, "o-", color=BLUE, ms=3.5, lw=1, label="computed")
+        upper.set(ylabel="gap / radius", title="disc settling onto a plane under a constant force")
+        upper.legend()
         _draw_difference(lower, history)
         for axis in (upper.xaxis, upper.yaxis, lower.xaxis, lower.yaxis):
             axis.set_minor_formatter(NullFormatter())
-
-
-def _draw_gap(axes: Axes, history: Settling) -> None:
-    """Gap over radius against time."""
-    later = history.time > 0.0
-    t, a = history.time[later], history.radius
-    axes.loglog(t, history.exact[later] / a, color=GREY, lw=5, alpha=0.6, label="exact")
-    axes.loglog(t, history.gap[later] / a, "o-", color=BLUE, ms=3.5, lw=1, label="computed")
-    axes.set(ylabel="gap / radius", title="disc settling onto a plane under a constant force")
-    axes.legend()
 
 
 def _draw_difference(axes: Axes, history: Settling) -> None:

@@ -98,7 +98,7 @@ def _draw_lattice(figure: Figure, container: Container, q: Configuration) -> tup
 
 
 def _new_axes(figure: Figure, width: float, height: float) -> Axes:
-    """Empty ones of that size in inches, with room for a title."""
+    """Axes of that size in inches, with room for a title."""
     figure.set_size_inches(width + 0.3, height + 0.7)
     axes = figure.subplots()
     axes.set_aspect("equal")
@@ -110,9 +110,8 @@ def _add_circles(axes: Axes, centres: Array, radii: Array, image: bool = False) 
     """Bodies, or images of them."""
     face, edge, width = ("#eaf3f9", "#a9c4d8", 0.6) if image else ("#9ecae1", "#20507a", 0.7)
     circles = [Circle((x, y), a) for (x, y), a in zip(centres, radii, strict=True)]
-    drawn = PatchCollection(
-        circles, facecolors=face, edgecolors=edge, linewidths=width, zorder=1 if image else 2
-    )
+    zorder = 1 if image else 2
+    drawn = PatchCollection(circles, facecolors=face, edgecolors=edge, linewidths=width, zorder=zorder)
     axes.add_collection(drawn)
 
 

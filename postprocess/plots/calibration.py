@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 from math import inf
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator
 
@@ -24,14 +24,13 @@ _KINDS = ((False, ORANGE, "o", "samples"), (True, GREEN, "s", "held out"))
 def plot_calibration(folder: Path, output: Path) -> None:
     """Draw the law and the samples of a folder into a .png, .svg or .pdf file. Raises InputError."""
     data = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
-    law = read_law_file(folder / LAW)
-    gaps = np.array([row["gap"] for row in data["samples"]])
-    d = np.geomspace(gaps.min(), gaps.max(), 400)
-    exact = _exact(law, d, data["reduced_radius"])
+    law, a, samples = read_law_file(folder / LAW), data["reduced_radius"], pd.DataFrame(data["samples"])
+    d = np.geomspace(samples["gap"].min(), samples["gap"].max(), 400)
     with saved_figure(output, (8.0, 7.5)) as figure:
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(1.2, 1.0))
-        _draw_law(upper, law, data, d, exact)
-        _draw_rest(lower, law, data, d, exact)
+        upper.set(title=f"{data['case']}: {law.mode} of {law.shape}")
+        _draw_law(upper, law, samples, d, a)
+        _draw_rest(lower, law, samples, d, a)
 
 
 def _exact(law: LawFile, d: Array, a: float) -> Array | None:
@@ -51,46 +50,37 @@ def _in_range(law: LawFile, d: Array, a: float) -> Array:
     return inside
 
 
-def _draw_law(axes: Axes, law: LawFile, data: dict[str, Any], d: Array, exact: Array | None) -> None:
+def _draw_law(axes: Axes, law: LawFile, samples: pd.DataFrame, d: Array, a: float) -> None:
     """Resistance against the gap."""
-    a = data["reduced_radius"]
-    if exact is not None:
+    if (exact := _exact(law, d, a)) is not None:
         axes.loglog(d, exact, color=GREY, lw=5, alpha=0.6, label="exact")
     inside = _in_range(law, d, a)
     axes.loglog(inside, law.law().kappa(inside, a), color=BLUE, lw=1.2, label=f"law ({law.form})")
     for held_out, colour, marker, name in _KINDS:
-        rows = [row for row in data["samples"] if row["held_out"] is held_out]
-        gap, kappa, error = (np.array([row[key] for row in rows]) for key in ("gap", "kappa", "error"))
-        axes.errorbar(gap, kappa, error, fmt=marker, color=colour, mfc="none", label=name)
-    axes.set(ylabel="resistance $\\kappa$ = F/U", title=f"{data['case']}: {law.mode} of {law.shape}")
+        of = samples[samples["held_out"] == held_out]
+        axes.errorbar(of["gap"], of["kappa"], of["error"], fmt=marker, color=colour, mfc="none", label=name)
+    axes.set(ylabel="resistance $\\kappa$ = F/U")
     axes.legend()
 
 
-def _draw_rest(axes: Axes, law: LawFile, data: dict[str, Any], d: Array, exact: Array | None) -> None:
+def _draw_rest(axes: Axes, law: LawFile, samples: pd.DataFrame, d: Array, a: float) -> None:
     """Samples and exact law less the law, relative, with its confidence band."""
-    a = data["reduced_radius"]
     inside = _in_range(law, d, a)
     fitted = law.law().kappa(inside, a)
-    band = law.error(inside, a)
-    if band is not None:
-        axes.fill_between(
-            inside, -band / fitted, band / fitted, color=BLUE, alpha=0.2, lw=0, label="95 % of the law"
-        )
-    if exact is not None:
-        known = exact[np.isin(d, inside)]
-        axes.plot(inside, known / fitted - 1.0, color=GREY, lw=3, alpha=0.7, label="exact")
+    if (band := law.error(inside, a)) is not None:
+        part = band / fitted
+        axes.fill_between(inside, -part, part, color=BLUE, alpha=0.2, lw=0, label="95 % of the law")
+    if (exact := _exact(law, inside, a)) is not None:
+        axes.plot(inside, exact / fitted - 1.0, color=GREY, lw=3, alpha=0.7, label="exact")
     for held_out, colour, marker, name in _KINDS:
-        rows = [row for row in data["samples"] if row["held_out"] is held_out and row["law"] is not None]
-        gap, kappa, error, value = (
-            np.array([row[key] for row in rows]) for key in ("gap", "kappa", "error", "law")
-        )
-        rest, bar = kappa / value - 1.0, error / value
-        axes.errorbar(gap, rest, bar, fmt=marker, color=colour, mfc="none", capsize=3, label=name)
+        of = samples[(samples["held_out"] == held_out) & samples["law"].notna()].astype({"law": float})
+        rest, bar = of["kappa"] / of["law"] - 1.0, of["error"] / of["law"]
+        axes.errorbar(of["gap"], rest, bar, fmt=marker, color=colour, mfc="none", capsize=3, label=name)
     axes.axhline(0.0, color="black", lw=0.6)
     axes.set_xscale("log")
     axes.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))  # more would have labels that overlap
     # Linear within the errors of most samples, logarithmic beyond: the band opens up at the last gaps.
-    typical = float(np.median([row["error"] / row["kappa"] for row in data["samples"]]))
+    typical = float((samples["error"] / samples["kappa"]).median())
     axes.set_yscale("symlog", linthresh=10.0 ** np.ceil(np.log10(typical)))
     axes.set(xlabel="gap d", ylabel="relative to the law, less 1")
     axes.legend(ncols=2, fontsize=9)

@@ -8,8 +8,10 @@ Each panel is one entry here, or is registered from elsewhere:
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -19,14 +21,18 @@ from matplotlib.ticker import NullFormatter
 from fsi.bodies.configuration import Array
 from fsi.bodies.gaps import find_gaps
 from fsi.errors import InputError
+from fsi.files import require_suffix
 from fsi.postprocess.analysis.settling import asymptotic_gap, exact_gap
 from fsi.postprocess.analysis.strain import accumulated_strain
 from fsi.postprocess.plots.figure import COLOURS, SUFFIXES, label_short, saved_figure
 from fsi.postprocess.run.gaps import gap_between, parse_sides
-from fsi.postprocess.run.output import require_suffix
 from fsi.postprocess.run.run import Run
 
 _DASHES = ("-", "--", ":", "-.")
+_LAWS: dict[str, dict[str, Any]] = {
+    "exact": {"color": "#777777", "lw": 6, "alpha": 0.5},
+    "asymptote": {"color": "#777777", "lw": 1.5, "ls": ":"},
+}
 _LOGARITHMIC = 10.0  # ratio of the largest to the smallest value from which on an axis is logarithmic
 _CONSTANT = 1e-6  # relative changes below it are rounding: the axis begins at zero
 _ROUNDING = 1e-12  # of the largest value: what is below it is not drawn on a logarithmic axis
@@ -41,7 +47,7 @@ class Asked:
     """What a panel is asked for.
 
     Attributes:
-        run: the run.
+        run: what is drawn.
         gap: two sides as in `plot_runs`; None for the smallest gap of each body.
         singly: up to so many bodies have a curve each; of more it is the smallest, median and largest value.
     """
@@ -93,20 +99,16 @@ def _gaps(asked: Asked) -> Curves:
     run = asked.run
     if not asked.bodies:
         return {}
-    moments = [
-        (run.configuration(step), run.case.container().at(t))
-        for step, t in zip(run.steps["step"], run.steps["t"], strict=True)
-    ]
+    q, container = map(run.configuration, run.steps["step"]), run.case.container()
+    moments = zip(q, map(container.at, run.steps["t"]), strict=True)
     if asked.gap is None:
-        table = np.array([find_gaps(q, container).smallest_of_each() for q, container in moments])
+        table = np.array([find_gaps(*moment).smallest_of_each() for moment in moments])
         return asked.each(np.where(np.isfinite(table), table, np.nan))  # no neighbour in reach
-    sides = parse_sides(asked.gap, run.case.names, run.case.container().walls)
-    widths = np.array([gap_between(q, container, sides).width for q, container in moments])
-    return {f"gap {asked.gap}": widths}
+    sides = parse_sides(asked.gap, run.case.names, container.walls)
+    return {f"gap {asked.gap}": np.array([gap_between(*moment, sides).width for moment in moments])}
 
 
 def _speeds(asked: Asked) -> Curves:
-    """Of each body."""
     return asked.each(asked.sizes("V")) if asked.bodies else {}
 
 
@@ -154,32 +156,24 @@ class RunHistory:
 def read_history(run: Run, gap: str | None = None, singly: int = len(COLOURS)) -> RunHistory:
     """The curves of a run; gap and singly as in `Asked`. Raises InputError."""
     if gap is not None and not run.has_flow:
-        raise InputError(f'--gap {gap}: model = "{run.model}" of {run.path} has no such curve; drop it')
-    t, name = run.steps["t"].to_numpy(), run.path.resolve().name
+        raise InputError(f'--gap {gap}: model = "{run.case.model}" of {run.path} has no such curve; drop it')
+    t, laws = run.steps["t"].to_numpy(), {}
     panels = {title: read(Asked(run, gap, singly)) for title, read in _PANELS.items()}
     panels = {title: curves for title, curves in panels.items() if curves}
-    if not run.has_flow:
-        return RunHistory(name, t, None, panels, {}, axisymmetric=False)
-    laws: Curves = {}
-    if gap is None:
-        try:
+    if run.has_flow and gap is None:
+        with suppress(InputError):  # no exact law for this case
             laws = {"exact": exact_gap(run.case, t), "asymptote": asymptotic_gap(run.case, t)}
-        except InputError:  # no exact law for this case
-            laws = {}
     sheared = VISCOSITY in panels or ADDED_VISCOSITY in panels
     strain = accumulated_strain(run.case, t) if sheared else None
-    return RunHistory(name, t, strain, panels, laws, run.case.axisymmetric)
+    return RunHistory(run.path.resolve().name, t, strain, panels, laws, run.case.axisymmetric)
 
 
-def plot_runs(runs: Sequence[Run], output: Path, gap: str | None = None) -> None:
-    """Draw gap, speed, load and, where there is one, apparent viscosity of runs against time into a file.
+def plot_runs(runs: Sequence[Run], output: Path, gap: str | None = None) -> Path:
+    """Draw gap, speed, load and, where there is one, apparent viscosity of runs against time; gives the file.
 
-    Runs of sheared suspensions are drawn against the strain.
+    Runs of sheared suspensions are drawn against the strain. The file is a .png, .svg or .pdf.
 
-    Args:
-        runs: at least one.
-        output: .png, .svg or .pdf.
-        gap: "3,7" or "disc,bottom", names or numbers; if not given, the smallest gap of each body.
+    gap: "3,7" or "disc,bottom", names or numbers; if not given, the smallest gap of each body.
 
     Raises:
         InputError: unknown suffix or gap, a run without rows, or the disk refuses.
@@ -193,7 +187,7 @@ def plot_runs(runs: Sequence[Run], output: Path, gap: str | None = None) -> None
     with saved_figure(output, (8.5, 0.8 + 2.4 * len(titles))) as figure:
         axes = list(figure.subplots(len(titles), 1, sharex=True, squeeze=False)[:, 0])
         if len(histories) == 1:
-            axes[0].set_title(runs[0].name)
+            axes[0].set_title(runs[0].case.name)
         for title, panel in zip(titles, axes, strict=True):
             _draw(panel, title, histories)
         _scale_time(axes, histories)
@@ -203,20 +197,19 @@ def plot_runs(runs: Sequence[Run], output: Path, gap: str | None = None) -> None
             for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
                 entries.setdefault(label, handle)
         figure.legend(list(entries.values()), list(entries), loc="outside right upper")
+    return output
 
 
 def _draw(axes: Axes, title: str, histories: Sequence[RunHistory]) -> None:
     """One panel: a colour for each body of one run, or for each of several runs."""
-    values = []
+    values, single = [], len(histories) == 1
     for k, history in enumerate(histories):
-        if title == "gap":
-            _draw_laws(axes, history)
-        for n, (name, value) in enumerate(history.panels.get(title, {}).items()):
-            single, alone = len(histories) == 1, len(history.panels[title]) == 1
-            colour, dash = (
-                (COLOURS[n], _DASHES[n % len(_DASHES)]) if single else (COLOURS[k % len(COLOURS)], _DASHES[n])
-            )
-            label = name if single else history.name if alone else f"{history.name}: {name}"
+        curves = history.panels.get(title, {})
+        for law, value in history.laws.items() if title == "gap" else ():
+            axes.plot(history.t, value, label=law, **_LAWS[law])
+        for n, (name, value) in enumerate(curves.items()):
+            colour, dash = COLOURS[n if single else k % len(COLOURS)], _DASHES[n % len(_DASHES)]
+            label = name if single else history.name if len(curves) == 1 else f"{history.name}: {name}"
             if single and not name:
                 colour, label = "black", "_nolegend_"
             axes.plot(_abscissa(history, histories), value, dash, color=colour, lw=1.5, label=label)
@@ -239,23 +232,15 @@ def _abscissa(history: RunHistory, histories: Sequence[RunHistory]) -> Array:
     return history.strain
 
 
-def _draw_laws(axes: Axes, history: RunHistory) -> None:
-    """The exact gap as a broad grey curve, its asymptote dotted."""
-    styles = {"exact": {"lw": 6, "alpha": 0.5}, "asymptote": {"lw": 1.5, "ls": ":"}}
-    for name, value in history.laws.items():
-        axes.plot(history.t, value, color="#777777", label=name, **styles[name])  # type: ignore[arg-type]
-
-
 def _scale_time(axes: Sequence[Axes], histories: Sequence[RunHistory]) -> None:
     """Time is logarithmic where discs close their gaps by powers of ten; spheres do so exponentially."""
     gaps = [value for history in histories for value in history.panels.get("gap", {}).values()]
     strained = all(history.strain is not None for history in histories)
     long = not strained and any(value.max() > _LONG * value.min() for value in gaps)
     if long and not any(history.axisymmetric for history in histories):
-        first = min(float(history.t[history.t > 0.0][0]) for history in histories)
         axes[0].set_xscale("log")
-        axes[0].set_xlim(left=first)
-    axes[-1].set_xlabel("t" if any(history.strain is None for history in histories) else "strain")
+        axes[0].set_xlim(left=min(float(history.t[history.t > 0.0][0]) for history in histories))
+    axes[-1].set_xlabel("strain" if strained else "t")
     for panel in axes:
         if panel.get_xscale() == "log":
             panel.xaxis.set_minor_formatter(NullFormatter())

@@ -62,6 +62,5 @@ def _read(path: Path) -> tuple[str, str, Curves]:
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}; give a run folder or the file of a benchmark") from None
     except (ValueError, KeyError, TypeError) as error:
-        raise InputError(
-            f"{path}: not the file of a benchmark ({error}); give one that --json has written"
-        ) from None
+        what = f"{path}: not the file of a benchmark ({error})"
+        raise InputError(f"{what}; give one that --json has written") from None

@@ -22,7 +22,7 @@ from PIL import Image
 from fsi.bodies.configuration import Array, Configuration
 from fsi.errors import InputError
 from fsi.postprocess.render.view import View
-from fsi.postprocess.run.cells import counted
+from fsi.postprocess.run.run import counted
 
 type Picture = NDArray[np.uint8]
 
@@ -47,7 +47,7 @@ raise SystemExit(not window.SupportsOpenGL())
 
 @dataclass(frozen=True, slots=True)
 class _Canvas:
-    """What is being drawn on.
+    """What is drawn on.
 
     Attributes:
         plotter: of pyvista.
@@ -59,9 +59,16 @@ class _Canvas:
     view: View
     size: int
 
-    def colour(self, surface: pv.PolyData, shades: ScalarMappable) -> None:
-        """Draw the data `value` of a surface, given in the window's coordinates, in colours, unlit."""
-        self.plotter.add_mesh(coloured(surface, shades), lighting=False, **_in(shades))
+    def wide(self, thousandths: float) -> float:
+        """The width of a line, in samples."""
+        return max(1.0, 0.5 * SAMPLES * thousandths * self.size / 1000.0)
+
+    def colour(self, surface: pv.PolyData, shades: ScalarMappable, lit: bool = False) -> None:
+        """Draw the data `value` of a surface, given in the window's coordinates, in colours, perhaps lit."""
+        parts = np.clip(shades.norm(surface["value"]), 0.0, 1.0)
+        surface["colour"] = np.ma.filled(parts, 0.0).astype(float)
+        colours = {"scalars": "colour", "cmap": shades.cmap, "clim": (0.0, 1.0), "show_scalar_bar": False}
+        self.plotter.add_mesh(surface, lighting=lit, smooth_shading=lit, **colours)
 
 
 class Panel(_Canvas):
@@ -74,13 +81,12 @@ class Panel(_Canvas):
         self.plotter.add_mesh(surface, color=colour, lighting=False)
 
     def lines(
-        self, lines: pv.PolyData, colour: str, width: float, opacity: float = 1.0, layer: float = 2.0
+        self, lines: pv.PolyData, colour: str, width: float, opacity: float = 1, layer: float = 2
     ) -> None:
         """Draw lines that are given in the window's coordinates, `width` thousandths of it wide."""
         if lines.n_points:
             lifted = lines.translate((0.0, 0.0, layer * _LAYER))
-            wide = line_width(width, self.size)
-            self.plotter.add_mesh(lifted, color=colour, line_width=wide, opacity=opacity)
+            self.plotter.add_mesh(lifted, color=colour, line_width=self.wide(width), opacity=opacity)
 
     def frame(self, view: View) -> None:
         """Draw the outline of another window."""
@@ -127,16 +133,15 @@ class SpatialPanel(_Canvas):
         ball = pv.Icosphere(radius=1.0, nsub=5 if len(q) < 100 else 3)
         ball.clear_data()
         spheres = centres.glyph(geom=ball, scale="radius", orient=False)
-        self.plotter.add_mesh(
-            spheres, color=_SPHERE, smooth_shading=True, ambient=0.3, specular=0.2, opacity=opacity
-        )
+        light = {"smooth_shading": True, "ambient": 0.3, "specular": 0.2}
+        self.plotter.add_mesh(spheres, color=_SPHERE, opacity=opacity, **light)
 
     def lines(self, lines: pv.PolyData) -> None:
         """Draw streamlines, given in the window's coordinates on a plane across y, a little before it."""
         if lines.n_points:
             lifted = lines.translate((0.0, -2e-3, 0.0))
-            wide = line_width(3.0, self.size)
-            self.plotter.add_mesh(lifted, color="white", line_width=wide, opacity=0.8, lighting=False)
+            style = {"color": "white", "opacity": 0.8, "lighting": False}
+            self.plotter.add_mesh(lifted, line_width=self.wide(3.0), **style)
 
     def tubes(self, ends: Array, radii: Array, values: Array, shades: ScalarMappable) -> None:
         """Draw tubes between points (n, 2, 3), coloured by values (n,)."""
@@ -144,7 +149,7 @@ class SpatialPanel(_Canvas):
         lines["value"] = np.repeat(values, 2)
         lines["radius"] = np.repeat(radii / self.view.half, 2)
         tubes = lines.tube(scalars="radius", absolute=True, n_sides=16, capping=True)
-        self.plotter.add_mesh(coloured(tubes, shades), smooth_shading=True, **_in(shades))
+        self.colour(tubes, shades, lit=True)
 
     def floor(self, z: float) -> None:
         """Draw a horizontal wall."""
@@ -165,30 +170,14 @@ def new_panel(view: View, size: int) -> Panel:
 
 def new_spatial_panel(view: View, size: int) -> SpatialPanel:
     """An empty panel of space."""
-    plotter = _blank(size, "white")
-    plotter.enable_depth_peeling(8)
-    return SpatialPanel(plotter, view, size)
-
-
-def line_width(thousandths: float, size: int) -> float:
-    """In samples, of a line on a panel of that size."""
-    return max(1.0, 0.5 * SAMPLES * thousandths * size / 1000.0)
+    panel = SpatialPanel(_blank(size, "white"), view, size)
+    panel.plotter.enable_depth_peeling(8)
+    return panel
 
 
 def segments(ends: Array) -> pv.PolyData:
     """Lines between points (n, 2, 3)."""
     return pv.PolyData(ends.reshape(-1, 3), lines=counted(np.arange(2 * len(ends)).reshape(-1, 2)))
-
-
-def coloured(surface: pv.PolyData, shades: ScalarMappable) -> pv.PolyData:
-    """The surface with the point data `colour`: its `value` in [0, 1], as the norm says."""
-    parts = np.clip(shades.norm(surface["value"]), 0.0, 1.0)
-    surface["colour"] = np.ma.filled(parts, 0.0).astype(float)
-    return surface
-
-
-def _in(shades: ScalarMappable) -> dict[str, object]:
-    return {"scalars": "colour", "cmap": shades.cmap, "clim": (0.0, 1.0), "show_scalar_bar": False}
 
 
 def _blank(size: int, background: str) -> pv.Plotter:
@@ -235,11 +224,9 @@ def require_opengl() -> None:
 
 def _draws(window: str) -> bool:
     """True where a child process can draw into a window of this VTK class."""
-    environment = os.environ | {_SETTING: window}
+    command, environment = [sys.executable, "-c", _DRAW], os.environ | {_SETTING: window}
     try:
-        child = subprocess.run(
-            [sys.executable, "-c", _DRAW], env=environment, capture_output=True, timeout=60, check=False
-        )
+        child = subprocess.run(command, env=environment, capture_output=True, timeout=60, check=False)
     except subprocess.TimeoutExpired:
         return False
     return child.returncode == 0

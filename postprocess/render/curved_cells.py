@@ -1,6 +1,6 @@
 """Fields for drawing: refine curved cells, mirror them, find streamlines.
 
-Points have shape (n, 3) with z = 0. For the nodes of the cells see `fsi.postprocess.run.cells`.
+Points have shape (n, 3) with z = 0. For the nodes of the cells see `fsi.postprocess.run.run`.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from fsi.bodies.configuration import Array
 from fsi.meshes.cells.lagrange import order_of, reference_nodes, tabulate
-from fsi.postprocess.run.cells import Indices, along_curves, counted, nodes, small_triangles
+from fsi.postprocess.run.run import Indices, along_curves, counted, nodes, small_triangles
 
 _SEGMENTS = 8  # straight pieces that stand for a curved edge
 _MOST_HALVINGS = 4  # of the sides of a cell
@@ -86,10 +86,8 @@ def rims(bodies: pv.UnstructuredGrid, inward: float) -> pv.PolyData:
     points = np.concatenate([outer.reshape(-1, 3), inner.reshape(-1, 3)])
     ribbon = pv.PolyData(points, faces=counted(quads))
     for name, values in bodies.point_data.items():
-        along = _along(curves, values.reshape(len(values), -1))
-        ribbon.point_data[name] = np.tile(
-            along.reshape(count, *values.shape[1:]), (2, *[1] * (values.ndim - 1))
-        )
+        along = _along(curves, values.reshape(len(values), -1)).reshape(count, *values.shape[1:])
+        ribbon.point_data[name] = np.concatenate([along, along])
     return ribbon
 
 
@@ -98,8 +96,7 @@ def _along(curves: Indices, values: Array) -> Array:
     degree = curves.shape[1] - 1
     shape = polyvander(np.linspace(0, 1, _SEGMENTS + 1), degree)
     shape = shape @ np.linalg.inv(polyvander(np.linspace(0, 1, degree + 1), degree))
-    between: Array = np.einsum("sn,end->esd", shape, values[curves])
-    return between
+    return np.asarray(shape @ values[curves])
 
 
 def mirrored(grid: pv.UnstructuredGrid) -> pv.UnstructuredGrid:

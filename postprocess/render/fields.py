@@ -205,28 +205,18 @@ def rendered_field(name: str, in_space: bool = False) -> RenderedField:
 
 
 for _field in (
-    RenderedField(
-        "speed", "|u|", "speed and streamlines", "viridis", Logarithmic(4.0), ("velocity",),
-        lambda at, _: (at["velocity"] ** 2).sum(axis=1) ** 0.5, streamlines=True,
-    ),
-    RenderedField(
-        "pressure", "p", "pressure", "RdBu_r", Signed(), ("pressure",), lambda at, _: at["pressure"],
-    ),
-    RenderedField(
-        "vorticity", r"$\partial_x u_y - \partial_y u_x$", "vorticity", "PuOr_r", Signed(), ("vorticity",),
-        lambda at, _: at["vorticity"], in_space=False,
-    ),
-    RenderedField(
-        "dissipation", r"$2 \mu\, e : e$", "dissipation", "magma", Logarithmic(8.0), ("strain_rate",),
-        lambda at, viscosity: viscosity * at["strain_rate"] ** 2,
-    ),
-    RenderedField(
-        "traction", r"$|\sigma n|$", "traction on the bodies", "plasma", Logarithmic(4.0), ("traction",),
-        lambda at, _: (at["traction"] ** 2).sum(axis=1) ** 0.5, on_bodies=True, in_space=False,
-    ),
-    RenderedField(
-        "mesh", "p", "pressure and mesh", "cividis", Linear(), ("pressure",), lambda at, _: at["pressure"],
-        pale=True, edges=True, in_space=False,
-    ),
+    RenderedField("speed", "|u|", "speed and streamlines", "viridis", Logarithmic(4.0),
+                  ("velocity",), lambda at, _: (at["velocity"] ** 2).sum(axis=1) ** 0.5, streamlines=True),
+    RenderedField("pressure", "p", "pressure", "RdBu_r", Signed(),
+                  ("pressure",), lambda at, _: at["pressure"]),
+    RenderedField("vorticity", r"$\partial_x u_y - \partial_y u_x$", "vorticity", "PuOr_r", Signed(),
+                  ("vorticity",), lambda at, _: at["vorticity"], in_space=False),
+    RenderedField("dissipation", r"$2 \mu\, e : e$", "dissipation", "magma", Logarithmic(8.0),
+                  ("strain_rate",), lambda at, viscosity: viscosity * at["strain_rate"] ** 2),
+    RenderedField("traction", r"$|\sigma n|$", "traction on the bodies", "plasma", Logarithmic(4.0),
+                  ("traction",), lambda at, _: (at["traction"] ** 2).sum(axis=1) ** 0.5,
+                  on_bodies=True, in_space=False),
+    RenderedField("mesh", "p", "pressure and mesh", "cividis", Linear(),
+                  ("pressure",), lambda at, _: at["pressure"], pale=True, edges=True, in_space=False),
 ):  # fmt: skip
     register_field(_field)

@@ -13,13 +13,11 @@ from matplotlib.colors import ListedColormap, Normalize
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.errors import InputError
-from fsi.postprocess.render.artist import Artist
 from fsi.postprocess.render.canvas import Picture, new_panel, new_spatial_panel
 from fsi.postprocess.render.fields import Span
-from fsi.postprocess.render.picture import Framed, compose
+from fsi.postprocess.render.picture import Artist, Framed, compose
 from fsi.postprocess.render.view import Choice, View, around_all
-from fsi.postprocess.run.cells import counted, nodes
-from fsi.postprocess.run.run import Run
+from fsi.postprocess.run.run import Run, counted, nodes
 
 BODIES, CONTACTS = "bodies", "contacts"
 DEFAULTS = ("force", "gamma")  # whichever of them the run has
@@ -66,14 +64,14 @@ class NetworkArtist(Artist):
         centres = np.stack([network.q.centres for network in networks])
         view = self._above_floor(around_all(centres, networks[0].q.radii))
         shades = _shades(np.concatenate([network.values for network in networks]), self.choice.span)
-        draw = self._plane if self.run.dimension == 2 else self._space
+        draw = self._plane if self.run.case.dimension == 2 else self._space
         for step, network in zip(steps, networks, strict=True):
             framed = Framed(draw(network, view, shades), "contacts", view.half, self.field, shades)
             yield compose(self.title(step), [framed])
 
     def _above_floor(self, view: View) -> View:
         """The window, raised until it shows less of a wall below the bodies."""
-        if self.run.dimension == 3:
+        if self.run.case.dimension == 3:
             return view
         steps = np.linspace(0.0, 1.0, 51)[:, None] * [0.0, view.half]
         below = view.centre - [0.0, _FLOOR * view.half] + steps
@@ -83,7 +81,7 @@ class NetworkArtist(Artist):
     def _read(self, step: int) -> ContactNetwork:
         """Bodies and contacts of a step; a step without contacts has no values."""
         bodies, contacts = self.run.mesh(step, BODIES), self.run.mesh(step, CONTACTS)
-        centres = np.asarray(bodies.points[:, : self.run.dimension], dtype=float)
+        centres = np.asarray(bodies.points[:, : self.run.case.dimension], dtype=float)
         q = Configuration.unturned(centres, np.asarray(bodies["radius"], dtype=float))
         if not contacts.n_cells:
             return ContactNetwork(q, np.empty((0, 2, 3)), np.empty(0))
@@ -93,8 +91,7 @@ class NetworkArtist(Artist):
     def _plane(self, network: ContactNetwork, view: View, shades: ScalarMappable) -> Picture:
         """Discs, and bars between their centres, the wider the larger the value."""
         panel = new_panel(view, self.choice.size)
-        inside = _inside(self.run, view)
-        if inside.n_points:
+        if (inside := _inside(self.run, view)).n_points:
             panel.fill(inside, "white")
         panel.bodies(network.q, turning=False, rims=True)
         if len(network.values):
@@ -112,11 +109,10 @@ class NetworkArtist(Artist):
 
 def _shades(values: Array, span: Span | None) -> ScalarMappable:
     """Colours from zero to the largest value, or on both sides of zero where values have both signs."""
-    low, high = (float(values.min(initial=0.0)), float(values.max(initial=0.0))) if span is None else span
-    if low < 0.0 < high and min(-low, high) > 1e-6 * max(-low, high):
-        largest = max(-low, high)
-        ends = (-largest, largest) if span is None else (low, high)
-        return ScalarMappable(Normalize(*ends), _TWO_SIDED)
+    low, high = span or (float(values.min(initial=0.0)), float(values.max(initial=0.0)))
+    largest = max(-low, high)
+    if low < 0.0 < high and min(-low, high) > 1e-6 * largest:
+        return ScalarMappable(Normalize(*(span or (-largest, largest))), _TWO_SIDED)
     if low == high:
         high = low + 1.0
     colours = _DARK if abs(high) >= abs(low) else _DARK.reversed()
@@ -148,7 +144,6 @@ def _bars(network: ContactNetwork, view: View, shades: ScalarMappable) -> pv.Pol
 
 
 def _inside(run: Run, view: View) -> pv.PolyData:
-    """The part of the window between the walls."""
     plane = pv.Plane(i_size=2.0, j_size=2.0, i_resolution=400, j_resolution=400)
     distances = run.wall_distances(view.centre + view.half * np.asarray(plane.points[:, :2], dtype=float))
     if not distances.size:

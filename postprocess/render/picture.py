@@ -1,14 +1,15 @@
-"""Pictures: panels under a title, with colour bars and scale bars around them, and how they become files.
+"""Pictures: who draws a run, panels under a title with colour bars and scale bars, and how they become files.
 
 One picture is written as PNG, many as MP4 or GIF, each to a temporary name that is then renamed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import matplotlib as mpl
 import numpy as np
@@ -21,7 +22,10 @@ from PIL import Image
 
 from fsi.errors import InputError
 from fsi.postprocess.plots.figure import label_short
-from fsi.postprocess.render.canvas import Picture
+from fsi.postprocess.render.canvas import Picture, require_opengl
+from fsi.postprocess.render.view import Choice
+from fsi.postprocess.run.gaps import SurfaceGap, parse_sides
+from fsi.postprocess.run.run import Run
 
 STILLS, MOVIES = (".png",), (".mp4", ".gif")
 _PER_SECOND = 8
@@ -30,6 +34,50 @@ _INCHES = 5.0  # a panel
 _BAR, _ABOVE, _BELOW, _GAP = 0.2, 0.14, 0.08, 0.03  # room around a panel, in panels
 _FITS = 56  # letters of the usual size above a panel
 _SCALE = 0.25  # longest scale bar, in panels
+
+
+class Artist(ABC):
+    """Draws pictures of a run in one manner: the same windows, and the same colours for the same values.
+
+    Attributes:
+        series: the files that it draws.
+        run: the run.
+        choice: what is to be seen.
+    """
+
+    series: ClassVar[str] = "fluid"
+
+    def __init__(self, run: Run, choice: Choice) -> None:
+        """Raises InputError: there is not what is chosen."""
+        self.run, self.choice = run, choice
+
+    def require(self, step: int) -> None:  # noqa: ARG002
+        """Raise InputError where that step's files, or this machine, lack what it takes."""
+        require_opengl()
+
+    @abstractmethod
+    def pictures(self, steps: Sequence[int]) -> Iterator[Picture]:
+        """A picture of each step."""
+
+    def title(self, step: int) -> str:
+        """What is written above a picture."""
+        return f"{self.run.case.name},  t = {self.run.times_of(self.series)[step]:.6g}"
+
+
+class FlowArtist(Artist):
+    """Draws a flow; a gap is chosen by its two sides."""
+
+    def __init__(self, run: Run, choice: Choice) -> None:
+        """Raises InputError: there is no such gap."""
+        super().__init__(run, choice)
+        self._walls = run.case.container().walls
+        self.sides = None if choice.gap is None else parse_sides(choice.gap, run.case.names, self._walls)
+
+    def gap_title(self, gap: SurfaceGap) -> str:
+        """Which gap, and how wide it is."""
+        names = [*self.run.case.names, *self._walls]
+        between = f"gap {names[gap.sides[0]]} - {names[gap.sides[1]]}"
+        return f"{'narrowest gap' if self.sides is None else between}, {gap.width:.3g}"
 
 
 @dataclass(frozen=True)
@@ -83,14 +131,12 @@ def _frame(axes: Axes, panel: Framed) -> None:
     """Room for the image under its title, and below it a bar of a round length."""
     axes.patch.set_visible(False)
     axes.set_title(panel.title, fontsize=11.0 * min(1.0, _FITS / len(panel.title)), loc="left", pad=7)
-    axes.set_xticks([])
-    axes.set_yticks([])
+    axes.set(xticks=[], yticks=[])
     length = round_length(_SCALE * 2.0 * panel.half)
     end = length / (2.0 * panel.half)
     axes.plot([0.0, end], [-0.04, -0.04], color="black", lw=2.5, clip_on=False, solid_capstyle="butt")
     axes.text(end + 0.015, -0.04, f"{length:g}", va="center")
-    axes.set_xlim(0.0, 1.0)
-    axes.set_ylim(0.0, 1.0)
+    axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
 
 
 def pixels(figure: Figure) -> Picture:
@@ -130,9 +176,8 @@ def _write_mp4(pictures: Iterable[Picture], path: Path) -> None:
     frames = map(_even, pictures)
     first = next(frames)
     size, quiet = (first.shape[1], first.shape[0]), {"macro_block_size": 2, "ffmpeg_log_level": "error"}
-    writer = imageio_ffmpeg.write_frames(
-        str(path), size, fps=_PER_SECOND, codec="libx264", quality=8, **quiet
-    )
+    coded = {"fps": _PER_SECOND, "codec": "libx264", "quality": 8}
+    writer = imageio_ffmpeg.write_frames(str(path), size, **coded, **quiet)
     writer.send(None)
     writer.send(first)
     for picture in frames:
@@ -145,7 +190,6 @@ def _even(picture: Picture) -> Picture:
 
 
 def _write_gif(pictures: Iterable[Picture], path: Path) -> None:
-    frames = [Image.fromarray(picture).quantize(128) for picture in pictures]
-    frames[0].save(
-        path, format="GIF", save_all=True, append_images=frames[1:], duration=1000 // _PER_SECOND, loop=0
-    )
+    first, *others = (Image.fromarray(picture).quantize(128) for picture in pictures)
+    duration = 1000 // _PER_SECOND
+    first.save(path, format="GIF", save_all=True, append_images=others, duration=duration, loop=0)

@@ -9,11 +9,10 @@ import numpy as np
 from matplotlib.cm import ScalarMappable
 
 from fsi.errors import InputError
-from fsi.postprocess.render.artist import FlowArtist
 from fsi.postprocess.render.canvas import INK, Panel, Picture, new_panel
 from fsi.postprocess.render.curved_cells import edges, rims
 from fsi.postprocess.render.fields import RenderedField, Span, rendered_field
-from fsi.postprocess.render.picture import Framed, compose
+from fsi.postprocess.render.picture import FlowArtist, Framed, compose
 from fsi.postprocess.render.scenes import Scene, gap_at, in_window, scene, window_on
 from fsi.postprocess.render.view import Choice, View
 from fsi.postprocess.run.gaps import SurfaceGap
@@ -43,30 +42,24 @@ class PlanarArtist(FlowArtist):
         """Older runs have not written all that can be drawn."""
         needed = {name for field, _ in self.panels if not field.on_bodies for name in field.needs}
         if needed - {*self._mesh(step).point_data}:
-            raise InputError(
-                f"--field {self.choice.field}: is not in the files of this run; run the case again"
-            )
+            what = f"--field {self.choice.field}: is not in the files of this run"
+            raise InputError(f"{what}; run the case again")
         super().require(step)
 
     def pictures(self, steps: Sequence[int]) -> Iterator[Picture]:
         """A picture of each step."""
         window = window_on(self.run, steps, self._mesh(steps[0]))
         spans = self._spans(steps, window)
-        for step in steps:
-            yield self._picture(step, window, spans)
+        return (self._picture(step, window, spans) for step in steps)
 
     def _spans(self, steps: Sequence[int], window: View) -> list[Span]:
         """The range of colours of each panel, over all those steps."""
         if self.choice.span is not None:
             return [self.choice.span] * len(self.panels)
-        each = [
-            [field.scale.span(*seen.samples(field)) for field, seen, _ in self._scenes(step, window)]
-            for step in steps
-        ]
-        return [
-            (min(low for low, _ in spans), max(high for _, high in spans))
-            for spans in zip(*each, strict=True)
-        ]
+        scenes = (self._scenes(step, window) for step in steps)
+        ends = np.array([[field.scale.span(*seen.samples(field)) for field, seen, _ in at] for at in scenes])
+        low, high = ends[..., 0].min(axis=0).tolist(), ends[..., 1].max(axis=0).tolist()
+        return list(zip(low, high, strict=True))
 
     def _read(self, step: int, window: View) -> list[tuple[RenderedField, Scene, SurfaceGap | None]]:
         """What the panels show of a step."""
@@ -79,7 +72,6 @@ class PlanarArtist(FlowArtist):
         return shown
 
     def _picture(self, step: int, window: View, spans: Sequence[Span]) -> Picture:
-        """One picture."""
         scenes, framed = self._scenes(step, window), []
         for (field, seen, gap), span in zip(scenes, spans, strict=True):
             shades = ScalarMappable(field.scale.norm(span), field.colour_map)

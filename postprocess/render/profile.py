@@ -1,25 +1,29 @@
-"""Pictures of macroscopic runs, which have no bodies: the profiles of a step."""
+"""Pictures of macroscopic runs, which have no bodies: density, velocity and memory over x at a step."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
+import matplotlib as mpl
 import numpy as np
+from matplotlib.figure import Figure
 
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
-from fsi.postprocess.plots.profiles import LABELS, profile_figure
-from fsi.postprocess.render.artist import Artist
+from fsi.postprocess.plots.figure import BLUE, STYLE
 from fsi.postprocess.render.canvas import Picture
-from fsi.postprocess.render.picture import pixels
+from fsi.postprocess.render.fields import Span
+from fsi.postprocess.render.picture import Artist, pixels
 from fsi.postprocess.render.view import Choice
 from fsi.postprocess.run.run import Run
 
+# Columns of profiles.csv, and what they are.
+LABELS = {"rho": r"density $\rho$", "u": "velocity u", "gamma": r"memory $\gamma$"}
 _ROUNDING = 1e-9  # of the largest number in a profile
 
 
 class ProfileArtist(Artist):
-    """Draws density, velocity and memory over x, or the one that is chosen."""
+    """Draws all profiles below each other, or the one that is chosen."""
 
     series = "profile"
 
@@ -47,13 +51,30 @@ class ProfileArtist(Artist):
             yield pixels(profile_figure(self.title(step), profile, ends, self.choice.size))[..., :3]
 
     def _read(self, step: int) -> dict[str, Array]:
-        """The profiles of a step at the middles x of its parcels."""
+        """At the middles x of the parcels, (n,) each."""
         grid = self.run.mesh(step, self.series)
         return {"x": np.asarray(grid.points)[:, 0]} | {name: np.asarray(grid[name]) for name in self.names}
 
 
-def _ends(values: Array, least: float) -> tuple[float, float]:
+def _ends(values: Array, least: float) -> Span:
     """Of an axis that shows all values, and a little more; what differs by less is constant."""
     low, high = float(values.min()), float(values.max())
     room = 0.05 * (high - low) if high - low > least else 0.5
     return low - room, high + room
+
+
+def profile_figure(title: str, profile: Mapping[str, Array], ends: Mapping[str, Span], size: int) -> Figure:
+    """Draw all columns (n,) of a profile against its column x, below each other.
+
+    ends: of the axis of each column; size: about as many pixels high and wide.
+    """
+    names = [name for name in LABELS if name in profile]
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(6.0, 1.2 + 1.7 * len(names)), dpi=size / 6.0, layout="constrained")
+        figure.suptitle(title, x=0.02, ha="left", fontsize=13)
+        axes = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
+        for name, panel in zip(names, axes, strict=True):
+            panel.plot(profile["x"], profile[name], ".-", color=BLUE, ms=2, lw=1.0)
+            panel.set(ylabel=LABELS[name], xlim=ends["x"], ylim=ends[name])
+        axes[-1].set_xlabel("x")
+    return figure

@@ -5,14 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from fsi.errors import InputError
-from fsi.postprocess.render.artist import Artist
+from fsi.files import require_suffix
 from fsi.postprocess.render.network import NetworkArtist
-from fsi.postprocess.render.picture import MOVIES, STILLS, write_pictures
+from fsi.postprocess.render.picture import MOVIES, STILLS, Artist, write_pictures
 from fsi.postprocess.render.planar import PlanarArtist
 from fsi.postprocess.render.profile import ProfileArtist
 from fsi.postprocess.render.spatial import SpatialArtist
 from fsi.postprocess.render.view import Choice
-from fsi.postprocess.run.output import require_suffix
 from fsi.postprocess.run.run import Run
 
 

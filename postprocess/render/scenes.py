@@ -7,7 +7,7 @@ plain sides, which is filled with images.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pyvista as pv
@@ -20,9 +20,8 @@ from fsi.meshes.geometry.lattice import Integers, Lattice
 from fsi.postprocess.render.curved_cells import cells_within, mirrored, refine, stream_function
 from fsi.postprocess.render.fields import RenderedField
 from fsi.postprocess.render.view import View, around_bodies, around_period
-from fsi.postprocess.run.cells import nodes
 from fsi.postprocess.run.gaps import SurfaceGap, gap_between, narrowest_gap
-from fsi.postprocess.run.run import Run
+from fsi.postprocess.run.run import Run, nodes
 
 _SIDE = 12.0  # of the triangles that stand for a cell, in pixels; the colours between are linear
 _SAME_PLACE = 1e-9  # of the window: nodes of two copies that are one
@@ -50,13 +49,11 @@ class Scene:
 
     def surface(self, field: RenderedField, size: int) -> pv.PolyData:
         """Triangles small enough for so many pixels, with the data `value`, and `psi` for streamlines."""
-        names = [*field.needs]
         if field.streamlines:
             u = self.fluid["velocity"]
             w = self.fluid["r"][:, None] * u if self.axisymmetric else u
             self.fluid["psi"] = stream_function(self.fluid, w)
-            names.append("psi")
-        surface = self.bare_surface(size, names)
+        surface = self.bare_surface(size, [*field.needs, *(["psi"] if field.streamlines else [])])
         surface["value"] = field.value(surface.point_data, self.viscosity)
         return surface
 
@@ -105,7 +102,8 @@ def gap_at(run: Run, step: int, sides: tuple[int, int] | None, window: View) -> 
     q, container = run.configuration(step), run.container(step)
     gap = narrowest_gap(q, container) if sides is None else gap_between(q, container, sides)
     lattice = Lattice(container.periods)
-    return gap.moved(-lattice.shift(lattice.nearest((gap.middle - window.centre)[None]))[0])
+    away = lattice.shift(lattice.nearest((gap.middle - window.centre)[None]))[0]
+    return replace(gap, middle=gap.middle - away)
 
 
 def scene(run: Run, step: int, fluid: pv.UnstructuredGrid, view: View, tractions: bool) -> Scene:
@@ -127,17 +125,11 @@ def scene(run: Run, step: int, fluid: pv.UnstructuredGrid, view: View, tractions
     cells.points = view.local(cells.points)
     if bodies is not None:
         bodies = bodies.copy()
-        bodies.cell_data["inside"] = view.local(_owners(bodies, home, lattice))
-        bodies.points = view.local(bodies.points)
+        # The centre of the body, or of its image, that each cell belongs to, (cells, 2).
+        centre = home[bodies.cell_data["body"]]
+        centre = centre + lattice.shift(lattice.nearest(bodies.cell_centers().points[:, :2] - centre))
+        bodies.cell_data["inside"], bodies.points = view.local(centre), view.local(bodies.points)
     return Scene(view, cells, bodies, q, axisymmetric, run.case.fluid.viscosity)
-
-
-def _owners(bodies: pv.UnstructuredGrid, centres: Array, lattice: Lattice) -> Array:
-    """The centre of the body, or of its image, that each cell of the surfaces belongs to, (cells, 2)."""
-    centre = centres[bodies.cell_data["body"]]
-    away = bodies.cell_centers().points[:, :2] - centre
-    owner: Array = centre + lattice.shift(lattice.nearest(away))
-    return owner
 
 
 def tiled(grid: pv.UnstructuredGrid, container: Container, view: View) -> pv.UnstructuredGrid:

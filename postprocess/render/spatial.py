@@ -15,10 +15,9 @@ from matplotlib.cm import ScalarMappable
 from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.postprocess.render.artist import FlowArtist
 from fsi.postprocess.render.canvas import Picture, new_panel, new_spatial_panel
 from fsi.postprocess.render.fields import RenderedField, rendered_field
-from fsi.postprocess.render.picture import Framed, compose
+from fsi.postprocess.render.picture import FlowArtist, Framed, compose
 from fsi.postprocess.render.view import Choice, View, around_all
 from fsi.postprocess.run.gaps import SurfaceGap, gap_between
 from fsi.postprocess.run.probe import FLUID, probe
@@ -89,11 +88,8 @@ def flow_on(run: Run, step: int, cut: Cut, field: RenderedField, reach: float) -
     Points are (s, t, 0); the surface has the point data `value`. Values go on from the fluid into the bodies,
     whose pictures hide it.
     """
-    grid = pv.ImageData(
-        dimensions=(_POINTS, _POINTS, 1),
-        spacing=(2.0 * reach / (_POINTS - 1), 2.0 * reach / (_POINTS - 1), 1.0),
-        origin=(-reach, -reach, 0.0),
-    )
+    dimensions, side = (_POINTS, _POINTS, 1), 2.0 * reach / (_POINTS - 1)
+    grid = pv.ImageData(dimensions=dimensions, spacing=(side, side, 1.0), origin=(-reach, -reach, 0.0))
     s, t, _ = np.asarray(grid.points, dtype=float).T
     x = cut.points(s, t)
     table = probe(run, x, step)
@@ -108,13 +104,11 @@ def flow_on(run: Run, step: int, cut: Cut, field: RenderedField, reach: float) -
     surface = grid.extract_surface(algorithm="dataset_surface")
     lines = pv.PolyData()
     if field.streamlines and np.any(grid["in plane"]):
-        lines = grid.streamlines_evenly_spaced_2D(
-            vectors="in plane",
-            start_position=_start(grid),
-            separating_distance=_APART / grid.spacing[0],  # in cells, as all lengths of this filter are
-            separating_distance_ratio=0.4,
-            compute_vorticity=False,
-        )
+        # The first begins where the flow is fastest. Lengths of this filter are in cells.
+        start = np.asarray(grid.points)[np.argmax(np.linalg.norm(grid["in plane"], axis=1))].tolist()
+        apart = {"separating_distance": _APART / side, "separating_distance_ratio": 0.4}
+        what = {"vectors": "in plane", "start_position": start, "compute_vorticity": False}
+        lines = grid.streamlines_evenly_spaced_2D(**what, **apart)
     return _inside(surface), _inside(lines)
 
 
@@ -124,12 +118,6 @@ def _known(table: pd.DataFrame) -> dict[str, Array]:
     vectors = {name: table[names].to_numpy() for name, names in columns.items()}
     scalars = {"pressure": table["p"].to_numpy(), "strain_rate": table["strain_rate"].to_numpy()}
     return vectors | scalars
-
-
-def _start(grid: pv.ImageData) -> tuple[float, float, float]:
-    """The first streamline begins where the flow is fastest."""
-    s, t, _ = np.asarray(grid.points)[np.argmax(np.linalg.norm(grid["in plane"], axis=1))]
-    return float(s), float(t), 0.0
 
 
 def _inside(drawn: pv.PolyData) -> pv.PolyData:
@@ -155,7 +143,7 @@ class SpatialArtist(FlowArtist):
         window = self._window(steps[0], np.stack([at.centres for at in q]), q[0].radii)
         seen = [self._cut(step, at, window) for step, at in zip(steps, q, strict=True)]
         reach = _REACH if self.sides is None else 1.0
-        cuts = [(step, cut) for step, (cut, _) in zip(steps, seen, strict=True)]
+        cuts = zip(steps, (cut for cut, _ in seen), strict=True)
         flows = [flow_on(self.run, step, cut, self.field, reach) for step, cut in cuts]
         values = np.concatenate([plane["value"] for plane, _ in flows])
         span = self.choice.span or self.field.scale.span_on_plane(values)

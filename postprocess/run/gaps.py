@@ -27,10 +27,6 @@ class SurfaceGap:
     middle: Array
     sides: tuple[int, int]
 
-    def moved(self, by: Array) -> SurfaceGap:
-        """Its image that lies so far away."""
-        return SurfaceGap(self.width, self.middle + by, self.sides)
-
 
 def narrowest_gap(q: Configuration, container: Container) -> SurfaceGap:
     """The smallest of all gaps between bodies or to a wall."""
@@ -48,42 +44,35 @@ def gap_between(
 ) -> SurfaceGap:
     """The gap of body `sides[0]` to another body, or to the wall of number `sides[1] - len(q)`.
 
-    away: how far the image of the other body that is meant lies from it; if not given, the nearest is.
+    away: how far the image of the other body that is meant lies from it; the nearest if not given.
     """
     i, j = sides
     if j < len(q):
         towards = q.centres[j] - q.centres[i]
         lattice = Lattice(container.periods)
-        towards = towards + (-lattice.shift(lattice.nearest(towards[None]))[0] if away is None else away)
+        towards += -lattice.shift(lattice.nearest(towards[None]))[0] if away is None else away
         width = float(np.linalg.norm(towards)) - q.radii[i] - q.radii[j]
     else:
-        wall = j - len(q)
-        shifts = 1e-3 * q.radii[i] * np.kron(np.eye(q.centres.shape[1]), [[1.0], [-1.0]])
-        distances = container.distances(q.centres[i] + shifts)[:, wall]
-        towards = distances[1::2] - distances[::2]
-        width = float(container.distances(q.centres[i : i + 1])[0, wall]) - q.radii[i]
+        x, wall = q.centres[i : i + 1], j - len(q)
+        towards = -container.normals(x)[0, wall]
+        width = float(container.distances(x)[0, wall]) - q.radii[i]
     reach = q.radii[i] + 0.5 * width
     return SurfaceGap(float(width), q.centres[i] + reach * towards / np.linalg.norm(towards), sides)
 
 
 def parse_sides(text: str, names: tuple[str, ...], walls: tuple[str, ...]) -> tuple[int, int]:
     """The sides of a gap in "3,7" or "disc,bottom": names, or numbers of bodies from 0. Raises InputError."""
-    known = [*names, *walls]
-    sides = []
+    known, sides = [*names, *walls], []
+    some = known if len(names) <= 6 else [names[0], "...", names[-1], *walls]
+    listed = f"{', '.join(some)}, or 0 ... {len(names) - 1} for the bodies"
     for word in (word.strip() for word in text.split(",")):
         if word in known:
             sides.append(known.index(word))
         elif word.isdigit() and int(word) < len(names):
             sides.append(int(word))
         else:
-            raise InputError(f"--gap {text}: there is no {word!r}; give two of {_listed(names, walls)}")
+            raise InputError(f"--gap {text}: there is no {word!r}; give two of {listed}")
     sides.sort()
     if len(sides) != 2 or sides[0] == sides[1] or sides[0] >= len(names):
-        raise InputError(f"--gap {text}: give a body and another body or wall, of {_listed(names, walls)}")
+        raise InputError(f"--gap {text}: give a body and another body or wall, of {listed}")
     return sides[0], sides[1]
-
-
-def _listed(names: tuple[str, ...], walls: tuple[str, ...]) -> str:
-    """The names that may be given."""
-    bodies = [*names] if len(names) <= 6 else [names[0], "...", names[-1]]
-    return f"{', '.join([*bodies, *walls])}, or 0 ... {len(names) - 1} for the bodies"

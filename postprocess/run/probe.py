@@ -17,11 +17,10 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
+from fsi.files import write_whole
 from fsi.meshes.cells.lagrange import gradient, locate, order_of, tabulate
 from fsi.observables.velocity_gradient import hoop_rate, strain_rate, vorticity
-from fsi.postprocess.run.cells import nodes
-from fsi.postprocess.run.output import write_whole
-from fsi.postprocess.run.run import Run
+from fsi.postprocess.run.run import Run, nodes
 
 FLUID = "fluid"
 OUTSIDE = "outside"
@@ -40,7 +39,7 @@ def probe(run: Run, points: Array, step: int | None = None) -> pd.DataFrame:
     Raises:
         InputError: the run has no fields of that step.
     """
-    letters = "rz" if run.case.axisymmetric else "xyz"[: run.dimension]
+    letters = "rz" if run.case.axisymmetric else "xyz"[: run.case.dimension]
     step = run.step(step)
     points = np.asarray(points, dtype=float)
     inside, values = _values(run, run.mesh(step), points, letters)
@@ -57,8 +56,7 @@ def _values(
     run: Run, fluid: pv.UnstructuredGrid, points: Array, letters: str
 ) -> tuple[NDArray[np.bool_], dict[str, Array]]:
     """Which points lie in the fluid, (n,), and what is found at those, by name."""
-    d = len(letters)
-    cells = nodes(fluid)
+    d, cells = len(letters), nodes(fluid)
     x, u = fluid.points[cells][..., :d], fluid["velocity"][cells][..., :d]
     cell, X = locate(x, points, _TOLERANCE)
     inside = cell >= 0
@@ -68,12 +66,9 @@ def _values(
     velocity = np.einsum("pn,pnc->pc", phi, u)
     hoop = hoop_rate(points[inside, 0], velocity[:, 0], G) if run.case.axisymmetric else 0.0
     curl = vorticity(G)
-    return inside, {
-        **{f"u_{letter}": velocity[:, k] for k, letter in enumerate(letters)},
-        "p": np.einsum("pn,pn->p", phi, p),
-        **({"vorticity": curl} if d == 2 else {f"vorticity_{c}": curl[:, k] for k, c in enumerate(letters)}),
-        "strain_rate": strain_rate(G, hoop),
-    }
+    curls = {"vorticity": curl} if d == 2 else {f"vorticity_{c}": curl[:, k] for k, c in enumerate(letters)}
+    values = {f"u_{c}": velocity[:, k] for k, c in enumerate(letters)} | {"p": np.sum(phi * p, axis=1)}
+    return inside, values | curls | {"strain_rate": strain_rate(G, hoop)}
 
 
 def _places(run: Run, points: Array, step: int) -> list[str]:
@@ -83,11 +78,6 @@ def _places(run: Run, points: Array, step: int) -> list[str]:
     for name, centre, radius in zip(run.case.names, q.centres, q.radii, strict=True):
         places[np.linalg.norm(points - centre, axis=1) <= radius * (1.0 + _TOLERANCE)] = name
     return [str(place) for place in places]
-
-
-def on_line(start: Sequence[float], end: Sequence[float], count: int) -> Array:
-    """Evenly spaced points from start to end, (count, d)."""
-    return np.linspace(start, end, count)
 
 
 def on_plane(corner: Sequence[float], opposite: Sequence[float], count: int) -> Array:
@@ -118,9 +108,8 @@ def read_points(path: Path, dimension: int = 2) -> Array:
     if len(numbers) and np.isnan(numbers[0]).all():
         numbers = numbers[1:]
     if numbers.shape[1:] != (dimension,) or not len(numbers) or not np.isfinite(numbers).all():
-        raise InputError(
-            f"points = {path}: has lines without {dimension} numbers; give a CSV file of {wanted}"
-        )
+        what = f"points = {path}: has lines without {dimension} numbers"
+        raise InputError(f"{what}; give a CSV file of {wanted}")
     return np.asarray(numbers)
 
 

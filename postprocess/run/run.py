@@ -21,18 +21,22 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pyvista as pv
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import PLACES, Array, Configuration
 from fsi.case.case import Case
-from fsi.case.load import load_case, read_toml
+from fsi.case.load import load_case
 from fsi.errors import InputError
+from fsi.gluey.system import room
+from fsi.meshes.cells.lagrange import lattice
 from fsi.meshes.geometry.containers import Container
-from fsi.postprocess.run.cells import counted, nodes
 from fsi.postprocess.run.tables import read_table
 from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint
 from fsi.run_folder.folder import CASE
 from fsi.run_folder.paraview import Entry, read_collection
+
+Indices = NDArray[np.intp]
 
 _SAME_NODE = 1e-13  # of the size of the domain: ranks agree on the nodes that they share to rounding
 
@@ -51,7 +55,6 @@ def open_run(path: Path | str) -> Run:
 
 # By model: the series of files that pictures are made of.
 _SERIES = {"resolved": "fluid", "reduced": "bodies", "gluey": "bodies", "macroscopic": "profile"}
-_INSTEAD = "use `fsi render`, `fsi plot` or `fsi report`"  # for a run without a flow field
 
 
 @dataclass(frozen=True)
@@ -66,42 +69,22 @@ class Run:
 
     def __repr__(self) -> str:
         """What it is and how far it has come, in one line."""
-        return f"<Run {self.name!r}: {self.model}, {len(self.steps)} steps to t = {self.end:g}>"
+        return f"<Run {self.case.name!r}: {self.case.model}, {len(self.steps)} steps to t = {self.end:g}>"
 
     @cached_property
     def case(self) -> Case:
         """The case, with every default filled in."""
         return load_case(self.path / CASE)
 
-    @cached_property
-    def name(self) -> str:
-        """The name that the case has, of whatever model."""
-        return str(self.data["name"])
-
-    @property
-    def model(self) -> str:
-        """The model of the run: resolved, reduced, gluey or macroscopic."""
-        return str(self.data.get("model", "resolved"))
-
     @property
     def has_flow(self) -> bool:
         """Whether it is of a model with a viscous fluid."""
-        return self.model in ("resolved", "reduced")
+        return self.case.model in ("resolved", "reduced")
 
     @property
     def series(self) -> str:
         """What its pictures are made of: "fluid", "bodies" (and their contacts), or "profile"."""
-        return _SERIES[self.model]
-
-    @cached_property
-    def dimension(self) -> int:
-        """2 or 3; with an axis 2."""
-        return 3 if "z" in self.bodies else 2
-
-    @cached_property
-    def data(self) -> dict[str, Any]:
-        """The case file. Raises InputError."""
-        return read_toml(self.path / CASE)
+        return _SERIES[self.case.model]
 
     @cached_property
     def steps(self) -> pd.DataFrame:
@@ -156,26 +139,22 @@ class Run:
         written = self.times_of(series).index
         if written.empty:
             if self.series != "fluid" and series in ("fluid", "surface"):
-                raise InputError(
-                    f'model = "{self.model}": the run in {self.path} has no flow field; {_INSTEAD}'
-                )
-            raise InputError(
-                f"{self.path / series}.pvd: the run has written no fields; set output.fields = true"
-                " and run it again"
-            )
+                what = f'model = "{self.case.model}": the run in {self.path} has no flow field'
+                raise InputError(f"{what}; use `fsi render`, `fsi plot` or `fsi report`")
+            what = f"{self.path / series}.pvd: the run has written no fields"
+            raise InputError(f"{what}; set output.fields = true and run it again")
         if step is None:
             return int(written[-1])
         if step not in written:
-            some = ", ".join(map(str, written))
-            some = some if len(written) < 5 else f"{written[0]}, {written[1]}, ..., {written[-1]}"
+            ends = [written[0], written[1], "...", written[-1]]
+            some = ", ".join(map(str, written if len(written) < 5 else ends))
             raise InputError(f"step = {step}: has no fields; give one of {some}")
         return step
 
     def nearest(self, time: float, series: str = "fluid") -> int:
         """The step with fields nearest to a time. Raises InputError."""
         self.step(None, series)
-        times = self.times_of(series)
-        return int((times - time).abs().idxmin())
+        return int((self.times_of(series) - time).abs().idxmin())
 
     def container(self, step: int) -> Container:
         """What encloses the fluid at a step; the lattice of a sheared cell moves."""
@@ -183,25 +162,19 @@ class Run:
 
     def configuration(self, step: int) -> Configuration:
         """Where the bodies were at a step."""
-        start = self.case.configuration()
+        start, d = self.case.configuration(), self.case.dimension
         if not len(start):
             return start
-        now = self.bodies[self.bodies["step"] == step]
-        d = start.centres.shape[1]
-        place = now[list(PLACES[d])].to_numpy()
+        place = self.bodies.loc[self.bodies["step"] == step, list(PLACES[d])].to_numpy()
         return Configuration(place[:, :d], place[:, d:].reshape(start.angles.shape), start.radii)
 
     def wall_distances(self, x: Array) -> Array:
-        """Distance of points (n, d) to each wall, (n, walls); a gluey case lists planes and a cell."""
+        """Distance of points (n, d) to each wall, (n, walls); in gluey runs not to those far away."""
         if self.has_flow:
             return self.case.container().distances(x)
-        planes = [(wall["point"], wall["normal"]) for wall in self.data.get("walls", ())]
-        cell = self.data.get("cell")
-        for axis, e in enumerate(np.eye(x.shape[1])):
-            if cell is not None and "xyz"[axis] not in cell.get("periodic", ()):
-                planes += [(cell["lower"], e), (cell["upper"], -e)]
-        to_each = [(x - point) @ np.array(n) / np.linalg.norm(n) for point, n in planes]
-        return np.column_stack(to_each) if planes else np.empty((len(x), 0))
+        walls = room(self.case)
+        distances: Array = np.sum((x[:, None] - walls.points) * walls.normals, axis=2)
+        return distances
 
     @property
     def end(self) -> float:
@@ -211,8 +184,7 @@ class Run:
     @property
     def asked(self) -> float | None:
         """The time until which the case asks it to run; None where it has no [time]."""
-        time = self.data.get("time")
-        return None if time is None else float(time["end"])
+        return None if self.case.time is None else self.case.time.end
 
     @property
     def finished(self) -> bool:
@@ -224,10 +196,9 @@ class Run:
         """What provenance.json says of each launch. Raises InputError."""
         path = self.path / "provenance.json"
         try:
-            launches: list[dict[str, Any]] = json.loads(path.read_text(encoding="utf-8"))["launches"]
+            return list(json.loads(path.read_text(encoding="utf-8"))["launches"])
         except (OSError, ValueError, KeyError) as error:
             raise InputError(f"{path}: cannot be read ({error}); give a run folder") from None
-        return launches
 
     @cached_property
     def _commit(self) -> Checkpoint | None:
@@ -261,3 +232,32 @@ def _joined(parts: list[pv.UnstructuredGrid]) -> pv.UnstructuredGrid:
     joined.point_data.update({name: values[first] for name, values in grid.point_data.items()})
     joined.cell_data.update(grid.cell_data)
     return joined
+
+
+def nodes(grid: pv.UnstructuredGrid) -> Indices:
+    """Node numbers of each cell, in a grid of Lagrange cells of one kind, shape (cells, nodes of one).
+
+    A cell of the fluid has 3 vertices (in space 4), then the inner nodes of its edges, in the plane 01, 12,
+    20, then its inner nodes; a curve has both ends, then its inner nodes along it.
+    """
+    numbers: Indices = grid.cell_connectivity.reshape(grid.n_cells, -1)
+    return numbers
+
+
+def small_triangles(order: int) -> Indices:
+    """The triangles between the nodes of a cell, (order^2, 3), as it is oriented itself."""
+    at = {index: k for k, index in enumerate(lattice(order))}
+    cells = [(i, j) for i in range(order) for j in range(order - i)]
+    up = [(at[i, j], at[i + 1, j], at[i, j + 1]) for i, j in cells]
+    down = [(at[i + 1, j], at[i + 1, j + 1], at[i, j + 1]) for i, j in cells if i + j < order - 1]
+    return np.array(up + down, dtype=np.intp)
+
+
+def along_curves(curves: Indices) -> Indices:
+    """The nodes of curves (cells, order + 1) from end to end."""
+    return curves[:, [0, *range(2, curves.shape[1]), 1]]
+
+
+def counted(cells: Indices) -> Indices:
+    """VTK's list of cells: each row led by its length."""
+    return np.insert(cells, 0, cells.shape[1], axis=1).ravel()

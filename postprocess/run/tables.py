@@ -5,21 +5,17 @@ from __future__ import annotations
 import io
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from fsi.errors import InputError
 
 # What is not a number at instants to which it does not apply.
-_SOMETIMES = (
-    "apparent_viscosity",
-    "err_apparent_viscosity",
-    "lubrication_viscosity",
-    "stress",
-    "viscosity_bound",
-)
+_VISCOSITIES = ("apparent_viscosity", "err_apparent_viscosity", "lubrication_viscosity", "viscosity_bound")
+_SOMETIMES = (*_VISCOSITIES, "stress")
 # What the tables of all models begin with.
 _STEPS = ("step", "t")
-_BODIES = {2: ("step", "t", "body", "x", "y"), 3: ("step", "t", "body", "x", "y", "z")}
 
 
 def read_table(path: Path, length: int | None) -> pd.DataFrame:
@@ -45,10 +41,15 @@ def read_table(path: Path, length: int | None) -> pd.DataFrame:
     if path.stem == "steps":
         _require_numbers(path, frame, _STEPS)
     elif path.stem == "bodies":
-        _require_numbers(path, frame, _BODIES[3 if "z" in frame else 2])
+        _require_numbers(path, frame, (*_STEPS, "body", *("xyz" if "z" in frame else "xy")))
         if frame["step"].value_counts().nunique() > 1:
             raise _changed(path, "its steps have different numbers of bodies")
     return frame
+
+
+def spread(rows: int, most: int) -> NDArray[np.intp]:
+    """Positions of at most so many rows, evenly spread, first and last included."""
+    return np.unique(np.linspace(0, rows - 1, most).astype(np.intp)) if rows else np.empty(0, dtype=np.intp)
 
 
 def _require_numbers(path: Path, frame: pd.DataFrame, columns: tuple[str, ...]) -> None:
@@ -65,8 +66,8 @@ def _require_numbers(path: Path, frame: pd.DataFrame, columns: tuple[str, ...]) 
             broken &= values.notna()
         if broken.any():
             row = int(broken.argmax())
-            value = str(values.iloc[row])[:30]
-            raise _changed(path, f'{name} = "{value}" in its row {row + 1} is not a number')
+            value = f'{name} = "{str(values.iloc[row])[:30]}"'
+            raise _changed(path, f"{value} in its row {row + 1} is not a number")
 
 
 def _changed(path: Path, how: str) -> InputError:

@@ -22,7 +22,7 @@ from fsi.errors import InputError
 from fsi.integration.state import StepRecord
 from fsi.lubrication.named_laws import SqueezeFilm, exact_law
 from fsi.models import make_model
-from fsi.postprocess.export.step_mesh import write_step_mesh
+from fsi.postprocess.export import write_step_mesh
 from fsi.postprocess.run.probe import probe
 from fsi.postprocess.run.run import open_run
 from fsi.run_folder.paraview import read_collection

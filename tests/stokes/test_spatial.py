@@ -22,7 +22,7 @@ from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.lubrication import sphere_beside_plane, spheres
-from fsi.postprocess.export.step_mesh import write_step_mesh
+from fsi.postprocess.export import write_step_mesh
 from fsi.runs import run
 from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.model import StokesModel

@@ -17,14 +17,25 @@ from fsi.postprocess.render.view import Choice
 GLUEY = """
 name = "pile"
 model = "gluey"
-[[walls]]
-name = "plane"
-point = [0.0, -1.0]
-normal = [0.0, 2.0]
-[cell]
+[domain]
 lower = [-9.0, -9.0]
 upper = [9.0, 9.0]
 periodic = ["y"]
+[[gluey.walls]]
+name = "plane"
+point = [0.0, -1.0]
+normal = [0.0, 2.0]
+[[bodies]]
+name = "a"
+radius = 1.0
+position = [-1.0, 0.0]
+[[bodies]]
+name = "b"
+radius = 1.0
+position = [1.0, 0.0]
+[time]
+end = 1.0
+step = 0.1
 """
 BODY, WALL = (0xF3, 0xEF, 0xE6), (0xC9, 0xC9, 0xC9)
 STRONG, SIZE = -4.0, 400
@@ -69,9 +80,9 @@ def test_discs_wall_and_contacts_cover_what_they_should(pile: Path) -> None:
 
 
 def test_walls_of_a_gluey_case(pile: Path) -> None:
-    """A plane, and the sides of the cell across its periods' direction."""
+    """The sides of the cell across its periods' direction, and a plane."""
     found = fsi.open_run(pile).wall_distances(np.array([[1.0, 0.5]]))
-    np.testing.assert_allclose(found, [[1.5, 10.0, 8.0]])
+    np.testing.assert_allclose(found, [[10.0, 8.0, 1.5]])
 
 
 @pytest.mark.parametrize(

@@ -11,9 +11,8 @@ from PIL.GifImagePlugin import GifImageFile
 
 import fsi
 from fsi.errors import InputError
-from fsi.postprocess.plots.profiles import profile_figure
 from fsi.postprocess.render import canvas
-from fsi.postprocess.render.profile import ProfileArtist
+from fsi.postprocess.render.profile import ProfileArtist, profile_figure
 from fsi.postprocess.render.render import render_run
 from fsi.postprocess.render.view import Choice
 from fsi.postprocess.run.run import Run

@@ -9,7 +9,7 @@ import pyvista as pv
 import fsi
 from fsi.errors import InputError
 from fsi.meshes.cells.lagrange import reference_nodes
-from fsi.postprocess.export.revolve import export_revolved, revolved
+from fsi.postprocess.export import export_revolved, revolved
 
 
 def meridian() -> pv.UnstructuredGrid:

@@ -1,8 +1,8 @@
-"""An axisymmetric run in three dimensions: its series, turned around the axis, for ParaView.
+"""A run in other forms: the mesh of a step, and an axisymmetric run turned around its axis, for ParaView.
 
-The axis becomes z. Each curved cell is cut into small triangles between its own nodes, each triangle becomes
-a ring of wedges, and all data are those of the nodes, vectors turned along; surfaces become rings of
-rectangles.
+Of the latter the axis becomes z. Each curved cell is cut into small triangles between its own nodes, each
+triangle becomes a ring of wedges, and all data are those of the nodes, vectors turned along; surfaces become
+rings of rectangles.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from fsi.bodies.configuration import Array
 from fsi.errors import InputError
 from fsi.files import replace
 from fsi.meshes.cells.lagrange import order_of
-from fsi.postprocess.run.cells import along_curves, nodes, small_triangles
-from fsi.postprocess.run.run import Run
+from fsi.meshes.geometry.containers import FluidDomain
+from fsi.postprocess.run.run import Run, along_curves, nodes, open_run, small_triangles
 from fsi.run_folder.paraview import Entry, collection
 
 SERIES = ("fluid", "surface")
@@ -26,11 +26,7 @@ SERIES = ("fluid", "surface")
 def export_revolved(run: Run, folder: Path, degrees: float, sectors: int) -> list[Path]:
     """Write fluid.pvd and surface.pvd, with their files, into a new folder; gives the collections.
 
-    Args:
-        run: an axisymmetric one.
-        folder: does not exist yet.
-        degrees: how far to turn, up to 360; less shows the inside.
-        sectors: into how many to divide that.
+    degrees: how far to turn, up to 360 (less shows the inside), in so many sectors.
 
     Raises:
         InputError: the run is planar or has no fields, or the folder is there or cannot be written.
@@ -41,14 +37,12 @@ def export_revolved(run: Run, folder: Path, degrees: float, sectors: int) -> lis
     try:
         folder.mkdir()
         angles = np.linspace(0.0, np.radians(degrees), sectors + 1)
-        written = [_series(run, name, folder, angles) for name in SERIES]
+        return [_series(run, name, folder, angles) for name in SERIES]
     except OSError as error:
         raise InputError(f"output = {folder}: {error.strerror}; give a new folder") from None
-    return written
 
 
 def _series(run: Run, series: str, folder: Path, angles: Array) -> Path:
-    """One series, a file for each step."""
     entries = []
     for step, t in run.times_of(series).items():
         name = f"{series}_{step:06d}.vtu"
@@ -62,8 +56,7 @@ def _series(run: Run, series: str, folder: Path, angles: Array) -> Path:
 def revolved(grid: pv.UnstructuredGrid, angles: Array) -> pv.UnstructuredGrid:
     """The grid of a meridian plane, (r, z), at the angles (k,) and between them; a full turn is closed."""
     cells = nodes(grid)
-    surface = grid.celltypes[0] == pv.CellType.LAGRANGE_CURVE
-    if surface:
+    if surface := grid.celltypes[0] == pv.CellType.LAGRANGE_CURVE:
         pieces = np.lib.stride_tricks.sliding_window_view(along_curves(cells), 2, axis=1).reshape(-1, 2)
     else:
         pieces = cells[:, small_triangles(order_of(cells.shape[1]))].reshape(-1, 3)
@@ -90,3 +83,23 @@ def _turned(v: Array, angles: Array) -> Array:
     cos, sin = np.cos(angles)[:, None], np.sin(angles)[:, None]
     turned: Array = np.stack([r * cos, r * sin, z], axis=-1).reshape(-1, 3)
     return turned
+
+
+def write_step_mesh(run: Path, step: int | None, output: Path) -> int:
+    """Write the mesh of a run at a step (default: the last with fields), with its tags; gives the step.
+
+    Raises:
+        InputError: the run has no fields of that step.
+        MeshFileError: the suffix is unknown, or a file cannot be read or written.
+    """
+    from fsi.meshes.files.read import recover
+    from fsi.meshes.files.write import require_suffix, write_cells
+
+    require_suffix(output)
+    read = open_run(run)
+    step = read.step(step)
+    q, container = read.configuration(step), read.container(step)
+    parts = sorted((run / "fields").glob(f"fluid_{step:06d}*.vtu"))
+    cells = recover(parts, FluidDomain(container, q.centres, q.radii))
+    write_cells(cells, output, [*read.case.names, *container.boundary_names])
+    return step

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fsi.case.load import parse_case
-from fsi.postprocess.export.step_mesh import write_step_mesh
+from fsi.postprocess.export import write_step_mesh
 from fsi.postprocess.run.run import open_run
 from fsi.runs import run as run_case
 

@@ -1,1 +1,0 @@
-"""A run's meshes and fields in other forms."""

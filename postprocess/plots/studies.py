@@ -1,0 +1,122 @@
+"""Figures of studies that use models: `fsi compare` and `fsi validate`.
+
+Of a comparison gaps over time at several levels, and the error of gap rates over the gap; of a validation
+resolved forces on the exact curve and asymptotes, all errors below.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from fsi.bodies.configuration import Array
+from fsi.comparison import LIMITS, RateComparison
+from fsi.lubrication.expansions import expansion
+from fsi.lubrication.spheres import normal_resistance
+from fsi.postprocess.plots.figure import BLUE, COLOURS, GREY, ORANGE, saved_figure
+from fsi.validation.rows import SPHERE, TERMS, Row
+
+_NAMED = 10  # most bodies that get a colour and a name
+_SPACE = 2  # between the rows of two cases
+_FLOOR = 1e-14  # where a true error of zero is drawn
+# Colours that the colour-blind tell apart, and lines that grey print does.
+_STYLES = {
+    "resolved": ("#0072b2", "-"),
+    "reduced": ("#d55e00", "--"),
+    "gluey": ("black", ":"),
+    "macroscopic": ("#009e73", "-."),
+}
+
+
+def plot_comparison(names: Sequence[str], comparison: RateComparison, path: Path) -> None:
+    """Draw into a PNG file. Raises InputError where it cannot be written."""
+    with saved_figure(path, (11.0, 4.5)) as figure:
+        left, right = figure.subplots(1, 2)
+        _draw_gaps(left, names, comparison)
+        _draw_rate_errors(right, comparison)
+
+
+def _draw_gaps(axes: Axes, names: Sequence[str], comparison: RateComparison) -> None:
+    """The smallest gap of each body: resolved as a line, reduced dashed."""
+    many = len(names) > _NAMED
+    for i, name in enumerate(names):
+        colour = GREY if many else colormaps["tab10"](i)
+        axes.semilogy(comparison.t, comparison.gap[:, i], color=colour, lw=1.5, label=None if many else name)
+        axes.semilogy(comparison.t, comparison.reduced_gap[:, i], "--", color=colour, lw=1.0)
+    axes.set(xlabel="t", ylabel="smallest gap", title="resolved (lines), reduced (dashed)")
+    if not many:
+        axes.legend(fontsize=9)
+
+
+def _draw_rate_errors(axes: Axes, comparison: RateComparison) -> None:
+    """Relative errors of the rates of all gaps, at the same configurations."""
+    error = np.maximum(comparison.rate_error, 1e-6)
+    axes.loglog(comparison.sample_gap, error, ".", color=BLUE, ms=4, alpha=0.5)
+    for limit in LIMITS:
+        axes.axhline(limit, color="black", lw=0.8, ls=":")
+        if (good := comparison.good_below(limit)) is not None:
+            axes.plot([good], [limit], "v", color=ORANGE)
+    axes.set(xlabel="gap D", ylabel="|error of D'| / |D'|", title="rate of a gap, at the same configuration")
+
+
+def plot_levels(t: Array, gaps: Mapping[str, Array], path: Path) -> None:
+    """Draw the smallest gap of each level, shape (T,), at times t."""
+    figure = Figure(figsize=(10.0, 4.0), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    for level, gap in gaps.items():
+        colour, style = _STYLES[level]
+        left.plot(t, gap, style, color=colour, label=level)
+        right.semilogy(t, np.where(gap > 0.0, gap, np.nan), style, color=colour, label=level)
+    left.set(xlabel="time", ylabel="smallest gap")
+    right.set(xlabel="time", ylabel="smallest gap (none where surfaces touch)")
+    left.legend(frameon=False)
+    for axes in (left, right):
+        axes.spines[["top", "right"]].set_visible(False)
+    figure.savefig(path, dpi=150)
+
+
+def plot_rows(rows: Sequence[Row], path: Path) -> None:
+    """Draw the rows into a PNG file. Raises InputError where it cannot be written."""
+    with saved_figure(path, (8.0, 8.0)) as figure:
+        upper, lower = figure.subplots(2, 1)
+        _draw_sphere(upper, [row for row in rows if row.exact == SPHERE and not row.failure])
+        _draw_errors(lower, [row for row in rows if not row.failure])
+
+
+def _draw_sphere(axes: Axes, rows: Sequence[Row]) -> None:
+    """Force over 6 pi mu a^2 U / q against the gap over the radius."""
+    s = np.geomspace(1e-6, 20.0, 300)
+    series = {terms: expansion("spheres", "squeeze", np.inf, terms) for terms in TERMS}
+    leading = series[1].value(s)
+    axes.loglog(s, normal_resistance(s, 1.0, 1.0) / leading, color=GREY, lw=5, alpha=0.6, label="exact")
+    for colour, (terms, name) in zip(COLOURS, TERMS.items(), strict=False):
+        axes.loglog(s, series[terms].value(s) / leading, "--", color=colour, lw=1, label=name)
+    for marker, case in zip("ox+", dict.fromkeys(row.case for row in rows), strict=False):
+        of_case = ([row.gap, row.value / row.reference] for row in rows if row.case == case)
+        gap, ratio = np.array([*of_case]).T
+        exact = normal_resistance(gap, 1.0, 1.0) / series[1].value(gap)
+        axes.loglog(gap, ratio * exact, marker, color="black", mfc="none", label=case)
+    axes.set(ylim=(0.8, 20.0), xlabel="gap / radius", ylabel="force / leading term")
+    axes.set_title("a sphere moving along the normal of a plane")
+    axes.legend(ncols=2)
+
+
+def _draw_errors(axes: Axes, rows: Sequence[Row]) -> None:
+    """True errors of all rows, with bars from a tenth of the estimate to the estimate."""
+    names = [row.case for row in rows]
+    begins = np.array([k == 0 or names[k] != names[k - 1] for k in range(len(names))])
+    place = np.arange(len(rows)) + _SPACE * np.cumsum(begins)
+    bar = np.array([row.error_bar for row in rows])
+    axes.vlines(place, 0.1 * bar, bar, color=COLOURS[0], lw=3, alpha=0.5, label="estimate, down to a tenth")
+    axes.plot(place, [max(row.true_error, _FLOOR) for row in rows], "o", color=COLOURS[1], ms=4, label="true")
+    axes.plot(place, [row.rtol for row in rows], "_", color="black", label="tolerance")
+    axes.set(yscale="log", ylabel="relative error")
+    labels = [names[k] for k in np.flatnonzero(begins)]
+    axes.set_xticks(place[begins], labels, rotation=45, ha="right", fontsize=8)
+    axes.legend(ncols=3)
+    axes.grid(visible=False, axis="x")
