@@ -21,8 +21,7 @@ CELLS = {"channel": (True, False), "periodic": (True, True), "box": (False, Fals
 def volumes(radii: ArrayLike, dimension: int) -> Array:
     """Areas pi a^2 of discs, or volumes 4 pi a^3 / 3 of spheres."""
     factor = {2: pi, 3: 4.0 * pi / 3.0}[dimension]
-    volumes: Array = factor * np.asarray(radii, dtype=np.float64) ** dimension
-    return volumes
+    return np.asarray(factor * np.asarray(radii, dtype=np.float64) ** dimension)
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,8 +113,7 @@ class SimulationCell:
         tree = cKDTree(self.wrapped(x), boxsize=np.where(self.periodic, self.sides, 0.0))
         pairs = np.sort(tree.query_pairs(reach, output_type="ndarray").astype(np.intp), axis=1)
         order = np.lexsort((pairs[:, 1], pairs[:, 0]))
-        sorted_pairs: NDArray[np.intp] = pairs[order]
-        return sorted_pairs
+        return np.asarray(pairs[order])
 
     def wall_distances(self, x: Array) -> Array:
         """Distance of points (n, d) to the walls, two for each walled axis, shape (n, walls)."""
@@ -162,5 +160,4 @@ class Arrangement:
     def _gaps(self, pairs: NDArray[np.intp]) -> Array:
         i, j = pairs[:, 0], pairs[:, 1]
         between = self.cell.separation(self.centres[i], self.centres[j])
-        gaps: Array = np.linalg.norm(between, axis=1) - self.radii[i] - self.radii[j]
-        return gaps
+        return np.asarray(np.linalg.norm(between, axis=1) - self.radii[i] - self.radii[j])

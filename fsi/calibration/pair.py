@@ -75,8 +75,7 @@ class Pair:
     def at(self, gap: float) -> Case:
         """The case at this gap, with the motion that its resistance belongs to, and nothing else.
 
-        Raises:
-            InputError: the bodies have no room there.
+        Raises InputError: the bodies have no room there.
         """
         centre = self.case.configuration().centres[self.first] + (gap - self.gap) * self.normal
         data: dict[str, Any] = self.case.model_dump(exclude_none=True, exclude=_LEFT_OUT)
@@ -103,7 +102,6 @@ class Pair:
         return float(1.0 / speed), float(error / speed**2)
 
     def _motion(self, i: int) -> dict[str, Any]:
-        """Keys of body i."""
         if self.second is not None:
             sign = 1.0 if i == self.first else -1.0
             return {"force": tuple((sign * self.normal).tolist())}
@@ -129,8 +127,7 @@ class Pair:
 def pair_of(case: Case) -> Pair:
     """The pair that a case wants calibrated.
 
-    Raises:
-        InputError: there is no section [calibration], or it does not fit the case.
+    Raises InputError: there is no section [calibration], or it does not fit the case.
     """
     plan = case.calibration
     if plan is None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.calibration.pair import Pair
-from fsi.calibration.samples import Sample, Samples, as_arrays
+from fsi.calibration.sampling import Sample, Samples, as_arrays
 from fsi.case.law_file import LawFile, SeriesSection, TableSection
 from fsi.errors import SolveError
 from fsi.lubrication.expansions import EXPONENTS, basis, coefficients
@@ -92,8 +92,7 @@ def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
         samples: of it.
         case: name of the case file, for the law's source.
 
-    Raises:
-        SolveError: the samples do not decrease with the gap.
+    Raises SolveError: the samples do not decrease with the gap.
     """
     fitted, a = as_arrays(samples, held_out=False), pair.reduced_radius
     unit = pair.case.fluid.viscosity * a ** EXPONENTS[pair.shape, pair.plan.mode]
@@ -145,7 +144,6 @@ def _compared(pair: Pair, fit: Fit) -> list[Coefficient]:
 
 
 def _tested(pair: Pair, samples: list[Sample], law: LawFile) -> HeldOut | None:
-    """The held-out samples within the law's range."""
     held = as_arrays(samples, held_out=True)
     kappa, a = law.law(), pair.reduced_radius
     inside = (held.d / a >= kappa.range[0]) & (held.d / a <= kappa.range[1])

@@ -64,7 +64,7 @@ def _compare(cases: dict[str, Any], folder: Path, *, quiet: bool) -> dict[str, A
     from fsi.postprocess.plots.comparison import plot_comparison
     from fsi.postprocess.plots.levels import plot_levels
     from fsi.postprocess.run.run import open_run
-    from fsi.report.comparison import print_rates, print_trajectories
+    from fsi.report.studies import print_rates, print_trajectories
     from fsi.run_folder.checkpoint import replace
 
     histories = {

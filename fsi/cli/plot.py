@@ -46,7 +46,7 @@ def plot(
     A single body that settles onto a plane comes with its exact law and that law's asymptote. The file that a
     benchmark writes with --json gives its CPU seconds against N.
     """
-    from fsi.calibration.files import SUMMARY
+    from fsi.calibration.calibrate import SUMMARY
     from fsi.postprocess.plots.calibration import plot_calibration
     from fsi.postprocess.plots.figure import require_figure
     from fsi.postprocess.plots.histories import plot_runs

@@ -32,8 +32,8 @@ def validate(
     """
     from fsi.cli.shipped import shipped_cases
     from fsi.postprocess.plots.validation import plot_rows
-    from fsi.report.validation import print_errors, print_rows
-    from fsi.validation.validate import require_passed, validate_cases
+    from fsi.report.studies import print_errors, print_rows
+    from fsi.validation.resolved import require_passed, validate_cases
 
     progress, console = standard_error(), standard_output()
     folder = cases or shipped_cases() / "validation"

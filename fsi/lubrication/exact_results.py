@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from fsi.lubrication import exact, spheres
 from fsi.lubrication import sphere_beside_plane as beside
-from fsi.lubrication import sphere_settling as settling
 
 Array = NDArray[np.float64]
 
@@ -164,7 +163,7 @@ def two_discs(problem: ExactProblem) -> float:
 @exact_result(Fitting("axisymmetric", "half-plane", 1, "time"))
 def sphere_settling(problem: ExactProblem) -> float:
     """The time in which a sphere settles to a gap."""
-    return float(settling.settling_time(problem.gap, *problem.beside_plane(), problem.F[0, 1]))
+    return float(spheres.settling_time(problem.gap, *problem.beside_plane(), problem.F[0, 1]))
 
 
 @exact_result(Fitting("planar", "half-plane", 1, "time"))

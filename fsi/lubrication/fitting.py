@@ -3,8 +3,8 @@
 Samples K_i at s_i have error bars b_i, and the exact K is the series sum_k c_k phi_k(s) of its geometry,
 which a fit must break off. So the coefficients of the first terms are free, and those of later terms are
 unknown numbers of natural size: normal, of mean 0 and standard deviation |c1| (in all expansions known, in
-`fsi.lubrication.expansions`, they are of the size of c1 or below). They are estimated with the others,
-and what is not known of them is the error of the model, which so enters every confidence interval:
+`fsi.lubrication.expansions`, they are of the size of c1 or below). They are estimated with the others, and
+what is not known of them is the error of the model, which so enters every confidence interval:
 
     min over c   (K - Phi c)^T C^-1 (K - Phi c) + sum over later k (c_k/c1)^2
     C = diag(b^2) + b b^T
@@ -77,8 +77,7 @@ class Fit:
 def band(terms: tuple[Term, ...], covariance: Array, s: Array) -> Array:
     """Half width of the 95 % interval of sum_k c_k phi_k(s), shape of s."""
     phi = design(terms, s)
-    width: Array = CONFIDENCE * np.sqrt(np.einsum("...k,kl,...l->...", phi, covariance, phi))
-    return width
+    return np.asarray(CONFIDENCE * np.sqrt(np.einsum("...k,kl,...l->...", phi, covariance, phi)))
 
 
 def design(terms: tuple[Term, ...], s: Array) -> Array:
@@ -98,8 +97,7 @@ def fit_series(s: Array, K: Array, bars: Array, terms: tuple[Term, ...], free: i
         terms: of the series, in the order of their size at small s.
         free: how many of them have no prior.
 
-    Raises:
-        ValueError: too few samples, or not in order.
+    Raises ValueError: too few samples, or not in order.
     """
     if len(s) <= free or np.any(np.diff(s) <= 0.0):
         raise ValueError(f"{len(s)} samples: a fit needs more than {free}, at increasing gaps")

@@ -5,9 +5,9 @@ Stokes flow has no length but these, so that for one ratio b/a
 
     kappa(d, a_r) = mu a_r^n K(s),   s = d/a_r,   n = 1 for spheres, 0 for discs (per unit length)
 
-with a dimensionless profile K: a series, a table, or a closed form. At small gaps K
-tends to 6 pi/s for spheres and to 3 sqrt2 pi s^(-3/2) for discs, whatever b/a is. A law also has the
-antiderivative of kappa in d, the `ln d` or `-2 d^(-1/2)` of the distance equation; its constant is the law's.
+with a dimensionless profile K: a series, a table, or a closed form. At small gaps K tends to 6 pi/s for
+spheres and to 3 sqrt2 pi s^(-3/2) for discs, whatever b/a is. A law also has the antiderivative of kappa in
+d, the `ln d` or `-2 d^(-1/2)` of the distance equation; its constant is the law's.
 """
 
 from __future__ import annotations
@@ -87,14 +87,12 @@ class ScaledLaw:
     def kappa(self, d: ArrayLike, radius: ArrayLike) -> Array:
         """mu a_r^n K(d/a_r)."""
         a, s = self._ratio(d, radius)
-        kappa: Array = self.viscosity * a**self.exponent * self.profile.value(s)
-        return kappa
+        return np.asarray(self.viscosity * a**self.exponent * self.profile.value(s))
 
     def integral(self, d: ArrayLike, radius: ArrayLike) -> Array:
         """mu a_r^(n+1) times the antiderivative of K."""
         a, s = self._ratio(d, radius)
-        integral: Array = self.viscosity * a ** (self.exponent + 1) * self.profile.integral(s)
-        return integral
+        return np.asarray(self.viscosity * a ** (self.exponent + 1) * self.profile.integral(s))
 
     def _ratio(self, d: ArrayLike, radius: ArrayLike) -> tuple[Array, Array]:
         a = np.asarray(radius, dtype=np.float64)
@@ -253,8 +251,7 @@ class TabulatedProfile:
         """The integral of K ds = K s d ln s between logarithms of one interval of the table."""
         half = 0.5 * (end - start)
         x = (0.5 * (start + end))[..., None] + half[..., None] * _NODES
-        integral: Array = half * (np.exp(self._curve(x) + x) @ _WEIGHTS)
-        return integral
+        return np.asarray(half * (np.exp(self._curve(x) + x) @ _WEIGHTS))
 
     def _tail(self, s: Array, end: Array, x: Array) -> Array:
         """The integral of K(end) (s/end)^p from `end` to s."""
@@ -262,5 +259,4 @@ class TabulatedProfile:
         log = np.log(s / end)
         # expm1(power log)/power, which tends to the logarithm as power -> 0
         ratio = np.where(power == 0.0, log, np.expm1(power * log) / np.where(power == 0.0, 1.0, power))
-        tail: Array = np.exp(self._curve(x)) * end * ratio
-        return tail
+        return np.asarray(np.exp(self._curve(x)) * end * ratio)

@@ -36,8 +36,7 @@ class BulkStress:
     @property
     def mean(self) -> Array:
         """Sigma, (2, 2)."""
-        total: Array = self.fluid + self.stresslets.sum(axis=0) / self.area + self.forces
-        return total
+        return np.asarray(self.fluid + self.stresslets.sum(axis=0) / self.area + self.forces)
 
     @property
     def normal_stress_difference(self) -> float:

@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import LOADS, MODES, Array
-from fsi.observables.flow_scales import FlowScales
+from fsi.case.case import Case
+from fsi.case.walls import WallVelocity
+from fsi.meshes.geometry.containers import Container
 
 # The names of velocities and loads by their number, 3 in the plane and 6 in space.
 NAMES = {len(MODES[d]): (*MODES[d], *LOADS[d]) for d in MODES}
@@ -84,6 +86,35 @@ class Measured(Results, Protocol):
     @property
     def apparent_viscosity(self) -> float | None:
         """Over the viscosity of the fluid, of a periodic flow with a mean strain rate."""
+
+
+@dataclass(frozen=True, slots=True)
+class FlowScales:
+    """How fast walls or a mean flow move the fluid past a body, and what that costs.
+
+    Attributes:
+        velocity: rate of shear times the largest radius.
+        resistance: force over velocity, mu in the plane and mu a for spheres.
+    """
+
+    velocity: float
+    resistance: float
+
+
+def flow_scales(case: Case, t: float) -> FlowScales:
+    """What walls and mean flow of a case do at time t.
+
+    A wall shears at its speed over the size of the container.
+    """
+    radius = max((body.radius for body in case.bodies), default=0.0)
+    container = case.container()
+    rates = [_rate(wall, container) for wall in case.wall_velocity(t).values()]
+    rate = max([*rates, float(np.abs(container.mean_gradient).max())])
+    return FlowScales(rate * radius, case.fluid.viscosity * (radius if case.spheres else 1.0))
+
+
+def _rate(wall: WallVelocity, container: Container) -> float:
+    return float(np.linalg.norm(wall.velocity)) / container.size() + abs(wall.shear)
 
 
 # A result that is smaller than this part of what drives the flow may be zero by symmetry.

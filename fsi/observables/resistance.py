@@ -84,8 +84,7 @@ def _labels(names: Sequence[str], parts: Sequence[str]) -> tuple[str, ...]:
 def symmetrised(columns: Array, scale: Array) -> tuple[Array, float]:
     """The symmetric part of the computed columns (n, n), and their relative asymmetry.
 
-    Raises:
-        SolveError: it exceeds 1e-9.
+    Raises SolveError: it exceeds 1e-9.
     """
     asymmetry = difference(columns, columns.T, scale)
     if not asymmetry <= BOUND:
@@ -104,8 +103,7 @@ def positive_eigenvalues(R: Array, scale: Array, *, resting: bool) -> Array:
         resting: whether a wall is at rest. If not, rigid motions of everything cost nothing, and their
             eigenvalues are zero but for rounding.
 
-    Raises:
-        SolveError: one is negative, or zero although a wall is at rest.
+    Raises SolveError: one is negative, or zero although a wall is at rest.
     """
     eigenvalues: Array = np.linalg.eigvalsh(R / np.outer(scale, scale))
     bound = ROUNDING if resting else -BOUND

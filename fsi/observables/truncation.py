@@ -11,8 +11,17 @@ from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.observables.bulk_stress import BulkStress
-from fsi.observables.error_estimate import ErrorEstimate, relative_change
-from fsi.observables.flow_scales import flow_scales
+from fsi.observables.error_estimate import ErrorEstimate, flow_scales, relative_change
+
+BOUND = 1e-8  # of each relative defect; a solution beyond it is refused
+IDENTITIES = {
+    "power": "dissipation = power of the loads and walls",
+    "momentum": "forces of bodies and walls sum to zero",
+    "angular_momentum": "torques of bodies and walls sum to zero",
+    "balance": "computed loads on free bodies = given loads",
+    "net_flux": "no net flux through the boundary",
+    "residual": "residual of the linear system",
+}
 
 
 class Solution(Protocol):

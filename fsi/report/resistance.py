@@ -132,8 +132,7 @@ def require_format(path: Path) -> None:
 def write_resistance(path: Path, data: Mapping[str, Any]) -> None:
     """Write what `resistance_json` gives: all of it to .json, R and its inverse to .npz, R alone to .csv.
 
-    Raises:
-        InputError: the file cannot be written.
+    Raises InputError: the file cannot be written.
     """
     try:
         replace(path, FORMATS[path.suffix](data))

@@ -20,6 +20,7 @@ from fsi.meshes.geometry.lattice import Lattice
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.error_estimate import ErrorEstimate
 from fsi.observables.truncation import Solution
+from fsi.reduced.model import ReducedInstant
 from fsi.report.console import checks_table, table
 
 
@@ -80,12 +81,10 @@ def bodies_json(case: Case, U: Array, F: Array) -> list[dict[str, Any]]:
 
 
 def _solver(solution: Solution) -> str:
-    """Which linear solver was used."""
     return f"FGMRES with {solution.iterations} iterations" if solution.iterations else "direct solver"
 
 
 def _add_stress(data: dict[str, Any], bulk: BulkStress, errors: ErrorEstimate) -> None:
-    """The mean stress of a periodic flow with its parts, and the stresslet of each body."""
     if bulk.apparent_viscosity is not None:
         data["apparent_viscosity"] = bulk.apparent_viscosity
         data["apparent_viscosity_error"] = errors.apparent_viscosity
@@ -155,7 +154,6 @@ def _bodies_table(case: Case, solution: Solution, errors: ErrorEstimate) -> Tabl
 
 
 def _stress_table(bulk: BulkStress, errors: ErrorEstimate) -> Table:
-    """The mean stress and its parts."""
     mu, error = bulk.apparent_viscosity, errors.apparent_viscosity or 0.0
     viscosity = "" if mu is None else f"apparent viscosity {mu:.8g} ± {error:.0e}, "
     parts = {"fluid": bulk.fluid, "stresslets of the bodies": bulk.mean - bulk.fluid - bulk.forces}
@@ -224,3 +222,46 @@ def _nearest(case: Case, i: int) -> tuple[float, str]:
     to_bodies[i] = np.linalg.norm(to_images, axis=1).min(initial=np.inf) - q.radii[i]
     gaps = np.append(to_bodies, container.distances(q.centres[i : i + 1])) - q.radii[i]
     return float(gaps.min()), (*case.names, *container.walls)[int(gaps.argmin())]
+
+
+# Of what a step records.
+SHOWN = ("dissipation", "lubrication_viscosity", "momentum", "power", "balance", "residual")
+
+
+def instant_json(case: Case, instant: ReducedInstant) -> dict[str, Any]:
+    """The object that `fsi solve --json` prints; the force of a contact is positive where the gap opens."""
+    return {
+        "name": case.name,
+        "bodies": bodies_json(case, instant.U, instant.F),
+        "contacts": _contacts(case, instant),
+        **{name: float(value) for name, value in instant.record.items()},
+    }
+
+
+def print_instant(console: Console, case: Case, instant: ReducedInstant) -> None:
+    """The same for a reader: the bodies, their lubricated gaps, one line of numbers."""
+    bodies = bodies_table(
+        case,
+        ("velocity", "force of the fluid"),
+        lambda i, k: (f"{instant.U[i, k]:.8g}", f"{0.0 - instant.F[i, k]:.8g}"),
+    )
+    keys = ("gap", "rate", "force")
+    gaps = table(
+        ("gap between", "and"),
+        ("gap", "its rate", "force"),
+        ((*row["between"], *(f"{row[key]:.8g}" for key in keys)) for row in _contacts(case, instant)),
+        title="lubricated gaps; forces > 0 where they open",
+    )
+    console.print(bodies, gaps, sep="\n")
+    numbers = (f"{name} {instant.record[name]:.8g}" for name in SHOWN if name in instant.record)
+    console.print("  ".join(numbers), highlight=False)
+
+
+def _contacts(case: Case, instant: ReducedInstant) -> list[dict[str, Any]]:
+    """Each gap within the reach of its law: its sides, D, D', lambda."""
+    pairs, sides = instant.pairs, (*case.names, *case.container().walls)
+    columns = zip(pairs.i, pairs.j, pairs.gap, instant.rates, instant.force, strict=True)
+    return [
+        {"between": [sides[i], sides[j]], "gap": float(D), "rate": float(rate), "force": float(force)}
+        for i, j, D, rate, force in columns
+    ]

@@ -1,8 +1,8 @@
 """Solve, or run, to a tolerance: refine where the estimated error says that it matters.
 
-Three sizes make a mesh: along the gaps, around the bodies, and the growth away from them. Each round
-divides every one of them in turn by STEP, and keeps the change that lowers the estimate most; sizes that help
-are also tried all together.
+Three sizes make a mesh: along the gaps, around the bodies, and the growth away from them. Each round divides
+every one of them in turn by STEP, and keeps the change that lowers the estimate most; sizes that help are
+also tried all together.
 """
 
 from __future__ import annotations
@@ -92,8 +92,7 @@ def refined(case: Case, q: Configuration, t: float, motion: Motion, tolerance: f
         motion: what holds and drives the bodies.
         tolerance: in (0, 1).
 
-    Raises:
-        MeshError, SolveError: as `StokesModel`; or the tolerance is not reached.
+    Raises MeshError, SolveError: as `StokesModel`; or the tolerance is not reached.
     """
     return refine(case, lambda case: _solved(case, q, t, motion), tolerance)
 
@@ -101,8 +100,7 @@ def refined(case: Case, q: Configuration, t: float, motion: Motion, tolerance: f
 def refine[T: Refinement](case: Case, solved: Callable[[Case], T], tolerance: float) -> T:
     """What `solved` gives with sizes that bring its error below the tolerance.
 
-    Raises:
-        MeshError, SolveError: as `solved`; or the tolerance is not reached.
+    Raises MeshError, SolveError: as `solved`; or the tolerance is not reached.
     """
     best = solved(case)
     for _ in range(ROUNDS):
@@ -136,7 +134,6 @@ def _better[T: Refinement](best: T, solved: Callable[[Case], T]) -> T:
 
 
 def _finer(case: Case, sizes: tuple[str, ...]) -> Case:
-    """The case with some of its sizes one step finer."""
     now = case.discretisation
     finer: dict[str, float] = {
         "cells_per_gap": STEP * now.cells_per_gap,
@@ -147,7 +144,6 @@ def _finer(case: Case, sizes: tuple[str, ...]) -> Case:
 
 
 def _of_sizes(case: Case, sizes: Mapping[str, float]) -> Case:
-    """The case with other sizes."""
     changed = case.discretisation.model_copy(update=sizes)
     return case.model_copy(update={"discretisation": changed})
 
@@ -181,7 +177,6 @@ class RefinedModel:
     """
 
     def __init__(self, case: Case) -> None:
-        """Begin with the sizes of the case."""
         self.resolved = StokesModel(case)
         self._known: tuple[Instant, StepErrors] | None = None
 
@@ -198,8 +193,7 @@ class RefinedModel:
     def refine(self, q: Configuration, t: float, instant: Instant) -> None:
         """Take finer sizes from now on, with which the error at q and t is below MARGIN of the tolerance.
 
-        Raises:
-            MeshError, SolveError: of a solve; or the tolerance is out of reach.
+        Raises MeshError, SolveError: of a solve; or the tolerance is out of reach.
         """
         case = self.resolved.case
         tolerance = MARGIN * (case.discretisation.tolerance or 1.0)

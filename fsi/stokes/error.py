@@ -2,11 +2,11 @@
 
 Forces from the reactions, and the velocities of free bodies, converge like h^(2k) with elements of degree k
 in velocity and geometry (they are energies, so their error is the square of the flow's). On the same mesh the
-values of degree k + 1 are therefore 10 to 1000 times closer to the exact ones, and the difference of
-the two is the error of the first. Measured against exact solutions for a disc and a sphere beside a plane,
-gaps from 1e-5 to 10 radii and k = 2, 3, 4, it is 0.97 to 1.01 times the true error; 1.10 times once, at an
-error of 1e-10, where rounding begins. On meshes too coarse far away, where one degree more gains only a
-factor 10, it is 0.9 times. The factor SAFETY makes it a bound.
+values of degree k + 1 are therefore 10 to 1000 times closer to the exact ones, and the difference of the two
+is the error of the first. Measured against exact solutions for a disc and a sphere beside a plane, gaps from
+1e-5 to 10 radii and k = 2, 3, 4, it is 0.97 to 1.01 times the true error; 1.10 times once, at an error of
+1e-10, where rounding begins. On meshes too coarse far away, where one degree more gains only a factor 10, it
+is 0.9 times. The factor SAFETY makes it a bound.
 
 In space one degree more costs some ten times as much as the solution itself. There the same problem is solved
 with one degree less, for a tenth of it: its values are the less accurate ones, and the difference is their
@@ -14,9 +14,8 @@ error. Measured beside a plane for k = 3, gaps from 0.01 to 1 radii, it is 14 to
 the default meshes and finer ones, and 9 times on a mesh half as fine. The factor FEWER makes it a bound.
 Degree 2, which has none below, takes one more.
 
-It sees the mesh and the elements; it does not see how far a container of finite radius is
-from an infinite one (`fsi.observables.truncation` does), nor how a user's own curved mesh differs from its
-circles.
+It sees the mesh and the elements; it does not see how far a container of finite radius is from an infinite
+one (`fsi.observables.truncation` does), nor how a user's own curved mesh differs from its circles.
 """
 
 from __future__ import annotations
@@ -28,8 +27,7 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Motion
 from fsi.case.case import Case
-from fsi.observables.error_estimate import ErrorEstimate, Results, StepErrors, relative_change
-from fsi.observables.flow_scales import flow_scales
+from fsi.observables.error_estimate import ErrorEstimate, Results, StepErrors, flow_scales, relative_change
 from fsi.stokes.solution import StokesSolution
 
 SAFETY = 1.5
@@ -85,8 +83,8 @@ def _of_viscosity(results: Results, other: StokesSolution) -> float | None:
 def motion_of(case: Case, q: Configuration, t: float, instant: Results) -> Motion:
     """What held and drove the bodies at an instant.
 
-    Bodies with mass have the velocity that their history gave them: the error is that of the force at
-    this velocity.
+    Bodies with mass have the velocity that their history gave them: the error is that of the force at this
+    velocity.
     """
     motion, masses = case.motion_at(q, t), case.masses()
     if masses is None:

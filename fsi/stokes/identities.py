@@ -17,7 +17,7 @@ from mpi4py import MPI
 
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
-from fsi.observables.identities import BOUND
+from fsi.observables.truncation import BOUND
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, mode_equations
 
 ROUNDING_FLOOR = 1e-6
@@ -27,8 +27,8 @@ ROUNDING_FLOOR = 1e-6
 class Scales:
     """What a defect is compared with: of the powers, forces, moments and fluxes of a flow.
 
-    Where a flow is a rigid motion of everything, forces and dissipation are rounding errors themselves;
-    a small multiple of mu times the nodal velocities then stands in for them, in space and with an axis times
+    Where a flow is a rigid motion of everything, forces and dissipation are rounding errors themselves; a
+    small multiple of mu times the nodal velocities then stands in for them, in space and with an axis times
     the smallest radius. Where fluid rests under a pressure, or nearly so, a small multiple of what the loads
     would drive stands in for the dissipation, and the flux that goes with it for that through the boundary.
     """
@@ -123,8 +123,7 @@ def _power_of_jumps(system: StokesSystem, solution: NodalSolution) -> float:
 def require(defects: dict[str, float]) -> None:
     """Refuse a solution that violates an identity.
 
-    Raises:
-        SolveError: a defect exceeds 1e-8, or is not a number.
+    Raises SolveError: a defect exceeds 1e-8, or is not a number.
     """
     for name, defect in defects.items():
         if not defect <= BOUND:

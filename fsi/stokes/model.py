@@ -20,12 +20,11 @@ from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
 from fsi.observables.error_estimate import Results, StepErrors
-from fsi.stokes.clock import Clock
 from fsi.stokes.discretisation.boundary import Boundary, Field
 from fsi.stokes.error import motion_of, other_degree_of, step_errors
 from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
-from fsi.stokes.solve import solve
+from fsi.stokes.solve import Clock, solve
 from fsi.stokes.solvers.workspace import Workspace
 
 
@@ -62,8 +61,7 @@ class StokesModel:
     def of_degree(self, degree: int, q: Configuration, t: float, motion: Motion) -> StokesSolution:
         """The flow with elements and curved cells of another degree, on a new mesh of the same simplices.
 
-        Raises:
-            MeshError, SolveError: as for the flow itself.
+        Raises MeshError, SolveError: as for the flow itself.
         """
         clock = Clock()
         problem = self.problem(self.mesh(q, t, degree), q, t, motion)
@@ -76,8 +74,7 @@ class StokesModel:
 
         motion: what held and drove the bodies; None: that of the case at this instant.
 
-        Raises:
-            MeshError, SolveError: as for the flow, with the other degree.
+        Raises MeshError, SolveError: as for the flow, with the other degree.
         """
         motion = motion or motion_of(self.case, q, t, instant)
         degree, _ = other_degree_of(self.options.degree, q.dimension)

@@ -31,13 +31,12 @@ from fsi.observables.resistance import (
     symmetrised,
 )
 from fsi.stokes.adapt import Refinement, refine
-from fsi.stokes.clock import Clock
 from fsi.stokes.discretisation.boundary import Boundary
 from fsi.stokes.error import other_degree_of
 from fsi.stokes.identities import identities, require
 from fsi.stokes.model import StokesModel
 from fsi.stokes.problem import SolverOptions, StokesProblem
-from fsi.stokes.solve import DEFAULT, assembled
+from fsi.stokes.solve import DEFAULT, Clock, assembled
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, factorised, load_of, multiply
 
 AXIAL_MODE = 1
@@ -55,8 +54,7 @@ class SolvedResistance(Refinement):
 def resistance_with_error(case: Case) -> SolvedResistance:
     """R of a case with its estimated error, refined to the tolerance of the case if it has one.
 
-    Raises:
-        InputError, MeshError, SolveError: as `case_resistance`; or the tolerance is not reached.
+    Raises InputError, MeshError, SolveError: as `case_resistance`; or the tolerance is not reached.
     """
     tolerance = case.discretisation.tolerance
     return _solved(case) if tolerance is None else refine(case, _solved, tolerance)
@@ -131,8 +129,7 @@ def solve_resistance(
         options: degree and solver; the formulation is the eliminated one.
         clock: takes the CPU seconds by phase; may have some already.
 
-    Raises:
-        SolveError: singular system, large residual, or an identity violated.
+    Raises SolveError: singular system, large residual, or an identity violated.
     """
     clock, fluid, q = clock or Clock(), problem.fluid, problem.q
     shape, radii = q.arms.shape, q.radii

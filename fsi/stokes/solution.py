@@ -12,9 +12,8 @@ import numpy as np
 import fsi.parallel as parallel
 from fsi.bodies.configuration import MODES, Array
 from fsi.observables.bulk_stress import BulkStress
-from fsi.stokes.fields import write
-from fsi.stokes.fields.flow import Flow, values_at
-from fsi.stokes.fields.traction import Surface, traction
+from fsi.stokes import fields
+from fsi.stokes.fields import Flow, Surface, traction, values_at
 from fsi.stokes.problem import StokesProblem
 from fsi.stokes.stress import VISCOSITY_CHECKS
 
@@ -117,6 +116,6 @@ class StokesSolution:
     def write(self, folder: Path, step: int) -> dict[str, list[str]]:
         """Write this instant's VTU files; collective. Gives the file names of each series, for all ranks."""
         return {
-            "fluid": write.write_flow(self.flow, folder, step),
-            "surface": write.write_surface(self.surface, self.traction, folder, step),
+            "fluid": fields.write_flow(self.flow, folder, step),
+            "surface": fields.write_surface(self.surface, self.traction, folder, step),
         }

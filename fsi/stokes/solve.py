@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 
@@ -11,16 +12,13 @@ from mpi4py import MPI
 
 from fsi.bodies.configuration import Array
 from fsi.meshes.build import FluidMesh
-from fsi.stokes.clock import Clock
+from fsi.stokes import fields
 from fsi.stokes.discretisation.boundary import facets_with, locate
 from fsi.stokes.discretisation.constraints import dof_layout, rigid_modes, wall_offset
 from fsi.stokes.discretisation.forms import Forms
-from fsi.stokes.discretisation.matrices import pressure_mass
-from fsi.stokes.fields import flow, traction
 from fsi.stokes.identities import identities, require
 from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
-from fsi.stokes.solvers.coarse import coarse_velocities
 from fsi.stokes.solvers.elimination import (
     NodalSolution,
     StokesSystem,
@@ -28,10 +26,26 @@ from fsi.stokes.solvers.elimination import (
     nodal_vector,
     solve_eliminated,
 )
+from fsi.stokes.solvers.fgmres import coarse_velocities
 from fsi.stokes.solvers.multiplier import solve_multiplier
 from fsi.stokes.solvers.periodic import solve_periodic, tied
-from fsi.stokes.solvers.workspace import Workspace
+from fsi.stokes.solvers.workspace import Workspace, pressure_mass
 from fsi.stokes.stress import bulk_stress, is_force_free, viscosity_checks
+
+
+class Clock:
+    """CPU seconds of this process by phase."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+        self._last = time.process_time()
+
+    def lap(self, phase: str) -> None:
+        """Add the time since the last lap to a phase."""
+        now = time.process_time()
+        self.seconds[phase] = self.seconds.get(phase, 0.0) + now - self._last
+        self._last = now
+
 
 # Beyond, in space, the factors of the direct solver cost more time and memory than the iterations.
 MOST_DIRECT = 20_000
@@ -57,8 +71,7 @@ def solve(
         clock: takes the CPU seconds by phase; may have some already.
         workspace: what solves on this mesh share while it is moved; it keeps what this one makes.
 
-    Raises:
-        SolveError: singular system, large residual, or an identity violated.
+    Raises SolveError: singular system, large residual, or an identity violated.
     """
     clock = clock or Clock()
     with assembled(problem, options, clock, workspace) as system:
@@ -167,12 +180,12 @@ def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clo
         if is_force_free(system):
             checks |= viscosity_checks(problem, bulk, dissipation)
     require(checks)
-    surface = traction.collect(system, nodal.reaction[: system.layout.velocities])
-    field, traction_F = flow.capture(forms, system.nodes.with_ghosts), _by_traction(system, jump_load)
+    surface = fields.surfaces(system, nodal.reaction[: system.layout.velocities])
+    flow, traction_F = fields.capture(forms, system.nodes.with_ghosts), _by_traction(system, jump_load)
     clock.lap("checks")
     return StokesSolution(
         problem, nodal.U, F, traction_F, dissipation, checks, forms.dofs, nodal.iterations, clock.seconds,
-        field, surface, bulk, nodal.pressure_gradient,
+        flow, surface, bulk, nodal.pressure_gradient,
     )  # fmt: skip
 
 

@@ -1,8 +1,8 @@
-"""The resolved model's side of `fsi validate`: solves and runs of a case, and their errors."""
+"""`fsi validate`, from case files to rows in a folder: solves and runs of each case, and their errors."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ from fsi.bodies.configuration import Array
 from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
 from fsi.case.expected import TIME_AT_GAP, Expected, gap_of
-from fsi.errors import InputError, SolveError
+from fsi.errors import InputError, SolveError, ValidationError
 from fsi.integration.schemes import BogackiShampine
 from fsi.lubrication.exact_results import EXACT
 from fsi.meshes.errors import MeshError
@@ -24,8 +24,55 @@ from fsi.run_folder.folder import STEPS
 from fsi.runs import run
 from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.model import StokesModel
-from fsi.validation.references import reference
-from fsi.validation.rows import Row, computed, swept
+from fsi.validation.rows import Row, chosen_cases, computed, reference, swept, write_rows
+
+
+def validate_cases(
+    folder: Path, names: Sequence[str], output: Path, show: Callable[[list[Row]], None]
+) -> list[Row]:
+    """Validate the named cases of a folder, or all; collective.
+
+    Args:
+        folder: of the case files.
+        names: of those that are wanted; none means all.
+        output: a new folder, for validation.json, validation.csv and the runs.
+        show: is told the rows of each case, or of each value of its sweep.
+
+    Raises InputError: no such case, or the output folder is not new.
+    """
+    from fsi.validation.resolved import rows_of
+
+    paths = parallel.on_root(lambda: chosen_cases(folder, names))
+    parallel.on_root(lambda: _make(output))
+    rows: list[Row] = []
+    for path in paths:
+        for rows_of_case in rows_of(path, output / "runs"):
+            rows += rows_of_case
+            show(rows_of_case)
+    parallel.on_root(lambda: write_rows(rows, output))
+    return rows
+
+
+def require_passed(rows: Sequence[Row]) -> None:
+    """Raise ValidationError if a value lies outside its tolerance."""
+    failed = [row for row in rows if not row.passed]
+    if failed:
+        row = failed[0]
+        wrong = row.failure or f"= {row.value:.9g}, off by {row.true_error:.1e}"
+        raise ValidationError(
+            f"{len(failed)} of {len(rows)} rows fail, first {row.case}: {row.quantity} {wrong}; expected "
+            f"{row.reference:.9g} within {row.rtol:g}"
+        )
+
+
+def _make(output: Path) -> None:
+    if output.exists() and not (output.is_dir() and not any(output.iterdir())):
+        raise InputError(f"output = {output}: exists and is not empty; give another folder")
+    try:
+        (output / "runs").mkdir(parents=True)
+    except OSError as error:
+        raise InputError(f"output = {output}: {error.strerror}; give a folder that can be written") from None
+
 
 # A second run has steps that many times as long: at order 2 or more its error is more than twice as large.
 STRETCH = 1.5
@@ -38,8 +85,7 @@ def rows_of(path: Path, runs: Path) -> Iterator[list[Row]]:
         path: the case file.
         runs: where a case with [time] leaves its run folders.
 
-    Raises:
-        InputError: the case is not sound. A solve that fails gives rows without value.
+    Raises InputError: the case is not sound. A solve that fails gives rows without value.
     """
     for value, case in swept(path):
         try:
@@ -78,7 +124,6 @@ def _row(name: str, sweep: float | None, case: Case, row: Expected, result: Comp
 
 
 def _instant(case: Case) -> list[Computed]:
-    """The expected rows at time 0."""
     solved = solve_with_errors(case)
     solution, errors = solved.solution, solved.errors
     enclosed = any(row.exact and EXACT[row.exact].fitting.enclosed for row in case.expected)
@@ -137,8 +182,7 @@ def _relative_truncation(case: Case) -> float:
 def time_at(gap: float, t: Array, gaps: Array) -> float:
     """When the smallest gap first became `gap`, by a cubic spline of t over ln gap where the gap decreases.
 
-    Raises:
-        InputError: it never did.
+    Raises InputError: it never did.
     """
     if gaps.min() > gap:
         raise InputError(

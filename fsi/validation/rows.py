@@ -7,21 +7,60 @@ import json
 import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
 
 from fsi.case.case import Case
 from fsi.case.checks.expected import check_expected
-from fsi.case.expected import APPARENT_VISCOSITY, DISSIPATION, TIME_AT_GAP
+from fsi.case.expected import APPARENT_VISCOSITY, DISSIPATION, TIME_AT_GAP, Expected, gap_of
 from fsi.case.load import load_case, parse_case
 from fsi.case.overrides import override
 from fsi.case.section import nearest_word, toml_text
 from fsi.errors import InputError
+from fsi.lubrication.exact_results import EXACT, ExactProblem
 from fsi.lubrication.expansions import expansion
 from fsi.lubrication.spheres import normal_resistance
 from fsi.observables.error_estimate import Measured
-from fsi.validation.references import component
+
+EXACT_DIGITS = 1e-13  # relative error of the functions in `fsi.lubrication`
+
+
+def reference(case: Case, row: Expected) -> tuple[float, float]:
+    """The reference of a row, and its relative error: half a unit of the last digit given."""
+    if row.exact is not None:
+        return exact_value(case, row.exact, row.quantity), EXACT_DIGITS
+    assert row.value is not None  # by the schema
+    exponent = Decimal(repr(row.value)).as_tuple().exponent
+    return row.value, 0.5 * 10.0 ** int(exponent) / (abs(row.value) or 1.0)
+
+
+def exact_value(case: Case, name: str, quantity: str) -> float:
+    """What an exact result gives for a quantity of the case at time 0."""
+    q = case.configuration()
+    motion, far = case.motion_at(q, 0.0), case.wall_velocity(0.0).get("far")
+    body, mode, gap = 0, 0, 0.0
+    if quantity.startswith(TIME_AT_GAP):
+        gap = gap_of(quantity)
+    else:
+        body, mode = component(case, quantity)
+    problem = ExactProblem(
+        case.fluid.viscosity, q.centres, q.radii, motion.U, motion.F, case.container().size(),
+        0.0 if far is None else far.shear, body, mode, gap,
+    )  # fmt: skip
+    return EXACT[name].value(problem)
+
+
+def component(case: Case, quantity: str) -> tuple[int, int]:
+    """The body and its mode in a quantity like `disc.force.y`, `ball.force.z` or `disc.torque`."""
+    name, kind, *axis = quantity.split(".")
+    body = case.names.index(name)
+    if case.dimension == 2:
+        return body, {"x": 0, "r": 0, "y": 1, "z": 1}[axis[0]] if axis else 2
+    turning = 3 if kind in ("angular_velocity", "torque") else 0
+    return body, turning + "xyz".index(axis[0])
+
 
 SPHERE = "sphere_wall_normal"
 TERMS = {1: "leading", 2: "two-term", 3: "three-term"}
@@ -185,7 +224,6 @@ def write_rows(rows: Sequence[Row], folder: Path) -> None:
 
 
 def _write_csv(records: Sequence[Record], path: Path) -> None:
-    """Records of the same keys as a table with a header."""
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, list(records[0]), lineterminator="\n")
         writer.writeheader()

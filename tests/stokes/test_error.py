@@ -14,8 +14,7 @@ from fsi.errors import SolveError
 from fsi.integration.state import StepRecord
 from fsi.lubrication import exact, spheres
 from fsi.meshes.files.write import write_mesh
-from fsi.observables.error_estimate import ErrorEstimate, relative_change
-from fsi.observables.flow_scales import flow_scales
+from fsi.observables.error_estimate import ErrorEstimate, flow_scales, relative_change
 from fsi.runs import resume, run
 from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.error import ROUNDING

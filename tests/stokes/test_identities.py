@@ -7,7 +7,7 @@ import pytest
 
 from fsi.errors import SolveError
 from fsi.meshes.planar.sizing import Resolution
-from fsi.observables.identities import BOUND
+from fsi.observables.truncation import BOUND
 from fsi.stokes.discretisation.boundary import Boundary
 from fsi.stokes.identities import require
 from fsi.stokes.solve import FORMULATIONS

@@ -65,8 +65,7 @@ class BoundaryNodes:
 def facets_with(fluid: FluidMesh, low: int, high: int) -> NDArray[np.int32]:
     """Facets of this rank whose tag lies in [low, high]."""
     tags = fluid.facet_tags.values
-    facets: NDArray[np.int32] = fluid.facet_tags.indices[(tags >= low) & (tags <= high)]
-    return facets
+    return np.asarray(fluid.facet_tags.indices[(tags >= low) & (tags <= high)])
 
 
 def locate(fluid: FluidMesh, V: FunctionSpace) -> BoundaryNodes:
@@ -85,7 +84,6 @@ def locate(fluid: FluidMesh, V: FunctionSpace) -> BoundaryNodes:
 
 
 def _nodes_with(fluid: FluidMesh, V: FunctionSpace, tag: int) -> Nodes:
-    """Owned nodes on facets with one tag."""
     facets = facets_with(fluid, tag, tag)
     marks = np.ones(len(facets), dtype=np.int32)
     return np.flatnonzero(_tag_of_nodes(fluid, V, facets, marks)).astype(np.int32)
@@ -109,5 +107,4 @@ def _tag_of_nodes(
         vector.array[nodes.ravel()] = np.repeat(values, nodes.shape[1])
         vector.scatter_reverse(la.InsertMode.add)
         sums.append(vector.array[: V.dofmap.index_map.size_local])
-    tag_of_nodes: NDArray[np.int64] = np.rint(sums[0] / np.maximum(sums[1], 1.0)).astype(np.int64)
-    return tag_of_nodes
+    return np.asarray(np.rint(sums[0] / np.maximum(sums[1], 1.0)).astype(np.int64))

@@ -7,9 +7,8 @@ All unknowns x = (u, p) are written with the independent ones y = (u inside, p, 
 The rows of P are unit rows for free unknowns, the rigid modes `V + omega x r` at the nodes on bodies, and
 empty for given wall velocities, which stand in g together with the held modes. On one side of the cut of a
 periodic domain the rows are those of the nodes' images on the other, and the jump from image to image stands
-in g. `rigid`, called K in the
-saddle-point system of `saddle`, is the part for all M N modes, M of each body:  u = rigid U on the
-bodies, and the total load of any nodal reaction is  (F, T) = rigid^T lambda.
+in g. `rigid`, called K in the saddle-point system of `saddle`, is the part for all M N modes, M of each body:
+u = rigid U on the bodies, and the total load of any nodal reaction is  (F, T) = rigid^T lambda.
 """
 
 from __future__ import annotations
@@ -166,8 +165,8 @@ def rigid_modes(layout: DofLayout, nodes: BoundaryNodes, q: Configuration, latti
 class Prolongation:
     """P, with those modes in y that are unknowns.
 
-    With `eliminate_bodies` false, the nodes on bodies stay unknowns and P has no modes: this is the
-    space of the multiplier form.
+    With `eliminate_bodies` false, the nodes on bodies stay unknowns and P has no modes: this is the space of
+    the multiplier form.
     """
 
     def __init__(
@@ -210,8 +209,8 @@ def wall_offset(
 ) -> Array:
     """Given velocities of the wall nodes in an array over this rank's rows, zero elsewhere.
 
-    velocities: for each wall its velocity at its own nodes, shape (nodes, d). Where walls meet, each
-    keeps its normal component, so that nothing leaks through the corner of a moving lid.
+    velocities: for each wall its velocity at its own nodes, shape (nodes, d). Where walls meet, each keeps
+    its normal component, so that nothing leaks through the corner of a moving lid.
     """
     d = layout.dimension
     g = np.zeros(layout.rows)

@@ -34,8 +34,7 @@ from fsi.stokes.discretisation.boundary import BoundaryNodes
 from fsi.stokes.discretisation.constraints import DofLayout, RigidModes
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.problem import StokesProblem
-from fsi.stokes.solvers.coarse import Coarse, transfer
-from fsi.stokes.solvers.fgmres import Iteration, SchurBlocks
+from fsi.stokes.solvers.fgmres import Coarse, Iteration, SchurBlocks, transfer
 from fsi.stokes.solvers.mumps import Factorisation
 from fsi.stokes.solvers.workspace import Elimination, Workspace
 
@@ -115,8 +114,7 @@ def nodal_vector(form: Form) -> Array:
     """A linear form on the velocity space, summed over ranks; this rank's rows of u."""
     vector = fem.assemble_vector(form)
     vector.scatter_reverse(la.InsertMode.add)
-    rows: Array = vector.array[: vector.index_map.size_local * vector.block_size].copy()
-    return rows
+    return np.asarray(vector.array[: vector.index_map.size_local * vector.block_size].copy())
 
 
 def multiply(matrix: PETSc.Mat, values: Array) -> Array:
@@ -168,8 +166,7 @@ def mode_equations(system: StokesSystem) -> tuple[Array, Array]:
 def solve_eliminated(system: StokesSystem) -> NodalSolution:
     """Solve for y, then x = P y + g and lambda = M x - b.
 
-    Raises:
-        SolveError: the system is singular, or its residual is not small.
+    Raises SolveError: the system is singular, or its residual is not small.
     """
     with factorised(system) as responses:
         return next(responses(system.motion.U[None]))
@@ -181,8 +178,7 @@ def factorised(system: StokesSystem) -> Iterator[Callable[[Array], Iterator[Noda
 
     Or set up the iterative solver once.
 
-    Raises:
-        SolveError: the system is singular, or the residual of a solution is not small.
+    Raises SolveError: the system is singular, or the residual of a solution is not small.
     """
     unknown = system.unknown_modes
     elimination = system.workspace.elimination(system.M, system.layout, system.rigid, unknown)
@@ -246,7 +242,6 @@ def _respond(
 
 
 def _add_to_diagonal(matrix: PETSc.Mat, first: int, values: Array) -> None:
-    """Add to this rank's rows from `first` on."""
     start, _ = matrix.getOwnershipRange()
     for k, value in enumerate(values):
         row = start + first + k

@@ -7,9 +7,9 @@ Stationarity of the Lagrangian gives, for velocities, pressures, nodal tractions
     [-C   0     0     K  ] [ l ]   [ 0 ]     u = V + omega x r on the bodies
     [ 0   0     K^T   D  ] [ U ]   [ F ]     balance of force and torque
 
-where C picks the velocity nodes on bodies, K (`rigid` in `constraints`) holds the rigid modes there, and
-D is the inertia of an implicit step (zero without inertia). Wall velocities are eliminated by a
-prolongation; held modes move to the right-hand side. The multiplier IS the nodal traction.
+where C picks the velocity nodes on bodies, K (`rigid` in `constraints`) holds the rigid modes there, and D is
+the inertia of an implicit step (zero without inertia). Wall velocities are eliminated by a prolongation; held
+modes move to the right-hand side. The multiplier IS the nodal traction.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ from petsc4py import PETSc
 
 from fsi.bodies.configuration import Array
 from fsi.stokes.discretisation.constraints import Index, Prolongation
-from fsi.stokes.discretisation.matrices import galerkin
 from fsi.stokes.solvers.elimination import (
     NodalSolution,
     StokesSystem,
@@ -29,13 +28,13 @@ from fsi.stokes.solvers.elimination import (
     multiply_transpose,
 )
 from fsi.stokes.solvers.mumps import Factorisation
+from fsi.stokes.solvers.workspace import galerkin
 
 
 def solve_multiplier(system: StokesSystem) -> NodalSolution:
     """Solve the saddle-point system as it stands above.
 
-    Raises:
-        SolveError: the system is singular, or its residual is not small.
+    Raises SolveError: the system is singular, or its residual is not small.
     """
     layout, held = system.layout, system.motion.held
     S = Prolongation(layout, system.rigid, np.zeros_like(system.unknown_modes), eliminate_bodies=False).matrix
@@ -91,7 +90,6 @@ def _with_walls(system: StokesSystem, x: Array, reaction: Array) -> Array:
 
 
 def _renumbered(flow: PETSc.Mat, starts: list[int]) -> tuple[Index, Index, Array]:
-    """Triplets of the flow block in the numbers of the whole system."""
     ranges = flow.getOwnershipRanges()
     start, end = flow.getOwnershipRange()
     indptr, column, value = flow.getValuesCSR()
@@ -102,8 +100,7 @@ def _renumbered(flow: PETSc.Mat, starts: list[int]) -> tuple[Index, Index, Array
 def _shifted(number: Index, ranges: Index, starts: list[int]) -> Index:
     """From numbers shared out by `ranges` to numbers in which rank k's begin at starts[k]."""
     owner = np.searchsorted(ranges, number, side="right") - 1
-    shifted: Index = number - np.asarray(ranges)[owner] + np.asarray(starts)[owner]
-    return shifted
+    return np.asarray(number - np.asarray(ranges)[owner] + np.asarray(starts)[owner])
 
 
 def _trace(S: PETSc.Mat, on_body: Index, starts: list[int], multiplier: Index) -> tuple[Index, Index, Array]:
@@ -114,7 +111,6 @@ def _trace(S: PETSc.Mat, on_body: Index, starts: list[int], multiplier: Index) -
 
 
 def _rigid_columns(system: StokesSystem, multiplier: Index, mode_column: Index) -> tuple[Index, Index, Array]:
-    """Triplets of K: multipliers against free modes."""
     row, mode, value = system.rigid.entries()
     of_row = np.full(system.layout.rows, -1)
     of_row[system.layout.on_body] = multiplier
@@ -123,5 +119,4 @@ def _rigid_columns(system: StokesSystem, multiplier: Index, mode_column: Index) 
 
 
 def _symmetric(row: Index, column: Index, value: Array) -> list[tuple[Index, Index, Array]]:
-    """A block and its transpose."""
     return [(row, column, value), (column, row, value)]

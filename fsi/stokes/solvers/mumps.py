@@ -34,8 +34,7 @@ class Factorisation(AbstractContextManager["Factorisation"]):
     def __init__(self, matrix: PETSc.Mat, *, lasting: bool = False) -> None:
         """Factorise; lasting: it will be done again many times with other values.
 
-        Raises:
-            SolveError: the matrix is singular or MUMPS fails.
+        Raises SolveError: the matrix is singular or MUMPS fails.
         """
         self.matrix, self.iterations = matrix, 0
         matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
@@ -46,8 +45,7 @@ class Factorisation(AbstractContextManager["Factorisation"]):
     def update(self) -> None:
         """Factorise the matrix with the values that it has now; what follows from its pattern is kept.
 
-        Raises:
-            SolveError: the matrix is singular or MUMPS fails.
+        Raises SolveError: the matrix is singular or MUMPS fails.
         """
         self._ksp.setOperators(self.matrix)  # or PETSc would not look at its values again
         status = _factorise(self._ksp)
@@ -78,8 +76,7 @@ class Factorisation(AbstractContextManager["Factorisation"]):
         Returns:
             this rank's rows of x, (rows, k), and the relative residuals |b - M x| / |b|, (k,), on all ranks.
 
-        Raises:
-            SolveError: a residual is not below 1e-9.
+        Raises SolveError: a residual is not below 1e-9.
         """
         size = self._norms(b)
         size[size == 0.0] = 1.0
@@ -104,12 +101,10 @@ class Factorisation(AbstractContextManager["Factorisation"]):
         return self._taken(x, right, factor, pc)
 
     def _multiply(self, x: Array) -> Array:
-        """M x."""
         right = self._dense(x)
         return self._taken(self.matrix.matMult(right), right)
 
     def _dense(self, values: Array) -> PETSc.Mat:
-        """A dense matrix with this rank's rows."""
         rows, columns = values.shape
         dense = PETSc.Mat().createDense(((rows, None), (None, columns)), comm=self.matrix.comm)
         dense.setUp()
@@ -129,8 +124,7 @@ class Factorisation(AbstractContextManager["Factorisation"]):
         """Euclidean norm of each column, on all ranks."""
         squares = np.square(b).sum(axis=0)
         self.matrix.comm.tompi4py().Allreduce(MPI.IN_PLACE, squares)
-        norms: Array = np.sqrt(squares)
-        return norms
+        return np.asarray(np.sqrt(squares))
 
 
 def _solver(matrix: PETSc.Mat, ordering: int, workspace: int) -> PETSc.KSP:

@@ -8,10 +8,10 @@ which is a row of P and a jump in g. The traction jumps by -G.e n; with test fun
 loads the slaves by  - (G.e) <n, v>. The same holds on arcs of bodies that the cut has left at another image
 than the rest of the body, so that every force is that of one image in one pressure field.
 
-The mean pressure gradient G is given, or follows from the forces (in a cell without walls it balances
-them), or is found such that the mean velocity has its given value. Where all bodies of such a cell are free,
-the flow is determined up to a translation: one body rests, and then the mean of u - E x over fluid and bodies
-is brought to zero.
+The mean pressure gradient G is given, or follows from the forces (in a cell without walls it balances them),
+or is found such that the mean velocity has its given value. Where all bodies of such a cell are free, the
+flow is determined up to a translation: one body rests, and then the mean of u - E x over fluid and bodies is
+brought to zero.
 """
 
 from __future__ import annotations
@@ -81,8 +81,7 @@ def tied(layout: DofLayout, fluid: FluidMesh, forms: Forms, x: Array) -> DofLayo
         owner = np.searchsorted(starts[:, space], numbers, side="right") - 1
         local = numbers - starts[owner, space]
         of_rank = 2 * local + component if space == 0 else 2 * starts[owner, 2] + local
-        row: NDArray[np.int64] = first_row[owner] + of_rank
-        return row
+        return np.asarray(first_row[owner] + of_rank)
 
     parts = [(pairs[0], 0, 0), (pairs[0], 0, 1), (pairs[1], 1, 0)]
     slave, master = (
@@ -193,8 +192,7 @@ class Averages:
         u = solution.x[: len(self.weights)] - (self.x @ E.T).ravel()
         V = solution.U[:, :2] - q.centres @ E.T
         of_fluid = np.asarray(comm.allreduce(u @ self.weights, op=MPI.SUM))
-        mean: Array = (of_fluid + (np.pi * q.radii**2) @ V) / self.problem.container.volume
-        return mean
+        return np.asarray((of_fluid + (np.pi * q.radii**2) @ V) / self.problem.container.volume)
 
 
 def averages(system: StokesSystem) -> Averages:
@@ -211,8 +209,7 @@ def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, 
 
     It is linear in G: the flow for what is known of G, plus what each unknown component drives alone.
 
-    Raises:
-        SolveError: as the solver.
+    Raises SolveError: as the solver.
     """
     problem, motion = system.problem, system.motion
     mean, jump = mean_flow(problem), jumps(system)
@@ -249,7 +246,6 @@ def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, 
 
 
 def _sum(one: NodalSolution, other: NodalSolution, s: float) -> NodalSolution:
-    """one + s other."""
     return NodalSolution(
         one.x + s * other.x,
         one.reaction + s * other.reaction,
