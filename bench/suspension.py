@@ -27,8 +27,7 @@ from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.geometry.periodic import Channel
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
-from fsi.stokes.discretisation.boundary import Boundary
-from fsi.stokes.problem import StokesProblem
+from fsi.stokes.problem import Boundary, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import Clock, solve
 from fsi.stokes.solvers.workspace import Workspace

@@ -146,8 +146,9 @@ class Arrangement:
         to_image = float(np.min(periodic_sides, initial=np.inf)) - 2.0 * largest
         reach = 4.0 * largest
         while True:
-            pairs = self.cell.near_pairs(self.centres, reach)
-            gaps = self._gaps(pairs)
+            i, j = self.cell.near_pairs(self.centres, reach).T
+            between = self.cell.separation(self.centres[i], self.centres[j])
+            gaps = np.linalg.norm(between, axis=1) - self.radii[i] - self.radii[j]
             smallest = min(to_image, float(gaps.min(initial=np.inf)))
             if smallest <= reach - 2.0 * largest or reach > 2.0 * sum(self.cell.sides):
                 return smallest
@@ -156,8 +157,3 @@ class Arrangement:
     def smallest_wall_gap(self) -> float:
         """The smallest gap between bodies and walls; infinite without walls."""
         return float((self.cell.wall_distances(self.centres) - self.radii[:, None]).min(initial=np.inf))
-
-    def _gaps(self, pairs: NDArray[np.intp]) -> Array:
-        i, j = pairs[:, 0], pairs[:, 1]
-        between = self.cell.separation(self.centres[i], self.centres[j])
-        return np.asarray(np.linalg.norm(between, axis=1) - self.radii[i] - self.radii[j])

@@ -117,10 +117,8 @@ def _grid(inner: int, outer: int) -> tuple[Array, Array]:
 
 def _columns(w: Wanted, rows: int) -> int:
     if w.number % rows:
-        raise InputError(
-            f"number = {w.number}: no multiple of {rows}, the discs side by side (rows times length); "
-            f"give {rows * max(round(w.number / rows), 1)}"
-        )
+        here = f"number = {w.number}: no multiple of {rows}, the discs side by side (rows times length)"
+        raise InputError(f"{here}; give {rows * max(round(w.number / rows), 1)}")
     return w.number // rows
 
 
@@ -138,10 +136,8 @@ def _need_periodic_x(w: Wanted, what: str) -> None:
 
 def _check_fraction(w: Wanted, largest: float) -> None:
     if w.fraction > largest * (1.0 + 1e-12):
-        raise InputError(
-            f"area fraction = {w.fraction:g}: too large for these gaps; the largest possible is "
-            f"{np.floor(1e4 * largest) / 1e4:g}"
-        )
+        bound = f"the largest possible is {np.floor(1e4 * largest) / 1e4:g}"
+        raise InputError(f"area fraction = {w.fraction:g}: too large for these gaps; {bound}")
 
 
 def radii_of(w: Wanted) -> Array:
@@ -194,34 +190,26 @@ def arrange(kind: str, wanted: Wanted) -> Arrangement:
     """
     arrangement = KINDS[kind].arranged(wanted)
     rounding = 1e-9 * wanted.radius
-    for what, smallest in (
-        ("gap between bodies", arrangement.smallest_gap()),
-        ("gap to a wall", arrangement.smallest_wall_gap()),
-    ):
+    remedy = "place more bodies side by side, or lower the area fraction or the gap"
+    gaps = {"between bodies": arrangement.smallest_gap(), "to a wall": arrangement.smallest_wall_gap()}
+    for where, smallest in gaps.items():
         if smallest < wanted.gap - rounding:
-            raise InputError(
-                f"number = {wanted.number}: the smallest {what} would be {smallest:.4g}, not {wanted.gap:g};"
-                " place more bodies side by side, or lower the area fraction or the gap"
-            )
+            here = f"number = {wanted.number}: the smallest gap {where} would be {smallest:.4g}"
+            raise InputError(f"{here}, not {wanted.gap:g}; {remedy}")
     return arrangement
 
 
 def write_arrangement(arrangement: Arrangement, path: Path, described: Mapping[str, Any]) -> None:
     """Write a file that `bodies_from` reads, with what describes it. Raises InputError."""
-    axes = "xyz"[: arrangement.cell.dimension]
-    name = {2: "disc", 3: "sphere"}[arrangement.cell.dimension]
+    cell = arrangement.cell
+    axes, name = "xyz"[: cell.dimension], {2: "disc", 3: "sphere"}[cell.dimension]
+    radii_and_centres = zip(arrangement.radii.tolist(), arrangement.centres.tolist(), strict=True)
     bodies = [
         {"name": f"{name}{number:04d}", "radius": a, **dict(zip(axes, centre, strict=True))}
-        for number, (a, centre) in enumerate(
-            zip(arrangement.radii.tolist(), arrangement.centres.tolist(), strict=True), 1
-        )
+        for number, (a, centre) in enumerate(radii_and_centres, 1)
     ]
-    head = {
-        **described,
-        "lower": [0.0] * len(axes),
-        "upper": list(arrangement.cell.sides),
-        "periodic": [axis for axis, is_so in zip(axes, arrangement.cell.periodic, strict=True) if is_so],
-    }
+    periodic = [axis for axis, is_so in zip(axes, cell.periodic, strict=True) if is_so]
+    head = {**described, "lower": [0.0] * len(axes), "upper": list(cell.sides), "periodic": periodic}
     lines = [f" {json.dumps(key)}: {json.dumps(value)}," for key, value in head.items()]
     rows = ",\n".join(f"  {json.dumps(body)}" for body in bodies)
     text = "\n".join(["{", *lines, ' "bodies": [', rows, " ]", "}", ""])

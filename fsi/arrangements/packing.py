@@ -54,10 +54,9 @@ def random_arrangement(radii: Array, w: Wanted) -> Arrangement:
     """
     largest = largest_fraction(radii, w.periodic, w.aspect, w.gap)
     if w.fraction > largest:
-        raise InputError(
-            f"area fraction = {w.fraction:g}: too large for {len(radii)} bodies at random with gaps of "
-            f"{w.gap:g}; the largest possible is {np.floor(1e4 * largest) / 1e4:g}"
-        )
+        here = f"too large for {len(radii)} bodies at random with gaps of {w.gap:g}"
+        bound = f"the largest possible is {np.floor(1e4 * largest) / 1e4:g}"
+        raise InputError(f"area fraction = {w.fraction:g}: {here}; {bound}")
     cell = cell_for(radii, w.fraction, w.periodic, w.aspect)
     gap = w.gap + _ROUNDING * max(cell.sides)
     rng = np.random.default_rng(w.seed)

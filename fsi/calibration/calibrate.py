@@ -22,17 +22,10 @@ from fsi.run_folder.checkpoint import replace
 
 
 def calibrate_case(case: Case, source: str, folder: Path, sampling: Sampling) -> CalibrationResult:
-    """Sample, fit and write; collective.
+    """Sample, fit and write; collective. An earlier calibration in the folder is replaced.
 
-    Args:
-        case: with its section [calibration].
-        source: name of the case file.
-        folder: for the law; new, or of an earlier calibration, which is replaced.
-        sampling: how the samples are taken.
-
-    Raises:
-        InputError: the case cannot be calibrated, or a folder not be written.
-        SolveError: a sample failed, or the samples do not decrease with the gap.
+    Raises InputError: the case (from the file `source`) cannot be calibrated, or the folder not be written.
+    SolveError: a sample failed, or the samples do not decrease with the gap.
     """
     pair = pair_of(case)
     parallel.on_root(lambda: require_writable(folder))
@@ -47,9 +40,8 @@ SAMPLES, LAW, SUMMARY = "samples.csv", "law.toml", "calibration.json"
 
 def require_writable(folder: Path) -> None:
     """Raise InputError unless the folder is new, empty or that of a calibration, which is replaced."""
-    if folder.exists() and not (
-        folder.is_dir() and (not any(folder.iterdir()) or (folder / SUMMARY).exists())
-    ):
+    fits = folder.is_dir() and (not any(folder.iterdir()) or (folder / SUMMARY).exists())
+    if folder.exists() and not fits:
         raise InputError(f"output = {folder}: exists and is no calibration; give another folder")
 
 
@@ -71,19 +63,12 @@ def write_calibration(folder: Path, result: CalibrationResult) -> None:
 def summary(result: CalibrationResult) -> dict[str, Any]:
     """All numbers of a calibration, for JSON."""
     fit, test = result.fit, result.test
-    data: dict[str, Any] = {
-        "case": result.pair.case.name,
-        "shape": result.pair.shape,
-        "mode": result.pair.plan.mode,
-        "ratio": result.law.ratio,
-        "reduced_radius": result.pair.reduced_radius,
-        "viscosity": result.law.viscosity,
-        "range": list(result.law.law().range),
-        "coefficients": [
-            asdict(one) | {"difference": one.difference, "inside": one.inside} for one in result.coefficients
-        ],
-        "samples": _rows(result),
-    }
+    pair, law, terms = result.pair, result.law, result.coefficients
+    data: dict[str, Any] = {"case": pair.case.name, "shape": pair.shape, "mode": pair.plan.mode}
+    data |= {"ratio": law.ratio, "reduced_radius": pair.reduced_radius, "viscosity": law.viscosity}
+    data["range"] = list(law.law().range)
+    data["coefficients"] = [asdict(c) | {"difference": c.difference, "inside": c.inside} for c in terms]
+    data["samples"] = _rows(result)
     if fit is not None:
         data |= {"chi2": fit.chi2, "degrees_of_freedom": fit.dof, "used": int(fit.used.sum())}
         if not np.isnan(fit.exponent):
@@ -100,12 +85,7 @@ def _rows(result: CalibrationResult) -> list[dict[str, Any]]:
     for one in result.samples:
         inside = law.range[0] <= one.gap / a <= law.range[1]
         error = result.law.error(np.array(one.gap), a) if inside else None
-        rows.append(
-            asdict(one)
-            | {
-                "error": one.error,
-                "law": float(law.kappa(one.gap, a)) if inside else None,
-                "law_error": None if error is None else float(error),
-            }
-        )
+        kappa = float(law.kappa(one.gap, a)) if inside else None
+        computed = {"law": kappa, "law_error": None if error is None else float(error)}
+        rows.append(asdict(one) | {"error": one.error} | computed)
     return rows

@@ -85,12 +85,7 @@ class CalibrationResult:
 
 
 def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
-    """The law that the case asks for.
-
-    Args:
-        pair: what was sampled.
-        samples: of it.
-        case: name of the case file, for the law's source.
+    """The law that the case asks for; `case` is the name of its file, for the law's source.
 
     Raises SolveError: the samples do not decrease with the gap.
     """
@@ -99,21 +94,19 @@ def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
     s, K, bars = fitted.d / a, fitted.kappa / unit, fitted.bars / unit
     if np.any(K <= 0.0) or np.any(np.diff(K) >= 0.0):
         raise SolveError("the sampled resistances do not decrease with the gap; refine the discretisation")
-    common: dict[str, Any] = {
-        "form": pair.plan.form,
-        "shape": pair.shape,
-        "mode": pair.plan.mode,
-        "ratio": None if pair.second is None else pair.ratio,
-        "viscosity": pair.case.fluid.viscosity,
-        "source": _source(pair, case, samples),
-    }
+    common: dict[str, Any] = {"form": pair.plan.form, "shape": pair.shape, "mode": pair.plan.mode}
+    common["ratio"] = None if pair.second is None else pair.ratio
+    common |= {"viscosity": pair.case.fluid.viscosity, "source": _source(pair, case, samples)}
     if pair.plan.form == "table":
         table = TableSection(s=tuple(s.tolist()), K=tuple(K.tolist()))
         return CalibrationResult(pair, samples, LawFile(**common, table=table), None, [], None)
     fit = fit_series(s, K, bars, basis(pair.shape, pair.plan.mode))
     common["source"] |= {"chi2": fit.chi2, "degrees_of_freedom": fit.dof, "used": int(fit.used.sum())}
     law = LawFile(**common, range=fit.range, series=_section(fit))
-    return CalibrationResult(pair, samples, law, fit, _compared(pair, fit), _tested(pair, samples, law))
+    known = coefficients(pair.shape, pair.plan.mode, pair.ratio)
+    values = zip(fit.terms, fit.coefficients.tolist(), fit.intervals.tolist(), strict=True)
+    compared = [Coefficient(str(term), value, width, known.get(term)) for term, value, width in values]
+    return CalibrationResult(pair, samples, law, fit, compared, _tested(pair, samples, law))
 
 
 def _section(fit: Fit) -> SeriesSection:
@@ -127,20 +120,9 @@ def _section(fit: Fit) -> SeriesSection:
 
 def _source(pair: Pair, case: str, samples: list[Sample]) -> dict[str, Any]:
     here = launch()
-    return {
-        "case": case,
-        "name": pair.case.name,
-        "samples": sum(not one.held_out for one in samples),
-        "fitted": datetime.now(UTC).isoformat(timespec="seconds"),
-        "git": here["git"] or "",
-        "packages": here["packages"],
-    }
-
-
-def _compared(pair: Pair, fit: Fit) -> list[Coefficient]:
-    known = coefficients(pair.shape, pair.plan.mode, pair.ratio)
-    values = zip(fit.terms, fit.coefficients.tolist(), fit.intervals.tolist(), strict=True)
-    return [Coefficient(str(term), value, width, known.get(term)) for term, value, width in values]
+    count, now = sum(not one.held_out for one in samples), datetime.now(UTC).isoformat(timespec="seconds")
+    source = {"case": case, "name": pair.case.name, "samples": count, "fitted": now}
+    return source | {"git": here["git"] or "", "packages": here["packages"]}
 
 
 def _tested(pair: Pair, samples: list[Sample], law: LawFile) -> HeldOut | None:

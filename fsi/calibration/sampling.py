@@ -97,8 +97,7 @@ def key_of(pair: Pair, gap: float) -> str:
 
 def read_sample(cache: Path, key: str, *, held_out: bool) -> Sample | None:
     """A sample that has been computed before, or None."""
-    path = cache / f"{key}.json"
-    if not path.is_file():
+    if not (path := cache / f"{key}.json").is_file():
         return None
     return Sample(**(json.loads(path.read_text(encoding="utf-8")) | {"held_out": held_out}))
 
@@ -146,10 +145,6 @@ def take_samples(pair: Pair, sampling: Sampling) -> list[Sample]:
 
     Each is kept as soon as it is there, so that a killed calibration goes on where it was.
 
-    Args:
-        pair: what is sampled.
-        sampling: where they are kept, and who computes them.
-
     Raises SolveError: some samples failed; the message names the first. All others are in the cache.
     """
     tasks = [(gap, held_out, key_of(pair, gap)) for gap, held_out in planned_gaps(pair)]
@@ -164,9 +159,8 @@ def take_samples(pair: Pair, sampling: Sampling) -> list[Sample]:
             samples[key] = sample
         sampling.show(len(samples) + len(failures), len(tasks))
     if failures:
-        raise SolveError(
-            f"{len(failures)} of {len(tasks)} samples failed, first {failures[0]}; the others are kept"
-        )
+        failed = f"{len(failures)} of {len(tasks)} samples failed, first {failures[0]}"
+        raise SolveError(f"{failed}; the others are kept")
     return sorted(samples.values(), key=lambda sample: sample.gap)
 
 

@@ -138,11 +138,8 @@ def _leading_exponent(
     def misfit(p: float) -> float:
         return _solve(np.column_stack([s**p, others]), K, bars, widths)[2]
 
-    expected = terms[0].power
-    best = minimize_scalar(
-        misfit, bounds=(expected - 0.5, expected + 0.5), method="bounded", options={"xatol": 1e-10}
-    )
-    p = float(best.x)
+    bounds, options = (terms[0].power - 0.5, terms[0].power + 0.5), {"xatol": 1e-10}
+    p = float(minimize_scalar(misfit, bounds=bounds, method="bounded", options=options).x)
     # c1 s^(p + e) = c1 s^p + c1 e s^p ln s: the second coefficient has the variance of c1 e
     c, covariance, _ = _solve(np.column_stack([s**p, s**p * np.log(s), others]), K, bars, widths)
     return p, float(np.sqrt(covariance[1, 1]) / abs(c[0]))

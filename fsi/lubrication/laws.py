@@ -100,11 +100,9 @@ class ScaledLaw:
         smallest, largest = (0.0, np.inf) if self.extrapolate else self.range
         outside = ~((s > 0.0) & (s >= smallest) & (s <= largest))
         if np.any(outside):
-            raise RangeError(
-                f"gap / reduced radius = {s[outside].flat[0]:.6g}: the lubrication law holds from "
-                f"{self.range[0]:.6g} to {self.range[1]:.6g}; keep gaps positive and in this range, "
-                "or ask for extrapolation"
-            )
+            here = f"gap / reduced radius = {s[outside].flat[0]:.6g}: the lubrication law holds from"
+            remedy = "keep gaps positive and in this range, or ask for extrapolation"
+            raise RangeError(f"{here} {self.range[0]:.6g} to {self.range[1]:.6g}; {remedy}")
         return a, s
 
 

@@ -113,15 +113,8 @@ def _solve(s: float) -> Array:
     force = 2.0 * np.sqrt(2.0) * c * np.sum(E, axis=0)
     moment = (2.0 * n + 1.0 - 1.0 / np.tanh(al)) * E - 2.0 * n * (n + 1.0) * A
     torque = 2.0 * np.sqrt(2.0) * c * c * np.sum(moment, axis=0)
-    return np.array(
-        [
-            force[0] / 6.0,
-            -c * force[1] / 8.0,
-            c * torque[1] / 8.0,
-            c * force[2] / (6.0 * (1.0 + s)),
-            c * torque[2] / 4.0,
-        ]
-    )
+    in_shear = c * force[2] / (6.0 * (1.0 + s)), c * torque[2] / 4.0
+    return np.array([force[0] / 6.0, -c * force[1] / 8.0, c * torque[1] / 8.0, *in_shear])
 
 
 def _coefficients(n: Array, al: float, r: Array) -> Array:

@@ -88,30 +88,24 @@ def symmetrised(columns: Array, scale: Array) -> tuple[Array, float]:
     """
     asymmetry = difference(columns, columns.T, scale)
     if not asymmetry <= BOUND:
-        raise SolveError(
-            f"the resistance matrix violates reciprocity: relative asymmetry {asymmetry:.2g}, bound {BOUND:g}"
-        )
+        defect = f"relative asymmetry {asymmetry:.2g}, bound {BOUND:g}"
+        raise SolveError(f"the resistance matrix violates reciprocity: {defect}")
     return 0.5 * (columns + columns.T), asymmetry
 
 
 def positive_eigenvalues(R: Array, scale: Array, *, resting: bool) -> Array:
     """The eigenvalues of R made dimensionless, increasing, shape (n,).
 
-    Args:
-        R: symmetric, (n, n).
-        scale: of the modes.
-        resting: whether a wall is at rest. If not, rigid motions of everything cost nothing, and their
-            eigenvalues are zero but for rounding.
+    resting: whether a wall is at rest. If not, rigid motions of everything cost nothing, and their
+    eigenvalues are zero but for rounding.
 
     Raises SolveError: one is negative, or zero although a wall is at rest.
     """
     eigenvalues: Array = np.linalg.eigvalsh(R / np.outer(scale, scale))
     bound = ROUNDING if resting else -BOUND
     if not eigenvalues[0] > bound * max(1.0, eigenvalues[-1]):
-        raise SolveError(
-            f"the resistance matrix is not positive: it has the eigenvalue {eigenvalues[0]:.2g}, "
-            f"the largest is {eigenvalues[-1]:.2g}"
-        )
+        range_of = f"it has the eigenvalue {eigenvalues[0]:.2g}, the largest is {eigenvalues[-1]:.2g}"
+        raise SolveError(f"the resistance matrix is not positive: {range_of}")
     return eigenvalues
 
 

@@ -64,9 +64,8 @@ def print_resistance(
         console.print(Text(f"{name}: resistance R, F = R U, F external"))
         console.print(_matrix(loads, velocities, resistance.R))
         if resistance.mobility is not None:
-            console.print(
-                Text("mobility, U = R^-1 F"), _matrix(velocities, loads, resistance.mobility), sep="\n"
-            )
+            console.print(Text("mobility, U = R^-1 F"))
+            console.print(_matrix(velocities, loads, resistance.mobility))
     if resistance.mobility is None:
         console.print(Text(NO_MOBILITY))
     console.print(_checks(resistance, error, truncation))
@@ -77,16 +76,13 @@ def print_resistance(
 def _matrix(rows: tuple[str, ...], columns: tuple[str, ...], values: Array) -> Table:
     size = np.sqrt(np.abs(np.outer(values.diagonal(), values.diagonal())))
     labelled = zip(rows, values, SMALL * size, strict=True)
-    return table(
-        ("",),
-        [label.replace(".", "\n") for label in columns],
-        ((label, *map(_number, row, scale)) for label, row, scale in labelled),
-        box=box.SIMPLE_HEAD, show_edge=False, padding=(0, 1, 0, 0),
-    )  # fmt: skip
+    entries = ((label, *map(_number, row, scale)) for label, row, scale in labelled)
+    shown = table(("",), [label.replace(".", "\n") for label in columns], entries, box=box.SIMPLE_HEAD)
+    shown.show_edge, shown.padding = False, (0, 1, 0, 0)
+    return shown
 
 
 def _number(value: float, small: float) -> str:
-    """Four digits, or one where the value is small."""
     return f"{value:.4g}" if abs(value) >= small else f"{value:.0e}"
 
 

@@ -30,11 +30,9 @@ def print_trajectories(console: Console, case: Case, paths: Trajectories) -> Non
     shown.add_row("sup", *(f"{difference:.1e}" for difference in paths.differences.values()))
     console.print(shown)
     if {"resolved", "gluey"} <= set(paths.gap):
-        console.print(
-            f"delta_eps = {paths.smallest['resolved'].min():.1e}: surfaces rougher than this touch, and the "
-            "gluey model, which remembers the push in a film, makes no sense for them (give gluey.roughness)",
-            highlight=False,
-        )
+        touch = f"delta_eps = {paths.smallest['resolved'].min():.1e}: surfaces rougher than this touch"
+        memory = "the gluey model, which remembers the push in a film, makes no sense for them"
+        console.print(f"{touch}, and {memory} (give gluey.roughness)", highlight=False)
 
 
 def print_rates(console: Console, case: Case, found: RateComparison) -> None:
@@ -46,18 +44,16 @@ def print_rates(console: Console, case: Case, found: RateComparison) -> None:
         "reduced": ("final_reduced_gap", ".4g"),
         "largest dD / D": ("gap_difference", ".2g"),
     }
-    rows = (
-        (name, *(format(row[key], digits) for key, digits in columns.values()))
-        for name, row in zip(case.names, found.bodies(), strict=True)
-    )
     title = f"{case.name}: reduced against resolved"
-    console.print(table(("body",), tuple(columns), rows, title=title, title_justify="left"))
+    shown = table(("body",), tuple(columns), title=title, title_justify="left")
+    for name, row in zip(case.names, found.bodies(), strict=True):
+        shown.add_row(name, *(format(row[key], digits) for key, digits in columns.values()))
+    console.print(shown)
     for limit in LIMITS:
         gap = found.good_below(limit)
         where = "at no sampled gap" if gap is None else f"for gaps up to {gap:.3g}"
-        console.print(
-            f"rate of the gap within {limit:.0%} {where} ({PART:.0%} of the samples)", highlight=False
-        )
+        text = f"rate of the gap within {limit:.0%} {where} ({PART:.0%} of the samples)"
+        console.print(text, highlight=False)
 
 
 def print_study(console: Console, study: Study) -> None:
@@ -106,11 +102,8 @@ def print_calibration(console: Console, result: CalibrationResult) -> None:
     """The coefficients against theory, the leading exponent, and the test by held-out samples."""
     pair, a = result.pair, result.pair.reduced_radius
     exponent = EXPONENTS[pair.shape, pair.plan.mode]
-    console.print(
-        f"{pair.case.name}: {pair.plan.mode} of {pair.shape}, kappa = mu a_r^{exponent} sum c phi(s), "
-        f"s = d/a_r, a_r = {a:g}",
-        soft_wrap=True,
-    )
+    law = f"kappa = mu a_r^{exponent} sum c phi(s), s = d/a_r, a_r = {a:g}"
+    console.print(f"{pair.case.name}: {pair.plan.mode} of {pair.shape}, {law}", soft_wrap=True)
     if result.coefficients:
         console.print(_coefficients_table(result))
     for line in lines(result):
@@ -142,11 +135,8 @@ def lines(result: CalibrationResult) -> list[str]:
     if test is not None:
         worst = np.max(np.abs(test.law / test.samples.kappa - 1.0))
         stated = np.max((test.band + test.samples.bars) / test.samples.kappa)
-        verdict = "within" if test.passed else "NOT within"
-        said.append(
-            f"{len(test.law)} samples held out: law off by at most {worst:.1e}, {verdict} the stated errors "
-            f"(at most {stated:.1e})"
-        )
+        verdict = f"{'within' if test.passed else 'NOT within'} the stated errors (at most {stated:.1e})"
+        said.append(f"{len(test.law)} samples held out: law off by at most {worst:.1e}, {verdict}")
     return said
 
 
@@ -180,22 +170,19 @@ def summary(rows: Sequence[Row]) -> str:
     known = [row.bar_holds for row in rows if row.bar_holds is not None and not row.failure]
     text = f"{passed} of {len(rows)} rows pass; "
     if known:
-        text += (
-            f"{sum(known)} of {len(known)} error bars ({100.0 * sum(known) / len(known):.0f} %) bracket the "
-            "true error and are within a factor 10 of it"
-        )
+        part = f"{sum(known)} of {len(known)} error bars ({100.0 * sum(known) / len(known):.0f} %)"
+        text += f"{part} bracket the true error and are within a factor 10 of it"
     unknown = len(rows) - len(known) - sum(bool(row.failure) for row in rows)
     return text + (f"; {unknown} more agree to all digits of the reference" if unknown else "")
 
 
 def _sphere_table(records: Sequence[Record]) -> Table:
     case, *numbers = records[0]
-    rows = (
-        [f"{value:.8g}" if isinstance(value, float) else str(value) for value in record.values()]
-        for record in records
-    )
     title = "a sphere and a plane: the resolved force over 6 pi mu a U (a/q + ln(a/q)/5 + 0.97128)"
-    return table((case,), numbers, rows, title=title)
+    shown = table((case,), numbers, title=title)
+    for record in records:
+        shown.add_row(*(f"{x:.8g}" if isinstance(x, float) else str(x) for x in record.values()))
+    return shown
 
 
 def _rows_table(rows: Sequence[Row]) -> Table:

@@ -18,12 +18,10 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Configuration, Inertia, Motion
 from fsi.case.case import Case
 from fsi.case.checks.determined import require_determined_at_rest
-from fsi.case.sections import Discretisation
 from fsi.errors import SolveError
 from fsi.integration.state import Instant
 from fsi.observables.error_estimate import ErrorEstimate, StepErrors
-from fsi.stokes.error import motion_of
-from fsi.stokes.model import StokesModel
+from fsi.stokes.model import StokesModel, motion_of
 from fsi.stokes.solution import StokesSolution
 
 STEP = 1.5
@@ -77,20 +75,11 @@ def solve_with_errors(case: Case) -> Solved:
     q = case.configuration()
     motion = case.motion_at(q, 0.0)
     tolerance = case.discretisation.tolerance
-    if tolerance is None:
-        return _solved(case, q, 0.0, motion)
-    return refined(case, q, 0.0, motion, tolerance)
+    return _solved(case, q, 0.0, motion) if tolerance is None else refined(case, q, 0.0, motion, tolerance)
 
 
 def refined(case: Case, q: Configuration, t: float, motion: Motion, tolerance: float) -> Solved:
-    """The solution at q and t with sizes that bring the largest relative error below the tolerance.
-
-    Args:
-        case: with the sizes to begin with.
-        q: the bodies.
-        t: the time.
-        motion: what holds and drives the bodies.
-        tolerance: in (0, 1).
+    """The solution at q and t with sizes, first those of the case, that bring its error below the tolerance.
 
     Raises MeshError, SolveError: as `StokesModel`; or the tolerance is not reached.
     """
@@ -125,9 +114,9 @@ def _solved(case: Case, q: Configuration, t: float, motion: Motion) -> Solved:
 
 def _better[T: Refinement](best: T, solved: Callable[[Case], T]) -> T:
     """The best of the meshes one step finer; all three sizes at once where no single one helps."""
-    each = {size: solved(_finer(best.case, (size,))) for size in SIZES}
-    helpful = tuple(size for size, trial in each.items() if trial.error < HELPS * best.error)
-    trials = list(each.values())
+    trials = [solved(_finer(best.case, (size,))) for size in SIZES]
+    tried = zip(SIZES, trials, strict=True)
+    helpful = tuple(size for size, trial in tried if trial.error < HELPS * best.error)
     if len(helpful) != 1:
         trials.append(solved(_finer(best.case, helpful or SIZES)))
     return min(trials, key=lambda trial: trial.error)
@@ -144,30 +133,21 @@ def _finer(case: Case, sizes: tuple[str, ...]) -> Case:
 
 
 def _of_sizes(case: Case, sizes: Mapping[str, float]) -> Case:
-    changed = case.discretisation.model_copy(update=sizes)
-    return case.model_copy(update={"discretisation": changed})
+    return case.model_copy(update={"discretisation": case.discretisation.model_copy(update=sizes)})
 
 
 def _missed(best: Refinement, tolerance: float) -> SolveError:
     used, mesh = best.case.discretisation, best.case.domain.mesh
+    here = f"discretisation.tolerance = {tolerance:g}: the estimated error"
     if mesh is not None:
-        return SolveError(
-            f"discretisation.tolerance = {tolerance:g}: the estimated error is {best.error:.1e} on the mesh "
-            f"of domain.mesh = {mesh}, which is not refined; raise it, or give a finer mesh"
-        )
+        remedy = f"on the mesh of domain.mesh = {mesh}, which is not refined; raise it, or give a finer mesh"
+        return SolveError(f"{here} is {best.error:.1e} {remedy}")
+    limit = "a finer mesh does not lower it enough"
     if best.dofs > MOST_UNKNOWNS:
         limit = f"{best.dofs} unknowns are the most that is tried"
-    else:
-        limit = "a finer mesh does not lower it enough"
+    sizes = ", ".join(f"{size} = {getattr(used, size):.4g}" for size in SIZES)
     remedy = "raise it" if used.degree == HIGHEST_DEGREE else f"raise it, or degree above {used.degree}"
-    return SolveError(
-        f"discretisation.tolerance = {tolerance:g}: the estimated error came down to {best.error:.1e} with "
-        f"{_text(used)}, and {limit}; {remedy}"
-    )
-
-
-def _text(used: Discretisation) -> str:
-    return ", ".join(f"{size} = {getattr(used, size):.4g}" for size in SIZES)
+    return SolveError(f"{here} came down to {best.error:.1e} with {sizes}, and {limit}; {remedy}")
 
 
 class RefinedModel:

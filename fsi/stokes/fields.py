@@ -34,7 +34,7 @@ from fsi.meshes.files.write import vtk_order
 from fsi.meshes.geometry.lattice import Integers, Lattice
 from fsi.meshes.matching import SAME_PLACE, on_torus
 from fsi.observables.velocity_gradient import hoop_rate, strain_rate, vorticity
-from fsi.stokes.discretisation.forms import Forms
+from fsi.stokes.discretisation.forms import EQUISPACED, Forms
 from fsi.stokes.solvers.elimination import StokesSystem
 
 # How far beyond its cell a point counts as in it, in sizes of the cell: one that is on a body to rounding.
@@ -173,9 +173,7 @@ def traction(surface: Surface) -> Array:
     facets, d = surface.facets, surface.x.shape[1]
     if len(facets) == 0:
         return np.empty((0, d))
-    element = basix.create_element(
-        basix.ElementFamily.P, FACET[d], surface.degree, basix.LagrangeVariant.equispaced
-    )
+    element = basix.create_element(basix.ElementFamily.P, FACET[d], surface.degree, EQUISPACED)
     points, weights = basix.make_quadrature(FACET[d], 3 * surface.degree)
     phi, *dphi = element.tabulate(1, points)[:, :, :, 0]
     tangents = [np.einsum("qn,end->eqd", along, surface.x[facets]) for along in dphi]
@@ -244,10 +242,8 @@ def _nodal_rates(flow: Flow) -> dict[str, Array]:
     x, u = flow.x[flow.cells], flow.u[flow.cells]
     G = gradient(x[:, None], u[:, None], _slopes(flow.degree, x.shape[2]))
     hoop = hoop_rate(x[..., 0], u[..., 0], G) if flow.axisymmetric else 0.0
-    values = np.concatenate(
-        [np.atleast_3d(vorticity(G)), strain_rate(G, hoop)[..., None], np.ones((*flow.cells.shape, 1))],
-        axis=2,
-    )
+    ones = np.ones((*flow.cells.shape, 1))
+    values = np.concatenate([np.atleast_3d(vorticity(G)), strain_rate(G, hoop)[..., None], ones], axis=2)
     sums = la.vector(flow.nodes, bs=values.shape[2])
     table = sums.array.reshape(-1, values.shape[2])
     for k in range(values.shape[2]):
@@ -262,6 +258,6 @@ def _nodal_rates(flow: Flow) -> dict[str, Array]:
 def _slopes(degree: int, dimension: int) -> Array:
     """Gradients of the shape functions at the nodes, (nodes, nodes, d), both in the order of basix."""
     cell = {2: basix.CellType.triangle, 3: basix.CellType.tetrahedron}[dimension]
-    element = basix.create_element(basix.ElementFamily.P, cell, degree, basix.LagrangeVariant.equispaced)
+    element = basix.create_element(basix.ElementFamily.P, cell, degree, EQUISPACED)
     slopes: Array = element.tabulate(1, element.points)[1:, :, :, 0]
     return np.moveaxis(slopes, 0, -1)

@@ -10,7 +10,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 import numpy as np
 from mpi4py import MPI
@@ -42,14 +42,7 @@ class Scales:
 def identities(
     system: StokesSystem, solution: NodalSolution, F: Array, dissipation: float
 ) -> dict[str, float]:
-    """All relative defects; collective.
-
-    Args:
-        system: what was solved; u and p of its forms are set to the solution.
-        solution: nodal values and reactions.
-        F: loads rigid^T lambda of the bodies, (N, M).
-        dissipation: int 2 mu e : e.
-    """
+    """All relative defects; u and p of the forms are set to the solution, F = rigid^T lambda; collective."""
     layout, x = system.layout, system.nodes.x
     velocities, d = layout.velocities, layout.dimension
     at_walls = layout.fixed[layout.fixed < velocities]
@@ -61,26 +54,19 @@ def identities(
     if layout.axisymmetric:
         force[:, 0] = moment[:] = 0.0  # these balance by symmetry around the axis
     u = solution.x[:velocities]
-    power_of_walls_and_loads = float(
-        solution.reaction[at_walls] @ solution.x[at_walls] + system.b[:velocities] @ u
-    )
-    power_of_walls_and_loads += _power_of_jumps(system, solution)
+    power = float(solution.reaction[at_walls] @ solution.x[at_walls] + system.b[:velocities] @ u)
+    power += _power_of_jumps(system, solution)
     lever = np.linalg.norm(x, axis=1) * np.linalg.norm(force, axis=1)
     b_b = system.b[:velocities] @ system.b[:velocities]
-    of_rank = [power_of_walls_and_loads, np.abs(force).sum(), lever.sum(), u @ u, np.abs(u).sum(), b_b]
+    of_rank = [power, np.abs(force).sum(), lever.sum(), u @ u, np.abs(u).sum(), b_b]
     sums = np.array([*of_rank, *force.sum(axis=0), *moment.sum(axis=0)])
     layout.comm.Allreduce(MPI.IN_PLACE, sums)
-    (other_power, all_forces, all_moments, u_u, all_u, b_b), force_sum, moment_sum = np.split(
-        sums, [6, 6 + d]
-    )
+    parts, force_sum, moment_sum = np.split(sums, [6, 6 + d])
+    power_of_walls_and_loads, all_forces, all_moments, u_u, all_u, b_b = parts
     floor = _floor(system, u_u, all_u, b_b)
-    scales = Scales(
-        max(dissipation, floor.power),
-        max(all_forces, floor.force),
-        max(all_moments, floor.moment),
-        max(system.forms.integrate("speed on boundary"), floor.flux),
-    )
-    power = float((solution.U * F).sum()) + other_power
+    sizes = (dissipation, all_forces, all_moments, system.forms.integrate("speed on boundary"))
+    scales = Scales(*map(max, sizes, astuple(floor)))
+    power = float((solution.U * F).sum()) + power_of_walls_and_loads
     defects = {
         "power": _relative(dissipation - power, scales.power),
         "momentum": _relative(float(np.linalg.norm(force_sum)), scales.force),
@@ -102,13 +88,9 @@ def _floor(system: StokesSystem, u_u: float, all_u: float, b_b: float) -> Scales
     length = float(problem.q.radii.min(initial=farthest))
     spheres = layout.dimension == 3 or layout.axisymmetric
     drag = problem.viscosity * (length if spheres else 1.0)
-    force = ROUNDING_FLOOR * drag * all_u
-    return Scales(
-        ROUNDING_FLOOR * max(drag * u_u, b_b / drag),
-        force,
-        force * length,
-        ROUNDING_FLOOR * float(np.sqrt(b_b)) / drag * length ** (2 if spheres else 1),
-    )
+    power, force = max(drag * u_u, b_b / drag), drag * all_u
+    flux = float(np.sqrt(b_b)) / drag * length ** (2 if spheres else 1)
+    return Scales(*(ROUNDING_FLOOR * scale for scale in (power, force, force * length, flux)))
 
 
 def _power_of_jumps(system: StokesSystem, solution: NodalSolution) -> float:
@@ -127,9 +109,8 @@ def require(defects: dict[str, float]) -> None:
     """
     for name, defect in defects.items():
         if not defect <= BOUND:
-            raise SolveError(
-                f"the solution violates the identity `{name}`: relative defect {defect:.2g}, bound {BOUND:g}"
-            )
+            size = f"relative defect {defect:.2g}, bound {BOUND:g}"
+            raise SolveError(f"the solution violates the identity `{name}`: {size}")
 
 
 def _balance(system: StokesSystem, U: Array, F: Array, force: float) -> float:

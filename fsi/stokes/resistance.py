@@ -31,11 +31,9 @@ from fsi.observables.resistance import (
     symmetrised,
 )
 from fsi.stokes.adapt import Refinement, refine
-from fsi.stokes.discretisation.boundary import Boundary
-from fsi.stokes.error import other_degree_of
 from fsi.stokes.identities import identities, require
-from fsi.stokes.model import StokesModel
-from fsi.stokes.problem import SolverOptions, StokesProblem
+from fsi.stokes.model import StokesModel, other_degree_of
+from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem
 from fsi.stokes.solve import DEFAULT, Clock, assembled
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, factorised, load_of, multiply
 
@@ -75,15 +73,10 @@ def case_resistance(case: Case) -> Resistance:
 
     Along a periodic channel the mean pressure gradient is zero.
 
-    Raises:
-        InputError: the domain has no walls, or a given net flux.
-        MeshError: no valid mesh can be made.
-        SolveError: a solve fails, or violates an identity.
+    Raises InputError: the domain has no walls, or a given net flux. MeshError, SolveError: as `StokesModel`.
     """
-    container = case.container()
+    container, q, clock = case.container(), case.configuration(), Clock()
     _require_still(case, container)
-    clock = Clock()
-    q = case.configuration()
     fluid = StokesModel(case).mesh(q)
     clock.lap("mesh")
     problem = held_at_rest(fluid, container, q, case.fluid.viscosity, case.wall_pressure())
@@ -98,12 +91,9 @@ def _require_still(case: Case, container: Container) -> None:
             'domain.shape = "cell": without walls bodies alone do not determine the flow, so it has no '
             'resistance matrix; give a box with periodic = ["x"]'
         )
-    net_flux = case.domain.mean_drive().net_flux
-    if net_flux is not None:
-        raise InputError(
-            f"domain.net_flux = {net_flux!r}: a resistance matrix is that at a mean pressure "
-            "gradient of zero; drop it"
-        )
+    if (net_flux := case.domain.mean_drive().net_flux) is not None:
+        why = "a resistance matrix is that at a mean pressure gradient of zero"
+        raise InputError(f"domain.net_flux = {net_flux!r}: {why}; drop it")
 
 
 def held_at_rest(
@@ -123,11 +113,7 @@ def solve_resistance(
 ) -> Resistance:
     """R of the bodies of a problem; collective.
 
-    Args:
-        problem: with bodies that are held at rest.
-        names: of the bodies, for the labels.
-        options: degree and solver; the formulation is the eliminated one.
-        clock: takes the CPU seconds by phase; may have some already.
+    The bodies are held at rest, and the formulation is the eliminated one; names are for the labels.
 
     Raises SolveError: singular system, large residual, or an identity violated.
     """
@@ -150,23 +136,19 @@ def solve_resistance(
         dofs = system.forms.dofs
     require(worst)
     R, asymmetry = symmetrised(np.column_stack(columns), modes.scale)
-    resting = bool(problem.boundary.velocities)
+    resting, checks = bool(problem.boundary.velocities), worst | {"reciprocity": asymmetry}
     eigenvalues = positive_eigenvalues(R, modes.scale, resting=resting)
     mobility = inverse(R) if resting else None
-    checks = worst | {"reciprocity": asymmetry}
     return Resistance(modes, R, mobility, eigenvalues, checks, dofs, fluid.cells(), clock.seconds)
 
 
 def _defects(system: StokesSystem, nodal: NodalSolution, F: Array) -> dict[str, float]:
     """What one unit motion violates of the identities, but for the balance of free modes: there are none."""
     system.forms.fill(nodal.x)
-    defects = identities(system, nodal, F, _dissipation(system, nodal.x))
+    u = nodal.x.copy()
+    u[system.layout.velocities :] = 0.0
+    # u^T A u is int 2 mu e : e, from the matrix at hand.
+    dissipation = float(system.layout.comm.allreduce(u @ multiply(system.M, u), op=MPI.SUM))
+    defects = identities(system, nodal, F, dissipation)
     del defects["balance"]
     return defects
-
-
-def _dissipation(system: StokesSystem, x: Array) -> float:
-    """u^T A u, which is int 2 mu e : e, from the matrix at hand."""
-    u = x.copy()
-    u[system.layout.velocities :] = 0.0
-    return float(system.layout.comm.allreduce(u @ multiply(system.M, u), op=MPI.SUM))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 
 import numpy as np
@@ -13,8 +13,7 @@ from mpi4py import MPI
 from fsi.bodies.configuration import Array
 from fsi.meshes.build import FluidMesh
 from fsi.stokes import fields
-from fsi.stokes.discretisation.boundary import facets_with, locate
-from fsi.stokes.discretisation.constraints import dof_layout, rigid_modes, wall_offset
+from fsi.stokes.discretisation.constraints import dof_layout, facets_with, locate, rigid_modes, wall_offset
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.identities import identities, require
 from fsi.stokes.problem import SolverOptions, StokesProblem
@@ -28,7 +27,7 @@ from fsi.stokes.solvers.elimination import (
 )
 from fsi.stokes.solvers.fgmres import coarse_velocities
 from fsi.stokes.solvers.multiplier import solve_multiplier
-from fsi.stokes.solvers.periodic import solve_periodic, tied
+from fsi.stokes.solvers.periodic import Solver, solve_periodic, tied
 from fsi.stokes.solvers.workspace import Workspace, pressure_mass
 from fsi.stokes.stress import bulk_stress, is_force_free, viscosity_checks
 
@@ -51,10 +50,7 @@ class Clock:
 MOST_DIRECT = 20_000
 DEFAULT = SolverOptions()
 
-FORMULATIONS: dict[str, Callable[[StokesSystem], NodalSolution]] = {
-    "eliminated": solve_eliminated,
-    "multiplier": solve_multiplier,
-}
+FORMULATIONS: dict[str, Solver] = {"eliminated": solve_eliminated, "multiplier": solve_multiplier}
 
 
 def solve(
@@ -65,11 +61,8 @@ def solve(
 ) -> StokesSolution:
     """Velocity, pressure, reactions and the motion of the bodies; collective.
 
-    Args:
-        problem: the fluid, the bodies and what drives them.
-        options: degree and solver.
-        clock: takes the CPU seconds by phase; may have some already.
-        workspace: what solves on this mesh share while it is moved; it keeps what this one makes.
+    clock: takes the CPU seconds by phase; may have some already. workspace: what solves on this mesh share
+    while it is moved; it keeps what this one makes.
 
     Raises SolveError: singular system, large residual, or an identity violated.
     """
@@ -113,11 +106,9 @@ def assembled(
         try:
             yield system
         finally:
-            rigid.matrix.destroy()
-            if mass is not None:
-                mass.destroy()
-            if coarse is not None:
-                coarse.nodal.destroy()
+            for used in (rigid.matrix, mass, None if coarse is None else coarse.nodal):
+                if used is not None:
+                    used.destroy()
 
 
 def is_iterative(options: SolverOptions, forms: Forms) -> bool:
@@ -149,8 +140,7 @@ def _loads(problem: StokesProblem, forms: Forms, rows: int) -> Array:
     """Nodal loads b: (f, v) and, on open walls, <t, v> with t = -p n; this rank's rows."""
     fluid, boundary, b = problem.fluid, problem.boundary, np.zeros(rows)
     velocities = forms.velocities
-    if boundary.body_force is not None:
-        f = boundary.body_force
+    if (f := boundary.body_force) is not None:
         forms.f.interpolate(lambda x: f(x[: fluid.dimension].T).T)
         b[:velocities] += nodal_vector(forms.bind("load"))
     for wall, pressure in boundary.pressures.items():
@@ -162,15 +152,14 @@ def _loads(problem: StokesProblem, forms: Forms, rows: int) -> Array:
 def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clock: Clock) -> StokesSolution:
     """Everything that follows from nodal values: loads, checks, mean stress, and the flow for output.
 
-    Args:
-        system: what was solved.
-        nodal: the nodal values.
-        jump_load: what jumps of the pressure added to the loads of the system.
-        clock: of the solve.
+    jump_load: what jumps of the pressure added to the loads of the system.
     """
     problem, forms = system.problem, system.forms
     forms.fill(nodal.x)
-    mean_pressure = _mean_pressure(system, nodal)
+    # The weights of the nodal values are the integrals of the shape functions.
+    here = np.array([system.weights @ nodal.x[system.layout.velocities :], system.weights.sum()])
+    integral, area = system.layout.comm.allreduce(here)
+    mean_pressure = float(integral / area)
     if not problem.boundary.pressures:
         forms.p.x.array[:] -= mean_pressure
     F, dissipation = load_of(system, nodal.reaction), forms.integrate("dissipation")
@@ -184,16 +173,9 @@ def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clo
     flow, traction_F = fields.capture(forms, system.nodes.with_ghosts), _by_traction(system, jump_load)
     clock.lap("checks")
     return StokesSolution(
-        problem, nodal.U, F, traction_F, dissipation, checks, forms.dofs, nodal.iterations, clock.seconds,
-        flow, surface, bulk, nodal.pressure_gradient,
+        nodal.U, F, traction_F, dissipation, checks, forms.dofs, problem.fluid.cells(), nodal.iterations,
+        clock.seconds, bulk, problem, flow, surface, nodal.pressure_gradient,
     )  # fmt: skip
-
-
-def _mean_pressure(system: StokesSystem, nodal: NodalSolution) -> float:
-    """Of the fluid, by its nodal values: their weights are the integrals of the shape functions."""
-    here = np.array([system.weights @ nodal.x[system.layout.velocities :], system.weights.sum()])
-    integral, area = system.layout.comm.allreduce(here)
-    return float(integral / area)
 
 
 def _by_traction(system: StokesSystem, jump_load: Array) -> Array:

@@ -32,11 +32,8 @@ def validate_cases(
 ) -> list[Row]:
     """Validate the named cases of a folder, or all; collective.
 
-    Args:
-        folder: of the case files.
-        names: of those that are wanted; none means all.
-        output: a new folder, for validation.json, validation.csv and the runs.
-        show: is told the rows of each case, or of each value of its sweep.
+    output: a new folder, for validation.json, validation.csv and the runs. show: is told the rows of each
+    case, or of each value of its sweep.
 
     Raises InputError: no such case, or the output folder is not new.
     """
@@ -59,10 +56,8 @@ def require_passed(rows: Sequence[Row]) -> None:
     if failed:
         row = failed[0]
         wrong = row.failure or f"= {row.value:.9g}, off by {row.true_error:.1e}"
-        raise ValidationError(
-            f"{len(failed)} of {len(rows)} rows fail, first {row.case}: {row.quantity} {wrong}; expected "
-            f"{row.reference:.9g} within {row.rtol:g}"
-        )
+        first = f"first {row.case}: {row.quantity} {wrong}; expected {row.reference:.9g} within {row.rtol:g}"
+        raise ValidationError(f"{len(failed)} of {len(rows)} rows fail, {first}")
 
 
 def _make(output: Path) -> None:
@@ -81,9 +76,7 @@ STRETCH = 1.5
 def rows_of(path: Path, runs: Path) -> Iterator[list[Row]]:
     """The rows of one case file, a list for each value of its sweep; collective.
 
-    Args:
-        path: the case file.
-        runs: where a case with [time] leaves its run folders.
+    runs: where a case with [time] leaves its run folders.
 
     Raises InputError: the case is not sound. A solve that fails gives rows without value.
     """
@@ -132,25 +125,19 @@ def _instant(case: Case) -> list[Computed]:
     thicker = (smaller.apparent_viscosity or 0.0) - (solution.apparent_viscosity or 0.0)
     lost = smaller.dissipation - solution.dissipation
     change = ErrorEstimate(smaller.U - solution.U, smaller.F - solution.F, lost, thicker)
-    return [
-        Computed(
-            computed(case, solution, row.quantity),
-            abs(computed(case, errors, row.quantity)),
-            abs(computed(case, change, row.quantity)),
-        )
-        for row in case.expected
-    ]
+    rows = []
+    for row in case.expected:
+        value, error, changed = (computed(case, of, row.quantity) for of in (solution, errors, change))
+        rows.append(Computed(value, abs(error), abs(changed)))
+    return rows
 
 
 def _history(case: Case, folder: Path) -> list[Computed]:
     """Times at gaps, from two runs, whose difference is the error of the time steps."""
     assert case.time is not None
-    steps = {
-        "tolerance": STRETCH**BogackiShampine.error_order * case.time.tolerance,
-        "gap_loss": STRETCH * case.time.gap_loss,
-    }
-    coarser = case.time.model_copy(update=steps)
-    fine = _run(case, folder)
+    tolerance = STRETCH**BogackiShampine.error_order * case.time.tolerance
+    steps = {"tolerance": tolerance, "gap_loss": STRETCH * case.time.gap_loss}
+    coarser, fine = case.time.model_copy(update=steps), _run(case, folder)
     rough = _run(case.model_copy(update={"time": coarser}), folder.with_name(f"{folder.name}-coarser"))
     truncation = _relative_truncation(case)
     results = []
@@ -184,10 +171,9 @@ def time_at(gap: float, t: Array, gaps: Array) -> float:
 
     Raises InputError: it never did.
     """
-    if gaps.min() > gap:
-        raise InputError(
-            f"{TIME_AT_GAP}{gap:g}: the smallest gap of the run is {gaps.min():.3g}; raise time.end"
-        )
+    if (smallest := gaps.min()) > gap:
+        here = f"{TIME_AT_GAP}{gap:g}: the smallest gap of the run"
+        raise InputError(f"{here} is {smallest:.3g}; raise time.end")
     last = int(np.argmax(gaps <= gap))
     rises = np.flatnonzero(np.diff(gaps[: last + 1]) >= 0.0)
     first = int(rises[-1]) + 1 if len(rises) else 0

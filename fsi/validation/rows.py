@@ -132,21 +132,16 @@ class Row:
     @property
     def record(self) -> Record:
         """All of it, for JSON and CSV."""
-        return asdict(self) | {
-            "error_bar": self.error_bar,
-            "true_error": self.true_error,
-            "passed": self.passed,
-            "bar_holds": self.bar_holds,
-        }
+        derived = ("error_bar", "true_error", "passed", "bar_holds")
+        return asdict(self) | {name: getattr(self, name) for name in derived}
 
 
 def chosen_cases(folder: Path, names: Sequence[str]) -> list[Path]:
     """The case files of these names in the folder, all of them if there are none. Raises InputError."""
     files = {path.stem: path for path in sorted(folder.glob("*.toml"))}
     if not files:
-        raise InputError(
-            f"--cases {folder}: no case files there; drop it for those that come with the program"
-        )
+        remedy = "drop it for those that come with the program"
+        raise InputError(f"--cases {folder}: no case files there; {remedy}")
     for name in names:
         if name not in files:
             raise InputError(f"{name}: no such validation case; the nearest is {nearest_word(name, files)}")
@@ -205,11 +200,11 @@ def sphere_records(rows: Sequence[Row]) -> list[Record]:
         if row.exact == SPHERE and not row.failure:
             s = np.array(row.gap)
             scale = row.value / row.reference * normal_resistance(s, 1.0, 1.0)
-            ratios = {
-                f"resolved/{name}": float(scale / expansion("spheres", "squeeze", np.inf, terms).value(s))
-                for terms, name in TERMS.items()
-            }
-            records.append({"case": row.case, "gap/radius": row.gap, "resolved": row.value, **ratios})
+            record: Record = {"case": row.case, "gap/radius": row.gap, "resolved": row.value}
+            for terms, name in TERMS.items():
+                law = expansion("spheres", "squeeze", np.inf, terms)
+                record[f"resolved/{name}"] = float(scale / law.value(s))
+            records.append(record)
     return records
 
 

@@ -17,8 +17,7 @@ from fsi.meshes.files.write import write_mesh
 from fsi.observables.error_estimate import ErrorEstimate, flow_scales, relative_change
 from fsi.runs import resume, run
 from fsi.stokes.adapt import solve_with_errors
-from fsi.stokes.error import ROUNDING
-from fsi.stokes.model import StokesModel
+from fsi.stokes.model import ROUNDING, StokesModel
 
 CASES = Path(__file__).parents[2] / "cases"
 

@@ -56,9 +56,8 @@ def compile_form(form: ufl.Form) -> fem.forms.CompiledForm:
 
 
 def _compile(form: ufl.Form) -> fem.forms.CompiledForm:
-    return fem.compile_form(
-        MPI.COMM_WORLD, form, jit_options={"timeout": PATIENCE, "cffi_extra_compile_args": FLAGS}
-    )
+    options = {"timeout": PATIENCE, "cffi_extra_compile_args": FLAGS}
+    return fem.compile_form(MPI.COMM_WORLD, form, jit_options=options)
 
 
 CELL = fem.IntegralType.cell
@@ -66,6 +65,7 @@ FACET = fem.IntegralType.exterior_facet
 EVERYWHERE = -1
 MARKED = 1
 CURVED, STRAIGHT = 1, 2
+EQUISPACED = basix.LagrangeVariant.equispaced
 SIMPLEX = {2: "triangle", 3: "tetrahedron"}
 
 MATRICES = ("a", "b", "b^T")
@@ -76,14 +76,12 @@ type Expr = ufl.core.expr.Expr
 
 def velocity_element(degree: int, dimension: int) -> basix.ufl._ElementBase:
     """Continuous vector elements of the given degree; equispaced nodes, which VTK draws as they are."""
-    return basix.ufl.element(
-        "Lagrange", SIMPLEX[dimension], degree, basix.LagrangeVariant.equispaced, shape=(dimension,)
-    )
+    return basix.ufl.element("Lagrange", SIMPLEX[dimension], degree, EQUISPACED, shape=(dimension,))
 
 
 def pressure_element(degree: int, dimension: int) -> basix.ufl._ElementBase:
     """Continuous scalar elements one degree below the velocity (Taylor and Hood 1973)."""
-    return basix.ufl.element("Lagrange", SIMPLEX[dimension], degree - 1, basix.LagrangeVariant.equispaced)
+    return basix.ufl.element("Lagrange", SIMPLEX[dimension], degree - 1, EQUISPACED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,12 +186,8 @@ def compile_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -
         "traction": ("V", ufl.inner(space.traction(u_h, p_h, mu, n), v) * w * dS),
     }
     compiled = {name: compile_form(form) for name, (_, form) in forms.items()}
-    return Compiled(
-        compiled,
-        {name: spaces for name, (spaces, _) in forms.items()},
-        {"u": u_h, "f": f_h, "p": p_h},
-        {"mu": mu, "zero": zero},
-    )
+    spaces = {name: letters for name, (letters, _) in forms.items()}
+    return Compiled(compiled, spaces, {"u": u_h, "f": f_h, "p": p_h}, {"mu": mu, "zero": zero})
 
 
 class Forms:

@@ -30,8 +30,7 @@ from petsc4py import PETSc
 
 from fsi.bodies.configuration import Array, Motion
 from fsi.meshes.aliases import Form
-from fsi.stokes.discretisation.boundary import BoundaryNodes
-from fsi.stokes.discretisation.constraints import DofLayout, RigidModes
+from fsi.stokes.discretisation.constraints import BoundaryNodes, DofLayout, RigidModes
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.problem import StokesProblem
 from fsi.stokes.solvers.fgmres import Coarse, Iteration, SchurBlocks, transfer
@@ -185,7 +184,10 @@ def factorised(system: StokesSystem) -> Iterator[Callable[[Array], Iterator[Noda
     reduced = elimination.reduced
     first_mode = reduced.getLocalSize()[0] - system.modes_here
     D, _ = mode_equations(system)
-    _add_to_diagonal(reduced, first_mode, D[unknown][: system.modes_here])
+    first_row = reduced.getOwnershipRange()[0] + first_mode
+    for row, value in enumerate(D[unknown][: system.modes_here], first_row):
+        reduced.setValue(row, row, value, PETSc.InsertMode.ADD_VALUES)
+    reduced.assemble()
     if system.mass is None or system.coarse is None:
         factors = elimination.factors(lasting=system.workspace.lasting)
         yield lambda U: _respond(system, elimination, factors, U)
@@ -239,11 +241,3 @@ def _respond(
         reaction = np.zeros(len(x))
         reaction[rows] = multiply(M, x) - system.b[rows]
         yield NodalSolution(x, reaction, moved, float(residual), solver.iterations)
-
-
-def _add_to_diagonal(matrix: PETSc.Mat, first: int, values: Array) -> None:
-    start, _ = matrix.getOwnershipRange()
-    for k, value in enumerate(values):
-        row = start + first + k
-        matrix.setValue(row, row, value, PETSc.InsertMode.ADD_VALUES)
-    matrix.assemble()

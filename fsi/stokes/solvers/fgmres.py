@@ -38,8 +38,7 @@ from petsc4py import PETSc
 
 from fsi.bodies.configuration import Array, rigid_motion
 from fsi.errors import SolveError
-from fsi.stokes.discretisation.boundary import locate
-from fsi.stokes.discretisation.constraints import Prolongation, dof_layout, rigid_modes
+from fsi.stokes.discretisation.constraints import Prolongation, dof_layout, locate, rigid_modes
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.problem import StokesProblem
 
@@ -78,10 +77,7 @@ def coarse_velocities(problem: StokesProblem, forms: Forms) -> Coarse:
 def transfer(coarse: Coarse, free: NDArray[np.bool_], held: NDArray[np.bool_]) -> PETSc.Mat:
     """T: from z to the velocities and modes of the reduced system; collective.
 
-    Args:
-        coarse: the coarse space.
-        free: which rows of u are unknowns of the reduced system, this rank's, (rows,).
-        held: which modes are held: they move nothing but themselves, (M N,).
+    free: which rows of u are its unknowns, this rank's. held: modes that move nothing but themselves, (M N,).
     """
     nodal = coarse.nodal
     indptr, column, value = nodal.getValuesCSR()
@@ -91,11 +87,9 @@ def transfer(coarse: Coarse, free: NDArray[np.bool_], held: NDArray[np.bool_]) -
     if nodal.comm.rank == 0:
         modes = sp.eye_array(len(held), nodal.size[1], k=first_mode, format="csr")
         T = sp.vstack([T, modes], "csr")
-    return PETSc.Mat().createAIJ(
-        size=((T.shape[0], None), (nodal.getLocalSize()[1], None)),
-        csr=(T.indptr.astype(PETSc.IntType), T.indices.astype(PETSc.IntType), T.data),
-        comm=nodal.comm,
-    )
+    size = ((T.shape[0], None), (nodal.getLocalSize()[1], None))
+    csr = (T.indptr.astype(PETSc.IntType), T.indices.astype(PETSc.IntType), T.data)
+    return PETSc.Mat().createAIJ(size=size, csr=csr, comm=nodal.comm)
 
 
 TOLERANCE = 1e-12  # of the residual relative to the right-hand side
@@ -104,11 +98,9 @@ RESTART = 150
 COMPONENTS = 3
 
 MOST_FACTORISED = 120_000
-FACTORS = {
-    "fieldsplit_u_mg_coarse_pc_type": "cholesky",
-    "fieldsplit_u_mg_coarse_pc_factor_mat_solver_type": "mumps",
-}
-MULTIGRID = {"fieldsplit_u_mg_coarse_pc_type": "gamg"}
+COARSE = "fieldsplit_u_mg_coarse_pc_"
+FACTORS = {f"{COARSE}type": "cholesky", f"{COARSE}factor_mat_solver_type": "mumps"}
+MULTIGRID = {f"{COARSE}type": "gamg"}
 OPTIONS = {
     "fieldsplit_u_ksp_type": "preonly",
     "fieldsplit_u_pc_type": "mg",
@@ -149,7 +141,9 @@ class Iteration(AbstractContextManager["Iteration"]):
     def __init__(self, matrix: PETSc.Mat, blocks: SchurBlocks) -> None:
         self.matrix, self.iterations = matrix, 0
         self._closed = blocks.closed
-        self._constant = _constant_pressure(matrix, blocks)
+        self._constant = matrix.createVecRight()
+        self._constant.array[blocks.p - matrix.getOwnershipRange()[0]] = 1.0
+        self._constant.normalize()
         if blocks.closed:
             null_space = PETSc.NullSpace().create(vectors=[self._constant], comm=matrix.comm)
             matrix.setNullSpace(null_space)
@@ -163,11 +157,7 @@ class Iteration(AbstractContextManager["Iteration"]):
     def solve(self, b: Array) -> tuple[Array, Array]:
         """Solutions of `M x = b` for all columns of b, one after the other; collective.
 
-        Args:
-            b: this rank's rows of the right-hand sides, (rows, k).
-
-        Returns:
-            this rank's rows of x, (rows, k), and the relative residuals |b - M x| / |b|, (k,), on all ranks.
+        b, x: this rank's rows, (rows, k); with x the relative residuals |b - M x| / |b|, (k,), on all ranks.
 
         Raises SolveError: the iteration stagnates.
         """
@@ -198,17 +188,8 @@ class Iteration(AbstractContextManager["Iteration"]):
         return values, relative
 
 
-def _constant_pressure(matrix: PETSc.Mat, blocks: SchurBlocks) -> PETSc.Vec:
-    constant = matrix.createVecRight()
-    start, _ = matrix.getOwnershipRange()
-    constant.array[blocks.p - start] = 1.0
-    constant.normalize()
-    return constant
-
-
 def _solver(matrix: PETSc.Mat, blocks: SchurBlocks) -> PETSc.KSP:
-    ksp = PETSc.KSP().create(matrix.comm)
-    prefix = "fsi_stokes_"
+    ksp, prefix = PETSc.KSP().create(matrix.comm), "fsi_stokes_"
     ksp.setOptionsPrefix(prefix)
     ksp.setOperators(matrix)
     ksp.setType(PETSc.KSP.Type.FGMRES)
@@ -216,9 +197,8 @@ def _solver(matrix: PETSc.Mat, blocks: SchurBlocks) -> PETSc.KSP:
     ksp.setTolerances(rtol=TOLERANCE, max_it=MOST_ITERATIONS)
     pc = ksp.getPC()
     pc.setType(PETSc.PC.Type.FIELDSPLIT)
-    u, p = (
-        PETSc.IS().createGeneral(rows.astype(PETSc.IntType), matrix.comm) for rows in (blocks.u, blocks.p)
-    )
+    numbers = (rows.astype(PETSc.IntType) for rows in (blocks.u, blocks.p))
+    u, p = (PETSc.IS().createGeneral(rows, matrix.comm) for rows in numbers)
     u.setBlockSize(COMPONENTS)
     pc.setFieldSplitIS(("u", u), ("p", p))
     pc.setFieldSplitType(PETSc.PC.CompositeType.SCHUR)

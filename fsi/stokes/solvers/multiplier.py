@@ -73,20 +73,14 @@ def solve_multiplier(system: StokesSystem) -> NodalSolution:
     x = multiply(S, solution[:flow_rows]) + system.g
     reaction = np.zeros(layout.rows)
     reaction[layout.on_body] = solution[flow_rows : flow_rows + multiplier_rows]
-    reaction = _with_walls(system, x, reaction)
+    # The multipliers do not hold M x - b on the rows of walls and of slaves.
+    fixed = np.concatenate([layout.fixed, layout.slave])
+    reaction[fixed] = (multiply(system.M, x) - system.b)[fixed]
     U = system.motion.U.copy()
     U.ravel()[free] = layout.comm.bcast(solution[flow_rows + multiplier_rows :].copy())
     for used in (S, flow, matrix):
         used.destroy()
     return NodalSolution(x, reaction, U, float(residual))
-
-
-def _with_walls(system: StokesSystem, x: Array, reaction: Array) -> Array:
-    """Add what the multipliers do not hold: M x - b on the rows of walls and of slaves."""
-    complete = reaction.copy()
-    fixed = np.concatenate([system.layout.fixed, system.layout.slave])
-    complete[fixed] = (multiply(system.M, x) - system.b)[fixed]
-    return complete
 
 
 def _renumbered(flow: PETSc.Mat, starts: list[int]) -> tuple[Index, Index, Array]:

@@ -22,6 +22,7 @@ TOO_LITTLE_WORKSPACE = (-8, -9)
 # A residual of 1e-12 of b, which is what two hundred discs leave, is 5e-13 in their velocities.
 REFINE_ABOVE = 1e-11
 REFUSE_ABOVE = 1e-9
+LEFT = "left without anything that holds it"
 
 
 class Factorisation(AbstractContextManager["Factorisation"]):
@@ -54,12 +55,9 @@ class Factorisation(AbstractContextManager["Factorisation"]):
             self._ksp = _solver(self.matrix, self._ordering, WORKSPACES[1])
             status = _factorise(self._ksp)
         if status < 0:
-            raise SolveError(
-                f"MUMPS failed with INFOG(1) = {status}; is the flow left without anything that holds it?"
-            )
+            raise SolveError(f"MUMPS failed with INFOG(1) = {status}; is the flow {LEFT}?")
 
     def __exit__(self, *_: object) -> None:
-        """Free the factors."""
         self.destroy()
 
     def destroy(self) -> None:
@@ -69,12 +67,8 @@ class Factorisation(AbstractContextManager["Factorisation"]):
     def solve(self, b: Array) -> tuple[Array, Array]:
         """Solutions of `M x = b`, refined if that helps, for all columns of b at once; collective.
 
-        Args:
-            b: this rank's rows of the right-hand sides, (rows, k). A block of some tens costs a tenth of as
-                many single ones.
-
-        Returns:
-            this rank's rows of x, (rows, k), and the relative residuals |b - M x| / |b|, (k,), on all ranks.
+        b, x: this rank's rows, (rows, k); with x the relative residuals |b - M x| / |b|, (k,), on all ranks.
+        A block of some tens costs a tenth of as many single ones.
 
         Raises SolveError: a residual is not below 1e-9.
         """
@@ -87,9 +81,8 @@ class Factorisation(AbstractContextManager["Factorisation"]):
             x += self._apply(residual)
             relative = self._norms(b - self._multiply(x)) / size
         if not relative.max() < REFUSE_ABOVE:
-            raise SolveError(
-                f"the linear solve left a relative residual of {relative.max():.2g} (bound {REFUSE_ABOVE:g})"
-            )
+            residuals = f"{relative.max():.2g} (bound {REFUSE_ABOVE:g})"
+            raise SolveError(f"the linear solve left a relative residual of {residuals}")
         return x, relative
 
     def _apply(self, b: Array) -> Array:
@@ -149,9 +142,7 @@ def _factorise(ksp: PETSc.KSP) -> int:
         ksp.setUp()
         return int(factor.getMumpsInfog(1))
     except PETSc.Error as error:
-        raise SolveError(
-            f"MUMPS failed: {error}; is a body or the flow left without anything that holds it?"
-        ) from error
+        raise SolveError(f"MUMPS failed: {error}; is a body or the flow {LEFT}?") from error
     finally:
         factor.destroy()
         pc.destroy()

@@ -28,8 +28,7 @@ from fsi.bodies.configuration import Array, Configuration, Motion
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.lattice import Integers
 from fsi.meshes.matching import matching_nodes, matching_points
-from fsi.stokes.discretisation.boundary import facets_with
-from fsi.stokes.discretisation.constraints import DofLayout
+from fsi.stokes.discretisation.constraints import DofLayout, facets_with
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.problem import StokesProblem, channel_walls
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, nodal_vector
@@ -84,10 +83,8 @@ def tied(layout: DofLayout, fluid: FluidMesh, forms: Forms, x: Array) -> DofLayo
         return np.asarray(first_row[owner] + of_rank)
 
     parts = [(pairs[0], 0, 0), (pairs[0], 0, 1), (pairs[1], 1, 0)]
-    slave, master = (
-        np.concatenate([rows(getattr(p, side), space, c) for p, space, c in parts])
-        for side in ("slave", "master")
-    )
+    slave = np.concatenate([rows(p.slave, space, c) for p, space, c in parts])
+    master = np.concatenate([rows(p.master, space, c) for p, space, c in parts])
     shift = fluid.lattice.shift(np.concatenate([p.shift for p, _, _ in parts]))
     slave -= first_row[layout.comm.rank]
     here = (slave >= 0) & (slave < layout.rows)
@@ -246,9 +243,5 @@ def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, 
 
 
 def _sum(one: NodalSolution, other: NodalSolution, s: float) -> NodalSolution:
-    return NodalSolution(
-        one.x + s * other.x,
-        one.reaction + s * other.reaction,
-        one.U + s * other.U,
-        max(one.residual, other.residual),
-    )
+    x, reaction, U = one.x + s * other.x, one.reaction + s * other.reaction, one.U + s * other.U
+    return NodalSolution(x, reaction, U, max(one.residual, other.residual))
