@@ -71,12 +71,7 @@ class Wanted:
 
 @dataclass(frozen=True, slots=True)
 class SimulationCell:
-    """The box from the origin to `sides`.
-
-    Attributes:
-        sides: d lengths > 0.
-        periodic: for each axis whether it is; walls stand across the others.
-    """
+    """The box from the origin to `sides`, d lengths; walls stand across the axes that are not periodic."""
 
     sides: tuple[float, ...]
     periodic: tuple[bool, ...]

@@ -160,12 +160,7 @@ def radii_of(w: Wanted) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """A kind of arrangement.
-
-    Attributes:
-        arranged: what makes it.
-        options: that it takes besides number, area fraction, radius, gap and cell.
-    """
+    """What makes it, and its options besides number, area fraction, radius, gap and cell."""
 
     arranged: Callable[[Wanted], Arrangement]
     options: tuple[str, ...]

@@ -22,10 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize
 
-from fsi.arrangements.arrangement import Arrangement, SimulationCell, Wanted, volumes
+from fsi.arrangements.arrangement import Arrangement, Array, SimulationCell, Wanted, volumes
 from fsi.errors import InputError
-
-Array = NDArray[np.float64]
 
 # Fractions, of bodies grown by half the gap, up to which overlaps are removed in a moment: below random close
 # packing (0.84 in the plane, 0.64 in space), where the minimum of E ceases to be zero.

@@ -134,7 +134,11 @@ def pair_of(case: Case) -> Pair:
         raise InputError(f"{here}: no body is named {plan.pair[0]!r}; the bodies are {toml_text(case.names)}")
     first = case.names.index(plan.pair[0])
     if plan.pair[1] in case.names and plan.pair[1] != plan.pair[0]:
-        pair = _two_bodies(case, first, case.names.index(plan.pair[1]))
+        q, second = case.configuration(), case.names.index(plan.pair[1])
+        apart = q.centres[first] - q.centres[second]
+        distance = float(np.linalg.norm(apart))
+        gap = distance - float(q.radii[first] + q.radii[second])
+        pair = Pair(case, first, second, apart / distance, gap)
     elif plan.pair[1] in case.container().walls:
         pair = _beside_wall(case, first, plan.pair[1])
     else:
@@ -150,13 +154,6 @@ def pair_of(case: Case) -> Pair:
     for gap in plan.range:
         pair.at(gap)
     return pair
-
-
-def _two_bodies(case: Case, first: int, second: int) -> Pair:
-    q = case.configuration()
-    apart = q.centres[first] - q.centres[second]
-    distance = float(np.linalg.norm(apart))
-    return Pair(case, first, second, apart / distance, distance - float(q.radii[first] + q.radii[second]))
 
 
 def _beside_wall(case: Case, first: int, wall: str) -> Pair:

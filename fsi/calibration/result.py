@@ -47,13 +47,7 @@ class Coefficient:
 
 @dataclass(frozen=True, slots=True)
 class HeldOut:
-    """What tests the law.
-
-    Attributes:
-        samples: those that were held out.
-        law: at their gaps, shape (n,).
-        band: half of its 95 % interval there, (n,).
-    """
+    """The samples that were held out, the law at their gaps, (n,), and half of its 95 % interval there."""
 
     samples: Samples
     law: Array

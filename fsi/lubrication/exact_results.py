@@ -11,13 +11,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
 from fsi.lubrication import exact, spheres
 from fsi.lubrication import sphere_beside_plane as beside
-
-Array = NDArray[np.float64]
+from fsi.lubrication.exact import Array
 
 
 @dataclass(frozen=True, slots=True)

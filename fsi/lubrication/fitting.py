@@ -23,9 +23,7 @@ from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import minimize_scalar
 from scipy.stats import chi2
 
-from fsi.lubrication.laws import Series, Term
-
-Array = NDArray[np.float64]
+from fsi.lubrication.laws import Array, Series, Term
 
 CONFIDENCE = 1.959963984540054  # standard deviations of a 95 % interval
 CONSISTENT = 0.05  # smallest probability of so large a chi^2 at which a fit is believed

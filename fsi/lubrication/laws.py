@@ -110,11 +110,7 @@ class ScaledLaw:
 class CutLaw:
     """A law less its value at the gap d_c, and zero beyond, so that far drag is not counted twice.
 
-    kappa is continuous, and never negative if that of `law` decreases. The integral is that from d_c.
-
-    Attributes:
-        law: any law.
-        cut: d_c > 0, a length.
+    kappa is continuous, never negative if that of `law` decreases; the integral is that from d_c = cut > 0.
     """
 
     law: LubricationLaw
@@ -188,7 +184,6 @@ class Series:
         return self._sum(term.integral(s) for term in self.terms)
 
     def _sum(self, values: Iterable[Array]) -> Array:
-        """sum_k c_k v_k."""
         return np.sum([c * v for c, v in zip(self.coefficients, values, strict=True)], axis=0)
 
 

@@ -12,13 +12,11 @@ from functools import cache
 from math import inf
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fsi.lubrication import exact, sphere_beside_plane, spheres
 from fsi.lubrication.expansions import EXPONENTS, Mode, Shape, expansion
-from fsi.lubrication.laws import LubricationLaw, ScaledLaw, Series, TabulatedProfile, Term
-
-Array = NDArray[np.float64]
+from fsi.lubrication.laws import Array, LubricationLaw, ScaledLaw, Series, TabulatedProfile, Term
 
 # A spline of degree 5 through so many points per factor of ten is good to 1e-9 (see the tests).
 _POINTS = 30
@@ -44,12 +42,7 @@ class SqueezeFilm:
 
 @dataclass(frozen=True, slots=True)
 class NamedLaw:
-    """One entry of the registry.
-
-    Attributes:
-        of: the law of a film.
-        any_shape: whether it is the same law for spheres and discs.
-    """
+    """One entry of the registry: the law of a film, and whether it is the same for spheres and discs."""
 
     of: Callable[[SqueezeFilm], LubricationLaw]
     any_shape: bool

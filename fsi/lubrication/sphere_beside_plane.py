@@ -30,12 +30,10 @@ where e_n and r_n come from the motion of the sphere.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.linalg import solve_banded
 
-from fsi.lubrication.exact import gap_ratio, less_tanh
-
-Array = NDArray[np.float64]
+from fsi.lubrication.exact import Array, gap_ratio, less_tanh
 
 _SMALLEST = 1e-10
 _DECAY = 22.0  # modes up to z = 22: the terms fall off like e^(-2 z)

@@ -23,12 +23,11 @@ from functools import cache
 
 import numpy as np
 from numpy.polynomial import Chebyshev
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fsi.lubrication.bispherical import sum_common, sum_cross, sum_self
-from fsi.lubrication.exact import gap_ratio
+from fsi.lubrication.exact import Array, gap_ratio
 
-Array = NDArray[np.float64]
 type Both = tuple[ArrayLike, ArrayLike]  # of the first sphere and of the second
 
 

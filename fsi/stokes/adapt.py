@@ -36,13 +36,7 @@ MARGIN = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Refinement:
-    """What was computed with the sizes of a case, and how accurate it is.
-
-    Attributes:
-        case: with the sizes that were used.
-        error: the largest, relative, estimated.
-        dofs: number of unknowns.
-    """
+    """A case with the sizes that were used, the largest estimated relative error, and the unknowns."""
 
     case: Case
     error: float
@@ -51,12 +45,7 @@ class Refinement:
 
 @dataclass(frozen=True, slots=True)
 class Solved(Refinement):
-    """A solution with its accuracy.
-
-    Attributes:
-        solution: of the case.
-        errors: of the solution, estimated.
-    """
+    """The solution of the case, and its estimated errors."""
 
     solution: StokesSolution
     errors: ErrorEstimate

@@ -69,18 +69,12 @@ def capture(forms: Forms, x: Array) -> Flow:
     V, topology = forms.V, forms.mesh.topology
     d = topology.dim
     cells = V.dofmap.list[: topology.index_map(d).size_local]
-    u, p = np.array(forms.u.x.array, dtype=np.float64).reshape(-1, d), _pressure_at_nodes(forms, cells)
-    degree = V.element.basix_element.degree
-    return Flow(x, cells.astype(np.int64), u, p, degree, V.dofmap.index_map, forms.axisymmetric)
-
-
-def _pressure_at_nodes(forms: Forms, cells: NDArray[np.int32]) -> Array:
-    """The pressure at the nodes of the velocity: exact, since the element of V holds that of Q."""
-    points = forms.V.element.basix_element.points
-    phi = forms.Q.element.basix_element.tabulate(0, points)[0, :, :, 0]
-    p = np.empty(len(forms.u.x.array) // forms.mesh.topology.dim)
+    element, u = V.element.basix_element, np.array(forms.u.x.array, dtype=np.float64).reshape(-1, d)
+    # The pressure at the nodes of the velocity is exact, since the element of V holds that of Q.
+    phi = forms.Q.element.basix_element.tabulate(0, element.points)[0, :, :, 0]
+    p = np.empty(len(u))
     p[cells] = forms.p.x.array[forms.Q.dofmap.list[: len(cells)]] @ phi.T
-    return p
+    return Flow(x, cells.astype(np.int64), u, p, element.degree, V.dofmap.index_map, forms.axisymmetric)
 
 
 def values_at(flow: Flow, points: Array) -> Array:

@@ -158,8 +158,8 @@ def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clo
     forms.fill(nodal.x)
     # The weights of the nodal values are the integrals of the shape functions.
     here = np.array([system.weights @ nodal.x[system.layout.velocities :], system.weights.sum()])
-    integral, area = system.layout.comm.allreduce(here)
-    mean_pressure = float(integral / area)
+    of_p, area = system.layout.comm.allreduce(here)
+    mean_pressure = float(of_p / area)
     if not problem.boundary.pressures:
         forms.p.x.array[:] -= mean_pressure
     F, dissipation = load_of(system, nodal.reaction), forms.integrate("dissipation")
@@ -170,17 +170,14 @@ def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clo
             checks |= viscosity_checks(problem, bulk, dissipation)
     require(checks)
     surface = fields.surfaces(system, nodal.reaction[: system.layout.velocities])
-    flow, traction_F = fields.capture(forms, system.nodes.with_ghosts), _by_traction(system, jump_load)
+    flow = fields.capture(forms, system.nodes.with_ghosts)
+    # Integrals of sigma_h n, on all arcs in the pressure of one image.
+    integral = -jump_load
+    on_bodies = facets_with(problem.fluid, 1, problem.fluid.bodies)
+    integral[: system.layout.velocities] += nodal_vector(forms.bind("traction", on_bodies))
+    traction_F = load_of(system, integral)
     clock.lap("checks")
     return StokesSolution(
         nodal.U, F, traction_F, dissipation, checks, forms.dofs, problem.fluid.cells(), nodal.iterations,
         clock.seconds, bulk, problem, flow, surface, nodal.pressure_gradient,
     )  # fmt: skip
-
-
-def _by_traction(system: StokesSystem, jump_load: Array) -> Array:
-    """Loads of the bodies, (N, M), as integrals of sigma_h n, on all arcs in the pressure of one image."""
-    on_bodies = facets_with(system.problem.fluid, 1, system.problem.fluid.bodies)
-    integral = -jump_load
-    integral[: system.layout.velocities] += nodal_vector(system.forms.bind("traction", on_bodies))
-    return load_of(system, integral)

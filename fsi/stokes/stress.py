@@ -48,8 +48,13 @@ def bulk_stress(system: StokesSystem, solution: NodalSolution, mean_pressure: fl
     E = problem.mean_strain_rate
     if not E.any():
         return bulk
-    stress = _wall_stress(system, solution)
-    power = np.sum(bulk.mean * E) if stress is None else 2.0 * stress * E[0, 1]
+    power = np.sum(bulk.mean * E)
+    if system.nodes.wall_nodes:  # in a channel by the mean shear stress on both walls
+        force = {
+            wall: layout.comm.allreduce(float(solution.reaction[2 * node.astype(np.int64)].sum()))
+            for wall, node in system.nodes.wall_nodes.items()
+        }
+        power = (force["top"] - force["bottom"]) / float(problem.container.periods[0, 0]) * E[0, 1]
     return replace(bulk, apparent_viscosity=float(power / (2.0 * problem.viscosity * np.sum(E**2))))
 
 
@@ -74,17 +79,6 @@ def _moments(x: Array, nodal: Array) -> Array:
     """The components xx, xy, yy of sym x (x) f summed over nodes x (n, 2), for their forces f."""
     f = nodal.reshape(-1, 2)
     return np.array([x[:, 0] @ f[:, 0], 0.5 * (x[:, 1] @ f[:, 0] + x[:, 0] @ f[:, 1]), x[:, 1] @ f[:, 1]])
-
-
-def _wall_stress(system: StokesSystem, solution: NodalSolution) -> float | None:
-    """Shear stress on the walls of a channel, the mean of both; None in a cell without walls."""
-    if not system.nodes.wall_nodes:
-        return None
-    force: dict[str, float] = {
-        wall: system.layout.comm.allreduce(float(solution.reaction[2 * node.astype(np.int64)].sum()))
-        for wall, node in system.nodes.wall_nodes.items()
-    }
-    return (force["top"] - force["bottom"]) / (2.0 * float(system.problem.container.periods[0, 0]))
 
 
 def is_force_free(system: StokesSystem) -> bool:

@@ -211,7 +211,11 @@ def sphere_records(rows: Sequence[Row]) -> list[Record]:
 def write_rows(rows: Sequence[Row], folder: Path) -> None:
     """Write validation.json and validation.csv, and of a sphere beside a plane sphere_wall_ratios.csv."""
     records = [row.record for row in rows]
-    text = json.dumps([{key: _json(value) for key, value in record.items()} for record in records], indent=1)
+    no_nan = [
+        {key: None if isinstance(x, float) and not np.isfinite(x) else x for key, x in record.items()}
+        for record in records
+    ]
+    text = json.dumps(no_nan, indent=1)
     (folder / "validation.json").write_text(text + "\n", encoding="utf-8")
     _write_csv(records, folder / "validation.csv")
     if ratios := sphere_records(rows):
@@ -223,8 +227,3 @@ def _write_csv(records: Sequence[Record], path: Path) -> None:
         writer = csv.DictWriter(file, list(records[0]), lineterminator="\n")
         writer.writeheader()
         writer.writerows(records)
-
-
-def _json(value: float | str | bool | None) -> float | str | bool | None:
-    """JSON knows no nan."""
-    return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -10,7 +10,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fsi.lubrication.expansions import SHAPES, Mode, Shape, basis, coefficients
-from fsi.lubrication.fitting import Array, Fit, fit_series
+from fsi.lubrication.fitting import Fit, fit_series
+from fsi.lubrication.laws import Array
 from fsi.lubrication.named_laws import exact_resistance
 
 CASES: list[tuple[Shape, Mode, float]] = [

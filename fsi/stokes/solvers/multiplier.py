@@ -52,12 +52,11 @@ def solve_multiplier(system: StokesSystem) -> NodalSolution:
 
     multiplier = first + flow_rows + np.arange(multiplier_rows)
     D, load = (values[free] for values in mode_equations(system))
-    triplets = [
-        _renumbered(flow, starts),
-        *_symmetric(*_trace(S, layout.on_body, starts, multiplier)),
-        *_symmetric(*_rigid_columns(system, multiplier, mode_column)),
-        (multiplier, multiplier, np.zeros(multiplier_rows)),
-    ]
+    trace = _trace(S, layout.on_body, starts, multiplier)
+    rigid = _rigid_columns(system, multiplier, mode_column)
+    zero = (multiplier, multiplier, np.zeros(multiplier_rows))
+    transposes = [(column, row, value) for row, column, value in (trace, rigid)]
+    triplets = [_renumbered(flow, starts), trace, rigid, *transposes, zero]
     if mode_rows:
         triplets.append((mode_column[free], mode_column[free], D))
     matrix = PETSc.Mat().createAIJ(size=((rows_here, None), (rows_here, None)), comm=layout.comm)
@@ -110,7 +109,3 @@ def _rigid_columns(system: StokesSystem, multiplier: Index, mode_column: Index) 
     of_row[system.layout.on_body] = multiplier
     free = mode_column[mode] >= 0
     return of_row[row[free]], mode_column[mode[free]], value[free]
-
-
-def _symmetric(row: Index, column: Index, value: Array) -> list[tuple[Index, Index, Array]]:
-    return [(row, column, value), (column, row, value)]

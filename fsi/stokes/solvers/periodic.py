@@ -93,20 +93,16 @@ def tied(layout: DofLayout, fluid: FluidMesh, forms: Forms, x: Array) -> DofLayo
     return replace(layout, slave=slave[here], master=master[here], away=shift[here])
 
 
-@dataclass(frozen=True, slots=True)
 class Jumps:
-    """What a velocity gradient and a pressure gradient put into g and b; of this rank.
+    """What a velocity gradient and a pressure gradient put into g and b of a domain that was opened."""
 
-    Attributes:
-        layout: of the rows.
-        to_body: how far the node of each row on a body lies from that of the body at q_i, (on_body, 2).
-        normals: pairs of a lattice vector e and the nodal values of <n, v> over all that lies at e, on slaves
-            and on opened bodies.
-    """
-
-    layout: DofLayout
-    to_body: Array
-    normals: list[tuple[Array, Array]]
+    def __init__(self, system: StokesSystem) -> None:
+        self.layout, fluid, q = system.layout, system.problem.fluid, system.problem.q
+        r = system.nodes.x[self.layout.on_body // 2] - q.centres[self.layout.body]
+        # How far the node of each row on a body lies from that of the body at q_i, (on_body, 2).
+        self._to_body = fluid.lattice.shift(fluid.lattice.nearest(r))
+        # Lattice vectors e and the nodal <n, v> over all that lies at e, on slaves and on opened bodies.
+        self._normals = _normals(fluid, system.forms, q)
 
     def of_velocity(self, E: Array) -> Array:
         """The part of g for u(x + e) = u(x) + E e, this rank's rows."""
@@ -114,7 +110,7 @@ class Jumps:
         of_flow = layout.slave < 2 * layout.velocity_nodes
         slave = layout.slave[of_flow]
         g[slave] = (layout.away[of_flow] @ E.T)[np.arange(len(slave)), slave % 2]
-        g[layout.on_body] = (self.to_body @ E.T)[np.arange(len(layout.on_body)), layout.on_body % 2]
+        g[layout.on_body] = (self._to_body @ E.T)[np.arange(len(layout.on_body)), layout.on_body % 2]
         return g
 
     def of_pressure(self, G: Array) -> tuple[Array, Array]:
@@ -122,16 +118,9 @@ class Jumps:
         layout, g, b = self.layout, np.zeros(self.layout.rows), np.zeros(self.layout.rows)
         of_pressure = layout.slave >= 2 * layout.velocity_nodes
         g[layout.slave[of_pressure]] = layout.away[of_pressure] @ G
-        for e, normal in self.normals:
+        for e, normal in self._normals:
             b[: len(normal)] -= (G @ e) * normal
         return g, b
-
-
-def jumps(system: StokesSystem) -> Jumps:
-    """The jumps of a domain that was opened; collective."""
-    layout, fluid, q = system.layout, system.problem.fluid, system.problem.q
-    r = system.nodes.x[layout.on_body // 2] - q.centres[layout.body]
-    return Jumps(layout, fluid.lattice.shift(fluid.lattice.nearest(r)), _normals(fluid, system.forms, q))
 
 
 def _normals(fluid: FluidMesh, forms: Forms, q: Configuration) -> list[tuple[Array, Array]]:
@@ -169,36 +158,28 @@ def _shifts_on_cut(fluid: FluidMesh, middle: Array) -> Integers:
     return m[first : first + len(middle)]
 
 
-@dataclass(frozen=True, slots=True)
 class Averages:
-    """Averages over fluid and bodies together.
+    """Averages over the fluid and the bodies of a periodic domain together.
 
     Attributes:
-        problem: of the flow.
         weights: int v_c over the fluid for each row of u, (rows of u, 2), of this rank.
         x: this rank's velocity nodes, (n, 2).
     """
 
-    problem: StokesProblem
-    weights: Array
-    x: Array
+    def __init__(self, system: StokesSystem) -> None:
+        self._problem, self.x, forms, columns = system.problem, system.nodes.x, system.forms, []
+        for direction in np.eye(2):
+            forms.f.x.array[:] = np.tile(direction, len(forms.f.x.array) // 2)
+            columns.append(nodal_vector(forms.bind("load")))
+        self.weights = np.column_stack(columns)
 
     def velocity(self, solution: NodalSolution, E: Array) -> Array:
-        """The mean of u - E x, (2,)."""
-        q, comm = self.problem.q, self.problem.fluid.mesh.comm
+        """The mean of u - E x, (2,); collective."""
+        q, comm = self._problem.q, self._problem.fluid.mesh.comm
         u = solution.x[: len(self.weights)] - (self.x @ E.T).ravel()
         V = solution.U[:, :2] - q.centres @ E.T
         of_fluid = np.asarray(comm.allreduce(u @ self.weights, op=MPI.SUM))
-        return np.asarray((of_fluid + (np.pi * q.radii**2) @ V) / self.problem.container.volume)
-
-
-def averages(system: StokesSystem) -> Averages:
-    """The averages over a periodic domain; collective."""
-    forms, columns = system.forms, []
-    for direction in np.eye(2):
-        forms.f.x.array[:] = np.tile(direction, len(forms.f.x.array) // 2)
-        columns.append(nodal_vector(forms.bind("load")))
-    return Averages(system.problem, np.column_stack(columns), system.nodes.x)
+        return np.asarray((of_fluid + (np.pi * q.radii**2) @ V) / self._problem.container.volume)
 
 
 def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, NodalSolution]:
@@ -209,7 +190,7 @@ def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, 
     Raises SolveError: as the solver.
     """
     problem, motion = system.problem, system.motion
-    mean, jump = mean_flow(problem), jumps(system)
+    mean, jump = mean_flow(problem), Jumps(system)
     E, G = mean.gradient, np.nan_to_num(mean.pressure_gradient)
     # Where everything may drift, the first body rests at first.
     held = motion.held.copy()
@@ -222,7 +203,7 @@ def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, 
     solution, total_g, total_b = solver(known), known.g, known.b
     unknown = np.flatnonzero(np.isnan(mean.pressure_gradient))
     if len(unknown) or mean.drifting.any():
-        average = averages(system)
+        average = Averages(system)
     if len(unknown):
         resting = Motion(held, np.zeros_like(motion.U), np.zeros_like(motion.F))
         at_rest = replace(problem, motion=resting, inertia=None)
