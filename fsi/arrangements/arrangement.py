@@ -118,13 +118,7 @@ class SimulationCell:
 
 @dataclass(frozen=True, slots=True)
 class Arrangement:
-    """Bodies in a cell.
-
-    Attributes:
-        cell: in which they are.
-        centres: shape (N, d), periodic coordinates in [0, side).
-        radii: shape (N,).
-    """
+    """Bodies in a cell: their centres, (N, d), periodic coordinates in [0, side), and radii, (N,)."""
 
     cell: SimulationCell
     centres: Array

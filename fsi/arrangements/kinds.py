@@ -179,10 +179,7 @@ KINDS: Mapping[str, Kind] = {
 
 
 def arrange(kind: str, wanted: Wanted) -> Arrangement:
-    """The arrangement of one of the kinds.
-
-    Raises InputError: the bodies do not fit in this way; the largest area fraction that would is named.
-    """
+    """The arrangement. Raises InputError: the bodies do not fit in this way; named is what fraction would."""
     arrangement = KINDS[kind].arranged(wanted)
     rounding = 1e-9 * wanted.radius
     remedy = "place more bodies side by side, or lower the area fraction or the gap"

@@ -46,9 +46,8 @@ def cell_for(radii: Array, fraction: float, periodic: tuple[bool, ...], aspect: 
 def random_arrangement(radii: Array, w: Wanted) -> Arrangement:
     """Bodies of these radii at random, no two nearer than the gap, and none nearer to a wall.
 
-    The same seed gives the same arrangement.
-
-    Raises InputError: the area fraction is above what this can do (named), or no arrangement was found.
+    The same seed gives the same arrangement. Raises InputError: the area fraction is above what this can do
+    (named), or no arrangement was found.
     """
     largest = largest_fraction(radii, w.periodic, w.aspect, w.gap)
     if w.fraction > largest:

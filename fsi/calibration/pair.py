@@ -73,10 +73,7 @@ class Pair:
         return float(1.0 / np.sum(1.0 / radii))
 
     def at(self, gap: float) -> Case:
-        """The case at this gap, with the motion that its resistance belongs to, and nothing else.
-
-        Raises InputError: the bodies have no room there.
-        """
+        """The case at this gap, with its unit motion alone. Raises InputError: bodies have no room there."""
         centre = self.case.configuration().centres[self.first] + (gap - self.gap) * self.normal
         data: dict[str, Any] = self.case.model_dump(exclude_none=True, exclude=_LEFT_OUT)
         data["bodies"] = list(data["bodies"])
@@ -122,10 +119,7 @@ class Pair:
 
 
 def pair_of(case: Case) -> Pair:
-    """The pair that a case wants calibrated.
-
-    Raises InputError: there is no section [calibration], or it does not fit the case.
-    """
+    """The pair that a case wants calibrated. Raises InputError: [calibration] is missing or does not fit."""
     plan = case.calibration
     if plan is None:
         raise InputError("calibration: missing; give a section [calibration] with pair and range")

@@ -79,10 +79,7 @@ class CalibrationResult:
 
 
 def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
-    """The law that the case asks for; `case` is the name of its file, for the law's source.
-
-    Raises SolveError: the samples do not decrease with the gap.
-    """
+    """The law that a case (file `case`) asks for. Raises SolveError: samples do not decrease with the gap."""
     fitted, a = as_arrays(samples, held_out=False), pair.reduced_radius
     unit = pair.case.fluid.viscosity * a ** EXPONENTS[pair.shape, pair.plan.mode]
     s, K, bars = fitted.d / a, fitted.kappa / unit, fitted.bars / unit
@@ -96,20 +93,17 @@ def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
         return CalibrationResult(pair, samples, LawFile(**common, table=table), None, [], None)
     fit = fit_series(s, K, bars, basis(pair.shape, pair.plan.mode))
     common["source"] |= {"chi2": fit.chi2, "degrees_of_freedom": fit.dof, "used": int(fit.used.sum())}
-    law = LawFile(**common, range=fit.range, series=_section(fit))
-    known = coefficients(pair.shape, pair.plan.mode, pair.ratio)
-    values = zip(fit.terms, fit.coefficients.tolist(), fit.intervals.tolist(), strict=True)
-    compared = [Coefficient(str(term), value, width, known.get(term)) for term, value, width in values]
-    return CalibrationResult(pair, samples, law, fit, compared, _tested(pair, samples, law))
-
-
-def _section(fit: Fit) -> SeriesSection:
-    return SeriesSection(
+    series = SeriesSection(
         powers=tuple(term.power for term in fit.terms),
         logs=tuple(term.log for term in fit.terms),
         coefficients=tuple(fit.coefficients.tolist()),
         covariance=tuple(map(tuple, fit.covariance.tolist())),
     )
+    law = LawFile(**common, range=fit.range, series=series)
+    known = coefficients(pair.shape, pair.plan.mode, pair.ratio)
+    values = zip(fit.terms, fit.coefficients.tolist(), fit.intervals.tolist(), strict=True)
+    compared = [Coefficient(str(term), value, width, known.get(term)) for term, value, width in values]
+    return CalibrationResult(pair, samples, law, fit, compared, _tested(pair, samples, law))
 
 
 def _source(pair: Pair, case: str, samples: list[Sample]) -> dict[str, Any]:

@@ -143,9 +143,8 @@ class Sampling:
 def take_samples(pair: Pair, sampling: Sampling) -> list[Sample]:
     """The samples that the case asks for, in increasing gaps; collective.
 
-    Each is kept as soon as it is there, so that a killed calibration goes on where it was.
-
-    Raises SolveError: some samples failed; the message names the first. All others are in the cache.
+    Each is kept as soon as it is there, so that a killed calibration goes on where it was. Raises SolveError:
+    some samples failed; the message names the first. All others are in the cache.
     """
     tasks = [(gap, held_out, key_of(pair, gap)) for gap, held_out in planned_gaps(pair)]
     samples = parallel.on_root(lambda: _cached(tasks, sampling.cache))

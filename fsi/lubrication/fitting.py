@@ -41,8 +41,7 @@ class Fit:
         used: which samples, (n,).
         residuals: (K - fit)/b of all samples, (n,).
         chi2, dof: of the used ones.
-        exponent, exponent_error: the leading power of s where it is fitted too, and its standard deviation;
-            nan where the leading term is no power.
+        exponent, exponent_error: the leading power of s if free, and its standard deviation, or nan.
     """
 
     terms: tuple[Term, ...]
@@ -88,14 +87,9 @@ def fit_series(s: Array, K: Array, bars: Array, terms: tuple[Term, ...], free: i
 
     The farthest samples are dropped until chi^2 is believable, down to one more than free coefficients.
 
-    Args:
-        s: gaps over the reduced radius, increasing, shape (n,), n > free.
-        K: samples of the profile, positive, (n,).
-        bars: their errors, positive, (n,).
-        terms: of the series, in the order of their size at small s.
-        free: how many of them have no prior.
-
-    Raises ValueError: too few samples, or not in order.
+    s: gaps over the reduced radius, increasing, (n,), n > free. K, bars: samples of the profile and their
+    errors, positive, (n,). terms: in the order of their size at small s; the first `free` of them have no
+    prior. Raises ValueError: too few samples, or not in order.
     """
     if len(s) <= free or np.any(np.diff(s) <= 0.0):
         raise ValueError(f"{len(s)} samples: a fit needs more than {free}, at increasing gaps")

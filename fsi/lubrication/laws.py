@@ -194,8 +194,7 @@ class TabulatedProfile:
     Attributes:
         s: increasing, > 0, shape (n,), n >= 2.
         K: positive, decreasing, (n,).
-        smooth: whether ln K is a spline of degree 5, for values exact to many digits, n >= 6; otherwise
-            Fritsch and Carlson's monotone cubic.
+        smooth: whether ln K is a spline of degree 5, n >= 6, or else Fritsch and Carlson's monotone cubic.
     """
 
     s: Array

@@ -64,7 +64,8 @@ def line_forces(gap: ArrayLike, radii: Both, viscosity: ArrayLike, velocities: B
     resistance of the pair moving as one body: R_11 + R_12, which cancels at small gaps, is never formed.
     """
     a, b = (np.asarray(radius, dtype=np.float64) for radius in radii)
-    al, be = _line_angles(gap, a, b)
+    s, t = gap_ratio(gap, a), gap_ratio(gap, b)
+    al, be = _angle(s * (1.0 + 0.5 * t) / (1.0 + a / b + t)), _angle(t * (1.0 + 0.5 * s) / (1.0 + b / a + s))
     v1, v2 = (np.asarray(velocity, dtype=np.float64) for velocity in velocities)
     shared = np.where(v1 * v2 > 0.0, np.sign(v1) * np.minimum(np.abs(v1), np.abs(v2)), 0.0)
     v1, v2 = v1 - shared, v2 - shared
@@ -96,12 +97,6 @@ def _drag(radius: ArrayLike, viscosity: ArrayLike) -> Array:
 def _angle(height: Array) -> Array:
     """The angle al with cosh al = 1 + height, from `2 sinh^2(al/2) = height`."""
     return 2.0 * np.arcsinh(np.sqrt(0.5 * height))
-
-
-def _line_angles(gap: ArrayLike, a: Array, b: Array) -> tuple[Array, Array]:
-    """The angles (al, be) of two spheres, of one shape."""
-    s, t = gap_ratio(gap, a), gap_ratio(gap, b)
-    return _angle(s * (1.0 + 0.5 * t) / (1.0 + a / b + t)), _angle(t * (1.0 + 0.5 * s) / (1.0 + b / a + s))
 
 
 def _scale(al: Array, radius: ArrayLike, viscosity: ArrayLike) -> Array:

@@ -82,12 +82,7 @@ class Measured(Results, Protocol):
 
 @dataclass(frozen=True, slots=True)
 class FlowScales:
-    """How fast walls or a mean flow move the fluid past a body, and what that costs.
-
-    Attributes:
-        velocity: rate of shear times the largest radius.
-        resistance: force over velocity, mu in the plane and mu a for spheres.
-    """
+    """Rate of shear times the largest radius; force over velocity, mu in the plane and mu a for spheres."""
 
     velocity: float
     resistance: float

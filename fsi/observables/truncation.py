@@ -30,8 +30,7 @@ class Solution:
 
     Attributes:
         U: velocities of the bodies, (N, M).
-        F: loads = int sigma n, n out of the fluid, from the reactions, (N, M): in balance the external load;
-            the fluid exerts -F on the body.
+        F: loads int sigma n, n out of the fluid, by the reactions, (N, M): external; the fluid exerts -F.
         traction_F: the same from the traction integral of sigma_h n, less accurate, a cross-check.
         dissipation: int 2 mu e : e.
         checks: the relative defects of the identities.

@@ -34,13 +34,12 @@ def resistance_json(
     name: str, resistance: Resistance, error: float, truncation: float | None
 ) -> dict[str, Any]:
     """The object that `fsi resistance --json` prints; `truncation` is there where it could be measured."""
-    mobility = None if resistance.mobility is None else resistance.mobility.tolist()
     data: dict[str, Any] = {
         "name": name,
         "loads": list(resistance.modes.loads),
         "velocities": list(resistance.modes.velocities),
         "resistance": resistance.R.tolist(),
-        "mobility": mobility,
+        "mobility": None if resistance.mobility is None else resistance.mobility.tolist(),
         "smallest_eigenvalue": float(resistance.eigenvalues[0]),
         "largest_eigenvalue": float(resistance.eigenvalues[-1]),
         "error": error,
@@ -126,10 +125,7 @@ def require_format(path: Path) -> None:
 
 
 def write_resistance(path: Path, data: Mapping[str, Any]) -> None:
-    """Write what `resistance_json` gives: all of it to .json, R and its inverse to .npz, R alone to .csv.
-
-    Raises InputError: the file cannot be written.
-    """
+    """Write what `resistance_json` gives: .npz takes R and its inverse, .csv R alone. Raises InputError."""
     try:
         replace(path, FORMATS[path.suffix](data))
     except OSError as error:

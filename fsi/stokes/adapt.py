@@ -68,18 +68,12 @@ def solve_with_errors(case: Case) -> Solved:
 
 
 def refined(case: Case, q: Configuration, t: float, motion: Motion, tolerance: float) -> Solved:
-    """The solution at q and t with sizes, first those of the case, that bring its error below the tolerance.
-
-    Raises MeshError, SolveError: as `StokesModel`; or the tolerance is not reached.
-    """
+    """The solution at q and t with sizes, first those of the case, that reach the tolerance; see `refine`."""
     return refine(case, lambda case: _solved(case, q, t, motion), tolerance)
 
 
 def refine[T: Refinement](case: Case, solved: Callable[[Case], T], tolerance: float) -> T:
-    """What `solved` gives with sizes that bring its error below the tolerance.
-
-    Raises MeshError, SolveError: as `solved`; or the tolerance is not reached.
-    """
+    """What `solved` gives with sizes that bring its error below the tolerance; SolveError if none do."""
     best = solved(case)
     for _ in range(ROUNDS):
         if best.error <= tolerance or best.dofs > MOST_UNKNOWNS or case.domain.mesh is not None:
@@ -160,10 +154,7 @@ class RefinedModel:
         return self._known[1]
 
     def refine(self, q: Configuration, t: float, instant: Instant) -> None:
-        """Take finer sizes from now on, with which the error at q and t is below MARGIN of the tolerance.
-
-        Raises MeshError, SolveError: of a solve; or the tolerance is out of reach.
-        """
+        """Take finer sizes from now on, of an error at q and t below MARGIN of the tolerance, as `refine`."""
         case = self.resolved.case
         tolerance = MARGIN * (case.discretisation.tolerance or 1.0)
         self.resolved = StokesModel(refined(case, q, t, motion_of(case, q, t, instant), tolerance).case)

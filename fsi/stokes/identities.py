@@ -39,27 +39,25 @@ class Scales:
     flux: float
 
 
-def identities(
-    system: StokesSystem, solution: NodalSolution, F: Array, dissipation: float
-) -> dict[str, float]:
+def identities(system: StokesSystem, nodal: NodalSolution, F: Array, dissipation: float) -> dict[str, float]:
     """All relative defects; u and p of the forms are set to the solution, F = rigid^T lambda; collective."""
     layout, x = system.layout, system.nodes.x
     velocities, d = layout.velocities, layout.dimension
     at_walls = layout.fixed[layout.fixed < velocities]
     boundary = np.concatenate([at_walls, layout.on_body])
     load = system.b.copy()
-    load[boundary] += solution.reaction[boundary]
+    load[boundary] += nodal.reaction[boundary]
     force = load[:velocities].reshape(-1, d)
     moment = np.cross(x, force) if d == 3 else x[:, :1] * force[:, 1:] - x[:, 1:] * force[:, :1]
     if layout.axisymmetric:
         force[:, 0] = moment[:] = 0.0  # these balance by symmetry around the axis
-    u = solution.x[:velocities]
-    power = float(solution.reaction[at_walls] @ solution.x[at_walls] + system.b[:velocities] @ u)
+    u = nodal.x[:velocities]
+    power = float(nodal.reaction[at_walls] @ nodal.x[at_walls] + system.b[:velocities] @ u)
     # What the mean flow and the mean pressure gradient of a periodic domain do on its sides.
     is_flow = layout.slave < velocities
     jumping, of_pressure = np.concatenate([layout.slave[is_flow], layout.on_body]), layout.slave[~is_flow]
-    power += float(solution.reaction[jumping] @ system.g[jumping])
-    power -= float(solution.reaction[of_pressure] @ system.g[of_pressure])
+    power += float(nodal.reaction[jumping] @ system.g[jumping])
+    power -= float(nodal.reaction[of_pressure] @ system.g[of_pressure])
     lever = np.linalg.norm(x, axis=1) * np.linalg.norm(force, axis=1)
     b_b = system.b[:velocities] @ system.b[:velocities]
     of_rank = [power, np.abs(force).sum(), lever.sum(), u @ u, np.abs(u).sum(), b_b]
@@ -70,14 +68,14 @@ def identities(
     floor = _floor(system, u_u, all_u, b_b)
     sizes = (dissipation, all_forces, all_moments, system.forms.integrate("speed on boundary"))
     scales = Scales(*map(max, sizes, astuple(floor)))
-    power = float((solution.U * F).sum()) + power_of_walls_and_loads
+    power = float((nodal.U * F).sum()) + power_of_walls_and_loads
     defects = {
         "power": _relative(dissipation - power, scales.power),
         "momentum": _relative(float(np.linalg.norm(force_sum)), scales.force),
         "angular_momentum": _relative(float(np.linalg.norm(moment_sum)), scales.moment),
-        "balance": _balance(system, solution.U, F, scales.force),
+        "balance": _balance(system, nodal.U, F, scales.force),
         "net_flux": _relative(system.forms.integrate("flux"), scales.flux),
-        "residual": solution.residual,
+        "residual": nodal.residual,
     }
     if system.problem.periodic:  # the traction on the two sides has no force, but a moment
         del defects["angular_momentum"]
@@ -98,10 +96,7 @@ def _floor(system: StokesSystem, u_u: float, all_u: float, b_b: float) -> Scales
 
 
 def require(defects: dict[str, float]) -> None:
-    """Refuse a solution that violates an identity.
-
-    Raises SolveError: a defect exceeds 1e-8, or is not a number.
-    """
+    """Raise SolveError if the defect of an identity exceeds 1e-8, or is not a number."""
     for name, defect in defects.items():
         if not defect <= BOUND:
             size = f"relative defect {defect:.2g}, bound {BOUND:g}"
@@ -113,7 +108,7 @@ def _balance(system: StokesSystem, U: Array, F: Array, force: float) -> float:
 
     With inertia, D U and D U0 may cancel far above the reactions, so that the load counts as a scale too.
     """
-    free = ~system.motion.held
+    free = ~system.problem.motion.held
     D, load = mode_equations(system)
     defect = np.zeros_like(F)
     D, load = D.reshape(F.shape), load.reshape(F.shape)

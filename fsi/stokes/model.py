@@ -115,10 +115,7 @@ class StokesModel:
         self._workspace = Workspace()
 
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> StokesSolution:
-        """The flow at configuration q and time t.
-
-        Raises MeshError: no valid mesh can be made. SolveError: the solve fails or violates an identity.
-        """
+        """The flow at q and t. Raises MeshError; SolveError: the solve fails or violates an identity."""
         clock = Clock()
         fluid = self._moved(q, t) if self._moving else self.mesh(q, t)
         clock.lap("mesh")
@@ -127,10 +124,7 @@ class StokesModel:
         return solve(replace(problem, inertia=inertia), self.options, clock, workspace)
 
     def of_degree(self, degree: int, q: Configuration, t: float, motion: Motion) -> StokesSolution:
-        """The flow with elements and curved cells of another degree, on a new mesh of the same simplices.
-
-        Raises MeshError, SolveError: as for the flow itself.
-        """
+        """The flow with elements and curved cells of another degree, on a new mesh of the same simplices."""
         clock = Clock()
         problem = self.problem(self.mesh(q, t, degree), q, t, motion)
         return solve(problem, replace(self.options, degree=degree), clock)
@@ -140,9 +134,8 @@ class StokesModel:
     ) -> StepErrors:
         """The estimated errors of an instant of this model at q and t; one solve more, collective.
 
-        motion: what held and drove the bodies; None: that of the case at this instant.
-
-        Raises MeshError, SolveError: as for the flow, with the other degree.
+        motion: what held and drove the bodies; None: that of the case at this instant. Raises MeshError,
+        SolveError: as for the flow, with the other degree.
         """
         motion = motion or motion_of(self.case, q, t, instant)
         degree, _ = other_degree_of(self.options.degree, q.dimension)

@@ -45,8 +45,7 @@ class StokesProblem:
         boundary: walls and body force.
         viscosity: mu.
         inertia: of an implicit step; None: quasi-static.
-        interaction: sum of r (x) F of the forces between bodies that `motion` has, (d, d), for the mean
-            stress of a periodic flow; None: zero.
+        interaction: sum of r (x) F of forces between bodies, (d, d), for the mean stress; None: zero.
     """
 
     fluid: FluidMesh

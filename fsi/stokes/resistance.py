@@ -21,15 +21,8 @@ from fsi.case.case import Case
 from fsi.errors import InputError
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.containers import Container
-from fsi.observables.resistance import (
-    Resistance,
-    all_modes,
-    axial_modes,
-    difference,
-    inverse,
-    positive_eigenvalues,
-    symmetrised,
-)
+from fsi.observables import resistance as matrix
+from fsi.observables.resistance import Resistance
 from fsi.stokes.adapt import Refinement, refine
 from fsi.stokes.identities import identities, require
 from fsi.stokes.model import StokesModel, other_degree_of
@@ -50,10 +43,7 @@ class SolvedResistance(Refinement):
 
 
 def resistance_with_error(case: Case) -> SolvedResistance:
-    """R of a case with its estimated error, refined to the tolerance of the case if it has one.
-
-    Raises InputError, MeshError, SolveError: as `case_resistance`; or the tolerance is not reached.
-    """
+    """R of a case with its estimated error, refined to its tolerance if it has one. Raises as `refine`."""
     tolerance = case.discretisation.tolerance
     return _solved(case) if tolerance is None else refine(case, _solved, tolerance)
 
@@ -64,16 +54,15 @@ def _solved(case: Case) -> SolvedResistance:
     degree, factor = other_degree_of(numerics.degree, case.dimension)
     changed = numerics.model_copy(update={"degree": degree})
     other = case_resistance(case.model_copy(update={"discretisation": changed}))
-    error = factor * difference(computed.R, other.R, computed.modes.scale)
+    error = factor * matrix.difference(computed.R, other.R, computed.modes.scale)
     return SolvedResistance(case, error, computed.dofs, computed)
 
 
 def case_resistance(case: Case) -> Resistance:
     """R of the bodies of a case at time 0, between its walls at rest; open walls are open without pressure.
 
-    Along a periodic channel the mean pressure gradient is zero.
-
-    Raises InputError: the domain has no walls, or a given net flux. MeshError, SolveError: as `StokesModel`.
+    Along a periodic channel the mean pressure gradient is zero. Raises InputError: the domain has no walls,
+    or a given net flux. MeshError, SolveError: as `StokesModel`.
     """
     container, q, clock = case.container(), case.configuration(), Clock()
     _require_still(case, container)
@@ -113,15 +102,14 @@ def solve_resistance(
 ) -> Resistance:
     """R of the bodies of a problem; collective.
 
-    The bodies are held at rest, and the formulation is the eliminated one; names are for the labels.
-
-    Raises SolveError: singular system, large residual, or an identity violated.
+    The bodies are held at rest, and the formulation is the eliminated one; names are for the labels. Raises
+    SolveError: singular system, large residual, or an identity violated.
     """
     clock, fluid, q = clock or Clock(), problem.fluid, problem.q
     shape, radii = q.arms.shape, q.radii
-    units, modes = np.eye(q.arms.size), all_modes(names, radii, problem.viscosity, q.dimension)
+    units, modes = np.eye(q.arms.size), matrix.all_modes(names, radii, problem.viscosity, q.dimension)
     if fluid.axisymmetric:
-        units, modes = units[AXIAL_MODE :: shape[1]], axial_modes(names, radii, problem.viscosity)
+        units, modes = units[AXIAL_MODE :: shape[1]], matrix.axial_modes(names, radii, problem.viscosity)
     columns, worst = [], dict[str, float]()
     with assembled(problem, options, clock) as system, factorised(system) as responses:
         clock.lap("factorise")
@@ -135,10 +123,10 @@ def solve_resistance(
                 clock.lap("checks")
         dofs = system.forms.dofs
     require(worst)
-    R, asymmetry = symmetrised(np.column_stack(columns), modes.scale)
+    R, asymmetry = matrix.symmetrised(np.column_stack(columns), modes.scale)
     resting, checks = bool(problem.boundary.velocities), worst | {"reciprocity": asymmetry}
-    eigenvalues = positive_eigenvalues(R, modes.scale, resting=resting)
-    mobility = inverse(R) if resting else None
+    eigenvalues = matrix.positive_eigenvalues(R, modes.scale, resting=resting)
+    mobility = matrix.inverse(R) if resting else None
     return Resistance(modes, R, mobility, eigenvalues, checks, dofs, fluid.cells(), clock.seconds)
 
 

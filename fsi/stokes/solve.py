@@ -62,9 +62,8 @@ def solve(
     """Velocity, pressure, reactions and the motion of the bodies; collective.
 
     clock: takes the CPU seconds by phase; may have some already. workspace: what solves on this mesh share
-    while it is moved; it keeps what this one makes.
-
-    Raises SolveError: singular system, large residual, or an identity violated.
+    while it is moved; it keeps what this one makes. Raises SolveError: singular system, large residual, or an
+    identity violated.
     """
     clock = clock or Clock()
     with assembled(problem, options, clock, workspace) as system:

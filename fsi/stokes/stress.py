@@ -83,7 +83,7 @@ def _moments(x: Array, nodal: Array) -> Array:
 
 def is_force_free(system: StokesSystem) -> bool:
     """Whether walls or the mean flow alone do work on bodies that move as they are carried; collective."""
-    motion, problem = system.motion, system.problem
+    motion, problem = system.problem.motion, system.problem
     loaded = system.layout.comm.allreduce(bool(system.b.any()), op=MPI.LOR)
     pushed = problem.interaction is not None and problem.interaction.any()
     return not (motion.held.any() or motion.F.any() or loaded or problem.inertia is not None or pushed)

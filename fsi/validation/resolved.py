@@ -33,9 +33,7 @@ def validate_cases(
     """Validate the named cases of a folder, or all; collective.
 
     output: a new folder, for validation.json, validation.csv and the runs. show: is told the rows of each
-    case, or of each value of its sweep.
-
-    Raises InputError: no such case, or the output folder is not new.
+    case, or of each value of its sweep. Raises InputError: no such case, or the output folder is not new.
     """
     from fsi.validation.resolved import rows_of
 
@@ -76,9 +74,8 @@ STRETCH = 1.5
 def rows_of(path: Path, runs: Path) -> Iterator[list[Row]]:
     """The rows of one case file, a list for each value of its sweep; collective.
 
-    runs: where a case with [time] leaves its run folders.
-
-    Raises InputError: the case is not sound. A solve that fails gives rows without value.
+    runs: where a case with [time] leaves its run folders. Raises InputError: the case is not sound. A solve
+    that fails gives rows without value.
     """
     for value, case in swept(path):
         try:
@@ -161,10 +158,7 @@ def _run(case: Case, folder: Path) -> tuple[Array, Array, Array]:
 
 
 def time_at(gap: float, t: Array, gaps: Array) -> float:
-    """When the smallest gap first became `gap`, by a cubic spline of t over ln gap where the gap decreases.
-
-    Raises InputError: it never did.
-    """
+    """When the smallest gap first became `gap`, by a spline of t over ln gap. Raises InputError: never."""
     if (smallest := gaps.min()) > gap:
         here = f"{TIME_AT_GAP}{gap:g}: the smallest gap of the run"
         raise InputError(f"{here} is {smallest:.3g}; raise time.end")

@@ -84,9 +84,7 @@ def _nodes_with(fluid: FluidMesh, V: FunctionSpace, tag: int) -> Nodes:
     return np.flatnonzero(_tag_of_nodes(fluid, V, facets, marks)).astype(np.int32)
 
 
-def _tag_of_nodes(
-    fluid: FluidMesh, V: FunctionSpace, facets: Nodes, tags: NDArray[np.int32]
-) -> NDArray[np.int64]:
+def _tag_of_nodes(fluid: FluidMesh, V: FunctionSpace, facets: Nodes, tags: Nodes) -> NDArray[np.int64]:
     """The tag of each owned node in the closure of tagged facets (0 elsewhere); no node may have two tags."""
     topology = fluid.mesh.topology
     entities = fem.compute_integration_domains(fem.IntegralType.exterior_facet, topology, facets)

@@ -28,7 +28,7 @@ from dolfinx import fem, la
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fsi.bodies.configuration import Array, Motion
+from fsi.bodies.configuration import Array
 from fsi.meshes.aliases import Form
 from fsi.stokes.discretisation.constraints import BoundaryNodes, DofLayout, RigidModes
 from fsi.stokes.discretisation.forms import Forms
@@ -71,14 +71,9 @@ class StokesSystem:
     workspace: Workspace
 
     @property
-    def motion(self) -> Motion:
-        """Of the problem."""
-        return self.problem.motion
-
-    @property
     def unknown_modes(self) -> NDArray[np.bool_]:
         """The modes that stand in y, (M N,)."""
-        held = self.motion.held.ravel()
+        held = self.problem.motion.held.ravel()
         return ~held if self.mass is None else np.ones_like(held)
 
     @property
@@ -93,8 +88,7 @@ class NodalSolution:
 
     Attributes:
         x: values of (u, p), this rank's rows.
-        reaction: lambda, this rank's rows; on those of masters it is left out, being minus that of their
-            slaves.
+        reaction: lambda, this rank's rows; not on those of masters, being minus that of their slaves.
         U: velocities of the bodies, (N, M), on all ranks.
         residual: relative residual of the linear system.
         iterations: most of them, 0 by the direct solver.
@@ -153,8 +147,8 @@ def body_velocity(system: StokesSystem, U: Array) -> Array:
 
 def mode_equations(system: StokesSystem) -> tuple[Array, Array]:
     """D and F + D U0 of all modes, (M N,), of the balance `rigid^T lambda + D U = F + D U0`; 0 if held."""
-    free = ~system.motion.held.ravel()
-    load = system.motion.F.ravel() * free
+    free = ~system.problem.motion.held.ravel()
+    load = system.problem.motion.F.ravel() * free
     inertia = system.problem.inertia
     if inertia is None:
         return np.zeros(len(load)), load
@@ -163,21 +157,17 @@ def mode_equations(system: StokesSystem) -> tuple[Array, Array]:
 
 
 def solve_eliminated(system: StokesSystem) -> NodalSolution:
-    """Solve for y, then x = P y + g and lambda = M x - b.
-
-    Raises SolveError: the system is singular, or its residual is not small.
-    """
+    """Solve for y, then x = P y + g and lambda = M x - b. Raises SolveError as `factorised`."""
     with factorised(system) as responses:
-        return next(responses(system.motion.U[None]))
+        return next(responses(system.problem.motion.U[None]))
 
 
 @contextmanager
 def factorised(system: StokesSystem) -> Iterator[Callable[[Array], Iterator[NodalSolution]]]:
     """Factorise P^T M P once: gives the solutions for any velocities (k, N, M) of the held modes; collective.
 
-    Or set up the iterative solver once.
-
-    Raises SolveError: the system is singular, or the residual of a solution is not small.
+    Or set up the iterative solver once. Raises SolveError: the system is singular, or the residual of a
+    solution is not small.
     """
     unknown = system.unknown_modes
     elimination = system.workspace.elimination(system.M, system.layout, system.rigid, unknown)
@@ -204,14 +194,14 @@ def _iteration(
 ) -> Iteration:
     """The iterative solver; it changes the matrix."""
     layout, start = system.layout, reduced.getOwnershipRange()[0]
-    held = np.flatnonzero(system.motion.held.ravel())[: system.modes_here]
+    held = np.flatnonzero(system.problem.motion.held.ravel())[: system.modes_here]
     reduced.zeroRowsColumns((start + first_mode + held).astype(PETSc.IntType), diag=1.0)
     pressures = layout.pressure_nodes
     modes = np.arange(first_mode, first_mode + system.modes_here)
     blocks = SchurBlocks(
         u=start + np.concatenate([np.arange(first_mode - pressures), modes]),
         p=start + np.arange(first_mode - pressures, first_mode),
-        transfer=transfer(coarse, layout.free[: layout.velocities], system.motion.held.ravel()),
+        transfer=transfer(coarse, layout.free[: layout.velocities], system.problem.motion.held.ravel()),
         rigid=coarse.rigid,
         mass=mass,
         closed=not system.problem.boundary.pressures,
@@ -223,7 +213,7 @@ def _respond(
     system: StokesSystem, elimination: Elimination, solver: Factorisation | Iteration, held_U: Array
 ) -> Iterator[NodalSolution]:
     """The solutions with velocities held_U (k, N, M) of the held modes, zero on the free ones."""
-    free, unknown, modes_here = ~system.motion.held, system.unknown_modes, system.modes_here
+    free, unknown, modes_here = ~system.problem.motion.held, system.unknown_modes, system.modes_here
     P, M, rows = elimination.P, elimination.constrained, system.layout.constrained
     g = [system.g + body_velocity(system, U) for U in held_U]
     # M is symmetric.

@@ -45,12 +45,7 @@ from fsi.stokes.problem import StokesProblem
 
 @dataclass(frozen=True, slots=True)
 class Coarse:
-    """Velocities of degree 1.
-
-    Attributes:
-        nodal: I P_1, (rows of u, free values z and, last on rank 0, the modes of all bodies).
-        rigid: the rigid motions of everything in the rows of z that this rank owns, (rows, 6).
-    """
+    """I P_1, (rows of u, free values z and, last on rank 0, all modes), and rigid motions in z, (rows, 6)."""
 
     nodal: PETSc.Mat
     rigid: Array
@@ -158,7 +153,6 @@ class Iteration(AbstractContextManager["Iteration"]):
         """Solutions of `M x = b` for all columns of b, one after the other; collective.
 
         b, x: this rank's rows, (rows, k); with x the relative residuals |b - M x| / |b|, (k,), on all ranks.
-
         Raises SolveError: the iteration stagnates.
         """
         solutions, residuals = zip(*(self._solve_one(column) for column in b.T), strict=True)

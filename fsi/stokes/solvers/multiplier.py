@@ -32,11 +32,8 @@ from fsi.stokes.solvers.workspace import galerkin
 
 
 def solve_multiplier(system: StokesSystem) -> NodalSolution:
-    """Solve the saddle-point system as it stands above.
-
-    Raises SolveError: the system is singular, or its residual is not small.
-    """
-    layout, held = system.layout, system.motion.held
+    """Solve the saddle-point system. Raises SolveError: it is singular, or its residual is not small."""
+    layout, held = system.layout, system.problem.motion.held
     S = Prolongation(layout, system.rigid, np.zeros_like(system.unknown_modes), eliminate_bodies=False).matrix
     flow = galerkin(system.M, S)
     # Rows of each rank: its unknowns (u, p), its multipliers, and on rank 0 the free modes.
@@ -65,7 +62,7 @@ def solve_multiplier(system: StokesSystem) -> NodalSolution:
     matrix.setValuesCOO(values)
 
     loads = multiply_transpose(S, system.b - multiply(system.M, system.g))
-    no_slip = -body_velocity(system, system.motion.U)[layout.on_body]
+    no_slip = -body_velocity(system, system.problem.motion.U)[layout.on_body]
     rhs = np.concatenate([loads, no_slip, load[:mode_rows]])
     with Factorisation(matrix) as factors:
         solution, residual = (result[..., 0] for result in factors.solve(rhs[:, None]))
@@ -75,7 +72,7 @@ def solve_multiplier(system: StokesSystem) -> NodalSolution:
     # The multipliers do not hold M x - b on the rows of walls and of slaves.
     fixed = np.concatenate([layout.fixed, layout.slave])
     reaction[fixed] = (multiply(system.M, x) - system.b)[fixed]
-    U = system.motion.U.copy()
+    U = system.problem.motion.U.copy()
     U.ravel()[free] = layout.comm.bcast(solution[flow_rows + multiplier_rows :].copy())
     for used in (S, flow, matrix):
         used.destroy()

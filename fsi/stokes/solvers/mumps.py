@@ -33,10 +33,7 @@ class Factorisation(AbstractContextManager["Factorisation"]):
     """
 
     def __init__(self, matrix: PETSc.Mat, *, lasting: bool = False) -> None:
-        """Factorise; lasting: it will be done again many times with other values.
-
-        Raises SolveError: the matrix is singular or MUMPS fails.
-        """
+        """Factorise, as `update`; lasting: it will be done again many times with other values."""
         self.matrix, self.iterations = matrix, 0
         matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         self._ordering = NESTED_DISSECTION if lasting and matrix.size[0] > LARGE else MINIMUM_DEGREE
@@ -44,10 +41,7 @@ class Factorisation(AbstractContextManager["Factorisation"]):
         self.update()
 
     def update(self) -> None:
-        """Factorise the matrix with the values that it has now; what follows from its pattern is kept.
-
-        Raises SolveError: the matrix is singular or MUMPS fails.
-        """
+        """Factorise the matrix as it is now, of the same pattern. Raises SolveError: it is singular."""
         self._ksp.setOperators(self.matrix)  # or PETSc would not look at its values again
         status = _factorise(self._ksp)
         if status in TOO_LITTLE_WORKSPACE:
@@ -68,9 +62,8 @@ class Factorisation(AbstractContextManager["Factorisation"]):
         """Solutions of `M x = b`, refined if that helps, for all columns of b at once; collective.
 
         b, x: this rank's rows, (rows, k); with x the relative residuals |b - M x| / |b|, (k,), on all ranks.
-        A block of some tens costs a tenth of as many single ones.
-
-        Raises SolveError: a residual is not below 1e-9.
+        A block of some tens costs a tenth of as many single ones. Raises SolveError: a residual is not below
+        1e-9.
         """
         size = self._norms(b)
         size[size == 0.0] = 1.0

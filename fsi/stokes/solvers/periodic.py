@@ -26,7 +26,6 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Motion
 from fsi.meshes.build import FluidMesh
-from fsi.meshes.geometry.lattice import Integers
 from fsi.meshes.matching import matching_nodes, matching_points
 from fsi.stokes.discretisation.constraints import DofLayout, facets_with
 from fsi.stokes.discretisation.forms import Forms
@@ -138,24 +137,19 @@ def _normals(fluid: FluidMesh, forms: Forms, q: Configuration) -> list[tuple[Arr
     np.minimum.at(first, body, m[on_body])
     comm.Allreduce(MPI.IN_PLACE, first, op=MPI.MIN)
     m[on_body] -= first[body]
-    m[~on_body] = _shifts_on_cut(fluid, middle[~on_body])
+    # How far facets of the cut lie from their images there: zero for masters.
+    everywhere = comm.allgather(middle[~on_body])
+    pairs = matching_points(np.concatenate(everywhere), lattice)
+    shifts = np.zeros((sum(map(len, everywhere)), lattice.dimension), dtype=np.int64)
+    shifts[pairs.slave] = pairs.shift
+    before = sum(map(len, everywhere[: comm.rank]))
+    m[~on_body] = shifts[before : before + len(everywhere[comm.rank])]
     normals = []
     for e in np.unique(np.concatenate(comm.allgather(m)), axis=0):
         if e.any():
             here = facets[np.all(m == e, axis=1)]
             normals.append((lattice.shift(e[None])[0], nodal_vector(forms.bind("normal", here))))
     return normals
-
-
-def _shifts_on_cut(fluid: FluidMesh, middle: Array) -> Integers:
-    """How far facets of the cut with these middles (n, 2) lie from their images there: zero for masters."""
-    comm, lattice = fluid.mesh.comm, fluid.lattice
-    everywhere = np.concatenate(comm.allgather(middle))
-    pairs = matching_points(everywhere, lattice)
-    m = np.zeros((len(everywhere), lattice.dimension), dtype=np.int64)
-    m[pairs.slave] = pairs.shift
-    first = comm.exscan(len(middle)) or 0
-    return m[first : first + len(middle)]
 
 
 class Averages:
@@ -185,11 +179,10 @@ class Averages:
 def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, NodalSolution]:
     """The flow with the mean of its problem, and the system with the loads that it took; collective.
 
-    It is linear in G: the flow for what is known of G, plus what each unknown component drives alone.
-
-    Raises SolveError: as the solver.
+    It is linear in G: the flow for what is known of G, plus what each unknown component drives alone. Raises
+    SolveError: as the solver.
     """
-    problem, motion = system.problem, system.motion
+    problem, motion = system.problem, system.problem.motion
     mean, jump = mean_flow(problem), Jumps(system)
     E, G = mean.gradient, np.nan_to_num(mean.pressure_gradient)
     # Where everything may drift, the first body rests at first.

@@ -82,9 +82,9 @@ class BlockAssembly:
         """M without its values, and which entry of A or B each of them will be."""
         n, of_A = self.B.size[0], self.A.data.size
         indptr, indices, _ = self.B.getValuesCSR()
-        A, of_B = self.A.to_scipy(), _numbers(len(indices), of_A)
-        numbered = type(A)((_numbers(of_A, 0).reshape(A.data.shape), A.indices, A.indptr), A.shape).tocsr()
-        B = sp.csr_matrix((of_B, indices, indptr), self.B.size)
+        A, numbers = self.A.to_scipy(), np.arange(of_A + len(indices), dtype=np.int32)
+        numbered = type(A)((numbers[:of_A].reshape(A.data.shape), A.indices, A.indptr), A.shape).tocsr()
+        B = sp.csr_matrix((numbers[of_A:], indices, indptr), self.B.size)
         zero = sp.csr_matrix((np.full(n, of_A + len(indices), np.int32), np.arange(n), np.arange(n + 1)))
         upper, lower = sp.hstack([numbered, B.T.tocsr()], "csr"), sp.hstack([B, zero], "csr")
         pattern = sp.vstack([upper, lower], "csr")
@@ -92,10 +92,6 @@ class BlockAssembly:
         self._every = np.empty(of_A + len(indices) + 1)
         arrays = (*(part.astype(PETSc.IntType, copy=False) for part in (pattern.indptr, pattern.indices)),)
         return PETSc.Mat().createAIJWithArrays(pattern.shape, (*arrays, self._values), comm=self.B.comm)
-
-
-def _numbers(count: int, first: int) -> NDArray[np.int32]:
-    return np.arange(first, first + count, dtype=np.int32)
 
 
 def pressure_mass(forms: Forms) -> PETSc.Mat:
@@ -158,10 +154,7 @@ class Elimination:
         M.createSubMatrix(self._rows, submat=self.constrained)
 
     def factors(self, *, lasting: bool) -> Factorisation:
-        """The factors of `reduced` as it is now; lasting: it will change its values many times.
-
-        Raises SolveError: it is singular or MUMPS fails.
-        """
+        """The factors of `reduced` as it is now, as `Factorisation`. Raises SolveError: it is singular."""
         if self._factors is None:
             self._factors = Factorisation(self.reduced, lasting=lasting)
         else:
