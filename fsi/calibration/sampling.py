@@ -187,10 +187,7 @@ def _computed(pair: Pair, tasks: list[Task], sampling: Sampling) -> Iterator[Out
 
 
 def _leave_with_parent() -> None:
-    """Let this process end when its parent does, even killed: it would wait for work for ever.
-
-    Ctrl-C is left to the parent.
-    """
+    """End with the parent, even if that is killed, or wait for work for ever; leave Ctrl-C to the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     assert parent is not None  # it is a worker

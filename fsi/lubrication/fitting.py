@@ -23,7 +23,7 @@ from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import minimize_scalar
 from scipy.stats import chi2
 
-from fsi.lubrication.laws import Array, Series, Term
+from fsi.lubrication.laws import Array, Term
 
 CONFIDENCE = 1.959963984540054  # standard deviations of a 95 % interval
 CONSISTENT = 0.05  # smallest probability of so large a chi^2 at which a fit is believed
@@ -57,18 +57,9 @@ class Fit:
     exponent_error: float
 
     @property
-    def series(self) -> Series:
-        """The profile K(s)."""
-        return Series(self.terms, tuple(self.coefficients.tolist()), self.range)
-
-    @property
     def intervals(self) -> Array:
         """Half widths of the 95 % intervals of the coefficients, shape (k,)."""
         return CONFIDENCE * np.sqrt(np.diag(self.covariance))
-
-    def band(self, s: Array) -> Array:
-        """Half width of the 95 % interval of K(s), shape of s."""
-        return band(self.terms, self.covariance, s)
 
 
 def band(terms: tuple[Term, ...], covariance: Array, s: Array) -> Array:

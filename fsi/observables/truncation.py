@@ -25,7 +25,7 @@ IDENTITIES = {
 
 
 @dataclass(frozen=True, slots=True)
-class Solution:
+class SolvedFlow:
     """What a solved instant tells.
 
     Attributes:
@@ -70,7 +70,7 @@ def halved(case: Case) -> Case | None:
         return None
 
 
-def truncation(case: Case, whole: Solution, half: Solution) -> dict[str, float]:
+def truncation(case: Case, whole: SolvedFlow, half: SolvedFlow) -> dict[str, float]:
     """How much the results change when the radius R of the container is halved.
 
     The effect of R decays like R^-1 (a net force in a ball) or faster, so the error at R is at most this

@@ -25,9 +25,7 @@ from fsi.run_folder.checkpoint import replace
 LARGEST_TABLE = 6
 # Relative to the diagonal, what is below this is an error of the mesh, or little more.
 SMALL = 1e-4
-NO_MOBILITY = (
-    "no mobility: R is singular: no wall is at rest, so that a rigid motion of everything costs nothing"
-)
+WHY_SINGULAR = "no wall is at rest, so that a rigid motion of everything costs nothing"
 
 
 def resistance_json(
@@ -66,7 +64,7 @@ def print_resistance(
             console.print(Text("mobility, U = R^-1 F"))
             console.print(_matrix(velocities, loads, resistance.mobility))
     if resistance.mobility is None:
-        console.print(Text(NO_MOBILITY))
+        console.print(Text(f"no mobility: R is singular: {WHY_SINGULAR}"))
     console.print(_checks(resistance, error, truncation))
     seconds = sum(resistance.seconds.values())
     console.print(Text(f"{resistance.cells} cells, {resistance.dofs} unknowns, {seconds:.2f} CPU s"))

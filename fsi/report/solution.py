@@ -19,7 +19,7 @@ from fsi.case.section import toml_text
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.error_estimate import ErrorEstimate
-from fsi.observables.truncation import Solution
+from fsi.observables.truncation import SolvedFlow
 from fsi.reduced.model import ReducedInstant
 from fsi.report.console import checks_table, table
 
@@ -35,7 +35,7 @@ def components(case: Case) -> tuple[str, ...]:
 
 
 def solution_json(
-    case: Case, solution: Solution, errors: ErrorEstimate, truncated: Truncation
+    case: Case, solution: SolvedFlow, errors: ErrorEstimate, truncated: Truncation
 ) -> dict[str, Any]:
     """The object that `fsi solve --json` prints; `truncation` is there where it could be measured."""
     d = case.dimension
@@ -71,7 +71,7 @@ def bodies_json(case: Case, U: Array, F: Array) -> list[dict[str, Any]]:
     return bodies
 
 
-def _solver(solution: Solution) -> str:
+def _solver(solution: SolvedFlow) -> str:
     return f"FGMRES with {solution.iterations} iterations" if solution.iterations else "direct solver"
 
 
@@ -93,7 +93,7 @@ def turning(components: Array) -> float | list[float]:
 
 
 def print_solution(
-    console: Console, case: Case, solution: Solution, errors: ErrorEstimate, truncated: Truncation
+    console: Console, case: Case, solution: SolvedFlow, errors: ErrorEstimate, truncated: Truncation
 ) -> None:
     """The same for a reader: a table of the bodies, then one of the checks."""
     console.print(_bodies_table(case, solution, errors))
@@ -120,7 +120,7 @@ def bodies_table(
     return shown
 
 
-def _bodies_table(case: Case, solution: Solution, errors: ErrorEstimate) -> Table:
+def _bodies_table(case: Case, solution: SolvedFlow, errors: ErrorEstimate) -> Table:
     """Velocities and forces; an error only where the number is a result."""
     held = case.motion(0.0).held
 
@@ -149,7 +149,7 @@ def _stress_table(bulk: BulkStress, errors: ErrorEstimate) -> Table:
     return table(("stress, mean over fluid and bodies",), ("xx", "xy", "yy"), rows, caption=caption)
 
 
-def _cost(case: Case, solution: Solution) -> Text:
+def _cost(case: Case, solution: SolvedFlow) -> Text:
     phases = ", ".join(f"{phase} {spent:.2f}" for phase, spent in solution.seconds.items())
     mesh = case.discretisation
     return Text(

@@ -11,7 +11,7 @@ import numpy as np
 
 import fsi.parallel as parallel
 from fsi.bodies.configuration import MODES, Array
-from fsi.observables.truncation import Solution
+from fsi.observables.truncation import SolvedFlow
 from fsi.stokes import fields
 from fsi.stokes.fields import Flow, Surface, traction, values_at
 from fsi.stokes.problem import StokesProblem
@@ -19,7 +19,7 @@ from fsi.stokes.stress import VISCOSITY_CHECKS
 
 
 @dataclass(frozen=True, slots=True)
-class StokesSolution(Solution):
+class StokesSolution(SolvedFlow):
     """Stokes flow around the bodies at one instant.
 
     Attributes:

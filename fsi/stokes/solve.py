@@ -18,13 +18,8 @@ from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.identities import identities, require
 from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
-from fsi.stokes.solvers.elimination import (
-    NodalSolution,
-    StokesSystem,
-    load_of,
-    nodal_vector,
-    solve_eliminated,
-)
+from fsi.stokes.solvers import elimination
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, load_of, nodal_vector
 from fsi.stokes.solvers.fgmres import coarse_velocities
 from fsi.stokes.solvers.multiplier import solve_multiplier
 from fsi.stokes.solvers.periodic import Solver, solve_periodic, tied
@@ -50,7 +45,7 @@ class Clock:
 MOST_DIRECT = 20_000
 DEFAULT = SolverOptions()
 
-FORMULATIONS: dict[str, Solver] = {"eliminated": solve_eliminated, "multiplier": solve_multiplier}
+FORMULATIONS: dict[str, Solver] = {"eliminated": elimination.solve_eliminated, "multiplier": solve_multiplier}
 
 
 def solve(

@@ -11,17 +11,17 @@ from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.load import load_case
 from fsi.observables.error_estimate import ErrorEstimate
-from fsi.observables.truncation import Solution, halved, truncation
+from fsi.observables.truncation import SolvedFlow, halved, truncation
 from fsi.report.console import standard_output
 from fsi.report.solution import print_solution, solution_json
 
 CASES = Path(__file__).parents[2] / "cases"
 
 
-def solved(U: Array, F: Array, iterations: int = 0) -> Solution:
+def solved(U: Array, F: Array, iterations: int = 0) -> SolvedFlow:
     """Some numbers in place of a flow."""
     seconds = {"mesh": 0.25, "solve": 0.5}
-    return Solution(U, F, F + 1.0, 7.0, {"power": 1e-13}, 120, 30, iterations, seconds, None)
+    return SolvedFlow(U, F, F + 1.0, 7.0, {"power": 1e-13}, 120, 30, iterations, seconds, None)
 
 
 ERRORS = ErrorEstimate(U=np.array([[0.0, 0.0, 2e-7]]), F=np.array([[1e-6, 3e-3, 0.0]]))

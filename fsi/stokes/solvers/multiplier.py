@@ -19,14 +19,8 @@ from petsc4py import PETSc
 
 from fsi.bodies.configuration import Array
 from fsi.stokes.discretisation.constraints import Index, Prolongation
-from fsi.stokes.solvers.elimination import (
-    NodalSolution,
-    StokesSystem,
-    body_velocity,
-    mode_equations,
-    multiply,
-    multiply_transpose,
-)
+from fsi.stokes.solvers import elimination
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, multiply, multiply_transpose
 from fsi.stokes.solvers.mumps import Factorisation
 from fsi.stokes.solvers.workspace import galerkin
 
@@ -48,7 +42,7 @@ def solve_multiplier(system: StokesSystem) -> NodalSolution:
     mode_column[free] = root_mode + np.arange(len(free))
 
     multiplier = first + flow_rows + np.arange(multiplier_rows)
-    D, load = (values[free] for values in mode_equations(system))
+    D, load = (values[free] for values in elimination.mode_equations(system))
     trace = _trace(S, layout.on_body, starts, multiplier)
     rigid = _rigid_columns(system, multiplier, mode_column)
     zero = (multiplier, multiplier, np.zeros(multiplier_rows))
@@ -62,7 +56,7 @@ def solve_multiplier(system: StokesSystem) -> NodalSolution:
     matrix.setValuesCOO(values)
 
     loads = multiply_transpose(S, system.b - multiply(system.M, system.g))
-    no_slip = -body_velocity(system, system.problem.motion.U)[layout.on_body]
+    no_slip = -elimination.body_velocity(system, system.problem.motion.U)[layout.on_body]
     rhs = np.concatenate([loads, no_slip, load[:mode_rows]])
     with Factorisation(matrix) as factors:
         solution, residual = (result[..., 0] for result in factors.solve(rhs[:, None]))

@@ -42,8 +42,7 @@ class MeanFlow:
     Attributes:
         gradient: E, (2, 2).
         pressure_gradient: G, (2,), NaN where it is unknown.
-        velocity: mean of u - E x over fluid and bodies, (2,), which counts where G is unknown, and where
-            `drifting`.
+        velocity: mean of u - E x over fluid and bodies, (2,), for where G is unknown or all is `drifting`.
         drifting: components in which nothing but this mean fixes a translation of everything, bool (2,).
     """
 
