@@ -49,7 +49,7 @@ def resistance_with_error(case: Case) -> SolvedResistance:
 
 
 def _solved(case: Case) -> SolvedResistance:
-    """With elements of another degree R differs by its error, as forces do (see `error`)."""
+    """With elements of another degree R differs by its error, as forces do (see `model`)."""
     computed, numerics = case_resistance(case), case.discretisation
     degree, factor = other_degree_of(numerics.degree, case.dimension)
     changed = numerics.model_copy(update={"degree": degree})

@@ -7,8 +7,8 @@ All unknowns x = (u, p) are written with the independent ones y = (u inside, p, 
 The rows of P are unit rows for free unknowns, the rigid modes `V + omega x r` at the nodes on bodies, and
 empty for given wall velocities, which stand in g together with the held modes. On one side of the cut of a
 periodic domain the rows are those of the nodes' images on the other, and the jump from image to image stands
-in g. `rigid`, called K in the saddle-point system of `saddle`, is the part for all M N modes, M of each body:
-u = rigid U on the bodies, and the total load of any nodal reaction is  (F, T) = rigid^T lambda.
+in g. `rigid`, called K in the saddle-point system of `multiplier`, is the part for all M N modes, M of each
+body: u = rigid U on the bodies, and the total load of any nodal reaction is  (F, T) = rigid^T lambda.
 """
 
 from __future__ import annotations

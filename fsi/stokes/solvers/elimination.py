@@ -10,8 +10,8 @@ domains. With x = P y + g (see `constraints`), rigid^T lambda = (F, T) for every
     P^T M P y = P^T (b - M g) + (F, T)
 
 and lambda comes back as M x - b. Both g and lambda live on constrained rows; of M itself only those rows are
-needed. This is EXACTLY the saddle-point system of `saddle`, with its multiplier and the rigid boundary values
-eliminated.
+needed. This is EXACTLY the saddle-point system of `multiplier`, with its multiplier and the rigid boundary
+values eliminated.
 
 The direct solver leaves held modes out of y; the iterative one, which wants whole bodies, keeps all modes in
 y and sets the held ones to zero.
