@@ -25,11 +25,9 @@ from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.geometry.containers import Box, FluidDomain
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
-from fsi.stokes.clock import Clock
-from fsi.stokes.discretisation.boundary import Boundary
-from fsi.stokes.problem import StokesProblem
+from fsi.stokes.problem import Boundary, StokesProblem
 from fsi.stokes.solution import StokesSolution
-from fsi.stokes.solve import solve
+from fsi.stokes.solve import Clock, solve
 from fsi.stokes.solvers.workspace import Workspace
 
 REFERENCE = Path(__file__).parents[1] / "tests" / "reference"

@@ -17,7 +17,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from fsi.errors import InputError
 from fsi.files import require_suffix, write_whole
-from fsi.observables.identities import BOUND, IDENTITIES
+from fsi.observables.truncation import BOUND, IDENTITIES
 from fsi.postprocess.plots.histories import plot_runs
 from fsi.postprocess.render.picture import MOVIES, write_pictures
 from fsi.postprocess.render.render import artist, render_run

@@ -17,11 +17,10 @@ import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.case.load import load_case
 from fsi.runs import run
+from fsi.stokes import fields
 from fsi.stokes.discretisation.forms import Forms
-from fsi.stokes.fields import flow as fields
-from fsi.stokes.fields import write as files
 
-capture, write = fields.capture, files.write_flow
+capture, write = fields.capture, fields.write_flow
 evaluated: dict[int, tuple[Array, Array]] = {}
 
 
@@ -46,6 +45,6 @@ def keep(flow: fields.Flow, folder: Path, step: int) -> list[str]:
 
 
 if __name__ == "__main__":
-    fields.capture, files.write_flow = evaluate, keep
+    fields.capture, fields.write_flow = evaluate, keep
     case = load_case(Path(sys.argv[1]))
     run(case, Path(sys.argv[2]))

@@ -10,8 +10,7 @@ from fsi.bodies.configuration import Array, Configuration, Motion
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.geometry.containers import Box, Container, FluidDomain, HalfPlane
 from fsi.meshes.planar.sizing import Resolution
-from fsi.stokes.discretisation.boundary import Boundary
-from fsi.stokes.problem import SolverOptions, StokesProblem
+from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import solve
 

@@ -7,8 +7,7 @@ import pytest
 from fsi.case.load import load_case
 from fsi.observables.truncation import halved, truncation
 from fsi.stokes.model import StokesModel
-from fsi.validation.references import reference
-from fsi.validation.rows import computed
+from fsi.validation.rows import computed, reference
 
 CASES = Path(__file__).parents[1] / "cases"
 FILES = sorted(CASES.glob("*.toml"))

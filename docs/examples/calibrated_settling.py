@@ -14,8 +14,7 @@ import numpy as np
 
 from fsi import open_run
 from fsi.bodies.configuration import Array
-from fsi.calibration.calibrate import calibrate_case
-from fsi.calibration.files import LAW
+from fsi.calibration.calibrate import LAW, calibrate_case
 from fsi.calibration.sampling import Sampling
 from fsi.case.load import load_case, parse_case
 from fsi.postprocess.analysis.settling import exact_gap

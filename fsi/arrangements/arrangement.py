@@ -21,8 +21,7 @@ CELLS = {"channel": (True, False), "periodic": (True, True), "box": (False, Fals
 def volumes(radii: ArrayLike, dimension: int) -> Array:
     """Areas pi a^2 of discs, or volumes 4 pi a^3 / 3 of spheres."""
     factor = {2: pi, 3: 4.0 * pi / 3.0}[dimension]
-    volumes: Array = factor * np.asarray(radii, dtype=np.float64) ** dimension
-    return volumes
+    return np.asarray(factor * np.asarray(radii, dtype=np.float64) ** dimension)
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,12 +71,7 @@ class Wanted:
 
 @dataclass(frozen=True, slots=True)
 class SimulationCell:
-    """The box from the origin to `sides`.
-
-    Attributes:
-        sides: d lengths > 0.
-        periodic: for each axis whether it is; walls stand across the others.
-    """
+    """The box from the origin to `sides`, d lengths; walls stand across the axes that are not periodic."""
 
     sides: tuple[float, ...]
     periodic: tuple[bool, ...]
@@ -114,8 +108,7 @@ class SimulationCell:
         tree = cKDTree(self.wrapped(x), boxsize=np.where(self.periodic, self.sides, 0.0))
         pairs = np.sort(tree.query_pairs(reach, output_type="ndarray").astype(np.intp), axis=1)
         order = np.lexsort((pairs[:, 1], pairs[:, 0]))
-        sorted_pairs: NDArray[np.intp] = pairs[order]
-        return sorted_pairs
+        return np.asarray(pairs[order])
 
     def wall_distances(self, x: Array) -> Array:
         """Distance of points (n, d) to the walls, two for each walled axis, shape (n, walls)."""
@@ -125,13 +118,7 @@ class SimulationCell:
 
 @dataclass(frozen=True, slots=True)
 class Arrangement:
-    """Bodies in a cell.
-
-    Attributes:
-        cell: in which they are.
-        centres: shape (N, d), periodic coordinates in [0, side).
-        radii: shape (N,).
-    """
+    """Bodies in a cell: their centres, (N, d), periodic coordinates in [0, side), and radii, (N,)."""
 
     cell: SimulationCell
     centres: Array
@@ -148,8 +135,9 @@ class Arrangement:
         to_image = float(np.min(periodic_sides, initial=np.inf)) - 2.0 * largest
         reach = 4.0 * largest
         while True:
-            pairs = self.cell.near_pairs(self.centres, reach)
-            gaps = self._gaps(pairs)
+            i, j = self.cell.near_pairs(self.centres, reach).T
+            between = self.cell.separation(self.centres[i], self.centres[j])
+            gaps = np.linalg.norm(between, axis=1) - self.radii[i] - self.radii[j]
             smallest = min(to_image, float(gaps.min(initial=np.inf)))
             if smallest <= reach - 2.0 * largest or reach > 2.0 * sum(self.cell.sides):
                 return smallest
@@ -158,9 +146,3 @@ class Arrangement:
     def smallest_wall_gap(self) -> float:
         """The smallest gap between bodies and walls; infinite without walls."""
         return float((self.cell.wall_distances(self.centres) - self.radii[:, None]).min(initial=np.inf))
-
-    def _gaps(self, pairs: NDArray[np.intp]) -> Array:
-        i, j = pairs[:, 0], pairs[:, 1]
-        between = self.cell.separation(self.centres[i], self.centres[j])
-        gaps: Array = np.linalg.norm(between, axis=1) - self.radii[i] - self.radii[j]
-        return gaps

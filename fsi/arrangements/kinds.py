@@ -1,20 +1,143 @@
-"""The kinds of arrangement by name, as `fsi pack` makes them, and the file that it writes."""
+"""The kinds of arrangement by name, as `fsi pack` makes them, and the file that it writes.
+
+The ordered ones are arrays, flow-aligned rows, oblique chains and wall-to-wall columns of equal discs of
+radius a in the plane. Each cell has exactly the area fraction phi that is asked for. Neighbours in rows,
+chains and columns have the gap g, and s = 2 a + g is the distance of their centres. Walls, where the cell has
+them, are above and below.
+"""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from math import pi, radians, sin, sqrt
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fsi.arrangements import ordered
-from fsi.arrangements.arrangement import Arrangement, Array, Wanted
+from fsi.arrangements.arrangement import Arrangement, Array, SimulationCell, Wanted
 from fsi.arrangements.packing import random_arrangement
 from fsi.errors import InputError
 from fsi.files import replace
+
+
+def square_array(w: Wanted) -> Arrangement:
+    """Discs at the distance b of each other, `b^2 = pi a^2 / phi`, and b/2 off the walls."""
+    columns = _columns(w, w.rows)
+    least = w.apart if all(w.periodic) else w.apart + w.gap
+    _check_fraction(w, w.disc_area / least**2)
+    b = w.radius * sqrt(pi / w.fraction)
+    k, m = _grid(columns, w.rows)
+    return _arranged(w, (columns * b, w.rows * b), b * (k + 0.5), b * (m + 0.5))
+
+
+def hexagonal_array(w: Wanted) -> Arrangement:
+    """Rows along x of discs b apart, `b^2 = 2 pi a^2 / (sqrt3 phi)`, every other row shifted by b/2.
+
+    Rows are `c = (sqrt3/2) b` apart, and c/2 off the walls; across periodic sides their number is even.
+    """
+    columns = _columns(w, w.rows)
+    _need_periodic_x(w, "a hexagonal array")
+    if w.periodic[1] and w.rows % 2:
+        raise InputError(f"rows = {w.rows}: odd, so that images of the rows do not fit; give an even number")
+    least = w.apart
+    if not w.periodic[1]:
+        least = max(least, (w.apart + w.gap) * 2.0 / sqrt(3.0))
+    _check_fraction(w, 2.0 * w.disc_area / (sqrt(3.0) * least**2))
+    b = w.radius * sqrt(2.0 * pi / (sqrt(3.0) * w.fraction))
+    c = 0.5 * sqrt(3.0) * b
+    k, m = _grid(columns, w.rows)
+    return _arranged(w, (columns * b, w.rows * c), b * (k + 0.5 * (m % 2)), c * (m + 0.5))
+
+
+def flow_aligned_rows(w: Wanted) -> Arrangement:
+    """Rows along x of discs s apart, `c = pi a^2 / (phi s)` from row to row, every other one shifted by s/2.
+
+    The outer rows are c/2 off the walls.
+    """
+    columns, s = _columns(w, w.rows), w.apart
+    _need_periodic_x(w, "rows")
+    _check_fraction(w, w.disc_area / (s * (s if w.periodic[1] else s + w.gap)))
+    c = w.disc_area / (w.fraction * s)
+    k, m = _grid(columns, w.rows)
+    return _arranged(w, (columns * s, w.rows * c), s * (k + 0.5 * (m % 2)), c * (m + 0.5))
+
+
+def oblique_chains(w: Wanted) -> Arrangement:
+    """Straight chains of `length` discs at `angle` degrees to x, side by side in `rows` layers.
+
+    The free room c between neighbouring chains, across them, is that between layers; it is c/2 to the walls.
+    With h the rise of a chain and `X = (2 a + c) / sin(angle)` their distance along x,
+    `length pi a^2 = phi X (h + 2 a + c)`.
+    """
+    _need_periodic_x(w, "chains")
+    abreast = _columns(w, w.rows * w.length)
+    s, slope = w.apart, _slope(w.angle)
+    rise = (w.length - 1) * s * slope
+    area = w.length * pi * w.radius**2 * slope
+    least = w.gap if w.periodic[1] else 2.0 * w.gap
+    _check_fraction(w, area / ((2.0 * w.radius + least) * (rise + 2.0 * w.radius + least)))
+    width = -0.5 * rise + sqrt(0.25 * rise**2 + area / w.fraction)  # 2 a + c: its product with h + 2 a + c
+    k, place = _grid(w.length, abreast * w.rows)
+    chain, layer = place % abreast, place // abreast
+    x = (chain + 0.5) * width / slope + np.cos(radians(w.angle)) * s * k
+    y = layer * (rise + width) + 0.5 * width + s * slope * k
+    return _arranged(w, (abreast * width / slope, w.rows * (rise + width)), x, y)
+
+
+def wall_to_wall_columns(w: Wanted) -> Arrangement:
+    """Chains of `length` discs at `angle` degrees to x from wall to wall, with the gap g to the walls too.
+
+    The height is `H = (length - 1) s sin(angle) + 2 a + 2 g`; they are `length pi a^2 / (phi H)` apart in x.
+    """
+    if w.periodic != (True, False):
+        raise InputError("columns stand between walls: give a channel, periodic along x only")
+    abreast = _columns(w, w.length)
+    s, slope = w.apart, _slope(w.angle)
+    height = (w.length - 1) * s * slope + 2.0 * w.radius + 2.0 * w.gap
+    _check_fraction(w, w.length * pi * w.radius**2 * slope / (s * height))
+    distance = w.length * pi * w.radius**2 / (w.fraction * height)
+    k, chain = _grid(w.length, abreast)
+    x = (chain + 0.5) * distance + np.cos(radians(w.angle)) * s * k
+    return _arranged(w, (abreast * distance, height), x, w.radius + w.gap + s * slope * k)
+
+
+def _arranged(w: Wanted, sides: tuple[float, float], x: Array, y: Array) -> Arrangement:
+    cell = SimulationCell(sides, w.periodic)
+    return Arrangement(cell, cell.wrapped(np.column_stack([x, y])), np.full(len(x), w.radius))
+
+
+def _grid(inner: int, outer: int) -> tuple[Array, Array]:
+    """Indices 0..inner-1, repeated for each of 0..outer-1, and those of the outer count."""
+    k, m = np.meshgrid(np.arange(inner, dtype=float), np.arange(outer, dtype=float))
+    return k.ravel(), m.ravel()
+
+
+def _columns(w: Wanted, rows: int) -> int:
+    if w.number % rows:
+        here = f"number = {w.number}: no multiple of {rows}, the discs side by side (rows times length)"
+        raise InputError(f"{here}; give {rows * max(round(w.number / rows), 1)}")
+    return w.number // rows
+
+
+def _slope(angle: float) -> float:
+    """The sine of an angle between 0 and 180 degrees."""
+    if not 1.0 <= angle <= 179.0:
+        raise InputError(f"angle = {angle:g}: must be from 1 to 179 degrees to x; for 0 take rows")
+    return sin(radians(angle))
+
+
+def _need_periodic_x(w: Wanted, what: str) -> None:
+    if not w.periodic[0]:
+        raise InputError(f"{what}: would cross walls at its ends; give a cell that is periodic along x")
+
+
+def _check_fraction(w: Wanted, largest: float) -> None:
+    if w.fraction > largest * (1.0 + 1e-12):
+        bound = f"the largest possible is {np.floor(1e4 * largest) / 1e4:g}"
+        raise InputError(f"area fraction = {w.fraction:g}: too large for these gaps; {bound}")
 
 
 def radii_of(w: Wanted) -> Array:
@@ -32,18 +155,12 @@ def radii_of(w: Wanted) -> Array:
         radii = np.exp(np.sqrt(np.log1p(w.spread**2)) * random.standard_normal(w.number))
     else:
         return np.full(w.number, w.radius)
-    scaled: Array = w.radius * radii / radii.mean()
-    return scaled
+    return np.asarray(w.radius * radii / radii.mean())
 
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """A kind of arrangement.
-
-    Attributes:
-        arranged: what makes it.
-        options: that it takes besides number, area fraction, radius, gap and cell.
-    """
+    """What makes it, and its options besides number, area fraction, radius, gap and cell."""
 
     arranged: Callable[[Wanted], Arrangement]
     options: tuple[str, ...]
@@ -53,50 +170,38 @@ KINDS: Mapping[str, Kind] = {
     "random": Kind(
         lambda w: random_arrangement(radii_of(w), w), ("aspect", "seed", "sizes", "spread", "dimension")
     ),
-    "square": Kind(ordered.square_array, ("rows",)),
-    "hexagonal": Kind(ordered.hexagonal_array, ("rows",)),
-    "rows": Kind(ordered.flow_aligned_rows, ("rows",)),
-    "chains": Kind(ordered.oblique_chains, ("rows", "length", "angle")),
-    "columns": Kind(ordered.wall_to_wall_columns, ("length", "angle")),
+    "square": Kind(square_array, ("rows",)),
+    "hexagonal": Kind(hexagonal_array, ("rows",)),
+    "rows": Kind(flow_aligned_rows, ("rows",)),
+    "chains": Kind(oblique_chains, ("rows", "length", "angle")),
+    "columns": Kind(wall_to_wall_columns, ("length", "angle")),
 }
 
 
 def arrange(kind: str, wanted: Wanted) -> Arrangement:
-    """The arrangement of one of the kinds.
-
-    Raises:
-        InputError: the bodies do not fit in this way; the largest area fraction that would is named.
-    """
+    """The arrangement. Raises InputError: the bodies do not fit in this way; named is what fraction would."""
     arrangement = KINDS[kind].arranged(wanted)
     rounding = 1e-9 * wanted.radius
-    for what, smallest in (
-        ("gap between bodies", arrangement.smallest_gap()),
-        ("gap to a wall", arrangement.smallest_wall_gap()),
-    ):
+    remedy = "place more bodies side by side, or lower the area fraction or the gap"
+    gaps = {"between bodies": arrangement.smallest_gap(), "to a wall": arrangement.smallest_wall_gap()}
+    for where, smallest in gaps.items():
         if smallest < wanted.gap - rounding:
-            raise InputError(
-                f"number = {wanted.number}: the smallest {what} would be {smallest:.4g}, not {wanted.gap:g};"
-                " place more bodies side by side, or lower the area fraction or the gap"
-            )
+            here = f"number = {wanted.number}: the smallest gap {where} would be {smallest:.4g}"
+            raise InputError(f"{here}, not {wanted.gap:g}; {remedy}")
     return arrangement
 
 
 def write_arrangement(arrangement: Arrangement, path: Path, described: Mapping[str, Any]) -> None:
     """Write a file that `bodies_from` reads, with what describes it. Raises InputError."""
-    axes = "xyz"[: arrangement.cell.dimension]
-    name = {2: "disc", 3: "sphere"}[arrangement.cell.dimension]
+    cell = arrangement.cell
+    axes, name = "xyz"[: cell.dimension], {2: "disc", 3: "sphere"}[cell.dimension]
+    radii_and_centres = zip(arrangement.radii.tolist(), arrangement.centres.tolist(), strict=True)
     bodies = [
         {"name": f"{name}{number:04d}", "radius": a, **dict(zip(axes, centre, strict=True))}
-        for number, (a, centre) in enumerate(
-            zip(arrangement.radii.tolist(), arrangement.centres.tolist(), strict=True), 1
-        )
+        for number, (a, centre) in enumerate(radii_and_centres, 1)
     ]
-    head = {
-        **described,
-        "lower": [0.0] * len(axes),
-        "upper": list(arrangement.cell.sides),
-        "periodic": [axis for axis, is_so in zip(axes, arrangement.cell.periodic, strict=True) if is_so],
-    }
+    periodic = [axis for axis, is_so in zip(axes, cell.periodic, strict=True) if is_so]
+    head = {**described, "lower": [0.0] * len(axes), "upper": list(cell.sides), "periodic": periodic}
     lines = [f" {json.dumps(key)}: {json.dumps(value)}," for key, value in head.items()]
     rows = ",\n".join(f"  {json.dumps(body)}" for body in bodies)
     text = "\n".join(["{", *lines, ' "bodies": [', rows, " ]", "}", ""])

@@ -5,20 +5,25 @@ Points thrown at random grow into bodies that overlap; the overlaps are removed 
     E = 1/2 sum_{i<j} (sigma_ij - r_ij)_+^2 + 1/2 sum_walls (a_i + g - y_i)_+^2,   sigma_ij = a_i + a_j + g
 
 with g the smallest gap, r_ij the distance to the nearest image and y the distance to a wall. What comes out
-has many pairs at just this gap; `fsi.arrangements.shaking` then shakes it into a fluid.
+has many pairs at just this gap; Metropolis moves then shake it into a fluid.
+
+Every arrangement without overlaps is equally probable there (N. Metropolis et al., J. Chem. Phys. 21 (1953)
+1087). Many bodies move at once (J. A. Anderson et al., J. Comput. Phys. 254 (2013) 27): of a chequerboard,
+laid anew for each move, the squares of one colour each choose one body, which may not leave it; they are so
+wide that two such bodies never meet. As no choice depends on the outcome of a move, every move is as likely
+as its reverse.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize
 
-from fsi.arrangements.arrangement import Arrangement, SimulationCell, Wanted, volumes
-from fsi.arrangements.shaking import shaken
+from fsi.arrangements.arrangement import Arrangement, Array, SimulationCell, Wanted, volumes
 from fsi.errors import InputError
-
-Array = NDArray[np.float64]
 
 # Fractions, of bodies grown by half the gap, up to which overlaps are removed in a moment: below random close
 # packing (0.84 in the plane, 0.64 in space), where the minimum of E ceases to be zero.
@@ -41,17 +46,14 @@ def cell_for(radii: Array, fraction: float, periodic: tuple[bool, ...], aspect: 
 def random_arrangement(radii: Array, w: Wanted) -> Arrangement:
     """Bodies of these radii at random, no two nearer than the gap, and none nearer to a wall.
 
-    The same seed gives the same arrangement.
-
-    Raises:
-        InputError: the area fraction is above what this can do (named), or no arrangement was found.
+    The same seed gives the same arrangement. Raises InputError: the area fraction is above what this can do
+    (named), or no arrangement was found.
     """
     largest = largest_fraction(radii, w.periodic, w.aspect, w.gap)
     if w.fraction > largest:
-        raise InputError(
-            f"area fraction = {w.fraction:g}: too large for {len(radii)} bodies at random with gaps of "
-            f"{w.gap:g}; the largest possible is {np.floor(1e4 * largest) / 1e4:g}"
-        )
+        here = f"too large for {len(radii)} bodies at random with gaps of {w.gap:g}"
+        bound = f"the largest possible is {np.floor(1e4 * largest) / 1e4:g}"
+        raise InputError(f"area fraction = {w.fraction:g}: {here}; {bound}")
     cell = cell_for(radii, w.fraction, w.periodic, w.aspect)
     gap = w.gap + _ROUNDING * max(cell.sides)
     rng = np.random.default_rng(w.seed)
@@ -98,7 +100,6 @@ def _without_overlaps(cell: SimulationCell, radii: Array, gap: float, x: Array) 
 
 
 def _energy(cell: SimulationCell, radii: Array, gap: float, x: Array) -> tuple[float, Array]:
-    """E and its gradient, flat."""
     pairs = cell.near_pairs(x, 2.0 * float(radii.max()) + gap)
     i, j = pairs[:, 0], pairs[:, 1]
     between = cell.separation(x[i], x[j])
@@ -115,9 +116,74 @@ def _energy(cell: SimulationCell, radii: Array, gap: float, x: Array) -> tuple[f
 
 
 def _smallest_excess(cell: SimulationCell, radii: Array, gap: float, x: Array) -> float:
-    """The smallest gap, of pairs and walls, less the asked one."""
     pairs = cell.near_pairs(x, 2.0 * float(radii.max()) + gap)
     i, j = pairs[:, 0], pairs[:, 1]
     r = np.linalg.norm(cell.separation(x[i], x[j]), axis=1)
     to_walls = cell.wall_distances(x) - radii[:, None]
     return float(min((r - radii[i] - radii[j]).min(initial=np.inf), to_walls.min(initial=np.inf))) - gap
+
+
+_MOVES = 1000  # of about a fifth of the bodies in the plane, a tenth in space
+_LENGTH, _NEIGHBOURHOOD = 0.2, 0.8  # of a move, and of the list of neighbours, over the mean radius
+
+
+@dataclass(frozen=True, slots=True)
+class _Neighbours:
+    """Pairs that may meet while no body is further than half the margin from where it was.
+
+    Attributes:
+        start: where the bodies were, shape (N, d).
+        i, j: the pairs, (P,).
+        contact: the least distance of their centres, (P,).
+    """
+
+    start: Array
+    i: NDArray[np.intp]
+    j: NDArray[np.intp]
+    contact: Array
+
+
+def shaken(cell: SimulationCell, x: Array, radii: Array, gap: float, rng: np.random.Generator) -> Array:
+    """The bodies at x (N, d) after some 200 moves each (100 in space), gaps at least `gap`."""
+    margin, length = _NEIGHBOURHOOD * float(radii.mean()), _LENGTH * float(radii.mean())
+    diameter = 2.0 * float(radii.max()) + gap
+    near = _neighbours(cell, x, radii, gap, diameter + margin)
+    for _ in range(_MOVES):
+        if np.linalg.norm(x - near.start, axis=1).max() > 0.5 * margin - 2.0 * length:
+            near = _neighbours(cell, x, radii, gap, diameter + margin)
+        moved, good = _proposal(cell, x, diameter + 2.0 * length, length, rng)
+        touching = np.linalg.norm(cell.separation(moved[near.i], moved[near.j]), axis=1) < near.contact
+        good[near.i[touching]] = good[near.j[touching]] = False
+        good &= np.all(cell.wall_distances(moved) >= radii[:, None] + gap, axis=1)
+        x = np.where(good[:, None], moved, x)
+    return cell.wrapped(x)
+
+
+def _neighbours(cell: SimulationCell, x: Array, radii: Array, gap: float, reach: float) -> _Neighbours:
+    i, j = cell.near_pairs(x, reach).T
+    return _Neighbours(x, i, j, radii[i] + radii[j] + gap)
+
+
+def _proposal(
+    cell: SimulationCell, x: Array, width: float, length: float, rng: np.random.Generator
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Where the bodies try to go, and which of them try."""
+    sides = np.array(cell.sides)
+    squares = np.maximum(2 * (sides // (2.0 * width)), 1)  # even: colours alternate across periodic sides
+    shift, colour = rng.random(cell.dimension) * sides, rng.integers(2, size=cell.dimension)
+    shift[(squares == 1) & ~np.array(cell.periodic)] = 0.0  # or there would be two, of one colour
+
+    def square(y: Array) -> Array:
+        return np.asarray(np.floor((y + shift) / sides * squares))
+
+    home = square(x)
+    number = np.where(cell.periodic, home % squares, home).astype(np.intp)
+    counts = number.max(axis=0) + 1
+    flat = np.ravel_multi_index(tuple(number.T), tuple(counts))
+    order = rng.permutation(len(x))
+    occupant = np.full(int(np.prod(counts)), -1)
+    occupant[flat[order]] = order  # the last one stays
+    chosen = occupant[flat] == np.arange(len(x))
+    chosen &= np.all((number % 2 == colour) | (squares == 1), axis=1)
+    moved = x + np.where(chosen[:, None], rng.uniform(-length, length, x.shape), 0.0)
+    return moved, chosen & np.all(square(moved) == home, axis=1)

@@ -1,29 +1,31 @@
-"""`fsi calibrate`, from a case to a folder with its law."""
+"""`fsi calibrate`, from a case to a folder with its law: law.toml, samples.csv, calibration.json."""
 
 from __future__ import annotations
 
+import csv
+import io
+import json
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 import fsi.parallel as parallel
-from fsi.calibration.files import require_writable, write_calibration
 from fsi.calibration.pair import pair_of
 from fsi.calibration.result import CalibrationResult, fit_law
 from fsi.calibration.sampling import Sampling, take_samples
 from fsi.case.case import Case
+from fsi.case.law_file import save_law
+from fsi.errors import InputError
+from fsi.files import replace
 
 
 def calibrate_case(case: Case, source: str, folder: Path, sampling: Sampling) -> CalibrationResult:
-    """Sample, fit and write; collective.
+    """Sample, fit and write; collective. An earlier calibration in the folder is replaced.
 
-    Args:
-        case: with its section [calibration].
-        source: name of the case file.
-        folder: for the law; new, or of an earlier calibration, which is replaced.
-        sampling: how the samples are taken.
-
-    Raises:
-        InputError: the case cannot be calibrated, or a folder not be written.
-        SolveError: a sample failed, or the samples do not decrease with the gap.
+    Raises InputError: the case (from the file `source`) cannot be calibrated, or the folder not be written.
+    SolveError: a sample failed, or the samples do not decrease with the gap.
     """
     pair = pair_of(case)
     parallel.on_root(lambda: require_writable(folder))
@@ -31,3 +33,59 @@ def calibrate_case(case: Case, source: str, folder: Path, sampling: Sampling) ->
     result = parallel.on_root(lambda: fit_law(pair, samples, source))
     parallel.on_root(lambda: write_calibration(folder, result))
     return result
+
+
+SAMPLES, LAW, SUMMARY = "samples.csv", "law.toml", "calibration.json"
+
+
+def require_writable(folder: Path) -> None:
+    """Raise InputError unless the folder is new, empty or that of a calibration, which is replaced."""
+    fits = folder.is_dir() and (not any(folder.iterdir()) or (folder / SUMMARY).exists())
+    if folder.exists() and not fits:
+        raise InputError(f"output = {folder}: exists and is no calibration; give another folder")
+
+
+def write_calibration(folder: Path, result: CalibrationResult) -> None:
+    """Write the three files. Raises InputError if there can be no such folder."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"output = {folder}: {error.strerror}; give a folder that can be written") from None
+    save_law(folder / LAW, result.law)
+    rows, text = _rows(result), io.StringIO()
+    table = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
+    table.writeheader()
+    table.writerows(rows)
+    replace(folder / SAMPLES, text.getvalue().encode())
+    replace(folder / SUMMARY, (json.dumps(summary(result), indent=1) + "\n").encode())
+
+
+def summary(result: CalibrationResult) -> dict[str, Any]:
+    """All numbers of a calibration, for JSON."""
+    fit, test = result.fit, result.test
+    pair, law, terms = result.pair, result.law, result.coefficients
+    data: dict[str, Any] = {"case": pair.case.name, "shape": pair.shape, "mode": pair.plan.mode}
+    data |= {"ratio": law.ratio, "reduced_radius": pair.reduced_radius, "viscosity": law.viscosity}
+    data["range"] = list(law.law().range)
+    data["coefficients"] = [asdict(c) | {"difference": c.difference, "inside": c.inside} for c in terms]
+    data["samples"] = _rows(result)
+    if fit is not None:
+        data |= {"chi2": fit.chi2, "degrees_of_freedom": fit.dof, "used": int(fit.used.sum())}
+        if not np.isnan(fit.exponent):
+            data |= {"exponent": fit.exponent, "exponent_error": fit.exponent_error}
+    if test is not None:
+        data["held_out_passed"] = test.passed
+    return data
+
+
+def _rows(result: CalibrationResult) -> list[dict[str, Any]]:
+    """Each sample with the law at its gap, None outside the law's range."""
+    law, a = result.law.law(), result.pair.reduced_radius
+    rows = []
+    for one in result.samples:
+        inside = law.range[0] <= one.gap / a <= law.range[1]
+        error = result.law.error(np.array(one.gap), a) if inside else None
+        kappa = float(law.kappa(one.gap, a)) if inside else None
+        computed = {"law": kappa, "law_error": None if error is None else float(error)}
+        rows.append(asdict(one) | {"error": one.error} | computed)
+    return rows

@@ -73,11 +73,7 @@ class Pair:
         return float(1.0 / np.sum(1.0 / radii))
 
     def at(self, gap: float) -> Case:
-        """The case at this gap, with the motion that its resistance belongs to, and nothing else.
-
-        Raises:
-            InputError: the bodies have no room there.
-        """
+        """The case at this gap, with its unit motion alone. Raises InputError: bodies have no room there."""
         centre = self.case.configuration().centres[self.first] + (gap - self.gap) * self.normal
         data: dict[str, Any] = self.case.model_dump(exclude_none=True, exclude=_LEFT_OUT)
         data["bodies"] = list(data["bodies"])
@@ -88,9 +84,8 @@ class Pair:
         try:
             return parse_case(data)
         except InputError as error:
-            raise InputError(
-                f"calibration.range: at the gap {gap:g} the case is not sound: {error}"
-            ) from None
+            here = f"calibration.range: at the gap {gap:g}"
+            raise InputError(f"{here} the case is not sound: {error}") from None
 
     def resistance(self, results: Results, errors: Results) -> tuple[float, float]:
         """F/U, and its error, from U and F of the case at a gap and their errors."""
@@ -103,16 +98,13 @@ class Pair:
         return float(1.0 / speed), float(error / speed**2)
 
     def _motion(self, i: int) -> dict[str, Any]:
-        """Keys of body i."""
         if self.second is not None:
             sign = 1.0 if i == self.first else -1.0
             return {"force": tuple((sign * self.normal).tolist())}
         d, motion = len(self.normal), self._unit_motion().tolist()
         turning = motion[d:]
-        return {
-            "velocity": tuple(motion[:d]),
-            "angular_velocity": turning[0] if len(turning) == 1 else tuple(turning),
-        }
+        rotation = turning[0] if len(turning) == 1 else tuple(turning)
+        return {"velocity": tuple(motion[:d]), "angular_velocity": rotation}
 
     def _unit_motion(self) -> Array:
         """The unit motion beside a wall, along the modes of a body."""
@@ -127,11 +119,7 @@ class Pair:
 
 
 def pair_of(case: Case) -> Pair:
-    """The pair that a case wants calibrated.
-
-    Raises:
-        InputError: there is no section [calibration], or it does not fit the case.
-    """
+    """The pair that a case wants calibrated. Raises InputError: [calibration] is missing or does not fit."""
     plan = case.calibration
     if plan is None:
         raise InputError("calibration: missing; give a section [calibration] with pair and range")
@@ -140,30 +128,26 @@ def pair_of(case: Case) -> Pair:
         raise InputError(f"{here}: no body is named {plan.pair[0]!r}; the bodies are {toml_text(case.names)}")
     first = case.names.index(plan.pair[0])
     if plan.pair[1] in case.names and plan.pair[1] != plan.pair[0]:
-        pair = _two_bodies(case, first, case.names.index(plan.pair[1]))
+        q, second = case.configuration(), case.names.index(plan.pair[1])
+        apart = q.centres[first] - q.centres[second]
+        distance = float(np.linalg.norm(apart))
+        gap = distance - float(q.radii[first] + q.radii[second])
+        pair = Pair(case, first, second, apart / distance, gap)
     elif plan.pair[1] in case.container().walls:
         pair = _beside_wall(case, first, plan.pair[1])
     else:
         others = [*(name for name in case.names if name != plan.pair[0]), *case.container().walls]
-        raise InputError(
-            f"{here}: {plan.pair[1]!r} is no other body and no wall; use one of {toml_text(others)}"
-        )
-    if len(case.bodies) != (1 if pair.second is None else 2):
-        raise InputError(
-            f"{here}: the case has {len(case.bodies)} bodies; drop those that are not of the pair"
-        )
-    _check_mode(pair)
+        remedy = f"use one of {toml_text(others)}"
+        raise InputError(f"{here}: {plan.pair[1]!r} is no other body and no wall; {remedy}")
+    if (count := len(case.bodies)) != (1 if pair.second is None else 2):
+        raise InputError(f"{here}: the case has {count} bodies; drop those that are not of the pair")
+    if plan.mode != "squeeze" and (pair.second is not None or case.geometry == "axisymmetric"):
+        needs = 'needs a body beside a wall, and no axis of symmetry; give "squeeze"'
+        raise InputError(f"calibration.mode = {toml_text(plan.mode)}: {needs}")
     _check_surroundings(case)
     for gap in plan.range:
         pair.at(gap)
     return pair
-
-
-def _two_bodies(case: Case, first: int, second: int) -> Pair:
-    q = case.configuration()
-    apart = q.centres[first] - q.centres[second]
-    distance = float(np.linalg.norm(apart))
-    return Pair(case, first, second, apart / distance, distance - float(q.radii[first] + q.radii[second]))
 
 
 def _beside_wall(case: Case, first: int, wall: str) -> Pair:
@@ -180,15 +164,6 @@ def _beside_wall(case: Case, first: int, wall: str) -> Pair:
     return Pair(case, first, None, np.sign(after - before) * normal, float(before) - step)
 
 
-def _check_mode(pair: Pair) -> None:
-    mode = pair.plan.mode
-    if mode != "squeeze" and (pair.second is not None or pair.case.geometry == "axisymmetric"):
-        raise InputError(
-            f"calibration.mode = {toml_text(mode)}: needs a body beside a wall, and no axis of symmetry; "
-            'give "squeeze"'
-        )
-
-
 def _check_surroundings(case: Case) -> None:
     """Walls at rest or open, nothing else that drives a flow, and a mesh that can be made for any gap."""
     for key in ("shear", "extension", "pressure_gradient", "net_flux"):
@@ -197,10 +172,8 @@ def _check_surroundings(case: Case) -> None:
             raise InputError(f"domain.{key} = {driven:g}: a resistance needs fluid at rest far away; drop it")
     for name, wall in case.domain.walls.items():
         if not wall.rests and wall.outside_pressure != 0.0:
-            raise InputError(
-                f"domain.walls.{name} = {toml_text(wall)}: a resistance needs walls at rest; drop it"
-            )
+            here = f"domain.walls.{name} = {toml_text(wall)}"
+            raise InputError(f"{here}: a resistance needs walls at rest; drop it")
     if case.domain.mesh is not None:
-        raise InputError(
-            f"domain.mesh = {toml_text(case.domain.mesh)}: a mesh has one gap, a calibration many; drop it"
-        )
+        here = f"domain.mesh = {toml_text(case.domain.mesh)}"
+        raise InputError(f"{here}: a mesh has one gap, a calibration many; drop it")

@@ -10,7 +10,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.calibration.pair import Pair
-from fsi.calibration.samples import Sample, Samples, as_arrays
+from fsi.calibration.sampling import Sample, Samples, as_arrays
 from fsi.case.law_file import LawFile, SeriesSection, TableSection
 from fsi.errors import SolveError
 from fsi.lubrication.expansions import EXPONENTS, basis, coefficients
@@ -47,13 +47,7 @@ class Coefficient:
 
 @dataclass(frozen=True, slots=True)
 class HeldOut:
-    """What tests the law.
-
-    Attributes:
-        samples: those that were held out.
-        law: at their gaps, shape (n,).
-        band: half of its 95 % interval there, (n,).
-    """
+    """The samples that were held out, the law at their gaps, (n,), and half of its 95 % interval there."""
 
     samples: Samples
     law: Array
@@ -85,67 +79,41 @@ class CalibrationResult:
 
 
 def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
-    """The law that the case asks for.
-
-    Args:
-        pair: what was sampled.
-        samples: of it.
-        case: name of the case file, for the law's source.
-
-    Raises:
-        SolveError: the samples do not decrease with the gap.
-    """
+    """The law that a case (file `case`) asks for. Raises SolveError: samples do not decrease with the gap."""
     fitted, a = as_arrays(samples, held_out=False), pair.reduced_radius
     unit = pair.case.fluid.viscosity * a ** EXPONENTS[pair.shape, pair.plan.mode]
     s, K, bars = fitted.d / a, fitted.kappa / unit, fitted.bars / unit
     if np.any(K <= 0.0) or np.any(np.diff(K) >= 0.0):
         raise SolveError("the sampled resistances do not decrease with the gap; refine the discretisation")
-    common: dict[str, Any] = {
-        "form": pair.plan.form,
-        "shape": pair.shape,
-        "mode": pair.plan.mode,
-        "ratio": None if pair.second is None else pair.ratio,
-        "viscosity": pair.case.fluid.viscosity,
-        "source": _source(pair, case, samples),
-    }
+    common: dict[str, Any] = {"form": pair.plan.form, "shape": pair.shape, "mode": pair.plan.mode}
+    common["ratio"] = None if pair.second is None else pair.ratio
+    common |= {"viscosity": pair.case.fluid.viscosity, "source": _source(pair, case, samples)}
     if pair.plan.form == "table":
         table = TableSection(s=tuple(s.tolist()), K=tuple(K.tolist()))
         return CalibrationResult(pair, samples, LawFile(**common, table=table), None, [], None)
     fit = fit_series(s, K, bars, basis(pair.shape, pair.plan.mode))
     common["source"] |= {"chi2": fit.chi2, "degrees_of_freedom": fit.dof, "used": int(fit.used.sum())}
-    law = LawFile(**common, range=fit.range, series=_section(fit))
-    return CalibrationResult(pair, samples, law, fit, _compared(pair, fit), _tested(pair, samples, law))
-
-
-def _section(fit: Fit) -> SeriesSection:
-    return SeriesSection(
+    series = SeriesSection(
         powers=tuple(term.power for term in fit.terms),
         logs=tuple(term.log for term in fit.terms),
         coefficients=tuple(fit.coefficients.tolist()),
         covariance=tuple(map(tuple, fit.covariance.tolist())),
     )
+    law = LawFile(**common, range=fit.range, series=series)
+    known = coefficients(pair.shape, pair.plan.mode, pair.ratio)
+    values = zip(fit.terms, fit.coefficients.tolist(), fit.intervals.tolist(), strict=True)
+    compared = [Coefficient(str(term), value, width, known.get(term)) for term, value, width in values]
+    return CalibrationResult(pair, samples, law, fit, compared, _tested(pair, samples, law))
 
 
 def _source(pair: Pair, case: str, samples: list[Sample]) -> dict[str, Any]:
     here = launch()
-    return {
-        "case": case,
-        "name": pair.case.name,
-        "samples": sum(not one.held_out for one in samples),
-        "fitted": datetime.now(UTC).isoformat(timespec="seconds"),
-        "git": here["git"] or "",
-        "packages": here["packages"],
-    }
-
-
-def _compared(pair: Pair, fit: Fit) -> list[Coefficient]:
-    known = coefficients(pair.shape, pair.plan.mode, pair.ratio)
-    values = zip(fit.terms, fit.coefficients.tolist(), fit.intervals.tolist(), strict=True)
-    return [Coefficient(str(term), value, width, known.get(term)) for term, value, width in values]
+    count, now = sum(not one.held_out for one in samples), datetime.now(UTC).isoformat(timespec="seconds")
+    source = {"case": case, "name": pair.case.name, "samples": count, "fitted": now}
+    return source | {"git": here["git"] or "", "packages": here["packages"]}
 
 
 def _tested(pair: Pair, samples: list[Sample], law: LawFile) -> HeldOut | None:
-    """The held-out samples within the law's range."""
     held = as_arrays(samples, held_out=True)
     kappa, a = law.law(), pair.reduced_radius
     inside = (held.d / a >= kappa.range[0]) & (held.d / a <= kappa.range[1])

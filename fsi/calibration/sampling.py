@@ -1,23 +1,125 @@
-"""All samples of a calibration, several at a time, none twice."""
+"""All samples of a calibration, several at a time, none twice: a cache keeps each of them for ever."""
 
 from __future__ import annotations
 
+import hashlib
+import json
 import multiprocessing
 import os
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from importlib import metadata
 from multiprocessing.connection import wait
 from pathlib import Path
 
+import numpy as np
+
 import fsi.parallel as parallel
+from fsi.bodies.configuration import Array
 from fsi.calibration.pair import Pair, pair_of
-from fsi.calibration.samples import Sample, keep_sample, key_of, planned_gaps, read_sample
 from fsi.case.load import parse_case
 from fsi.errors import FsiError, SolveError
+from fsi.files import replace
+from fsi.integration.step_errors import ErrorEstimate
 from fsi.meshes.errors import MeshError
+from fsi.observables.truncation import halved
+
+_PACKAGE = Path(__file__).parents[1]
+# What computes a sample besides its case.
+_SOLVERS = ("fenics-dolfinx", "dolfinx-solver-real", "gmsh", "petsc4py")
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """A resolved resistance.
+
+    Attributes:
+        gap: d.
+        held_out: whether it tests the law instead of making it.
+        kappa: F/U.
+        mesh_error: bound of what mesh and elements do.
+        truncation: change of kappa in a container of half the radius, 0 without one.
+        dofs: unknowns.
+        defect: worst of the identities.
+        seconds: CPU seconds for all of it.
+    """
+
+    gap: float
+    held_out: bool
+    kappa: float
+    mesh_error: float
+    truncation: float
+    dofs: int
+    defect: float
+    seconds: float
+
+    @property
+    def error(self) -> float:
+        """The error bar of kappa."""
+        return self.mesh_error + self.truncation
+
+
+@dataclass(frozen=True, slots=True)
+class Samples:
+    """Samples as arrays: gaps d, resistances kappa and their bars, increasing in d, shapes (n,)."""
+
+    d: Array
+    kappa: Array
+    bars: Array
+
+
+def as_arrays(samples: list[Sample], *, held_out: bool) -> Samples:
+    """Those samples that make the law, or those that test it."""
+    chosen = sorted((one for one in samples if one.held_out is held_out), key=lambda one: one.gap)
+    columns = [[getattr(one, name) for one in chosen] for name in ("gap", "kappa", "error")]
+    return Samples(*(np.array(column, dtype=float) for column in columns))
+
+
+def planned_gaps(pair: Pair) -> list[tuple[float, bool]]:
+    """(gap, held out) of all samples: the range in equal ratios, and middles of intervals spread over it."""
+    plan = pair.plan
+    gaps = np.geomspace(*plan.range, plan.samples)
+    middles = np.sqrt(gaps[1:] * gaps[:-1])
+    chosen = middles[np.unique(np.linspace(0, len(middles) - 1, plan.held_out).round().astype(int))]
+    return [(gap, False) for gap in gaps.tolist()] + [(gap, True) for gap in chosen.tolist()]
+
+
+def key_of(pair: Pair, gap: float) -> str:
+    """What names a sample: a hash of the case at the gap, of the mode, and of all code that computes it."""
+    case = pair.at(gap).model_dump(mode="json", exclude={"name"})
+    content = {"case": case, "pair": pair.plan.pair, "mode": pair.plan.mode, "code": _code()}
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:32]
+
+
+def read_sample(cache: Path, key: str, *, held_out: bool) -> Sample | None:
+    """A sample that has been computed before, or None."""
+    if not (path := cache / f"{key}.json").is_file():
+        return None
+    return Sample(**(json.loads(path.read_text(encoding="utf-8")) | {"held_out": held_out}))
+
+
+def keep_sample(cache: Path, key: str, sample: Sample) -> None:
+    """Put a sample into the cache."""
+    replace(cache / f"{key}.json", json.dumps(asdict(sample)).encode())
+
+
+def _code() -> str:
+    """Hash of the sources of mesh and resolved model, and the versions of the libraries that they use."""
+    sources = hashlib.sha256()
+    for folder in (_PACKAGE / "meshes", _PACKAGE / "stokes"):
+        for path in sorted(folder.rglob("*.py")):
+            sources.update(path.read_bytes())
+    for name in _SOLVERS:
+        try:
+            sources.update(f"{name} {metadata.version(name)}".encode())
+        except metadata.PackageNotFoundError:  # one of two names of the same library
+            continue
+    return sources.hexdigest()
+
 
 type Task = tuple[float, bool, str]  # gap, held out, key
 type Outcome = tuple[str, Sample | None, str]  # key, sample, why there is none
@@ -41,14 +143,8 @@ class Sampling:
 def take_samples(pair: Pair, sampling: Sampling) -> list[Sample]:
     """The samples that the case asks for, in increasing gaps; collective.
 
-    Each is kept as soon as it is there, so that a killed calibration goes on where it was.
-
-    Args:
-        pair: what is sampled.
-        sampling: where they are kept, and who computes them.
-
-    Raises:
-        SolveError: some samples failed; the message names the first. All others are in the cache.
+    Each is kept as soon as it is there, so that a killed calibration goes on where it was. Raises SolveError:
+    some samples failed; the message names the first. All others are in the cache.
     """
     tasks = [(gap, held_out, key_of(pair, gap)) for gap, held_out in planned_gaps(pair)]
     samples = parallel.on_root(lambda: _cached(tasks, sampling.cache))
@@ -62,9 +158,8 @@ def take_samples(pair: Pair, sampling: Sampling) -> list[Sample]:
             samples[key] = sample
         sampling.show(len(samples) + len(failures), len(tasks))
     if failures:
-        raise SolveError(
-            f"{len(failures)} of {len(tasks)} samples failed, first {failures[0]}; the others are kept"
-        )
+        failed = f"{len(failures)} of {len(tasks)} samples failed, first {failures[0]}"
+        raise SolveError(f"{failed}; the others are kept")
     return sorted(samples.values(), key=lambda sample: sample.gap)
 
 
@@ -75,7 +170,6 @@ def _cached(tasks: list[Task], cache: Path) -> dict[str, Sample]:
 
 
 def _computed(pair: Pair, tasks: list[Task], sampling: Sampling) -> Iterator[Outcome]:
-    """The outcome of each task, as they come."""
     cache, workers = sampling.cache, sampling.workers
     if parallel.size() > 1 or workers == 1 or len(tasks) < 2:
         yield from (_compute(pair, task, cache) for task in tasks)
@@ -93,10 +187,7 @@ def _computed(pair: Pair, tasks: list[Task], sampling: Sampling) -> Iterator[Out
 
 
 def _leave_with_parent() -> None:
-    """Let this process end when its parent does, even killed: it would wait for work for ever.
-
-    Ctrl-C is left to the parent.
-    """
+    """End with the parent, even if that is killed, or wait for work for ever; leave Ctrl-C to the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     assert parent is not None  # it is a worker
@@ -109,13 +200,10 @@ def _leave_with_parent() -> None:
 
 
 def _compute_case(case: dict[str, object], task: Task, cache: Path) -> Outcome:
-    """`_compute` in another process."""
     return _compute(pair_of(parse_case(case)), task, cache)
 
 
 def _compute(pair: Pair, task: Task, cache: Path) -> Outcome:
-    from fsi.calibration.resolved import resolved_sample
-
     gap, held_out, key = task
     try:
         sample = resolved_sample(pair, gap, held_out=held_out)
@@ -123,3 +211,21 @@ def _compute(pair: Pair, task: Task, cache: Path) -> Outcome:
         return key, None, f"at the gap {gap:.6g}: {error}"
     parallel.on_root(lambda: keep_sample(cache, key, sample))
     return key, sample, ""
+
+
+def resolved_sample(pair: Pair, gap: float, *, held_out: bool) -> Sample:
+    """The resistance of the pair at a gap; collective. Raises MeshError, SolveError."""
+    from fsi.stokes.adapt import solve_with_errors  # dolfinx, only where it is needed
+    from fsi.stokes.model import StokesModel
+
+    began = time.process_time()
+    solved = solve_with_errors(pair.at(gap))
+    kappa, error = pair.resistance(solved.solution, solved.errors)
+    half, change = halved(solved.case), 0.0
+    if half is not None:
+        smaller = StokesModel(half)(half.configuration(), 0.0)
+        none = ErrorEstimate(0.0 * smaller.U, 0.0 * smaller.F)
+        change = abs(pair.resistance(smaller, none)[0] - kappa)
+    defect = max(solved.solution.checks.values())
+    seconds = time.process_time() - began
+    return Sample(gap, held_out, kappa, error, change, solved.solution.dofs, defect, seconds)

@@ -35,8 +35,8 @@ def calibrate(
     from fsi.calibration.calibrate import calibrate_case
     from fsi.calibration.sampling import Sampling
     from fsi.postprocess.plots.calibration import plot_calibration
-    from fsi.report.calibration import print_calibration
     from fsi.report.progress import counting
+    from fsi.report.studies import print_calibration
 
     case = load_resolved(case_file, overrides, "calibrate")
     folder = output or Path("runs") / "calibration" / case_file.stem

@@ -55,7 +55,7 @@ def _compare(cases: dict[str, Any], folder: Path, *, quiet: bool) -> dict[str, A
     from fsi.files import replace
     from fsi.postprocess.plots.studies import plot_comparison, plot_levels
     from fsi.postprocess.run.run import open_run
-    from fsi.report.comparison import print_rates, print_trajectories
+    from fsi.report.studies import print_rates, print_trajectories
 
     tables = {level: open_run(folder / level).columns("bodies") for level in cases}
     histories = {level: History.of_table(case, tables[level]) for level, case in cases.items()}

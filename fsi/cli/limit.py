@@ -24,7 +24,7 @@ def limit(
     """
     from fsi.gluey.limit_study import study
     from fsi.report.console import standard_output
-    from fsi.report.limit import draw, print_study
+    from fsi.report.studies import draw, print_study
 
     case = load(case_file, overrides)
     if not parallel.is_root():

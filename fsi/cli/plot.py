@@ -42,7 +42,7 @@ def plot(
     A single body that settles onto a plane comes with its exact law and that law's asymptote. The file that a
     benchmark writes with --json gives its CPU seconds against N.
     """
-    from fsi.calibration.files import SUMMARY
+    from fsi.calibration.calibrate import SUMMARY
     from fsi.files import require_suffix
     from fsi.postprocess.plots.calibration import plot_calibration
     from fsi.postprocess.plots.figure import SUFFIXES

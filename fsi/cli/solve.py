@@ -57,7 +57,7 @@ def solve(
 def _solve_reduced(case: Case, *, as_json: bool) -> None:
     """Without inertia, as the resolved model is solved."""
     from fsi.reduced.model import ReducedModel
-    from fsi.report.reduced import instant_json, print_instant
+    from fsi.report.solution import instant_json, print_instant
 
     found = ReducedModel(case)(case.configuration(), 0.0)
     if parallel.is_root() and as_json:

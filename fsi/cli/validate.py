@@ -30,8 +30,8 @@ def validate(
     """
     from fsi.cli.cases import shipped_cases
     from fsi.postprocess.plots.studies import plot_rows
-    from fsi.report.validation import print_errors, print_rows
-    from fsi.validation.validate import require_passed, validate_cases
+    from fsi.report.studies import print_errors, print_rows
+    from fsi.validation.resolved import require_passed, validate_cases
 
     progress, console = standard_error(), standard_output()
     folder = cases or shipped_cases() / "validation"

@@ -33,13 +33,7 @@ class ErrorEstimate:
 
 @dataclass(frozen=True, slots=True)
 class StepErrors:
-    """The errors of a step of a run as its tables show them.
-
-    Attributes:
-        errors: absolute.
-        relative: the largest over the largest result, "force", "velocity" and "viscosity", where there are
-            such results.
-    """
+    """The errors of a step: absolute, and relative as by `relative_change`, with "viscosity" besides."""
 
     errors: ErrorEstimate
     relative: Mapping[str, float]

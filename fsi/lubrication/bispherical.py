@@ -1,17 +1,17 @@
 """The bispherical series of two spheres moving along their line of centres, or of one along a plane's normal.
 
-The spheres are the surfaces xi = al and xi = -be, a plane is be = 0. The stream function is a sum of modes
-n = 1, 2, ..., each of four exponentials, and no-slip gives four equations a mode. Solved in closed form, with
-m = 2n + 1, th = al + be, c = a sinh al, the forces are F_i = R_i1 V_1 + R_i2 V_2,
+The spheres are the surfaces xi = al and xi = -be, a plane is be = 0. The stream function is a sum of modes n
+= 1, 2, ..., each of four exponentials, and no-slip gives four equations a mode. Solved in closed form, with m
+= 2n + 1, th = al + be, c = a sinh al, the forces are F_i = R_i1 V_1 + R_i2 V_2,
 
     R_ij = 2 pi mu c sum_n (m^2 - 1)/(m^2 - 4) N_ij / D,     D = 4 sinh^2(m th/2) - m^2 sinh^2 th
     N_11 = e^(m be) (2 + m sinh 2al + m^2 sinh^2 al) - e^(-m al) (2 - m sinh 2be + m^2 sinh^2 be)
     N_12 = -2 (1 - e^(-m th)) - m (sinh 2al + sinh 2be) - m^2 sinh^2 th - m^3 sinh al sinh be sinh th
 
-and N_22 is N_11 with al and be exchanged. These reduce to the series of H. Brenner, Chem. Eng. Sci. 16
-(1961) 242, at be = 0, and for equal spheres to those of A. D. Maude, Br. J. Appl. Phys. 12 (1961) 293, and of
-M. Stimson and G. B. Jeffery, Proc. R. Soc. A 111 (1926) 110; tests compare them with all three and with the
-4 x 4 systems. Angles al and be have one shape (...), as have the sums; the modes are summed over a last axis.
+and N_22 is N_11 with al and be exchanged. These reduce to the series of H. Brenner, Chem. Eng. Sci. 16 (1961)
+242, at be = 0, and for equal spheres to those of A. D. Maude, Br. J. Appl. Phys. 12 (1961) 293, and of M.
+Stimson and G. B. Jeffery, Proc. R. Soc. A 111 (1926) 110; tests compare them with all three and with the 4 x
+4 systems. Angles al and be have one shape (...), as have the sums; the modes are summed over a last axis.
 Differences of nearly equal numbers are removed with `tail(z) = e^z - 1 - z - z^2/2`.
 
 The terms fall off like e^(-(2n+1) al), al ~ sqrt(2 q/a): at q/a = 1e-8 some 2e5 modes count. But a term
@@ -50,8 +50,7 @@ def sum_self(al: Array, be: Array) -> Array:
         + m * (np.sinh(2.0 * al) + gone * np.sinh(2.0 * be))
         + m**2 * (np.sinh(al) ** 2 - gone * np.sinh(be) ** 2)
     )
-    total: Array = (np.exp(-m * al) * numerator / _denominator(m, al + be)) @ weight
-    return total
+    return np.asarray((np.exp(-m * al) * numerator / _denominator(m, al + be)) @ weight)
 
 
 def sum_cross(al: Array, be: Array) -> Array:
@@ -65,8 +64,7 @@ def sum_cross(al: Array, be: Array) -> Array:
         + (m * np.sinh(th)) ** 2
         + m**3 * np.sinh(al) * np.sinh(be) * np.sinh(th)
     )
-    total: Array = -(np.exp(-m * th) * numerator / _denominator(m, th)) @ weight
-    return total
+    return np.asarray(-(np.exp(-m * th) * numerator / _denominator(m, th)) @ weight)
 
 
 def sum_common(al: Array, be: Array) -> Array:
@@ -92,8 +90,7 @@ def sum_common(al: Array, be: Array) -> Array:
         + m**2 * (left * _less_square(al) - gone * (left * _less_square(be) + _less_square(th)))
         - gone * m**3 * product
     )
-    total: Array = ((planar + curved) / _denominator(m, th)) @ weight
-    return total
+    return np.asarray(((planar + curved) / _denominator(m, th)) @ weight)
 
 
 def _modes(angle: Array) -> tuple[Array, Array]:

@@ -1,15 +1,15 @@
 """Exact Stokes forces on discs beside a plane and on two discs, per unit length.
 
-The plane is y = 0 with the fluid above it. `gap` is the distance q from surface to surface, `radius`
-is a, `viscosity` is mu, `s = q/a`. Bipolar coordinates bring in
+The plane is y = 0 with the fluid above it. `gap` is the distance q from surface to surface, `radius` is a,
+`viscosity` is mu, `s = q/a`. Bipolar coordinates bring in
 
     cosh al = 1 + s           a disc and a plane
     cosh L  = 1 + q/a + q/b + q^2/(2 a b)   two discs of radii a and b
 
-Signs are those of the whole project: y and V_y away from the plane, omega and T counterclockwise, F and
-T the EXTERNAL load that the motion needs (the fluid exerts the opposite). Every argument may be an
-array; arrays broadcast. Relative error: a few 1e-15 for every gap in double precision, since nothing
-here is a difference of nearly equal numbers. Gaps must be positive; others raise ValueError.
+Signs are those of the whole project: y and V_y away from the plane, omega and T counterclockwise, F and T the
+EXTERNAL load that the motion needs (the fluid exerts the opposite). Every argument may be an array; arrays
+broadcast. Relative error: a few 1e-15 for every gap in double precision, since nothing here is a difference
+of nearly equal numbers. Gaps must be positive; others raise ValueError.
 
 Sources: D. J. Jeffrey and Y. Onishi, "The slow motion of a cylinder next to a plane wall", Q. J. Mech. Appl.
 Math. 34 (1981) 129, for the plane; the pair follows in the same coordinates from two opposite stresslets
@@ -81,8 +81,8 @@ def relative_resistance(gap: ArrayLike, radius: ArrayLike, other: ArrayLike, vis
 
     The forces are opposite: the plane has no other walls, and without net force the flow decays at infinity.
     The stream function over c/(cosh xi - cos eta) is f(xi) sin eta, f = A cosh 2 xi + B sinh 2 xi + C xi + D,
-    with f' = 0 and f the velocity on both discs. Such f may be shifted in xi, so that only the distance L
-    of the discs in xi matters: f = k (xi - sinh 2 xi / (2 cosh L)) from -L/2 to L/2, F = 4 pi mu k. A disc of
+    with f' = 0 and f the velocity on both discs. Such f may be shifted in xi, so that only the distance L of
+    the discs in xi matters: f = k (xi - sinh 2 xi / (2 cosh L)) from -L/2 to L/2, F = 4 pi mu k. A disc of
     infinite radius is the plane.
     """
     s, t = gap_ratio(gap, radius), np.asarray(gap, dtype=np.float64) / np.asarray(other, dtype=np.float64)
@@ -123,8 +123,7 @@ def settling_gap(
         al = al / (1.0 + al * step)
         if np.all(np.abs(al * step) < 1e-15):
             break
-    gap: Array = 2.0 * np.square(np.sinh(0.5 * al)) * np.asarray(radius)
-    return gap
+    return np.asarray(2.0 * np.square(np.sinh(0.5 * al)) * np.asarray(radius))
 
 
 def gap_ratio(gap: ArrayLike, radius: ArrayLike) -> Array:
@@ -154,18 +153,16 @@ def less_tanh(al: Array) -> Array:
 
 def _time_unit(radius: ArrayLike, viscosity: ArrayLike, force: ArrayLike) -> Array:
     """4 pi mu a / F_y, signed like the force."""
-    unit: Array = 4.0 * np.pi * np.asarray(viscosity) * np.asarray(radius) / np.asarray(force)
-    return unit
+    return np.asarray(4.0 * np.pi * np.asarray(viscosity) * np.asarray(radius) / np.asarray(force))
 
 
 def _rise_time(al: Array, al0: Array) -> Array:
     """The integral of `ds / (al - tanh al) = sinh al dal / (al - tanh al)` from al0 to al.
 
-    The pole 3/al^2 is integrated exactly. What remains is even and analytic up to al = 4.49 i, so
-    64 Gauss points give it to rounding for al up to 20 (gaps of 1e8 radii).
+    The pole 3/al^2 is integrated exactly. What remains is even and analytic up to al = 4.49 i, so 64 Gauss
+    points give it to rounding for al up to 20 (gaps of 1e8 radii).
     """
     half = 0.5 * (al - al0)
     t = (0.5 * (al + al0))[..., None] + half[..., None] * _NODES
     regular = np.sinh(t) / less_tanh(t) - 3.0 / np.square(t)
-    time: Array = (al - al0) * (3.0 / (al * al0) + 0.5 * regular @ _WEIGHTS)
-    return time
+    return np.asarray((al - al0) * (3.0 / (al * al0) + 0.5 * regular @ _WEIGHTS))

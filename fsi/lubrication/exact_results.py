@@ -11,14 +11,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
 from fsi.lubrication import exact, spheres
 from fsi.lubrication import sphere_beside_plane as beside
-from fsi.lubrication import sphere_settling as settling
-
-Array = NDArray[np.float64]
+from fsi.lubrication.exact import Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,7 +159,7 @@ def two_discs(problem: ExactProblem) -> float:
 @exact_result(Fitting("axisymmetric", "half-plane", 1, "time"))
 def sphere_settling(problem: ExactProblem) -> float:
     """The time in which a sphere settles to a gap."""
-    return float(settling.settling_time(problem.gap, *problem.beside_plane(), problem.F[0, 1]))
+    return float(spheres.settling_time(problem.gap, *problem.beside_plane(), problem.F[0, 1]))
 
 
 @exact_result(Fitting("planar", "half-plane", 1, "time"))

@@ -1,7 +1,7 @@
 """The expansions at small gaps of the resistances K(s), s = d/a_r, their bases and exact coefficients.
 
-The pair is two spheres or two discs of radii a, b; `ratio` is b/a, infinite for a plane; a_r = a b/(a + b).
-K is the resistance over mu a_r^n (see `fsi.lubrication.laws`), n that of `EXPONENTS`.
+The pair is two spheres or two discs of radii a, b; `ratio` is b/a, infinite for a plane; a_r = a b/(a + b). K
+is the resistance over mu a_r^n (see `fsi.lubrication.laws`), n that of `EXPONENTS`.
 
     squeeze, spheres   K = c1/s + c2 ln(1/s) + c3 + c4 s ln(1/s) + c5 s + ...
     squeeze, discs     K = c1 s^(-3/2) + c2 s^(-1/2) + c4 s^(1/2) + ..., a constant c3 = 0
@@ -11,9 +11,9 @@ K is the resistance over mu a_r^n (see `fsi.lubrication.laws`), n that of `EXPON
 Squeeze is relative motion along the line of centres without net force; shear is translation along a plane
 without rotation, and rotation is turning in place beside it.
 
-Sources: D. J. Jeffrey and Y. Onishi, J. Fluid Mech. 139 (1984) 261 for squeezed spheres (g_1, g_2, g_3);
-A. J. Goldman, R. G. Cox and H. Brenner, Chem. Eng. Sci. 22 (1967) 637 for a sphere along a plane; for discs
-the closed forms of `fsi.lubrication.exact`. Tests compare all of them with the exact functions.
+Sources: D. J. Jeffrey and Y. Onishi, J. Fluid Mech. 139 (1984) 261 for squeezed spheres (g_1, g_2, g_3); A.
+J. Goldman, R. G. Cox and H. Brenner, Chem. Eng. Sci. 22 (1967) 637 for a sphere along a plane; for discs the
+closed forms of `fsi.lubrication.exact`. Tests compare all of them with the exact functions.
 """
 
 from __future__ import annotations

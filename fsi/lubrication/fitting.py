@@ -3,8 +3,8 @@
 Samples K_i at s_i have error bars b_i, and the exact K is the series sum_k c_k phi_k(s) of its geometry,
 which a fit must break off. So the coefficients of the first terms are free, and those of later terms are
 unknown numbers of natural size: normal, of mean 0 and standard deviation |c1| (in all expansions known, in
-`fsi.lubrication.expansions`, they are of the size of c1 or below). They are estimated with the others,
-and what is not known of them is the error of the model, which so enters every confidence interval:
+`fsi.lubrication.expansions`, they are of the size of c1 or below). They are estimated with the others, and
+what is not known of them is the error of the model, which so enters every confidence interval:
 
     min over c   (K - Phi c)^T C^-1 (K - Phi c) + sum over later k (c_k/c1)^2
     C = diag(b^2) + b b^T
@@ -23,9 +23,7 @@ from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import minimize_scalar
 from scipy.stats import chi2
 
-from fsi.lubrication.laws import Series, Term
-
-Array = NDArray[np.float64]
+from fsi.lubrication.laws import Array, Term
 
 CONFIDENCE = 1.959963984540054  # standard deviations of a 95 % interval
 CONSISTENT = 0.05  # smallest probability of so large a chi^2 at which a fit is believed
@@ -43,8 +41,7 @@ class Fit:
         used: which samples, (n,).
         residuals: (K - fit)/b of all samples, (n,).
         chi2, dof: of the used ones.
-        exponent, exponent_error: the leading power of s where it is fitted too, and its standard deviation;
-            nan where the leading term is no power.
+        exponent, exponent_error: the leading power of s if free, and its standard deviation, or nan.
     """
 
     terms: tuple[Term, ...]
@@ -60,25 +57,15 @@ class Fit:
     exponent_error: float
 
     @property
-    def series(self) -> Series:
-        """The profile K(s)."""
-        return Series(self.terms, tuple(self.coefficients.tolist()), self.range)
-
-    @property
     def intervals(self) -> Array:
         """Half widths of the 95 % intervals of the coefficients, shape (k,)."""
         return CONFIDENCE * np.sqrt(np.diag(self.covariance))
-
-    def band(self, s: Array) -> Array:
-        """Half width of the 95 % interval of K(s), shape of s."""
-        return band(self.terms, self.covariance, s)
 
 
 def band(terms: tuple[Term, ...], covariance: Array, s: Array) -> Array:
     """Half width of the 95 % interval of sum_k c_k phi_k(s), shape of s."""
     phi = design(terms, s)
-    width: Array = CONFIDENCE * np.sqrt(np.einsum("...k,kl,...l->...", phi, covariance, phi))
-    return width
+    return np.asarray(CONFIDENCE * np.sqrt(np.einsum("...k,kl,...l->...", phi, covariance, phi)))
 
 
 def design(terms: tuple[Term, ...], s: Array) -> Array:
@@ -91,15 +78,9 @@ def fit_series(s: Array, K: Array, bars: Array, terms: tuple[Term, ...], free: i
 
     The farthest samples are dropped until chi^2 is believable, down to one more than free coefficients.
 
-    Args:
-        s: gaps over the reduced radius, increasing, shape (n,), n > free.
-        K: samples of the profile, positive, (n,).
-        bars: their errors, positive, (n,).
-        terms: of the series, in the order of their size at small s.
-        free: how many of them have no prior.
-
-    Raises:
-        ValueError: too few samples, or not in order.
+    s: gaps over the reduced radius, increasing, (n,), n > free. K, bars: samples of the profile and their
+    errors, positive, (n,). terms: in the order of their size at small s; the first `free` of them have no
+    prior. Raises ValueError: too few samples, or not in order.
     """
     if len(s) <= free or np.any(np.diff(s) <= 0.0):
         raise ValueError(f"{len(s)} samples: a fit needs more than {free}, at increasing gaps")
@@ -140,11 +121,8 @@ def _leading_exponent(
     def misfit(p: float) -> float:
         return _solve(np.column_stack([s**p, others]), K, bars, widths)[2]
 
-    expected = terms[0].power
-    best = minimize_scalar(
-        misfit, bounds=(expected - 0.5, expected + 0.5), method="bounded", options={"xatol": 1e-10}
-    )
-    p = float(best.x)
+    bounds, options = (terms[0].power - 0.5, terms[0].power + 0.5), {"xatol": 1e-10}
+    p = float(minimize_scalar(misfit, bounds=bounds, method="bounded", options=options).x)
     # c1 s^(p + e) = c1 s^p + c1 e s^p ln s: the second coefficient has the variance of c1 e
     c, covariance, _ = _solve(np.column_stack([s**p, s**p * np.log(s), others]), K, bars, widths)
     return p, float(np.sqrt(covariance[1, 1]) / abs(c[0]))

@@ -5,9 +5,9 @@ Stokes flow has no length but these, so that for one ratio b/a
 
     kappa(d, a_r) = mu a_r^n K(s),   s = d/a_r,   n = 1 for spheres, 0 for discs (per unit length)
 
-with a dimensionless profile K: a series, a table, or a closed form. At small gaps K
-tends to 6 pi/s for spheres and to 3 sqrt2 pi s^(-3/2) for discs, whatever b/a is. A law also has the
-antiderivative of kappa in d, the `ln d` or `-2 d^(-1/2)` of the distance equation; its constant is the law's.
+with a dimensionless profile K: a series, a table, or a closed form. At small gaps K tends to 6 pi/s for
+spheres and to 3 sqrt2 pi s^(-3/2) for discs, whatever b/a is. A law also has the antiderivative of kappa in
+d, the `ln d` or `-2 d^(-1/2)` of the distance equation; its constant is the law's.
 """
 
 from __future__ import annotations
@@ -87,14 +87,12 @@ class ScaledLaw:
     def kappa(self, d: ArrayLike, radius: ArrayLike) -> Array:
         """mu a_r^n K(d/a_r)."""
         a, s = self._ratio(d, radius)
-        kappa: Array = self.viscosity * a**self.exponent * self.profile.value(s)
-        return kappa
+        return np.asarray(self.viscosity * a**self.exponent * self.profile.value(s))
 
     def integral(self, d: ArrayLike, radius: ArrayLike) -> Array:
         """mu a_r^(n+1) times the antiderivative of K."""
         a, s = self._ratio(d, radius)
-        integral: Array = self.viscosity * a ** (self.exponent + 1) * self.profile.integral(s)
-        return integral
+        return np.asarray(self.viscosity * a ** (self.exponent + 1) * self.profile.integral(s))
 
     def _ratio(self, d: ArrayLike, radius: ArrayLike) -> tuple[Array, Array]:
         a = np.asarray(radius, dtype=np.float64)
@@ -102,11 +100,9 @@ class ScaledLaw:
         smallest, largest = (0.0, np.inf) if self.extrapolate else self.range
         outside = ~((s > 0.0) & (s >= smallest) & (s <= largest))
         if np.any(outside):
-            raise RangeError(
-                f"gap / reduced radius = {s[outside].flat[0]:.6g}: the lubrication law holds from "
-                f"{self.range[0]:.6g} to {self.range[1]:.6g}; keep gaps positive and in this range, "
-                "or ask for extrapolation"
-            )
+            here = f"gap / reduced radius = {s[outside].flat[0]:.6g}: the lubrication law holds from"
+            remedy = "keep gaps positive and in this range, or ask for extrapolation"
+            raise RangeError(f"{here} {self.range[0]:.6g} to {self.range[1]:.6g}; {remedy}")
         return a, s
 
 
@@ -114,11 +110,7 @@ class ScaledLaw:
 class CutLaw:
     """A law less its value at the gap d_c, and zero beyond, so that far drag is not counted twice.
 
-    kappa is continuous, and never negative if that of `law` decreases. The integral is that from d_c.
-
-    Attributes:
-        law: any law.
-        cut: d_c > 0, a length.
+    kappa is continuous, never negative if that of `law` decreases; the integral is that from d_c = cut > 0.
     """
 
     law: LubricationLaw
@@ -192,7 +184,6 @@ class Series:
         return self._sum(term.integral(s) for term in self.terms)
 
     def _sum(self, values: Iterable[Array]) -> Array:
-        """sum_k c_k v_k."""
         return np.sum([c * v for c, v in zip(self.coefficients, values, strict=True)], axis=0)
 
 
@@ -203,8 +194,7 @@ class TabulatedProfile:
     Attributes:
         s: increasing, > 0, shape (n,), n >= 2.
         K: positive, decreasing, (n,).
-        smooth: whether ln K is a spline of degree 5, for values exact to many digits, n >= 6; otherwise
-            Fritsch and Carlson's monotone cubic.
+        smooth: whether ln K is a spline of degree 5, n >= 6, or else Fritsch and Carlson's monotone cubic.
     """
 
     s: Array
@@ -253,8 +243,7 @@ class TabulatedProfile:
         """The integral of K ds = K s d ln s between logarithms of one interval of the table."""
         half = 0.5 * (end - start)
         x = (0.5 * (start + end))[..., None] + half[..., None] * _NODES
-        integral: Array = half * (np.exp(self._curve(x) + x) @ _WEIGHTS)
-        return integral
+        return np.asarray(half * (np.exp(self._curve(x) + x) @ _WEIGHTS))
 
     def _tail(self, s: Array, end: Array, x: Array) -> Array:
         """The integral of K(end) (s/end)^p from `end` to s."""
@@ -262,5 +251,4 @@ class TabulatedProfile:
         log = np.log(s / end)
         # expm1(power log)/power, which tends to the logarithm as power -> 0
         ratio = np.where(power == 0.0, log, np.expm1(power * log) / np.where(power == 0.0, 1.0, power))
-        tail: Array = np.exp(self._curve(x)) * end * ratio
-        return tail
+        return np.asarray(np.exp(self._curve(x)) * end * ratio)

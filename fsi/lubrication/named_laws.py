@@ -12,13 +12,11 @@ from functools import cache
 from math import inf
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fsi.lubrication import exact, sphere_beside_plane, spheres
 from fsi.lubrication.expansions import EXPONENTS, Mode, Shape, expansion
-from fsi.lubrication.laws import LubricationLaw, ScaledLaw, Series, TabulatedProfile, Term
-
-Array = NDArray[np.float64]
+from fsi.lubrication.laws import Array, LubricationLaw, ScaledLaw, Series, TabulatedProfile, Term
 
 # A spline of degree 5 through so many points per factor of ten is good to 1e-9 (see the tests).
 _POINTS = 30
@@ -44,12 +42,7 @@ class SqueezeFilm:
 
 @dataclass(frozen=True, slots=True)
 class NamedLaw:
-    """One entry of the registry.
-
-    Attributes:
-        of: the law of a film.
-        any_shape: whether it is the same law for spheres and discs.
-    """
+    """One entry of the registry: the law of a film, and whether it is the same for spheres and discs."""
 
     of: Callable[[SqueezeFilm], LubricationLaw]
     any_shape: bool
@@ -85,8 +78,8 @@ def slides_law(film: SqueezeFilm) -> ScaledLaw:
 def leading_law(film: SqueezeFilm) -> ScaledLaw:
     """The first term of the expansion, the same whatever the ratio of the radii is.
 
-    Of spheres kappa = 6 pi mu a_r^2/d: beside a plane 6 pi mu a^2/d, of equal ones (3/2) pi mu a^2/d;
-    of discs kappa = 3 sqrt2 pi mu (a_r/d)^(3/2): of equal ones (3/2) pi mu (a/d)^(3/2).
+    Of spheres kappa = 6 pi mu a_r^2/d: beside a plane 6 pi mu a^2/d, of equal ones (3/2) pi mu a^2/d; of
+    discs kappa = 3 sqrt2 pi mu (a_r/d)^(3/2): of equal ones (3/2) pi mu (a/d)^(3/2).
     """
     profile = expansion(film.shape, "squeeze", film.ratio, 1)
     return ScaledLaw(profile, film.viscosity, EXPONENTS[film.shape, "squeeze"])
@@ -112,8 +105,7 @@ def _exact_profile(shape: Shape, ratio: float) -> TabulatedProfile:
 def exact_resistance(shape: Shape, mode: Mode, gap: ArrayLike, ratio: float) -> Array:
     """K(s) of spheres or discs at gaps s in units of the reduced radius, mu = 1; ratio is b/a, inf a plane.
 
-    Raises:
-        ValueError: shear or rotation of two bodies: there is no closed form here.
+    Raises ValueError: shear or rotation of two bodies: there is no closed form here.
     """
     a = 1.0 if ratio == inf else 1.0 + 1.0 / ratio
     b = inf if ratio == inf else 1.0 + ratio
@@ -127,5 +119,4 @@ def exact_resistance(shape: Shape, mode: Mode, gap: ArrayLike, ratio: float) -> 
         raise ValueError(f"{mode} of two {shape}: no exact resistance is known here; only beside a plane")
     module = exact if shape == "discs" else sphere_beside_plane
     resistance = module.parallel_resistance if mode == "shear" else module.rotation_resistance
-    K: Array = resistance(gap, 1.0, 1.0)
-    return K
+    return np.asarray(resistance(gap, 1.0, 1.0))

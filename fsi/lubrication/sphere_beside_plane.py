@@ -9,13 +9,13 @@ sphere's translation and rotation are coupled:
 
 Arguments may be arrays; arrays broadcast. Gaps must be at least 1e-10 a (2e6 modes take seconds there);
 others raise ValueError. Relative error, measured for gaps from 1e-6 to 10 radii: 1e-13 for A and C, 1e-12 for
-the force and 1e-11 for the torque in shear, 1e-10 for B. Far away B falls off like (a/h)^4, as a
-difference of numbers that do not: up to 100 radii its absolute error is 1e-14 of 8 pi mu a^2.
+the force and 1e-11 for the torque in shear, 1e-10 for B. Far away B falls off like (a/h)^4, as a difference
+of numbers that do not: up to 100 radii its absolute error is 1e-14 of 8 pi mu a^2.
 
 The solution on the sphere xi = al of bispherical coordinates, cosh al = 1 + s, is due to M. E. O'Neill,
-Mathematika 11 (1964) 67, and W. R. Dean and M. E. O'Neill, Mathematika 10 (1963) 13; the asymptotics to
-A. J. Goldman, R. G. Cox and H. Brenner, Chem. Eng. Sci. 22 (1967) 637 and 653. The velocity is x p/(2 mu) + u
-with u harmonic; no-slip gives all its coefficients in terms of the A_n of u_y, and div = 0 gives the A_n:
+Mathematika 11 (1964) 67, and W. R. Dean and M. E. O'Neill, Mathematika 10 (1963) 13; the asymptotics to A. J.
+Goldman, R. G. Cox and H. Brenner, Chem. Eng. Sci. 22 (1967) 637 and 653. The velocity is x p/(2 mu) + u with
+u harmonic; no-slip gives all its coefficients in terms of the A_n of u_y, and div = 0 gives the A_n:
 
     z = (n + 1/2) al,   k_n = (n + 1/2) coth z - coth al
     a_n = (2n - 1) k_(n-1) - (2n - 3) k_n,   b_n = (2n + 5) k_n - (2n + 3) k_(n+1)
@@ -30,12 +30,10 @@ where e_n and r_n come from the motion of the sphere.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.linalg import solve_banded
 
-from fsi.lubrication.exact import gap_ratio, less_tanh
-
-Array = NDArray[np.float64]
+from fsi.lubrication.exact import Array, gap_ratio, less_tanh
 
 _SMALLEST = 1e-10
 _DECAY = 22.0  # modes up to z = 22: the terms fall off like e^(-2 z)
@@ -82,8 +80,7 @@ def free_in_shear(gap: ArrayLike, radius: ArrayLike, shear_rate: ArrayLike) -> t
 
 def _moment(radius: ArrayLike, viscosity: ArrayLike, power: int) -> Array:
     """pi mu a^power."""
-    moment: Array = np.pi * np.asarray(viscosity) * np.asarray(radius, dtype=np.float64) ** power
-    return moment
+    return np.asarray(np.pi * np.asarray(viscosity) * np.asarray(radius, dtype=np.float64) ** power)
 
 
 def _factors(gap: ArrayLike, radius: ArrayLike) -> tuple[Array, ...]:
@@ -114,15 +111,8 @@ def _solve(s: float) -> Array:
     force = 2.0 * np.sqrt(2.0) * c * np.sum(E, axis=0)
     moment = (2.0 * n + 1.0 - 1.0 / np.tanh(al)) * E - 2.0 * n * (n + 1.0) * A
     torque = 2.0 * np.sqrt(2.0) * c * c * np.sum(moment, axis=0)
-    return np.array(
-        [
-            force[0] / 6.0,
-            -c * force[1] / 8.0,
-            c * torque[1] / 8.0,
-            c * force[2] / (6.0 * (1.0 + s)),
-            c * torque[2] / 4.0,
-        ]
-    )
+    in_shear = c * force[2] / (6.0 * (1.0 + s)), c * torque[2] / 4.0
+    return np.array([force[0] / 6.0, -c * force[1] / 8.0, c * torque[1] / 8.0, *in_shear])
 
 
 def _coefficients(n: Array, al: float, r: Array) -> Array:

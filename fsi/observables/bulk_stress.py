@@ -36,8 +36,7 @@ class BulkStress:
     @property
     def mean(self) -> Array:
         """Sigma, (2, 2)."""
-        total: Array = self.fluid + self.stresslets.sum(axis=0) / self.area + self.forces
-        return total
+        return np.asarray(self.fluid + self.stresslets.sum(axis=0) / self.area + self.forces)
 
     @property
     def normal_stress_difference(self) -> float:
@@ -49,13 +48,8 @@ class BulkStress:
         """Columns of steps.csv; the apparent viscosity is not a number at instants without a strain rate."""
         mu = nan if self.apparent_viscosity is None else self.apparent_viscosity
         (xx, xy), (_, yy) = self.mean.tolist()
-        return {
-            "apparent_viscosity": mu,
-            "stress_xx": xx,
-            "stress_xy": xy,
-            "stress_yy": yy,
-            "N_1": self.normal_stress_difference,
-        }
+        stress = {"stress_xx": xx, "stress_xy": xy, "stress_yy": yy}
+        return {"apparent_viscosity": mu, **stress, "N_1": self.normal_stress_difference}
 
     @property
     def body_columns(self) -> Mapping[str, Array]:

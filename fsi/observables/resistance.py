@@ -47,8 +47,7 @@ class Resistance:
         R: symmetric, (n, n).
         mobility: its inverse, U = mobility F, None where no wall is at rest and R is singular.
         eigenvalues: of R made dimensionless, increasing, (n,).
-        checks: worst relative defects of the identities over all columns, and `reciprocity`, the asymmetry
-            before R was made symmetric.
+        checks: worst relative defects of all columns; `reciprocity` is the asymmetry of R as computed.
         dofs: unknowns (u, p).
         cells: their number.
         seconds: CPU seconds of this process by phase.
@@ -82,38 +81,26 @@ def _labels(names: Sequence[str], parts: Sequence[str]) -> tuple[str, ...]:
 
 
 def symmetrised(columns: Array, scale: Array) -> tuple[Array, float]:
-    """The symmetric part of the computed columns (n, n), and their relative asymmetry.
-
-    Raises:
-        SolveError: it exceeds 1e-9.
-    """
+    """The symmetric part of the columns (n, n), and their asymmetry. Raises SolveError: it exceeds 1e-9."""
     asymmetry = difference(columns, columns.T, scale)
     if not asymmetry <= BOUND:
-        raise SolveError(
-            f"the resistance matrix violates reciprocity: relative asymmetry {asymmetry:.2g}, bound {BOUND:g}"
-        )
+        defect = f"relative asymmetry {asymmetry:.2g}, bound {BOUND:g}"
+        raise SolveError(f"the resistance matrix violates reciprocity: {defect}")
     return 0.5 * (columns + columns.T), asymmetry
 
 
 def positive_eigenvalues(R: Array, scale: Array, *, resting: bool) -> Array:
     """The eigenvalues of R made dimensionless, increasing, shape (n,).
 
-    Args:
-        R: symmetric, (n, n).
-        scale: of the modes.
-        resting: whether a wall is at rest. If not, rigid motions of everything cost nothing, and their
-            eigenvalues are zero but for rounding.
-
-    Raises:
-        SolveError: one is negative, or zero although a wall is at rest.
+    resting: whether a wall is at rest. If not, rigid motions of everything cost nothing, and their
+    eigenvalues are zero but for rounding. Raises SolveError: one is negative, or zero although a wall is at
+    rest.
     """
     eigenvalues: Array = np.linalg.eigvalsh(R / np.outer(scale, scale))
     bound = ROUNDING if resting else -BOUND
     if not eigenvalues[0] > bound * max(1.0, eigenvalues[-1]):
-        raise SolveError(
-            f"the resistance matrix is not positive: it has the eigenvalue {eigenvalues[0]:.2g}, "
-            f"the largest is {eigenvalues[-1]:.2g}"
-        )
+        range_of = f"it has the eigenvalue {eigenvalues[0]:.2g}, the largest is {eigenvalues[-1]:.2g}"
+        raise SolveError(f"the resistance matrix is not positive: {range_of}")
     return eigenvalues
 
 

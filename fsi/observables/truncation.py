@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,42 +10,53 @@ from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.errors import InputError
-from fsi.integration.step_errors import ErrorEstimate, Measured
+from fsi.integration.step_errors import ErrorEstimate
 from fsi.observables.bulk_stress import BulkStress
-from fsi.observables.error_estimate import relative_change
-from fsi.observables.flow_scales import flow_scales
+from fsi.observables.error_estimate import flow_scales, relative_change
+
+BOUND = 1e-8  # of each relative defect; a solution beyond it is refused
+IDENTITIES = {
+    "power": "dissipation = power of the loads and walls",
+    "momentum": "forces of bodies and walls sum to zero",
+    "angular_momentum": "torques of bodies and walls sum to zero",
+    "balance": "computed loads on free bodies = given loads",
+    "net_flux": "no net flux through the boundary",
+    "residual": "residual of the linear system",
+}
 
 
-class SolvedInstant(Measured, Protocol):
-    """What a solved instant must tell."""
+@dataclass(frozen=True, slots=True)
+class SolvedFlow:
+    """What a solved instant tells.
+
+    Attributes:
+        U: velocities of the bodies, (N, M).
+        F: loads int sigma n, n out of the fluid, by the reactions, (N, M): external; the fluid exerts -F.
+        traction_F: the same from the traction integral of sigma_h n, less accurate, a cross-check.
+        dissipation: int 2 mu e : e.
+        checks: the relative defects of the identities.
+        dofs: unknowns (u, p) before constraints.
+        cells: number of cells over all ranks.
+        iterations: of the linear solver, 0 of the direct one.
+        seconds: CPU seconds of this process by phase.
+        bulk: mean stress of a periodic flow.
+    """
+
+    U: Array
+    F: Array
+    traction_F: Array
+    dissipation: float
+    checks: dict[str, float]
+    dofs: int
+    cells: int
+    iterations: int
+    seconds: dict[str, float]
+    bulk: BulkStress | None
 
     @property
-    def traction_F(self) -> Array:
-        """The same loads as integrals of the traction of the computed fields, less accurate, shape (N, M)."""
-
-    @property
-    def checks(self) -> dict[str, float]:
-        """The identities that a solve must satisfy, relative."""
-
-    @property
-    def bulk(self) -> BulkStress | None:
-        """Mean stress and apparent viscosity of a periodic flow."""
-
-    @property
-    def dofs(self) -> int:
-        """Number of unknowns."""
-
-    @property
-    def cells(self) -> int:
-        """Number of cells."""
-
-    @property
-    def iterations(self) -> int:
-        """Of the linear solver; 0 of the direct one."""
-
-    @property
-    def seconds(self) -> dict[str, float]:
-        """CPU seconds by phase."""
+    def apparent_viscosity(self) -> float | None:
+        """Over the viscosity of the fluid, of a periodic flow with a mean strain rate."""
+        return None if self.bulk is None else self.bulk.apparent_viscosity
 
 
 def halved(case: Case) -> Case | None:
@@ -60,16 +71,13 @@ def halved(case: Case) -> Case | None:
         return None
 
 
-def truncation(case: Case, whole: SolvedInstant, half: SolvedInstant) -> dict[str, float]:
+def truncation(case: Case, whole: SolvedFlow, half: SolvedFlow) -> dict[str, float]:
     """How much the results change when the radius R of the container is halved.
 
     The effect of R decays like R^-1 (a net force in a ball) or faster, so the error at R is at most this
     change; with a plane it decays like R^-2 or faster, and the error is at most a third of it. Results are
     the loads on held components and the velocities of free ones; torques count over the radius of the body,
-    rotations times it.
-
-    Returns:
-        "force" and "velocity": largest |change| / largest |result|, each only if there is such a result.
+    rotations times it; see `relative_change`.
     """
     change = ErrorEstimate(np.abs(half.U - whole.U), np.abs(half.F - whole.F))
     q = case.configuration()

@@ -14,9 +14,8 @@ from fsi.bodies.configuration import Array
 def vorticity(G: Array) -> Array:
     """curl u, twice the rate of rotation: in space (..., 3), in the plane its component along z, (...).
 
-    In the plane it is `d u_y / dx - d u_x / dy`, positive counterclockwise.
-    In the plane (r, z), drawn with r to the right and z up, it is `d u_z / dr - d u_r / dz`, minus the
-    component of curl u along theta.
+    In the plane it is `d u_y / dx - d u_x / dy`, positive counterclockwise. In the plane (r, z), drawn with r
+    to the right and z up, it is `d u_z / dr - d u_r / dz`, minus the component of curl u along theta.
     """
     turn = G - np.swapaxes(G, -1, -2)
     if G.shape[-1] == 2:
@@ -30,8 +29,7 @@ def strain_rate(G: Array, hoop: Array | float = 0.0) -> Array:
     The fluid dissipates mu times its square per volume, `2 mu e : e`. hoop: u_r / r.
     """
     e = 0.5 * (G + np.swapaxes(G, -1, -2))
-    rate: Array = np.sqrt(2.0 * (np.einsum("...ij,...ij->...", e, e) + np.square(hoop)))
-    return rate
+    return np.asarray(np.sqrt(2.0 * (np.einsum("...ij,...ij->...", e, e) + np.square(hoop))))
 
 
 def hoop_rate(r: Array, u_r: Array, G: Array) -> Array:

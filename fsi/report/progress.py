@@ -7,7 +7,6 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from types import TracebackType
 from typing import Self
 
 from rich.console import Console
@@ -22,23 +21,16 @@ def counting(what: str) -> Iterator[Callable[[int, int], None]]:
     """Yields `show(there, all)`, which shows how many there are of what is counted."""
     with _new_bar() as bar:
         task = bar.add_task(what, total=None)
-        yield lambda there, total: bar.update(
-            task, completed=there, total=total, description=f"{there} of {total} {what}"
-        )
+        described = f"{{}} of {{}} {what}".format
+        yield lambda n, total: bar.update(task, completed=n, total=total, description=described(n, total))
 
 
 def _new_bar() -> Progress:
     """A bar that is silent on all ranks but root, and where stderr is neither a terminal nor a notebook's."""
     console = Console(stderr=True)
     shown = parallel.is_root() and (sys.stderr.isatty() or console.is_jupyter)
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.percentage:.0f} %"),
-        TimeRemainingColumn(),
-        console=console,
-        disable=not shown,
-    )
+    text, part = TextColumn("{task.description}"), TextColumn("{task.percentage:.0f} %")
+    return Progress(text, BarColumn(), part, TimeRemainingColumn(), console=console, disable=not shown)
 
 
 class ProgressBar:
@@ -74,7 +66,5 @@ class ProgressBar:
         self._bar.start()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._bar.stop()

@@ -25,22 +25,19 @@ from fsi.report.console import checks_table, table
 LARGEST_TABLE = 6
 # Relative to the diagonal, what is below this is an error of the mesh, or little more.
 SMALL = 1e-4
-NO_MOBILITY = (
-    "no mobility: R is singular: no wall is at rest, so that a rigid motion of everything costs nothing"
-)
+WHY_SINGULAR = "no wall is at rest, so that a rigid motion of everything costs nothing"
 
 
 def resistance_json(
     name: str, resistance: Resistance, error: float, truncation: float | None
 ) -> dict[str, Any]:
     """The object that `fsi resistance --json` prints; `truncation` is there where it could be measured."""
-    mobility = None if resistance.mobility is None else resistance.mobility.tolist()
     data: dict[str, Any] = {
         "name": name,
         "loads": list(resistance.modes.loads),
         "velocities": list(resistance.modes.velocities),
         "resistance": resistance.R.tolist(),
-        "mobility": mobility,
+        "mobility": None if resistance.mobility is None else resistance.mobility.tolist(),
         "smallest_eigenvalue": float(resistance.eigenvalues[0]),
         "largest_eigenvalue": float(resistance.eigenvalues[-1]),
         "error": error,
@@ -64,11 +61,10 @@ def print_resistance(
         console.print(Text(f"{name}: resistance R, F = R U, F external"))
         console.print(_matrix(loads, velocities, resistance.R))
         if resistance.mobility is not None:
-            console.print(
-                Text("mobility, U = R^-1 F"), _matrix(velocities, loads, resistance.mobility), sep="\n"
-            )
+            console.print(Text("mobility, U = R^-1 F"))
+            console.print(_matrix(velocities, loads, resistance.mobility))
     if resistance.mobility is None:
-        console.print(Text(NO_MOBILITY))
+        console.print(Text(f"no mobility: R is singular: {WHY_SINGULAR}"))
     console.print(_checks(resistance, error, truncation))
     seconds = sum(resistance.seconds.values())
     console.print(Text(f"{resistance.cells} cells, {resistance.dofs} unknowns, {seconds:.2f} CPU s"))
@@ -77,16 +73,13 @@ def print_resistance(
 def _matrix(rows: tuple[str, ...], columns: tuple[str, ...], values: Array) -> Table:
     size = np.sqrt(np.abs(np.outer(values.diagonal(), values.diagonal())))
     labelled = zip(rows, values, SMALL * size, strict=True)
-    return table(
-        ("",),
-        [label.replace(".", "\n") for label in columns],
-        ((label, *map(_number, row, scale)) for label, row, scale in labelled),
-        box=box.SIMPLE_HEAD, show_edge=False, padding=(0, 1, 0, 0),
-    )  # fmt: skip
+    entries = ((label, *map(_number, row, scale)) for label, row, scale in labelled)
+    shown = table(("",), [label.replace(".", "\n") for label in columns], entries, box=box.SIMPLE_HEAD)
+    shown.show_edge, shown.padding = False, (0, 1, 0, 0)
+    return shown
 
 
 def _number(value: float, small: float) -> str:
-    """Four digits, or one where the value is small."""
     return f"{value:.4g}" if abs(value) >= small else f"{value:.0e}"
 
 
@@ -130,11 +123,7 @@ def require_format(path: Path) -> None:
 
 
 def write_resistance(path: Path, data: Mapping[str, Any]) -> None:
-    """Write what `resistance_json` gives: all of it to .json, R and its inverse to .npz, R alone to .csv.
-
-    Raises:
-        InputError: the file cannot be written.
-    """
+    """Write what `resistance_json` gives: .npz takes R and its inverse, .csv R alone. Raises InputError."""
     try:
         replace(path, FORMATS[path.suffix](data))
     except OSError as error:

@@ -19,8 +19,12 @@ from fsi.case.section import toml_text
 from fsi.integration.step_errors import ErrorEstimate
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.observables.bulk_stress import BulkStress
-from fsi.observables.truncation import SolvedInstant
+from fsi.observables.truncation import SolvedFlow
+from fsi.reduced.model import ReducedInstant
 from fsi.report.console import checks_table, table
+
+# Changes of the results in a container of half the radius, where there is one.
+type Truncation = Mapping[str, float] | None
 
 
 def components(case: Case) -> tuple[str, ...]:
@@ -31,20 +35,14 @@ def components(case: Case) -> tuple[str, ...]:
 
 
 def solution_json(
-    case: Case, solution: SolvedInstant, errors: ErrorEstimate, truncated: Mapping[str, float] | None
+    case: Case, solution: SolvedFlow, errors: ErrorEstimate, truncated: Truncation
 ) -> dict[str, Any]:
     """The object that `fsi solve --json` prints; `truncation` is there where it could be measured."""
     d = case.dimension
-    bodies = [
-        body
-        | {
-            "velocity_error": errors.U[i, :d].tolist(),
-            "angular_velocity_error": turning(errors.U[i, d:]),
-            "force_error": errors.F[i, :d].tolist(),
-            "torque_error": turning(errors.F[i, d:]),
-        }
-        for i, body in enumerate(bodies_json(case, solution.U, solution.F))
-    ]
+    bodies = bodies_json(case, solution.U, solution.F)
+    for body, U, F in zip(bodies, errors.U, errors.F, strict=True):
+        body |= {"velocity_error": U[:d].tolist(), "angular_velocity_error": turning(U[d:])}
+        body |= {"force_error": F[:d].tolist(), "torque_error": turning(F[d:])}
     data: dict[str, Any] = {
         "name": case.name,
         "bodies": bodies,
@@ -64,28 +62,20 @@ def solution_json(
 
 def bodies_json(case: Case, U: Array, F: Array) -> list[dict[str, Any]]:
     """Each body with its velocity and the force that the fluid exerts on it, -F; U, F: (N, modes)."""
-    q, d = case.configuration(), case.dimension
+    d, bodies = case.dimension, []
     exerted = -F + 0.0  # no -0.0
-    return [
-        {
-            "name": name,
-            "position": q.centres[i].tolist(),
-            "velocity": U[i, :d].tolist(),
-            "angular_velocity": turning(U[i, d:]),
-            "force": exerted[i, :d].tolist(),
-            "torque": turning(exerted[i, d:]),
-        }
-        for i, name in enumerate(case.names)
-    ]
+    for name, x, V, load in zip(case.names, case.configuration().centres, U, exerted, strict=True):
+        body = {"name": name, "position": x.tolist()}
+        body |= {"velocity": V[:d].tolist(), "angular_velocity": turning(V[d:])}
+        bodies.append(body | {"force": load[:d].tolist(), "torque": turning(load[d:])})
+    return bodies
 
 
-def _solver(solution: SolvedInstant) -> str:
-    """Which linear solver was used."""
+def _solver(solution: SolvedFlow) -> str:
     return f"FGMRES with {solution.iterations} iterations" if solution.iterations else "direct solver"
 
 
 def _add_stress(data: dict[str, Any], bulk: BulkStress, errors: ErrorEstimate) -> None:
-    """The mean stress of a periodic flow with its parts, and the stresslet of each body."""
     if bulk.apparent_viscosity is not None:
         data["apparent_viscosity"] = bulk.apparent_viscosity
         data["apparent_viscosity_error"] = errors.apparent_viscosity
@@ -103,20 +93,15 @@ def turning(components: Array) -> float | list[float]:
 
 
 def print_solution(
-    console: Console,
-    case: Case,
-    solution: SolvedInstant,
-    errors: ErrorEstimate,
-    truncated: Mapping[str, float] | None,
+    console: Console, case: Case, solution: SolvedFlow, errors: ErrorEstimate, truncated: Truncation
 ) -> None:
     """The same for a reader: a table of the bodies, then one of the checks."""
-    console.print(
-        _bodies_table(case, solution, errors),
-        *([] if solution.bulk is None else [_stress_table(solution.bulk, errors)]),
-        _checks_table(solution, truncated),
-        _cost(case, solution),
-        sep="\n",
-    )
+    console.print(_bodies_table(case, solution, errors))
+    if solution.bulk is not None:
+        console.print(_stress_table(solution.bulk, errors))
+    changes = (truncated or {}).items()
+    halved = {f"truncation: change of {name} when the radius is halved": value for name, value in changes}
+    console.print(checks_table("check, relative", solution.checks | halved), _cost(case, solution), sep="\n")
 
 
 def bodies_table(
@@ -135,18 +120,15 @@ def bodies_table(
     return shown
 
 
-def _bodies_table(case: Case, solution: SolvedInstant, errors: ErrorEstimate) -> Table:
+def _bodies_table(case: Case, solution: SolvedFlow, errors: ErrorEstimate) -> Table:
     """Velocities and forces; an error only where the number is a result."""
     held = case.motion(0.0).held
 
     def numbers(i: int, k: int) -> tuple[str, ...]:
-        return (
-            f"{solution.U[i, k]:.8g}",
-            "" if held[i, k] else f"{errors.U[i, k]:.0e}",
-            f"{0.0 - solution.F[i, k]:.8g}",
-            f"{errors.F[i, k]:.0e}" if held[i, k] else "",
-            f"{0.0 - solution.traction_F[i, k]:.8g}",
-        )
+        of_U = "" if held[i, k] else f"{errors.U[i, k]:.0e}"
+        of_F = f"{errors.F[i, k]:.0e}" if held[i, k] else ""
+        V, *forces = (f"{x[i, k]:.8g}" for x in (solution.U, 0.0 - solution.F, 0.0 - solution.traction_F))
+        return V, of_U, forces[0], of_F, forces[1]
 
     planar = case.geometry == "planar"
     caption = "forces and torques per unit length, rotation counterclockwise" if planar else ""
@@ -155,49 +137,34 @@ def _bodies_table(case: Case, solution: SolvedInstant, errors: ErrorEstimate) ->
 
 
 def _stress_table(bulk: BulkStress, errors: ErrorEstimate) -> Table:
-    """The mean stress and its parts."""
     mu, error = bulk.apparent_viscosity, errors.apparent_viscosity or 0.0
     viscosity = "" if mu is None else f"apparent viscosity {mu:.8g} ± {error:.0e}, "
     parts = {"fluid": bulk.fluid, "stresslets of the bodies": bulk.mean - bulk.fluid - bulk.forces}
     if bulk.forces.any():
         parts["forces between bodies"] = bulk.forces
     parts["together"] = bulk.mean
-    return table(
-        ("stress, mean over fluid and bodies",),
-        ("xx", "xy", "yy"),
-        ((name, *(f"{part[i, j]:.8g}" for i, j in ((0, 0), (0, 1), (1, 1)))) for name, part in parts.items()),
-        caption=f"{viscosity}N_1 = {bulk.normal_stress_difference:.8g}; "
-        "the mean pressure of the fluid is zero",
-    )
+    upper = np.triu_indices(2)
+    rows = ((name, *(f"{component:.8g}" for component in part[upper])) for name, part in parts.items())
+    caption = f"{viscosity}N_1 = {bulk.normal_stress_difference:.8g}; the mean pressure of the fluid is zero"
+    return table(("stress, mean over fluid and bodies",), ("xx", "xy", "yy"), rows, caption=caption)
 
 
-def _checks_table(solution: SolvedInstant, truncated: Mapping[str, float] | None) -> Table:
-    changes = (truncated or {}).items()
-    halved = {f"truncation: change of {name} when the radius is halved": value for name, value in changes}
-    return checks_table("check, relative", solution.checks | halved)
-
-
-def _cost(case: Case, solution: SolvedInstant) -> Text:
+def _cost(case: Case, solution: SolvedFlow) -> Text:
     phases = ", ".join(f"{phase} {spent:.2f}" for phase, spent in solution.seconds.items())
     mesh = case.discretisation
     return Text(
         f"degree {mesh.degree}, cells_per_gap {mesh.cells_per_gap:.4g}, "
         f"cells_per_circle {mesh.cells_per_circle}, growth {mesh.growth:.4g}; "
         f"dissipation {solution.dissipation:.8g}; {solution.cells} cells, {solution.dofs} unknowns, "
-        f"{_solver(solution)}, "
-        f"{sum(solution.seconds.values()):.2f} CPU s ({phases})"
+        f"{_solver(solution)}, {sum(solution.seconds.values()):.2f} CPU s ({phases})"
     )
 
 
 def print_case(console: Console, case: Case) -> None:
     """What a case holds: bodies with their smallest gaps, what is free or held, walls."""
-    console.print(_case_table(case), _walls_table(case), sep="\n")
-
-
-def _walls_table(case: Case) -> Table:
     conditions = case.domain.walls.items()
     rows = ((name, "at rest" if wall.rests else toml_text(wall)) for name, wall in conditions)
-    return table(("wall", "what holds there"), (), rows)
+    console.print(_case_table(case), table(("wall", "what holds there"), (), rows), sep="\n")
 
 
 def _case_table(case: Case) -> Table:
@@ -224,3 +191,39 @@ def _nearest(case: Case, i: int) -> tuple[float, str]:
     to_bodies[i] = np.linalg.norm(to_images, axis=1).min(initial=np.inf) - q.radii[i]
     gaps = np.append(to_bodies, container.distances(q.centres[i : i + 1])) - q.radii[i]
     return float(gaps.min()), (*case.names, *container.walls)[int(gaps.argmin())]
+
+
+# Of what a step records.
+SHOWN = ("dissipation", "lubrication_viscosity", "momentum", "power", "balance", "residual")
+
+
+def instant_json(case: Case, instant: ReducedInstant) -> dict[str, Any]:
+    """The object that `fsi solve --json` prints; the force of a contact is positive where the gap opens."""
+    bodies, contacts = bodies_json(case, instant.U, instant.F), _contacts(case, instant)
+    record = {name: float(value) for name, value in instant.record.items()}
+    return {"name": case.name, "bodies": bodies, "contacts": contacts, **record}
+
+
+def print_instant(console: Console, case: Case, instant: ReducedInstant) -> None:
+    """The same for a reader: the bodies, their lubricated gaps, one line of numbers."""
+
+    def numbers(i: int, k: int) -> tuple[str, str]:
+        return f"{instant.U[i, k]:.8g}", f"{0.0 - instant.F[i, k]:.8g}"
+
+    keys, contacts = ("gap", "rate", "force"), _contacts(case, instant)
+    rows = ((*row["between"], *(f"{row[key]:.8g}" for key in keys)) for row in contacts)
+    title = "lubricated gaps; forces > 0 where they open"
+    gaps = table(("gap between", "and"), ("gap", "its rate", "force"), rows, title=title)
+    console.print(bodies_table(case, ("velocity", "force of the fluid"), numbers), gaps, sep="\n")
+    shown = (f"{name} {instant.record[name]:.8g}" for name in SHOWN if name in instant.record)
+    console.print("  ".join(shown), highlight=False)
+
+
+def _contacts(case: Case, instant: ReducedInstant) -> list[dict[str, Any]]:
+    """Each gap within the reach of its law: its sides, D, D', lambda."""
+    pairs, sides = instant.pairs, (*case.names, *case.container().walls)
+    columns = zip(pairs.i, pairs.j, pairs.gap, instant.rates, instant.force, strict=True)
+    return [
+        {"between": [sides[i], sides[j]], "gap": float(D), "rate": float(rate), "force": float(force)}
+        for i, j, D, rate, force in columns
+    ]

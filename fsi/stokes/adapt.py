@@ -1,8 +1,8 @@
 """Solve, or run, to a tolerance: refine where the estimated error says that it matters.
 
-Three sizes make a mesh: along the gaps, around the bodies, and the growth away from them. Each round
-divides every one of them in turn by STEP, and keeps the change that lowers the estimate most; sizes that help
-are also tried all together.
+Three sizes make a mesh: along the gaps, around the bodies, and the growth away from them. Each round divides
+every one of them in turn by STEP, and keeps the change that lowers the estimate most; sizes that help are
+also tried all together.
 """
 
 from __future__ import annotations
@@ -18,12 +18,10 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Configuration, Inertia, Motion
 from fsi.case.case import Case
 from fsi.case.checks.determined import require_determined_at_rest
-from fsi.case.sections import Discretisation
 from fsi.errors import SolveError
 from fsi.integration.state import Instant
 from fsi.integration.step_errors import ErrorEstimate, StepErrors
-from fsi.stokes.error import motion_of
-from fsi.stokes.model import StokesModel
+from fsi.stokes.model import StokesModel, motion_of
 from fsi.stokes.solution import StokesSolution
 
 STEP = 1.5
@@ -38,13 +36,7 @@ MARGIN = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Refinement:
-    """What was computed with the sizes of a case, and how accurate it is.
-
-    Attributes:
-        case: with the sizes that were used.
-        error: the largest, relative, estimated.
-        dofs: number of unknowns.
-    """
+    """A case with the sizes that were used, the largest estimated relative error, and the unknowns."""
 
     case: Case
     error: float
@@ -53,12 +45,7 @@ class Refinement:
 
 @dataclass(frozen=True, slots=True)
 class Solved(Refinement):
-    """A solution with its accuracy.
-
-    Attributes:
-        solution: of the case.
-        errors: of the solution, estimated.
-    """
+    """The solution of the case, and its estimated errors."""
 
     solution: StokesSolution
     errors: ErrorEstimate
@@ -77,33 +64,16 @@ def solve_with_errors(case: Case) -> Solved:
     q = case.configuration()
     motion = case.motion_at(q, 0.0)
     tolerance = case.discretisation.tolerance
-    if tolerance is None:
-        return _solved(case, q, 0.0, motion)
-    return refined(case, q, 0.0, motion, tolerance)
+    return _solved(case, q, 0.0, motion) if tolerance is None else refined(case, q, 0.0, motion, tolerance)
 
 
 def refined(case: Case, q: Configuration, t: float, motion: Motion, tolerance: float) -> Solved:
-    """The solution at q and t with sizes that bring the largest relative error below the tolerance.
-
-    Args:
-        case: with the sizes to begin with.
-        q: the bodies.
-        t: the time.
-        motion: what holds and drives the bodies.
-        tolerance: in (0, 1).
-
-    Raises:
-        MeshError, SolveError: as `StokesModel`; or the tolerance is not reached.
-    """
+    """The solution at q and t with sizes, first those of the case, that reach the tolerance; see `refine`."""
     return refine(case, lambda case: _solved(case, q, t, motion), tolerance)
 
 
 def refine[T: Refinement](case: Case, solved: Callable[[Case], T], tolerance: float) -> T:
-    """What `solved` gives with sizes that bring its error below the tolerance.
-
-    Raises:
-        MeshError, SolveError: as `solved`; or the tolerance is not reached.
-    """
+    """What `solved` gives with sizes that bring its error below the tolerance; SolveError if none do."""
     best = solved(case)
     for _ in range(ROUNDS):
         if best.error <= tolerance or best.dofs > MOST_UNKNOWNS or case.domain.mesh is not None:
@@ -127,16 +97,15 @@ def _solved(case: Case, q: Configuration, t: float, motion: Motion) -> Solved:
 
 def _better[T: Refinement](best: T, solved: Callable[[Case], T]) -> T:
     """The best of the meshes one step finer; all three sizes at once where no single one helps."""
-    each = {size: solved(_finer(best.case, (size,))) for size in SIZES}
-    helpful = tuple(size for size, trial in each.items() if trial.error < HELPS * best.error)
-    trials = list(each.values())
+    trials = [solved(_finer(best.case, (size,))) for size in SIZES]
+    tried = zip(SIZES, trials, strict=True)
+    helpful = tuple(size for size, trial in tried if trial.error < HELPS * best.error)
     if len(helpful) != 1:
         trials.append(solved(_finer(best.case, helpful or SIZES)))
     return min(trials, key=lambda trial: trial.error)
 
 
 def _finer(case: Case, sizes: tuple[str, ...]) -> Case:
-    """The case with some of its sizes one step finer."""
     now = case.discretisation
     finer: dict[str, float] = {
         "cells_per_gap": STEP * now.cells_per_gap,
@@ -147,31 +116,21 @@ def _finer(case: Case, sizes: tuple[str, ...]) -> Case:
 
 
 def _of_sizes(case: Case, sizes: Mapping[str, float]) -> Case:
-    """The case with other sizes."""
-    changed = case.discretisation.model_copy(update=sizes)
-    return case.model_copy(update={"discretisation": changed})
+    return case.model_copy(update={"discretisation": case.discretisation.model_copy(update=sizes)})
 
 
 def _missed(best: Refinement, tolerance: float) -> SolveError:
     used, mesh = best.case.discretisation, best.case.domain.mesh
+    here = f"discretisation.tolerance = {tolerance:g}: the estimated error"
     if mesh is not None:
-        return SolveError(
-            f"discretisation.tolerance = {tolerance:g}: the estimated error is {best.error:.1e} on the mesh "
-            f"of domain.mesh = {mesh}, which is not refined; raise it, or give a finer mesh"
-        )
+        remedy = f"on the mesh of domain.mesh = {mesh}, which is not refined; raise it, or give a finer mesh"
+        return SolveError(f"{here} is {best.error:.1e} {remedy}")
+    limit = "a finer mesh does not lower it enough"
     if best.dofs > MOST_UNKNOWNS:
         limit = f"{best.dofs} unknowns are the most that is tried"
-    else:
-        limit = "a finer mesh does not lower it enough"
+    sizes = ", ".join(f"{size} = {getattr(used, size):.4g}" for size in SIZES)
     remedy = "raise it" if used.degree == HIGHEST_DEGREE else f"raise it, or degree above {used.degree}"
-    return SolveError(
-        f"discretisation.tolerance = {tolerance:g}: the estimated error came down to {best.error:.1e} with "
-        f"{_text(used)}, and {limit}; {remedy}"
-    )
-
-
-def _text(used: Discretisation) -> str:
-    return ", ".join(f"{size} = {getattr(used, size):.4g}" for size in SIZES)
+    return SolveError(f"{here} came down to {best.error:.1e} with {sizes}, and {limit}; {remedy}")
 
 
 class RefinedModel:
@@ -181,7 +140,6 @@ class RefinedModel:
     """
 
     def __init__(self, case: Case) -> None:
-        """Begin with the sizes of the case."""
         self.resolved = StokesModel(case)
         self._known: tuple[Instant, StepErrors] | None = None
 
@@ -196,11 +154,7 @@ class RefinedModel:
         return self._known[1]
 
     def refine(self, q: Configuration, t: float, instant: Instant) -> None:
-        """Take finer sizes from now on, with which the error at q and t is below MARGIN of the tolerance.
-
-        Raises:
-            MeshError, SolveError: of a solve; or the tolerance is out of reach.
-        """
+        """Take finer sizes from now on, of an error at q and t below MARGIN of the tolerance, as `refine`."""
         case = self.resolved.case
         tolerance = MARGIN * (case.discretisation.tolerance or 1.0)
         self.resolved = StokesModel(refined(case, q, t, motion_of(case, q, t, instant), tolerance).case)

@@ -10,14 +10,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 import numpy as np
 from mpi4py import MPI
 
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
-from fsi.observables.identities import BOUND
+from fsi.observables.truncation import BOUND
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, mode_equations
 
 ROUNDING_FLOOR = 1e-6
@@ -27,8 +27,8 @@ ROUNDING_FLOOR = 1e-6
 class Scales:
     """What a defect is compared with: of the powers, forces, moments and fluxes of a flow.
 
-    Where a flow is a rigid motion of everything, forces and dissipation are rounding errors themselves;
-    a small multiple of mu times the nodal velocities then stands in for them, in space and with an axis times
+    Where a flow is a rigid motion of everything, forces and dissipation are rounding errors themselves; a
+    small multiple of mu times the nodal velocities then stands in for them, in space and with an axis times
     the smallest radius. Where fluid rests under a pressure, or nearly so, a small multiple of what the loads
     would drive stands in for the dissipation, and the flux that goes with it for that through the boundary.
     """
@@ -39,55 +39,43 @@ class Scales:
     flux: float
 
 
-def identities(
-    system: StokesSystem, solution: NodalSolution, F: Array, dissipation: float
-) -> dict[str, float]:
-    """All relative defects; collective.
-
-    Args:
-        system: what was solved; u and p of its forms are set to the solution.
-        solution: nodal values and reactions.
-        F: loads rigid^T lambda of the bodies, (N, M).
-        dissipation: int 2 mu e : e.
-    """
+def identities(system: StokesSystem, nodal: NodalSolution, F: Array, dissipation: float) -> dict[str, float]:
+    """All relative defects; u and p of the forms are set to the solution, F = rigid^T lambda; collective."""
     layout, x = system.layout, system.nodes.x
     velocities, d = layout.velocities, layout.dimension
     at_walls = layout.fixed[layout.fixed < velocities]
     boundary = np.concatenate([at_walls, layout.on_body])
     load = system.b.copy()
-    load[boundary] += solution.reaction[boundary]
+    load[boundary] += nodal.reaction[boundary]
     force = load[:velocities].reshape(-1, d)
     moment = np.cross(x, force) if d == 3 else x[:, :1] * force[:, 1:] - x[:, 1:] * force[:, :1]
     if layout.axisymmetric:
         force[:, 0] = moment[:] = 0.0  # these balance by symmetry around the axis
-    u = solution.x[:velocities]
-    power_of_walls_and_loads = float(
-        solution.reaction[at_walls] @ solution.x[at_walls] + system.b[:velocities] @ u
-    )
-    power_of_walls_and_loads += _power_of_jumps(system, solution)
+    u = nodal.x[:velocities]
+    power = float(nodal.reaction[at_walls] @ nodal.x[at_walls] + system.b[:velocities] @ u)
+    # What the mean flow and the mean pressure gradient of a periodic domain do on its sides.
+    is_flow = layout.slave < velocities
+    jumping, of_pressure = np.concatenate([layout.slave[is_flow], layout.on_body]), layout.slave[~is_flow]
+    power += float(nodal.reaction[jumping] @ system.g[jumping])
+    power -= float(nodal.reaction[of_pressure] @ system.g[of_pressure])
     lever = np.linalg.norm(x, axis=1) * np.linalg.norm(force, axis=1)
     b_b = system.b[:velocities] @ system.b[:velocities]
-    of_rank = [power_of_walls_and_loads, np.abs(force).sum(), lever.sum(), u @ u, np.abs(u).sum(), b_b]
+    of_rank = [power, np.abs(force).sum(), lever.sum(), u @ u, np.abs(u).sum(), b_b]
     sums = np.array([*of_rank, *force.sum(axis=0), *moment.sum(axis=0)])
     layout.comm.Allreduce(MPI.IN_PLACE, sums)
-    (other_power, all_forces, all_moments, u_u, all_u, b_b), force_sum, moment_sum = np.split(
-        sums, [6, 6 + d]
-    )
+    parts, force_sum, moment_sum = np.split(sums, [6, 6 + d])
+    power_of_walls_and_loads, all_forces, all_moments, u_u, all_u, b_b = parts
     floor = _floor(system, u_u, all_u, b_b)
-    scales = Scales(
-        max(dissipation, floor.power),
-        max(all_forces, floor.force),
-        max(all_moments, floor.moment),
-        max(system.forms.integrate("speed on boundary"), floor.flux),
-    )
-    power = float((solution.U * F).sum()) + other_power
+    sizes = (dissipation, all_forces, all_moments, system.forms.integrate("speed on boundary"))
+    scales = Scales(*map(max, sizes, astuple(floor)))
+    power = float((nodal.U * F).sum()) + power_of_walls_and_loads
     defects = {
         "power": _relative(dissipation - power, scales.power),
         "momentum": _relative(float(np.linalg.norm(force_sum)), scales.force),
         "angular_momentum": _relative(float(np.linalg.norm(moment_sum)), scales.moment),
-        "balance": _balance(system, solution.U, F, scales.force),
+        "balance": _balance(system, nodal.U, F, scales.force),
         "net_flux": _relative(system.forms.integrate("flux"), scales.flux),
-        "residual": solution.residual,
+        "residual": nodal.residual,
     }
     if system.problem.periodic:  # the traction on the two sides has no force, but a moment
         del defects["angular_momentum"]
@@ -102,35 +90,17 @@ def _floor(system: StokesSystem, u_u: float, all_u: float, b_b: float) -> Scales
     length = float(problem.q.radii.min(initial=farthest))
     spheres = layout.dimension == 3 or layout.axisymmetric
     drag = problem.viscosity * (length if spheres else 1.0)
-    force = ROUNDING_FLOOR * drag * all_u
-    return Scales(
-        ROUNDING_FLOOR * max(drag * u_u, b_b / drag),
-        force,
-        force * length,
-        ROUNDING_FLOOR * float(np.sqrt(b_b)) / drag * length ** (2 if spheres else 1),
-    )
-
-
-def _power_of_jumps(system: StokesSystem, solution: NodalSolution) -> float:
-    """What the mean flow and the mean pressure gradient of a periodic domain do on its sides, this rank's."""
-    slave, velocities = system.layout.slave, system.layout.velocities
-    of_velocity = np.concatenate([slave[slave < velocities], system.layout.on_body])
-    of_pressure = slave[slave >= velocities]
-    reaction, g = solution.reaction, system.g
-    return float(reaction[of_velocity] @ g[of_velocity] - reaction[of_pressure] @ g[of_pressure])
+    power, force = max(drag * u_u, b_b / drag), drag * all_u
+    flux = float(np.sqrt(b_b)) / drag * length ** (2 if spheres else 1)
+    return Scales(*(ROUNDING_FLOOR * scale for scale in (power, force, force * length, flux)))
 
 
 def require(defects: dict[str, float]) -> None:
-    """Refuse a solution that violates an identity.
-
-    Raises:
-        SolveError: a defect exceeds 1e-8, or is not a number.
-    """
+    """Raise SolveError if the defect of an identity exceeds 1e-8, or is not a number."""
     for name, defect in defects.items():
         if not defect <= BOUND:
-            raise SolveError(
-                f"the solution violates the identity `{name}`: relative defect {defect:.2g}, bound {BOUND:g}"
-            )
+            size = f"relative defect {defect:.2g}, bound {BOUND:g}"
+            raise SolveError(f"the solution violates the identity `{name}`: {size}")
 
 
 def _balance(system: StokesSystem, U: Array, F: Array, force: float) -> float:
@@ -138,7 +108,7 @@ def _balance(system: StokesSystem, U: Array, F: Array, force: float) -> float:
 
     With inertia, D U and D U0 may cancel far above the reactions, so that the load counts as a scale too.
     """
-    free = ~system.motion.held
+    free = ~system.problem.motion.held
     D, load = mode_equations(system)
     defect = np.zeros_like(F)
     D, load = D.reshape(F.shape), load.reshape(F.shape)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,27 @@ import numpy as np
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.containers import Container
-from fsi.stokes.discretisation.boundary import Boundary
+
+type Field = Callable[[Array], Array]
+
+
+@dataclass(frozen=True, slots=True)
+class Boundary:
+    """What holds on the walls, each in exactly one of the first two, and what drives the fluid.
+
+    Attributes:
+        velocities: u(x) of the walls with a given velocity, (n, d) -> (n, d).
+        pressures: p of the open walls, where the traction is sigma n = -p n.
+        body_force: f(x), or None.
+        pressure_gradient: the mean dp/dx along a periodic channel, None where the net flux is given.
+        net_flux: of fluid and bodies along such a channel.
+    """
+
+    velocities: Mapping[str, Field]
+    pressures: Mapping[str, float]
+    body_force: Field | None = None
+    pressure_gradient: float | None = 0.0
+    net_flux: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,8 +45,7 @@ class StokesProblem:
         boundary: walls and body force.
         viscosity: mu.
         inertia: of an implicit step; None: quasi-static.
-        interaction: sum of r (x) F of the forces between bodies that `motion` has, (d, d), for the mean
-            stress of a periodic flow; None: zero.
+        interaction: sum of r (x) F of forces between bodies, (d, d), for the mean stress; None: zero.
     """
 
     fluid: FluidMesh

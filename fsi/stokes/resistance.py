@@ -21,23 +21,13 @@ from fsi.case.case import Case
 from fsi.errors import InputError
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.containers import Container
-from fsi.observables.resistance import (
-    Resistance,
-    all_modes,
-    axial_modes,
-    difference,
-    inverse,
-    positive_eigenvalues,
-    symmetrised,
-)
+from fsi.observables import resistance as matrix
+from fsi.observables.resistance import Resistance
 from fsi.stokes.adapt import Refinement, refine
-from fsi.stokes.clock import Clock
-from fsi.stokes.discretisation.boundary import Boundary
-from fsi.stokes.error import other_degree_of
 from fsi.stokes.identities import identities, require
-from fsi.stokes.model import StokesModel
-from fsi.stokes.problem import SolverOptions, StokesProblem
-from fsi.stokes.solve import DEFAULT, assembled
+from fsi.stokes.model import StokesModel, other_degree_of
+from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem
+from fsi.stokes.solve import DEFAULT, Clock, assembled
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, factorised, load_of, multiply
 
 AXIAL_MODE = 1
@@ -53,39 +43,29 @@ class SolvedResistance(Refinement):
 
 
 def resistance_with_error(case: Case) -> SolvedResistance:
-    """R of a case with its estimated error, refined to the tolerance of the case if it has one.
-
-    Raises:
-        InputError, MeshError, SolveError: as `case_resistance`; or the tolerance is not reached.
-    """
+    """R of a case with its estimated error, refined to its tolerance if it has one. Raises as `refine`."""
     tolerance = case.discretisation.tolerance
     return _solved(case) if tolerance is None else refine(case, _solved, tolerance)
 
 
 def _solved(case: Case) -> SolvedResistance:
-    """With elements of another degree R differs by its error, as forces do (see `error`)."""
+    """With elements of another degree R differs by its error, as forces do (see `model`)."""
     computed, numerics = case_resistance(case), case.discretisation
     degree, factor = other_degree_of(numerics.degree, case.dimension)
     changed = numerics.model_copy(update={"degree": degree})
     other = case_resistance(case.model_copy(update={"discretisation": changed}))
-    error = factor * difference(computed.R, other.R, computed.modes.scale)
+    error = factor * matrix.difference(computed.R, other.R, computed.modes.scale)
     return SolvedResistance(case, error, computed.dofs, computed)
 
 
 def case_resistance(case: Case) -> Resistance:
     """R of the bodies of a case at time 0, between its walls at rest; open walls are open without pressure.
 
-    Along a periodic channel the mean pressure gradient is zero.
-
-    Raises:
-        InputError: the domain has no walls, or a given net flux.
-        MeshError: no valid mesh can be made.
-        SolveError: a solve fails, or violates an identity.
+    Along a periodic channel the mean pressure gradient is zero. Raises InputError: the domain has no walls,
+    or a given net flux. MeshError, SolveError: as `StokesModel`.
     """
-    container = case.container()
+    container, q, clock = case.container(), case.configuration(), Clock()
     _require_still(case, container)
-    clock = Clock()
-    q = case.configuration()
     fluid = StokesModel(case).mesh(q)
     clock.lap("mesh")
     problem = held_at_rest(fluid, container, q, case.fluid.viscosity, case.wall_pressure())
@@ -100,12 +80,9 @@ def _require_still(case: Case, container: Container) -> None:
             'domain.shape = "cell": without walls bodies alone do not determine the flow, so it has no '
             'resistance matrix; give a box with periodic = ["x"]'
         )
-    net_flux = case.domain.mean_drive().net_flux
-    if net_flux is not None:
-        raise InputError(
-            f"domain.net_flux = {net_flux!r}: a resistance matrix is that at a mean pressure "
-            "gradient of zero; drop it"
-        )
+    if (net_flux := case.domain.mean_drive().net_flux) is not None:
+        why = "a resistance matrix is that at a mean pressure gradient of zero"
+        raise InputError(f"domain.net_flux = {net_flux!r}: {why}; drop it")
 
 
 def held_at_rest(
@@ -125,20 +102,14 @@ def solve_resistance(
 ) -> Resistance:
     """R of the bodies of a problem; collective.
 
-    Args:
-        problem: with bodies that are held at rest.
-        names: of the bodies, for the labels.
-        options: degree and solver; the formulation is the eliminated one.
-        clock: takes the CPU seconds by phase; may have some already.
-
-    Raises:
-        SolveError: singular system, large residual, or an identity violated.
+    The bodies are held at rest, and the formulation is the eliminated one; names are for the labels. Raises
+    SolveError: singular system, large residual, or an identity violated.
     """
     clock, fluid, q = clock or Clock(), problem.fluid, problem.q
     shape, radii = q.arms.shape, q.radii
-    units, modes = np.eye(q.arms.size), all_modes(names, radii, problem.viscosity, q.dimension)
+    units, modes = np.eye(q.arms.size), matrix.all_modes(names, radii, problem.viscosity, q.dimension)
     if fluid.container.axisymmetric:
-        units, modes = units[AXIAL_MODE :: shape[1]], axial_modes(names, radii, problem.viscosity)
+        units, modes = units[AXIAL_MODE :: shape[1]], matrix.axial_modes(names, radii, problem.viscosity)
     columns, worst = [], dict[str, float]()
     with assembled(problem, options, clock) as system, factorised(system) as responses:
         clock.lap("factorise")
@@ -152,24 +123,20 @@ def solve_resistance(
                 clock.lap("checks")
         dofs = system.forms.dofs
     require(worst)
-    R, asymmetry = symmetrised(np.column_stack(columns), modes.scale)
-    resting = bool(problem.boundary.velocities)
-    eigenvalues = positive_eigenvalues(R, modes.scale, resting=resting)
-    mobility = inverse(R) if resting else None
-    checks = worst | {"reciprocity": asymmetry}
+    R, asymmetry = matrix.symmetrised(np.column_stack(columns), modes.scale)
+    resting, checks = bool(problem.boundary.velocities), worst | {"reciprocity": asymmetry}
+    eigenvalues = matrix.positive_eigenvalues(R, modes.scale, resting=resting)
+    mobility = matrix.inverse(R) if resting else None
     return Resistance(modes, R, mobility, eigenvalues, checks, dofs, fluid.cells(), clock.seconds)
 
 
 def _defects(system: StokesSystem, nodal: NodalSolution, F: Array) -> dict[str, float]:
     """What one unit motion violates of the identities, but for the balance of free modes: there are none."""
     system.forms.fill(nodal.x)
-    defects = identities(system, nodal, F, _dissipation(system, nodal.x))
+    u = nodal.x.copy()
+    u[system.layout.velocities :] = 0.0
+    # u^T A u is int 2 mu e : e, from the matrix at hand.
+    dissipation = float(system.layout.comm.allreduce(u @ multiply(system.M, u), op=MPI.SUM))
+    defects = identities(system, nodal, F, dissipation)
     del defects["balance"]
     return defects
-
-
-def _dissipation(system: StokesSystem, x: Array) -> float:
-    """u^T A u, which is int 2 mu e : e, from the matrix at hand."""
-    u = x.copy()
-    u[system.layout.velocities :] = 0.0
-    return float(system.layout.comm.allreduce(u @ multiply(system.M, u), op=MPI.SUM))

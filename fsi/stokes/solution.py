@@ -11,53 +11,28 @@ import numpy as np
 
 import fsi.parallel as parallel
 from fsi.bodies.configuration import MODES, Array
-from fsi.observables.bulk_stress import BulkStress
-from fsi.stokes.fields import write
-from fsi.stokes.fields.flow import Flow, values_at
-from fsi.stokes.fields.traction import Surface, traction
+from fsi.observables.truncation import SolvedFlow
+from fsi.stokes import fields
+from fsi.stokes.fields import Flow, Surface, traction, values_at
 from fsi.stokes.problem import StokesProblem
 from fsi.stokes.stress import VISCOSITY_CHECKS
 
 
 @dataclass(frozen=True, slots=True)
-class StokesSolution:
+class StokesSolution(SolvedFlow):
     """Stokes flow around the bodies at one instant.
 
     Attributes:
         problem: what was solved; its mesh may have been moved on since.
-        U: velocities of the bodies, (N, M).
-        F: loads = int sigma n, n out of the fluid, from the reactions, (N, M): in balance the external load;
-            the fluid exerts -F on the body.
-        traction_F: the same from the traction integral of sigma_h n, less accurate, a cross-check.
-        dissipation: int 2 mu e : e.
-        checks: the relative defects of the identities.
-        dofs: unknowns (u, p) before constraints.
-        iterations: of the linear solver, 0 of the direct one.
-        seconds: CPU seconds of this process by phase.
         flow: velocity and pressure, of this rank.
         surface: the bodies' surfaces, on root.
-        bulk: mean stress of a periodic flow.
         pressure_gradient: the mean one of a periodic flow, (2,).
     """
 
     problem: StokesProblem = field(repr=False)
-    U: Array
-    F: Array
-    traction_F: Array
-    dissipation: float
-    checks: dict[str, float]
-    dofs: int
-    iterations: int
-    seconds: dict[str, float]
     flow: Flow = field(repr=False)
     surface: Surface = field(repr=False)
-    bulk: BulkStress | None = None
     pressure_gradient: Array | None = None
-
-    @property
-    def cells(self) -> int:
-        """Number of cells over all ranks."""
-        return self.problem.fluid.cells()
 
     def evaluate(self, x: Array) -> tuple[Array, Array]:
         """u (n, d) and p (n,) at points x (n, d), the same on all ranks; NaN outside the fluid; collective.
@@ -83,26 +58,16 @@ class StokesSolution:
     @property
     def record(self) -> Mapping[str, float]:
         """The model's columns of steps.csv, at every instant the same: sizes, checks, then CPU seconds."""
-        sizes = {
-            "dofs": self.dofs,
-            "cells": self.cells,
-            "worst_cell": self.problem.fluid.quality,
-            "dissipation": self.dissipation,
-        }
+        record = {"dofs": self.dofs, "cells": self.cells, "worst_cell": self.problem.fluid.quality}
+        record["dissipation"] = self.dissipation
         if self.U.shape[1] == len(MODES[3]):
-            sizes["iterations"] = self.iterations
-        return {
-            **sizes,
-            **({} if self.bulk is None else self.bulk.record),
-            **self.checks,
-            **({} if self.bulk is None else {name: self.checks.get(name, nan) for name in VISCOSITY_CHECKS}),
-            **{f"cpu_{phase}": seconds for phase, seconds in self.seconds.items()},
-        }
-
-    @property
-    def apparent_viscosity(self) -> float | None:
-        """Over the viscosity of the fluid, of a periodic flow with a mean strain rate."""
-        return None if self.bulk is None else self.bulk.apparent_viscosity
+            record["iterations"] = self.iterations
+        if self.bulk is not None:
+            record |= self.bulk.record
+        record |= self.checks
+        if self.bulk is not None:
+            record |= {name: self.checks.get(name, nan) for name in VISCOSITY_CHECKS}
+        return record | {f"cpu_{phase}": seconds for phase, seconds in self.seconds.items()}
 
     @property
     def body_columns(self) -> Mapping[str, Array]:
@@ -116,7 +81,5 @@ class StokesSolution:
 
     def write(self, folder: Path, step: int) -> dict[str, list[str]]:
         """Write this instant's VTU files; collective. Gives the file names of each series, for all ranks."""
-        return {
-            "fluid": write.write_flow(self.flow, folder, step),
-            "surface": write.write_surface(self.surface, self.traction, folder, step),
-        }
+        surface = fields.write_surface(self.surface, self.traction, folder, step)
+        return {"fluid": fields.write_flow(self.flow, folder, step), "surface": surface}

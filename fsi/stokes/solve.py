@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 
 import numpy as np
@@ -11,36 +12,40 @@ from mpi4py import MPI
 
 from fsi.bodies.configuration import Array
 from fsi.meshes.build import FluidMesh
-from fsi.stokes.clock import Clock
-from fsi.stokes.discretisation.boundary import facets_with, locate
-from fsi.stokes.discretisation.constraints import dof_layout, rigid_modes, wall_offset
+from fsi.stokes import fields
+from fsi.stokes.discretisation.constraints import dof_layout, facets_with, locate, rigid_modes, wall_offset
 from fsi.stokes.discretisation.forms import Forms
-from fsi.stokes.discretisation.matrices import pressure_mass
-from fsi.stokes.fields import flow, traction
 from fsi.stokes.identities import identities, require
 from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
-from fsi.stokes.solvers.coarse import coarse_velocities
-from fsi.stokes.solvers.elimination import (
-    NodalSolution,
-    StokesSystem,
-    load_of,
-    nodal_vector,
-    solve_eliminated,
-)
+from fsi.stokes.solvers import elimination
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, load_of, nodal_vector
+from fsi.stokes.solvers.fgmres import coarse_velocities
 from fsi.stokes.solvers.multiplier import solve_multiplier
-from fsi.stokes.solvers.periodic import solve_periodic, tied
-from fsi.stokes.solvers.workspace import Workspace
+from fsi.stokes.solvers.periodic import Solver, solve_periodic, tied
+from fsi.stokes.solvers.workspace import Workspace, pressure_mass
 from fsi.stokes.stress import bulk_stress, is_force_free, viscosity_checks
+
+
+class Clock:
+    """CPU seconds of this process by phase."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+        self._last = time.process_time()
+
+    def lap(self, phase: str) -> None:
+        """Add the time since the last lap to a phase."""
+        now = time.process_time()
+        self.seconds[phase] = self.seconds.get(phase, 0.0) + now - self._last
+        self._last = now
+
 
 # Beyond, in space, the factors of the direct solver cost more time and memory than the iterations.
 MOST_DIRECT = 20_000
 DEFAULT = SolverOptions()
 
-FORMULATIONS: dict[str, Callable[[StokesSystem], NodalSolution]] = {
-    "eliminated": solve_eliminated,
-    "multiplier": solve_multiplier,
-}
+FORMULATIONS: dict[str, Solver] = {"eliminated": elimination.solve_eliminated, "multiplier": solve_multiplier}
 
 
 def solve(
@@ -51,14 +56,9 @@ def solve(
 ) -> StokesSolution:
     """Velocity, pressure, reactions and the motion of the bodies; collective.
 
-    Args:
-        problem: the fluid, the bodies and what drives them.
-        options: degree and solver.
-        clock: takes the CPU seconds by phase; may have some already.
-        workspace: what solves on this mesh share while it is moved; it keeps what this one makes.
-
-    Raises:
-        SolveError: singular system, large residual, or an identity violated.
+    clock: takes the CPU seconds by phase; may have some already. workspace: what solves on this mesh share
+    while it is moved; it keeps what this one makes. Raises SolveError: singular system, large residual, or an
+    identity violated.
     """
     clock = clock or Clock()
     with assembled(problem, options, clock, workspace) as system:
@@ -100,11 +100,9 @@ def assembled(
         try:
             yield system
         finally:
-            rigid.matrix.destroy()
-            if mass is not None:
-                mass.destroy()
-            if coarse is not None:
-                coarse.nodal.destroy()
+            for used in (rigid.matrix, mass, None if coarse is None else coarse.nodal):
+                if used is not None:
+                    used.destroy()
 
 
 def is_iterative(options: SolverOptions, forms: Forms) -> bool:
@@ -136,8 +134,7 @@ def _loads(problem: StokesProblem, forms: Forms, rows: int) -> Array:
     """Nodal loads b: (f, v) and, on open walls, <t, v> with t = -p n; this rank's rows."""
     fluid, boundary, b = problem.fluid, problem.boundary, np.zeros(rows)
     velocities = forms.velocities
-    if boundary.body_force is not None:
-        f = boundary.body_force
+    if (f := boundary.body_force) is not None:
         forms.f.interpolate(lambda x: f(x[: fluid.dimension].T).T)
         b[:velocities] += nodal_vector(forms.bind("load"))
     for wall, pressure in boundary.pressures.items():
@@ -149,15 +146,14 @@ def _loads(problem: StokesProblem, forms: Forms, rows: int) -> Array:
 def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clock: Clock) -> StokesSolution:
     """Everything that follows from nodal values: loads, checks, mean stress, and the flow for output.
 
-    Args:
-        system: what was solved.
-        nodal: the nodal values.
-        jump_load: what jumps of the pressure added to the loads of the system.
-        clock: of the solve.
+    jump_load: what jumps of the pressure added to the loads of the system.
     """
     problem, forms = system.problem, system.forms
     forms.fill(nodal.x)
-    mean_pressure = _mean_pressure(system, nodal)
+    # The weights of the nodal values are the integrals of the shape functions.
+    here = np.array([system.weights @ nodal.x[system.layout.velocities :], system.weights.sum()])
+    of_p, area = system.layout.comm.allreduce(here)
+    mean_pressure = float(of_p / area)
     if not problem.boundary.pressures:
         forms.p.x.array[:] -= mean_pressure
     F, dissipation = load_of(system, nodal.reaction), forms.integrate("dissipation")
@@ -167,25 +163,15 @@ def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clo
         if is_force_free(system):
             checks |= viscosity_checks(problem, bulk, dissipation)
     require(checks)
-    surface = traction.collect(system, nodal.reaction[: system.layout.velocities])
-    field, traction_F = flow.capture(forms, system.nodes.with_ghosts), _by_traction(system, jump_load)
+    surface = fields.surfaces(system, nodal.reaction[: system.layout.velocities])
+    flow = fields.capture(forms, system.nodes.with_ghosts)
+    # Integrals of sigma_h n, on all arcs in the pressure of one image.
+    integral = -jump_load
+    on_bodies = facets_with(problem.fluid, 1, problem.fluid.bodies)
+    integral[: system.layout.velocities] += nodal_vector(forms.bind("traction", on_bodies))
+    traction_F = load_of(system, integral)
     clock.lap("checks")
     return StokesSolution(
-        problem, nodal.U, F, traction_F, dissipation, checks, forms.dofs, nodal.iterations, clock.seconds,
-        field, surface, bulk, nodal.pressure_gradient,
+        nodal.U, F, traction_F, dissipation, checks, forms.dofs, problem.fluid.cells(), nodal.iterations,
+        clock.seconds, bulk, problem, flow, surface, nodal.pressure_gradient,
     )  # fmt: skip
-
-
-def _mean_pressure(system: StokesSystem, nodal: NodalSolution) -> float:
-    """Of the fluid, by its nodal values: their weights are the integrals of the shape functions."""
-    here = np.array([system.weights @ nodal.x[system.layout.velocities :], system.weights.sum()])
-    integral, area = system.layout.comm.allreduce(here)
-    return float(integral / area)
-
-
-def _by_traction(system: StokesSystem, jump_load: Array) -> Array:
-    """Loads of the bodies, (N, M), as integrals of sigma_h n, on all arcs in the pressure of one image."""
-    on_bodies = facets_with(system.problem.fluid, 1, system.problem.fluid.bodies)
-    integral = -jump_load
-    integral[: system.layout.velocities] += nodal_vector(system.forms.bind("traction", on_bodies))
-    return load_of(system, integral)

@@ -28,17 +28,11 @@ from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem
 
 
 def bulk_stress(system: StokesSystem, solution: NodalSolution, mean_pressure: float) -> BulkStress:
-    """Sigma and its parts; collective.
-
-    Args:
-        system: what was solved.
-        solution: nodal values and reactions.
-        mean_pressure: of the nodal values in the fluid; Sigma is that of a flow where it is zero.
-    """
+    """Sigma and its parts, for the same flow with the mean pressure zero instead of this one; collective."""
     layout, problem, x = system.layout, system.problem, system.nodes.x
     q, volume = problem.q, problem.container.volume
-    viscous = _viscous_part(system, solution) / volume
-    fluid = np.array([[viscous[0], viscous[1]], [viscous[1], viscous[2]]])
+    xx, xy, yy = _viscous_part(system, solution) / volume
+    fluid = np.array([[xx, xy], [xy, yy]])
     r = x[layout.on_body // 2] - q.centres[layout.body]
     lattice = problem.fluid.lattice
     r -= lattice.shift(lattice.nearest(r))
@@ -52,12 +46,16 @@ def bulk_stress(system: StokesSystem, solution: NodalSolution, mean_pressure: fl
     carried = np.zeros((2, 2)) if problem.interaction is None else 0.0 - problem.interaction / volume
     bulk = BulkStress(fluid, S, carried, volume, None)
     E = problem.mean_strain_rate
-    rate = float(np.sum(E**2))
-    if rate == 0.0:
+    if not E.any():
         return bulk
-    stress = _wall_stress(system, solution)
-    power = np.sum(bulk.mean * E) if stress is None else 2.0 * stress * E[0, 1]
-    return replace(bulk, apparent_viscosity=float(power / (2.0 * problem.viscosity * rate)))
+    power = np.sum(bulk.mean * E)
+    if system.nodes.wall_nodes:  # in a channel by the mean shear stress on both walls
+        force = {
+            wall: layout.comm.allreduce(float(solution.reaction[2 * node.astype(np.int64)].sum()))
+            for wall, node in system.nodes.wall_nodes.items()
+        }
+        power = (force["top"] - force["bottom"]) / float(problem.container.periods[0, 0]) * E[0, 1]
+    return replace(bulk, apparent_viscosity=float(power / (2.0 * problem.viscosity * np.sum(E**2))))
 
 
 def _viscous_part(system: StokesSystem, solution: NodalSolution) -> Array:
@@ -83,20 +81,9 @@ def _moments(x: Array, nodal: Array) -> Array:
     return np.array([x[:, 0] @ f[:, 0], 0.5 * (x[:, 1] @ f[:, 0] + x[:, 0] @ f[:, 1]), x[:, 1] @ f[:, 1]])
 
 
-def _wall_stress(system: StokesSystem, solution: NodalSolution) -> float | None:
-    """Shear stress on the walls of a channel, the mean of both; None in a cell without walls."""
-    if not system.nodes.wall_nodes:
-        return None
-    force: dict[str, float] = {
-        wall: system.layout.comm.allreduce(float(solution.reaction[2 * node.astype(np.int64)].sum()))
-        for wall, node in system.nodes.wall_nodes.items()
-    }
-    return (force["top"] - force["bottom"]) / (2.0 * float(system.problem.container.periods[0, 0]))
-
-
 def is_force_free(system: StokesSystem) -> bool:
     """Whether walls or the mean flow alone do work on bodies that move as they are carried; collective."""
-    motion, problem = system.motion, system.problem
+    motion, problem = system.problem.motion, system.problem
     loaded = system.layout.comm.allreduce(bool(system.b.any()), op=MPI.LOR)
     pushed = problem.interaction is not None and problem.interaction.any()
     return not (motion.held.any() or motion.F.any() or loaded or problem.inertia is not None or pushed)
@@ -117,7 +104,5 @@ def viscosity_checks(problem: StokesProblem, bulk: BulkStress, dissipation: floa
     by_dissipation, mu = dissipation / (scale * bulk.area), bulk.apparent_viscosity
     others = np.array([by_bulk, float(imposed.sum()) / scale, by_dissipation])
     bound = 1.0 / (1.0 - area_fraction(problem.q.radii, bulk.area))
-    return {
-        "stress": float(np.abs(others / mu - 1.0).max()),
-        "viscosity_bound": max(0.0, bound / mu - 1.0),
-    }
+    defect = float(np.abs(others / mu - 1.0).max())
+    return {"stress": defect, "viscosity_bound": max(0.0, bound / mu - 1.0)}

@@ -1,8 +1,8 @@
-"""The resolved model's side of `fsi validate`: solves and runs of a case, and their errors."""
+"""`fsi validate`, from case files to rows in a folder: solves and runs of each case, and their errors."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ from fsi.bodies.configuration import Array
 from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
 from fsi.case.sections import TIME_AT_GAP, Expected, gap_of
-from fsi.errors import InputError, SolveError
+from fsi.errors import InputError, SolveError, ValidationError
 from fsi.integration.schemes import BogackiShampine
 from fsi.integration.step_errors import ErrorEstimate
 from fsi.lubrication.exact_results import EXACT
@@ -24,8 +24,48 @@ from fsi.run_folder.folder import STEPS
 from fsi.runs import run
 from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.model import StokesModel
-from fsi.validation.references import reference
-from fsi.validation.rows import Row, computed, swept
+from fsi.validation.rows import Row, chosen_cases, computed, reference, swept, write_rows
+
+
+def validate_cases(
+    folder: Path, names: Sequence[str], output: Path, show: Callable[[list[Row]], None]
+) -> list[Row]:
+    """Validate the named cases of a folder, or all; collective.
+
+    output: a new folder, for validation.json, validation.csv and the runs. show: is told the rows of each
+    case, or of each value of its sweep. Raises InputError: no such case, or the output folder is not new.
+    """
+    from fsi.validation.resolved import rows_of
+
+    paths = parallel.on_root(lambda: chosen_cases(folder, names))
+    parallel.on_root(lambda: _make(output))
+    rows: list[Row] = []
+    for path in paths:
+        for rows_of_case in rows_of(path, output / "runs"):
+            rows += rows_of_case
+            show(rows_of_case)
+    parallel.on_root(lambda: write_rows(rows, output))
+    return rows
+
+
+def require_passed(rows: Sequence[Row]) -> None:
+    """Raise ValidationError if a value lies outside its tolerance."""
+    failed = [row for row in rows if not row.passed]
+    if failed:
+        row = failed[0]
+        wrong = row.failure or f"= {row.value:.9g}, off by {row.true_error:.1e}"
+        first = f"first {row.case}: {row.quantity} {wrong}; expected {row.reference:.9g} within {row.rtol:g}"
+        raise ValidationError(f"{len(failed)} of {len(rows)} rows fail, {first}")
+
+
+def _make(output: Path) -> None:
+    if output.exists() and not (output.is_dir() and not any(output.iterdir())):
+        raise InputError(f"output = {output}: exists and is not empty; give another folder")
+    try:
+        (output / "runs").mkdir(parents=True)
+    except OSError as error:
+        raise InputError(f"output = {output}: {error.strerror}; give a folder that can be written") from None
+
 
 # A second run has steps that many times as long: at order 2 or more its error is more than twice as large.
 STRETCH = 1.5
@@ -34,12 +74,8 @@ STRETCH = 1.5
 def rows_of(path: Path, runs: Path) -> Iterator[list[Row]]:
     """The rows of one case file, a list for each value of its sweep; collective.
 
-    Args:
-        path: the case file.
-        runs: where a case with [time] leaves its run folders.
-
-    Raises:
-        InputError: the case is not sound. A solve that fails gives rows without value.
+    runs: where a case with [time] leaves its run folders. Raises InputError: the case is not sound. A solve
+    that fails gives rows without value.
     """
     for value, case in swept(path):
         try:
@@ -78,7 +114,6 @@ def _row(name: str, sweep: float | None, case: Case, row: Expected, result: Comp
 
 
 def _instant(case: Case) -> list[Computed]:
-    """The expected rows at time 0."""
     solved = solve_with_errors(case)
     solution, errors = solved.solution, solved.errors
     enclosed = any(row.exact and EXACT[row.exact].fitting.enclosed for row in case.expected)
@@ -87,27 +122,24 @@ def _instant(case: Case) -> list[Computed]:
     thicker = (smaller.apparent_viscosity or 0.0) - (solution.apparent_viscosity or 0.0)
     lost = smaller.dissipation - solution.dissipation
     change = ErrorEstimate(smaller.U - solution.U, smaller.F - solution.F, lost, thicker)
-    return [
-        Computed(
-            computed(case, solution, row.quantity),
-            abs(computed(case, errors, row.quantity)),
-            abs(computed(case, change, row.quantity)),
-        )
-        for row in case.expected
-    ]
+    rows = []
+    for row in case.expected:
+        value, error, changed = (computed(case, of, row.quantity) for of in (solution, errors, change))
+        rows.append(Computed(value, abs(error), abs(changed)))
+    return rows
 
 
 def _history(case: Case, folder: Path) -> list[Computed]:
     """Times at gaps, from two runs, whose difference is the error of the time steps."""
     assert case.time is not None
-    steps = {
-        "tolerance": STRETCH**BogackiShampine.error_order * case.time.tolerance,
-        "gap_loss": STRETCH * case.time.gap_loss,
-    }
-    coarser = case.time.model_copy(update=steps)
-    fine = _run(case, folder)
+    tolerance = STRETCH**BogackiShampine.error_order * case.time.tolerance
+    steps = {"tolerance": tolerance, "gap_loss": STRETCH * case.time.gap_loss}
+    coarser, fine = case.time.model_copy(update=steps), _run(case, folder)
     rough = _run(case.model_copy(update={"time": coarser}), folder.with_name(f"{folder.name}-coarser"))
-    truncation = _relative_truncation(case)
+    truncation = 0.0  # change of the velocities at time 0 when the radius of the container is halved
+    if (half := halved(case)) is not None:
+        U, smaller = (StokesModel(one)(one.configuration(), 0.0).U for one in (case, half))
+        truncation = float(np.abs(smaller - U).max() / np.abs(U).max())
     results = []
     for row in case.expected:
         at, late = time_at(gap_of(row.quantity), *fine[:2]), time_at(gap_of(row.quantity), *rough[:2])
@@ -125,25 +157,11 @@ def _run(case: Case, folder: Path) -> tuple[Array, Array, Array]:
     return table["t"], table["smallest_gap"], table["h"] * table["err_U"]
 
 
-def _relative_truncation(case: Case) -> float:
-    """Change of the velocities at time 0 when the radius of the container is halved."""
-    half = halved(case)
-    if half is None:
-        return 0.0
-    U, smaller = (StokesModel(one)(one.configuration(), 0.0).U for one in (case, half))
-    return float(np.abs(smaller - U).max() / np.abs(U).max())
-
-
 def time_at(gap: float, t: Array, gaps: Array) -> float:
-    """When the smallest gap first became `gap`, by a cubic spline of t over ln gap where the gap decreases.
-
-    Raises:
-        InputError: it never did.
-    """
-    if gaps.min() > gap:
-        raise InputError(
-            f"{TIME_AT_GAP}{gap:g}: the smallest gap of the run is {gaps.min():.3g}; raise time.end"
-        )
+    """When the smallest gap first became `gap`, by a spline of t over ln gap. Raises InputError: never."""
+    if (smallest := gaps.min()) > gap:
+        here = f"{TIME_AT_GAP}{gap:g}: the smallest gap of the run"
+        raise InputError(f"{here} is {smallest:.3g}; raise time.end")
     last = int(np.argmax(gaps <= gap))
     rises = np.flatnonzero(np.diff(gaps[: last + 1]) >= 0.0)
     first = int(rises[-1]) + 1 if len(rises) else 0

@@ -7,6 +7,7 @@ import json
 import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -15,12 +16,50 @@ from fsi.case.case import Case
 from fsi.case.checks.expected import check_expected
 from fsi.case.load import load_case, override, parse_case
 from fsi.case.section import nearest_word, toml_text
-from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, TIME_AT_GAP
+from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, TIME_AT_GAP, Expected, gap_of
 from fsi.errors import InputError
 from fsi.integration.step_errors import Measured
+from fsi.lubrication.exact_results import EXACT, ExactProblem
 from fsi.lubrication.expansions import expansion
 from fsi.lubrication.spheres import normal_resistance
-from fsi.validation.references import component
+
+EXACT_DIGITS = 1e-13  # relative error of the functions in `fsi.lubrication`
+
+
+def reference(case: Case, row: Expected) -> tuple[float, float]:
+    """The reference of a row, and its relative error: half a unit of the last digit given."""
+    if row.exact is not None:
+        return exact_value(case, row.exact, row.quantity), EXACT_DIGITS
+    assert row.value is not None  # by the schema
+    exponent = Decimal(repr(row.value)).as_tuple().exponent
+    return row.value, 0.5 * 10.0 ** int(exponent) / (abs(row.value) or 1.0)
+
+
+def exact_value(case: Case, name: str, quantity: str) -> float:
+    """What an exact result gives for a quantity of the case at time 0."""
+    q = case.configuration()
+    motion, far = case.motion_at(q, 0.0), case.wall_velocity(0.0).get("far")
+    body, mode, gap = 0, 0, 0.0
+    if quantity.startswith(TIME_AT_GAP):
+        gap = gap_of(quantity)
+    else:
+        body, mode = component(case, quantity)
+    problem = ExactProblem(
+        case.fluid.viscosity, q.centres, q.radii, motion.U, motion.F, case.container().size(),
+        0.0 if far is None else far.shear, body, mode, gap,
+    )  # fmt: skip
+    return EXACT[name].value(problem)
+
+
+def component(case: Case, quantity: str) -> tuple[int, int]:
+    """The body and its mode in a quantity like `disc.force.y`, `ball.force.z` or `disc.torque`."""
+    name, kind, *axis = quantity.split(".")
+    body = case.names.index(name)
+    if case.dimension == 2:
+        return body, {"x": 0, "r": 0, "y": 1, "z": 1}[axis[0]] if axis else 2
+    turning = 3 if kind in ("angular_velocity", "torque") else 0
+    return body, turning + "xyz".index(axis[0])
+
 
 SPHERE = "sphere_wall_normal"
 TERMS = {1: "leading", 2: "two-term", 3: "three-term"}
@@ -92,21 +131,16 @@ class Row:
     @property
     def record(self) -> Record:
         """All of it, for JSON and CSV."""
-        return asdict(self) | {
-            "error_bar": self.error_bar,
-            "true_error": self.true_error,
-            "passed": self.passed,
-            "bar_holds": self.bar_holds,
-        }
+        derived = ("error_bar", "true_error", "passed", "bar_holds")
+        return asdict(self) | {name: getattr(self, name) for name in derived}
 
 
 def chosen_cases(folder: Path, names: Sequence[str]) -> list[Path]:
     """The case files of these names in the folder, all of them if there are none. Raises InputError."""
     files = {path.stem: path for path in sorted(folder.glob("*.toml"))}
     if not files:
-        raise InputError(
-            f"--cases {folder}: no case files there; drop it for those that come with the program"
-        )
+        remedy = "drop it for those that come with the program"
+        raise InputError(f"--cases {folder}: no case files there; {remedy}")
     for name in names:
         if name not in files:
             raise InputError(f"{name}: no such validation case; the nearest is {nearest_word(name, files)}")
@@ -165,18 +199,22 @@ def sphere_records(rows: Sequence[Row]) -> list[Record]:
         if row.exact == SPHERE and not row.failure:
             s = np.array(row.gap)
             scale = row.value / row.reference * normal_resistance(s, 1.0, 1.0)
-            ratios = {
-                f"resolved/{name}": float(scale / expansion("spheres", "squeeze", np.inf, terms).value(s))
-                for terms, name in TERMS.items()
-            }
-            records.append({"case": row.case, "gap/radius": row.gap, "resolved": row.value, **ratios})
+            record: Record = {"case": row.case, "gap/radius": row.gap, "resolved": row.value}
+            for terms, name in TERMS.items():
+                law = expansion("spheres", "squeeze", np.inf, terms)
+                record[f"resolved/{name}"] = float(scale / law.value(s))
+            records.append(record)
     return records
 
 
 def write_rows(rows: Sequence[Row], folder: Path) -> None:
     """Write validation.json and validation.csv, and of a sphere beside a plane sphere_wall_ratios.csv."""
     records = [row.record for row in rows]
-    text = json.dumps([{key: _json(value) for key, value in record.items()} for record in records], indent=1)
+    no_nan = [
+        {key: None if isinstance(x, float) and not np.isfinite(x) else x for key, x in record.items()}
+        for record in records
+    ]
+    text = json.dumps(no_nan, indent=1)
     (folder / "validation.json").write_text(text + "\n", encoding="utf-8")
     _write_csv(records, folder / "validation.csv")
     if ratios := sphere_records(rows):
@@ -184,13 +222,7 @@ def write_rows(rows: Sequence[Row], folder: Path) -> None:
 
 
 def _write_csv(records: Sequence[Record], path: Path) -> None:
-    """Records of the same keys as a table with a header."""
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, list(records[0]), lineterminator="\n")
         writer.writeheader()
         writer.writerows(records)
-
-
-def _json(value: float | str | bool | None) -> float | str | bool | None:
-    """JSON knows no nan."""
-    return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -13,7 +13,7 @@ from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.section import toml_text
 from fsi.errors import InputError
-from fsi.lubrication import exact, sphere_settling
+from fsi.lubrication import exact, spheres
 from fsi.postprocess.run.run import Run
 from fsi.report.console import table
 
@@ -56,7 +56,7 @@ def exact_gap(case: Case, t: Array) -> Array:
         InputError: it is not one body above a plane under a constant normal force.
     """
     force, body = _normal_force(case), case.bodies[0]
-    law = sphere_settling.settling_gap if case.axisymmetric else exact.settling_gap
+    law = spheres.settling_gap if case.axisymmetric else exact.settling_gap
     return law(t, body.position[1] - body.radius, body.radius, case.fluid.viscosity, force)
 
 

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator
 
 from fsi.bodies.configuration import Array
-from fsi.calibration.files import LAW, SUMMARY
+from fsi.calibration.calibrate import LAW, SUMMARY
 from fsi.case.law_file import LawFile, read_law_file
 from fsi.lubrication.expansions import EXPONENTS
 from fsi.lubrication.named_laws import exact_resistance

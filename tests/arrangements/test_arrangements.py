@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fsi.arrangements import ordered, shaking
+from fsi.arrangements import kinds, packing
 from fsi.arrangements.arrangement import Arrangement, SimulationCell, Wanted
 from fsi.arrangements.kinds import KINDS, radii_of
 from fsi.arrangements.packing import largest_fraction, random_arrangement
@@ -77,7 +77,7 @@ def test_random(number: int, fraction: float, gap: float, cell: str, sizes: str,
     spread = {"equal": 0.0, "bidisperse": 1.4, "lognormal": 0.2}[sizes]
     wanted = Wanted(number, fraction, gap, cell=cell, seed=seed, sizes=sizes, spread=spread)
     try:
-        with patch.object(shaking, "_MOVES", 100):  # enough to see a move that makes an overlap
+        with patch.object(packing, "_MOVES", 100):  # enough to see a move that makes an overlap
             found = KINDS["random"].arranged(wanted)
     except InputError as error:
         largest = largest_fraction(radii_of(wanted), wanted.periodic, 1.0, gap)
@@ -110,21 +110,21 @@ def test_ordered(
 
 @pytest.mark.parametrize("cell", ["periodic", "channel"])
 def test_square_arrays_touch_at_pi_over_4(cell: str) -> None:
-    full = ordered.square_array(Wanted(16, pi / 4, 0.0, cell=cell, rows=4))
+    full = kinds.square_array(Wanted(16, pi / 4, 0.0, cell=cell, rows=4))
     assert full.smallest_gap() == pytest.approx(0.0, abs=1e-12)
     with pytest.raises(InputError, match=r"the largest possible is 0\.7853"):
-        ordered.square_array(Wanted(16, pi / 4 + 1e-4, 0.0, cell=cell, rows=4))
+        kinds.square_array(Wanted(16, pi / 4 + 1e-4, 0.0, cell=cell, rows=4))
 
 
 def test_hexagonal_arrays_touch_at_pi_over_two_sqrt3() -> None:
-    full = ordered.hexagonal_array(Wanted(16, pi / (2 * sqrt(3)), 0.0, cell="periodic", rows=4))
+    full = kinds.hexagonal_array(Wanted(16, pi / (2 * sqrt(3)), 0.0, cell="periodic", rows=4))
     assert full.smallest_gap() == pytest.approx(0.0, abs=1e-12)
     with pytest.raises(InputError, match=r"the largest possible is 0\.9068"):
-        ordered.hexagonal_array(Wanted(16, 0.907, 0.0, cell="periodic", rows=4))
+        kinds.hexagonal_array(Wanted(16, 0.907, 0.0, cell="periodic", rows=4))
 
 
 def test_columns_reach_from_wall_to_wall() -> None:
-    found = ordered.wall_to_wall_columns(Wanted(12, 0.4, 0.01, length=4, angle=60.0))
+    found = kinds.wall_to_wall_columns(Wanted(12, 0.4, 0.01, length=4, angle=60.0))
     to_walls = found.cell.wall_distances(found.centres) - 1.0
     assert np.sort(to_walls.ravel())[:6] == pytest.approx(0.01)  # both ends of three columns
     first = found.centres[:4]

@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-import fsi.calibration.resolved
+import fsi.calibration.sampling
 from fsi.calibration.calibrate import calibrate_case
 from fsi.calibration.pair import Pair, pair_of
-from fsi.calibration.samples import Sample, key_of, planned_gaps
-from fsi.calibration.sampling import Sampling, take_samples
+from fsi.calibration.sampling import Sample, Sampling, key_of, planned_gaps, take_samples
 from fsi.case.case import Case
 from fsi.case.law_file import read_law_file
 from fsi.case.load import load_case
@@ -45,7 +44,7 @@ class ExactModel:
 @pytest.fixture
 def model(monkeypatch: pytest.MonkeyPatch) -> ExactModel:
     stand_in = ExactModel()
-    monkeypatch.setattr(fsi.calibration.resolved, "resolved_sample", stand_in)
+    monkeypatch.setattr(fsi.calibration.sampling, "resolved_sample", stand_in)
     return stand_in
 
 

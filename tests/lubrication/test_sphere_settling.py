@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
-from fsi.lubrication import sphere_settling as settling
+from fsi.lubrication import spheres as settling
 from fsi.lubrication.spheres import normal_resistance
 
 SPHERE = json.loads((Path(__file__).parents[1] / "reference" / "settling.json").read_text())["sphere"]

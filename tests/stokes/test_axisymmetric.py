@@ -22,7 +22,7 @@ from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.planar.sizing import Resolution
 from fsi.postprocess.run.run import open_run
 from fsi.runs import run
-from fsi.stokes.fields.traction import traction
+from fsi.stokes.fields import traction
 from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solve import solve
 from tests.flows import discs, free, mesh, resting, solved

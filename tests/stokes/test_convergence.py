@@ -11,9 +11,8 @@ from mpi4py import MPI
 from fsi.bodies.configuration import Array
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.planar.sizing import Resolution
-from fsi.stokes.discretisation.boundary import Boundary
 from fsi.stokes.discretisation.forms import velocity_element
-from fsi.stokes.problem import SolverOptions, StokesProblem
+from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem
 from fsi.stokes.solve import solve
 from tests.flows import BOX, SMALL_BOX, disc_over_plane, discs, held, resting
 from tests.nested import nested_meshes

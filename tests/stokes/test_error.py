@@ -15,12 +15,10 @@ from fsi.integration.state import StepRecord
 from fsi.integration.step_errors import ErrorEstimate
 from fsi.lubrication import exact, spheres
 from fsi.meshes.files.write import write_mesh
-from fsi.observables.error_estimate import relative_change
-from fsi.observables.flow_scales import flow_scales
+from fsi.observables.error_estimate import flow_scales, relative_change
 from fsi.runs import resume, run
 from fsi.stokes.adapt import solve_with_errors
-from fsi.stokes.error import ROUNDING
-from fsi.stokes.model import StokesModel
+from fsi.stokes.model import ROUNDING, StokesModel
 
 CASES = Path(__file__).parents[2] / "cases"
 

@@ -7,8 +7,7 @@ from numpy.testing import assert_allclose
 from fsi.bodies.configuration import Configuration, Inertia, Motion
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.planar.sizing import Resolution
-from fsi.stokes.discretisation.boundary import Boundary
-from fsi.stokes.problem import SolverOptions, StokesProblem
+from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import solve
 from tests.flows import SMALL_BOX, at_rest, discs, free, held, mesh, resting, shear, solved

@@ -7,9 +7,9 @@ import pytest
 
 from fsi.errors import SolveError
 from fsi.meshes.planar.sizing import Resolution
-from fsi.observables.identities import BOUND
-from fsi.stokes.discretisation.boundary import Boundary
+from fsi.observables.truncation import BOUND
 from fsi.stokes.identities import require
+from fsi.stokes.problem import Boundary
 from fsi.stokes.solve import FORMULATIONS
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, solve_eliminated
 from tests.flows import BOX, at_rest, disc_over_plane, discs, free, held, resting, solved

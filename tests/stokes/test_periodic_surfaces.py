@@ -10,7 +10,7 @@ from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.planar.sizing import Resolution
-from fsi.stokes.fields.traction import places, traction
+from fsi.stokes.fields import places, traction
 from fsi.stokes.resistance import case_resistance, held_at_rest, solve_resistance
 from tests.case_data import changed
 from tests.flows import discs, held, mesh

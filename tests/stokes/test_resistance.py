@@ -19,8 +19,7 @@ from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.containers import Box, Container, Round
 from fsi.meshes.planar.sizing import Resolution
 from fsi.observables.resistance import Resistance, difference
-from fsi.stokes.discretisation.boundary import Boundary
-from fsi.stokes.problem import StokesProblem
+from fsi.stokes.problem import Boundary, StokesProblem
 from fsi.stokes.resistance import case_resistance, held_at_rest, resistance_with_error, solve_resistance
 from fsi.stokes.solve import solve
 from tests.flows import (

@@ -18,8 +18,7 @@ from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.geometry.containers import Box, Container, FluidDomain
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
-from fsi.stokes.discretisation.boundary import Boundary
-from fsi.stokes.problem import StokesProblem
+from fsi.stokes.problem import Boundary, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import solve
 from fsi.stokes.solvers import workspace as kept

@@ -15,10 +15,9 @@ from fsi.errors import InputError
 from fsi.integration.step_errors import ErrorEstimate
 from fsi.lubrication.exact_results import EXACT as RESULTS
 from fsi.lubrication.exact_results import ExactProblem, Fitting, exact_result
-from fsi.report.validation import summary
-from fsi.validation.references import exact_value, reference
+from fsi.report.studies import summary
 from fsi.validation.resolved import time_at
-from fsi.validation.rows import Row, chosen_cases, computed, swept
+from fsi.validation.rows import Row, chosen_cases, computed, exact_value, reference, swept
 from tests.case_data import changed
 from tests.cli.test_commands import MPIEXEC, ROOT, call, fsi, needs_mpi
 

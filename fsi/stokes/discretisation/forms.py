@@ -5,33 +5,66 @@ Stokes flow, with `e(u) = (grad u + grad u^T) / 2` and `sigma = 2 mu e(u) - p I`
     a(u, v) + b(v, p) = (f, v) + <t, v>      a(u, v) = int 2 mu e(u) : e(v)
     b(u, q)           = 0                    b(v, q) = - int q div v
 
-Only the form with e(u), not grad u, gives the physical traction `sigma n`. Forms are compiled once
-for each pair of element orders, without a mesh, and bound to each new mesh: compiling costs seconds,
-binding microseconds.
+Only the form with e(u), not grad u, gives the physical traction `sigma n`. Forms are compiled once for each
+pair of element orders, without a mesh, and bound to each new mesh: compiling costs seconds, binding
+microseconds. FFCx keeps what it compiles in a cache on disk. A process that was killed while compiling leaves
+an entry that never gets ready; every later process waits for it in vain. After PATIENCE it is removed, and
+compiled anew.
 """
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 
 import basix.ufl
 import numpy as np
 import ufl
 from dolfinx import fem
 from dolfinx.mesh import exterior_facet_indices
+from mpi4py import MPI
 from numpy.typing import NDArray
 
+import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.meshes.build import FluidMesh, coordinate_element
 from fsi.meshes.cells.curved import reference_points
-from fsi.stokes.discretisation.compile import compile_form
+
+PATIENCE = 60  # seconds; another process may be compiling the same form
+_STALE = re.compile(r"remove (\S+\.c)\)")
+
+
+# FFCx's own, and leave to reorder sums, which saves a quarter of the time of A; no machine's own code:
+# machines may share a cache.
+FLAGS = ["-O2", "-g0", "-fno-math-errno", "-fno-signed-zeros", "-fno-trapping-math", "-fassociative-math"]
+
+
+def compile_form(form: ufl.Form) -> fem.forms.CompiledForm:
+    """A compiled form, for all meshes of its kind; collective."""
+    try:
+        return _compile(form)
+    except (TimeoutError, RuntimeError) as error:
+        entry = _STALE.search(str(error))
+        stale = MPI.COMM_WORLD.bcast(None if entry is None else entry[1])
+        if stale is None:
+            raise
+        parallel.on_root(lambda: Path(stale).unlink(missing_ok=True))
+        return _compile(form)
+
+
+def _compile(form: ufl.Form) -> fem.forms.CompiledForm:
+    options = {"timeout": PATIENCE, "cffi_extra_compile_args": FLAGS}
+    return fem.compile_form(MPI.COMM_WORLD, form, jit_options=options)
+
 
 CELL = fem.IntegralType.cell
 FACET = fem.IntegralType.exterior_facet
 EVERYWHERE = -1
 MARKED = 1
 CURVED, STRAIGHT = 1, 2
+EQUISPACED = basix.LagrangeVariant.equispaced
 SIMPLEX = {2: "triangle", 3: "tetrahedron"}
 
 MATRICES = ("a", "b", "b^T")
@@ -43,14 +76,12 @@ type Form = fem.Form[np.float64]
 
 def velocity_element(degree: int, dimension: int) -> basix.ufl._ElementBase:
     """Continuous vector elements of the given degree; equispaced nodes, which VTK draws as they are."""
-    return basix.ufl.element(
-        "Lagrange", SIMPLEX[dimension], degree, basix.LagrangeVariant.equispaced, shape=(dimension,)
-    )
+    return basix.ufl.element("Lagrange", SIMPLEX[dimension], degree, EQUISPACED, shape=(dimension,))
 
 
 def pressure_element(degree: int, dimension: int) -> basix.ufl._ElementBase:
     """Continuous scalar elements one degree below the velocity (Taylor and Hood 1973)."""
-    return basix.ufl.element("Lagrange", SIMPLEX[dimension], degree - 1, basix.LagrangeVariant.equispaced)
+    return basix.ufl.element("Lagrange", SIMPLEX[dimension], degree - 1, EQUISPACED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,12 +186,8 @@ def compile_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -
         "traction": ("V", ufl.inner(space.traction(u_h, p_h, mu, n), v) * w * dS),
     }
     compiled = {name: compile_form(form) for name, (_, form) in forms.items()}
-    return Compiled(
-        compiled,
-        {name: spaces for name, (spaces, _) in forms.items()},
-        {"u": u_h, "f": f_h, "p": p_h},
-        {"mu": mu, "zero": zero},
-    )
+    spaces = {name: letters for name, (letters, _) in forms.items()}
+    return Compiled(compiled, spaces, {"u": u_h, "f": f_h, "p": p_h}, {"mu": mu, "zero": zero})
 
 
 class Forms:
@@ -234,7 +261,6 @@ class Forms:
 
 
 def _cells(fluid: FluidMesh) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """This rank's curved and straight cells."""
     geometry, d = fluid.mesh.geometry, fluid.dimension
     x = geometry.x[geometry.dofmaps[0][: fluid.mesh.topology.index_map(d).size_local]][:, :, :d]
     X = reference_points(fluid.order, d)

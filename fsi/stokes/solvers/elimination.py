@@ -10,8 +10,8 @@ domains. With x = P y + g (see `constraints`), rigid^T lambda = (F, T) for every
     P^T M P y = P^T (b - M g) + (F, T)
 
 and lambda comes back as M x - b. Both g and lambda live on constrained rows; of M itself only those rows are
-needed. This is EXACTLY the saddle-point system of `saddle`, with its multiplier and the rigid boundary values
-eliminated.
+needed. This is EXACTLY the saddle-point system of `multiplier`, with its multiplier and the rigid boundary
+values eliminated.
 
 The direct solver leaves held modes out of y; the iterative one, which wants whole bodies, keeps all modes in
 y and sets the held ones to zero.
@@ -28,13 +28,11 @@ from dolfinx import fem, la
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fsi.bodies.configuration import Array, Motion
-from fsi.stokes.discretisation.boundary import BoundaryNodes
-from fsi.stokes.discretisation.constraints import DofLayout, RigidModes
+from fsi.bodies.configuration import Array
+from fsi.stokes.discretisation.constraints import BoundaryNodes, DofLayout, RigidModes
 from fsi.stokes.discretisation.forms import Form, Forms
 from fsi.stokes.problem import StokesProblem
-from fsi.stokes.solvers.coarse import Coarse, transfer
-from fsi.stokes.solvers.fgmres import Iteration, SchurBlocks
+from fsi.stokes.solvers.fgmres import Coarse, Iteration, SchurBlocks, transfer
 from fsi.stokes.solvers.mumps import Factorisation
 from fsi.stokes.solvers.workspace import Elimination, Workspace
 
@@ -72,14 +70,9 @@ class StokesSystem:
     workspace: Workspace
 
     @property
-    def motion(self) -> Motion:
-        """Of the problem."""
-        return self.problem.motion
-
-    @property
     def unknown_modes(self) -> NDArray[np.bool_]:
         """The modes that stand in y, (M N,)."""
-        held = self.motion.held.ravel()
+        held = self.problem.motion.held.ravel()
         return ~held if self.mass is None else np.ones_like(held)
 
     @property
@@ -94,8 +87,7 @@ class NodalSolution:
 
     Attributes:
         x: values of (u, p), this rank's rows.
-        reaction: lambda, this rank's rows; on those of masters it is left out, being minus that of their
-            slaves.
+        reaction: lambda, this rank's rows; not on those of masters, being minus that of their slaves.
         U: velocities of the bodies, (N, M), on all ranks.
         residual: relative residual of the linear system.
         iterations: most of them, 0 by the direct solver.
@@ -114,8 +106,7 @@ def nodal_vector(form: Form) -> Array:
     """A linear form on the velocity space, summed over ranks; this rank's rows of u."""
     vector = fem.assemble_vector(form)
     vector.scatter_reverse(la.InsertMode.add)
-    rows: Array = vector.array[: vector.index_map.size_local * vector.block_size].copy()
-    return rows
+    return np.asarray(vector.array[: vector.index_map.size_local * vector.block_size].copy())
 
 
 def multiply(matrix: PETSc.Mat, values: Array) -> Array:
@@ -155,8 +146,8 @@ def body_velocity(system: StokesSystem, U: Array) -> Array:
 
 def mode_equations(system: StokesSystem) -> tuple[Array, Array]:
     """D and F + D U0 of all modes, (M N,), of the balance `rigid^T lambda + D U = F + D U0`; 0 if held."""
-    free = ~system.motion.held.ravel()
-    load = system.motion.F.ravel() * free
+    free = ~system.problem.motion.held.ravel()
+    load = system.problem.motion.F.ravel() * free
     inertia = system.problem.inertia
     if inertia is None:
         return np.zeros(len(load)), load
@@ -165,30 +156,27 @@ def mode_equations(system: StokesSystem) -> tuple[Array, Array]:
 
 
 def solve_eliminated(system: StokesSystem) -> NodalSolution:
-    """Solve for y, then x = P y + g and lambda = M x - b.
-
-    Raises:
-        SolveError: the system is singular, or its residual is not small.
-    """
+    """Solve for y, then x = P y + g and lambda = M x - b. Raises SolveError as `factorised`."""
     with factorised(system) as responses:
-        return next(responses(system.motion.U[None]))
+        return next(responses(system.problem.motion.U[None]))
 
 
 @contextmanager
 def factorised(system: StokesSystem) -> Iterator[Callable[[Array], Iterator[NodalSolution]]]:
     """Factorise P^T M P once: gives the solutions for any velocities (k, N, M) of the held modes; collective.
 
-    Or set up the iterative solver once.
-
-    Raises:
-        SolveError: the system is singular, or the residual of a solution is not small.
+    Or set up the iterative solver once. Raises SolveError: the system is singular, or the residual of a
+    solution is not small.
     """
     unknown = system.unknown_modes
     elimination = system.workspace.elimination(system.M, system.layout, system.rigid, unknown)
     reduced = elimination.reduced
     first_mode = reduced.getLocalSize()[0] - system.modes_here
     D, _ = mode_equations(system)
-    _add_to_diagonal(reduced, first_mode, D[unknown][: system.modes_here])
+    first_row = reduced.getOwnershipRange()[0] + first_mode
+    for row, value in enumerate(D[unknown][: system.modes_here], first_row):
+        reduced.setValue(row, row, value, PETSc.InsertMode.ADD_VALUES)
+    reduced.assemble()
     if system.mass is None or system.coarse is None:
         factors = elimination.factors(lasting=system.workspace.lasting)
         yield lambda U: _respond(system, elimination, factors, U)
@@ -205,14 +193,14 @@ def _iteration(
 ) -> Iteration:
     """The iterative solver; it changes the matrix."""
     layout, start = system.layout, reduced.getOwnershipRange()[0]
-    held = np.flatnonzero(system.motion.held.ravel())[: system.modes_here]
+    held = np.flatnonzero(system.problem.motion.held.ravel())[: system.modes_here]
     reduced.zeroRowsColumns((start + first_mode + held).astype(PETSc.IntType), diag=1.0)
     pressures = layout.pressure_nodes
     modes = np.arange(first_mode, first_mode + system.modes_here)
     blocks = SchurBlocks(
         u=start + np.concatenate([np.arange(first_mode - pressures), modes]),
         p=start + np.arange(first_mode - pressures, first_mode),
-        transfer=transfer(coarse, layout.free[: layout.velocities], system.motion.held.ravel()),
+        transfer=transfer(coarse, layout.free[: layout.velocities], system.problem.motion.held.ravel()),
         rigid=coarse.rigid,
         mass=mass,
         closed=not system.problem.boundary.pressures,
@@ -224,7 +212,7 @@ def _respond(
     system: StokesSystem, elimination: Elimination, solver: Factorisation | Iteration, held_U: Array
 ) -> Iterator[NodalSolution]:
     """The solutions with velocities held_U (k, N, M) of the held modes, zero on the free ones."""
-    free, unknown, modes_here = ~system.motion.held, system.unknown_modes, system.modes_here
+    free, unknown, modes_here = ~system.problem.motion.held, system.unknown_modes, system.modes_here
     P, M, rows = elimination.P, elimination.constrained, system.layout.constrained
     g = [system.g + body_velocity(system, U) for U in held_U]
     # M is symmetric.
@@ -242,12 +230,3 @@ def _respond(
         reaction = np.zeros(len(x))
         reaction[rows] = multiply(M, x) - system.b[rows]
         yield NodalSolution(x, reaction, moved, float(residual), solver.iterations)
-
-
-def _add_to_diagonal(matrix: PETSc.Mat, first: int, values: Array) -> None:
-    """Add to this rank's rows from `first` on."""
-    start, _ = matrix.getOwnershipRange()
-    for k, value in enumerate(values):
-        row = start + first + k
-        matrix.setValue(row, row, value, PETSc.InsertMode.ADD_VALUES)
-    matrix.assemble()

@@ -10,12 +10,17 @@ and its preconditioner (Elman, Silvester and Wathen, Finite Elements and Fast It
     [ A'  B^T ]                 A' approximates A,  S' = mass matrix of the pressure / mu
     [ 0   -S' ]
 
-S' is spectrally equivalent to the Schur complement B A^-1 B^T whatever the mesh size. A' is one cycle of
-two levels: smoothing on the finite elements themselves, and a correction by velocities of degree 1 that are
-rigid on the bodies (see `coarse`), a tenth of the unknowns and less. So the number of iterations does not
-grow with the mesh, nor in narrow gaps, where cells are longer than wide: what the coarse space does not know
-is within single cells, and there smoothing is fast. The coarse matrix of up to MOST_FACTORISED unknowns is
-factorised; beyond, it gets one cycle of smoothed aggregation, which is told the rigid motions of everything.
+S' is spectrally equivalent to the Schur complement B A^-1 B^T whatever the mesh size. A' is one cycle of two
+levels: smoothing on the finite elements themselves, and a correction by velocities of degree 1 that are rigid
+on the bodies, a tenth of the unknowns and less. So the number of iterations does not grow with the mesh, nor
+in narrow gaps, where cells are longer than wide: what the coarse space does not know is within single cells,
+and there smoothing is fast. The coarse matrix of up to MOST_FACTORISED unknowns is factorised; beyond, it
+gets one cycle of smoothed aggregation, which is told the rigid motions of everything.
+
+Every velocity of degree 1 on the same mesh is one of degree k: its nodal values there are I times its values
+at the vertices. With the constraints of degree 1 (zero on the walls, rigid on the bodies) these are P_1 z,
+where z are the values at free vertices and the modes of the bodies. The columns of I P_1 so carry the coarse
+space into the fine one.
 """
 
 from __future__ import annotations
@@ -24,12 +29,63 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
+from dolfinx import fem
+from dolfinx.fem.petsc import interpolation_matrix
 from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from fsi.bodies.configuration import Array
+from fsi.bodies.configuration import Array, rigid_motion
 from fsi.errors import SolveError
+from fsi.stokes.discretisation.constraints import Prolongation, dof_layout, locate, rigid_modes
+from fsi.stokes.discretisation.forms import Forms
+from fsi.stokes.problem import StokesProblem
+
+
+@dataclass(frozen=True, slots=True)
+class Coarse:
+    """I P_1, (rows of u, free values z and, last on rank 0, all modes), and rigid motions in z, (rows, 6)."""
+
+    nodal: PETSc.Mat
+    rigid: Array
+
+
+def coarse_velocities(problem: StokesProblem, forms: Forms) -> Coarse:
+    """The coarse space of a mesh, with zero velocity on walls with a given one; collective."""
+    fluid, q = problem.fluid, problem.q
+    vertices = fem.functionspace(fluid.mesh, ("Lagrange", 1, (fluid.dimension,)))
+    nodes = locate(fluid, vertices)
+    layout = dof_layout(fluid, nodes, problem.boundary.velocities, 0, None)
+    rigid = rigid_modes(layout, nodes, q, fluid.lattice)
+    P = Prolongation(layout, rigid, np.ones(layout.modes, dtype=bool)).matrix
+    interpolation = interpolation_matrix(vertices, forms.V)
+    interpolation.assemble()
+    nodal = interpolation.matMult(P)
+    for used in (rigid.matrix, P, interpolation):
+        used.destroy()
+    of_vertices = rigid_motion(nodes.x)[:, : layout.dimension].reshape(layout.rows, -1)[layout.free]
+    of_bodies = rigid_motion(q.centres).reshape(layout.modes, -1)[: layout.modes_here]
+    return Coarse(nodal, np.concatenate([of_vertices, of_bodies]))
+
+
+def transfer(coarse: Coarse, free: NDArray[np.bool_], held: NDArray[np.bool_]) -> PETSc.Mat:
+    """T: from z to the velocities and modes of the reduced system; collective.
+
+    free: which rows of u are its unknowns, this rank's. held: modes that move nothing but themselves, (M N,).
+    """
+    nodal = coarse.nodal
+    indptr, column, value = nodal.getValuesCSR()
+    first_mode = nodal.getOwnershipRangesColumn()[1] - len(held)
+    value[np.isin(column, first_mode + np.flatnonzero(held))] = 0.0
+    T = sp.csr_matrix((value, column, indptr), shape=(len(free), nodal.size[1]))[free]
+    if nodal.comm.rank == 0:
+        modes = sp.eye_array(len(held), nodal.size[1], k=first_mode, format="csr")
+        T = sp.vstack([T, modes], "csr")
+    size = ((T.shape[0], None), (nodal.getLocalSize()[1], None))
+    csr = (T.indptr.astype(PETSc.IntType), T.indices.astype(PETSc.IntType), T.data)
+    return PETSc.Mat().createAIJ(size=size, csr=csr, comm=nodal.comm)
+
 
 TOLERANCE = 1e-12  # of the residual relative to the right-hand side
 MOST_ITERATIONS = 600
@@ -37,11 +93,9 @@ RESTART = 150
 COMPONENTS = 3
 
 MOST_FACTORISED = 120_000
-FACTORS = {
-    "fieldsplit_u_mg_coarse_pc_type": "cholesky",
-    "fieldsplit_u_mg_coarse_pc_factor_mat_solver_type": "mumps",
-}
-MULTIGRID = {"fieldsplit_u_mg_coarse_pc_type": "gamg"}
+COARSE = "fieldsplit_u_mg_coarse_pc_"
+FACTORS = {f"{COARSE}type": "cholesky", f"{COARSE}factor_mat_solver_type": "mumps"}
+MULTIGRID = {f"{COARSE}type": "gamg"}
 OPTIONS = {
     "fieldsplit_u_ksp_type": "preonly",
     "fieldsplit_u_pc_type": "mg",
@@ -80,10 +134,11 @@ class Iteration(AbstractContextManager["Iteration"]):
     """FGMRES on a symmetric indefinite matrix of that form; use it in a `with` statement."""
 
     def __init__(self, matrix: PETSc.Mat, blocks: SchurBlocks) -> None:
-        """Set up the preconditioner."""
         self.matrix, self.iterations = matrix, 0
         self._closed = blocks.closed
-        self._constant = _constant_pressure(matrix, blocks)
+        self._constant = matrix.createVecRight()
+        self._constant.array[blocks.p - matrix.getOwnershipRange()[0]] = 1.0
+        self._constant.normalize()
         if blocks.closed:
             null_space = PETSc.NullSpace().create(vectors=[self._constant], comm=matrix.comm)
             matrix.setNullSpace(null_space)
@@ -91,21 +146,14 @@ class Iteration(AbstractContextManager["Iteration"]):
         self._ksp = _solver(matrix, blocks)
 
     def __exit__(self, *_: object) -> None:
-        """Free the preconditioner."""
         self._ksp.destroy()
         self._constant.destroy()
 
     def solve(self, b: Array) -> tuple[Array, Array]:
         """Solutions of `M x = b` for all columns of b, one after the other; collective.
 
-        Args:
-            b: this rank's rows of the right-hand sides, (rows, k).
-
-        Returns:
-            this rank's rows of x, (rows, k), and the relative residuals |b - M x| / |b|, (k,), on all ranks.
-
-        Raises:
-            SolveError: the iteration stagnates.
+        b, x: this rank's rows, (rows, k); with x the relative residuals |b - M x| / |b|, (k,), on all ranks.
+        Raises SolveError: the iteration stagnates.
         """
         solutions, residuals = zip(*(self._solve_one(column) for column in b.T), strict=True)
         return np.column_stack(solutions), np.array(residuals)
@@ -134,19 +182,8 @@ class Iteration(AbstractContextManager["Iteration"]):
         return values, relative
 
 
-def _constant_pressure(matrix: PETSc.Mat, blocks: SchurBlocks) -> PETSc.Vec:
-    """The unit vector of a constant pressure."""
-    constant = matrix.createVecRight()
-    start, _ = matrix.getOwnershipRange()
-    constant.array[blocks.p - start] = 1.0
-    constant.normalize()
-    return constant
-
-
 def _solver(matrix: PETSc.Mat, blocks: SchurBlocks) -> PETSc.KSP:
-    """FGMRES with the preconditioner set up."""
-    ksp = PETSc.KSP().create(matrix.comm)
-    prefix = "fsi_stokes_"
+    ksp, prefix = PETSc.KSP().create(matrix.comm), "fsi_stokes_"
     ksp.setOptionsPrefix(prefix)
     ksp.setOperators(matrix)
     ksp.setType(PETSc.KSP.Type.FGMRES)
@@ -154,9 +191,8 @@ def _solver(matrix: PETSc.Mat, blocks: SchurBlocks) -> PETSc.KSP:
     ksp.setTolerances(rtol=TOLERANCE, max_it=MOST_ITERATIONS)
     pc = ksp.getPC()
     pc.setType(PETSc.PC.Type.FIELDSPLIT)
-    u, p = (
-        PETSc.IS().createGeneral(rows.astype(PETSc.IntType), matrix.comm) for rows in (blocks.u, blocks.p)
-    )
+    numbers = (rows.astype(PETSc.IntType) for rows in (blocks.u, blocks.p))
+    u, p = (PETSc.IS().createGeneral(rows, matrix.comm) for rows in numbers)
     u.setBlockSize(COMPONENTS)
     pc.setFieldSplitIS(("u", u), ("p", p))
     pc.setFieldSplitType(PETSc.PC.CompositeType.SCHUR)

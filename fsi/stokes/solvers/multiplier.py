@@ -7,9 +7,9 @@ Stationarity of the Lagrangian gives, for velocities, pressures, nodal tractions
     [-C   0     0     K  ] [ l ]   [ 0 ]     u = V + omega x r on the bodies
     [ 0   0     K^T   D  ] [ U ]   [ F ]     balance of force and torque
 
-where C picks the velocity nodes on bodies, K (`rigid` in `constraints`) holds the rigid modes there, and
-D is the inertia of an implicit step (zero without inertia). Wall velocities are eliminated by a
-prolongation; held modes move to the right-hand side. The multiplier IS the nodal traction.
+where C picks the velocity nodes on bodies, K (`rigid` in `constraints`) holds the rigid modes there, and D is
+the inertia of an implicit step (zero without inertia). Wall velocities are eliminated by a prolongation; held
+modes move to the right-hand side. The multiplier IS the nodal traction.
 """
 
 from __future__ import annotations
@@ -19,25 +19,15 @@ from petsc4py import PETSc
 
 from fsi.bodies.configuration import Array
 from fsi.stokes.discretisation.constraints import Index, Prolongation
-from fsi.stokes.discretisation.matrices import galerkin
-from fsi.stokes.solvers.elimination import (
-    NodalSolution,
-    StokesSystem,
-    body_velocity,
-    mode_equations,
-    multiply,
-    multiply_transpose,
-)
+from fsi.stokes.solvers import elimination
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, multiply, multiply_transpose
 from fsi.stokes.solvers.mumps import Factorisation
+from fsi.stokes.solvers.workspace import galerkin
 
 
 def solve_multiplier(system: StokesSystem) -> NodalSolution:
-    """Solve the saddle-point system as it stands above.
-
-    Raises:
-        SolveError: the system is singular, or its residual is not small.
-    """
-    layout, held = system.layout, system.motion.held
+    """Solve the saddle-point system. Raises SolveError: it is singular, or its residual is not small."""
+    layout, held = system.layout, system.problem.motion.held
     S = Prolongation(layout, system.rigid, np.zeros_like(system.unknown_modes), eliminate_bodies=False).matrix
     flow = galerkin(system.M, S)
     # Rows of each rank: its unknowns (u, p), its multipliers, and on rank 0 the free modes.
@@ -52,13 +42,12 @@ def solve_multiplier(system: StokesSystem) -> NodalSolution:
     mode_column[free] = root_mode + np.arange(len(free))
 
     multiplier = first + flow_rows + np.arange(multiplier_rows)
-    D, load = (values[free] for values in mode_equations(system))
-    triplets = [
-        _renumbered(flow, starts),
-        *_symmetric(*_trace(S, layout.on_body, starts, multiplier)),
-        *_symmetric(*_rigid_columns(system, multiplier, mode_column)),
-        (multiplier, multiplier, np.zeros(multiplier_rows)),
-    ]
+    D, load = (values[free] for values in elimination.mode_equations(system))
+    trace = _trace(S, layout.on_body, starts, multiplier)
+    rigid = _rigid_columns(system, multiplier, mode_column)
+    zero = (multiplier, multiplier, np.zeros(multiplier_rows))
+    transposes = [(column, row, value) for row, column, value in (trace, rigid)]
+    triplets = [_renumbered(flow, starts), trace, rigid, *transposes, zero]
     if mode_rows:
         triplets.append((mode_column[free], mode_column[free], D))
     matrix = PETSc.Mat().createAIJ(size=((rows_here, None), (rows_here, None)), comm=layout.comm)
@@ -67,31 +56,24 @@ def solve_multiplier(system: StokesSystem) -> NodalSolution:
     matrix.setValuesCOO(values)
 
     loads = multiply_transpose(S, system.b - multiply(system.M, system.g))
-    no_slip = -body_velocity(system, system.motion.U)[layout.on_body]
+    no_slip = -elimination.body_velocity(system, system.problem.motion.U)[layout.on_body]
     rhs = np.concatenate([loads, no_slip, load[:mode_rows]])
     with Factorisation(matrix) as factors:
         solution, residual = (result[..., 0] for result in factors.solve(rhs[:, None]))
     x = multiply(S, solution[:flow_rows]) + system.g
     reaction = np.zeros(layout.rows)
     reaction[layout.on_body] = solution[flow_rows : flow_rows + multiplier_rows]
-    reaction = _with_walls(system, x, reaction)
-    U = system.motion.U.copy()
+    # The multipliers do not hold M x - b on the rows of walls and of slaves.
+    fixed = np.concatenate([layout.fixed, layout.slave])
+    reaction[fixed] = (multiply(system.M, x) - system.b)[fixed]
+    U = system.problem.motion.U.copy()
     U.ravel()[free] = layout.comm.bcast(solution[flow_rows + multiplier_rows :].copy())
     for used in (S, flow, matrix):
         used.destroy()
     return NodalSolution(x, reaction, U, float(residual))
 
 
-def _with_walls(system: StokesSystem, x: Array, reaction: Array) -> Array:
-    """Add what the multipliers do not hold: M x - b on the rows of walls and of slaves."""
-    complete = reaction.copy()
-    fixed = np.concatenate([system.layout.fixed, system.layout.slave])
-    complete[fixed] = (multiply(system.M, x) - system.b)[fixed]
-    return complete
-
-
 def _renumbered(flow: PETSc.Mat, starts: list[int]) -> tuple[Index, Index, Array]:
-    """Triplets of the flow block in the numbers of the whole system."""
     ranges = flow.getOwnershipRanges()
     start, end = flow.getOwnershipRange()
     indptr, column, value = flow.getValuesCSR()
@@ -102,8 +84,7 @@ def _renumbered(flow: PETSc.Mat, starts: list[int]) -> tuple[Index, Index, Array
 def _shifted(number: Index, ranges: Index, starts: list[int]) -> Index:
     """From numbers shared out by `ranges` to numbers in which rank k's begin at starts[k]."""
     owner = np.searchsorted(ranges, number, side="right") - 1
-    shifted: Index = number - np.asarray(ranges)[owner] + np.asarray(starts)[owner]
-    return shifted
+    return np.asarray(number - np.asarray(ranges)[owner] + np.asarray(starts)[owner])
 
 
 def _trace(S: PETSc.Mat, on_body: Index, starts: list[int], multiplier: Index) -> tuple[Index, Index, Array]:
@@ -114,14 +95,8 @@ def _trace(S: PETSc.Mat, on_body: Index, starts: list[int], multiplier: Index) -
 
 
 def _rigid_columns(system: StokesSystem, multiplier: Index, mode_column: Index) -> tuple[Index, Index, Array]:
-    """Triplets of K: multipliers against free modes."""
     row, mode, value = system.rigid.entries()
     of_row = np.full(system.layout.rows, -1)
     of_row[system.layout.on_body] = multiplier
     free = mode_column[mode] >= 0
     return of_row[row[free]], mode_column[mode[free]], value[free]
-
-
-def _symmetric(row: Index, column: Index, value: Array) -> list[tuple[Index, Index, Array]]:
-    """A block and its transpose."""
-    return [(row, column, value), (column, row, value)]

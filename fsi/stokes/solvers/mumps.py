@@ -22,6 +22,7 @@ TOO_LITTLE_WORKSPACE = (-8, -9)
 # A residual of 1e-12 of b, which is what two hundred discs leave, is 5e-13 in their velocities.
 REFINE_ABOVE = 1e-11
 REFUSE_ABOVE = 1e-9
+LEFT = "left without anything that holds it"
 
 
 class Factorisation(AbstractContextManager["Factorisation"]):
@@ -32,11 +33,7 @@ class Factorisation(AbstractContextManager["Factorisation"]):
     """
 
     def __init__(self, matrix: PETSc.Mat, *, lasting: bool = False) -> None:
-        """Factorise; lasting: it will be done again many times with other values.
-
-        Raises:
-            SolveError: the matrix is singular or MUMPS fails.
-        """
+        """Factorise, as `update`; lasting: it will be done again many times with other values."""
         self.matrix, self.iterations = matrix, 0
         matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         self._ordering = NESTED_DISSECTION if lasting and matrix.size[0] > LARGE else MINIMUM_DEGREE
@@ -44,11 +41,7 @@ class Factorisation(AbstractContextManager["Factorisation"]):
         self.update()
 
     def update(self) -> None:
-        """Factorise the matrix with the values that it has now; what follows from its pattern is kept.
-
-        Raises:
-            SolveError: the matrix is singular or MUMPS fails.
-        """
+        """Factorise the matrix as it is now, of the same pattern. Raises SolveError: it is singular."""
         self._ksp.setOperators(self.matrix)  # or PETSc would not look at its values again
         status = _factorise(self._ksp)
         if status in TOO_LITTLE_WORKSPACE:
@@ -56,12 +49,9 @@ class Factorisation(AbstractContextManager["Factorisation"]):
             self._ksp = _solver(self.matrix, self._ordering, WORKSPACES[1])
             status = _factorise(self._ksp)
         if status < 0:
-            raise SolveError(
-                f"MUMPS failed with INFOG(1) = {status}; is the flow left without anything that holds it?"
-            )
+            raise SolveError(f"MUMPS failed with INFOG(1) = {status}; is the flow {LEFT}?")
 
     def __exit__(self, *_: object) -> None:
-        """Free the factors."""
         self.destroy()
 
     def destroy(self) -> None:
@@ -71,15 +61,9 @@ class Factorisation(AbstractContextManager["Factorisation"]):
     def solve(self, b: Array) -> tuple[Array, Array]:
         """Solutions of `M x = b`, refined if that helps, for all columns of b at once; collective.
 
-        Args:
-            b: this rank's rows of the right-hand sides, (rows, k). A block of some tens costs a tenth of as
-                many single ones.
-
-        Returns:
-            this rank's rows of x, (rows, k), and the relative residuals |b - M x| / |b|, (k,), on all ranks.
-
-        Raises:
-            SolveError: a residual is not below 1e-9.
+        b, x: this rank's rows, (rows, k); with x the relative residuals |b - M x| / |b|, (k,), on all ranks.
+        A block of some tens costs a tenth of as many single ones. Raises SolveError: a residual is not below
+        1e-9.
         """
         size = self._norms(b)
         size[size == 0.0] = 1.0
@@ -90,9 +74,8 @@ class Factorisation(AbstractContextManager["Factorisation"]):
             x += self._apply(residual)
             relative = self._norms(b - self._multiply(x)) / size
         if not relative.max() < REFUSE_ABOVE:
-            raise SolveError(
-                f"the linear solve left a relative residual of {relative.max():.2g} (bound {REFUSE_ABOVE:g})"
-            )
+            residuals = f"{relative.max():.2g} (bound {REFUSE_ABOVE:g})"
+            raise SolveError(f"the linear solve left a relative residual of {residuals}")
         return x, relative
 
     def _apply(self, b: Array) -> Array:
@@ -104,12 +87,10 @@ class Factorisation(AbstractContextManager["Factorisation"]):
         return self._taken(x, right, factor, pc)
 
     def _multiply(self, x: Array) -> Array:
-        """M x."""
         right = self._dense(x)
         return self._taken(self.matrix.matMult(right), right)
 
     def _dense(self, values: Array) -> PETSc.Mat:
-        """A dense matrix with this rank's rows."""
         rows, columns = values.shape
         dense = PETSc.Mat().createDense(((rows, None), (None, columns)), comm=self.matrix.comm)
         dense.setUp()
@@ -129,8 +110,7 @@ class Factorisation(AbstractContextManager["Factorisation"]):
         """Euclidean norm of each column, on all ranks."""
         squares = np.square(b).sum(axis=0)
         self.matrix.comm.tompi4py().Allreduce(MPI.IN_PLACE, squares)
-        norms: Array = np.sqrt(squares)
-        return norms
+        return np.asarray(np.sqrt(squares))
 
 
 def _solver(matrix: PETSc.Mat, ordering: int, workspace: int) -> PETSc.KSP:
@@ -155,9 +135,7 @@ def _factorise(ksp: PETSc.KSP) -> int:
         ksp.setUp()
         return int(factor.getMumpsInfog(1))
     except PETSc.Error as error:
-        raise SolveError(
-            f"MUMPS failed: {error}; is a body or the flow left without anything that holds it?"
-        ) from error
+        raise SolveError(f"MUMPS failed: {error}; is a body or the flow {LEFT}?") from error
     finally:
         factor.destroy()
         pc.destroy()

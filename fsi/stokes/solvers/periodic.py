@@ -8,10 +8,10 @@ which is a row of P and a jump in g. The traction jumps by -G.e n; with test fun
 loads the slaves by  - (G.e) <n, v>. The same holds on arcs of bodies that the cut has left at another image
 than the rest of the body, so that every force is that of one image in one pressure field.
 
-The mean pressure gradient G is given, or follows from the forces (in a cell without walls it balances
-them), or is found such that the mean velocity has its given value. Where all bodies of such a cell are free,
-the flow is determined up to a translation: one body rests, and then the mean of u - E x over fluid and bodies
-is brought to zero.
+The mean pressure gradient G is given, or follows from the forces (in a cell without walls it balances them),
+or is found such that the mean velocity has its given value. Where all bodies of such a cell are free, the
+flow is determined up to a translation: one body rests, and then the mean of u - E x over fluid and bodies is
+brought to zero.
 """
 
 from __future__ import annotations
@@ -26,9 +26,8 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Motion
 from fsi.meshes.build import FluidMesh, matching_nodes
-from fsi.meshes.geometry.lattice import Integers, matching_points
-from fsi.stokes.discretisation.boundary import facets_with
-from fsi.stokes.discretisation.constraints import DofLayout
+from fsi.meshes.geometry.lattice import matching_points
+from fsi.stokes.discretisation.constraints import DofLayout, facets_with
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.problem import StokesProblem, channel_walls
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, nodal_vector
@@ -43,8 +42,7 @@ class MeanFlow:
     Attributes:
         gradient: E, (2, 2).
         pressure_gradient: G, (2,), NaN where it is unknown.
-        velocity: mean of u - E x over fluid and bodies, (2,), which counts where G is unknown, and where
-            `drifting`.
+        velocity: mean of u - E x over fluid and bodies, (2,), for where G is unknown or all is `drifting`.
         drifting: components in which nothing but this mean fixes a translation of everything, bool (2,).
     """
 
@@ -80,14 +78,11 @@ def tied(layout: DofLayout, fluid: FluidMesh, forms: Forms, x: Array) -> DofLayo
         owner = np.searchsorted(starts[:, space], numbers, side="right") - 1
         local = numbers - starts[owner, space]
         of_rank = 2 * local + component if space == 0 else 2 * starts[owner, 2] + local
-        row: NDArray[np.int64] = first_row[owner] + of_rank
-        return row
+        return np.asarray(first_row[owner] + of_rank)
 
     parts = [(pairs[0], 0, 0), (pairs[0], 0, 1), (pairs[1], 1, 0)]
-    slave, master = (
-        np.concatenate([rows(getattr(p, side), space, c) for p, space, c in parts])
-        for side in ("slave", "master")
-    )
+    slave = np.concatenate([rows(p.slave, space, c) for p, space, c in parts])
+    master = np.concatenate([rows(p.master, space, c) for p, space, c in parts])
     shift = fluid.lattice.shift(np.concatenate([p.shift for p, _, _ in parts]))
     slave -= first_row[layout.comm.rank]
     here = (slave >= 0) & (slave < layout.rows)
@@ -96,20 +91,16 @@ def tied(layout: DofLayout, fluid: FluidMesh, forms: Forms, x: Array) -> DofLayo
     return replace(layout, slave=slave[here], master=master[here], away=shift[here])
 
 
-@dataclass(frozen=True, slots=True)
 class Jumps:
-    """What a velocity gradient and a pressure gradient put into g and b; of this rank.
+    """What a velocity gradient and a pressure gradient put into g and b of a domain that was opened."""
 
-    Attributes:
-        layout: of the rows.
-        to_body: how far the node of each row on a body lies from that of the body at q_i, (on_body, 2).
-        normals: pairs of a lattice vector e and the nodal values of <n, v> over all that lies at e, on slaves
-            and on opened bodies.
-    """
-
-    layout: DofLayout
-    to_body: Array
-    normals: list[tuple[Array, Array]]
+    def __init__(self, system: StokesSystem) -> None:
+        self.layout, fluid, q = system.layout, system.problem.fluid, system.problem.q
+        r = system.nodes.x[self.layout.on_body // 2] - q.centres[self.layout.body]
+        # How far the node of each row on a body lies from that of the body at q_i, (on_body, 2).
+        self._to_body = fluid.lattice.shift(fluid.lattice.nearest(r))
+        # Lattice vectors e and the nodal <n, v> over all that lies at e, on slaves and on opened bodies.
+        self._normals = _normals(fluid, system.forms, q)
 
     def of_velocity(self, E: Array) -> Array:
         """The part of g for u(x + e) = u(x) + E e, this rank's rows."""
@@ -117,7 +108,7 @@ class Jumps:
         of_flow = layout.slave < 2 * layout.velocity_nodes
         slave = layout.slave[of_flow]
         g[slave] = (layout.away[of_flow] @ E.T)[np.arange(len(slave)), slave % 2]
-        g[layout.on_body] = (self.to_body @ E.T)[np.arange(len(layout.on_body)), layout.on_body % 2]
+        g[layout.on_body] = (self._to_body @ E.T)[np.arange(len(layout.on_body)), layout.on_body % 2]
         return g
 
     def of_pressure(self, G: Array) -> tuple[Array, Array]:
@@ -125,16 +116,9 @@ class Jumps:
         layout, g, b = self.layout, np.zeros(self.layout.rows), np.zeros(self.layout.rows)
         of_pressure = layout.slave >= 2 * layout.velocity_nodes
         g[layout.slave[of_pressure]] = layout.away[of_pressure] @ G
-        for e, normal in self.normals:
+        for e, normal in self._normals:
             b[: len(normal)] -= (G @ e) * normal
         return g, b
-
-
-def jumps(system: StokesSystem) -> Jumps:
-    """The jumps of a domain that was opened; collective."""
-    layout, fluid, q = system.layout, system.problem.fluid, system.problem.q
-    r = system.nodes.x[layout.on_body // 2] - q.centres[layout.body]
-    return Jumps(layout, fluid.lattice.shift(fluid.lattice.nearest(r)), _normals(fluid, system.forms, q))
 
 
 def _normals(fluid: FluidMesh, forms: Forms, q: Configuration) -> list[tuple[Array, Array]]:
@@ -152,7 +136,13 @@ def _normals(fluid: FluidMesh, forms: Forms, q: Configuration) -> list[tuple[Arr
     np.minimum.at(first, body, m[on_body])
     comm.Allreduce(MPI.IN_PLACE, first, op=MPI.MIN)
     m[on_body] -= first[body]
-    m[~on_body] = _shifts_on_cut(fluid, middle[~on_body])
+    # How far facets of the cut lie from their images there: zero for masters.
+    everywhere = comm.allgather(middle[~on_body])
+    pairs = matching_points(np.concatenate(everywhere), lattice)
+    shifts = np.zeros((sum(map(len, everywhere)), lattice.dimension), dtype=np.int64)
+    shifts[pairs.slave] = pairs.shift
+    before = sum(map(len, everywhere[: comm.rank]))
+    m[~on_body] = shifts[before : before + len(everywhere[comm.rank])]
     normals = []
     for e in np.unique(np.concatenate(comm.allgather(m)), axis=0):
         if e.any():
@@ -161,60 +151,38 @@ def _normals(fluid: FluidMesh, forms: Forms, q: Configuration) -> list[tuple[Arr
     return normals
 
 
-def _shifts_on_cut(fluid: FluidMesh, middle: Array) -> Integers:
-    """How far facets of the cut with these middles (n, 2) lie from their images there: zero for masters."""
-    comm, lattice = fluid.mesh.comm, fluid.lattice
-    everywhere = np.concatenate(comm.allgather(middle))
-    pairs = matching_points(everywhere, lattice)
-    m = np.zeros((len(everywhere), lattice.dimension), dtype=np.int64)
-    m[pairs.slave] = pairs.shift
-    first = comm.exscan(len(middle)) or 0
-    return m[first : first + len(middle)]
-
-
-@dataclass(frozen=True, slots=True)
 class Averages:
-    """Averages over fluid and bodies together.
+    """Averages over the fluid and the bodies of a periodic domain together.
 
     Attributes:
-        problem: of the flow.
         weights: int v_c over the fluid for each row of u, (rows of u, 2), of this rank.
         x: this rank's velocity nodes, (n, 2).
     """
 
-    problem: StokesProblem
-    weights: Array
-    x: Array
+    def __init__(self, system: StokesSystem) -> None:
+        self._problem, self.x, forms, columns = system.problem, system.nodes.x, system.forms, []
+        for direction in np.eye(2):
+            forms.f.x.array[:] = np.tile(direction, len(forms.f.x.array) // 2)
+            columns.append(nodal_vector(forms.bind("load")))
+        self.weights = np.column_stack(columns)
 
     def velocity(self, solution: NodalSolution, E: Array) -> Array:
-        """The mean of u - E x, (2,)."""
-        q, comm = self.problem.q, self.problem.fluid.mesh.comm
+        """The mean of u - E x, (2,); collective."""
+        q, comm = self._problem.q, self._problem.fluid.mesh.comm
         u = solution.x[: len(self.weights)] - (self.x @ E.T).ravel()
         V = solution.U[:, :2] - q.centres @ E.T
         of_fluid = np.asarray(comm.allreduce(u @ self.weights, op=MPI.SUM))
-        mean: Array = (of_fluid + (np.pi * q.radii**2) @ V) / self.problem.container.volume
-        return mean
-
-
-def averages(system: StokesSystem) -> Averages:
-    """The averages over a periodic domain; collective."""
-    forms, columns = system.forms, []
-    for direction in np.eye(2):
-        forms.f.x.array[:] = np.tile(direction, len(forms.f.x.array) // 2)
-        columns.append(nodal_vector(forms.bind("load")))
-    return Averages(system.problem, np.column_stack(columns), system.nodes.x)
+        return np.asarray((of_fluid + (np.pi * q.radii**2) @ V) / self._problem.container.volume)
 
 
 def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, NodalSolution]:
     """The flow with the mean of its problem, and the system with the loads that it took; collective.
 
-    It is linear in G: the flow for what is known of G, plus what each unknown component drives alone.
-
-    Raises:
-        SolveError: as the solver.
+    It is linear in G: the flow for what is known of G, plus what each unknown component drives alone. Raises
+    SolveError: as the solver.
     """
-    problem, motion = system.problem, system.motion
-    mean, jump = mean_flow(problem), jumps(system)
+    problem, motion = system.problem, system.problem.motion
+    mean, jump = mean_flow(problem), Jumps(system)
     E, G = mean.gradient, np.nan_to_num(mean.pressure_gradient)
     # Where everything may drift, the first body rests at first.
     held = motion.held.copy()
@@ -227,7 +195,7 @@ def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, 
     solution, total_g, total_b = solver(known), known.g, known.b
     unknown = np.flatnonzero(np.isnan(mean.pressure_gradient))
     if len(unknown) or mean.drifting.any():
-        average = averages(system)
+        average = Averages(system)
     if len(unknown):
         resting = Motion(held, np.zeros_like(motion.U), np.zeros_like(motion.F))
         at_rest = replace(problem, motion=resting, inertia=None)
@@ -248,10 +216,5 @@ def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, 
 
 
 def _sum(one: NodalSolution, other: NodalSolution, s: float) -> NodalSolution:
-    """one + s other."""
-    return NodalSolution(
-        one.x + s * other.x,
-        one.reaction + s * other.reaction,
-        one.U + s * other.U,
-        max(one.residual, other.residual),
-    )
+    x, reaction, U = one.x + s * other.x, one.reaction + s * other.reaction, one.U + s * other.U
+    return NodalSolution(x, reaction, U, max(one.residual, other.residual))

@@ -1,4 +1,4 @@
-"""What solves on one mesh share while it is moved.
+"""The matrices of the discrete Stokes system, and what solves on one mesh share of them while it is moved.
 
 Spaces, the patterns of M, of P and of P^T M P, and MUMPS's analysis of it follow from topology and
 constraints alone, and take half the time of a step. A solve finds them again in the workspace that it is
@@ -15,14 +15,103 @@ from dataclasses import fields
 from functools import cache
 
 import numpy as np
+import scipy.sparse as sp
+from dolfinx import fem
+from dolfinx.fem.petsc import assemble_matrix, create_matrix
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fsi.meshes.build import FluidMesh
 from fsi.stokes.discretisation.constraints import DofLayout, Prolongation, RigidModes
 from fsi.stokes.discretisation.forms import Forms
-from fsi.stokes.discretisation.matrices import StokesMatrix, galerkin
 from fsi.stokes.solvers.mumps import Factorisation
+
+
+class StokesMatrix:
+    """M = [A B^T; B 0] over all nodes, in the order of `DofLayout`; the zeros of its diagonal are stored."""
+
+    def __init__(self, forms: Forms) -> None:
+        self._forms = [[forms.bind("a"), forms.bind("b^T")], [forms.bind("b"), forms.bind("zero")]]
+        self._blocks = BlockAssembly(forms) if forms.mesh.comm.size == 1 else None
+        self._M: PETSc.Mat | None = None
+
+    def assemble(self) -> PETSc.Mat:
+        """M on the mesh as it is now; always the same matrix, which `destroy` frees."""
+        if self._blocks is not None:
+            self._M = self._blocks.assemble()
+        elif self._M is None:
+            self._M = assemble_matrix(self._forms, kind="aij")
+        else:
+            self._M.zeroEntries()
+            assemble_matrix(self._M, self._forms)  # type: ignore[arg-type]
+        self._M.assemble()
+        return self._M
+
+    def destroy(self) -> None:
+        """Free the matrices."""
+        if self._blocks is not None:
+            self._blocks.B.destroy()
+        if self._M is not None:
+            self._M.destroy()
+
+
+class BlockAssembly:
+    """M on one rank by blocks that are assembled apart: in blocks of d x d, A takes half the time."""
+
+    def __init__(self, forms: Forms) -> None:
+        self._a, self._b = forms.bind("a"), forms.bind("b")
+        self.A, self.B = fem.create_matrix(self._a), create_matrix(self._b)
+        self._M: PETSc.Mat | None = None
+
+    def assemble(self) -> PETSc.Mat:
+        """M, filled in place from the second time on."""
+        self.A.set_value(0.0)
+        fem.assemble_matrix(self.A, self._a)  # type: ignore[arg-type]
+        self.B.zeroEntries()
+        assemble_matrix(self.B, self._b)  # type: ignore[arg-type]
+        self.B.assemble()
+        if self._M is None:
+            self._M = self._pattern()
+        np.concatenate([self.A.data, self.B.getValuesCSR()[2], [0.0]], out=self._every)
+        # Without "clip" numpy would buffer what it takes, at four times the cost.
+        np.take(self._every, self._source, out=self._values, mode="clip")
+        self._M.stateIncrease()
+        return self._M
+
+    def _pattern(self) -> PETSc.Mat:
+        """M without its values, and which entry of A or B each of them will be."""
+        n, of_A = self.B.size[0], self.A.data.size
+        indptr, indices, _ = self.B.getValuesCSR()
+        A, numbers = self.A.to_scipy(), np.arange(of_A + len(indices), dtype=np.int32)
+        numbered = type(A)((numbers[:of_A].reshape(A.data.shape), A.indices, A.indptr), A.shape).tocsr()
+        B = sp.csr_matrix((numbers[of_A:], indices, indptr), self.B.size)
+        zero = sp.csr_matrix((np.full(n, of_A + len(indices), np.int32), np.arange(n), np.arange(n + 1)))
+        upper, lower = sp.hstack([numbered, B.T.tocsr()], "csr"), sp.hstack([B, zero], "csr")
+        pattern = sp.vstack([upper, lower], "csr")
+        self._source, self._values = pattern.data.astype(np.intp), np.zeros(pattern.nnz)
+        self._every = np.empty(of_A + len(indices) + 1)
+        arrays = (*(part.astype(PETSc.IntType, copy=False) for part in (pattern.indptr, pattern.indices)),)
+        return PETSc.Mat().createAIJWithArrays(pattern.shape, (*arrays, self._values), comm=self.B.comm)
+
+
+def pressure_mass(forms: Forms) -> PETSc.Mat:
+    """The mass matrix of the pressure over mu."""
+    mass = assemble_matrix(forms.bind("pressure mass"))
+    mass.assemble()
+    return mass
+
+
+def galerkin(M: PETSc.Mat, P: PETSc.Mat, product: PETSc.Mat | None = None) -> PETSc.Mat:
+    """P^T M P; the zeros of its diagonal are stored. product: an earlier one of these patterns, to fill."""
+    if M.comm.size > 1:
+        return M.ptap(P, result=product)
+    options = PETSc.Options()
+    options["matptap_via"] = "rap"  # half the time of the default; only on one rank
+    try:
+        return M.ptap(P, result=product)
+    finally:
+        options.delValue("matptap_via")
+
 
 # <malloc.h> of glibc
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3
@@ -65,11 +154,7 @@ class Elimination:
         M.createSubMatrix(self._rows, submat=self.constrained)
 
     def factors(self, *, lasting: bool) -> Factorisation:
-        """The factors of `reduced` as it is now; lasting: it will change its values many times.
-
-        Raises:
-            SolveError: it is singular or MUMPS fails.
-        """
+        """The factors of `reduced` as it is now, as `Factorisation`. Raises SolveError: it is singular."""
         if self._factors is None:
             self._factors = Factorisation(self.reduced, lasting=lasting)
         else:
@@ -96,7 +181,6 @@ class Workspace(AbstractContextManager["Workspace"]):
         self._elimination: Elimination | None = None
 
     def __exit__(self, *_: object) -> None:
-        """Free everything."""
         self.close()
 
     def close(self) -> None:
@@ -141,8 +225,5 @@ class Workspace(AbstractContextManager["Workspace"]):
 
 def _alike(one: DofLayout, other: DofLayout) -> bool:
     """Whether two layouts share the rows out alike, on this rank; how far slaves lie away may differ."""
-    return all(
-        np.array_equal(getattr(one, part.name), getattr(other, part.name))
-        for part in fields(DofLayout)
-        if part.name not in ("comm", "away")
-    )
+    names = [part.name for part in fields(DofLayout) if part.name not in ("comm", "away")]
+    return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in names)

@@ -1,0 +1,210 @@
+"""What the studies print, and draw: `fsi compare`, `fsi limit`, `fsi calibrate`, `fsi validate`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+from fsi.calibration.result import CalibrationResult
+from fsi.case.case import Case
+from fsi.comparison import LIMITS, PART, RateComparison, Trajectories
+from fsi.gluey.limit_study import Study
+from fsi.lubrication.expansions import EXPONENTS
+from fsi.report.console import table
+from fsi.validation.rows import Record, Row, sphere_records
+
+
+def print_trajectories(console: Console, case: Case, paths: Trajectories) -> None:
+    """The smallest gap at some times, and the largest differences from the first level."""
+    caption = f"last line: the largest difference from {next(iter(paths.gap))}, of any body at any time"
+    title = f"{case.name}: smallest gap"
+    shown = table((), ("t", *paths.gap), title=title, title_justify="left", caption=caption)
+    for k in np.linspace(0, len(paths.t) - 1, 13).astype(int):
+        shown.add_row(f"{paths.t[k]:g}", *(f"{gap[k]:.4e}" for gap in paths.smallest.values()))
+    shown.add_section()
+    shown.add_row("sup", *(f"{difference:.1e}" for difference in paths.differences.values()))
+    console.print(shown)
+    if {"resolved", "gluey"} <= set(paths.gap):
+        touch = f"delta_eps = {paths.smallest['resolved'].min():.1e}: surfaces rougher than this touch"
+        memory = "the gluey model, which remembers the push in a film, makes no sense for them"
+        console.print(f"{touch}, and {memory} (give gluey.roughness)", highlight=False)
+
+
+def print_rates(console: Console, case: Case, found: RateComparison) -> None:
+    """The table of the bodies, and from which gap on the reduced model may be trusted."""
+    columns = {
+        "largest dV / V": ("velocity_difference", ".2g"),
+        "dV / V at the end": ("final_velocity_difference", ".2g"),
+        "gap at the end": ("final_gap", ".4g"),
+        "reduced": ("final_reduced_gap", ".4g"),
+        "largest dD / D": ("gap_difference", ".2g"),
+    }
+    title = f"{case.name}: reduced against resolved"
+    shown = table(("body",), tuple(columns), title=title, title_justify="left")
+    for name, row in zip(case.names, found.bodies(), strict=True):
+        shown.add_row(name, *(format(row[key], digits) for key, digits in columns.values()))
+    console.print(shown)
+    for limit in LIMITS:
+        gap = found.good_below(limit)
+        where = "at no sampled gap" if gap is None else f"for gaps up to {gap:.3g}"
+        text = f"rate of the gap within {limit:.0%} {where} ({PART:.0%} of the samples)"
+        console.print(text, highlight=False)
+
+
+def print_study(console: Console, study: Study) -> None:
+    """When it sticks, the errors for each eps, those of the scheme for each number of steps."""
+    for begin, end in study.contacts:
+        until = f"is released at t = {end:.12g}" if np.isfinite(end) else "is not released"
+        console.print(f"sticks at t = {begin:.12g}, {until}", highlight=False)
+    shown = Table("eps", "sup |q_eps - q|", "over eps", "mean |gamma_eps - gamma|")
+    for eps, in_q, in_gamma in zip(study.wanted.eps, study.errors_q, study.errors_gamma, strict=True):
+        shown.add_row(f"{eps:.0e}", f"{in_q:.3e}", f"{in_q / eps:.3f}", f"{in_gamma:.3e}")
+    console.print(shown)
+    shown = Table("steps", "max |q_h - q|", "order")
+    before: tuple[int, float] | None = None
+    for steps, error in zip(study.wanted.steps, study.scheme, strict=True):
+        order = np.log(before[1] / error) / np.log(steps / before[0]) if before and error > 0.0 else np.nan
+        shown.add_row(str(steps), f"{error:.3e}", "" if np.isnan(order) else f"{order:.3f}")
+        before = (steps, error)
+    console.print(shown)
+
+
+def draw(case: Case, study: Study, path: Path) -> None:
+    """q and gamma over time, for each eps and in the limit."""
+    from matplotlib import colormaps
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7.0, 6.0), layout="constrained")
+    above, below = figure.subplots(2, 1, sharex=True)
+    colours = colormaps["viridis"](np.linspace(0.85, 0.15, len(study.wanted.eps)))
+    for eps, solution, colour in zip(study.wanted.eps, study.paths, colours, strict=True):
+        label = rf"$\varepsilon = 10^{{{np.log10(eps):.3g}}}$"
+        above.plot(solution.t, solution.q, color=colour, label=label)
+        below.plot(solution.t, solution.gamma, color=colour, label=label)
+    above.plot(study.t, study.q, "k--", linewidth=1.0, label="limit")
+    below.plot(study.t, study.gamma, "k--", linewidth=1.0, label="limit")
+    above.set_ylabel(r"distance $q_\varepsilon$")
+    below.set_ylabel(r"memory $\gamma_\varepsilon = \varepsilon\,\ln q_\varepsilon$")
+    below.set_xlabel("time $t$")
+    above.set_title(case.name)
+    above.legend(frameon=False)
+    for axes in (above, below):
+        axes.spines[["top", "right"]].set_visible(False)
+    figure.savefig(path, dpi=150)
+
+
+def print_calibration(console: Console, result: CalibrationResult) -> None:
+    """The coefficients against theory, the leading exponent, and the test by held-out samples."""
+    pair, a = result.pair, result.pair.reduced_radius
+    exponent = EXPONENTS[pair.shape, pair.plan.mode]
+    law = f"kappa = mu a_r^{exponent} sum c phi(s), s = d/a_r, a_r = {a:g}"
+    console.print(f"{pair.case.name}: {pair.plan.mode} of {pair.shape}, {law}", soft_wrap=True)
+    if result.coefficients:
+        console.print(_coefficients_table(result))
+    for line in lines(result):
+        console.print(line, soft_wrap=True)
+
+
+def _coefficients_table(result: CalibrationResult) -> Table:
+    shown = table(("phi(s)",), ("c", "± 95 %", "theory", "difference"), box=SIMPLE_HEAD, padding=(0, 1))
+    shown.add_column("")
+    for one in result.coefficients:
+        row = [one.term, f"{one.value:.8g}", f"{one.interval:.1e}"]
+        if one.theory is not None and one.difference is not None:
+            verdict = "[green]inside[/]" if one.inside else "[red]OUTSIDE[/]"
+            row += [f"{one.theory:.8g}", f"{one.difference:+.1e}", verdict]
+        shown.add_row(*row)
+    return shown
+
+
+def lines(result: CalibrationResult) -> list[str]:
+    """What is to be said besides the coefficients."""
+    smallest, largest = result.law.law().range
+    said = [f"law from s = {smallest:.3g} to {largest:.3g}"]
+    fit, test = result.fit, result.test
+    if fit is not None:
+        used = f"{fit.used.sum()} of {len(fit.used)} samples"
+        said[0] += f": {used} agree with it, chi^2 = {fit.chi2:.2g} for {fit.dof} degrees of freedom"
+        if not np.isnan(fit.exponent):
+            said.append(f"leading exponent, if free: {fit.exponent:.6f} ± {fit.exponent_error:.1e}")
+    if test is not None:
+        worst = np.max(np.abs(test.law / test.samples.kappa - 1.0))
+        stated = np.max((test.band + test.samples.bars) / test.samples.kappa)
+        verdict = f"{'within' if test.passed else 'NOT within'} the stated errors (at most {stated:.1e})"
+        said.append(f"{len(test.law)} samples held out: law off by at most {worst:.1e}, {verdict}")
+    return said
+
+
+WIDTH = 100  # below it the numbers would be folded
+
+
+def print_errors(console: Console, rows: Sequence[Row]) -> None:
+    """One line as soon as a case is computed."""
+    worst = max(row.true_error for row in rows)
+    console.print(f"{rows[0].case}: gap/a {rows[0].gap:.3g}, error {worst:.1e}", highlight=False)
+
+
+def print_rows(console: Console, rows: Sequence[Row]) -> None:
+    """The table of all rows, the sphere's, and what they come to."""
+    console.width = max(console.width, WIDTH)
+    console.print(_rows_table(rows))
+    for case in dict.fromkeys(row.case for row in rows):
+        console.print(*dict.fromkeys(f"{case}: {row.source}" for row in rows if row.case == case), sep="\n")
+    for row in rows:
+        if row.failure:
+            console.print(f"{row.case}: {row.failure}", style="red")
+    records = sphere_records(rows)
+    if records:
+        console.print(_sphere_table(records))
+    console.print(summary(rows))
+
+
+def summary(rows: Sequence[Row]) -> str:
+    """How many rows pass, and how many error bars hold."""
+    passed = sum(row.passed for row in rows)
+    known = [row.bar_holds for row in rows if row.bar_holds is not None and not row.failure]
+    text = f"{passed} of {len(rows)} rows pass; "
+    if known:
+        part = f"{sum(known)} of {len(known)} error bars ({100.0 * sum(known) / len(known):.0f} %)"
+        text += f"{part} bracket the true error and are within a factor 10 of it"
+    unknown = len(rows) - len(known) - sum(bool(row.failure) for row in rows)
+    return text + (f"; {unknown} more agree to all digits of the reference" if unknown else "")
+
+
+def _sphere_table(records: Sequence[Record]) -> Table:
+    case, *numbers = records[0]
+    title = "a sphere and a plane: the resolved force over 6 pi mu a U (a/q + ln(a/q)/5 + 0.97128)"
+    shown = table((case,), numbers, title=title)
+    for record in records:
+        shown.add_row(*(f"{x:.8g}" if isinstance(x, float) else str(x) for x in record.values()))
+    return shown
+
+
+def _rows_table(rows: Sequence[Row]) -> Table:
+    numbers = ("gap/a", "resolved", "± est.", "reference", "true", "rtol")
+    title = "validation; errors are relative to the reference"
+    shown = table(("case, quantity",), numbers, title=title, box=SIMPLE_HEAD, padding=(0, 1))
+    shown.add_column("")
+    previous = ""
+    for row in rows:
+        if row.case != previous:
+            if previous:
+                shown.add_section()
+            shown.add_row(f"[bold]{row.case}[/]")
+            previous = row.case
+        shown.add_row(
+            f"  {row.quantity}",
+            f"{row.gap:.6g}",
+            f"{row.value:.10g}",
+            f"{row.error_bar:.1e}",
+            f"{row.reference:.10g}",
+            f"{row.true_error:.1e}" if row.true_error > row.digits else f"< {row.digits:.0e}",
+            f"{row.rtol:.0e}",
+            "[green]ok[/]" if row.passed else "[red]FAIL[/]",
+        )
+    return shown

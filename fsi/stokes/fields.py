@@ -1,0 +1,258 @@
+"""The flow as fields: curved cells whose nodes carry velocity and pressure, tractions, and their files.
+
+The multiplier lives in the dual of the velocity trace: one force per node. The traction t that it stands for
+solves  int t . v ds = sum lambda . v  for every trace v; it converges two orders faster than sigma_h n. A
+surface has few nodes, so root collects it and solves there. Where a periodic domain is opened at a body, one
+node of its surface stands there twice, at two images, and each copy has the reaction of the fluid on its own
+side: v and t have one value at both.
+
+Files are VTU, one per step and rank, with curved cells of the velocity's own degree. Gradients of finite
+elements jump from cell to cell. At a node that cells share the file has the mean of their values: continuous,
+as drawings want it, and the same on any number of ranks. `fsi probe` gives the values of each cell itself.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import basix
+import meshio
+import numpy as np
+import scipy.sparse as sp
+from dolfinx import fem, la
+from dolfinx.common import IndexMap
+from numpy.typing import NDArray
+from scipy.sparse.linalg import spsolve
+from scipy.spatial import cKDTree
+
+import fsi.parallel as parallel
+from fsi.bodies.configuration import Array
+from fsi.errors import SolveError
+from fsi.meshes.cells.lagrange import gradient, locate, tabulate
+from fsi.meshes.files.write import vtk_order
+from fsi.meshes.geometry.lattice import SAME_PLACE, Integers, Lattice, on_torus
+from fsi.observables.velocity_gradient import hoop_rate, strain_rate, vorticity
+from fsi.stokes.discretisation.forms import EQUISPACED, Forms
+from fsi.stokes.solvers.elimination import StokesSystem
+
+# How far beyond its cell a point counts as in it, in sizes of the cell: one that is on a body to rounding.
+BEYOND = 1e-4
+
+
+@dataclass(frozen=True, slots=True)
+class Flow:
+    """This rank's cells: Lagrange triangles or tetrahedra whose nodes carry velocity and pressure.
+
+    Attributes:
+        x: nodes, (n, d).
+        cells: node numbers in the order of basix, (T, nodes).
+        u: velocities, (n, d).
+        p: pressures, (n,).
+        degree: of the cells.
+        nodes: which of the nodes other ranks have too.
+        axisymmetric: whether x are (r, z).
+    """
+
+    x: Array
+    cells: NDArray[np.int64]
+    u: Array
+    p: Array
+    degree: int
+    nodes: IndexMap
+    axisymmetric: bool
+
+
+def capture(forms: Forms, x: Array) -> Flow:
+    """Copy the flow that stands in `forms`, with its nodes x, which it keeps."""
+    V, topology = forms.V, forms.mesh.topology
+    d = topology.dim
+    cells = V.dofmap.list[: topology.index_map(d).size_local]
+    element, u = V.element.basix_element, np.array(forms.u.x.array, dtype=np.float64).reshape(-1, d)
+    # The pressure at the nodes of the velocity is exact, since the element of V holds that of Q.
+    phi = forms.Q.element.basix_element.tabulate(0, element.points)[0, :, :, 0]
+    p = np.empty(len(u))
+    p[cells] = forms.p.x.array[forms.Q.dofmap.list[: len(cells)]] @ phi.T
+    return Flow(x, cells.astype(np.int64), u, p, element.degree, V.dofmap.index_map, forms.axisymmetric)
+
+
+def values_at(flow: Flow, points: Array) -> Array:
+    """u and p, the elements' own, at points (n, d): (n, d + 1), NaN where there is no cell; collective.
+
+    All ranks ask for the same points and get all values.
+    """
+    cells = flow.cells[:, vtk_order(flow.cells.shape[1], points.shape[1])]
+    cell, X = locate(flow.x[cells], points, BEYOND)
+    inside = cell >= 0
+    phi, _ = tabulate(flow.degree, X[inside])
+    values = np.full((len(points), points.shape[1] + 1), np.nan)
+    nodes = cells[cell[inside]]
+    values[inside] = np.einsum("pn,pnc->pc", phi, np.column_stack([flow.u, flow.p])[nodes])
+    # Where ranks meet, the first that knows a point speaks: all have the same values then.
+    first, *others = parallel.gather(values)
+    for other in others:
+        first = np.where(np.isnan(first), other, first)
+    return first
+
+
+FACET = {2: basix.CellType.interval, 3: basix.CellType.triangle}
+
+
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """The bodies' surfaces as curved facets, edges or in space triangles; empty on all ranks but root.
+
+    Attributes:
+        x: nodes, (n, d).
+        facets: node numbers in the order of basix, (E, nodes).
+        degree: of the facets.
+        body: of each facet, (E,).
+        reaction: nodal forces of the body on the fluid, (n, d), with an axis those of whole circles.
+        lattice: of the images.
+        axisymmetric: whether x are (r, z).
+    """
+
+    x: Array
+    facets: NDArray[np.int64]
+    degree: int
+    body: NDArray[np.int64]
+    reaction: Array
+    lattice: Lattice
+    axisymmetric: bool
+
+
+def surfaces(system: StokesSystem, reaction: Array) -> Surface:
+    """Gather the surfaces of all bodies on root; collective. reaction: this rank's rows of u."""
+    fluid, V, x = system.problem.fluid, system.forms.V, system.nodes.with_ghosts
+    tags = fluid.facet_tags
+    on_body = (tags.values >= 1) & (tags.values <= fluid.bodies)
+    facets, body = tags.indices[on_body], tags.values[on_body] - 1
+    entities = fem.compute_integration_domains(fem.IntegralType.exterior_facet, fluid.mesh.topology, facets)
+    d, degree = fluid.dimension, V.element.basix_element.degree
+    closure = np.array(V.element.basix_element.entity_closure_dofs[d - 1])
+    local = V.dofmap.list[entities[::2][:, None], closure[entities[1::2]]]
+    numbers = V.dofmap.index_map.local_to_global(local.ravel().astype(np.int32)).reshape(local.shape)
+    mine = np.unique(local)
+    lambda_h = fem.Function(V)
+    lambda_h.x.array[: len(reaction)] = reaction
+    lambda_h.x.scatter_forward()
+    values = lambda_h.x.array.reshape(-1, d)[mine]
+    node = V.dofmap.index_map.local_to_global(mine.astype(np.int32))
+    parts = fluid.mesh.comm.gather((node, x[mine], values, numbers, body))
+    if parts is None:
+        parts = [(node[:0], x[:0], values[:0], numbers[:0], body[:0])]
+    nodes, xs, reactions, numbers, bodies = (np.concatenate([part[k] for part in parts]) for k in range(5))
+    unique, first = np.unique(nodes, return_index=True)
+    of_facets = np.searchsorted(unique, numbers)
+    return Surface(
+        xs[first], of_facets, degree, bodies, reactions[first], fluid.lattice, fluid.container.axisymmetric
+    )
+
+
+def places(surface: Surface) -> Integers:
+    """For each node (n,) the number of its place: images on one body have the same, 0, 1, ... all told."""
+    x, lattice = surface.x, surface.lattice
+    place = np.arange(len(x))
+    if lattice.dimension == 0:
+        return place
+    of_node = np.empty(len(x))
+    of_node[surface.facets] = surface.body[:, None]
+    torus = np.column_stack([on_torus(x, lattice), lattice.longest() * of_node])
+    one, other = cKDTree(torus).query_pairs(SAME_PLACE * lattice.longest(), output_type="ndarray").T
+    place[np.maximum(one, other)] = np.minimum(one, other)
+    return np.unique(place, return_inverse=True)[1]
+
+
+def traction(surface: Surface) -> Array:
+    """Traction sigma n at the surface nodes (n, d), n out of the fluid: solve the surface mass matrix."""
+    facets, d = surface.facets, surface.x.shape[1]
+    if len(facets) == 0:
+        return np.empty((0, d))
+    element = basix.create_element(basix.ElementFamily.P, FACET[d], surface.degree, EQUISPACED)
+    points, weights = basix.make_quadrature(FACET[d], 3 * surface.degree)
+    phi, *dphi = element.tabulate(1, points)[:, :, :, 0]
+    tangents = [np.einsum("qn,end->eqd", along, surface.x[facets]) for along in dphi]
+    area = weights * np.linalg.norm(tangents[0] if d == 2 else np.cross(*tangents), axis=2)
+    if surface.axisymmetric:
+        area *= 2.0 * np.pi * (surface.x[facets, 0] @ phi.T)
+    masses = np.einsum("eq,qi,qj->eij", area, phi, phi)
+    place = places(surface)
+    of_facets = place[facets]
+    rows = np.repeat(of_facets, of_facets.shape[1], axis=1).ravel()
+    columns = np.tile(of_facets, (1, of_facets.shape[1])).ravel()
+    mass = sp.csc_matrix((masses.ravel(), (rows, columns)))
+    reaction = np.zeros((mass.shape[0], d))
+    np.add.at(reaction, place, surface.reaction)
+    t: Array = spsolve(mass, reaction).reshape(-1, d)
+    return t[place]
+
+
+CELLS = {1: "VTK_LAGRANGE_CURVE", 2: "VTK_LAGRANGE_TRIANGLE", 3: "VTK_LAGRANGE_TETRAHEDRON"}
+
+
+def in_space(vectors: Array) -> Array:
+    """Vectors (n, d) with a third component, zero in the plane, (n, 3)."""
+    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
+
+
+def write_flow(flow: Flow, folder: Path, step: int) -> list[str]:
+    """Write `fluid_<step>.vtu`, on several ranks one file each; names of all ranks' files.
+
+    u and p are the finite element's own values at its nodes; vorticity and strain rate are nodal means.
+    """
+    part = "" if parallel.size() == 1 else f"_rank{parallel.rank()}"
+    name = f"fluid_{step:06d}{part}.vtu"
+    mesh = _mesh(flow.x, flow.cells, flow.x.shape[1])
+    mesh.point_data = {"velocity": in_space(flow.u), "pressure": flow.p, **_nodal_rates(flow)}
+    parallel.on_every_rank(lambda: _write(folder / name, mesh))
+    return parallel.gather(name)
+
+
+def write_surface(surface: Surface, traction: Array, folder: Path, step: int) -> list[str]:
+    """Write `surface_<step>.vtu` on root: curved facets with the traction sigma n and the body's number."""
+    name = f"surface_{step:06d}.vtu"
+    mesh = _mesh(surface.x, surface.facets, surface.x.shape[1] - 1)
+    mesh.point_data, mesh.cell_data = {"traction": in_space(traction)}, {"body": [surface.body]}
+    parallel.on_root(lambda: _write(folder / name, mesh))
+    return [name]
+
+
+def _mesh(x: Array, cells: NDArray[np.int64], dimension: int) -> meshio.Mesh:
+    """Nodes x (n, d) and curved cells of that dimension, nodes in the order of basix."""
+    return meshio.Mesh(in_space(x), [(CELLS[dimension], cells[:, vtk_order(cells.shape[1], dimension)])])
+
+
+def _write(path: Path, mesh: meshio.Mesh) -> None:
+    """Write a VTU file to a temporary name and rename it. Raises SolveError: the disk refuses."""
+    temporary = path.with_name(f".{path.name}.partial")
+    try:
+        meshio.write(temporary, mesh, file_format="vtu")
+        temporary.replace(path)
+    except OSError as error:
+        raise SolveError(f"cannot write {path}: {error.strerror}") from error
+
+
+def _nodal_rates(flow: Flow) -> dict[str, Array]:
+    """`vorticity`, (n,) or in space (n, 3), and `strain_rate` (n,) at this rank's nodes; collective."""
+    x, u = flow.x[flow.cells], flow.u[flow.cells]
+    G = gradient(x[:, None], u[:, None], _slopes(flow.degree, x.shape[2]))
+    hoop = hoop_rate(x[..., 0], u[..., 0], G) if flow.axisymmetric else 0.0
+    ones = np.ones((*flow.cells.shape, 1))
+    values = np.concatenate([np.atleast_3d(vorticity(G)), strain_rate(G, hoop)[..., None], ones], axis=2)
+    sums = la.vector(flow.nodes, bs=values.shape[2])
+    table = sums.array.reshape(-1, values.shape[2])
+    for k in range(values.shape[2]):
+        table[:, k] = np.bincount(flow.cells.ravel(), values[..., k].ravel(), minlength=len(table))
+    sums.scatter_reverse(la.InsertMode.add)
+    sums.scatter_forward()
+    means = table[:, :-1] / np.maximum(table[:, -1:], 1.0)
+    curl = means[:, 0] if means.shape[1] == 2 else means[:, :-1]
+    return {"vorticity": curl, "strain_rate": means[:, -1]}
+
+
+def _slopes(degree: int, dimension: int) -> Array:
+    """Gradients of the shape functions at the nodes, (nodes, nodes, d), both in the order of basix."""
+    cell = {2: basix.CellType.triangle, 3: basix.CellType.tetrahedron}[dimension]
+    element = basix.create_element(basix.ElementFamily.P, cell, degree, EQUISPACED)
+    slopes: Array = element.tabulate(1, element.points)[1:, :, :, 0]
+    return np.moveaxis(slopes, 0, -1)

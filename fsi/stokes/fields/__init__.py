@@ -1,1 +1,0 @@
-"""The flow as fields: values at nodes, rates of strain, tractions, their files."""
