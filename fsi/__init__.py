@@ -4,8 +4,6 @@ What a Python user needs stands here, from `fsi.api`: `load_case`, `make_case`, 
 `calibrate`, `open_run`. It is imported when it is first used, as the command `fsi --help` needs none of it.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import fsi.meshes as _meshes  # noqa: F401  before NumPy: it sets the number of threads

@@ -11,8 +11,6 @@
 Under MPI all ranks call these functions together.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial

@@ -1,7 +1,5 @@
 """What can go wrong, and the exit code that each kind of it gives the command line."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 

@@ -1,7 +1,5 @@
 """Files that appear complete or not at all, and where those that the user asks for may be."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -3,8 +3,6 @@
 Libraries are imported where they are needed: only the resolved model wants DOLFINx.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Every word that ranks exchange outside the linear algebra; serial where mpi4py is absent."""
 
-from __future__ import annotations
-
 import importlib.util
 import sys
 import time

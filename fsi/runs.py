@@ -1,7 +1,5 @@
 """A run from its case to its folder, and the continuation of one that was broken off, at all levels."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path

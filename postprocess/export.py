@@ -5,8 +5,6 @@ triangle becomes a ring of wedges, and all data are those of the nodes, vectors 
 rings of rectangles.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

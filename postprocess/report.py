@@ -3,8 +3,6 @@
 `report.html.jinja` is the page; here is what it shows. What cannot be made is replaced by the reason, a line.
 """
 
-from __future__ import annotations
-
 import base64
 import tempfile
 from collections.abc import Callable

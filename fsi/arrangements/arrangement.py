@@ -4,8 +4,6 @@ Lengths are in the user's unit; `d` is 2 for discs and 3 for spheres. Images acr
 any other body: `separation` is the vector to the nearest image.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 

@@ -6,8 +6,6 @@ chains and columns have the gap g, and s = 2 a + g is the distance of their cent
 them, are above and below.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -14,8 +14,6 @@ wide that two such bodies never meet. As no choice depends on the outcome of a m
 as its reverse.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

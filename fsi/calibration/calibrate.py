@@ -1,7 +1,5 @@
 """`fsi calibrate`, from a case to a folder with its law: law.toml, samples.csv, calibration.json."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

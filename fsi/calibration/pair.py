@@ -6,8 +6,6 @@ opposite unit forces, free otherwise, and the resistance is one over the speed a
 no net force is felt far away. Loads, forces, motions, masses and velocities in the case do not count.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf
 from typing import Any

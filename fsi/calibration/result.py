@@ -1,7 +1,5 @@
 """What a calibration finds: a law, its coefficients against theory, its error against samples held out."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any

@@ -1,7 +1,5 @@
 """All samples of a calibration, several at a time, none twice: a cache keeps each of them for ever."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import multiprocessing

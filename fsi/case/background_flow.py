@@ -1,7 +1,5 @@
 """The flow without bodies of a case, `u_inf = u_0 + E x`, where walls make one that is uniform or sheared."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

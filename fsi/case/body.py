@@ -1,7 +1,5 @@
 """The section [[bodies]] of a case file, and [[grids]], rows of like bodies."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal

@@ -10,8 +10,6 @@ file is an object whose list `bodies` has objects with the same keys. Beside it 
 with `centers` ([[x, y], ...]), one `radius` and the sides `L` and `H` of the box is understood as well.
 """
 
-from __future__ import annotations
-
 import csv
 import json
 import math

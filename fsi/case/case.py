@@ -4,8 +4,6 @@ Lengths, times and loads are in the user's own consistent units; loads are EXTER
 the plane.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Annotated, Any, Literal, get_args
 

@@ -4,8 +4,6 @@ One more shape is one more section here, a class registered with `register_domai
 (`fsi.meshes.geometry.containers`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any, ClassVar, NamedTuple, Self, override
 

@@ -1,7 +1,5 @@
 """The shapes of domains, in the order of messages: boxes, half-plane, disc or ball, cell, unbounded."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, Self, override
 

@@ -4,8 +4,6 @@
 the key, its value and the remedy.
 """
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """The keys of the case file, section by section, from the schema: what `fsi keys` prints."""
 
-from __future__ import annotations
-
 import inspect
 import types
 from collections.abc import Iterable, Iterator, Mapping

@@ -1,7 +1,5 @@
 """What holds at the walls of a domain: a velocity, or a traction."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal, override
 

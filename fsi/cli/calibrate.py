@@ -1,7 +1,5 @@
 """`fsi calibrate`: from resolved forces to a lubrication law."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 from typing import Annotated

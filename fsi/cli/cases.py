@@ -1,7 +1,5 @@
 """`fsi cases`: the cases of the documentation, to begin with."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 from typing import Annotated

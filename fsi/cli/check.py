@@ -1,7 +1,5 @@
 """`fsi check`: what a case holds."""
 
-from __future__ import annotations
-
 import fsi.parallel as parallel
 from fsi.cli.arguments import CaseFile, Overrides, load
 from fsi.report.console import standard_output

@@ -1,7 +1,5 @@
 """`fsi compare`: one case at several levels."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Annotated, Any

@@ -1,7 +1,5 @@
 """`fsi keys`: every key of the case file."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import typer

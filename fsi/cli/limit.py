@@ -1,7 +1,5 @@
 """`fsi limit`: one body as the viscosity vanishes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -5,8 +5,6 @@ Exit codes: 0 done, 1 a defect of the program, 2 wrong input, 3 a solve, mesh or
 `parallel.last_words` for how all ranks end together.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 import traceback

@@ -1,7 +1,5 @@
 """`fsi mesh`: write a mesh."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

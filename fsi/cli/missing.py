@@ -1,7 +1,5 @@
 """What a machine lacks, as one line with the remedy: libraries and a compiler that pip cannot install."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -1,7 +1,5 @@
 """`fsi plot`: histories of runs, laws, costs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated

@@ -1,7 +1,5 @@
 """`fsi probe`: values of the flow at points."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 

@@ -1,7 +1,5 @@
 """`fsi render`: pictures and animations of a run."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

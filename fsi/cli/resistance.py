@@ -1,7 +1,5 @@
 """`fsi resistance`: the resistance matrix and its inverse."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Annotated

@@ -1,7 +1,5 @@
 """`fsi revolve`: an axisymmetric run in three dimensions."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """`fsi validate`: resolved against exact."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

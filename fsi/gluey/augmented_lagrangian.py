@@ -19,8 +19,6 @@ sparse, symmetric and positive definite. A factor is kept as preconditioner of c
 contacts change.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Protocol
 

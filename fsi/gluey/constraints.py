@@ -7,8 +7,6 @@ too, and p_solid is found by repeating it (the fixed point of Tresca's friction:
 Appl. Sci. 5 (1983) 422).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 

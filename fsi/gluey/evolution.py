@@ -1,7 +1,5 @@
 """A gluey run: its steps in a run folder, its contacts as a table and as lines for ParaView."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial

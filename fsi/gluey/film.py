@@ -4,8 +4,6 @@ Spheres: `Psi' = ln(D/delta0)`; discs: `Psi' = 2 (1 - (D/delta0)^{-1/2})`. Both 
 film begins. The unknown is gamma, as D underflows.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

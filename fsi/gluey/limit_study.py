@@ -1,7 +1,5 @@
 """One gap as the viscosity vanishes, and its convergence to the limit."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -16,8 +16,6 @@ Source: A. Lefebvre, Numerical simulation of gluey particles, M2AN 43 (2009) 53;
 Direct simulation of dense suspensions (slides, 2008).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import partial
 

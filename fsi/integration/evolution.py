@@ -4,8 +4,6 @@ A model that steps by itself, with a memory of its own (gluey, macroscopic), is 
 velocities at an instant becomes one by a stepper, in a `SteppedEvolution`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The gap limiter: what fraction of the gaps, of bodies and walls, a displacement closes."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

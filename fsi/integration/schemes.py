@@ -3,8 +3,6 @@
 One more scheme is one class: it satisfies `fsi.integration.state.Scheme` and stands under `@register_scheme`.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

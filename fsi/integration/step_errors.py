@@ -1,7 +1,5 @@
 """Estimated errors of an instant, and of a step of a run as its tables show them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol

@@ -4,8 +4,6 @@
 makes steps again on finer meshes until their estimated error is below `discretisation.tolerance`.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

@@ -22,8 +22,6 @@ polynomials (orthogonal over the integers 1 .. N, also called discrete Chebyshev
 terms more each time the gap is four times smaller.
 """
 
-from __future__ import annotations
-
 from functools import cache
 from math import ceil, factorial, log2
 

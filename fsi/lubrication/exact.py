@@ -16,8 +16,6 @@ Math. 34 (1981) 129, for the plane; the pair follows in the same coordinates fro
 without net force (tests compare both with independent high-precision values).
 """
 
-from __future__ import annotations
-
 from math import factorial, sqrt
 
 import numpy as np

@@ -5,8 +5,6 @@ that it is of. It takes the bodies as they are at time 0 and gives the number th
 that the FLUID exerts on the body. Sources stand at the functions that are called.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal

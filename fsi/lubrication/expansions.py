@@ -16,8 +16,6 @@ J. Goldman, R. G. Cox and H. Brenner, Chem. Eng. Sci. 22 (1967) 637 for a sphere
 closed forms of `fsi.lubrication.exact`. Tests compare all of them with the exact functions.
 """
 
-from __future__ import annotations
-
 from math import inf, pi, sqrt
 from typing import Literal
 

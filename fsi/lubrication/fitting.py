@@ -13,8 +13,6 @@ C counts every bar twice, as independent and as common to all samples: meshes of
 side at every gap. Bars count as standard deviations; those of resolved forces are bounds, so it is cautious.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

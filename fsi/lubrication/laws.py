@@ -10,8 +10,6 @@ spheres and to 3 sqrt2 pi s^(-3/2) for discs, whatever b/a is. A law also has th
 d, the `ln d` or `-2 d^(-1/2)` of the distance equation; its constant is the law's.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Protocol

@@ -4,8 +4,6 @@ One more law is one more function here, or anywhere that is imported, which `nam
 squeeze film of a pair and gives the law of its gap. The schema's choices, its help and its complaints follow.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache

@@ -27,8 +27,6 @@ u harmonic; no-slip gives all its coefficients in terms of the A_n of u_y, and d
 where e_n and r_n come from the motion of the sphere.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import solve_banded

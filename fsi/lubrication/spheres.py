@@ -17,8 +17,6 @@ tends to 1 at small gaps and grows with y: Gauss's rule on panels of width 2 giv
 time: below 1e-12, but never less than 1e-15 of the unit; of a gap: about 1e-15 times the time in these units.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

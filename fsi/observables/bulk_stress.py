@@ -1,7 +1,5 @@
 """The stress of a suspension as a whole: its parts, and the apparent viscosity."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import nan

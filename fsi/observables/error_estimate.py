@@ -1,7 +1,5 @@
 """How accurate U and F of an instant are: bounds of their errors, and the one number that sums them up."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -6,8 +6,6 @@ fluid exerts -F. R is symmetric (Lorentz reciprocity), and positive unless every
 cost.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """What a solved instant tells of itself, and how far the size of its container shows in it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

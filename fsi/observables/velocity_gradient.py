@@ -4,8 +4,6 @@ Gradients are arrays `G[..., i, j] = d u_i / d x_j`. With an axis of symmetry x 
 has the hoop component u_r / r besides.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from fsi.bodies.configuration import Array

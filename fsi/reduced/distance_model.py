@@ -11,8 +11,6 @@ step. Stored gaps drift away from those of the bodies, at first order in h; the 
 Source: A. Lefebvre and B. Maury, Direct simulation of dense suspensions (2008).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from time import process_time

@@ -1,7 +1,5 @@
 """What surrounds the bodies of the reduced model: walls, periods, the flow far from every body, drag."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

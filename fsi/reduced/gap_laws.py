@@ -1,7 +1,5 @@
 """The laws of a reduced case: which kappa between bodies, which beside walls, cut off where."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The reduced model without memory: `zeta (U - u_inf) + A(q) U = F`, configuration and time in, U out."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path

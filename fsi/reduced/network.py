@@ -10,8 +10,6 @@ is sparse, symmetric and positive definite like Z + A, but stays well conditione
 bound, and momentum is balanced to rounding whatever is left of the residual. What is held has Z^-1 = 0.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 

@@ -1,7 +1,5 @@
 """Neighbours: pairs of bodies, bodies and walls, bodies and periodic images, with gaps and directions."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

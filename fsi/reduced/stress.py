@@ -9,8 +9,6 @@ body resists strain, 2 phi of discs and 5/2 phi of spheres in the viscosity, and
 not in the model.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import nan

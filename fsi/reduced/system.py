@@ -3,8 +3,6 @@
 Every instant satisfies identities, as relative defects: one above the bound stops a run.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

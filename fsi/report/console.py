@@ -1,7 +1,5 @@
 """Where the commands print their tables, and what these have in common."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Progress on a terminal: of a run its time, smallest gap and time left; of other things their number."""
 
-from __future__ import annotations
-
 import math
 import sys
 import time

@@ -1,7 +1,5 @@
 """What `fsi resistance` shows and writes. Loads are EXTERNAL here: the fluid exerts the opposite."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

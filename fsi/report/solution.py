@@ -3,8 +3,6 @@
 Here, unlike in the arrays, a force is the one that the FLUID exerts on the body, `-F`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What the studies print, and draw: `fsi compare`, `fsi limit`, `fsi calibrate`, `fsi validate`."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

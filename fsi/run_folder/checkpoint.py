@@ -1,7 +1,5 @@
 """state.npz: all that the next step depends on, replaced in one go."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Mapping
 from dataclasses import dataclass

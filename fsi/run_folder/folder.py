@@ -14,8 +14,6 @@ a run that was killed and resumed ends, in serial, with the same files bit by bi
 but for the columns cpu_* and provenance.json.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import json

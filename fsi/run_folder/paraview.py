@@ -1,7 +1,5 @@
 """Files of ParaView: which file shows which time (.pvd), points and lines with numbers (.vtu)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Where a result comes from: the code, the packages, the machine, the command."""
 
-from __future__ import annotations
-
 import os
 import platform
 import shlex

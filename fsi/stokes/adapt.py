@@ -5,8 +5,6 @@ every one of them in turn by STEP, and keeps the change that lowers the estimate
 also tried all together.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import ceil

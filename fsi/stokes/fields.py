@@ -11,8 +11,6 @@ elements jump from cell to cell. At a node that cells share the file has the mea
 as drawings want it, and the same on any number of ranks. `fsi probe` gives the values of each cell itself.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

@@ -8,8 +8,6 @@
 - residual: of the linear system
 """
 
-from __future__ import annotations
-
 from dataclasses import astuple, dataclass
 
 import numpy as np

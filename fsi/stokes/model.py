@@ -19,8 +19,6 @@ It sees the mesh and the elements; it does not see how far a container of finite
 one (`fsi.observables.truncation` does), nor how a user's own curved mesh differs from its circles.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from math import nan

@@ -1,7 +1,5 @@
 """A Stokes problem, fluid around rigid bodies at one instant, and the options of its numerical solution."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 

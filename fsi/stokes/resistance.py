@@ -7,8 +7,6 @@ All modes are held and the walls rest, so that x_j = P y_j + rigid e_j for the m
 with one matrix P^T M P for all modes (see `system`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from itertools import batched

@@ -1,7 +1,5 @@
 """A solved instant: velocities and loads of the bodies, the flow, and the checks that it passed."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import nan

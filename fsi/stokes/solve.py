@@ -1,7 +1,5 @@
 """Solve Stokes flow around rigid bodies on one mesh, at one instant."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext

@@ -13,8 +13,6 @@ y e_x and E x are functions of the space of u. And since the mean of e over the 
     mu_app / mu >= 1 / (1 - phi)                                      (Cauchy and Schwarz).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """`fsi validate`, from case files to rows in a folder: solves and runs of each case, and their errors."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple

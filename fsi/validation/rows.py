@@ -1,7 +1,5 @@
 """Validation: rows of computed values against references, their verdicts, and the files that keep them."""
 
-from __future__ import annotations
-
 import csv
 import json
 import tomllib

@@ -10,8 +10,6 @@ degree 2 (k - 1), that of a tetrahedron one of degree 3 (k - 1); it lies between
 of its Bezier coefficients, which bound it rigorously.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache

@@ -8,8 +8,6 @@ A cell of nodes x_a is the image of the reference simplex X_1, ..., X_d >= 0, su
     phi = prod_v P_{i_v}(l_v),   P_i(l) = prod_{m < i} (n l - m) / (i - m)          (Silvester 1969)
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

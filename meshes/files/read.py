@@ -4,8 +4,6 @@ Field files hold the curved cells, of one rank each; the tags of the boundary fo
 walls were.
 """
 
-from __future__ import annotations
-
 import io
 from collections.abc import Sequence
 from contextlib import redirect_stderr, redirect_stdout

@@ -6,8 +6,6 @@ groups that bear the names of the bodies and walls, as `fsi.meshes.files.read` w
 are the cell data `tag`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from pathlib import Path
 

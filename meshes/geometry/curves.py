@@ -1,7 +1,5 @@
 """The curves that bound a container in the plane, piece by piece: straight ones and arcs of circles."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

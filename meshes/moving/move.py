@@ -12,8 +12,6 @@ disc, so that discs and spheres stay exactly what they are. Every move starts fr
 on where the bodies are, not on how they came there.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 from math import factorial

@@ -7,8 +7,6 @@ the cut, at places that differ by a vector of the lattice, and gets the same nod
 of the two sides match, and each lies on the cut at most twice: where loops cross, there is a body.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product

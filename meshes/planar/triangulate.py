@@ -4,8 +4,6 @@ gmsh gets discrete curves and fills them by its planar algorithms; it never move
 a boundary node, and takes its sizes from them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass

@@ -16,8 +16,6 @@ zero on all other sides. The derivatives of order m of the map are O(h^m) (Lenoi
 23:562), as Phi is one smooth map for edges and facets.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from itertools import combinations, permutations
 

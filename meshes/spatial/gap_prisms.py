@@ -6,8 +6,6 @@ valid and alike however narrow the gap is, where free tetrahedra would be sliver
 the gap is as wide as its elements are long.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -14,8 +14,6 @@ a: the smaller radius. No element is larger than a quarter of a box, or than 2 p
 container of radius R. The law is said in gmsh's own language: a function in Python takes ten times as long.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import fsi.meshes.backend  # noqa: F401

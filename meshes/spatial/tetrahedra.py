@@ -5,8 +5,6 @@ pole to pole at which its longitude begins. Where that crosses the edge of a lay
 of the layer, which then has five corners and cannot be structured.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise

@@ -20,8 +20,6 @@ with E the mean strain rate and |Omega| the area: positive where the pair is pre
 compression or held together along the extension of the flow.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -5,8 +5,6 @@ contact: the largest stored impulse P = -gamma, when it was reached, when the co
 in between, and P over the lag: the mean pull. Times are those of output, so good to output.interval.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """How a disc settles onto the plane of a half-plane under a constant normal force, against the exact law."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The strain that a suspension has undergone."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fsi.bodies.configuration import Array

@@ -1,7 +1,5 @@
 """Figures of `fsi analyse`: chains in their cell, memories of contacts, a settling disc and its exact law."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import matplotlib as mpl

@@ -3,8 +3,6 @@
 A cell given by its lattice vectors is drawn with one of each body inside, and their images around them.
 """
 
-from __future__ import annotations
-
 import itertools
 from pathlib import Path
 

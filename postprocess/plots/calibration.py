@@ -1,7 +1,5 @@
 """Draw a calibration folder: samples on the fitted and the exact law, and what is left below."""
 
-from __future__ import annotations
-
 import json
 from math import inf
 from pathlib import Path

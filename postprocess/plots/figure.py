@@ -1,7 +1,5 @@
 """What all figures share: their style, their colours, labels of logarithmic axes, and how they are saved."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path

@@ -5,8 +5,6 @@ Each panel is one entry here, or is registered from elsewhere:
     register_panel("dissipation", of_steps("dissipation"))
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass

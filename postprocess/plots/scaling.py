@@ -1,7 +1,5 @@
 """How the cost of a benchmark grows with its size: CPU seconds against N beside a line of slope 1."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path

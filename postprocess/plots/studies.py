@@ -4,8 +4,6 @@ Of a comparison gaps over time at several levels, and the error of gap rates ove
 resolved forces on the exact curve and asymptotes, all errors below.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 

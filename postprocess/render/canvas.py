@@ -5,8 +5,6 @@ single precision, and a film of 1e-5 radii would drown in its rounding far from 
 parallel, so that the scale bar holds everywhere.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

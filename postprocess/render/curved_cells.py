@@ -3,8 +3,6 @@
 Points have shape (n, 3) with z = 0. For the nodes of the cells see `fsi.postprocess.run.run`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Pictures of runs that have no flow, reduced and gluey: bodies, and their contacts as lines between them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 

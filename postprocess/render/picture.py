@@ -3,8 +3,6 @@
 One picture is written as PNG, many as MP4 or GIF, each to a temporary name that is then renamed.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Pictures of the flow in the plane, or around an axis: all bodies, and a close-up of a gap."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 

@@ -1,7 +1,5 @@
 """Pictures of macroscopic runs, which have no bodies: density, velocity and memory over x at a step."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 
 import matplotlib as mpl

@@ -1,7 +1,5 @@
 """Pictures and animations of a run of any model."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from fsi.errors import InputError

@@ -4,8 +4,6 @@ A periodic run writes one copy of the fluid, opened along its cut; pictures show
 plain sides, which is filled with images.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

@@ -3,8 +3,6 @@
 On the plane there are a field and the lines along the velocity in it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 

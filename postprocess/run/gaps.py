@@ -1,7 +1,5 @@
 """The gap that is meant: the narrowest of all, or that between two sides of the user's choice."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

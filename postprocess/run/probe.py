@@ -5,8 +5,6 @@ curved cell the point is found by Newton's method (`fsi.meshes.cells.lagrange`).
 jump from cell to cell; at a point they are those of the cell that holds it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The tables of a run folder, as far as they are complete; refused where someone has changed them."""
 
-from __future__ import annotations
-
 import io
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Whether the motion of a case is determined and its fluid incompressible, by walls and by what is held."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the rows [[expected]] of a case must satisfy: bodies and components that it has, fitting results."""
 
-from __future__ import annotations
-
 from fsi.case.case import Case
 from fsi.case.section import nearest_word, refusal, toml_text
 from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, Expected

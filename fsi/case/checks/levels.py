@@ -1,7 +1,5 @@
 """What a case must satisfy to be run with the gluey, the macroscopic or the reduced model."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fsi.bodies.configuration import Array

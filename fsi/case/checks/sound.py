@@ -3,8 +3,6 @@
 All checks concern the start; what happens later is the stepper's to watch.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the section [time] of a case must satisfy: bodies that move, a scheme that suits, no jumps."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from fsi.case.case import Case

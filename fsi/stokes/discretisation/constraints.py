@@ -11,8 +11,6 @@ in g. `rigid`, called K in the saddle-point system of `multiplier`, is the part 
 body: u = rigid U on the bodies, and the total load of any nodal reaction is  (F, T) = rigid^T lambda.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 

@@ -12,8 +12,6 @@ an entry that never gets ready; every later process waits for it in vain. After 
 compiled anew.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from functools import cache

@@ -17,8 +17,6 @@ The direct solver leaves held modes out of y; the iterative one, which wants who
 y and sets the held ones to zero.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass

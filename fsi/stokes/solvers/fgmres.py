@@ -23,8 +23,6 @@ where z are the values at free vertices and the modes of the bodies. The columns
 space into the fine one.
 """
 
-from __future__ import annotations
-
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 

@@ -12,8 +12,6 @@ the inertia of an implicit step (zero without inertia). Wall velocities are elim
 modes move to the right-hand side. The multiplier IS the nodal traction.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from petsc4py import PETSc
 

@@ -1,7 +1,5 @@
 """The linear solver: MUMPS LDL^T through PETSc, with the residual always measured."""
 
-from __future__ import annotations
-
 from contextlib import AbstractContextManager
 
 import numpy as np

@@ -14,8 +14,6 @@ flow is determined up to a translation: one body rests, and then the mean of u -
 brought to zero.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 

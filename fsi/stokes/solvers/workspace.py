@@ -6,8 +6,6 @@ given, where they still fit: the same mesh, the same rows held and tied. Otherwi
 always those of the mesh as it is, so that results do not depend on what the workspace had before.
 """
 
-from __future__ import annotations
-
 import ctypes
 import platform
 from contextlib import AbstractContextManager
