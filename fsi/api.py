@@ -28,8 +28,7 @@ from fsi.case.case import Case
 from fsi.case.load import load_case, parse_case
 from fsi.errors import FsiError, InputError, SolveError
 from fsi.integration.evolution import Evolution
-from fsi.integration.state import Instant, StepRecord
-from fsi.integration.step_errors import ErrorEstimate
+from fsi.integration.state import ErrorEstimate, Instant, StepRecord
 from fsi.models import make_evolution, make_model
 from fsi.observables.resistance import Resistance
 from fsi.postprocess.run.run import Run, open_run
@@ -110,19 +109,11 @@ class Solution:
         return mu
 
     def evaluate(self, points: ArrayLike) -> tuple[Array, Array]:
-        """Velocity (n, d) and pressure (n,) at points (n, d); NaN where there is no fluid.
-
-        Raises:
-            InputError: the model has no flow field.
-        """
+        """Velocity (n, d) and pressure (n,) at points (n, d); NaN outside the fluid. Raises InputError."""
         return self._resolved("evaluate").evaluate(np.atleast_2d(np.asarray(points, dtype=float)))  # type: ignore[no-any-return]
 
     def resistance(self) -> Resistance:
-        """The resistance matrix R of all bodies, F = R U, and its inverse, with walls at rest.
-
-        Raises:
-            InputError: the model has no flow field, or no resistance alone determines the loads.
-        """
+        """R of all bodies, F = R U, and its inverse, with walls at rest. Raises InputError."""
         self._resolved("resistance")
         from fsi.stokes.resistance import case_resistance  # dolfinx, only where it is needed
 
@@ -142,22 +133,12 @@ class Solution:
     def __repr__(self) -> str:
         """What it is, in one line, and a line for each of the first bodies."""
         d = self.case.dimension
-        shown = [
-            f"  {body.name}: V = {_text(body.velocity)}, force of the fluid = {_text(body.force)}"
-            for body in self.bodies[:_SHOWN]
-        ]
-        more = [f"  ... {len(self.bodies) - _SHOWN} more"] if len(self.bodies) > _SHOWN else []
-        head = (
-            f"<Solution of {self.case.name!r}: {self.case.model}, {len(self.bodies)} bodies in {d} dimensions"
-        )
-        return "\n".join([f"{head}, dissipation {self.dissipation:.8g}>", *shown, *more])
-
-
-_SHOWN = 5
-
-
-def _text(vector: Array) -> str:
-    return "[" + ", ".join(f"{x:.6g}" for x in vector) + "]"
+        what = f"{self.case.model}, {len(self.bodies)} bodies in {d} dimensions"
+        lines = [f"<Solution of {self.case.name!r}: {what}, dissipation {self.dissipation:.8g}>"]
+        with np.printoptions(precision=6, suppress=False):
+            for body in self.bodies[:5]:
+                lines.append(f"  {body.name}: V = {body.velocity}, force of the fluid = {body.force}")
+        return "\n".join(lines)
 
 
 def make_case(**sections: Any) -> Case:
@@ -165,8 +146,7 @@ def make_case(**sections: Any) -> Case:
 
         fsi.make_case(name="disc", fluid={"viscosity": 1.0}, domain={...}, bodies=[{...}])
 
-    Raises:
-        InputError: it is not sound, in one line that names the key.
+    Raises InputError: it is not sound, in one line that names the key.
     """
     return parse_case(sections)
 

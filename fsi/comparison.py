@@ -150,16 +150,12 @@ class RateComparison:
 def case_at_levels(case: Case, levels: Sequence[str], law: str | None = None) -> dict[str, Case]:
     """The case at each level, with another law of the reduced model if one is given.
 
-    Raises:
-        InputError: there is no such level, or the case is not one for it.
+    Raises InputError if the case is not one for it.
     """
-    if len(levels) < 2 or len(set(levels)) < len(levels):
+    if len(levels) < 2 or len(set(levels)) < len(levels) or not set(levels) <= set(MODELS):
         raise InputError(
             f"--levels {','.join(levels)}: give at least two different ones of {', '.join(MODELS)}"
         )
-    for level in levels:
-        if level not in MODELS:
-            raise InputError(f"--levels {level}: there is no such level; give some of {', '.join(MODELS)}")
     data = case.as_data()
     if law is not None:
         data["reduced"] = data["reduced"] | {"law": law}
@@ -169,9 +165,8 @@ def case_at_levels(case: Case, levels: Sequence[str], law: str | None = None) ->
 def run_levels(cases: Mapping[str, Case], folder: Path, progress: Progress = no_progress) -> None:
     """Run all levels, or go on with what is in the folder; collective.
 
-    Raises:
-        InputError: the folder holds the run of another case; nothing is written.
-        SolveError: a run cannot go on.
+    Raises InputError if the folder holds the run of another case, with nothing written; SolveError if a run
+    cannot go on.
     """
     for level, case in cases.items():
         on_root(lambda level=level, case=case: _require_same(folder / level, case))  # type: ignore[misc]
@@ -204,8 +199,7 @@ def trajectories(cases: Mapping[str, Case], histories: Mapping[str, History]) ->
 def compare_rates(case: Case, resolved: History, reduced: History) -> RateComparison:
     """Compare the reduced run of a case with its resolved one; `case` is the reduced one.
 
-    Raises:
-        SolveError: the reduced model fails at a configuration of the resolved run.
+    Raises SolveError if the reduced model fails at a configuration of the resolved run.
     """
     model, d = ReducedModel(case), case.dimension
     radii = case.configuration().radii

@@ -15,16 +15,17 @@ from fsi.integration.state import Advance, Model, Schedule
 from fsi.integration.stepper import FixedStepper, Refinable, RefiningStepper, Stepper
 
 
-def make_model(case: Case) -> Model:
-    """The model that gives the velocities of the bodies of a case at an instant.
-
-    Raises:
-        InputError: its level has none: it steps by itself.
-    """
+def require_instant(case: Case) -> None:
+    """Raise InputError where the level of a case has no velocities at an instant: it steps by itself."""
     if case.model not in INSTANTS:
         raise InputError(
             f'model = "{case.model}": has no velocities at an instant, only a motion in time; use `fsi run`'
         )
+
+
+def make_model(case: Case) -> Model:
+    """The model that gives the velocities of the bodies of a case at an instant. Raises InputError."""
+    require_instant(case)
     return INSTANTS[case.model](case)
 
 

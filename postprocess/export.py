@@ -26,8 +26,7 @@ def export_revolved(run: Run, folder: Path, degrees: float, sectors: int) -> lis
 
     degrees: how far to turn, up to 360 (less shows the inside), in so many sectors.
 
-    Raises:
-        InputError: the run is planar or has no fields, or the folder is there or cannot be written.
+    Raises InputError: the run is planar or has no fields, or the folder is there or cannot be written.
     """
     if not run.case.axisymmetric:
         raise InputError(f"{run.path}: the run is planar; only an axisymmetric one can be revolved")

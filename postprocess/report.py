@@ -46,8 +46,7 @@ _IDENTITIES: dict[str, tuple[dict[str, str], float]] = {
 def write_report(run: Run, output: Path) -> None:
     """Write the report of a run, finished or not; what cannot be drawn is said in it.
 
-    Raises:
-        InputError: not a .html file, or it cannot be written.
+    Raises InputError: not a .html file, or it cannot be written.
     """
     require_suffix(output, ".html")
     loader = PackageLoader("fsi.postprocess", ".")

@@ -65,7 +65,7 @@ def test_a_resolved_case_is_solved_evaluated_and_has_a_resistance() -> None:
     np.testing.assert_allclose(u[2], 0.0, atol=1e-6)
     R = solution.resistance()
     assert R.R[1, 1] == pytest.approx(disc.force[1], rel=1e-9)
-    assert "disc: V = [0, -1]" in repr(solution)
+    assert "disc: V = [ 0. -1.]" in repr(solution)
     assert solution.errors is not None
     assert abs(disc.force[1] - 466.11048) < solution.errors.F[0, 1]
 

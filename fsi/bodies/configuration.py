@@ -15,8 +15,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # its modules load when they are used
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
 
@@ -53,8 +53,8 @@ def turned(angles: Array, more: Array) -> Array:
     """Angles after further rotations, (N, r): in the plane their sum, in space composed as vectors."""
     if angles.shape[1] != 3 or len(angles) == 0:
         return angles + more
-    both = Rotation.from_rotvec(more) * Rotation.from_rotvec(angles)
-    return np.asarray(both.as_rotvec())
+    from_rotvec = scipy.spatial.transform.Rotation.from_rotvec
+    return np.asarray((from_rotvec(more) * from_rotvec(angles)).as_rotvec())
 
 
 @dataclass(frozen=True, slots=True, eq=False)

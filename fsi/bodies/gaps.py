@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+import scipy  # its modules load when they are used
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.meshes.geometry.containers import Container
@@ -112,14 +112,16 @@ def neighbours(x: Array, container: Container, cutoff: float) -> tuple[NDArray[n
         by which the image of j that is meant is moved, (P, k).
     """
     lattice = Lattice(container.periods)
+    if lattice.dimension == 0 and len(x) < 2:
+        return np.empty((0, 2), np.intp), np.empty((0, 0), np.int64)
     m = -np.floor(lattice.coordinates(x)).astype(np.int64)
     home = x + lattice.shift(m)
-    tree = cKDTree(home)
+    tree = scipy.spatial.cKDTree(home)
     pairs = tree.query_pairs(cutoff, output_type="ndarray").astype(np.intp, copy=False).reshape(-1, 2)
     if lattice.dimension == 0:
         return pairs, np.empty((len(pairs), 0), np.int64)
     original, cell = lattice.images(home, cutoff)
-    images = cKDTree(home[original] + lattice.shift(cell))
+    images = scipy.spatial.cKDTree(home[original] + lattice.shift(cell))
     across = tree.sparse_distance_matrix(images, cutoff, output_type="ndarray")
     inside = len(pairs)
     pairs = np.concatenate([pairs, np.column_stack([across["i"], original[across["j"]]])])

@@ -18,7 +18,7 @@ from fsi.case.load import parse_case
 from fsi.case.section import toml_text
 from fsi.case.sections import Calibration
 from fsi.errors import InputError
-from fsi.integration.step_errors import Results
+from fsi.integration.state import Results
 from fsi.lubrication.expansions import Shape
 
 # Sections of a case that its samples do not have.

@@ -22,7 +22,7 @@ from fsi.calibration.pair import Pair, pair_of
 from fsi.case.load import parse_case
 from fsi.errors import FsiError, SolveError
 from fsi.files import replace
-from fsi.integration.step_errors import ErrorEstimate
+from fsi.integration.state import ErrorEstimate
 from fsi.meshes.errors import MeshError
 from fsi.observables.truncation import halved
 

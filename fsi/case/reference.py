@@ -68,7 +68,8 @@ def _walk(section: type[Section], path: str, title: str, seen: set[type[Section]
     for name, field in section.model_fields.items():
         here = f"{path}.{name}" if path else name
         in_it = [_INSTEAD[name]] if name in _INSTEAD else list(dict.fromkeys(sections_in(field.annotation)))
-        keys.append(Key(name, _meaning(here, section.describe(name)), _default(field)))
+        meaning = section.describe(name) or ""
+        keys.append(Key(name, _meaning(here, meaning), _default(field, meaning)))
         brackets = f"[[{here}]]" if name in _INSTEAD or _is_list(field.annotation) else f"[{here}]"
         inner += [(each, here, f"`{brackets}`{_kind(each)}") for each in in_it]
     yield SectionKeys(title, inspect.getdoc(section) or "", tuple(keys))
@@ -92,15 +93,15 @@ def _is_list(annotation: Any) -> bool:
     return get_origin(annotation) is tuple
 
 
-def _meaning(path: str, description: str | None) -> str:
+def _meaning(path: str, description: str) -> str:
     choices: Iterable[str] | None = _CHOICES.get(path)
     listed = "" if choices is None else f" ({', '.join(choices)})"
-    return f"{description or ''}{listed}"
+    return f"{description}{listed}"
 
 
-def _default(field: FieldInfo) -> str:
+def _default(field: FieldInfo, description: str) -> str:
     """The value as TOML, or what the description says of it."""
-    if "if not given" in (field.description or ""):
+    if "if not given" in description:
         return "as it says"
     if field.is_required():
         return "must be given"

@@ -9,10 +9,15 @@ one place (domains, laws of force) are told apart by a word in them: a key that 
 
 from __future__ import annotations
 
+import ast
 import difflib
+import inspect
+import itertools
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
 from pathlib import Path
+from textwrap import dedent
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, get_args, get_origin, override
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, model_validator
@@ -58,9 +63,7 @@ class Section(BaseModel):
     renamed: keys of earlier versions, each with the whole key that took its place.
     """
 
-    model_config = ConfigDict(
-        frozen=True, extra="forbid", strict=True, allow_inf_nan=False, use_attribute_docstrings=True
-    )
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
     renamed: ClassVar[Mapping[str, str]] = {}
 
     @model_validator(mode="before")
@@ -81,8 +84,21 @@ class Section(BaseModel):
 
     @classmethod
     def describe(cls, key: str) -> str | None:
-        """What may stand at one of its keys."""
-        return cls.model_fields[key].description
+        """What may stand at one of its keys: the description of the field, or the docstring below it."""
+        return cls.model_fields[key].description or _docstrings(cls).get(key)
+
+
+@cache
+def _docstrings(section: type[Section]) -> dict[str, str]:
+    """Of the fields of a section. They are read when asked for: pydantic would read all at each start."""
+    found: dict[str, str] = {}
+    for base in reversed(section.mro()[: section.mro().index(Section)]):
+        nodes = ast.iter_child_nodes(ast.parse(dedent(inspect.getsource(base))).body[0])
+        for field, below in itertools.pairwise(nodes):
+            match field, below:
+                case ast.AnnAssign(target=ast.Name(id=key)), ast.Expr(value=ast.Constant(value=str(text))):
+                    found[key] = inspect.cleandoc(text)
+    return found
 
 
 def dimension_of(geometry: Geometry) -> int:
@@ -204,11 +220,7 @@ def _complaint(mistake: ErrorDetails) -> str:
 
 def dotted(path: tuple[int | str, ...]) -> str:
     """The key as `--set` takes it: `bodies.0.radius`."""
-    return ".".join(str(part) for part in path if not _is_tag(part)) or "case"
-
-
-def _is_tag(part: int | str) -> bool:
-    return str(part).startswith("<")
+    return ".".join(str(part) for part in path if not str(part).startswith("<")) or "case"
 
 
 def _meaning(path: tuple[int | str, ...], root: type[Section]) -> str:

@@ -6,8 +6,8 @@ import itertools
 from typing import Annotated, Any, Literal
 
 import numpy as np
+import scipy  # its modules load when they are used
 from pydantic import AfterValidator, Discriminator, Field, Tag, field_validator, model_validator
-from scipy.interpolate import PPoly
 
 from fsi.case.section import Section
 
@@ -61,10 +61,6 @@ def _series_kind(value: Any) -> str:
     return "<table>" if isinstance(value, dict | Table) else "<number>"
 
 
-def _component_kind(value: Any) -> str:
-    return "<word>" if isinstance(value, str) else _series_kind(value)
-
-
 Series = Annotated[
     Annotated[float, Tag("<number>")] | Annotated[Table, Tag("<table>")],
     Discriminator(_series_kind),
@@ -73,7 +69,7 @@ Component = Annotated[
     Annotated[Literal["free"], Tag("<word>")]
     | Annotated[float, Tag("<number>")]
     | Annotated[Table, Tag("<table>")],
-    Discriminator(_component_kind),
+    Discriminator(lambda value: "<word>" if isinstance(value, str) else _series_kind(value)),
 ]
 
 
@@ -113,10 +109,10 @@ def jumps(series: float | Table | str) -> tuple[float, ...]:
     return tuple(one for one, other in itertools.pairwise(kinks(series)) if one == other)
 
 
-def polynomial(series: float | Table, end: float) -> PPoly:
+def polynomial(series: float | Table, end: float) -> scipy.interpolate.PPoly:
     """The values on [0, end] as a piecewise polynomial: its integrals are exact across kinks and jumps."""
     if not isinstance(series, Table):
-        return PPoly(np.array([[0.0], [series]]), np.array([0.0, end]))
+        return scipy.interpolate.PPoly(np.array([[0.0], [series]]), np.array([0.0, end]))
     times, values = np.array(series.times), np.array(series.values)
     # Long constant ends make one table of it all.
     times = np.concatenate([[min(times[0], 0.0) - 1.0], times, [max(times[-1], end) + 1.0]])
@@ -124,10 +120,10 @@ def polynomial(series: float | Table, end: float) -> PPoly:
     pieces = np.diff(times) > 0.0
     left, width = times[:-1][pieces], np.diff(times)[pieces]
     slope = np.diff(values)[pieces] / width
-    whole = PPoly(np.array([slope, values[:-1][pieces]]), np.append(left, times[-1]))
+    whole = scipy.interpolate.PPoly(np.array([slope, values[:-1][pieces]]), np.append(left, times[-1]))
     breaks = np.unique(np.concatenate([[0.0, end], left[(left > 0.0) & (left < end)]]))
     starts = breaks[:-1]
-    return PPoly(np.array([whole.derivative()(starts), whole(starts)]), breaks)
+    return scipy.interpolate.PPoly(np.array([whole.derivative()(starts), whole(starts)]), breaks)
 
 
 def is_zero(series: float | Table) -> bool:

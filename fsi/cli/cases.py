@@ -1,4 +1,4 @@
-"""`fsi cases`: the cases of the documentation, to begin with."""
+"""`fsi cases`, `fsi check`, `fsi keys`: the cases to begin with, what a case holds, and what it may."""
 
 import shutil
 from pathlib import Path
@@ -7,10 +7,14 @@ from typing import Annotated
 import typer
 
 import fsi.parallel as parallel
-from fsi.cli.arguments import tell
+from fsi.cli.arguments import CaseFile, Overrides, load, tell
 from fsi.errors import InputError
+from fsi.report.console import standard_output
 
 EXAMPLE = "Example: fsi cases, then fsi run cases/settling_disc.toml"
+CHECK_EXAMPLE = "Example: fsi check cases/two_discs.toml --set 'bodies.0.position=[-1.5, 0.0]'"
+KEYS_EXAMPLE = "Example: fsi keys gluey"
+
 _CASES = Path(__file__).parents[1] / "cases"
 
 
@@ -38,3 +42,45 @@ def cases(
     """Write the cases that come with the program into a folder: examples, validation, calibration."""
     count = parallel.on_root(lambda: write_cases(folder))
     tell(f"wrote {count} cases to {folder}; begin with: fsi run {folder}/settling_disc.toml")
+
+
+def check(case_file: CaseFile, overrides: Overrides = None) -> None:
+    """Read a case and say what it holds: bodies, gaps, what is free or held, walls. Nothing is computed."""
+    from fsi.case.checks.expected import check_expected
+
+    case = load(case_file, overrides)
+    check_expected(case)
+    if parallel.is_root():
+        from fsi.report.solution import print_case
+
+        print_case(standard_output(), case)
+
+
+def keys(
+    section: Annotated[
+        str | None,
+        typer.Argument(metavar="SECTION", help="time, gluey, macroscopic.blocks ...", show_default="all"),
+    ] = None,
+    markdown: Annotated[
+        bool, typer.Option("--markdown", help="Print the page of the documentation.")
+    ] = False,
+) -> None:
+    """Print the keys of the case file with their meaning and what holds if they are not given."""
+    from rich.table import Table
+
+    from fsi.case.reference import as_markdown, sections_of_case
+
+    sections = [each for each in sections_of_case() if section is None or f"[{section}]" in each.title]
+    if not sections:
+        raise InputError(f"SECTION {section}: there is no such section; `fsi keys` without one prints all")
+    if not parallel.is_root():
+        return
+    if markdown:
+        typer.echo(as_markdown(sections))
+        return
+    for each in sections:
+        title = each.title.replace("`", "") or "above all sections"
+        table = Table("key", "meaning", "if not given", title=title, title_justify="left")
+        for key in each.keys:
+            table.add_row(key.name, key.meaning, key.default)
+        standard_output().print(table, highlight=False, markup=False)

@@ -1,4 +1,4 @@
-"""`fsi compare`: one case at several levels."""
+"""`fsi compare` and `fsi limit`: one case at several levels, and one gap as the viscosity vanishes."""
 
 import json
 from pathlib import Path
@@ -7,10 +7,11 @@ from typing import Annotated, Any
 import typer
 
 import fsi.parallel as parallel
-from fsi.cli.arguments import AsJson, CaseFile, Overrides, load, option, output_to
+from fsi.cli.arguments import AsJson, CaseFile, Overrides, load, option, output_to, require_writable
 from fsi.report.console import standard_output
 
 EXAMPLE = "Example: fsi compare cases/levels.toml --levels resolved,reduced,gluey,macroscopic"
+LIMIT_EXAMPLE = "Example: fsi limit cases/gluey/pushed_then_pulled.toml --output limit.png"
 
 
 def compare(
@@ -72,3 +73,28 @@ def _compare(cases: dict[str, Any], folder: Path, *, quiet: bool) -> dict[str, A
             print_trajectories(standard_output(), next(iter(cases.values())), paths)
     replace(folder / "comparison.json", (json.dumps(data) + "\n").encode())
     return data
+
+
+def limit(
+    case_file: CaseFile,
+    output: Annotated[Path | None, output_to("A picture to write.", "none")] = None,
+    overrides: Overrides = None,
+) -> None:
+    """Solve q'' = -eps q'/q + f, of one gap of a case, for ever smaller eps, and compare with the limit.
+
+    Prints when the body sticks and is released, the errors for each eps, and the order of the slides' scheme.
+    """
+    from fsi.gluey.limit_study import study
+    from fsi.report.console import standard_output
+    from fsi.report.studies import draw, print_study
+
+    case = load(case_file, overrides)
+    if not parallel.is_root():
+        return
+    if output is not None:
+        require_writable(output)
+    found = study(case)
+    print_study(standard_output(), found)
+    if output is not None:
+        draw(case, found, output)
+        typer.echo(f"{output}: written")

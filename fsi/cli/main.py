@@ -16,21 +16,12 @@ from fsi.cli import (
     analyse,
     calibrate,
     cases,
-    check,
     compare,
-    keys,
-    limit,
-    mesh,
     pack,
-    plot,
-    probe,
     render,
     report,
-    resistance,
-    revolve,
     run,
     solve,
-    validate,
 )
 from fsi.cli.missing import explain
 from fsi.errors import FsiError
@@ -48,22 +39,22 @@ app = typer.Typer(
 )
 
 app.command(epilog=cases.EXAMPLE)(cases.cases)
-app.command(epilog=check.EXAMPLE)(check.check)
-app.command(epilog=keys.EXAMPLE)(keys.keys)
-app.command(epilog=mesh.EXAMPLE)(mesh.mesh)
+app.command(epilog=cases.CHECK_EXAMPLE)(cases.check)
+app.command(epilog=cases.KEYS_EXAMPLE)(cases.keys)
+app.command(epilog=solve.MESH_EXAMPLE)(solve.mesh)
 app.command(epilog=pack.EXAMPLE)(pack.pack)
 app.command(epilog=solve.EXAMPLE)(solve.solve)
 app.command(epilog=run.EXAMPLE)(run.run)
 app.command(epilog=run.RESUME_EXAMPLE)(run.resume)
 app.command(epilog=render.EXAMPLE)(render.render)
-app.command(epilog=plot.EXAMPLE)(plot.plot)
-app.command(epilog=probe.EXAMPLE)(probe.probe)
+app.command(epilog=render.PLOT_EXAMPLE)(render.plot)
+app.command(epilog=report.PROBE_EXAMPLE)(report.probe)
 app.command(epilog=report.EXAMPLE)(report.report)
-app.command(epilog=revolve.EXAMPLE)(revolve.revolve)
+app.command(epilog=report.REVOLVE_EXAMPLE)(report.revolve)
 app.add_typer(analyse.analyse, name="analyse")
-app.command(epilog=limit.EXAMPLE)(limit.limit)
-app.command(epilog=resistance.EXAMPLE)(resistance.resistance)
-app.command(epilog=validate.EXAMPLE)(validate.validate)
+app.command(epilog=compare.LIMIT_EXAMPLE)(compare.limit)
+app.command(epilog=solve.RESISTANCE_EXAMPLE)(solve.resistance)
+app.command(epilog=calibrate.VALIDATE_EXAMPLE)(calibrate.validate)
 app.command(epilog=calibrate.EXAMPLE)(calibrate.calibrate)
 app.command(epilog=compare.EXAMPLE)(compare.compare)
 

@@ -1,20 +1,34 @@
-"""`fsi solve`: one instant."""
+"""`fsi solve`, `fsi resistance`, `fsi mesh`: one instant, the resistance matrix, the mesh."""
 
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 import fsi.parallel as parallel
-from fsi.cli.arguments import AsJson, CaseFile, Overrides, load
+from fsi.cli.arguments import (
+    AsJson,
+    CaseFile,
+    Overrides,
+    load,
+    load_resolved,
+    option,
+    output_to,
+    require_writable,
+    tell,
+)
+from fsi.errors import InputError
 from fsi.report.console import standard_output
 
 if TYPE_CHECKING:
     from fsi.case.case import Case
 
 EXAMPLE = "Example: fsi solve cases/disc_in_box.toml --set discretisation.cells_per_gap=2 --json"
+RESISTANCE_EXAMPLE = "Example: fsi resistance cases/two_discs.toml -o two_discs.npz"
+MESH_EXAMPLE = "Example: fsi mesh cases/disc_in_box.toml -o disc.vtu, or fsi mesh RUN --step 7 -o 7.msh"
 
 
 def solve(
@@ -34,7 +48,7 @@ def solve(
     Of a case with model = "reduced" the velocities, without inertia, and the forces in its gaps are shown.
     """
     case = load(case_file, overrides)
-    if case.model == "reduced":
+    if case.model != "resolved":
         _solve_reduced(case, as_json=as_json)
         return
     from fsi.observables.truncation import halved, truncation
@@ -56,11 +70,82 @@ def solve(
 
 def _solve_reduced(case: Case, *, as_json: bool) -> None:
     """Without inertia, as the resolved model is solved."""
+    from fsi.models import require_instant
     from fsi.reduced.model import ReducedModel
     from fsi.report.solution import instant_json, print_instant
 
+    require_instant(case)
     found = ReducedModel(case)(case.configuration(), 0.0)
     if parallel.is_root() and as_json:
         typer.echo(json.dumps(instant_json(case, found)))
     elif parallel.is_root():
         print_instant(standard_output(), case, found)
+
+
+def resistance(
+    case_file: CaseFile,
+    output: Annotated[
+        Path | None, output_to("A .json or .npz file for R and its inverse, .csv for R.", False)
+    ] = None,
+    as_json: AsJson = False,
+    overrides: Overrides = None,
+) -> None:
+    """Compute the resistance matrix R of all bodies, F = R U, and its inverse, the mobility.
+
+    F are the external loads that unit motions of the bodies need at time 0 between walls at rest, or open
+    where the case has them open; its velocities of walls, its motions and loads of bodies are ignored. The
+    error of R, over the diagonal, is estimated with another degree and held to discretisation.tolerance.
+    In a container of given radius the change of R with half that radius is reported, as by fsi solve.
+    """
+    from fsi.observables.resistance import difference
+    from fsi.observables.truncation import halved
+    from fsi.report.resistance import print_resistance, require_format, resistance_json, write_resistance
+
+    if output is not None:
+        require_writable(output)
+        require_format(output)
+    case = load_resolved(case_file, overrides, "resistance")
+    if not case.bodies:
+        raise InputError("bodies: there are none; a resistance matrix needs at least one [[bodies]]")
+    from fsi.stokes.resistance import case_resistance, resistance_with_error
+
+    solved = resistance_with_error(case)
+    found, half = solved.resistance, halved(solved.case)
+    truncation = None if half is None else difference(found.R, case_resistance(half).R, found.modes.scale)
+    data = resistance_json(case.name, found, solved.error, truncation)
+    if output is not None:
+        parallel.on_root(lambda: write_resistance(output, data))
+    if parallel.is_root() and as_json:
+        typer.echo(json.dumps(data))
+    elif parallel.is_root():
+        print_resistance(standard_output(), case.name, found, solved.error, truncation)
+
+
+def mesh(
+    source: Annotated[
+        Path, typer.Argument(metavar="CASE|RUN", help="A case file, or a run folder.", show_default=False)
+    ],
+    output: Annotated[Path, output_to("The mesh file: .msh or .vtu")],
+    step: Annotated[int | None, option("Which step of a run.", "the last with fields")] = None,
+    overrides: Overrides = None,
+) -> None:
+    """Write the mesh of a case at time 0, or the one that a run used at a step."""
+    require_writable(output)
+    if source.is_dir():
+        from fsi.postprocess.export import write_step_mesh
+
+        if overrides:
+            raise InputError(f"--set {overrides[0]}: a run is what it is; give a case file to change a value")
+        written = parallel.on_root(lambda: write_step_mesh(source, step, output))
+        message = f"wrote {output}, step {written}"
+    else:
+        from fsi.meshes.files.write import require_suffix, write_mesh
+        from fsi.stokes.model import StokesModel
+
+        if step is not None:
+            raise InputError(f"--step {step}: a case has no steps; give a run folder")
+        case = load_resolved(source, overrides, "mesh")
+        require_suffix(output)
+        write_mesh(StokesModel(case).mesh(case.configuration()), output, case.names)
+        message = f"wrote {output}"
+    tell(message)

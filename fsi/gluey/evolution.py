@@ -119,7 +119,11 @@ class GlueyEvolution:
         record = StepRecord(now.step, now.t, now.h, self._smallest_gap(new), 0, q, new.U, now.load, columns)
         names = self.case.names if self.schedule.is_output(now.t) else ()
         state = State(now.t, now.step, q, new.U, self._step)
-        return Moment(state, record, names, partial(self._write, now), partial(self._tables, now))
+
+        def write(folder: Path) -> dict[str, Sequence[str]]:
+            return on_root(lambda: self._write(now, folder))
+
+        return Moment(state, record, names, write, partial(self._tables, now))
 
     def _smallest_gap(self, state: GlueyState) -> float:
         film = self.system.film(1.0)
@@ -142,9 +146,6 @@ class GlueyEvolution:
 
     def _write(self, now: Stepped, folder: Path) -> dict[str, Sequence[str]]:
         """Bodies as points with radius and velocity, contacts as lines from centre (or wall) to centre."""
-        return on_root(lambda: self._write_files(now, folder))
-
-    def _write_files(self, now: Stepped, folder: Path) -> dict[str, Sequence[str]]:
         new, touching, step = now.state, now.touching, now.step
         d = self.system.dimension
         bodies, lines = f"bodies_{step:06d}.vtu", f"contacts_{step:06d}.vtu"

@@ -17,7 +17,6 @@ Direct simulation of dense suspensions (slides, 2008).
 """
 
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 import scipy.sparse as sp
@@ -171,7 +170,8 @@ def _project(system: System, state: GlueyState, contacts: Contacts, free: Array,
     tolerance = min(TOLERANCE * speed, DEPTH * float(system.radii.min()) / h)
     program = Program(rows.J, rows.b, system.mass.ravel(), u_star)
     if film is None:
-        impulses = solve_rows(rows, program, tolerance, partial(_friction, system, gamma))
+        mu_f = system.law.friction  # Coulomb's bound mu_f p_solid of each contact
+        impulses = solve_rows(rows, program, tolerance, lambda p: mu_f * _solid(system, gamma, p))
     else:
         impulses = minimise(program, rows.p, film, tolerance)
     return _Found(contacts, gamma, rows, impulses, speed)
@@ -221,11 +221,6 @@ def _solid(system: System, gamma: Array, p: Array) -> Array:
     """The impulse of solid contact: what p stores beyond gamma_min."""
     stored = -p if system.law.variant != "cone" else gamma - p
     return np.maximum(system.law.gamma_min - stored, 0.0)
-
-
-def _friction(system: System, gamma: Array, p: Array) -> Array:
-    """Coulomb's bound `mu_f p_solid` of each contact."""
-    return system.law.friction * _solid(system, gamma, p)
 
 
 def _momentum_defect(system: System, U: Array, U_new: Array, load: Array, found: _Found) -> float:

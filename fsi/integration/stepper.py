@@ -17,8 +17,7 @@ from fsi.bodies.configuration import Array, Configuration, Inertia
 from fsi.bodies.gaps import find_gaps, pair_gaps
 from fsi.errors import SolveError
 from fsi.integration.gap_limiter import Approach, GapRefusedError, greatest_approach, limited_step
-from fsi.integration.state import Advance, Instant, Model, Schedule, Scheme, State, Step
-from fsi.integration.step_errors import StepErrors
+from fsi.integration.state import Advance, Instant, Model, Schedule, Scheme, State, Step, StepErrors
 from fsi.meshes.geometry.containers import Container
 
 # Step controller of Hairer, Norsett & Wanner, Solving ODEs I, section II.4.
@@ -85,8 +84,9 @@ class Stepper:
             if not h >= self.smallest_step:
                 raise self._blocked(state, approach)
             t_end = self.schedule.landing(state.t, h)
+            model = _Guarded(self.model, state.q, state.t, self.container.at(state.t), self.gap_loss)
             try:
-                trial = self.scheme.step(self._guarded(state), state, t_end)
+                trial = self.scheme.step(model, state, t_end)
                 error = self._norm(state.q, state.t, trial.error)
             except GapRefusedError as refusal:
                 approach, error = refusal.approach, math.inf
@@ -100,9 +100,6 @@ class Stepper:
         q, instant = trial.q, trial.instant
         new = State(t_end, state.step + 1, q, instant.U, self._next_step(h, used, error, rejected))
         return Step(new, instant, used, rejected)
-
-    def _guarded(self, start: State) -> Model:
-        return _Guarded(self.model, start.q, start.t, self.container.at(start.t), self.gap_loss)
 
     def _norm(self, q: Configuration, t: float, displacement: Array) -> float:
         """Largest error that displacements (N, M) make, relative to what is tolerated: accepted up to 1.

@@ -26,8 +26,8 @@ from functools import cache
 from math import ceil, factorial, log2
 
 import numpy as np
+import scipy  # its modules load when they are used
 from numpy.typing import NDArray
-from scipy.linalg import eigh_tridiagonal
 
 Array = NDArray[np.float64]
 
@@ -124,7 +124,7 @@ def gram_rule(length: float) -> tuple[Array, Array]:
     """
     k = np.arange(1.0, _NODES)
     off_diagonal = 0.5 * k * np.sqrt((length**2 - k**2) / (4.0 * k**2 - 1.0))
-    nodes, vectors = eigh_tridiagonal(np.zeros(_NODES), off_diagonal)
+    nodes, vectors = scipy.linalg.eigh_tridiagonal(np.zeros(_NODES), off_diagonal)
     return nodes, length * np.square(vectors[0])
 
 

@@ -16,10 +16,8 @@ side at every gap. Bars count as standard deviations; those of resolved forces a
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # its modules load when they are used
 from numpy.typing import NDArray
-from scipy.linalg import cholesky, solve_triangular
-from scipy.optimize import minimize_scalar
-from scipy.stats import chi2
 
 from fsi.lubrication.laws import Array, Term
 
@@ -86,7 +84,7 @@ def fit_series(s: Array, K: Array, bars: Array, terms: tuple[Term, ...], free: i
         # |c1| is known well enough by the first sample
         widths = np.full(len(terms) - free, abs(K[0] / terms[0].value(s[:1])[0]))
         c, covariance, misfit = _solve(design(terms, s[:n]), K[:n], bars[:n], widths)
-        if chi2.sf(misfit, n - free) >= CONSISTENT:
+        if scipy.stats.chi2.sf(misfit, n - free) >= CONSISTENT:
             break
     exponent, error = _leading_exponent(s[:n], K[:n], bars[:n], terms, widths)
     return Fit(
@@ -97,14 +95,14 @@ def fit_series(s: Array, K: Array, bars: Array, terms: tuple[Term, ...], free: i
 
 def _solve(phi: Array, K: Array, bars: Array, widths: Array) -> tuple[Array, Array, float]:
     """Coefficients, their covariance, and the minimum; `widths` belong to the last columns of phi."""
-    root = cholesky(np.diag(bars**2) + np.outer(bars, bars), lower=True)
-    data = solve_triangular(root, np.column_stack([phi, K]), lower=True)
+    root = scipy.linalg.cholesky(np.diag(bars**2) + np.outer(bars, bars), lower=True)
+    data = scipy.linalg.solve_triangular(root, np.column_stack([phi, K]), lower=True)
     prior = np.hstack([np.zeros((len(widths), phi.shape[1] - len(widths))), np.diag(1.0 / widths)])
     matrix, right = np.vstack([data[:, :-1], prior]), np.append(data[:, -1], np.zeros(len(widths)))
     size = np.linalg.norm(matrix, axis=0)  # columns of one size: the terms themselves span many decades
     Q, R = np.linalg.qr(matrix / size)
-    c = solve_triangular(R, Q.T @ right)
-    inverse = solve_triangular(R, np.eye(len(size))) / size[:, None]
+    c = scipy.linalg.solve_triangular(R, Q.T @ right)
+    inverse = scipy.linalg.solve_triangular(R, np.eye(len(size))) / size[:, None]
     return c / size, inverse @ inverse.T, float(np.sum((matrix / size @ c - right) ** 2))
 
 
@@ -120,7 +118,7 @@ def _leading_exponent(
         return _solve(np.column_stack([s**p, others]), K, bars, widths)[2]
 
     bounds, options = (terms[0].power - 0.5, terms[0].power + 0.5), {"xatol": 1e-10}
-    p = float(minimize_scalar(misfit, bounds=bounds, method="bounded", options=options).x)
+    p = float(scipy.optimize.minimize_scalar(misfit, bounds=bounds, method="bounded", options=options).x)
     # c1 s^(p + e) = c1 s^p + c1 e s^p ln s: the second coefficient has the variance of c1 e
     c, covariance, _ = _solve(np.column_stack([s**p, s**p * np.log(s), others]), K, bars, widths)
     return p, float(np.sqrt(covariance[1, 1]) / abs(c[0]))

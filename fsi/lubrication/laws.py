@@ -15,8 +15,8 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
+import scipy  # its modules load when they are used
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import PchipInterpolator, make_interp_spline
 
 from fsi.errors import InputError
 
@@ -198,14 +198,15 @@ class TabulatedProfile:
     s: Array
     K: Array
     smooth: bool = False
-    _curve: PchipInterpolator = field(init=False, repr=False)
-    _slope: PchipInterpolator = field(init=False, repr=False)
+    _curve: "scipy.interpolate.PchipInterpolator" = field(init=False, repr=False)
+    _slope: "scipy.interpolate.PchipInterpolator" = field(init=False, repr=False)
     _until: Array = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         """Interpolate, and integrate from the last point, so that small integrals keep their digits."""
         x, y = np.log(self.s), np.log(self.K)
-        curve = make_interp_spline(x, y, k=5) if self.smooth else PchipInterpolator(x, y)
+        of = scipy.interpolate
+        curve = of.make_interp_spline(x, y, k=5) if self.smooth else of.PchipInterpolator(x, y)
         object.__setattr__(self, "_curve", curve)
         object.__setattr__(self, "_slope", curve.derivative())
         parts = self._between(x[:-1], x[1:])

@@ -28,8 +28,8 @@ where e_n and r_n come from the motion of the sphere.
 """
 
 import numpy as np
+import scipy  # its modules load when they are used
 from numpy.typing import ArrayLike
-from scipy.linalg import solve_banded
 
 from fsi.lubrication.exact import Array, gap_ratio, less_tanh
 
@@ -122,7 +122,7 @@ def _coefficients(n: Array, al: float, r: Array) -> Array:
     bands[0, 1:] = (b * (i + 2.0) / (2.0 * i + 3.0))[:-1]
     bands[1] = -(a * i + b * (i + 1.0)) / (2.0 * i + 1.0)
     bands[2, :-1] = (a * (i - 1.0) / (2.0 * i - 1.0))[1:]
-    return np.vstack([np.zeros((1, 3)), solve_banded((1, 1), bands, r)])
+    return np.vstack([np.zeros((1, 3)), scipy.linalg.solve_banded((1, 1), bands, r)])
 
 
 def _k(n: Array, al: float) -> Array:

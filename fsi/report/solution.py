@@ -4,7 +4,7 @@ Here, unlike in the arrays, a force is the one that the FLUID exerts on the body
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.console import Console
@@ -14,12 +14,15 @@ from rich.text import Text
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.section import toml_text
-from fsi.integration.step_errors import ErrorEstimate
+from fsi.integration.schemes import FLOWS, scheme_for
+from fsi.integration.state import ErrorEstimate
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.truncation import SolvedFlow
-from fsi.reduced.model import ReducedInstant
 from fsi.report.console import checks_table, table
+
+if TYPE_CHECKING:
+    from fsi.reduced.model import ReducedInstant
 
 # Changes of the results in a container of half the radius, where there is one.
 type Truncation = Mapping[str, float] | None
@@ -159,18 +162,38 @@ def _cost(case: Case, solution: SolvedFlow) -> Text:
 
 
 def print_case(console: Console, case: Case) -> None:
-    """What a case holds: bodies with their smallest gaps, what is free or held, walls."""
-    conditions = case.domain.walls.items()
-    rows = ((name, "at rest" if wall.rests else toml_text(wall)) for name, wall in conditions)
-    console.print(_case_table(case), table(("wall", "what holds there"), (), rows), sep="\n")
+    """What a case holds: bodies with their smallest gaps, what is free or held, walls, how it is stepped."""
+    rows = [(name, "at rest" if wall.rests else toml_text(wall)) for name, wall in case.domain.walls.items()]
+    if case.bodies:
+        console.print(_case_table(case))
+    if len(case.bodies) > _MOST:
+        console.print(f"... {len(case.bodies) - _MOST} more bodies")
+    if rows:
+        console.print(table(("wall", "what holds there"), (), rows))
+    console.print(_level(case), highlight=False)
+
+
+_MOST = 60  # bodies that are listed
+
+
+def _level(case: Case) -> str:
+    """The level of a case, and how far and by which steps it goes."""
+    matter = f", {case.macroscopic.parcels} parcels" if case.model == "macroscopic" else ""
+    if case.time is None:
+        return f"{case.model}{matter}, one instant"
+    steps = f"by steps of {case.time.step:g}" if case.time.step is not None else ""
+    if case.model in FLOWS:
+        scheme = scheme_for(case.time.scheme, inertia=case.masses() is not None)
+        steps = f"{steps if scheme.fixed else ''} by the scheme {scheme.name}".strip()
+    return f"{case.model}{matter}, to t = {case.time.end:g} {steps}"
 
 
 def _case_table(case: Case) -> Table:
     words = ("body", "position", "radius", "smallest gap", "to")
     modes = (components(case)[k] for k in np.flatnonzero(case.modes))
     shown = table((*words, *modes), (), title=case.name, title_justify="left")
-    held = case.motion(0.0).held
-    for i, body in enumerate(case.bodies):
+    held = case.held()
+    for i, body in enumerate(case.bodies[:_MOST]):
         gap, neighbour = _nearest(case, i)
         position = ", ".join(f"{x:.6g}" for x in body.position)
         motion = ("held" if is_held else "free" for is_held in held[i, case.modes])
@@ -195,14 +218,14 @@ def _nearest(case: Case, i: int) -> tuple[float, str]:
 SHOWN = ("dissipation", "lubrication_viscosity", "momentum", "power", "balance", "residual")
 
 
-def instant_json(case: Case, instant: ReducedInstant) -> dict[str, Any]:
+def instant_json(case: Case, instant: "ReducedInstant") -> dict[str, Any]:
     """The object that `fsi solve --json` prints; the force of a contact is positive where the gap opens."""
     bodies, contacts = bodies_json(case, instant.U, instant.F), _contacts(case, instant)
     record = {name: float(value) for name, value in instant.record.items()}
     return {"name": case.name, "bodies": bodies, "contacts": contacts, **record}
 
 
-def print_instant(console: Console, case: Case, instant: ReducedInstant) -> None:
+def print_instant(console: Console, case: Case, instant: "ReducedInstant") -> None:
     """The same for a reader: the bodies, their lubricated gaps, one line of numbers."""
 
     def numbers(i: int, k: int) -> tuple[str, str]:
@@ -217,7 +240,7 @@ def print_instant(console: Console, case: Case, instant: ReducedInstant) -> None
     console.print("  ".join(shown), highlight=False)
 
 
-def _contacts(case: Case, instant: ReducedInstant) -> list[dict[str, Any]]:
+def _contacts(case: Case, instant: "ReducedInstant") -> list[dict[str, Any]]:
     """Each gap within the reach of its law: its sides, D, D', lambda."""
     pairs, sides = instant.pairs, (*case.names, *case.container().walls)
     columns = zip(pairs.i, pairs.j, pairs.gap, instant.rates, instant.force, strict=True)

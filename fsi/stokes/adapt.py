@@ -17,8 +17,7 @@ from fsi.bodies.configuration import Configuration, Inertia, Motion
 from fsi.case.case import Case
 from fsi.case.checks.determined import require_determined_at_rest
 from fsi.errors import SolveError
-from fsi.integration.state import Instant
-from fsi.integration.step_errors import ErrorEstimate, StepErrors
+from fsi.integration.state import ErrorEstimate, Instant, StepErrors
 from fsi.stokes.model import StokesModel, motion_of
 from fsi.stokes.solution import StokesSolution
 
@@ -54,9 +53,8 @@ def solve_with_errors(case: Case) -> Solved:
 
     Bodies have no inertia here: free ones have the velocity that they would soon reach.
 
-    Raises:
-        InputError: only inertia determines the motion.
-        MeshError, SolveError: as `StokesModel`; or the tolerance is not reached.
+    Raises InputError: only inertia determines the motion; MeshError, SolveError: as `StokesModel`, or the
+    tolerance is not reached.
     """
     require_determined_at_rest(case)
     q = case.configuration()

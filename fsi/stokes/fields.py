@@ -30,7 +30,7 @@ from fsi.errors import SolveError
 from fsi.meshes.cells.lagrange import gradient, locate, tabulate
 from fsi.meshes.files.write import vtk_order
 from fsi.meshes.geometry.lattice import SAME_PLACE, Integers, Lattice, on_torus
-from fsi.observables.velocity_gradient import hoop_rate, strain_rate, vorticity
+from fsi.observables.bulk_stress import hoop_rate, strain_rate, vorticity
 from fsi.stokes.discretisation.forms import EQUISPACED, Forms
 from fsi.stokes.solvers.elimination import StokesSystem
 

@@ -31,13 +31,13 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
 from fsi.case.case import Case
 from fsi.case.walls import WallVelocity
-from fsi.integration.step_errors import ErrorEstimate, Results, StepErrors
+from fsi.integration.state import ErrorEstimate, Results, StepErrors
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.files.read import read_mesh
 from fsi.meshes.geometry.containers import FluidDomain
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
-from fsi.observables.error_estimate import flow_scales, relative_change
+from fsi.observables.truncation import flow_scales, relative_change
 from fsi.stokes.problem import Boundary, Field, SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import Clock, solve

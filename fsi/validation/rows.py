@@ -16,7 +16,7 @@ from fsi.case.load import load_case, override, parse_case
 from fsi.case.section import nearest_word, toml_text
 from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, TIME_AT_GAP, Expected, gap_of
 from fsi.errors import InputError
-from fsi.integration.step_errors import Measured
+from fsi.integration.state import Measured
 from fsi.lubrication.exact_results import EXACT, ExactProblem
 from fsi.lubrication.expansions import expansion
 from fsi.lubrication.spheres import normal_resistance

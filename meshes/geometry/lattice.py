@@ -12,8 +12,8 @@ from functools import partial, reduce
 from itertools import product
 
 import numpy as np
+import scipy  # its modules load when they are used
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Array, WithoutWalls
@@ -209,7 +209,7 @@ def matching_points(x: Array, lattice: Lattice) -> PeriodicPairs:
     Raises MeshError where a point has no image.
     """
     torus = on_torus(x, lattice)
-    _, near = cKDTree(torus).query(torus, k=[1, 2])
+    _, near = scipy.spatial.cKDTree(torus).query(torus, k=[1, 2])
     number = np.arange(len(x))
     partner = np.where(near[:, 0] == number, near[:, 1], near[:, 0])
     paired = bool(np.all(partner < len(x))) and np.array_equal(partner[partner], number)

@@ -128,8 +128,7 @@ def read_chains(run: Run, step: int | None = None, close: float = CLOSE) -> Chai
 
     close: gaps below this many mean radii make a link.
 
-    Raises:
-        InputError: another kind of run, or no such step.
+    Raises InputError: another kind of run, or no such step.
     """
     case, steps = run.case, run.columns("steps")
     if case.geometry != "planar":

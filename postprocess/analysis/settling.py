@@ -50,8 +50,7 @@ def read_settling(run: Run) -> Settling:
 def exact_gap(case: Case, t: Array) -> Array:
     """The exact gap at times t of the only body of a case, a disc or a sphere.
 
-    Raises:
-        InputError: it is not one body above a plane under a constant normal force.
+    Raises InputError: it is not one body above a plane under a constant normal force.
     """
     force, body = _normal_force(case), case.bodies[0]
     law = spheres.settling_gap if case.axisymmetric else exact.settling_gap
@@ -63,8 +62,7 @@ def asymptotic_gap(case: Case, t: Array) -> Array:
 
     Disc: `(a/2) (12 pi mu a / (|F| t))^2`. Sphere: `exp(-t |F| / (6 pi mu a^2))` through the last time.
 
-    Raises:
-        InputError: as for the exact gap, or the force points away from the plane.
+    Raises InputError: as for the exact gap, or the force points away from the plane.
     """
     force, body, mu = _normal_force(case), case.bodies[0], case.fluid.viscosity
     if force > 0.0:

@@ -38,8 +38,7 @@ def draw_arrangement(arrangement: Arrangement, path: Path) -> None:
 def draw_case(figure: Figure, case: Case, q: Configuration, t: float) -> tuple[Axes, Array]:
     """Draw the bodies of a case at q and time t; gives the axes, and the centres as they are drawn.
 
-    Raises:
-        InputError: they are neither in a box nor in a cell.
+    Raises InputError: they are neither in a box nor in a cell.
     """
     container = case.container().at(t)
     if len(container.periods) == container.dimension:

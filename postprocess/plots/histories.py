@@ -106,10 +106,6 @@ def _gaps(asked: Asked) -> Curves:
     return {f"gap {asked.gap}": np.array([gap_between(*moment, sides).width for moment in moments])}
 
 
-def _speeds(asked: Asked) -> Curves:
-    return asked.each(asked.sizes("V")) if asked.bodies else {}
-
-
 def _loads(asked: Asked) -> Curves:
     """On each body, where any is loaded."""
     if not asked.bodies:
@@ -122,7 +118,7 @@ def _loads(asked: Asked) -> Curves:
 VISCOSITY = "apparent viscosity"
 ADDED_VISCOSITY = "viscosity added by lubrication"  # that of the reduced model: only the part that this adds
 register_panel("gap", _gaps)
-register_panel("speed", _speeds)
+register_panel("speed", lambda asked: asked.each(asked.sizes("V")) if asked.bodies else {})
 register_panel("load", _loads)
 register_panel(VISCOSITY, of_steps("apparent_viscosity"))
 register_panel(ADDED_VISCOSITY, of_steps("lubrication_viscosity"))
@@ -173,8 +169,7 @@ def plot_runs(runs: Sequence[Run], output: Path, gap: str | None = None) -> Path
 
     gap: "3,7" or "disc,bottom", names or numbers; if not given, the smallest gap of each body.
 
-    Raises:
-        InputError: unknown suffix or gap, a run without rows, or the disk refuses.
+    Raises InputError: unknown suffix or gap, a run without rows, or the disk refuses.
     """
     require_suffix(output, *SUFFIXES)
     singly = len(COLOURS) if len(runs) == 1 else len(_DASHES)

@@ -206,8 +206,7 @@ def require_opengl() -> None:
 
     A child process is asked, since VTK crashes where it cannot draw.
 
-    Raises:
-        InputError: none works; the message names the missing package.
+    Raises InputError: none works; the message names the missing package.
     """
     chosen = os.environ.get(_SETTING)
     for window in (chosen,) if chosen else _WINDOWS:

@@ -171,7 +171,7 @@ def _write_mp4(pictures: Iterable[Picture], path: Path) -> None:
     """H.264, which browsers and slides show; it wants even sizes."""
     import imageio_ffmpeg
 
-    frames = map(_even, pictures)
+    frames = (np.ascontiguousarray(f[: len(f) // 2 * 2, : f.shape[1] // 2 * 2]) for f in pictures)
     first = next(frames)
     size, quiet = (first.shape[1], first.shape[0]), {"macro_block_size": 2, "ffmpeg_log_level": "error"}
     coded = {"fps": _PER_SECOND, "codec": "libx264", "quality": 8}
@@ -181,10 +181,6 @@ def _write_mp4(pictures: Iterable[Picture], path: Path) -> None:
     for picture in frames:
         writer.send(picture)
     writer.close()
-
-
-def _even(picture: Picture) -> Picture:
-    return np.ascontiguousarray(picture[: picture.shape[0] // 2 * 2, : picture.shape[1] // 2 * 2])
 
 
 def _write_gif(pictures: Iterable[Picture], path: Path) -> None:

@@ -27,8 +27,7 @@ def render_run(
 
     The step is given by its number, or as the one nearest to a time.
 
-    Raises:
-        InputError: no such field, gap or step, no fields in the run, no OpenGL here, or the disk refuses.
+    Raises InputError: no such field, gap or step, no fields in the run, no OpenGL here, or the disk refuses.
     """
     require_suffix(output, *STILLS, *MOVIES)
     if choice.size < 100:

@@ -17,7 +17,7 @@ from fsi.bodies.configuration import Array
 from fsi.errors import InputError
 from fsi.files import write_whole
 from fsi.meshes.cells.lagrange import gradient, locate, order_of, tabulate
-from fsi.observables.velocity_gradient import hoop_rate, strain_rate, vorticity
+from fsi.observables.bulk_stress import hoop_rate, strain_rate, vorticity
 from fsi.postprocess.run.run import Run, nodes
 
 FLUID = "fluid"
@@ -31,11 +31,10 @@ def probe(run: Run, points: Array, step: int | None = None) -> pd.DataFrame:
 
     Columns x, y (with an axis r, z; in space x, y, z), `where` ("fluid", the name of the body that holds the
     point, or "outside"), u_x, u_y ..., p, vorticity (in space vorticity_x ...), strain_rate; NaN where there
-    is no fluid. For their signs see `fsi.observables.velocity_gradient`. A point up to 1e-4 of a cell beyond
+    is no fluid. For their signs see `fsi.observables.bulk_stress`. A point up to 1e-4 of a cell beyond
     the fluid's boundary counts as on it.
 
-    Raises:
-        InputError: the run has no fields of that step.
+    Raises InputError: the run has no fields of that step.
     """
     letters = "rz" if run.case.axisymmetric else "xyz"[: run.case.dimension]
     step = run.step(step)
@@ -81,8 +80,7 @@ def _places(run: Run, points: Array, step: int) -> list[str]:
 def on_plane(corner: Sequence[float], opposite: Sequence[float], count: int) -> Array:
     """A grid of count x count points on the rectangle between two corners, row by row, (count^2, d).
 
-    Raises:
-        InputError: in space it does not lie across one of the axes.
+    Raises InputError: in space it does not lie across one of the axes.
     """
     d = len(corner)
     sides = [k for k in range(d) if d == 2 or corner[k] != opposite[k]]

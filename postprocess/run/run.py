@@ -44,8 +44,7 @@ _SAME_NODE = 1e-13  # of the size of the domain: ranks agree on the nodes that t
 def open_run(path: Path | str) -> Run:
     """Open the folder of a run, without changing anything in it.
 
-    Raises:
-        InputError: it is not a run folder.
+    Raises InputError: it is not a run folder.
     """
     path = Path(path)
     if not (path / CASE).is_file():
@@ -123,8 +122,7 @@ class Run:
         "surface" has the curved edges of the bodies. A gluey run has the series "bodies" and "contacts", a
         macroscopic one "profile".
 
-        Raises:
-            InputError: there are no fields of that step.
+        Raises InputError: there are no fields of that step.
         """
         step = self.step(step, series)
         files = [self.path / entry.file for entry in self._entries(series) if _step(entry) == step]

@@ -19,9 +19,8 @@ _STEPS = ("step", "t")
 def read_table(path: Path, length: int | None) -> pd.DataFrame:
     """The first `length` bytes of a CSV file, all of it if None.
 
-    Raises:
-        InputError: there is no such file, it has no rows, or (steps.csv, bodies.csv) it is not as a run has
-            written it.
+    Raises InputError: there is no such file, it has no rows, or (steps.csv, bodies.csv) it is not as a run
+    has written it.
     """
     try:
         text = path.read_bytes()

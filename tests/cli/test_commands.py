@@ -157,7 +157,7 @@ def test_an_error_on_one_rank_ends_all_with_one_message(error: str) -> None:
         import fsi.meshes.backend
         from mpi4py import MPI
         import fsi.parallel as parallel
-        from fsi.cli import check
+        from fsi.cli import cases
         from fsi.cli.main import main
         from fsi.errors import InputError
 
@@ -166,7 +166,7 @@ def test_an_error_on_one_rank_ends_all_with_one_message(error: str) -> None:
                 raise {error}("the radius is wrong here")
             MPI.COMM_WORLD.Barrier()  # waits for ever
 
-        check.load = load
+        cases.load = load
         sys.argv = ["fsi", "check", "case.toml"]
         sys.exit(main())
     """

@@ -10,7 +10,7 @@ from rich.console import Console
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.load import load_case
-from fsi.integration.step_errors import ErrorEstimate
+from fsi.integration.state import ErrorEstimate
 from fsi.observables.truncation import SolvedFlow, halved, truncation
 from fsi.report.console import standard_output
 from fsi.report.solution import print_solution, solution_json

@@ -11,11 +11,10 @@ import pytest
 from fsi.case.case import Case
 from fsi.case.load import load_case, parse_case
 from fsi.errors import SolveError
-from fsi.integration.state import StepRecord
-from fsi.integration.step_errors import ErrorEstimate
+from fsi.integration.state import ErrorEstimate, StepRecord
 from fsi.lubrication import exact, spheres
 from fsi.meshes.files.write import write_mesh
-from fsi.observables.error_estimate import flow_scales, relative_change
+from fsi.observables.truncation import flow_scales, relative_change
 from fsi.runs import resume, run
 from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.model import ROUNDING, StokesModel
