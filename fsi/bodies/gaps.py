@@ -112,8 +112,10 @@ def neighbours(x: Array, container: Container, cutoff: float) -> tuple[NDArray[n
         by which the image of j that is meant is moved, (P, k).
     """
     lattice = Lattice(container.periods)
-    if lattice.dimension == 0 and len(x) < 2:
-        return np.empty((0, 2), np.intp), np.empty((0, 0), np.int64)
+    if lattice.dimension == 0 and len(x) <= 6:  # pairs so few are done before a tree's library is loaded
+        pairs = np.column_stack(np.triu_indices(len(x), 1))
+        near = np.linalg.norm(x[pairs[:, 0]] - x[pairs[:, 1]], axis=1) <= cutoff
+        return pairs[near], np.empty((near.sum(), 0), np.int64)
     m = -np.floor(lattice.coordinates(x)).astype(np.int64)
     home = x + lattice.shift(m)
     tree = scipy.spatial.cKDTree(home)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import product
+from itertools import combinations, product
 
 import numpy as np
 import pytest
@@ -85,3 +85,15 @@ def test_neighbours_in_boxes_that_are_periodic_in_any_directions(
     for row, separation, distance in zip(rows, separations, distances, strict=True):
         np.testing.assert_allclose(separation, expected[tuple(row)], atol=1e-12)
         assert distance == pytest.approx(np.linalg.norm(separation), rel=1e-14)
+
+
+@pytest.mark.parametrize("number", [0, 1, 2, 6, 7])
+def test_neighbours_in_a_closed_box_are_those_of_all_pairs(number: int) -> None:
+    """Up to six points, and beyond, are searched in different ways."""
+    x = np.random.default_rng(number).uniform(0.0, 3.0, (number, 3))
+    pairs, m = neighbours(x, Box((0.0, 0.0, 0.0), (3.0, 3.0, 3.0)), 1.8)
+    near = {(i, j) for i, j in combinations(range(number), 2) if np.linalg.norm(x[i] - x[j]) <= 1.8}
+    assert set(map(tuple, pairs.tolist())) == near
+    assert len(pairs) == len(near)
+    assert m.shape == (len(near), 0)
+    assert number < 6 or 0 < len(near) < number * (number - 1) // 2
