@@ -26,8 +26,8 @@ _FLOOR = 1e-14  # where a true error of zero is drawn
 _STYLES = {
     "resolved": ("#0072b2", "-"),
     "reduced": ("#d55e00", "--"),
-    "gluey": ("black", ":"),
-    "macroscopic": ("#009e73", "-."),
+    "gluey": ("black", "-"),
+    "macroscopic": ("#009e73", "--"),
 }
 
 
