@@ -5,7 +5,7 @@ the plane.
 """
 
 from collections.abc import Callable, Sequence
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, ClassVar, Literal, get_args
 
 import numpy as np
 import tomli_w
@@ -38,7 +38,7 @@ def _rows(value: Any) -> Any:
 class Case(Section):
     """One problem: fluid, domain, bodies, and how to compute it at one of four levels."""
 
-    renamed = {  # noqa: RUF012
+    renamed: ClassVar[dict[str, str]] = {
         "cell": "use [domain] with lower, upper and periodic",
         "walls": "use the walls of [domain], or [[gluey.walls]]",
         "contact": "use [gluey]",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
@@ -131,7 +131,7 @@ class Calibration(Section):
 class Reduced(Section):
     """The reduced model: which laws, which drag."""
 
-    renamed = {"scheme": "use time.scheme", "step": "use time.step"}  # noqa: RUF012
+    renamed: ClassVar[dict[str, str]] = {"scheme": "use time.scheme", "step": "use time.step"}
 
     law: Text = Field(
         default="exact", description=f"the law of the gaps: {names_of_laws()} or the path of a law file"
