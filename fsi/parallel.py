@@ -4,6 +4,7 @@ import importlib.util
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import fsi.meshes.backend  # noqa: F401  (loads MPI in the right order)
@@ -78,7 +79,8 @@ def last_words(message: str, exit_code: int, patience: float = 3.0) -> int:
     # Ranks that fail without the others give up one after the other, so that only one speaks.
     together = _all_arrive(patience * (1.0 + 0.1 * rank()))
     if is_root() or not together:
-        print(message, file=sys.__stderr__, flush=True)
+        with suppress(OSError):  # nobody listens, but the exit code tells
+            print(message, file=sys.__stderr__, flush=True)
     if not together:
         _comm.Abort(exit_code)
     return exit_code if size() == 1 else int(_alarm.bcast(exit_code, root=0))

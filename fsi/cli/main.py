@@ -1,12 +1,12 @@
 """The command line as a whole.
 
-Exit codes: 0 done, 1 a defect of the program, 2 wrong input, 3 a solve, mesh or step failed,
-4 a validation failed, 130 interrupted. Errors are one line on stderr. Under `mpiexec` root alone prints; see
-`parallel.last_words` for how all ranks end together.
+Exit codes: 0 done, 2 wrong input, 3 a solve, mesh or step failed, 4 a validation failed, 70 a defect of the
+program (EX_SOFTWARE of sysexits.h), 130 interrupted. Errors are one line on stderr. Under `mpiexec` root
+alone prints; see `parallel.last_words` for how all ranks end together.
 """
 
-import os
 import sys
+import tempfile
 import traceback
 
 import typer
@@ -24,10 +24,11 @@ from fsi.cli import (
     solve,
 )
 from fsi.cli.missing import explain
+from fsi.cli.streams import finish, prepare
 from fsi.errors import FsiError
 from fsi.meshes.errors import MeshError
 
-INTERRUPTED = 130
+DEFECT, INTERRUPTED = 70, 130
 GOES_ON = "a run goes on with fsi resume, a calibration when repeated"
 
 app = typer.Typer(
@@ -61,8 +62,11 @@ app.command(epilog=compare.EXAMPLE)(compare.compare)
 
 def main() -> int:
     """Run the command line; returns the exit code."""
-    if not parallel.is_root():
-        sys.stdout = open(os.devnull, "w")  # noqa: PTH123, SIM115  (help and tables once, not once a rank)
+    prepare(silent=not parallel.is_root())  # help and tables once, not once a rank
+    return finish(_command())
+
+
+def _command() -> int:
     try:
         command = typer.main.get_command(app)
         code = command.main(sys.argv[1:] or ["--help"], prog_name="fsi", standalone_mode=False) or 0
@@ -74,11 +78,26 @@ def main() -> int:
         return parallel.last_words(f"error: {line}", getattr(error, "exit_code", 3))
     except typer.TyperException as error:
         return parallel.last_words(f"error: {_usage(error)}", 2)
+    except SystemExit:  # typer's, where the reader of standard output has gone, as `head` does
+        return 0
     except Exception as error:
         lacking = explain(error)
         if lacking is not None:
             return parallel.last_words(f"error: {lacking}", lacking.exit_code)
-        return parallel.last_words(traceback.format_exc(), 1)
+        return parallel.last_words(f"error: {_defect(error)}", DEFECT)
+
+
+def _defect(error: Exception) -> str:
+    """What went wrong in the program itself, on one line, and the file that has all of it."""
+    what = " ".join(f"a defect of the program, {type(error).__name__}: {error}".split())[:300]
+    text = f"{sys.argv}\n{traceback.format_exc()}".encode(errors="backslashreplace")
+    try:
+        with tempfile.NamedTemporaryFile(prefix="fsi-defect-", suffix=".txt", delete=False) as file:
+            file.write(text)
+        return f"{what}; please report it with {file.name}, which has the full text"
+    except OSError:  # no room for it either
+        place = traceback.extract_tb(error.__traceback__)[-1]
+        return f"{what}, at {place.filename}:{place.lineno}; please report it"
 
 
 def _usage(error: typer.TyperException) -> str:

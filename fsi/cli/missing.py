@@ -1,5 +1,6 @@
-"""What a machine lacks, as one line with the remedy: libraries and a compiler that pip cannot install."""
+"""What a machine lacks or refuses, as one line with the remedy: libraries, a compiler, room, permission."""
 
+import errno
 import os
 import re
 import shutil
@@ -13,11 +14,17 @@ LIBRARIES = "libgl1 libegl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 libgom
 COMPILER = "gcc libc6-dev python3-dev"
 SOLVER = {"dolfinx", "dolfinx_solver", "gmsh", "petsc4py", "mpi4py", "basix", "ffcx", "ufl"}
 
+# What another path, or a right to it, puts right; the rest is the machine's (disk full, quota, input/output).
+_OF_PATHS = (
+    errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT, errno.EISDIR, errno.ENOTDIR, errno.ELOOP,
+    errno.ENAMETOOLONG, errno.EEXIST, errno.ENOTEMPTY,
+)  # fmt: skip
+
 _LIBRARY = re.compile(r"(lib\S+\.so\S*): cannot open shared object file")
 
 
 def explain(error: BaseException) -> FsiError | None:
-    """What is missing on this machine where that is why the error came; None where it is not."""
+    """What this machine lacks or refuses where that is why the error came; None where it is not."""
     if isinstance(error, ModuleNotFoundError) and (error.name or "").partition(".")[0] in SOLVER:
         return InputError(
             f"{error.name} is not installed: resolved flows need the solver; "
@@ -32,7 +39,20 @@ def explain(error: BaseException) -> FsiError | None:
             f"{lacking} is missing on this machine, which compiles the forms; as root: "
             f"apt-get install -y {COMPILER}"
         )
+    if isinstance(error, MemoryError):
+        return SolveError("memory: there is not enough on this machine; give a coarser mesh or fewer bodies")
+    if isinstance(error, OSError) and error.strerror:
+        return _refused(error)
     return None
+
+
+def _refused(error: OSError) -> FsiError:
+    """What the operating system does not let us do."""
+    paths = " and ".join(str(path) for path in (error.filename, error.filename2) if path is not None)
+    if error.errno in _OF_PATHS:
+        return InputError(f"{paths or 'a file'}: {error.strerror}; give a path that can be read and written")
+    where = paths or "standard output or a file"
+    return SolveError(f"{where}: {error.strerror}; make room or give another place, and repeat the command")
 
 
 def _lacking() -> str | None:

@@ -3,7 +3,8 @@
 import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from pathlib import Path
+from typing import Any, override
 
 from rich.console import Console
 from rich.table import Table
@@ -14,15 +15,25 @@ import fsi.parallel as parallel
 WIDTH = 140
 
 
+class _Lasting(Console):
+    """A console that falls silent where its reader has gone, as `head` does; the command goes on."""
+
+    @override
+    def on_broken_pipe(self) -> None:
+        self.quiet = True
+        with Path(os.devnull).open("wb") as nowhere:  # takes what is still to be written
+            os.dup2(nowhere.fileno(), self.file.fileno())
+
+
 def standard_output() -> Console:
     """Standard output, as wide as the terminal or as COLUMNS says; without either, wide enough."""
     known = sys.stdout.isatty() or "COLUMNS" in os.environ
-    return Console(width=None if known else WIDTH)
+    return _Lasting(width=None if known else WIDTH)
 
 
 def standard_error() -> Console:
     """Standard error, silent on all ranks but root."""
-    return Console(stderr=True, quiet=not parallel.is_root())
+    return _Lasting(stderr=True, quiet=not parallel.is_root())
 
 
 def table(
