@@ -1,0 +1,225 @@
+"""Whether error bars hold: random cases of all kinds of walls against much finer solves.
+
+    python -m bench.bars --cases 200 --seed 0
+
+Each case of `bench.random_cases` is solved with its bars, and once more with elements of a higher degree on a
+finer mesh, in the plane with cells that halve 20 times towards the corners of the walls. A value is inside
+where it is no farther from the finer one than its bar. The bench ends with exit code 1 unless 99 % of all
+values are inside, 97 % of each kind, and the median ratio of error to bar is at least 0.05, so that bars are
+not made to hold by making them long.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, replace
+from itertools import pairwise
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+
+from bench.random_cases import KINDS, random_case
+from fsi.bodies.configuration import Configuration
+from fsi.case.case import Case
+from fsi.errors import SolveError
+from fsi.integration.state import ErrorEstimate
+from fsi.meshes.build import FluidMesh, build
+from fsi.meshes.errors import MeshError
+from fsi.meshes.geometry.containers import Container, FluidDomain
+from fsi.meshes.geometry.curves import WallCurve
+from fsi.stokes.adapt import solve_with_errors
+from fsi.stokes.model import StokesModel
+from fsi.stokes.solution import StokesSolution
+
+OF_ALL, OF_EACH, MEDIAN = 0.99, 0.97, 0.05
+# How much finer the reference is, and its degree: in space one refinement costs ten times as much.
+FINER = {2: 2.0, 3: 1.3}
+DEGREE = {2: 5, 3: 4}
+HALVINGS = 20
+# What rounding leaves, of the largest of a case: bars are not asked to be about the error there.
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Value:
+    """A result of a case: its error against the finer solve, and its bar."""
+
+    kind: str
+    seed: int
+    name: str
+    error: float
+    bar: float
+
+    @property
+    def ratio(self) -> float:
+        """Error over bar; inside up to 1."""
+        return self.error / self.bar if self.bar > 0.0 else np.inf
+
+    @property
+    def inside(self) -> bool:
+        """Whether the bar holds."""
+        return self.error <= self.bar
+
+
+class Reference(StokesModel):
+    """The model of a case with finer sizes, and in the plane graded walls."""
+
+    def __init__(self, case: Case) -> None:
+        now, finer = case.discretisation, FINER[case.dimension]
+        sizes = {
+            "cells_per_gap": finer * now.cells_per_gap,
+            "cells_per_circle": int(np.ceil(finer * now.cells_per_circle)),
+            "growth": now.growth / finer,
+        }
+        super().__init__(case.model_copy(update={"discretisation": now.model_copy(update=sizes)}))
+
+    def mesh(self, q: Configuration, t: float = 0.0, order: int | None = None) -> FluidMesh:
+        """A new mesh."""
+        domain = FluidDomain(graded(self.case.container().at(t)), q.centres, q.radii)
+        return build(domain, self.resolution, order or self.case.discretisation.degree)
+
+
+def reference(case: Case) -> StokesSolution:
+    """The case with elements of a higher degree on a much finer mesh."""
+    q = case.configuration()
+    return Reference(case).of_degree(DEGREE[case.dimension], q, 0.0, case.motion_at(q, 0.0))
+
+
+def graded(container: Container) -> Container:
+    """The same container, in the plane with pieces of walls that halve towards corners."""
+    kind: Any = type(container)
+    if container.dimension == 3 or len(container.periods):
+        return container
+
+    class Graded(kind):  # type: ignore[misc]
+        def outline(self) -> tuple[WallCurve, ...]:
+            return tuple(piece for curve in kind.outline(self) for piece in halving(curve))
+
+    graded: Container = Graded(*(getattr(container, field.name) for field in fields(kind)))
+    return graded
+
+
+def halving(curve: WallCurve) -> Iterator[WallCurve]:
+    """Pieces of a wall that halve towards both its ends, each of them one element at least."""
+    start, end = curve.interval
+    parts = 0.5 ** np.arange(HALVINGS, 0, -1)
+    places = start + (end - start) * np.concatenate([[0.0], parts, 1.0 - parts[-2::-1], [1.0]])
+    points = curve.at(places)
+    points[[0, -1]] = curve.ends
+    for k, (low, high) in enumerate(pairwise(places)):
+        longest = min(high - low, curve.longest_element)
+        yield replace(
+            curve, interval=(low, high), ends=points[k : k + 2], longest_element=longest, fewest_elements=1
+        )
+
+
+def values(kind: str, seed: int) -> list[Value]:
+    """All results of a case that have a bar. Raises MeshError, SolveError."""
+    case = random_case(kind, seed)
+    solved = solve_with_errors(case)
+    fine = reference(case)
+    found = results(solved.case, solved.solution, solved.errors, fine)
+    return [Value(kind, seed, name, float(error), float(bar)) for name, error, bar in found]
+
+
+def results(
+    case: Case, coarse: StokesSolution, bars: ErrorEstimate, fine: StokesSolution
+) -> Iterator[tuple[str, float, float]]:
+    """Name, error and bar of each result; those that vanish by symmetry, to rounding, are left out."""
+    held = case.motion(0.0).held
+    for letter, of_kind, value, exact, bar in (
+        ("U", ~held & case.modes, coarse.U, fine.U, bars.U),
+        ("F", held & case.modes, coarse.F, fine.F, bars.F),
+        ("dissipation", np.array(True), coarse.dissipation, fine.dissipation, bars.dissipation),
+        (
+            "viscosity",
+            np.array(True),
+            coarse.apparent_viscosity,
+            fine.apparent_viscosity,
+            bars.apparent_viscosity,
+        ),
+    ):
+        if value is None or bar is None:
+            continue
+        value, exact, bar = (np.asarray(part, dtype=float) for part in (value, exact, bar))
+        noise = ROUNDING * np.abs(exact).max(initial=0.0)
+        for place in np.argwhere(of_kind & (np.abs(value - exact) > noise) & np.isfinite(bar)):
+            at = tuple(place)
+            yield f"{letter}{place.tolist() or ''}", abs(value[at] - exact[at]), bar[at]
+
+
+def measured(kinds: list[str], cases: int, seed: int) -> tuple[list[Value], dict[str, str]]:
+    """The values of so many cases, in turn of each kind, and the refusals of the others."""
+    found, refused = list[Value](), dict[str, str]()
+    for n in track(range(cases), "cases", console=Console(stderr=True)):
+        kind, own = kinds[n % len(kinds)], seed + n // len(kinds)
+        try:
+            found += values(kind, own)
+        except (MeshError, SolveError) as error:
+            refused[f"{kind}, {own}"] = str(error)
+    return found, refused
+
+
+def shown(found: list[Value], kinds: list[str]) -> Table:
+    """A line for each kind, and for all."""
+    table = Table(title="values within their bars", title_justify="left")
+    for heading in ("kind", "cases", "values", "inside", "share", "worst ratio", "median", "worst is"):
+        table.add_column(heading, justify="left" if heading in ("kind", "worst is") else "right")
+    for kind in [*kinds, ""]:
+        some = [value for value in found if kind in (value.kind, "")]
+        if some:
+            worst = max(some, key=lambda value: value.ratio)
+            inside, cases = sum(value.inside for value in some), len({(v.kind, v.seed) for v in some})
+            median = np.median([value.ratio for value in some])
+            table.add_row(
+                kind or "all", f"{cases}", f"{len(some)}", f"{inside}", f"{inside / len(some):.1%}",
+                f"{worst.ratio:.2g}", f"{median:.2g}", f"{worst.name} of seed {worst.seed}",
+            )  # fmt: skip
+    return table
+
+
+def holds(found: list[Value], kinds: list[str]) -> bool:
+    """Whether enough values are inside, of all and of each kind, and bars are not too long."""
+    inside = {kind: [value.inside for value in found if value.kind == kind] for kind in kinds}
+    ratios = [value.ratio for value in found]
+    return bool(
+        np.mean([value.inside for value in found]) >= OF_ALL
+        and all(np.mean(of_kind) >= OF_EACH for of_kind in inside.values() if of_kind)
+        and np.median(ratios) >= MEDIAN
+    )
+
+
+def main(
+    kinds: Annotated[
+        list[str] | None, typer.Option(help=f"One of: {'; '.join(KINDS)}.", show_default="all")
+    ] = None,
+    cases: Annotated[int, typer.Option(help="How many, in turn of each kind.")] = 200,
+    seed: Annotated[int, typer.Option(help="The first case of each kind has this seed.")] = 0,
+    outside: Annotated[bool, typer.Option(help="List the values outside their bars.")] = False,
+) -> None:
+    """Solve random cases with their bars and without, print a table, and fail where bars do not hold."""
+    chosen = kinds or list(KINDS)
+    for unknown in set(chosen) - set(KINDS):
+        raise typer.BadParameter(f"{unknown}: not a kind; known: {'; '.join(KINDS)}")
+    found, refused = measured(chosen, cases, seed)
+    console = Console(width=140)
+    console.print(shown(found, chosen))
+    for case, why in refused.items():
+        console.print(f"refused: {case}: {why}")
+    for value in (value for value in found if outside and not value.inside):
+        console.print(
+            f"{value.kind}, seed {value.seed}: {value.name} errs by {value.error:.2g}, bar {value.bar:.2g}"
+        )
+    if not holds(found, chosen):
+        console.print(
+            f"not {OF_ALL:.0%} of all and {OF_EACH:.0%} of each kind inside, or the median below {MEDIAN}"
+        )
+        raise typer.Exit(1)
+
+
+if __name__ == "__main__":
+    typer.run(main)
