@@ -18,7 +18,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline, make_interp_spline
 
 from fsi.bodies.configuration import LOADS, MODES, PLACES, Array, Configuration
-from fsi.bodies.gaps import find_gaps
+from fsi.bodies.gaps import smallest_of_each, without_rounding
 from fsi.case.case import MODELS, Case
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
@@ -31,8 +31,6 @@ from fsi.runs import Progress, no_progress, resume, run
 
 # Of a table and a plot.
 TIMES = 601
-# Of the smallest radius: gaps that surfaces in contact have by the rounding of their places.
-ROUNDING = 1e-12
 LIMITS = (0.1, 0.01)
 # A gap at which the two models move it in opposite directions has no small relative error; so that one
 # turning point does not decide, a model is called good below a gap if this part of the samples is.
@@ -229,15 +227,15 @@ def compare_rates(case: Case, resolved: History, reduced: History) -> RateCompar
 
 
 def _gaps_over_time(case: Case, t: Array, centres: Array) -> Array:
-    """The smallest gap of each body for centres (T, N, d) at times t, (T, N); 0 where it is rounding."""
+    """The smallest gap of each body for centres (T, N, d) at times t, (T, N); 0 in contact."""
     radii, container = case.configuration().radii, case.container()
     gaps = np.array(
         [
-            find_gaps(Configuration.unturned(x, radii), container.at(at), container.size()).smallest_of_each()
+            smallest_of_each(Configuration.unturned(x, radii), container.at(at))
             for at, x in zip(t.tolist(), centres, strict=True)
         ]
     )
-    return np.where(np.abs(gaps) <= ROUNDING * radii.min(initial=np.inf), 0.0, gaps)
+    return without_rounding(gaps, float(radii.min(initial=np.inf)))
 
 
 def comparison_json(paths: Trajectories) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 import re
 import subprocess
 import tomllib
+from collections.abc import Iterable
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -32,6 +33,32 @@ def test_lock_has_hashes_for_all_and_names_no_host() -> None:
     assert len(blocks) > len(pins("requirements.in"))
     assert [b.splitlines()[0] for b in blocks if PIN.match(b) and "--hash=sha256:" not in b] == []
     assert "://" not in text
+
+
+# What conda-forge calls otherwise, and what it has in place of the solver's wheel.
+CONDA_NAMES = {"matplotlib-base": "matplotlib", "python-gmsh": "gmsh", "fenics-dolfinx": "dolfinx-solver-real"}
+CONDA_ALONE = {"python", "mpich", "petsc", "petsc4py", "c-compiler", "pip"}
+
+
+def bounds(lines: Iterable[str]) -> dict[str, str]:
+    """Names, as PyPI has them, and what follows them."""
+    split = (re.match(r"([\w.-]+)\s*(.*?)\s*(#.*)?$", line) for line in lines)
+    return {CONDA_NAMES.get(found[1], found[1]): found[2] for found in split if found}
+
+
+def test_both_routes_install_the_same_packages_from_the_same_versions_on() -> None:
+    """environment.yml against pyproject.toml, but for the solver, whose wheel is several packages there."""
+    table = project()["project"]
+    assert isinstance(table, dict)
+    extras = table["optional-dependencies"]
+    declared = bounds([*table["dependencies"], *extras["stokes"], *extras["test"]])
+    listed = (ROOT / "environment.yml").read_text().split("dependencies:\n")[1].splitlines()
+    of_conda = bounds(line.removeprefix("  - ") for line in listed if line.startswith("  - "))
+    assert set(of_conda) >= CONDA_ALONE
+    assert set(declared) == set(of_conda) - CONDA_ALONE
+    assert declared.pop("dolfinx-solver-real").startswith("==" + of_conda.pop("dolfinx-solver-real")[1:])
+    assert declared == {name: bound for name, bound in of_conda.items() if name not in CONDA_ALONE}
+    assert set(declared) <= set(pins("requirements.lock"))
 
 
 def test_every_declared_dependency_is_pinned() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import product
 
 import numpy as np
 import scipy  # its modules load when they are used
@@ -12,6 +13,10 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Configuration
 from fsi.meshes.geometry.containers import Container
 from fsi.meshes.geometry.lattice import Integers, Lattice
+
+_WIDER = 1.0 + 1e-12  # so that rounding leaves out no pair at the very end of a reach
+# Of the smallest radius: what rounding makes of a gap in contact, and how deep a contact may be solved.
+ROUNDING, OVERLAP = 1e-12, 1e-10
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +67,8 @@ def pair_gaps(q: Configuration, pairs: NDArray[np.intp], away: Array | float = 0
 def find_gaps(q: Configuration, container: Container, reach: float | None = None) -> Gaps:
     """All pairs of bodies whose gap is at most `reach` (default: the largest diameter), and all wall gaps.
 
+    What is narrowest may be farther: for that there are `nearest_gaps` and `smallest_of_each`.
+
     In a periodic container also pairs with images, none of them farther than the container is large.
     """
     largest = float(q.radii.max(initial=0.0))
@@ -69,6 +76,63 @@ def find_gaps(q: Configuration, container: Container, reach: float | None = None
     if len(container.periods):
         reach = min(reach, container.size())
     return _search(q, container).within(reach)
+
+
+def nearest_gaps(q: Configuration, container: Container) -> Gaps:
+    """Gaps among which the smallest of all is, however wide that is; none for a lone body without walls."""
+    reach, farthest = 2.0 * float(q.radii.max(initial=0.0)), _farthest(q, container)
+    gaps = find_gaps(q, container, reach)
+    while reach < min(gaps.smallest(), farthest):
+        reach *= 2.0
+        gaps = find_gaps(q, container, reach)
+    return gaps
+
+
+def smallest_of_each(q: Configuration, container: Container) -> Array:
+    """The smallest gap of each body, however wide, (N,); infinite for a lone body without walls.
+
+    Of a body whose neighbours are all far, the nearest centre b bounds how far the centre of the nearest
+    surface can be: `|q_i - q_j| <= |q_i - q_b| - a_b + max a`.
+    """
+    least, largest = find_gaps(q, container).smallest_of_each(), float(q.radii.max(initial=0.0))
+    far = np.flatnonzero(least > 2.0 * largest)
+    if len(far) == 0 or len(q) + len(container.periods) < 2:
+        return least
+    home, images, of = _with_images(q, container)
+    tree = scipy.spatial.cKDTree(images)
+    to_nearest, nearest = (found[:, 1] for found in tree.query(home[far], k=2))  # the first is itself
+    reach = to_nearest - q.radii[of[nearest]] + largest
+    for i, near in zip(far, tree.query_ball_point(home[far], _WIDER * reach), strict=True):
+        distances = np.linalg.norm(images[near] - home[i], axis=1)
+        others = distances > 0.0
+        gaps = distances[others] - q.radii[of[near]][others] - q.radii[i]
+        least[i] = min(least[i], float(gaps.min()))
+    return least
+
+
+def _farthest(q: Configuration, container: Container) -> float:
+    """A distance beyond which no centre is from another; images are looked for in the container's size."""
+    if len(container.periods):
+        return container.size()
+    return float(np.linalg.norm(np.ptp(q.centres, axis=0))) if len(q) else 0.0
+
+
+def _with_images(q: Configuration, container: Container) -> tuple[Array, Array, NDArray[np.intp]]:
+    """Centres in one cell (N, d), these and their images as far as a nearest surface may be, and whose.
+
+    No nearest centre is farther than a body's own image, by the shortest period.
+    """
+    lattice, everyone = Lattice(container.periods), np.arange(len(q))
+    home = lattice.wrapped(q.centres) if lattice.dimension else q.centres
+    if lattice.dimension == 0:
+        return home, home, everyone
+    reach = float(np.linalg.norm(lattice.vectors, axis=1).min() + q.radii.max())
+    width = reach * np.linalg.norm(np.linalg.pinv(lattice.vectors), axis=0)  # in lattice coordinates
+    steps = product(*(range(-n, n + 1) for n in np.ceil(width).astype(int)))
+    every = np.concatenate([home + lattice.shift(np.array(m)) for m in steps])
+    at = lattice.coordinates(every)
+    near = np.flatnonzero(np.all((at >= -width) & (at <= 1.0 + width), axis=1))
+    return home, every[near], near % len(q)
 
 
 class _Search:
@@ -94,11 +158,20 @@ def _search(q: Configuration, container: Container) -> _Search:
 
 def _find_gaps(q: Configuration, container: Container, reach: float) -> Gaps:
     largest = float(q.radii.max(initial=0.0))
-    near, m = neighbours(q.centres, container, 2.0 * largest + reach)
+    near, m = neighbours(q.centres, container, _WIDER * (2.0 * largest + reach))
     order = np.argsort(row_numbers(np.column_stack([near, m]))[0])
     pairs, away = near.take(order, axis=0), Lattice(container.periods).shift(m.take(order, axis=0))
     wall_gaps = container.distances(q.centres) - q.radii[:, None]
     return Gaps(pairs, away, pair_gaps(q, pairs, away), wall_gaps).within(reach)
+
+
+def without_rounding(gaps: Array, radius: float) -> Array:
+    """Gaps of bodies that may touch, 0 in contact; radius: the smallest.
+
+    Of contact there are left rounding, of either sign, and overlaps within the tolerance of its solution.
+    """
+    in_contact = (gaps <= ROUNDING * radius) & (gaps >= -OVERLAP * radius)
+    return np.where(in_contact, 0.0, gaps)
 
 
 def neighbours(x: Array, container: Container, cutoff: float) -> tuple[NDArray[np.intp], Integers]:

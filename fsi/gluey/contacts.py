@@ -86,6 +86,19 @@ def find_contacts(centres: Array, radii: Array, room: Room, reach: float) -> Con
     return Contacts(i[order], j[order], n[order], D[order], key[order])
 
 
+def smallest_gap(centres: Array, radii: Array, room: Room) -> float:
+    """The smallest of all gaps, however wide; infinite for a lone body without walls."""
+    reach = 2.0 * float(radii.max(initial=0.0))
+    to_walls = np.linalg.norm(centres[:, None] - room.points, axis=2).max(initial=0.0)
+    across = room.container.size() if len(room.container.periods) else np.linalg.norm(np.ptp(centres, axis=0))
+    farthest = max(float(to_walls), float(across))
+    gaps = find_contacts(centres, radii, room, reach).D
+    while len(gaps) == 0 and reach < farthest:
+        reach *= 2.0
+        gaps = find_contacts(centres, radii, room, reach).D
+    return float(gaps.min(initial=np.inf))
+
+
 def gap_rows(contacts: Contacts, N: int, modes: int) -> sp.csr_matrix:
     """G, one row a contact, (C, N modes): `G U` are the rates of the gaps."""
     return _rows(contacts, N, modes, contacts.n, -contacts.n)

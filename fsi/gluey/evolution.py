@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration
+from fsi.bodies.gaps import without_rounding
 from fsi.case.case import Case
 from fsi.errors import SolveError
-from fsi.gluey.contacts import find_contacts
+from fsi.gluey.contacts import find_contacts, smallest_gap
 from fsi.gluey.step import Checks, Touching, advance
 from fsi.gluey.system import GlueyState, gluey_state, gluey_system, wall_names
 from fsi.integration.evolution import CsvTable, Moment
@@ -129,15 +130,18 @@ class GlueyEvolution:
         film = self.system.film(1.0)
         if film is not None and len(state.gamma):
             return float(film.gap(state.gamma).min())
-        reach = 2.0 * float(self.system.radii.max())
-        gaps = find_contacts(state.centres, self.system.radii, self.system.room, reach).D
-        return float(gaps.min(initial=np.inf))
+        if len(state.key):  # gamma < 0, and q gamma = 0 in the limit
+            return 0.0
+        radii = self.system.radii
+        gap = smallest_gap(state.centres, radii, self.system.room)
+        return float(without_rounding(np.array(gap), float(radii.min())))
 
     def _tables(self, now: Stepped) -> dict[str, CsvTable]:
         """Contacts that carry an impulse or remember; the gap is that at the beginning of the step."""
         touching = now.touching
         c = touching.contacts
-        numbers = np.column_stack([c.D, touching.gamma, touching.p, touching.solid]).tolist()
+        gaps = without_rounding(c.D, float(self.system.radii.min()))
+        numbers = np.column_stack([gaps, touching.gamma, touching.p, touching.solid]).tolist()
         rows = [
             [now.step, now.t, self._sides[c.i[k]], self._sides[c.j[k]], *numbers[k]]
             for k in np.flatnonzero((touching.p > 0.0) | (touching.gamma < 0.0))

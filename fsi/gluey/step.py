@@ -23,6 +23,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
+from fsi.bodies.gaps import OVERLAP
 from fsi.errors import SolveError
 from fsi.gluey.augmented_lagrangian import Impulses, Program, minimise
 from fsi.gluey.constraints import Rows, make_rows, solve_rows
@@ -37,8 +38,8 @@ TOLERANCE, ACCEPTED = 5e-9, 1e-8
 # cancel to the rounding of u*, and the certificate, 1e-8 of that, asks for them to 1e-12 of their size, 1e4
 # times above rounding. Where anything moves faster the memories do not count.
 AT_REST = 1e-4
-# Of the smallest radius: how deep an overlap the projection aims at, and how deep a step may leave.
-DEPTH, OVERLAP = 8e-11, 1e-10
+# Of the smallest radius: how deep an overlap the projection aims at; a step may leave OVERLAP.
+DEPTH = 0.8 * OVERLAP
 # Of the smallest radius: gaps between neighbours.
 NEIGHBOURS = 0.1
 # Of the momentum that there is and that is exchanged: what rounding may leave.
@@ -115,6 +116,9 @@ def advance(system: System, state: GlueyState, t: float, h: float) -> tuple[Glue
         found.impulses.steps,
     )
     _require(checks, t + h)
+    film = system.film(h)
+    if film is not None:  # a gap that its places lose to rounding is positive
+        contacts = replace(contacts, D=np.where(found.gamma < 0.0, film.gap(found.gamma), contacts.D))
     return new, Touching(contacts, p, gamma, _solid(system, found.gamma, p)), checks
 
 

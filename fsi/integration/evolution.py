@@ -12,7 +12,7 @@ from typing import Any, Protocol
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Configuration
-from fsi.bodies.gaps import find_gaps
+from fsi.bodies.gaps import nearest_gaps
 from fsi.integration.state import Advance, Schedule, State, Step, StepRecord
 from fsi.meshes.geometry.containers import Container
 
@@ -104,14 +104,6 @@ class SteppedEvolution:
         # Only some models know more of each body than velocity and load.
         of_bodies = {**getattr(instant, "body_columns", {}), **(errors.body_columns if errors else {})}
         q, U, F = state.q, instant.U, instant.F
-        gap = smallest_gap(q, self.stepper.container.at(state.t))
+        gap = nearest_gaps(q, self.stepper.container.at(state.t)).smallest()
         record = StepRecord(state.step, state.t, step.h, gap, step.rejected, q, U, F, columns, of_bodies)
         return Moment(state, record, self.names, lambda folder: instant.write(folder, state.step))
-
-
-def smallest_gap(q: Configuration, container: Container) -> float:
-    """The smallest of all gaps, also where no two bodies are near each other."""
-    gaps = find_gaps(q, container)
-    if len(gaps.pairs) == 0:
-        gaps = find_gaps(q, container, reach=gaps.smallest())
-    return gaps.smallest()

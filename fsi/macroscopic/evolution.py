@@ -69,8 +69,15 @@ class BodiesOnLine:
 
     def smallest_gap(self, parcels: Parcels) -> float:
         """Between neighbours; infinite for one body."""
-        gaps = np.diff(parcels.X)[np.diff(self.of_parcel) != 0] - parcels.dm
-        return float(gaps.min(initial=np.inf))
+        return smallest_gap(parcels, np.diff(self.of_parcel) != 0)
+
+
+def smallest_gap(parcels: Parcels, some: NDArray[np.bool_] | None = None) -> float:
+    """Between neighbours, or some of these (n - 1,); 0 in contact, infinite without any."""
+    gaps = np.diff(parcels.X) - parcels.dm
+    rounding = 8.0 * np.finfo(float).eps * np.abs(parcels.X).max()
+    least = float((gaps if some is None else gaps[some]).min(initial=np.inf))
+    return 0.0 if abs(least) <= rounding else least
 
 
 def matter(case: Case) -> Line:
@@ -173,7 +180,7 @@ class MacroscopicEvolution:
         bodies = self.line.bodies
         if bodies is None:
             q, U, F = NO_BODIES, np.empty((0, 3)), np.empty((0, 3))
-            gap = float(np.diff(parcels.X).min() - parcels.dm)
+            gap = smallest_gap(parcels)
         else:
             q, gap, F = bodies.at(parcels.X), bodies.smallest_gap(parcels), bodies.load(t)
             U = np.zeros_like(F)

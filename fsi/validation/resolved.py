@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 
 import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
-from fsi.bodies.gaps import find_gaps
+from fsi.bodies.gaps import nearest_gaps
 from fsi.case.case import Case
 from fsi.case.sections import TIME_AT_GAP, Expected, gap_of
 from fsi.errors import InputError, SolveError, ValidationError
@@ -104,7 +104,7 @@ def _row(name: str, sweep: float | None, case: Case, row: Expected, result: Comp
     expected, digits = reference(case, row)
     size = abs(expected) or 1.0
     q = case.configuration()
-    gap = find_gaps(q, case.container(), reach=case.container().size()).smallest() / float(q.radii.min())
+    gap = nearest_gaps(q, case.container()).smallest() / float(q.radii.min())
     return Row(
         name, sweep, gap, row.quantity, result.value, result.error / size, result.truncation / size, expected,
         digits, row.rtol, row.exact or "", row.source, result.failure,

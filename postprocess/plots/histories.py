@@ -17,7 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import NullFormatter
 
 from fsi.bodies.configuration import Array
-from fsi.bodies.gaps import find_gaps
+from fsi.bodies.gaps import smallest_of_each
 from fsi.errors import InputError
 from fsi.files import require_suffix
 from fsi.postprocess.analysis.settling import asymptotic_gap, exact_gap
@@ -100,8 +100,8 @@ def _gaps(asked: Asked) -> Curves:
     q, container = map(run.configuration, run.steps["step"]), run.case.container()
     moments = zip(q, map(container.at, run.steps["t"]), strict=True)
     if asked.gap is None:
-        table = np.array([find_gaps(*moment).smallest_of_each() for moment in moments])
-        return asked.each(np.where(np.isfinite(table), table, np.nan))  # no neighbour in reach
+        table = np.array([smallest_of_each(*moment) for moment in moments])
+        return asked.each(np.where(np.isfinite(table), table, np.nan))  # a lone body, without walls
     sides = parse_sides(asked.gap, run.case.names, container.walls)
     return {f"gap {asked.gap}": np.array([gap_between(*moment, sides).width for moment in moments])}
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.bodies.gaps import find_gaps
+from fsi.bodies.gaps import nearest_gaps
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Container
 from fsi.meshes.geometry.lattice import Lattice
@@ -28,7 +28,7 @@ class SurfaceGap:
 
 def narrowest_gap(q: Configuration, container: Container) -> SurfaceGap:
     """The smallest of all gaps between bodies or to a wall."""
-    gaps = find_gaps(q, container)
+    gaps = nearest_gaps(q, container)
     if gaps.pair_gaps.min(initial=np.inf) == gaps.smallest():
         pair = np.argmin(gaps.pair_gaps)
         i, j = gaps.pairs[pair]

@@ -208,3 +208,27 @@ def test_a_case_says_where_films_are_thinner_than_the_roughness(tmp_path: Path) 
     case = str(CASES / "gluey" / "two_discs.toml")
     said = CliRunner().invoke(app, ["run", case, "-o", str(tmp_path / "run"), *overrides]).output
     assert "delta_eps < delta" in said
+
+
+def test_gaps_in_contact_are_zero_and_wide_ones_are_known(tmp_path: Path) -> None:
+    """Discs 8 apart, four diameters, that meet at speed 2 each, are pushed together and stay.
+
+    Their places in contact round to gaps of 1e-16 and below zero.
+    """
+    changes = ["time.end=4", "time.step=0.03", "output.interval=0.3"]
+    changes += ["bodies.0.position=[-5.0,0.1]", "bodies.1.position=[5.0,-0.2]"]
+    changes += ["bodies.0.initial_velocity=[2.0,0.0]", "bodies.1.initial_velocity=[-2.0,0.0]"]
+    changes += ["bodies.0.force=[1.0,0.0]", "bodies.1.force=[-1.0,0.0]"]
+    run_case(load_case(CASES / "gluey" / "two_discs.toml", changes), tmp_path / "run")
+    steps = rows(tmp_path / "run" / "steps.csv")
+    gap = [float(row["smallest_gap"]) for row in steps]
+    assert gap[0] == pytest.approx((10.0**2 + 0.3**2) ** 0.5 - 2.0, rel=1e-14)
+    assert gap[10] == pytest.approx(((10.0 - 2 * (0.6 + 0.045)) ** 2 + 0.3**2) ** 0.5 - 2.0, abs=0.02)
+    remembers = [float(row["smallest_gamma"]) < 0.0 for row in steps]
+    assert 10 < sum(remembers) < len(steps)
+    for here, touching in zip(gap, remembers, strict=True):
+        assert (here == 0.0) == touching
+        assert here >= 0.0
+    touched = rows(tmp_path / "run" / "contacts.csv")
+    assert touched
+    assert min(float(row["gap"]) for row in touched) >= 0.0

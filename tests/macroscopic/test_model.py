@@ -11,6 +11,7 @@ from fsi.case.gluey import ContactLaw
 from fsi.gluey.contacts import Room
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, System
+from fsi.macroscopic.evolution import smallest_gap
 from fsi.macroscopic.model import Force, Parcels, at_rest_in_memory, blocks
 from fsi.meshes.geometry.containers import Unbounded
 
@@ -121,3 +122,14 @@ def macroscopic_positions(n: int) -> tuple[Array, Array]:
     m, dm, X = blocks([(-1.0, 1.0, 0.5)], n)
     end = march(at_rest_in_memory(m, dm, X, X**2 - np.sin(np.pi * X)), free, 0.4, n)
     return m, end.X
+
+
+def test_gaps_of_congested_parcels_are_zero() -> None:
+    """Places of blocks in contact round to gaps of a few 1e-16 and below zero; a real gap stays."""
+    merged = march(two_blocks(300), free, 2.0, 60)
+    gaps = np.diff(merged.X) - merged.dm
+    assert 0.0 < np.abs(gaps).max() < 1e-14
+    assert smallest_gap(merged) == 0.0
+    middle = np.arange(1, len(merged.X)) == len(merged.X) // 2
+    before = march(two_blocks(300), free, 1.0, 30)  # the blocks have come 3/2 nearer, of 2
+    assert smallest_gap(before, middle) == pytest.approx(0.5, rel=1e-12)
