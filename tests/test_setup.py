@@ -36,7 +36,11 @@ def test_lock_has_hashes_for_all_and_names_no_host() -> None:
 
 
 # What conda-forge calls otherwise, and what it has in place of the solver's wheel.
-CONDA_NAMES = {"matplotlib-base": "matplotlib", "python-gmsh": "gmsh", "fenics-dolfinx": "dolfinx-solver-real"}
+CONDA_NAMES = {
+    "matplotlib-base": "matplotlib",
+    "python-gmsh": "gmsh",
+    "fenics-dolfinx": "dolfinx-solver-real",
+}
 CONDA_ALONE = {"python", "mpich", "petsc", "petsc4py", "c-compiler", "pip"}
 
 

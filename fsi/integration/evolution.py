@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import nearest_gaps
 from fsi.integration.state import Advance, Schedule, State, Step, StepRecord
-from fsi.meshes.geometry.containers import Container
 
 type CsvTable = tuple[Sequence[str], Sequence[Sequence[object]]]
 

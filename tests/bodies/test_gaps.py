@@ -85,8 +85,6 @@ def test_no_bodies_and_a_lone_one_have_no_gap_without_walls() -> None:
 
 
 def test_contact_is_zero_and_all_else_stays() -> None:
-    """Rounding of both signs, and a solved overlap, are contact; a positive gap and a real overlap are not."""
+    """Rounding of both signs and a solved overlap are contact; a positive gap and a real overlap are not."""
     gaps = np.array([-3.287e-16, 3e-16, -9e-11, 1.4e-11, 1e-3, -2e-10])
-    np.testing.assert_array_equal(
-        without_rounding(gaps, 1.0), [0.0, 0.0, 0.0, 1.4e-11, 1e-3, -2e-10]
-    )
+    np.testing.assert_array_equal(without_rounding(gaps, 1.0), [0.0, 0.0, 0.0, 1.4e-11, 1e-3, -2e-10])
