@@ -25,12 +25,14 @@ from fsi.calibration.calibrate import calibrate_case
 from fsi.calibration.result import CalibrationResult
 from fsi.calibration.sampling import Sampling
 from fsi.case.case import Case
+from fsi.case.checks.work import check_work
 from fsi.case.load import load_case, parse_case
 from fsi.errors import FsiError, InputError, SolveError
 from fsi.integration.evolution import Evolution
 from fsi.integration.state import ErrorEstimate, Instant, StepRecord
 from fsi.models import make_evolution, make_model
 from fsi.observables.resistance import Resistance
+from fsi.parallel import on_root
 from fsi.postprocess.run.run import Run, open_run
 from fsi.report.progress import ProgressBar
 from fsi.runs import MakeEvolution, Progress, no_progress
@@ -157,9 +159,10 @@ def solve(case: Case) -> Solution:
     A resolved case has error bars, and is refined to `discretisation.tolerance` if it has one.
 
     Raises:
-        InputError: its level steps by itself and has no instant.
+        InputError: its level steps by itself and has no instant, or it is more than this machine holds.
         SolveError: the solve fails, or a check of it.
     """
+    on_root(lambda: check_work(case))
     if case.model != "resolved":
         return Solution(case, make_model(case)(case.configuration(), 0.0), None)
     from fsi.stokes.adapt import solve_with_errors  # dolfinx, only where it is needed

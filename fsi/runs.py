@@ -6,6 +6,7 @@ from pathlib import Path
 from time import process_time
 
 from fsi.case.case import Case
+from fsi.case.checks.work import check_work
 from fsi.case.load import load_case
 from fsi.integration.evolution import Evolution, Moment
 from fsi.integration.state import State, StepRecord
@@ -42,9 +43,11 @@ def run(
         make: what steps the case; the level that it names if not given.
 
     Raises:
-        InputError: the case has no [time] or the folder is not new; nothing has been written.
+        InputError: the case has no [time], is more than this machine holds, or the folder is not new; nothing
+            has been written.
         SolveError: the run cannot go on; the folder keeps the last good state.
     """
+    on_root(lambda: check_work(case))
     evolution = make(case)
     return _drive(case, RunFolder.create(folder, case.as_toml(), launch()), evolution, progress)
 

@@ -1,6 +1,7 @@
 """The section [[bodies]] of a case file, and [[grids]], rows of like bodies."""
 
 import itertools
+import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
@@ -16,13 +17,16 @@ from fsi.case.section import (
     explain,
     require_components,
     told,
+    toml_text,
     tuples,
 )
 from fsi.case.series import Angle, Component, Series, Spin, Torque
 from fsi.errors import InputError
+from fsi.machine import require_memory
 
 FREE: Literal["free"] = "free"
 _LOAD = "a number or a table {times = [...], values = [...]}"
+_BYTES = 4000.0  # of a body of a case: measured 3 kB
 _MOTION = f'"free", {_LOAD}'
 
 
@@ -175,6 +179,9 @@ def with_grids(data: Mapping[str, Any], context: object) -> dict[str, Any]:
         if sound.name in names:
             raise InputError(f'grids.{i}.name = "{sound.name}": given twice; give each its own')
         names.add(sound.name)
+        count = math.prod(sound.counts)
+        what = f"grids.{i}.counts = {toml_text(sound.counts)}: makes {count:.3g} bodies"
+        require_memory(what, count * _BYTES, "give fewer")
         members += sound.bodies()
     rest = {key: value for key, value in data.items() if key != "grids"}
     return rest | {"bodies": (*bodies, *members)} if members else rest

@@ -50,10 +50,16 @@ def tell(line: str) -> None:
 
 
 def load(path: Path, overrides: list[str] | None) -> Case:
-    """The case of a file, with changes; all ranks."""
+    """The case of a file, with changes; all ranks. Says beforehand where it takes long."""
+    from fsi.case.checks.work import check_work
     from fsi.case.load import load_case
+    from fsi.report.console import standard_error
 
-    return parallel.on_root(lambda: load_case(path, overrides or ()))
+    case = parallel.on_root(lambda: load_case(path, overrides or ()))
+    warning = parallel.on_root(lambda: check_work(case))
+    if warning is not None:
+        standard_error().print(warning, highlight=False, markup=False)
+    return case
 
 
 def load_resolved(path: Path, overrides: list[str] | None, command: str) -> Case:

@@ -7,10 +7,12 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
+from fsi.case.checks.work import check_work
 from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.integration.state import ErrorEstimate, Results
 from fsi.observables.bulk_stress import BulkStress
+from fsi.parallel import on_root
 
 BOUND = 1e-8  # of each relative defect; a solution beyond it is refused
 IDENTITIES = {
@@ -58,15 +60,17 @@ class SolvedFlow:
 
 
 def halved(case: Case) -> Case | None:
-    """The case in a container of half the radius; None where there is no radius or the bodies do not fit."""
+    """The case in a container of half the radius; None where there is no radius or no room for the bodies."""
     domain = case.domain.halved()
     if domain is None or domain.mesh is not None:
         return None
     data = case.model_dump(exclude_none=True) | {"domain": domain.model_dump(exclude_none=True)}
     try:
-        return parse_case(data)
+        half = parse_case(data)
+        on_root(lambda: check_work(half))
     except InputError:
         return None
+    return half
 
 
 def truncation(case: Case, whole: SolvedFlow, half: SolvedFlow) -> dict[str, float]:

@@ -27,8 +27,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+import scipy  # its modules load when they are used
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from fsi.meshes.errors import MeshError, at
 from fsi.meshes.geometry.containers import Array, Container, FluidDomain
@@ -136,7 +136,7 @@ class Surfaces:
     container: Container
     centres: Array
     radii: Array
-    tree: cKDTree
+    tree: scipy.spatial.cKDTree
     bodies: int
     lattice: Lattice
     resolution: Resolution
@@ -149,7 +149,9 @@ class Surfaces:
         images = (lattice.shift(m)[:, None] + lattice.wrapped(domain.centres)).reshape(-1, 2)
         radii = np.tile(domain.radii, len(m))
         bodies = len(domain.radii)
-        return Surfaces(domain.container, images, radii, cKDTree(images), bodies, lattice, resolution)
+        return Surfaces(
+            domain.container, images, radii, scipy.spatial.cKDTree(images), bodies, lattice, resolution
+        )
 
     def to_bodies(self, x: Array) -> Array:
         """Distance of each point (n, 2) to the nearest body, shape (n,); infinite without bodies."""

@@ -16,9 +16,6 @@ container of radius R. The law is said in gmsh's own language: a function in Pyt
 
 from dataclasses import dataclass
 
-import fsi.meshes.backend  # noqa: F401
-
-import gmsh
 import numpy as np
 
 from fsi.meshes.errors import MeshError, at
@@ -26,6 +23,13 @@ from fsi.meshes.geometry.containers import Array, FluidDomain, lengths
 from fsi.meshes.planar.sizing import Resolution
 
 LENGTH, SHORTEST, LONGEST = 0.3, 0.3, 10.0
+
+
+def in_gap(gap: Array | float, radius: Array | float, resolution: Resolution) -> Array:
+    """h_gap where the gap is `gap` and the smallest radius beside it `radius`."""
+    size = np.minimum(LENGTH * np.sqrt(radius * gap), LONGEST * gap)
+    law: Array = np.maximum(size, SHORTEST * gap) / resolution.cells_per_gap
+    return law
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,9 +56,7 @@ class Spacing:
 
     def in_gap(self, gap: Array | float, radius: float) -> Array:
         """h_gap where the gap is `gap` and the smallest radius beside it `radius`."""
-        size = np.minimum(LENGTH * np.sqrt(radius * gap), LONGEST * gap)
-        law: Array = np.maximum(size, SHORTEST * gap) / self.resolution.cells_per_gap
-        return law
+        return in_gap(gap, radius, self.resolution)
 
     def close_pairs(self) -> list[ClosePair]:
         """All gaps where h_gap is smaller than the size on the larger body. Raises MeshError at contacts."""
@@ -74,6 +76,8 @@ class Spacing:
 
     def apply(self) -> None:
         """Make it gmsh's background size."""
+        import gmsh  # here, as the estimate of a mesh asks for the law alone
+
         container, centres, radii = self.domain.container, self.domain.centres, self.domain.radii
         bodies = [
             f"(sqrt((x-({c[0]!r}))^2+(y-({c[1]!r}))^2+(z-({c[2]!r}))^2)-{a!r})"

@@ -1,0 +1,160 @@
+"""How much work a case asks for, before it starts: what no machine finishes is refused by name.
+
+Of a resolved case the cells of its mesh are estimated (`fsi.meshes.estimate`), and from them the unknowns of
+velocities of degree k and pressures of degree k - 1,
+
+    n = cells (k^2 + (k - 1)^2 / 2),   in space   1.15 cells (k^3 / 2 + (k - 1)^3 / 6),
+
+where the factor is for what lies on the boundary; of the other levels the bodies or parcels are counted.
+Steps are at least end / step where their length is given, and end / interval of output. These numbers are
+good to a factor 3, so that a case is refused only where a third of them is too much.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from fsi.bodies.gaps import Gaps, find_gaps
+from fsi.case.case import Case
+from fsi.case.gluey import LimitStudy
+from fsi.case.section import CaseContext
+from fsi.case.sections import Discretisation
+from fsi.errors import InputError
+from fsi.integration.schemes import scheme_for
+from fsi.machine import memory, require_disk, require_memory, size
+from fsi.meshes.estimate import Narrows, cells_of
+from fsi.meshes.planar.sizing import Resolution
+
+# Over the smaller radius; a little below 1e-8, the least that is resolved, as a gap is a difference.
+SMALLEST_GAP = 0.9e-8
+_SURE = 3.0  # what an estimate may be off by
+# Measured on the shipped cases: bytes and CPU seconds of a solve for each unknown, in the plane and in space.
+_BYTES, _SECONDS = {2: 4.5e3, 3: 12e3}, {2: 14e-6, 3: 90e-6}
+# Of the other levels, for each body or parcel: bytes, and seconds of a step.
+_BODY_BYTES, _BODY_SECONDS = 20e3, 2e-5
+_ROW, _BODY_ROW, _FIELD = 200.0, 150.0, 40.0  # bytes of a step, of a body in it, of an unknown in a file
+_SAMPLE = 4096.0  # bytes of a sample's file
+_LIMIT_STEP = 400.0  # bytes of a step of the slides' scheme
+_LONG = 3600.0  # seconds from which on it is said beforehand
+
+
+def check_work(case: Case) -> str | None:
+    """What to say beforehand of a case that takes long; None of others.
+
+    Raises InputError, one line with key, value, estimate and remedy: it is more than this machine holds.
+    """
+    resolved = case.model == "resolved" and case.domain.mesh is None
+    if resolved:
+        gaps = find_gaps(case.configuration(), case.container())
+        _check_gaps(case, gaps)
+        count = _check_mesh(case, gaps)
+    else:
+        count = _check_bodies(case)
+    steps = _check_steps(case, count if resolved else 0.0)
+    _check_studies(case)
+    hours = max(steps, 1.0) * count * (_SECONDS[case.dimension] if resolved else _BODY_SECONDS) / 3600.0
+    if hours < _LONG / 3600.0:
+        return None
+    return f"note: {steps:.2g} steps of {count:.2g} {'unknowns' if resolved else 'bodies'}: {hours:.2g} hours"
+
+
+def _check_gaps(case: Case, gaps: Gaps) -> None:
+    """No gap is narrower than what is resolved."""
+    radii, names, (i, j) = case.configuration().radii, case.names, gaps.pairs.T
+    found = [
+        (gap / min(radii[a], radii[b]), gap, f"{names[a]!r} and {names[b]!r}")
+        for a, b, gap in zip(i, j, gaps.pair_gaps, strict=True)
+    ]
+    found += [
+        (gap / radii[a], gap, f"{names[a]!r} and {wall!r}")
+        for a, row in enumerate(gaps.wall_gaps)
+        for wall, gap in zip(case.container().walls, row, strict=True)
+    ]
+    relative, gap, between = min(found, default=(1.0, 1.0, ""))
+    if relative < SMALLEST_GAP:
+        raise InputError(
+            f"bodies: the gap between {between} is {gap:.3g}, {relative:.2g} radii, below the 1e-8 that are "
+            'resolved; widen it or give model = "reduced"'
+        )
+
+
+def _check_mesh(case: Case, gaps: Gaps) -> float:
+    """The unknowns of a resolved case."""
+    given = case.discretisation
+    n = _unknowns(case, gaps, given)
+    need = n * _BYTES[case.dimension]
+    if need / _SURE <= memory():
+        return n
+    usual = Discretisation.model_validate({}, context=CaseContext(case.geometry, len(case.bodies)))
+    keys = ("cells_per_circle", "cells_per_gap", "growth")
+    fewest, key = min(
+        (_unknowns(case, gaps, given.model_copy(update={key: getattr(usual, key)})), key) for key in keys
+    )
+    what, remedy = f"discretisation.{key} = {getattr(given, key)}", f"give {getattr(usual, key)} or so"
+    if fewest > 0.5 * n:
+        what, remedy = (
+            f"bodies: {len(case.bodies)}, smallest gap {gaps.smallest():.3g}",
+            "give wider gaps or fewer",
+        )
+    raise InputError(
+        f"{what}: a mesh with {n:.2g} unknowns needs some {size(need)} of memory, this machine has "
+        f"{size(memory())}; {remedy}"
+    )
+
+
+def _unknowns(case: Case, gaps: Gaps, sizes: Discretisation) -> float:
+    resolution = Resolution(sizes.cells_per_gap, sizes.cells_per_circle, sizes.growth, sizes.interior)
+    k, radii = float(sizes.degree), case.configuration().radii
+    cells = cells_of(case.container(), radii, narrows(case, gaps), resolution)
+    return cells * (1.15 * (k**3 / 2 + (k - 1) ** 3 / 6) if case.dimension == 3 else k**2 + (k - 1) ** 2 / 2)
+
+
+def narrows(case: Case, gaps: Gaps) -> Narrows:
+    """The gaps between bodies, and to walls no farther than a diameter."""
+    radii, spheres = case.configuration().radii, case.container().spheres
+    a, b = radii[gaps.pairs].T
+    body, wall = np.nonzero(gaps.wall_gaps < 2.0 * radii[:, None])
+    around = np.array([0.0 if sphere is None else 1.0 / sphere.radius for sphere in spheres])
+    return Narrows(
+        np.concatenate([gaps.pair_gaps, gaps.wall_gaps[body, wall]]),
+        np.concatenate([np.minimum(a, b), radii[body]]),
+        np.concatenate([1.0 / a + 1.0 / b, np.maximum(1.0 / radii[body] - around[wall], 0.0)]),
+    )
+
+
+def _check_bodies(case: Case) -> float:
+    """The bodies or parcels of the other levels."""
+    if case.model == "macroscopic":
+        key, count = f"macroscopic.parcels = {case.macroscopic.parcels}", float(case.macroscopic.parcels)
+    else:
+        key, count = f"bodies: {len(case.bodies)}", float(len(case.bodies))
+    require_memory(key, count * _BODY_BYTES / _SURE, "give fewer")
+    return count
+
+
+def _check_steps(case: Case, unknowns: float) -> float:
+    """The least number of steps, of which the disk must hold the files."""
+    time = case.time
+    if time is None:
+        return 0.0
+    own = case.model in ("gluey", "macroscopic")
+    fixed = own or scheme_for(time.scheme, inertia=case.masses() is not None).fixed
+    steps = time.end / time.step if fixed and time.step is not None else 0.0
+    interval = case.output.interval
+    outputs = steps if interval is None else time.end / interval
+    rows = (_ROW + _BODY_ROW * len(case.bodies)) * max(steps, outputs)
+    files = (_FIELD * unknowns + 2 * _ROW * len(case.bodies)) * outputs if case.output.fields else 0.0
+    few = outputs <= steps and interval is None
+    key = f"time.step = {time.step}" if few or rows > files else f"output.interval = {interval}"
+    what = f"{key}: {max(steps, outputs):.2g} steps to time.end = {time.end:g}"
+    require_disk(what, (rows + files) / _SURE, "give longer ones", Path())
+    return max(steps, outputs)
+
+
+def _check_studies(case: Case) -> None:
+    """What `fsi calibrate` and `fsi limit` would do."""
+    if case.calibration is not None:
+        what = f"calibration.samples = {case.calibration.samples}: so many solves"
+        require_disk(what, case.calibration.samples * _SAMPLE, "give fewer", Path())
+    most = max((case.limit or LimitStudy()).steps)
+    require_memory(f"limit.steps = {most}", most * _LIMIT_STEP, "give fewer")

@@ -1,0 +1,99 @@
+"""Work is estimated before it starts: right to a factor 3, and refused by name beyond what there is."""
+
+from pathlib import Path
+
+import pytest
+
+import fsi.case.checks.work as work
+from fsi.bodies.gaps import find_gaps
+from fsi.case.checks.work import check_work
+from fsi.case.load import load_case
+from fsi.errors import InputError
+from fsi.meshes.estimate import cells_of
+from fsi.observables.truncation import halved
+from fsi.stokes.model import StokesModel
+from tests.cli.test_commands import complaint
+
+CASES = Path(__file__).parents[2] / "cases"
+
+
+@pytest.mark.parametrize(
+    ("case_file", "changes"),
+    [
+        ("disc_in_box.toml", []),
+        ("disc_in_box.toml", ["bodies.0.position=[0.0, 1.00001]"]),
+        ("disc_in_box.toml", ["discretisation.cells_per_circle=500"]),
+        ("disc_in_box.toml", ["discretisation.cells_per_gap=6"]),
+        ("disc_beside_plane.toml", ["discretisation.growth=0.04"]),
+        ("two_discs.toml", ["discretisation.growth=1.0"]),
+        ("settling_spheres.toml", []),
+        ("couette_N10.toml", []),
+        ("suspensions/random.toml", []),
+        ("sphere_in_space.toml", []),
+    ],
+)
+def test_cells_are_estimated_to_a_factor_three(case_file: str, changes: list[str]) -> None:
+    """Of one half at 0.4 to 1.5; a law of sizes that is another one makes 10 and more of it."""
+    case = load_case(CASES / case_file, changes)
+    model, q = StokesModel(case), case.configuration()
+    gaps = find_gaps(q, case.container())
+    estimate = cells_of(case.container(), q.radii, work.narrows(case, gaps), model.resolution)
+    assert 1.0 / 3.0 < estimate / model.mesh(q).cells() < 3.0
+
+
+TOO_MUCH = [
+    ("disc_beside_plane.toml", "bodies.0.position=[0.0, 1.0000000001]", "below the 1e-8 that are resolved"),
+    ("disc_in_box.toml", "bodies.0.position=[0.0, 1.0000000000001]", "'disc' and 'bottom'"),
+    ("disc_in_box.toml", "discretisation.cells_per_circle=100000000", "cells_per_circle = 100000000: a mesh"),
+    (
+        "disc_in_box.toml",
+        "discretisation.cells_per_gap=1e300",
+        "discretisation.cells_per_gap = 1e+300: a mesh",
+    ),
+    ("validation/concentric_sphere.toml", "domain.radius=1.0000002", "bodies: 1, smallest gap 2e-07"),
+    ("gluey/layers.toml", "time.step=1e-300", "time.step = 1e-300: "),
+    ("settling_disc.toml", "output.interval=1e-300", "output.interval = 1e-300: "),
+    (
+        "gluey/layers.toml",
+        "grids.0.counts=[100000, 100000]",
+        "grids.0.counts = [100000, 100000]: makes 1e+10",
+    ),
+    ("macroscopic/blocks.toml", "macroscopic.parcels=100000000000", "macroscopic.parcels = 100000000000"),
+    ("calibration/disc_wall.toml", "calibration.samples=100000000000", "calibration.samples = 100000000000"),
+    ("pushed_then_pulled.toml", "limit.steps=[100000000000]", "limit.steps = 100000000000"),
+]
+
+
+@pytest.mark.parametrize(("case_file", "change", "words"), TOO_MUCH)
+def test_what_no_machine_holds_is_refused_by_name(
+    case_file: str,
+    change: str,
+    words: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert words in complaint(capsys, monkeypatch, "check", str(CASES / case_file), "--set", change)
+
+
+def test_a_gap_of_1e_8_radii_is_taken() -> None:
+    assert check_work(load_case(CASES / "disc_in_box.toml", ["bodies.0.position=[0.0, 1.00000001]"])) is None
+
+
+def test_what_takes_long_is_said_beforehand() -> None:
+    assert check_work(load_case(CASES / "gluey/layers.toml")) is None
+    warning = check_work(load_case(CASES / "gluey/layers.toml", ["time.step=1e-6"]))
+    assert warning is not None
+    assert "1.8e+07 steps" in warning  # 18 / 1e-6
+
+
+def test_half_a_radius_that_leaves_no_room_for_a_mesh_is_left_out() -> None:
+    case = load_case(CASES / "validation/concentric_sphere.toml", ["domain.radius=2.0000002"])
+    assert halved(case) is None
+
+
+def test_memory_that_a_container_may_take(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    limit = tmp_path / "memory.max"
+    limit.write_text("1000000000\n")
+    monkeypatch.setattr("fsi.machine._LIMITS", (str(limit),))
+    with pytest.raises(InputError, match="of 1 GB here"):
+        check_work(load_case(CASES / "macroscopic/blocks.toml", ["macroscopic.parcels=1000000"]))
