@@ -199,3 +199,17 @@ def test_mistakes(force: dict[str, Any], parts: list[str]) -> None:
 def test_forces_are_kept_in_the_resolved_case() -> None:
     case = two_discs(0.3, EXPONENTIAL, POWER, TABLE)
     assert parse_case(tomllib.loads(case.as_toml())) == case
+
+
+@pytest.mark.parametrize(("cutoff", "force"), [(0.5, 3.0 * math.exp(-2.0)), (0.39, 0.0)])
+@pytest.mark.parametrize("kind", ["repulsion", "attraction"])
+def test_the_force_of_a_wall_ends_at_the_cutoff_too(kind: str, cutoff: float, force: float) -> None:
+    """Gap 0.4, length 0.2, by hand; and what it carries: from the wall to the centre, 1 + 0.4 away."""
+    sign = 1.0 if kind == "repulsion" else -1.0
+    law = EXPONENTIAL | {"kind": kind, "cutoff": cutoff, "walls": True}
+    case = two_discs(30.0, law)
+    q = Configuration.unturned(np.array([[0.0, -50.0 + 1.4], [0.0, 20.0]]), case.configuration().radii)
+    F = case.motion_at(q, 0.0).F
+    np.testing.assert_allclose(F, [[0.0, sign * force, 0.0], [0.0, 0.0, 0.0]], atol=1e-15)
+    moment = case.interaction_moment(q, 0.0)
+    np.testing.assert_allclose(moment, [[0.0, 0.0], [0.0, sign * force * 1.4]], atol=1e-15)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,18 @@ from numpy.testing import assert_allclose
 import fsi.calibration.sampling
 from fsi.calibration.calibrate import calibrate_case
 from fsi.calibration.pair import Pair, pair_of
-from fsi.calibration.sampling import Sample, Sampling, key_of, planned_gaps, take_samples
+from fsi.calibration.result import HeldOut, fit_law
+from fsi.calibration.sampling import (
+    Sample,
+    Samples,
+    Sampling,
+    as_arrays,
+    keep_sample,
+    key_of,
+    planned_gaps,
+    read_sample,
+    take_samples,
+)
 from fsi.case.case import Case
 from fsi.case.law_file import read_law_file
 from fsi.case.load import load_case
@@ -100,6 +112,54 @@ def test_other_code_is_another_sample(monkeypatch: pytest.MonkeyPatch) -> None:
     before = key_of(pair_of(small_case()), 0.1)
     monkeypatch.setattr(metadata, "version", lambda name: f"{name} 9")
     assert key_of(pair_of(small_case()), 0.1) != before
+
+
+@pytest.mark.parametrize("file", ["meshes/build.py", "stokes/solve.py"])
+def test_other_sources_of_mesh_and_solver_are_another_sample(
+    file: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(fsi.calibration.sampling, "_PACKAGE", tmp_path)
+    for name in ("meshes/build.py", "stokes/solve.py"):
+        (tmp_path / name).parent.mkdir()
+        (tmp_path / name).write_text("one")
+    before = key_of(pair_of(small_case()), 0.1)
+    (tmp_path / file).write_text("two")
+    assert key_of(pair_of(small_case()), 0.1) != before
+
+
+def test_a_sample_that_was_held_out_may_make_a_law_later(tmp_path: Path) -> None:
+    """The cache knows the resistance; whether it tests a law is the case's to say, each time."""
+    keep_sample(tmp_path, "key", Sample(0.1, True, 5.0, 1e-3, 2e-4, 100, 1e-12, 0.1))
+    again = read_sample(tmp_path, "key", held_out=False)
+    assert again is not None
+    assert (again.held_out, again.kappa) == (False, 5.0)
+
+
+def test_the_bar_of_a_sample_is_that_of_mesh_and_truncation() -> None:
+    samples = [Sample(d, False, 1.0 / d, 1e-3, 2e-4, 100, 1e-12, 0.1) for d in (0.2, 0.1)]
+    assert_allclose(as_arrays(samples, held_out=False).bars, [1.2e-3, 1.2e-3], rtol=1e-14)
+
+
+def test_what_is_held_out_has_no_part_in_the_law(model: ExactModel, tmp_path: Path) -> None:  # noqa: ARG001
+    """Held-out samples 10 % too large change no coefficient, and fail the law."""
+    pair = pair_of(small_case())
+    samples = take_samples(pair, Sampling(tmp_path, 1, silent))
+    wrong = [replace(one, kappa=1.1 * one.kappa) if one.held_out else one for one in samples]
+    law, other = (fit_law(pair, of, "disc.toml") for of in (samples, wrong))
+    assert other.law.series == law.law.series
+    assert law.test is not None
+    assert law.test.passed
+    assert other.test is not None
+    assert not other.test.passed
+
+
+@pytest.mark.parametrize(("errors", "passes"), [(0.9, True), (1.1, False), (2.0, False)])
+def test_a_law_passes_within_the_errors_that_are_stated(errors: float, passes: bool) -> None:
+    """Band 3 and bars 1: their sum counts, on both sides."""
+    samples = Samples(np.array([0.1, 0.2]), np.array([50.0, 20.0]), np.ones(2))
+    for sign in (1.0, -1.0):
+        law = samples.kappa + np.array([0.0, sign * errors * 4.0])
+        assert HeldOut(samples, law, np.full(2, 3.0)).passed is passes
 
 
 def test_a_sample_that_fails_costs_no_other(model: ExactModel, tmp_path: Path) -> None:

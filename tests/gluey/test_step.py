@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,10 @@ import pytest
 
 from fsi.bodies.configuration import MODES, Array
 from fsi.case.gluey import ContactLaw
+from fsi.errors import SolveError
+from fsi.gluey.constraints import solve_rows
 from fsi.gluey.contacts import Room, find_contacts
-from fsi.gluey.step import advance
+from fsi.gluey.step import Checks, _require, advance
 from fsi.gluey.system import GlueyState, System
 from fsi.meshes.geometry.containers import Box, Unbounded
 
@@ -214,3 +217,29 @@ def test_turns_about_several_axes_are_composed() -> None:
         U[0, axis] = 0.5 * np.pi
         state = state.moved(U, 1.0, state.key, state.gamma)
     assert state.angles == pytest.approx(2.0 * np.pi / 3.0 * np.array([[1.0, 1.0, -1.0]]) / np.sqrt(3.0))
+
+
+@pytest.mark.parametrize(
+    ("bad", "named"),
+    [({"kkt": 2e-8}, "kkt"), ({"momentum": 2e-12}, "momentum"), ({"overlap": 2e-10}, "overlap")],
+)
+def test_a_step_that_is_not_good_enough_is_refused(bad: dict[str, float], named: str) -> None:
+    """Bounds 1e-8, 1e-12 and 1e-10, of README and docs; half of each passes."""
+    good = Checks(5e-9, 5e-13, 5e-11, 0, 0)
+    _require(good, 1.0)
+    with pytest.raises(SolveError, match=f"^{named} = 2e-.* in the step to t = 1: .* lower time.step"):
+        _require(replace(good, **bad), 1.0)
+
+
+def test_the_projection_is_asked_for_half_of_what_is_accepted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """5e-9 of the speed 0.02 of a disc that falls; the overlap that this may leave is far below 8e-11 radii."""
+    asked = []
+
+    def solved(rows: Any, program: Any, tolerance: float, bound: Any) -> Any:
+        asked.append(tolerance)
+        return solve_rows(rows, program, tolerance, bound)
+
+    monkeypatch.setattr("fsi.gluey.step.solve_rows", solved)
+    system, state = bodies((0.0, 0.5), lambda _t: (0.0, -2.0), slope(0.0))
+    advance(system, state, 0.0, H)
+    assert asked == [pytest.approx(5e-9 * 2.0 * H)]

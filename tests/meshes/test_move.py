@@ -14,6 +14,7 @@ from fsi.bodies.configuration import Configuration
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.moving import move
 from fsi.meshes.moving.move import Mover
+from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.problem import StokesProblem
 from fsi.stokes.solve import solve
 from tests.flows import SMALL_BOX, discs, held, mesh, resting, solved
@@ -121,3 +122,25 @@ def test_forces_on_a_moved_mesh_are_those_of_a_new_one() -> None:
         moving.move(there.centres)
         moved = solve(StokesProblem(fluid, SMALL_BOX, there, motion, resting(SMALL_BOX))).F
     np.testing.assert_allclose(moved, new, atol=3e-6 * np.abs(new).max())
+
+
+@pytest.mark.parametrize(
+    ("jacobian", "distortion", "accepted"),
+    [(0.21, 1.9, True), (0.19, 1.0, False), (-1.0, 1.0, False), (0.9, 2.1, False)],
+)
+def test_a_moved_mesh_is_refused_below_a_fifth_or_beyond_twice_the_stretch(
+    jacobian: float, distortion: float, accepted: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Literal limits: one cell of the moved mesh has that scaled Jacobian or that ratio of stretches."""
+
+    def but_one(value: float) -> NDArray[np.float64]:
+        return np.append(np.ones(7), value)
+
+    monkeypatch.setattr(move, "scaled_jacobian", lambda *_: but_one(jacobian))
+    monkeypatch.setattr(move, "_distortion", lambda _: but_one(distortion))
+    fluid = mesh(SMALL_BOX, Q, Resolution(0.5, 12, 1.0))
+    base = fluid.mesh.geometry.x.copy()
+    with mover(fluid) as moving:
+        quality = moving.move(Q.centres + STEP)
+    assert quality == (jacobian if accepted else None)
+    assert np.array_equal(fluid.mesh.geometry.x, base) is not accepted

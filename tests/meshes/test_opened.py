@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fsi.meshes.cells.curved import curve, scaled_jacobian
+from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Array, Box, Container, FluidDomain
 from fsi.meshes.geometry.lattice import Cell, Lattice, matching_points, reduced
 from fsi.meshes.planar.boundary import boundary
@@ -88,3 +89,18 @@ def test_reduced_basis_of_a_lattice() -> None:
     a, b = reduced(np.array([[1.0, 0.0], [3.5, 1.0]]))
     assert a @ a == pytest.approx(1.0)
     assert b @ b == pytest.approx(1.25)
+
+
+@pytest.mark.parametrize(("off", "match"), [(1e-11, True), (1e-8, False), (1e-3, False)])
+def test_images_match_to_1e9_of_a_period_or_not_at_all(off: float, match: bool) -> None:
+    """Nodes of the left and the right side of a period of 5, one of them off along the side."""
+    left = np.column_stack([np.zeros(4), np.arange(4.0)])
+    right = left + [5.0, 0.0]
+    right[2, 1] += 5.0 * off
+    x, lattice = np.vstack([left, right]), Lattice(np.array([[5.0, 0.0]]))
+    if match:
+        pairs = matching_points(x, lattice)
+        np.testing.assert_array_equal(np.sort(pairs.slave), [4, 5, 6, 7])
+    else:
+        with pytest.raises(MeshError, match="two sides of a periodic domain do not match"):
+            matching_points(x, lattice)

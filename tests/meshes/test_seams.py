@@ -56,3 +56,23 @@ def test_spheres_are_left_as_they_are_where_nothing_crosses() -> None:
 def test_a_gap_on_the_seam_is_meshed() -> None:
     """gmsh made no tetrahedra: a side of the layer of prisms had five corners."""
     assert mesh(BOX, pair(np.array([1.0, 0.05, 0.3])), RADII, Resolution(1.0, 12, 1.0)).quality > 0.1
+
+
+def test_a_seam_is_turned_as_far_as_it_takes() -> None:
+    """Gaps on the equator at 0, 22.5 and 45 degrees: a seam that passes there is in the way of one of them.
+
+    Turns about z by one or two eighths of 180 degrees end on the second and third gap, and about x and y the
+    seam still passes the first.
+    """
+    angles = np.array([0.0, 1.0, 2.0]) * np.pi / 8.0
+    around = 1.18 * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(3)])
+    centres, radii = np.vstack([np.zeros(3), around]), np.array([1.0, 0.17, 0.17, 0.17])
+    spacing = Spacing(FluidDomain(BOX, centres, radii), Resolution(1.0, 14, 1.0))
+    found = [layer for layer in choose(find_gaps(spacing), spacing) if 1 in layer.gap.tags]
+    assert len(found) == 3
+    turn = seam_turn(1, 1.0, found)
+    seam = Rotation.from_rotvec(turn.angle * turn.axis).apply(SEAM)
+    for layer in found:
+        towards = layer.gap.along if layer.gap.tags[0] == 1 else -layer.gap.along
+        nearest = np.arccos(np.clip(seam @ towards, -1.0, 1.0)).min()
+        assert nearest - np.arcsin(layer.rho) > CLEARANCE

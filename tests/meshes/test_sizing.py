@@ -6,7 +6,7 @@ import pytest
 from fsi.bodies.configuration import Array, Configuration
 from fsi.meshes.geometry.containers import Container, FluidDomain
 from fsi.meshes.planar.boundary import boundary
-from fsi.meshes.planar.sizing import Curve, Resolution
+from fsi.meshes.planar.sizing import Curve, Resolution, Surfaces
 from tests.flows import BOX, HALF_PLANE, disc_over_plane, discs
 
 COARSE = Resolution(1.0, 24, 0.5)
@@ -145,3 +145,14 @@ def test_walls_meet_in_the_corners() -> None:
 def test_no_bodies() -> None:
     walls = boundary(FluidDomain(BOX, np.empty((0, 2)), np.empty(0)), COARSE)
     assert [curve.tag for curve in walls] == [1, 2, 3, 4]
+
+
+def test_a_large_body_behind_many_small_ones_is_not_overlooked() -> None:
+    """Its centre is farther than those of thirty others, its surface is nearer than theirs."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 30, endpoint=False)
+    small = np.column_stack([2.0 * np.cos(angle), 2.0 * np.sin(angle)])
+    q = Configuration.unturned(np.vstack([small, [[6.5, 0.0]]]), np.append(np.full(30, 0.01), 5.0))
+    surfaces = Surfaces.of(FluidDomain(BOX, q.centres, q.radii), COARSE)
+    x = np.array([[0.0, 0.0], [0.5, 0.0], [0.0, 1.0], [-1.0, 0.3]])
+    np.testing.assert_allclose(surfaces.to_bodies(x)[:2], [1.5, 1.0], rtol=1e-14)
+    np.testing.assert_allclose(surfaces.to_bodies(x), to_bodies(x, q), rtol=1e-14)

@@ -144,3 +144,18 @@ def test_the_reduced_radius_of_a_round_wall() -> None:
     pairs = find_pairs(q, space(Round(6.0), 2), np.inf)
     assert pairs.radius[0] == pytest.approx(1.0 / (1.0 / 2.0 - 1.0 / 6.0))
     assert pairs.gap[0] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(("gap", "near"), [(0.999, True), (1.001, False)])
+def test_a_pair_is_near_up_to_the_reach_and_no_farther(gap: float, near: bool) -> None:
+    """A disc and a wall, and two discs, 0.1 % within a reach of 1 and 0.1 % beyond."""
+    disc = Configuration.unturned(np.array([[0.0, 1.0 + gap]]), np.ones(1))
+    assert (len(find_pairs(disc, space(HalfPlane(100.0), 2), 1.0)) == 1) is near
+    two = Configuration.unturned(np.array([[0.0, 50.0], [2.0 + gap, 50.0]]), np.ones(2))
+    assert (len(find_pairs(two, space(HalfPlane(200.0), 2), 1.0)) == 1) is near
+
+
+def test_the_far_end_of_a_half_plane_is_no_wall() -> None:
+    """It stands for infinity: who comes near it meets nobody."""
+    q = Configuration.unturned(np.array([[0.0, 98.5]]), np.ones(1))
+    assert len(find_pairs(q, space(HalfPlane(100.0), 2), 1.0)) == 0

@@ -1,0 +1,47 @@
+"""The smaller container that shows what a finite one changes, and how changes are counted."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fsi.case.load import parse_case
+from fsi.integration.state import ErrorEstimate
+from fsi.observables.truncation import FlowScales, halved, relative_change
+
+
+@pytest.mark.parametrize("geometry", ["planar", "axisymmetric", "spatial"])
+@pytest.mark.parametrize("shape", ["round", "half-plane"])
+def test_the_smaller_container_has_half_the_radius(geometry: str, shape: str) -> None:
+    """An effect of 1/R doubles then: its change is the effect itself. At R/1.2 it would be a fifth of it."""
+    place = [0.0, 2.0] if geometry != "spatial" else [0.0, 0.0, 2.0]
+    data: dict[str, Any] = {
+        "name": "x", "geometry": geometry, "fluid": {"viscosity": 1.0},
+        "domain": {"shape": shape, "radius": 40.0},
+        "bodies": [{"name": "one", "radius": 1.0, "position": place}],
+    }  # fmt: skip
+    half = halved(parse_case(data))
+    assert half is not None
+    assert half.container().size() == parse_case(data).container().size() / 2.0
+    assert half.domain.model_dump()["radius"] == 20.0
+    assert halved(parse_case(data | {"domain": {"shape": shape, "radius": 5.0}})) is None  # no room
+
+
+def test_changes_count_torques_over_the_radius_and_rotations_times_it() -> None:
+    """Radius 2; the first body is held with F = (10, 0), T = 8, the second free with V = (0, 3), omega = 4."""
+    U, F = np.array([[0.0, 0.0, 0.0], [0.0, 3.0, 4.0]]), np.array([[10.0, 0.0, 8.0], [0.0, 0.0, 0.0]])
+    held = np.array([[True] * 3, [False] * 3])
+    arm = np.array([[1.0, 1.0, 2.0]] * 2)
+    change = ErrorEstimate(np.array([[0.0] * 3, [0.0, 0.02, 0.04]]), np.array([[0.01, 0.0, 0.06], [0.0] * 3]))
+    found = relative_change(ErrorEstimate(U, F), change, held, arm, FlowScales(1.0, 1.0))
+    assert found == {"force": pytest.approx(0.03 / 10.0), "velocity": pytest.approx(0.08 / 8.0)}
+
+
+def test_what_is_zero_by_symmetry_counts_over_a_hundredth_of_what_drives_the_flow() -> None:
+    """Velocities of 1e-9 where walls shear with 5: over 0.05."""
+    noise = ErrorEstimate(np.full((1, 3), 1e-9), np.zeros((1, 3)))
+    free = np.zeros((1, 3), dtype=bool)
+    found = relative_change(noise, noise, free, np.ones((1, 3)), FlowScales(5.0, 1.0))
+    assert found["velocity"] == pytest.approx(1e-9 / 0.05)

@@ -1,0 +1,89 @@
+"""Single steps of the distance scheme against hand calculations, with kappa = mu/D."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from fsi.case.case import Case
+from fsi.models import make_model, make_stepper
+from fsi.reduced.model import ReducedInstant
+from tests.reduced_data import INERTIA, reduced_case
+
+MU, H = 0.3, 0.1
+
+
+def first_step(case: Case) -> ReducedInstant:
+    """The instant at the end of the first step."""
+    stepper = make_stepper(case, make_model(case))
+    instant = stepper.advance(stepper.start(case.configuration()).state).instant
+    assert isinstance(instant, ReducedInstant)
+    return instant
+
+
+def gap_after(D0: float, rate: float, f: float, g: float) -> float:
+    """The root of `(D1 - D0)/h + g mu ln D1 = D0' + g mu ln D0 + h f`."""
+    w = rate + g * MU * np.log(D0) + H * f
+    return float(brentq(lambda D: (D - D0) / H + g * MU * np.log(D) - w, 1e-9, 10.0, xtol=1e-15))
+
+
+def test_a_disc_above_a_plane_under_a_linear_load_in_a_stream_that_starts() -> None:
+    """Plane and fluid go upwards with v = 2 t; the force -5 - 20 t counts at the middle of the step.
+
+    Positions at the end of the step are free of the force that the gap itself exerts: g K stores it.
+    """
+    m, zeta, D0, V0, v1, F = 2.0, 0.5 * MU, 0.4, -1.5, 2.0 * H, -5.0 - 20.0 * 0.5 * H
+    stream = [0.0, {"times": [0.0, 1.0], "values": [0.0, 2.0]}]
+    body = {
+        "name": "disc", "radius": 1.0, "position": [0.0, 1.0 + D0], "initial_velocity": [0.0, V0],
+        "force": [0.0, {"times": [0.0, 1.0], "values": [-5.0, -25.0]}], "mass": m, "moment_of_inertia": 1.0,
+    }  # fmt: skip
+    case = reduced_case(
+        [body],
+        {"law": "slides", "drag": 0.5, "scheme": "distance", "step": H},
+        fluid={"viscosity": MU},
+        domain={"shape": "half-plane", "radius": 1000.0, "walls": {"plane": stream, "far": stream}},
+    )
+    found = first_step(case)
+    D1 = gap_after(D0, V0, (F - zeta * V0) / m - v1 / H, 1.0 / m)
+    assert np.exp(found.x) == pytest.approx([D1], rel=1e-12)
+    # (m/h + zeta + kappa(D1)) u1 = m/h u0 + F + (zeta + kappa(D1)) v1: the gap at the end, not at the start.
+    kappa = MU / D1
+    u1 = (m / H * V0 + F + (zeta + kappa) * v1) / (m / H + zeta + kappa)
+    assert found.U[0] == pytest.approx([0.0, u1, 0.0], rel=1e-12)
+    assert found.force == pytest.approx([kappa * (u1 - v1)], rel=1e-12)
+    assert kappa / (MU / D0) > 1.2  # the two gaps differ enough to be told apart
+
+
+def test_two_discs_that_collide_off_the_middle_of_their_masses() -> None:
+    """Masses 1 and 3 and a push against each other: g = 1 + 1/3, and equal, opposite impulses."""
+    D0, V, push = 0.5, np.array([2.0, -1.0]), 6.0
+    bodies = [
+        {"name": "light", "radius": 1.0, "position": [0.0, 500.0], "mass": 1.0, "force": [push, 0.0]},
+        {"name": "heavy", "radius": 0.5, "position": [1.5 + D0, 500.0], "mass": 3.0, "force": [-push, 0.0]},
+    ]
+    for body, speed in zip(bodies, V, strict=True):
+        body |= {"initial_velocity": [speed, 0.0], "moment_of_inertia": 1.0}
+    reduced = {"law": "slides", "drag": 0.0, "scheme": "distance", "step": H}
+    found = first_step(reduced_case(bodies, reduced, fluid={"viscosity": MU}))
+    D1 = gap_after(D0, V[1] - V[0], -push * (1.0 + 1.0 / 3.0), 1.0 + 1.0 / 3.0)
+    (pair,) = np.flatnonzero(~found.pairs.is_wall)
+    assert np.exp(found.x[pair]) == pytest.approx(D1, rel=1e-12)
+    kappa = MU / D1
+    matrix = np.diag([1.0, 3.0]) / H + kappa * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    right = np.array([1.0, 3.0]) / H * V + [push, -push]
+    assert found.U[:, 0] == pytest.approx(np.linalg.solve(matrix, right), rel=1e-12)
+
+
+def test_discs_that_pass_each_other_part_faster_as_their_line_of_centres_turns() -> None:
+    """D'' = |du|^2 / distance at closest approach, where D' = 0."""
+    D0, bodies = 0.5, []
+    for k, (x, speed, mass) in enumerate([(0.0, 2.0, 1.0), (2.0 + D0, -1.0, 3.0)]):
+        start = {"initial_velocity": [0.0, speed], "position": [x, 500.0]}
+        bodies.append({"name": f"b{k}", "radius": 1.0} | INERTIA | start | {"mass": mass})
+    reduced = {"law": "slides", "drag": 0.0, "scheme": "distance", "step": H}
+    found = first_step(reduced_case(bodies, reduced, fluid={"viscosity": MU}))
+    (pair,) = np.flatnonzero(~found.pairs.is_wall)
+    g = 1.0 + 1.0 / 3.0
+    assert np.exp(found.x[pair]) == pytest.approx(gap_after(D0, 0.0, 9.0 / (2.0 + D0), g), rel=1e-12)

@@ -1,0 +1,47 @@
+"""Files that appear whole, also after a power cut: content reaches the disk before its name does."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from fsi.files import replace
+from fsi.runs import run
+from tests.exact_model import by
+from tests.small_run import make_model, small_case
+
+
+@pytest.fixture
+def synced(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The names of files that have been synchronised, in order, each with its length then."""
+    names: list[str] = []
+
+    def fsync(descriptor: int) -> None:
+        names.append(
+            f"{Path(os.readlink(f'/proc/self/fd/{descriptor}')).name} {os.fstat(descriptor).st_size}"
+        )
+
+    monkeypatch.setattr(os, "fsync", fsync)
+    return names
+
+
+def test_a_file_is_on_the_disk_before_it_takes_its_place(synced: list[str], tmp_path: Path) -> None:
+    replace(tmp_path / "a.txt", b"seven b")
+    assert synced == ["a.txt.tmp 7"]
+    assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
+
+
+def test_tables_are_on_the_disk_before_the_checkpoint_that_knows_their_lengths(
+    synced: list[str], tmp_path: Path
+) -> None:
+    """Whole rows, each step: else a power cut leaves a run that has lost rows and cannot be resumed."""
+    run(small_case(), tmp_path / "run", make=by(make_model))
+    order = [name.split()[0] for name in synced]
+    commits = [k for k, name in enumerate(order) if name == "state.npz.tmp"]
+    assert len(commits) > 3
+    for before, commit in zip([-1, *commits], commits, strict=False):
+        assert {"steps.csv", "bodies.csv"} <= set(order[before + 1 : commit])
+    last = (tmp_path / "run" / "steps.csv").stat().st_size
+    assert [name for name in synced if name.startswith("steps.csv ")][-1] == f"steps.csv {last}"
