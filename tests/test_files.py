@@ -19,9 +19,8 @@ def synced(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     names: list[str] = []
 
     def fsync(descriptor: int) -> None:
-        names.append(
-            f"{Path(os.readlink(f'/proc/self/fd/{descriptor}')).name} {os.fstat(descriptor).st_size}"
-        )
+        name = Path(f"/proc/self/fd/{descriptor}").readlink().name
+        names.append(f"{name} {os.fstat(descriptor).st_size}")
 
     monkeypatch.setattr(os, "fsync", fsync)
     return names

@@ -53,7 +53,7 @@ def test_a_rigid_motion_of_touching_bodies_has_no_slip(d: int) -> None:
 
 
 def test_what_one_pair_forgets_no_other_pair_does() -> None:
-    """Three pairs are pushed together with 1, 2, 3; the first is torn apart: the others keep f t, to rounding.
+    """Three pairs are pushed together with 1, 2, 3; the first is torn apart: the others keep f t.
 
     The list of memories loses its first entry then, and who looks up by place in the list finds the next one.
     """

@@ -223,7 +223,7 @@ def circle(q: Configuration, _: float) -> Array:
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6])
 def test_a_lone_body_on_a_curved_way_is_held_to_the_tolerance(tolerance: float) -> None:
-    """Radius 1, no gap near: the error of its place alone chooses the steps, some dozens of tolerances add up."""
+    """No gap is near: the error of its place alone chooses the steps, and dozens of tolerances add up."""
     stepper = replace(in_a_large_box(circle), tolerance=tolerance)
     steps = run(stepper, Configuration(np.array([[5.0, 0.0]]), np.zeros(1), np.ones(1)))
     assert (

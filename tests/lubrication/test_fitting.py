@@ -45,8 +45,9 @@ def noisy_fit(
 def test_intervals_cover_the_exact_coefficients(shape: Shape, mode: Mode, ratio: float, noise: float) -> None:
     """Of 20 fits at least 17 (95 % less two standard deviations), for each coefficient that is known.
 
-    Intervals that are too wide hold too: what they are is tested below, by hand. At noise 1e-6 what is cut off the series is far above the noise: without its share in the covariance the
-    intervals of c2 and c3 hold in a few fits in 40 only (tried with the terms up to s^2).
+    Intervals that are too wide hold too: what they are is tested below, by hand. At noise 1e-6 what is cut
+    off the series is far above the noise: without its share in the covariance the intervals of c2 and c3 hold
+    in a few fits in 40 only (tried with the terms up to s^2).
     """
     known = coefficients(shape, mode, ratio)
     held = dict.fromkeys(known, 0)
@@ -97,7 +98,7 @@ def test_the_covariance_of_a_mean_is_that_of_a_mean() -> None:
 
 @pytest.mark.parametrize(("shape", "ratio"), [("spheres", 1.0), ("discs", inf)])
 def test_covariance_and_error_of_the_exponent_by_plain_inverses(shape: Shape, ratio: float) -> None:
-    """The exponent's is that of c1 p ln s / c1 in a fit with s^p ln s besides; the prior has the width |c1|."""
+    """The exponent's is that of the coefficient of s^p ln s, over c1; the prior has the width |c1|."""
     terms = basis(shape, "squeeze")[:5]
     s = np.geomspace(1e-2, 1.0, 12)  # a range in which plain inverses keep eight digits
     K = exact_resistance(shape, "squeeze", s, ratio)

@@ -95,7 +95,7 @@ def test_reduced_basis_of_a_lattice() -> None:
 def test_images_match_to_1e9_of_a_period_or_not_at_all(off: float, match: bool) -> None:
     """Nodes of the left and the right side of a period of 5, one of them off along the side."""
     left = np.column_stack([np.zeros(4), np.arange(4.0)])
-    right = left + [5.0, 0.0]
+    right = left + np.array([5.0, 0.0])
     right[2, 1] += 5.0 * off
     x, lattice = np.vstack([left, right]), Lattice(np.array([[5.0, 0.0]]))
     if match:

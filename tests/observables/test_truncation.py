@@ -30,7 +30,7 @@ def test_the_smaller_container_has_half_the_radius(geometry: str, shape: str) ->
 
 
 def test_changes_count_torques_over_the_radius_and_rotations_times_it() -> None:
-    """Radius 2; the first body is held with F = (10, 0), T = 8, the second free with V = (0, 3), omega = 4."""
+    """Radius 2; a body held with F = (10, 0) and T = 8, another free with V = (0, 3) and omega = 4."""
     U, F = np.array([[0.0, 0.0, 0.0], [0.0, 3.0, 4.0]]), np.array([[10.0, 0.0, 8.0], [0.0, 0.0, 0.0]])
     held = np.array([[True] * 3, [False] * 3])
     arm = np.array([[1.0, 1.0, 2.0]] * 2)
