@@ -1,6 +1,11 @@
 """The identities that every solution must satisfy, as relative defects.
 
-- power: dissipation = U.(F, T) + power of the walls + power of the loads
+- power: dissipation = U.(F, T) + power of the walls + power of the loads; where walls that meet have different
+  velocities both sides are infinite, and the balance is that of w u in place of u,
+
+      int 2 mu e(u) : e(w u) - p div(w u) = U.(F, T) + int w u.sigma n + ...,     w = min(1, d / d_bodies),
+
+  with the distance d from such a corner, d_bodies that of the nearest body: finite, since w u vanishes there
 - momentum, angular_momentum: reactions of bodies and walls and the loads sum to zero (the latter not in a
   periodic domain, whose sides exert a moment on each other)
 - balance: rigid^T lambda = (F, T) on every free mode
@@ -16,7 +21,8 @@ from mpi4py import MPI
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
 from fsi.observables.truncation import BOUND
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, mode_equations
+from fsi.stokes.corners import distance, jumps
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, mode_equations, multiply
 
 ROUNDING_FLOOR = 1e-6
 
@@ -38,7 +44,10 @@ class Scales:
 
 
 def identities(system: StokesSystem, nodal: NodalSolution, F: Array, dissipation: float) -> dict[str, float]:
-    """All relative defects; u and p of the forms are set to the solution, F = rigid^T lambda; collective."""
+    """All relative defects; u and p of the forms are set to the solution, F = rigid^T lambda; collective.
+
+    dissipation: of the discrete flow, finite.
+    """
     layout, x = system.layout, system.nodes.x
     velocities, d = layout.velocities, layout.dimension
     at_walls = layout.fixed[layout.fixed < velocities]
@@ -49,8 +58,9 @@ def identities(system: StokesSystem, nodal: NodalSolution, F: Array, dissipation
     moment = np.cross(x, force) if d == 3 else x[:, :1] * force[:, 1:] - x[:, 1:] * force[:, :1]
     if layout.axisymmetric:
         force[:, 0] = moment[:] = 0.0  # these balance by symmetry around the axis
-    u = nodal.x[:velocities]
-    power = float(nodal.reaction[at_walls] @ nodal.x[at_walls] + system.b[:velocities] @ u)
+    u, w = nodal.x[:velocities], _away_from_jumps(system)
+    tested = u if w is None else np.repeat(w, d) * u
+    power = float(nodal.reaction[at_walls] @ tested[at_walls] + system.b[:velocities] @ tested)
     # What the mean flow and the mean pressure gradient of a periodic domain do on its sides.
     is_flow = layout.slave < velocities
     jumping, of_pressure = np.concatenate([layout.slave[is_flow], layout.on_body]), layout.slave[~is_flow]
@@ -64,7 +74,10 @@ def identities(system: StokesSystem, nodal: NodalSolution, F: Array, dissipation
     parts, force_sum, moment_sum = np.split(sums, [6, 6 + d])
     power_of_walls_and_loads, all_forces, all_moments, u_u, all_u, b_b = parts
     floor = _floor(system, u_u, all_u, b_b)
-    sizes = (dissipation, all_forces, all_moments, system.forms.integrate("speed on boundary"))
+    scale = dissipation
+    if w is not None:
+        dissipation, scale = _finite_power(system, nodal, tested)
+    sizes = (scale, all_forces, all_moments, system.forms.integrate("speed on boundary"))
     scales = Scales(*map(max, sizes, astuple(floor)))
     power = float((nodal.U * F).sum()) + power_of_walls_and_loads
     defects = {
@@ -78,6 +91,26 @@ def identities(system: StokesSystem, nodal: NodalSolution, F: Array, dissipation
     if system.problem.periodic:  # the traction on the two sides has no force, but a moment
         del defects["angular_momentum"]
     return defects
+
+
+def _away_from_jumps(system: StokesSystem) -> Array | None:
+    """w at this rank's velocity nodes, (n,); None where no walls that meet have different velocities."""
+    container = system.problem.container
+    pairs = jumps(container, system.problem.boundary)
+    if not pairs:
+        return None
+    d = distance(container, pairs, system.nodes.x)
+    nearest_here = float(d[system.nodes.body_nodes].min(initial=container.size()))
+    w: Array = np.minimum(1.0, d / system.layout.comm.allreduce(nearest_here, op=MPI.MIN))
+    return w
+
+
+def _finite_power(system: StokesSystem, nodal: NodalSolution, tested: Array) -> tuple[float, float]:
+    """`int 2 mu e(u) : e(v) - p div v` for the nodal values v tested, and the sum of |parts|; collective."""
+    stress = multiply(system.M, nodal.x)[: len(tested)]
+    parts = np.array([tested @ stress, np.abs(tested * stress).sum()])
+    power, scale = system.layout.comm.allreduce(parts)
+    return float(power), float(scale)
 
 
 def _floor(system: StokesSystem, u_u: float, all_u: float, b_b: float) -> Scales:

@@ -38,6 +38,7 @@ from fsi.meshes.geometry.containers import FluidDomain
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
 from fsi.observables.truncation import flow_scales, relative_change
+from fsi.stokes.corners import singular
 from fsi.stokes.problem import Boundary, Field, SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import Clock, solve
@@ -45,6 +46,7 @@ from fsi.stokes.solvers.workspace import Workspace
 
 SAFETY = 1.5
 FEWER = 0.15
+FINER = 1.5
 LOWEST = 2
 # Of the largest result: what the factorisation leaves at gaps of 1e-5 radii, where it is worst.
 ROUNDING = 1e-11
@@ -111,6 +113,7 @@ class StokesModel:
         self._mover: Mover | None = None
         self._meshed_time = 0.0
         self._workspace = Workspace()
+        self._corners = singular_corners(case)
 
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> StokesSolution:
         """The flow at q and t. Raises MeshError; SolveError: the solve fails or violates an identity."""
@@ -120,6 +123,12 @@ class StokesModel:
         problem = self.problem(fluid, q, t, self.case.motion_at(q, t))
         workspace = self._workspace if self._moving else None
         return solve(replace(problem, inertia=inertia), self.options, clock, workspace)
+
+    def reference(self, q: Configuration, t: float, motion: Motion) -> StokesSolution:
+        """The flow from which that of the case differs by its error; see the module."""
+        clock, (degree, _) = Clock(), other_degree_of(self.options.degree, q.dimension)
+        problem = self.problem(self.reference_mesh(q, t), q, t, motion)
+        return solve(problem, replace(self.options, degree=degree), clock)
 
     def of_degree(self, degree: int, q: Configuration, t: float, motion: Motion) -> StokesSolution:
         """The flow with elements and curved cells of another degree, on a new mesh of the same simplices."""
@@ -136,24 +145,32 @@ class StokesModel:
         SolveError: as for the flow, with the other degree.
         """
         motion = motion or motion_of(self.case, q, t, instant)
-        degree, _ = other_degree_of(self.options.degree, q.dimension)
-        return step_errors(self.case, t, instant, self.of_degree(degree, q, t, motion))
+        return step_errors(self.case, t, instant, self.reference(q, t, motion))
 
     def problem(self, fluid: FluidMesh, q: Configuration, t: float, motion: Motion) -> StokesProblem:
         """What the case asks for on a mesh of the fluid around the bodies at q and t, without inertia."""
-        case = self.case
-        velocities = {wall: _field(velocity) for wall, velocity in case.wall_velocity(t).items()}
-        boundary = Boundary(velocities, case.wall_pressure(), None, *case.domain.mean_drive())
+        case, boundary = self.case, boundary_of(self.case, t)
         container, mu, moment = case.container().at(t), case.fluid.viscosity, case.interaction_moment(q, t)
         return StokesProblem(fluid, container, q, motion, boundary, mu, interaction=moment)
 
     def mesh(self, q: Configuration, t: float = 0.0, order: int | None = None) -> FluidMesh:
         """A new mesh around the bodies at q and t, or the user's own; of the case's order if not given."""
         order = order or self.case.discretisation.degree
-        domain = FluidDomain(self.case.container().at(t), q.centres, q.radii)
+        domain = self._domain(q, t)
         if self.case.domain.mesh is not None:
             return read_mesh(Path(self.case.domain.mesh), self.case.names, domain, order)
         return build(domain, self.resolution, order)
+
+    def reference_mesh(self, q: Configuration, t: float = 0.0) -> FluidMesh:
+        """The mesh for `reference`: of another degree, and another mesh where the flow has singular corners."""
+        degree, _ = other_degree_of(self.options.degree, q.dimension)
+        domain = self._domain(q, t)
+        if len(domain.corners) == 0:
+            return self.mesh(q, t, degree)
+        return build(domain, replace(self.resolution, growth=self.resolution.growth / FINER), degree)
+
+    def _domain(self, q: Configuration, t: float) -> FluidDomain:
+        return FluidDomain(self.case.container().at(t), q.centres, q.radii, self._corners)
 
     def state(self) -> dict[str, NDArray[Any]]:
         """The centres around which the mesh in use was made, and when: moved meshes start from it."""
@@ -182,6 +199,23 @@ class StokesModel:
             self._mover.close()
         self._mover, self._meshed_time = Mover(self.mesh(q, t), q.centres), t
         return self._mover.fluid
+
+
+def boundary_of(case: Case, t: float) -> Boundary:
+    """What holds on the walls of a case at time t."""
+    velocities = {wall: _field(velocity) for wall, velocity in case.wall_velocity(t).items()}
+    return Boundary(velocities, case.wall_pressure(), None, *case.domain.mean_drive())
+
+
+def singular_corners(case: Case) -> Array:
+    """Where in the plane the flow is singular at some time, (n, 2): walls are linear between their kinks."""
+    container = case.container()
+    if container.dimension == 3:
+        return np.empty((0, 2))
+    kinks = set[float]().union(*(wall.kinks() for wall in case.domain.walls.values()))
+    pairs = {pair for t in kinks or {0.0} for pair in singular(container, boundary_of(case, t))}
+    meetings = container.meetings()
+    return np.concatenate([np.empty((0, 2)), *(meetings[pair] for pair in sorted(pairs))])
 
 
 def _field(wall: WallVelocity) -> Field:

@@ -7,7 +7,7 @@ All modes are held and the walls rest, so that x_j = P y_j + rigid e_j for the m
 with one matrix P^T M P for all modes (see `system`).
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from itertools import batched
 
@@ -48,10 +48,9 @@ def resistance_with_error(case: Case) -> SolvedResistance:
 
 def _solved(case: Case) -> SolvedResistance:
     """With elements of another degree R differs by its error, as forces do (see `model`)."""
-    computed, numerics = case_resistance(case), case.discretisation
-    degree, factor = other_degree_of(numerics.degree, case.dimension)
-    changed = numerics.model_copy(update={"degree": degree})
-    other = case_resistance(case.model_copy(update={"discretisation": changed}))
+    computed = case_resistance(case)
+    degree, factor = other_degree_of(case.discretisation.degree, case.dimension)
+    other = _resistance(case, StokesModel(case).reference_mesh, degree)
     error = factor * matrix.difference(computed.R, other.R, computed.modes.scale)
     return SolvedResistance(case, error, computed.dofs, computed)
 
@@ -62,12 +61,16 @@ def case_resistance(case: Case) -> Resistance:
     Along a periodic channel the mean pressure gradient is zero. Raises InputError: the domain has no walls,
     or a given net flux. MeshError, SolveError: as `StokesModel`.
     """
+    return _resistance(case, StokesModel(case).mesh, case.discretisation.degree)
+
+
+def _resistance(case: Case, mesh: Callable[[Configuration], FluidMesh], degree: int) -> Resistance:
     container, q, clock = case.container(), case.configuration(), Clock()
     _require_still(case, container)
-    fluid = StokesModel(case).mesh(q)
+    fluid = mesh(q)
     clock.lap("mesh")
     problem = held_at_rest(fluid, container, q, case.fluid.viscosity, case.wall_pressure())
-    options = SolverOptions(case.discretisation.degree, solver=case.discretisation.solver)
+    options = SolverOptions(degree, solver=case.discretisation.solver)
     return solve_resistance(problem, case.names, options, clock)
 
 

@@ -15,7 +15,8 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from itertools import combinations, product
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -26,6 +27,7 @@ from fsi.meshes.geometry.curves import Sphere, WallCurve, arc, segment
 
 Array = NDArray[np.float64]
 
+HERE = 1e-9  # in sizes of a container: places that near are one
 _LARGEST_IN_BOX = 0.25  # largest element in space, over the size of a container with plane walls
 
 
@@ -72,6 +74,15 @@ class Container(ABC):
     def outline(self) -> tuple[WallCurve, ...]:
         """The walls in the plane, wall by wall; together with an axis they go once around the container."""
         raise MeshError("no domain of this shape is meshed in the plane")
+
+    def meetings(self) -> dict[tuple[int, int], Array]:
+        """The pairs of walls that meet, and where, (n, dimension): corners, in space ends of edges."""
+        ends = [(curve.wall, end) for curve in self.outline() for end in curve.ends]
+        near, found = HERE * self.size(), dict[tuple[int, int], list[Array]]()
+        for (one, x), (other, y) in combinations(ends, 2):
+            if one != other and np.hypot(*(x - y)) <= near:
+                found.setdefault((min(one, other), max(one, other)), []).append(x)
+        return {pair: np.array(corners) for pair, corners in found.items()}
 
     @property
     def corner_axes(self) -> tuple[int, ...]:
@@ -232,6 +243,17 @@ class Box(Container):
         corners = (self.lower, self.upper)
         return {_FACES[self.dimension][k]: (k // 2, corners[k % 2][k // 2]) for k in self._ends}
 
+    def meetings(self) -> dict[tuple[int, int], Array]:
+        """Walls across different axes meet, in space along an edge."""
+        low_and_high = np.array([self.lower, self.upper])
+        vertices = np.array(list(product((0, 1), repeat=self.dimension)))
+        x, found = np.take_along_axis(low_and_high, vertices, axis=0), dict[tuple[int, int], Array]()
+        for (one, k), (other, m) in combinations(enumerate(self._ends), 2):
+            if k // 2 != m // 2:
+                on_both = (vertices[:, k // 2] == k % 2) & (vertices[:, m // 2] == m % 2)
+                found[one, other] = x[on_both]
+        return found
+
     @property
     def corner_axes(self) -> tuple[int, ...]:
         """The axis across each wall: x for left and right, and so on."""
@@ -390,6 +412,10 @@ class HalfPlane(Round):
     walls: ClassVar[tuple[str, ...]] = ("plane", "far")
     far_walls: ClassVar[tuple[str, ...]] = ("far",)
 
+    def meetings(self) -> dict[tuple[int, int], Array]:
+        """Plane and arc meet at its ends, in space on a circle: one point of it."""
+        return {(0, 1): np.array([[self.radius, 0.0, 0.0]])} if self.dimension == 3 else Round.meetings(self)
+
     @property
     def corner_axes(self) -> tuple[int, ...]:
         """The last axis for the plane, x for the arc where it meets the plane."""
@@ -445,11 +471,13 @@ class FluidDomain:
         container: what encloses the fluid.
         centres: q_i, of a periodic container any images, (N, d).
         radii: a_i, (N,).
+        corners: where a planar mesh is graded towards corners of the container, (n, 2).
     """
 
     container: Container
     centres: Array
     radii: Array
+    corners: Array = field(default_factory=lambda: np.empty((0, 2)))
 
 
 class WithoutWalls(Container):
