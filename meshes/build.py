@@ -21,6 +21,7 @@ from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Array, Container, FluidDomain
 from fsi.meshes.geometry.lattice import Lattice, PeriodicPairs, matching_points
 from fsi.meshes.planar.boundary import boundary
+from fsi.meshes.planar.grading import Grading
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import FarSize, Indices, places_of, side_keys, triangulate
 from fsi.meshes.spatial.tetrahedra import fill
@@ -99,7 +100,8 @@ def _triangles(domain: FluidDomain, resolution: Resolution, order: int) -> Curve
     curves = boundary(domain, resolution)
     h_body = resolution.on_body(float(domain.radii.max(initial=0.0)))
     slope, sparse = SLOPE * resolution.growth, resolution.interior == "sparse"
-    far = FarSize(len(domain.radii), h_body, slope, domain.container.size(), alone=sparse)
+    grading = Grading.of(domain, resolution.growth)
+    far = FarSize(len(domain.radii), h_body, slope, domain.container.size(), grading, alone=sparse)
     return curve(triangulate(curves, far), curves, order)
 
 

@@ -1,7 +1,7 @@
 """The identities that every solution must satisfy, as relative defects.
 
-- power: dissipation = U.(F, T) + power of the walls + power of the loads; where walls that meet have different
-  velocities both sides are infinite, and the balance is that of w u in place of u,
+- power: dissipation = U.(F, T) + power of the walls + power of the loads; where walls with different
+  velocities meet both sides are infinite, and the balance is that of w u in place of u,
 
       int 2 mu e(u) : e(w u) - p div(w u) = U.(F, T) + int w u.sigma n + ...,     w = min(1, d / d_bodies),
 

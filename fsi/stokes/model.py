@@ -15,6 +15,11 @@ error. Measured beside a plane for k = 3, gaps from 0.01 to 1 radii, it is 14 to
 the default meshes and finer ones, and 9 times on a mesh half as fine. The factor FEWER makes it a bound.
 Degree 2, which has none below, takes one more.
 
+Where the data of walls jump at a corner (see `corners`), what two degrees have in common is the mesh there,
+and their difference says nothing of it. Planar meshes are graded towards such corners, so that the order comes
+back, and the other problem is then solved on another mesh: one with `growth` over FINER, graded more gently
+and DEPTH times as deep (see `fsi.meshes.planar.grading`), also beside the mesh of a user, that is not graded.
+
 It sees the mesh and the elements; it does not see how far a container of finite radius is from an infinite
 one (`fsi.observables.truncation` does), nor how a user's own curved mesh differs from its circles.
 """
@@ -162,7 +167,7 @@ class StokesModel:
         return build(domain, self.resolution, order)
 
     def reference_mesh(self, q: Configuration, t: float = 0.0) -> FluidMesh:
-        """The mesh for `reference`: of another degree, and another mesh where the flow has singular corners."""
+        """The mesh for `reference`: cells of its degree, and others where the flow has singular corners."""
         degree, _ = other_degree_of(self.options.degree, q.dimension)
         domain = self._domain(q, t)
         if len(domain.corners) == 0:

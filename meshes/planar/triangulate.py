@@ -16,9 +16,11 @@ from numpy.typing import NDArray
 
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Array
+from fsi.meshes.planar.grading import Grading
 from fsi.meshes.planar.sizing import Curve
 
 BODIES, REST = 1, 2  # the curves that gmsh gets
+FINEST_SHIFT = 1e-12
 DELAUNAY = 5  # grades better than the frontal algorithm in large containers
 
 Indices = NDArray[np.int64]
@@ -93,6 +95,7 @@ class FarSize:
         smallest: the size on a body.
         slope: how fast sizes grow.
         reach: a length that no distance exceeds.
+        grading: towards corners of the container.
         alone: whether the sizes of the boundary do not count in the fluid.
     """
 
@@ -100,10 +103,16 @@ class FarSize:
     smallest: float
     slope: float
     reach: float
+    grading: Grading
     alone: bool = False
 
     def apply(self) -> None:
         """Make it gmsh's background size."""
+        if len(self.grading.corners):
+            # gmsh shifts nodes by that part of the size of the domain before it connects them.
+            gmsh.option.setNumber("Mesh.RandomFactor", FINEST_SHIFT)
+        if self.bodies == 0:
+            return
         field = gmsh.model.mesh.field
         distance, bound = field.add("Distance"), field.add("Threshold")
         field.setNumbers(distance, "CurvesList", [BODIES])
@@ -112,9 +121,20 @@ class FarSize:
             field.setNumber(bound, f"Dist{end}", d)
             field.setNumber(bound, f"Size{end}", size)
         field.setNumber(bound, "InField", distance)
-        field.setAsBackgroundMesh(bound)
         if self.alone:
             gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
+            bound = self._graded(bound)
+        field.setAsBackgroundMesh(bound)
+
+    def _graded(self, bound: int) -> int:
+        """gmsh's number of the least of a field of sizes and those towards the corners."""
+        field, fields = gmsh.model.mesh.field, [bound]
+        for (x, y), smallest in zip(self.grading.corners.tolist(), self.grading.smallest, strict=True):
+            away = f"Sqrt((x - ({x!r}))^2 + (y - ({y!r}))^2)"
+            fields.append(field.add("MathEval"))
+            field.setString(fields[-1], "F", f"{smallest:.17g} + {self.grading.slope:.17g} * {away}")
+        field.setNumbers(least := field.add("Min"), "FieldsList", fields)
+        return int(least)
 
 
 def triangulate(curves: Sequence[Curve], far: FarSize | None = None) -> StraightCells:
@@ -128,7 +148,7 @@ def triangulate(curves: Sequence[Curve], far: FarSize | None = None) -> Straight
     with gmsh_model():
         bodies = 0 if far is None else far.bodies
         _add_boundary(nodes, edges, tags <= bodies)
-        if far is not None and bodies:
+        if far is not None:
             far.apply()
         gmsh.model.mesh.generate(2)
         vertices, triangles = _read_triangles()
