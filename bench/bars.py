@@ -23,7 +23,7 @@ from rich.progress import track
 from rich.table import Table
 
 from bench.random_cases import KINDS, random_case
-from fsi.bodies.configuration import Configuration
+from fsi.bodies.configuration import Array, Configuration
 from fsi.case.case import Case
 from fsi.errors import SolveError
 from fsi.integration.state import ErrorEstimate
@@ -130,26 +130,23 @@ def results(
     case: Case, coarse: StokesSolution, bars: ErrorEstimate, fine: StokesSolution
 ) -> Iterator[tuple[str, float, float]]:
     """Name, error and bar of each result; those that vanish by symmetry, to rounding, are left out."""
-    held = case.motion(0.0).held
-    for letter, of_kind, value, exact, bar in (
-        ("U", ~held & case.modes, coarse.U, fine.U, bars.U),
-        ("F", held & case.modes, coarse.F, fine.F, bars.F),
-        ("dissipation", np.array(True), coarse.dissipation, fine.dissipation, bars.dissipation),
-        (
-            "viscosity",
-            np.array(True),
-            coarse.apparent_viscosity,
-            fine.apparent_viscosity,
-            bars.apparent_viscosity,
-        ),
-    ):
-        if value is None or bar is None:
-            continue
-        value, exact, bar = (np.asarray(part, dtype=float) for part in (value, exact, bar))
-        noise = ROUNDING * np.abs(exact).max(initial=0.0)
-        for place in np.argwhere(of_kind & (np.abs(value - exact) > noise) & np.isfinite(bar)):
-            at = tuple(place)
-            yield f"{letter}{place.tolist() or ''}", abs(value[at] - exact[at]), bar[at]
+    held, of_bars = case.motion(0.0).held, quantities(bars, bars.stress)
+    computed, exact = (quantities(flow, flow.bulk) for flow in (coarse, fine))
+    for name, bar in of_bars.items():
+        error = np.abs(computed[name] - exact[name])
+        counts = np.isfinite(bar) & (error > ROUNDING * np.abs(exact[name]).max(initial=0.0))
+        if name in "UF":
+            counts &= case.modes & (held if name == "F" else ~held)
+        for place in map(tuple, np.argwhere(counts).tolist()):
+            yield f"{name}{list(place) or ''}", error[place], bar[place]
+
+
+def quantities(of: Any, stress: Any) -> dict[str, Array]:
+    """What both a solution with its stress and the bars of both have, by name."""
+    found = {name: getattr(of, name) for name in ("U", "F", "dissipation", "apparent_viscosity")}
+    if stress is not None:
+        found |= {name: getattr(stress, name) for name in ("mean", "stresslets", "normal_stress_difference")}
+    return {name: np.array(value, dtype=float) for name, value in found.items() if value is not None}
 
 
 def measured(kinds: list[str], cases: int, seed: int) -> tuple[list[Value], dict[str, str]]:

@@ -16,8 +16,11 @@ from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.planar.sizing import Resolution
 from fsi.postprocess.analysis.strain import accumulated_strain
 from fsi.postprocess.run.run import open_run
+from fsi.report.console import standard_output
+from fsi.report.solution import print_solution, solution_json
 from fsi.runs import resume
 from fsi.runs import run as run_case
+from fsi.stokes.adapt import solve_with_errors
 from tests.flows import discs
 from tests.periodic import in_cell
 from tests.small_run import contents, rows
@@ -83,6 +86,33 @@ def test_tables_keep_their_columns_where_a_viscosity_has_no_meaning(tmp_path: Pa
     assert 0 < checked.notna().sum() < moving.sum()
     np.testing.assert_allclose(run.steps["stress_xy"][~moving], 0.0, atol=1e-12)
     assert accumulated_strain(run.case, run.steps["t"].to_numpy()) is not None
+
+
+def test_stress_and_stresslets_have_their_bars_in_tables(tmp_path: Path) -> None:
+    """Those of `fsi solve` at time 0, each between 1e-9 and a tenth of the largest stress on this mesh."""
+    domain = {"shape": "cell", "vectors": [[4.0, 0.0], [0.0, 4.0]], "shear": 1.0}
+    case = case_of(domain, [(0.4, -1.3, 1.0), (2.6, 0.2, 0.7)], end=0.01, tolerance=3e-3)
+    case = case.model_copy(update={"output": case.output.model_copy(update={"error_estimates": True})})
+    run_case(case, tmp_path / "run")
+    run, solved = open_run(tmp_path / "run"), solve_with_errors(case)
+    bars, bulk = solved.errors.stress, solved.solution.bulk
+    assert bars is not None
+    assert bulk is not None
+    first, of_bodies = run.steps.iloc[0], run.bodies[run.bodies["step"] == 0]
+    largest = float(np.abs(bulk.mean).max())
+    for i, j, name in ((0, 0, "xx"), (0, 1, "xy"), (1, 1, "yy")):
+        assert first[f"err_stress_{name}"] == pytest.approx(bars.mean[i, j], rel=1e-6)
+        np.testing.assert_allclose(of_bodies[f"err_S_{name}"], bars.stresslets[:, i, j], rtol=1e-6)
+        assert 1e-9 * largest < bars.mean[i, j] < 0.1 * largest
+    assert first["err_N_1"] == pytest.approx(bars.normal_stress_difference, rel=1e-6)
+    shown = solution_json(case, solved.solution, solved.errors, None)
+    assert shown["mean_stress_error"] == bars.mean.tolist()
+    assert shown["normal_stress_difference_error"] == bars.normal_stress_difference
+    assert shown["bodies"][1]["stresslet_error"] == bars.stresslets[1].tolist()
+    with (console := standard_output()).capture() as printed:
+        print_solution(console, case, solved.solution, solved.errors, None)
+    assert f"± {bars.normal_stress_difference:.0e}" in printed.get()
+    assert f"{bars.mean[0, 1]:.0e}" in printed.get()
 
 
 def test_one_disc_in_extension_is_carried_by_the_mean_flow(tmp_path: Path) -> None:

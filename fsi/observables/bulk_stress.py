@@ -3,10 +3,12 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import nan
+from typing import Self
 
 import numpy as np
 
 from fsi.bodies.configuration import Array
+from fsi.integration.state import StressErrors
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +42,18 @@ class BulkStress:
     def normal_stress_difference(self) -> float:
         """N_1 = Sigma_xx - Sigma_yy; a second one needs a third dimension."""
         return float(self.mean[0, 0] - self.mean[1, 1])
+
+    def errors(self, other: Self, factor: float, rounding: float) -> StressErrors:
+        """The factor times the differences from another, at least that part of the largest for rounding."""
+
+        def bound(value: Array, reference: Array) -> Array:
+            least = rounding * float(np.abs(value).max(initial=0.0))
+            return np.asarray(np.maximum(factor * np.abs(value - reference), least))
+
+        fluid, mean = bound(self.fluid, other.fluid), bound(self.mean, other.mean)
+        of_bodies = bound(self.stresslets, other.stresslets)
+        between = factor * abs(self.normal_stress_difference - other.normal_stress_difference)
+        return StressErrors(fluid, mean, of_bodies, max(between, rounding * float(np.abs(self.mean).max())))
 
     @property
     def record(self) -> Mapping[str, float]:

@@ -15,7 +15,7 @@ from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.section import toml_text
 from fsi.integration.schemes import FLOWS, scheme_for
-from fsi.integration.state import ErrorEstimate
+from fsi.integration.state import ErrorEstimate, StressErrors
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.truncation import SolvedFlow
@@ -56,8 +56,8 @@ def solution_json(
         "seconds": float(sum(solution.seconds.values())),
         "seconds_by_phase": {phase: float(spent) for phase, spent in solution.seconds.items()},
     }
-    if solution.bulk is not None:
-        _add_stress(data, solution.bulk, errors)
+    if solution.bulk is not None and errors.stress is not None:
+        _add_stress(data, solution.bulk, errors, errors.stress)
     return data if truncated is None else data | {"truncation": dict(truncated)}
 
 
@@ -76,16 +76,19 @@ def _solver(solution: SolvedFlow) -> str:
     return f"FGMRES with {solution.iterations} iterations" if solution.iterations else "direct solver"
 
 
-def _add_stress(data: dict[str, Any], bulk: BulkStress, errors: ErrorEstimate) -> None:
+def _add_stress(data: dict[str, Any], bulk: BulkStress, errors: ErrorEstimate, bars: StressErrors) -> None:
     if bulk.apparent_viscosity is not None:
         data["apparent_viscosity"] = bulk.apparent_viscosity
         data["apparent_viscosity_error"] = errors.apparent_viscosity
     data["mean_stress"] = bulk.mean.tolist()
     data["mean_stress_of_fluid"] = bulk.fluid.tolist()
     data["mean_stress_of_forces"] = bulk.forces.tolist()
+    data["mean_stress_error"] = bars.mean.tolist()
+    data["mean_stress_of_fluid_error"] = bars.fluid.tolist()
     data["normal_stress_difference"] = bulk.normal_stress_difference
-    for body, stresslet in zip(data["bodies"], bulk.stresslets.tolist(), strict=True):
-        body["stresslet"] = stresslet
+    data["normal_stress_difference_error"] = bars.normal_stress_difference
+    for body, S, error in zip(data["bodies"], bulk.stresslets, bars.stresslets, strict=True):
+        body |= {"stresslet": S.tolist(), "stresslet_error": error.tolist()}
 
 
 def turning(components: Array) -> float | list[float]:
@@ -98,8 +101,8 @@ def print_solution(
 ) -> None:
     """The same for a reader: a table of the bodies, then one of the checks."""
     console.print(_bodies_table(case, solution, errors))
-    if solution.bulk is not None:
-        console.print(_stress_table(solution.bulk, errors))
+    if solution.bulk is not None and errors.stress is not None:
+        console.print(_stress_table(solution.bulk, errors, errors.stress))
     changes = (truncated or {}).items()
     halved = {f"truncation: change of {name} when the radius is halved": value for name, value in changes}
     console.print(checks_table("check, relative", solution.checks | halved), _cost(case, solution), sep="\n")
@@ -137,17 +140,28 @@ def _bodies_table(case: Case, solution: SolvedFlow, errors: ErrorEstimate) -> Ta
     return bodies_table(case, headings, numbers, caption)
 
 
-def _stress_table(bulk: BulkStress, errors: ErrorEstimate) -> Table:
-    mu, error = bulk.apparent_viscosity, errors.apparent_viscosity or 0.0
+def _stress_table(bulk: BulkStress, errors: ErrorEstimate, bars: StressErrors) -> Table:
+    mu, error = bulk.apparent_viscosity, errors.apparent_viscosity
     viscosity = "" if mu is None else f"apparent viscosity {mu:.8g} ± {error:.0e}, "
-    parts = {"fluid": bulk.fluid, "stresslets of the bodies": bulk.mean - bulk.fluid - bulk.forces}
+    parts = {
+        "fluid": (bulk.fluid, bars.fluid),
+        "stresslets of the bodies": (
+            bulk.mean - bulk.fluid - bulk.forces,
+            bars.stresslets.sum(axis=0) / bulk.area,
+        ),
+    }
     if bulk.forces.any():
-        parts["forces between bodies"] = bulk.forces
-    parts["together"] = bulk.mean
+        parts["forces between bodies"] = bulk.forces, np.zeros((2, 2))
+    parts["together"] = bulk.mean, bars.mean
     upper = np.triu_indices(2)
-    rows = ((name, *(f"{component:.8g}" for component in part[upper])) for name, part in parts.items())
-    caption = f"{viscosity}N_1 = {bulk.normal_stress_difference:.8g}; the mean pressure of the fluid is zero"
-    return table(("stress, mean over fluid and bodies",), ("xx", "xy", "yy"), rows, caption=caption)
+    rows = []
+    for name, (part, bar) in parts.items():
+        numbers = zip(part[upper], bar[upper], strict=True)
+        rows.append((name, *(text for x, error in numbers for text in (f"{x:.8g}", f"{error:.0e}"))))
+    between = f"N_1 = {bulk.normal_stress_difference:.8g} ± {bars.normal_stress_difference:.0e}"
+    caption = f"{viscosity}{between}; the mean pressure of the fluid is zero"
+    headings = ("xx", "±", "xy", "±", "yy", "±")
+    return table(("stress, mean over fluid and bodies",), headings, rows, caption=caption)
 
 
 def _cost(case: Case, solution: SolvedFlow) -> Text:

@@ -36,12 +36,13 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
 from fsi.case.case import Case
 from fsi.case.walls import WallVelocity
-from fsi.integration.state import ErrorEstimate, Results, StepErrors
+from fsi.integration.state import ErrorEstimate, Results, StepErrors, StressErrors
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.files.read import read_mesh
 from fsi.meshes.geometry.containers import FluidDomain
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
+from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.truncation import flow_scales, relative_change
 from fsi.stokes.corners import singular
 from fsi.stokes.problem import Boundary, Field, SolverOptions, StokesProblem
@@ -70,7 +71,7 @@ def step_errors(case: Case, t: float, results: Results, other: StokesSolution) -
     U = bound(results.U, other.U, 1.0 / q.arms, ~motion.held)
     F = bound(results.F, other.F, q.arms, motion.held)
     dissipation = factor * abs(getattr(results, "dissipation", nan) - other.dissipation)
-    errors = ErrorEstimate(U, F, dissipation, _of_viscosity(results, other))
+    errors = ErrorEstimate(U, F, dissipation, _of_viscosity(results, other), _of_stress(results, other))
     relative = relative_change(results, errors, motion.held, q.arms, flow_scales(case, t))
     mu = getattr(results, "apparent_viscosity", None)
     if mu is not None and errors.apparent_viscosity is not None:
@@ -88,7 +89,13 @@ def _of_viscosity(results: Results, other: StokesSolution) -> float | None:
     if other.bulk is None:
         return None
     mu, mu_other = getattr(results, "apparent_viscosity", None), other.bulk.apparent_viscosity
-    return nan if mu is None or mu_other is None else SAFETY * abs(mu - mu_other)
+    return nan if mu is None or mu_other is None else max(SAFETY * abs(mu - mu_other), ROUNDING * abs(mu))
+
+
+def _of_stress(results: Results, other: StokesSolution) -> StressErrors | None:
+    """The same for the stress of a periodic flow."""
+    bulk: BulkStress | None = getattr(results, "bulk", None)
+    return None if bulk is None or other.bulk is None else bulk.errors(other.bulk, SAFETY, ROUNDING)
 
 
 def motion_of(case: Case, q: Configuration, t: float, instant: Results) -> Motion:
