@@ -1,11 +1,18 @@
-"""Files that appear complete or not at all, and where those that the user asks for may be."""
+"""Files that appear complete or not at all, where users may have theirs, and how those are read."""
 
+import json
 import os
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from fsi.errors import InputError
 
 TEMPORARY = ".tmp"
+# Of lists and sections in each other, in files of data: far more than any has.
+_DEEPEST = 40
+_BRIEF = 300  # letters of what a library says of a file
+_WHOLE = 2**63  # whole numbers are smaller, as in TOML
 
 
 def replace(path: Path, content: bytes) -> None:
@@ -31,3 +38,48 @@ def write_whole(output: Path, text: str) -> None:
         replace(output, text.encode())
     except OSError as error:
         raise InputError(f"output = {output}: {error.strerror}; give another path") from None
+
+
+def content(path: Path, remedy: str) -> bytes:
+    """What a file holds. Raises InputError, with the remedy: it cannot be read, or is a pipe or a device."""
+    try:
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            raise InputError(f"{path}: is no regular file; {remedy}")
+        return path.read_bytes()
+    except (OSError, ValueError) as error:  # the latter of a path with a zero byte
+        raise InputError(f"{path}: {getattr(error, 'strerror', None) or error}; {remedy}") from None
+
+
+def data_of(path: Path, kind: str, parse: Callable[[str], Any], remedy: str) -> Any:
+    """The data of a text file of some kind, TOML or JSON, as `parse` reads it. Raises InputError."""
+    text = content(path, remedy)
+    try:
+        return plain(parse(text.decode("utf-8-sig")))
+    except ValueError as error:  # of TOML, JSON, UTF-8, and numbers of thousands of digits
+        raise InputError(
+            f"{path}: not {kind}: {' '.join(str(error).split())[:_BRIEF]}; correct the file there"
+        ) from None
+    except RecursionError:
+        raise InputError(f"{path}: not {kind}: nested too deeply; correct the file") from None
+
+
+def json_of(path: Path, remedy: str) -> Any:
+    """The data of a JSON file. Raises InputError."""
+    return data_of(path, "JSON", json.loads, remedy)
+
+
+def plain(data: Any, depth: int = 0) -> Any:
+    """The same data. Raises ValueError of what nobody means: huge whole numbers, deep nesting, no text."""
+    if depth > _DEEPEST:
+        raise ValueError("nested too deeply")
+    match data:
+        case dict() | list() | tuple():
+            for item in (*data, *data.values()) if isinstance(data, dict) else data:
+                plain(item, depth + 1)
+        case int() if not -_WHOLE <= data < _WHOLE:
+            raise ValueError("a whole number has more than 64 bits")
+        case str() if "\0" in data:
+            raise ValueError("a text has a zero byte")
+        case str():
+            data.encode()  # or it has half a character
+    return data

@@ -9,7 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from importlib import metadata
 from multiprocessing.connection import wait
 from pathlib import Path
@@ -20,8 +20,8 @@ import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.calibration.pair import Pair, pair_of
 from fsi.case.load import parse_case
-from fsi.errors import FsiError, SolveError
-from fsi.files import replace
+from fsi.errors import FsiError, InputError, SolveError
+from fsi.files import json_of, replace
 from fsi.integration.state import ErrorEstimate
 from fsi.meshes.errors import MeshError
 from fsi.observables.truncation import halved
@@ -94,10 +94,19 @@ def key_of(pair: Pair, gap: float) -> str:
 
 
 def read_sample(cache: Path, key: str, *, held_out: bool) -> Sample | None:
-    """A sample that has been computed before, or None."""
-    if not (path := cache / f"{key}.json").is_file():
+    """A sample that has been computed before, or None. Raises InputError where its file is damaged."""
+    if not (path := cache / f"{key}.json").exists():
         return None
-    return Sample(**(json.loads(path.read_text(encoding="utf-8")) | {"held_out": held_out}))
+    remedy = "remove it, and it is computed again"
+    data = json_of(path, remedy)
+    names = {field.name for field in fields(Sample)}
+    if not (
+        isinstance(data, dict)
+        and set(data) == names
+        and all(isinstance(x, int | float) for x in data.values())
+    ):
+        raise InputError(f"{path}: is damaged, it is no sample; {remedy}")
+    return Sample(**(data | {"held_out": held_out}))
 
 
 def keep_sample(cache: Path, key: str, sample: Sample) -> None:

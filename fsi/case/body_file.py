@@ -11,9 +11,10 @@ with `centers` ([[x, y], ...]), one `radius` and the sides `L` and `H` of the bo
 """
 
 import csv
+import io
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ import numpy as np
 
 from fsi.case.section import nearest_word, toml_text
 from fsi.errors import InputError
+from fsi.files import data_of
 
 COLUMNS = ("name", "radius", "x", "y", "z", "angle")
 _NUMBERS = COLUMNS[1:]
@@ -65,26 +67,31 @@ def read_bodies(path: Path) -> BodyFile:
     readers = {".json": _read_json, ".csv": _read_csv}
     if path.suffix not in readers:
         raise _refusal(path, f"ends in {path.suffix or 'nothing'}; give a .json or a .csv file")
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise _refusal(path, f"{reason}; give the path of a file, seen from the case file's folder") from None
-    rows, sides = readers[path.suffix](path, text)
+    rows, sides = readers[path.suffix](path)
     if not rows:
         raise _refusal(path, "there are no bodies in it; give a file with at least one")
     return BodyFile(tuple(_body(path, number, row) for number, row in enumerate(rows, 1)), sides)
 
 
-def _read_csv(path: Path, text: str) -> tuple[list[dict[str, Any]], None]:
-    reader = csv.DictReader(text.splitlines(), skipinitialspace=True)
-    _check_columns(path, "the header", reader.fieldnames or ())
+def _read_csv(path: Path) -> tuple[list[dict[str, Any]], None]:
+    reader = csv.DictReader(io.StringIO(_parsed(path, "CSV", str)), skipinitialspace=True)
     rows: list[dict[str, Any]] = []
-    for number, row in enumerate(reader, 1):
-        if None in row or None in row.values():
-            raise _refusal(path, f"row {number} has not as many values as the header; correct the file")
-        rows.append({key: value if key == "name" else _number(value) for key, value in row.items()})
+    try:
+        _check_columns(path, "the header", reader.fieldnames or ())
+        for number, row in enumerate(reader, 1):
+            if None in row or None in row.values():
+                raise _refusal(path, f"row {number} has not as many values as the header; correct the file")
+            rows.append({key: value if key == "name" else _number(value) for key, value in row.items()})
+    except csv.Error as error:
+        raise _refusal(path, f"not CSV: {error}; correct the file") from None
     return rows, None
+
+
+def _parsed(path: Path, kind: str, parse: Callable[[str], Any]) -> Any:
+    try:
+        return data_of(path, kind, parse, "give the path of a file, seen from the case file's folder")
+    except InputError as error:
+        raise InputError(f"bodies_from = {error}") from None
 
 
 def _number(text: str) -> float | str:
@@ -94,13 +101,8 @@ def _number(text: str) -> float | str:
         return text
 
 
-def _read_json(path: Path, text: str) -> tuple[list[Any], tuple[float, ...] | None]:
-    try:
-        data = json.loads(text)
-    except json.JSONDecodeError as error:
-        raise _refusal(path, f"not JSON: {error}; correct the file there") from None
-    except RecursionError:
-        raise _refusal(path, "nested too deeply; give a list of bodies") from None
+def _read_json(path: Path) -> tuple[list[Any], tuple[float, ...] | None]:
+    data = _parsed(path, "JSON", json.loads)
     if isinstance(data, dict) and isinstance(data.get("bodies"), list):
         corners = [data.get(key) for key in ("lower", "upper")]
         return data["bodies"], _sides(*corners)

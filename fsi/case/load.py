@@ -18,6 +18,7 @@ from fsi.case.case import MODELS, Case
 from fsi.case.checks.sound import check_case
 from fsi.case.section import CaseContext, Geometry, explain, toml_data, toml_text, tuples
 from fsi.errors import InputError
+from fsi.files import plain
 
 
 def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
@@ -123,10 +124,10 @@ def _index(items: list[Any], part: str, key: str, text: str) -> int:
 
 def _toml_value(value: str, text: str) -> Any:
     try:
-        parsed = tomllib.loads(f"value = {value}")
-    except tomllib.TOMLDecodeError:
+        parsed = plain(tomllib.loads(f"value = {value}"))
+    except (ValueError, RecursionError):
         if re.fullmatch(r"[A-Za-z][\w-]*", value):
-            return value
+            return plain(value)
         parsed = {}
     if set(parsed) != {"value"}:
         raise InputError(f"--set {text}: the value is not TOML; {_REMEDY}, or '{_QUOTED}' for other text")

@@ -25,8 +25,13 @@ _NODES = (
 )  # fmt: skip
 
 
+_LONGEST = 500  # signs of a formula: Python reads sums of some thousands of terms by recursion
+
+
 def check(formula: str, variables: tuple[str, ...]) -> None:
     """Raise ValueError, saying what is wrong, unless the formula uses only the variables and FUNCTIONS."""
+    if len(formula) > _LONGEST:
+        raise ValueError(f"is longer than {_LONGEST} signs")
     try:
         tree = ast.parse(formula, mode="eval")
     except (SyntaxError, ValueError):

@@ -24,6 +24,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationIn
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from fsi.errors import InputError
+from fsi.files import data_of
 
 type Geometry = Literal["planar", "axisymmetric", "spatial"]
 Positive = Annotated[float, Field(gt=0.0)]
@@ -138,12 +139,8 @@ def nearest_word(word: str, known: Iterable[str]) -> str:
 
 def toml_data(path: Path, remedy: str) -> dict[str, Any]:
     """The data of a TOML file. Raises InputError."""
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not TOML: {error}; correct the file there") from None
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror or error}; give the path of {remedy}") from None
+    data: dict[str, Any] = data_of(path, "TOML", tomllib.loads, f"give the path of {remedy}")
+    return data
 
 
 def tuples(value: Any) -> Any:

@@ -1,16 +1,18 @@
 """state.npz: all that the next step depends on, replaced in one go."""
 
 import io
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Configuration
-from fsi.files import replace
+from fsi.files import content, replace
 from fsi.integration.state import State
 
 
@@ -40,9 +42,21 @@ def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
 
 
 def read_checkpoint(path: Path) -> Checkpoint:
-    """What `write_checkpoint` wrote, bit by bit."""
-    with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
-        arrays = dict(archive)
+    """What `write_checkpoint` wrote, bit by bit. Raises ValueError of what it has not written."""
+    try:
+        return _checkpoint(_arrays(path))
+    except (BadZipFile, EOFError, KeyError, TypeError, zlib.error) as error:
+        raise ValueError(f"{path.name}: {type(error).__name__} {error}") from None
+
+
+def _arrays(path: Path) -> dict[str, NDArray[Any]]:
+    packed = io.BytesIO(content(path, "give a run folder"))
+    with np.load(packed, allow_pickle=False) as archive:
+        return dict(archive.items())
+
+
+def _checkpoint(arrays: Mapping[str, NDArray[Any]]) -> Checkpoint:
+    """What the arrays of a file say."""
 
     def group(name: str) -> dict[str, NDArray[Any]]:
         prefix = f"{name}/"

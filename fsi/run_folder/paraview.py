@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
+from fsi.files import content
 
 type Cells = list[tuple[str, NDArray[np.intp]]]
 
@@ -33,9 +34,14 @@ def collection(entries: Iterable[Entry]) -> bytes:
 
 
 def read_collection(path: Path) -> list[Entry]:
-    """The entries of a collection, in order."""
-    data_sets = ElementTree.parse(path).iter("DataSet")
-    return [Entry(float(d.attrib["timestep"]), int(d.attrib["part"]), d.attrib["file"]) for d in data_sets]
+    """The entries of a collection, in order. Raises ValueError of what is none."""
+    try:
+        data_sets = ElementTree.fromstring(content(path, "give a run folder")).iter("DataSet")
+        return [
+            Entry(float(d.attrib["timestep"]), int(d.attrib["part"]), d.attrib["file"]) for d in data_sets
+        ]
+    except (ElementTree.ParseError, KeyError, LookupError) as error:
+        raise ValueError(f"{path.name}: {error}") from None
 
 
 def write_points(path: Path, x: Array, values: Mapping[str, Array]) -> None:

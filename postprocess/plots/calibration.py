@@ -1,6 +1,5 @@
 """Draw a calibration folder: samples on the fitted and the exact law, and what is left below."""
 
-import json
 from math import inf
 from pathlib import Path
 
@@ -12,21 +11,31 @@ from matplotlib.ticker import LogLocator
 from fsi.bodies.configuration import Array
 from fsi.calibration.calibrate import LAW, SUMMARY
 from fsi.case.law_file import LawFile, read_law_file
+from fsi.errors import InputError
+from fsi.files import json_of
 from fsi.lubrication.expansions import EXPONENTS
 from fsi.lubrication.named_laws import exact_resistance
 from fsi.postprocess.plots.figure import BLUE, GREEN, GREY, ORANGE, saved_figure
 
+_COLUMNS = ("gap", "kappa", "error")
+_REMEDY = "give the folder of a calibration"
 _KINDS = ((False, ORANGE, "o", "samples"), (True, GREEN, "s", "held out"))
 
 
 def plot_calibration(folder: Path, output: Path) -> None:
     """Draw the law and the samples of a folder into a .png, .svg or .pdf file. Raises InputError."""
-    data = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
-    law, a, samples = read_law_file(folder / LAW), data["reduced_radius"], pd.DataFrame(data["samples"])
+    data = json_of(folder / SUMMARY, _REMEDY)
+    law = read_law_file(folder / LAW)
+    try:
+        a, samples = float(data["reduced_radius"]), pd.DataFrame(data["samples"])
+        title = f"{data['case']}: {law.mode} of {law.shape}"
+        samples = samples.astype(dict.fromkeys(_COLUMNS, float))
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{folder / SUMMARY}: is damaged ({error}); {_REMEDY}") from None
     d = np.geomspace(samples["gap"].min(), samples["gap"].max(), 400)
     with saved_figure(output, (8.0, 7.5)) as figure:
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(1.2, 1.0))
-        upper.set(title=f"{data['case']}: {law.mode} of {law.shape}")
+        upper.set(title=title)
         _draw_law(upper, law, samples, d, a)
         _draw_rest(lower, law, samples, d, a)
 

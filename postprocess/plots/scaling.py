@@ -8,7 +8,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
-from fsi.files import replace
+from fsi.files import content, replace
 from fsi.postprocess.plots.figure import COLOURS, label_short, saved_figure
 
 type Curves = Mapping[str, Sequence[tuple[int, float]]]
@@ -54,11 +54,10 @@ def _slope(N: Array, seconds: Array) -> str:
 
 
 def _read(path: Path) -> tuple[str, str, Curves]:
+    text = content(path, "give a run folder or the file of a benchmark")
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
+        data = json.loads(text)
         return str(data["benchmark"]), str(data["size"]), dict(data["cpu_seconds"])
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror}; give a run folder or the file of a benchmark") from None
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
         what = f"{path}: not the file of a benchmark ({error})"
         raise InputError(f"{what}; give one that --json has written") from None

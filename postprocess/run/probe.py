@@ -5,6 +5,7 @@ curved cell the point is found by Newton's method (`fsi.meshes.cells.lagrange`).
 jump from cell to cell; at a point they are those of the cell that holds it.
 """
 
+import io
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
-from fsi.files import write_whole
+from fsi.files import data_of, write_whole
 from fsi.meshes.cells.lagrange import gradient, locate, order_of, tabulate
 from fsi.observables.bulk_stress import hoop_rate, strain_rate, vorticity
 from fsi.postprocess.run.run import Run, nodes
@@ -96,11 +97,13 @@ def on_plane(corner: Sequence[float], opposite: Sequence[float], count: int) -> 
 def read_points(path: Path, dimension: int = 2) -> Array:
     """The first columns of a CSV file, with or without a heading, (n, dimension). Raises InputError."""
     wanted = "x,y" if dimension == 2 else "x,y,z"
+    remedy = f"give a CSV file of {wanted}"
     try:
-        frame = pd.read_csv(path, header=None, comment="#", skipinitialspace=True).iloc[:, :dimension]
+        text = io.StringIO(data_of(path, "CSV", str, remedy))
+        frame = pd.read_csv(text, header=None, comment="#", skipinitialspace=True).iloc[:, :dimension]
         numbers = frame.apply(pd.to_numeric, errors="coerce").to_numpy(dtype=float)
-    except (OSError, ValueError) as error:
-        raise InputError(f"points = {path}: cannot be read ({error}); give a CSV file of {wanted}") from None
+    except ValueError as error:
+        raise InputError(f"points = {path}: cannot be read ({error}); {remedy}") from None
     if len(numbers) and np.isnan(numbers[0]).all():
         numbers = numbers[1:]
     if numbers.shape[1:] != (dimension,) or not len(numbers) or not np.isfinite(numbers).all():

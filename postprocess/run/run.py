@@ -10,9 +10,9 @@ A run that is still going on, or that was killed, can be opened too: it then end
 
 from __future__ import annotations
 
-import json
 import re
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -28,16 +28,18 @@ from fsi.bodies.configuration import PLACES, Array, Configuration
 from fsi.case.case import Case
 from fsi.case.load import load_case
 from fsi.errors import InputError
+from fsi.files import json_of
 from fsi.gluey.system import room
 from fsi.meshes.cells.lagrange import lattice
 from fsi.meshes.geometry.containers import Container
 from fsi.postprocess.run.tables import read_table
 from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint
-from fsi.run_folder.folder import CASE
+from fsi.run_folder.folder import CASE, PROVENANCE, STATE
 from fsi.run_folder.paraview import Entry, read_collection
 
 Indices = NDArray[np.intp]
 
+_REMEDY = "give a run folder as `fsi run` has written it, or run the case again"
 _SAME_NODE = 1e-13  # of the size of the domain: ranks agree on the nodes that they share to rounding
 
 
@@ -192,23 +194,31 @@ class Run:
     @cached_property
     def launches(self) -> list[dict[str, Any]]:
         """What provenance.json says of each launch. Raises InputError."""
-        path = self.path / "provenance.json"
-        try:
-            return list(json.loads(path.read_text(encoding="utf-8"))["launches"])
-        except (OSError, ValueError, KeyError) as error:
-            raise InputError(f"{path}: cannot be read ({error}); give a run folder") from None
+        data = json_of(self.path / PROVENANCE, _REMEDY)
+        launches = data.get("launches") if isinstance(data, dict) else None
+        if not (isinstance(launches, list) and all(isinstance(launch, dict) for launch in launches)):
+            raise InputError(f"{self.path / PROVENANCE}: has no list of launches; {_REMEDY}")
+        return launches
 
     @cached_property
     def _commit(self) -> Checkpoint | None:
         """How far the files are complete; None where nothing tells."""
-        path = self.path / "state.npz"
-        return read_checkpoint(path) if path.is_file() else None
+        path = self.path / STATE
+        return _sound(read_checkpoint, path) if path.exists() else None
 
     def _entries(self, series: str) -> list[Entry]:
         path = self.path / f"{series}.pvd"
-        if not path.is_file():
+        if not path.exists():
             return []
-        return read_collection(path)[: self._commit.entries.get(series) if self._commit else None]
+        return _sound(read_collection, path)[: self._commit.entries.get(series) if self._commit else None]
+
+
+def _sound[T](read: Callable[[Path], T], path: Path) -> T:
+    """What a file of the run says. Raises InputError where it is damaged."""
+    try:
+        return read(path)
+    except ValueError as error:
+        raise InputError(f"{path}: is damaged ({error}); {_REMEDY}") from None
 
 
 def _step(entry: Entry) -> int:

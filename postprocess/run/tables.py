@@ -8,6 +8,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from fsi.errors import InputError
+from fsi.files import content
 
 # What is not a number at instants to which it does not apply.
 _VISCOSITIES = ("apparent_viscosity", "err_apparent_viscosity", "lubrication_viscosity", "viscosity_bound")
@@ -22,10 +23,7 @@ def read_table(path: Path, length: int | None) -> pd.DataFrame:
     Raises InputError: there is no such file, it has no rows, or (steps.csv, bodies.csv) it is not as a run
     has written it.
     """
-    try:
-        text = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror}; give a folder that `fsi run` has written") from None
+    text = content(path, "give a folder that `fsi run` has written")
     if length is not None and len(text) < length:
         raise _changed(path, f"{length - len(text)} bytes are missing at its end")
     text = text[:length]
