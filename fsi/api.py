@@ -32,7 +32,7 @@ from fsi.integration.evolution import Evolution
 from fsi.integration.state import ErrorEstimate, Instant, StepRecord
 from fsi.models import make_evolution, make_model
 from fsi.observables.resistance import Resistance
-from fsi.parallel import on_root
+from fsi.parallel import on_root, together
 from fsi.postprocess.run.run import Run, open_run
 from fsi.report.progress import ProgressBar
 from fsi.runs import MakeEvolution, Progress, no_progress
@@ -110,10 +110,12 @@ class Solution:
         mu: float | None = getattr(self.instant, "apparent_viscosity", None)
         return mu
 
+    @together()
     def evaluate(self, points: ArrayLike) -> tuple[Array, Array]:
         """Velocity (n, d) and pressure (n,) at points (n, d); NaN outside the fluid. Raises InputError."""
         return self._resolved("evaluate").evaluate(np.atleast_2d(np.asarray(points, dtype=float)))  # type: ignore[no-any-return]
 
+    @together()
     def resistance(self) -> Resistance:
         """R of all bodies, F = R U, and its inverse, with walls at rest. Raises InputError."""
         self._resolved("resistance")
@@ -121,6 +123,7 @@ class Solution:
 
         return case_resistance(self.case)
 
+    @together()
     def write(self, folder: Path | str) -> dict[str, list[str]]:
         """Write the fields as VTU files into a folder; gives their names by series."""
         folder = Path(folder)
@@ -153,6 +156,7 @@ def make_case(**sections: Any) -> Case:
     return parse_case(sections)
 
 
+@together()
 def solve(case: Case) -> Solution:
     """The velocities of all bodies and the forces of the fluid on them at time 0, without inertia.
 
@@ -171,6 +175,7 @@ def solve(case: Case) -> Solution:
     return Solution(solved.case, solved.solution, solved.errors)
 
 
+@together()
 def run(case: Case, folder: Path | str, callback: Progress = no_progress) -> Run:
     """Move the bodies of a case in time, at its level, into a new run folder.
 
@@ -188,12 +193,14 @@ def run(case: Case, folder: Path | str, callback: Progress = no_progress) -> Run
     return open_run(folder)
 
 
+@together()
 def resume(folder: Path | str, callback: Progress = no_progress) -> Run:
     """Continue a run after its last complete step; a finished one is left as it is. Raises as `run`."""
     _follow(callback, partial(resume_run, Path(folder)))
     return open_run(folder)
 
 
+@together()
 def calibrate(case: Case, folder: Path | str, processes: int = 1) -> CalibrationResult:
     """Sample a resistance as [calibration] says, fit a law, write both into a folder.
 

@@ -1,13 +1,23 @@
 """Every word that ranks exchange outside the linear algebra; serial where mpi4py is absent."""
 
 import importlib.util
+import os
 import sys
 import time
-from collections.abc import Callable
-from contextlib import suppress
-from typing import Any
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from types import TracebackType
+from typing import Any, NoReturn
+from zlib import crc32
 
 import fsi.meshes.backend  # noqa: F401  (loads MPI in the right order)
+
+import numpy as np
+
+type Words = Callable[[BaseException], tuple[str, int]]
+
+PATIENCE = 5.0  # seconds that a rank which fails waits for the others to fail with it
 
 _comm: Any = None
 _alarm: Any = None  # its own communicator, so that an alarm meets no other message
@@ -67,33 +77,97 @@ def gather[T](value: T) -> list[T]:
     return [value] if size() == 1 else list(_comm.allgather(value))
 
 
-def last_words(message: str, exit_code: int, patience: float = 3.0) -> int:
+def speak_with(words: Words) -> None:
+    """Say what `settle` says of an error, and which exit code it ends with."""
+    global _words
+    _words = words
+
+
+def settle(error: BaseException | None) -> None:
+    """Come back once every rank has called this with an error of that kind at that place; at once for None.
+
+    A rank that fails alone can neither go on nor clean up: the others wait for it in some exchange, and it
+    would wait for them in the next. After PATIENCE it says why and ends them all. So whoever goes on after
+    an error, or frees in a clean-up what ranks share, calls this first.
+    """
+    if error is None or size() == 1:
+        return
+    at = error.__traceback__
+    place = "" if at is None else f"{at.tb_frame.f_code.co_filename}:{at.tb_lineno}"
+    if not _all_at(f"{type(error).__qualname__} {place}"):
+        message, exit_code = _words(error)
+        _end_all(f"{message.rstrip()} (on rank {rank()} of {size()})", exit_code)
+
+
+@contextmanager
+def together() -> Iterator[None]:
+    """Let an error pass only if every rank has it, see `settle`."""
+    try:
+        yield
+    except BaseException as error:
+        settle(error)
+        raise
+
+
+def last_words(message: str, exit_code: int) -> int:
     """Say on stderr, once, why the program ends; each rank that has failed calls it.
 
-    When every rank gets here within `patience` seconds, root speaks and all leave by themselves.
+    When every rank gets here within PATIENCE, root speaks and all leave by themselves.
     Otherwise the others may wait for this rank for ever: it speaks and ends them all.
 
     Returns:
         the exit code to leave with, root's.
     """
-    # Ranks that fail without the others give up one after the other, so that only one speaks.
-    together = _all_arrive(patience * (1.0 + 0.1 * rank()))
-    if is_root() or not together:
-        with suppress(OSError):  # nobody listens, but the exit code tells
-            print(message, file=sys.__stderr__, flush=True)
-    if not together:
-        _comm.Abort(exit_code)
+    if not _all_at("the end"):
+        _end_all(message, exit_code)
+    if is_root():
+        _say(message)
     return exit_code if size() == 1 else int(_alarm.bcast(exit_code, root=0))
 
 
-def _all_arrive(patience: float) -> bool:
-    """True once every rank has called this; False if one has not after `patience` seconds."""
+def _all_at(place: str) -> bool:
+    """True once every rank has called this with the same place; False if one does not within PATIENCE."""
     if size() == 1:
         return True
-    arrival = _alarm.Ibarrier()
-    deadline = time.monotonic() + patience
+    places = np.zeros(size(), dtype=np.int64)
+    places[rank()] = crc32(place.encode())
+    arrival = _alarm.Iallgather(MPI.IN_PLACE, places)
+    # Ranks that fail without the others give up one after the other, so that only one speaks.
+    deadline = time.monotonic() + PATIENCE * (1.0 + 0.1 * rank())
     while not arrival.Test():
         if time.monotonic() > deadline:
             return False
         time.sleep(0.01)
-    return True
+    if len(set(places)) == 1:
+        return True
+    if not is_root():
+        time.sleep(PATIENCE)  # each fails with its own error: root speaks
+    return False
+
+
+def _end_all(message: str, exit_code: int) -> NoReturn:
+    _say(message)
+    _comm.Abort(exit_code)
+    os._exit(exit_code)  # Abort may come back before it takes hold
+
+
+def _say(message: str) -> None:
+    with suppress(OSError):  # nobody listens, but the exit code tells
+        print(message, file=sys.__stderr__, flush=True)
+
+
+def _traceback(error: BaseException) -> tuple[str, int]:
+    """What Python says of an error that nobody catches."""
+    return "".join(traceback.format_exception(error)), getattr(error, "exit_code", 1)
+
+
+def _uncaught(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+    """Python's last word on an error in a user's program: once, and the others do not wait for its rank."""
+    settle(error)
+    if is_root():
+        sys.__excepthook__(kind, error, trace)
+
+
+_words: Words = _traceback
+if size() > 1:
+    sys.excepthook = _uncaught

@@ -215,6 +215,7 @@ def _compute(pair: Pair, task: Task, cache: Path) -> Outcome:
     try:
         sample = resolved_sample(pair, gap, held_out=held_out)
     except (FsiError, MeshError) as error:
+        parallel.settle(error)
         return key, None, f"at the gap {gap:.6g}: {error}"
     parallel.on_root(lambda: keep_sample(cache, key, sample))
     return key, sample, ""

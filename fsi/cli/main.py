@@ -63,6 +63,7 @@ app.command(epilog=compare.EXAMPLE)(compare.compare)
 def main() -> int:
     """Run the command line; returns the exit code."""
     prepare(silent=not parallel.is_root())  # help and tables once, not once a rank
+    parallel.speak_with(_words)
     return finish(_command())
 
 
@@ -72,25 +73,33 @@ def _command() -> int:
         code = command.main(sys.argv[1:] or ["--help"], prog_name="fsi", standalone_mode=False) or 0
         if code != INTERRUPTED:  # typer turns Ctrl-C into this exit code, and says nothing
             return int(code)
-        return parallel.last_words(f"error: interrupted; {GOES_ON}", INTERRUPTED)
-    except (FsiError, MeshError) as error:
-        line = " ".join(str(error).splitlines())
-        return parallel.last_words(f"error: {line}", getattr(error, "exit_code", 3))
-    except typer.TyperException as error:
-        return parallel.last_words(f"error: {_usage(error)}", 2)
+        return parallel.last_words(*_words(KeyboardInterrupt()))
     except SystemExit:  # typer's, where the reader of standard output has gone, as `head` does
         return 0
     except Exception as error:
-        lacking = explain(error)
-        if lacking is not None:
-            return parallel.last_words(f"error: {lacking}", lacking.exit_code)
-        return parallel.last_words(f"error: {_defect(error)}", DEFECT)
+        return parallel.last_words(*_words(error))
 
 
-def _defect(error: Exception) -> str:
+def _words(error: BaseException) -> tuple[str, int]:
+    """What to say of an error that ends the program, and the exit code."""
+    match error:
+        case FsiError() | MeshError():
+            return f"error: {' '.join(str(error).splitlines())}", getattr(error, "exit_code", 3)
+        case typer.TyperException():
+            return f"error: {_usage(error)}", 2
+        case KeyboardInterrupt():
+            return f"error: interrupted; {GOES_ON}", INTERRUPTED
+    lacking = explain(error)
+    if lacking is not None:
+        return f"error: {lacking}", lacking.exit_code
+    return f"error: {_defect(error)}", DEFECT
+
+
+def _defect(error: BaseException) -> str:
     """What went wrong in the program itself, on one line, and the file that has all of it."""
     what = " ".join(f"a defect of the program, {type(error).__name__}: {error}".split())[:300]
-    text = f"{sys.argv}\n{traceback.format_exc()}".encode(errors="backslashreplace")
+    trace = "".join(traceback.format_exception(error))
+    text = f"{sys.argv}\n{trace}".encode(errors="backslashreplace")
     try:
         with tempfile.NamedTemporaryFile(prefix="fsi-defect-", suffix=".txt", delete=False) as file:
             file.write(text)

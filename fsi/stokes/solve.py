@@ -8,6 +8,7 @@ import numpy as np
 from dolfinx import fem
 from mpi4py import MPI
 
+import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.meshes.build import FluidMesh
 from fsi.stokes import fields
@@ -96,7 +97,8 @@ def assembled(
         system = StokesSystem(problem, forms, nodes, layout, M, rigid, b, g, weights, mass, coarse, workspace)
         clock.lap("assemble")
         try:
-            yield system
+            with parallel.together():
+                yield system
         finally:
             for used in (rigid.matrix, mass, None if coarse is None else coarse.nodal):
                 if used is not None:

@@ -79,6 +79,7 @@ def rows_of(path: Path, runs: Path) -> Iterator[list[Row]]:
         try:
             results = _instant(case) if case.time is None else _history(case, runs / path.stem)
         except (SolveError, MeshError) as error:
+            parallel.settle(error)
             results = [Computed(np.nan, np.nan, np.nan, str(error))] * len(case.expected)
         pairs = zip(case.expected, results, strict=True)
         yield [_row(path.stem, value, case, row, result) for row, result in pairs]

@@ -44,6 +44,7 @@ def compile_form(form: ufl.Form) -> fem.forms.CompiledForm:
     try:
         return _compile(form)
     except (TimeoutError, RuntimeError) as error:
+        parallel.settle(error)
         entry = _STALE.search(str(error))
         stale = MPI.COMM_WORLD.bcast(None if entry is None else entry[1])
         if stale is None:

@@ -26,6 +26,7 @@ from dolfinx import fem, la
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.stokes.discretisation.constraints import BoundaryNodes, DofLayout, RigidModes
 from fsi.stokes.discretisation.forms import Form, Forms
@@ -180,7 +181,10 @@ def factorised(system: StokesSystem) -> Iterator[Callable[[Array], Iterator[Noda
         yield lambda U: _respond(system, elimination, factors, U)
         return
     try:
-        with _iteration(system, system.mass, system.coarse, reduced, first_mode) as iteration:
+        with (
+            parallel.together(),
+            _iteration(system, system.mass, system.coarse, reduced, first_mode) as iteration,
+        ):
             yield lambda U: _respond(system, elimination, iteration, U)
     finally:
         system.workspace.forget_elimination()

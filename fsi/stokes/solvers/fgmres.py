@@ -34,6 +34,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+import fsi.parallel as parallel
 from fsi.bodies.configuration import Array, rigid_motion
 from fsi.errors import SolveError
 from fsi.stokes.discretisation.constraints import Prolongation, dof_layout, locate, rigid_modes
@@ -143,7 +144,8 @@ class Iteration(AbstractContextManager["Iteration"]):
             null_space.destroy()
         self._ksp = _solver(matrix, blocks)
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        parallel.settle(error)
         self._ksp.destroy()
         self._constant.destroy()
 

@@ -6,6 +6,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
+import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
 from fsi.meshes.moving.slip import unfactorised
@@ -49,7 +50,8 @@ class Factorisation(AbstractContextManager["Factorisation"]):
         if status < 0:
             raise SolveError(f"MUMPS failed with INFOG(1) = {status}; is the flow {LEFT}?")
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        parallel.settle(error)
         self.destroy()
 
     def destroy(self) -> None:

@@ -19,6 +19,7 @@ from dolfinx.fem.petsc import assemble_matrix, create_matrix
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+import fsi.parallel as parallel
 from fsi.meshes.build import FluidMesh
 from fsi.stokes.discretisation.constraints import DofLayout, Prolongation, RigidModes
 from fsi.stokes.discretisation.forms import Forms
@@ -178,7 +179,8 @@ class Workspace(AbstractContextManager["Workspace"]):
         self._stokes: StokesMatrix | None = None
         self._elimination: Elimination | None = None
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        parallel.settle(error)
         self.close()
 
     def close(self) -> None:
