@@ -52,25 +52,27 @@ cells_per_circle = 10
 cells_per_gap = 0.5
 growth = 1.0
 """
-TWO_DISCS = f"""
-name = "two discs"
+ONE_DISC = f"""
+name = "discs"
 [fluid]
 viscosity = 1.0
 [domain]
 lower = [-4.0, 0.0]
 upper = [4.0, 6.0]
-walls.top = [1.0, 0.0]
 [[bodies]]
 name = "free"
 radius = 1.0
 position = [-1.5, 1.5]
 force = [0.0, -1.0]
+{SIZES}"""
+TWO_DISCS = f"""
+{ONE_DISC}
 [[bodies]]
 name = "held"
 radius = 1.0
 position = [1.5, 1.5]
 velocity = [0.0, 0.0]
-{SIZES}"""
+"""
 CHANNEL = f"""
 name = "channel"
 [fluid]
@@ -107,8 +109,6 @@ growth = 1.0
 solver = "iterative"
 """
 TIME = "[time]\nend = 0.1\nfirst_step = 0.05\ntolerance = 1e-2\n[output]\ninterval = 0.05\n"
-ONE_DISC = TWO_DISCS[: TWO_DISCS.index('[[bodies]]\nname = "held"')] + SIZES
-ONE_DISC = ONE_DISC.replace("walls.top = [1.0, 0.0]", "")
 CALIBRATION = "[calibration]\npair = ['free', 'bottom']\nrange = [0.2, 0.5]\nsamples = 6\nheld_out = 0\n"
 CASES = {
     "discs": TWO_DISCS, "channel": CHANNEL, "sphere": SPHERE, "moving": TWO_DISCS + TIME,
@@ -131,10 +131,10 @@ COMMANDS = {
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """A call: where it stands, and what is called."""
+    """A call: where it stands, and what is called; without a line the first one in the file."""
 
     file: str
-    line: int
+    line: int | None
     name: str
 
     def __str__(self) -> str:
@@ -178,9 +178,9 @@ class Watch:
         if name in LOCAL or not (ours or str(module).partition(".")[0] in LIBRARIES):
             return
         line = next(line for start, end, line in code.co_lines() if start <= offset < end)
-        site = Site(code.co_filename.removeprefix(self._root), line or 0, name)
-        self.sites[site] = None
-        if site == self._site:
+        file = code.co_filename.removeprefix(self._root)
+        self.sites[Site(file, line, name)] = None
+        if self._site in (Site(file, line, name), Site(file, None, name)):
             sys.monitoring.set_events(sys.monitoring.DEBUGGER_ID, 0)
             self._moment.touch()
             raise self._failure
@@ -272,15 +272,14 @@ def trials(
 ) -> Iterator[tuple[str, Site, int, End]]:
     """Every site of the commands once on each rank; a site of an earlier command is not tried again."""
     known: set[Site] = set()
-    number = 0
     for name in names:
         sites = sites_of(COMMANDS[name], folder / name / "sites", patience)
-        for site in (site for site in sites if site not in known):
-            known.add(site)
+        new = [site for site in sites if site not in known]
+        known.update(new)
+        for number, site in enumerate(new):
             for rank in ranks:
-                number += 1
-                place = folder / name / str(number)
-                yield name, site, rank, trial(COMMANDS[name], site, rank, number // 2 % 2, place, patience)
+                place, kind = folder / name / f"{number}-{rank}", (number + rank) % 2
+                yield name, site, rank, trial(COMMANDS[name], site, rank, kind, place, patience)
 
 
 def main(
