@@ -211,7 +211,15 @@ def python_user() -> int:
 def launch(folder: Path, plan: dict[str, Any]) -> End:
     """Run a command on all ranks; kill them if they do not end."""
     mpiexec = Path(sys.executable).with_name("mpiexec")
-    command = [mpiexec, "-n", str(RANKS), sys.executable, __file__, "--worker", json.dumps(plan)]
+    command: list[str | Path] = [
+        mpiexec,
+        "-n",
+        str(RANKS),
+        sys.executable,
+        __file__,
+        "--worker",
+        json.dumps(plan),
+    ]
     moment, began = folder / "moment", time.time()
     moment.unlink(missing_ok=True)
     with (folder / "stderr").open("w+") as stderr:

@@ -94,6 +94,6 @@ CHECKS = (check_quality_of_a_moved_mesh, check_residual_of_a_solve, check_result
 @pytest.mark.mpi
 def test_two_ranks_have_the_same_numbers() -> None:
     program = "from tests.stokes.test_decisions_of_ranks import CHECKS\nfor check in CHECKS: check()"
-    command = [Path(sys.executable).with_name("mpiexec"), "-n", "2", sys.executable, "-m", "mpi4py"]
+    command = [str(Path(sys.executable).with_name("mpiexec")), "-n", "2", sys.executable, "-m", "mpi4py"]
     done = subprocess.run([*command, "-c", program], capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 0, done.stderr
