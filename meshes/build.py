@@ -77,6 +77,11 @@ class FluidMesh:
         """The same mesh, moved, with its new quality; the lattice may have moved too."""
         return replace(self, quality=quality, container=container)
 
+    def scaled(self, factor: float, container: Container) -> FluidMesh:
+        """The same mesh, changed in place, with all lengths times the factor, those of this container."""
+        self.mesh.geometry.x[:] *= factor
+        return replace(self, container=container)
+
     @property
     def dimension(self) -> int:
         """2 in the plane, 3 in space."""

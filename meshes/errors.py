@@ -1,16 +1,28 @@
 """What goes wrong while a mesh is made, moved or read."""
 
-from collections.abc import Iterable
-from typing import ClassVar
+from typing import ClassVar, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 
 class MeshError(Exception):
     """A mesh could not be made, or was refused: the message names the place and the remedy."""
 
+    def __init__(self, message: str, *lengths: ArrayLike) -> None:
+        """Places and lengths, if there are any, stand for the {} in the message."""
+        self._message, self._lengths = message, lengths
+        super().__init__(message.format(*map(at, lengths)) if lengths else message)
 
-def at(x: Iterable[float]) -> str:
-    """A place as messages give it: (1.5, 2)."""
-    return f"({', '.join(f'{c:.6g}' for c in x)})"
+    def in_units(self, unit: float) -> Self:
+        """The same with lengths times the unit that they were given in."""
+        return type(self)(self._message, *(unit * np.asarray(length) for length in self._lengths))
+
+
+def at(x: ArrayLike) -> str:
+    """A place as messages give it, (1.5, 2), or a length, 1.5."""
+    numbers = [f"{c:.6g}" for c in np.ravel(x)]
+    return f"({', '.join(numbers)})" if np.ndim(x) else numbers[0]
 
 
 class MeshFileError(MeshError):

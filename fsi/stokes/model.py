@@ -38,8 +38,9 @@ from fsi.case.case import Case
 from fsi.case.walls import WallVelocity
 from fsi.integration.state import ErrorEstimate, Results, StepErrors, StressErrors
 from fsi.meshes.build import FluidMesh, build
+from fsi.meshes.errors import MeshError
 from fsi.meshes.files.read import read_mesh
-from fsi.meshes.geometry.containers import FluidDomain
+from fsi.meshes.geometry.containers import Container, FluidDomain
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
 from fsi.observables.bulk_stress import BulkStress
@@ -49,6 +50,7 @@ from fsi.stokes.problem import Boundary, Field, SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import Clock, solve
 from fsi.stokes.solvers.workspace import Workspace
+from fsi.stokes.units import Units
 
 SAFETY = 1.5
 FEWER = 0.15
@@ -123,30 +125,34 @@ class StokesModel:
         self.options = SolverOptions(sizes.degree, sizes.formulation, sizes.solver)
         self._moving = case.time is not None and case.time.remesh == "when-needed"
         self._mover: Mover | None = None
-        self._meshed_time = 0.0
+        self._meshed_centres, self._meshed_time = case.configuration().centres, 0.0
         self._workspace = Workspace()
-        self._corners = singular_corners(case)
+        self.units = Units.of(case)
+        self._corners = self.units.scaled_lengths(singular_corners(case))
 
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> StokesSolution:
         """The flow at q and t. Raises MeshError; SolveError: the solve fails or violates an identity."""
         clock = Clock()
-        fluid = self._moved(q, t) if self._moving else self.mesh(q, t)
+        fluid = self._moved(q, t) if self._moving else self.scaled_mesh(q, t)
         clock.lap("mesh")
-        problem = self.problem(fluid, q, t, self.case.motion_at(q, t))
+        problem = replace(self.problem(fluid, q, t, self.case.motion_at(q, t)), inertia=inertia)
         workspace = self._workspace if self._moving else None
-        return solve(replace(problem, inertia=inertia), self.options, clock, workspace)
+        found = solve(self.units.scaled(problem), self.options, clock, workspace)
+        return self.units.user_solution(found, problem)
 
     def reference(self, q: Configuration, t: float, motion: Motion) -> StokesSolution:
         """The flow from which that of the case differs by its error; see the module."""
         clock, (degree, _) = Clock(), other_degree_of(self.options.degree, q.dimension)
         problem = self.problem(self.reference_mesh(q, t), q, t, motion)
-        return solve(problem, replace(self.options, degree=degree), clock)
+        found = solve(self.units.scaled(problem), replace(self.options, degree=degree), clock)
+        return self.units.user_solution(found, problem)
 
     def of_degree(self, degree: int, q: Configuration, t: float, motion: Motion) -> StokesSolution:
         """The flow with elements and curved cells of another degree, on a new mesh of the same simplices."""
         clock = Clock()
-        problem = self.problem(self.mesh(q, t, degree), q, t, motion)
-        return solve(problem, replace(self.options, degree=degree), clock)
+        problem = self.problem(self.scaled_mesh(q, t, degree), q, t, motion)
+        found = solve(self.units.scaled(problem), replace(self.options, degree=degree), clock)
+        return self.units.user_solution(found, problem)
 
     def errors(
         self, q: Configuration, t: float, instant: Results, motion: Motion | None = None
@@ -160,35 +166,49 @@ class StokesModel:
         return step_errors(self.case, t, instant, self.reference(q, t, motion))
 
     def problem(self, fluid: FluidMesh, q: Configuration, t: float, motion: Motion) -> StokesProblem:
-        """What the case asks for on a mesh of the fluid around the bodies at q and t, without inertia."""
+        """What the case asks for at q and t, without inertia, on a mesh in the units of the model."""
         case, boundary = self.case, boundary_of(self.case, t)
         container, mu, moment = case.container().at(t), case.fluid.viscosity, case.interaction_moment(q, t)
         return StokesProblem(fluid, container, q, motion, boundary, mu, interaction=moment)
 
-    def mesh(self, q: Configuration, t: float = 0.0, order: int | None = None) -> FluidMesh:
-        """A new mesh around the bodies at q and t, or the user's own; of the case's order if not given."""
-        order = order or self.case.discretisation.degree
-        domain = self._domain(q, t)
-        if self.case.domain.mesh is not None:
-            return read_mesh(Path(self.case.domain.mesh), self.case.names, domain, order)
-        return build(domain, self.resolution, order)
+    def mesh(self, q: Configuration, t: float = 0.0) -> FluidMesh:
+        """A new mesh around the bodies at q and t, or the user's own."""
+        return self.scaled_mesh(q, t).scaled(self.units.length, self.case.container().at(t))
+
+    def scaled_mesh(self, q: Configuration, t: float = 0.0, order: int | None = None) -> FluidMesh:
+        """The same mesh in the units of the model; of the case's order if not given."""
+        case, order = self.case, order or self.case.discretisation.degree
+        if case.domain.mesh is None:
+            return self._built(q, t, self.resolution, order)
+        domain = FluidDomain(case.container().at(t), q.centres, q.radii)
+        fluid = read_mesh(Path(case.domain.mesh), case.names, domain, order)
+        return fluid.scaled(1.0 / self.units.length, self._container().at(t))
 
     def reference_mesh(self, q: Configuration, t: float = 0.0) -> FluidMesh:
         """The mesh for `reference`: cells of its degree, and others where the flow has singular corners."""
         degree, _ = other_degree_of(self.options.degree, q.dimension)
-        domain = self._domain(q, t)
-        if len(domain.corners) == 0:
-            return self.mesh(q, t, degree)
-        return build(domain, replace(self.resolution, growth=self.resolution.growth / FINER), degree)
+        if len(self._corners) == 0:
+            return self.scaled_mesh(q, t, degree)
+        return self._built(q, t, replace(self.resolution, growth=self.resolution.growth / FINER), degree)
 
-    def _domain(self, q: Configuration, t: float) -> FluidDomain:
-        return FluidDomain(self.case.container().at(t), q.centres, q.radii, self._corners)
+    def _built(self, q: Configuration, t: float, resolution: Resolution, order: int) -> FluidMesh:
+        """A new mesh in the units of the model, whatever the user has."""
+        centres, radii = (self.units.scaled_lengths(x) for x in (q.centres, q.radii))
+        try:
+            domain = FluidDomain(self._container().at(t), centres, radii, self._corners)
+            return build(domain, resolution, order)
+        except MeshError as error:
+            raise error.in_units(self.units.length) from error
+
+    def _container(self) -> Container:
+        """At time 0, in the units of the model."""
+        return self.units.scaled_container(self.case.container())
 
     def state(self) -> dict[str, NDArray[Any]]:
         """The centres around which the mesh in use was made, and when: moved meshes start from it."""
         if self._mover is None:
             return {}
-        return {"meshed_centres": self._mover.centres, "meshed_time": np.array(self._meshed_time)}
+        return {"meshed_centres": self._meshed_centres, "meshed_time": np.array(self._meshed_time)}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Mesh again where the mesh in use was made."""
@@ -199,8 +219,9 @@ class StokesModel:
     def _moved(self, q: Configuration, t: float) -> FluidMesh:
         """The mesh in use, moved to q and t, or a new one where it would be too distorted."""
         if self._mover is not None:
-            container, duration = self.case.container(), t - self._meshed_time
-            quality = self._mover.move(q.centres, lambda e: container.carried(e, duration))
+            container, duration = self._container(), t - self._meshed_time
+            centres = self.units.scaled_lengths(q.centres)
+            quality = self._mover.move(centres, lambda e: container.carried(e, duration))
             if quality is not None:
                 return self._mover.fluid.moved(quality, container.at(t))
         return self._remesh(q, t)
@@ -209,7 +230,8 @@ class StokesModel:
         self._workspace.close()
         if self._mover is not None:
             self._mover.close()
-        self._mover, self._meshed_time = Mover(self.mesh(q, t), q.centres), t
+        self._mover = Mover(self.scaled_mesh(q, t), self.units.scaled_lengths(q.centres))
+        self._meshed_centres, self._meshed_time = q.centres, t
         return self._mover.fluid
 
 

@@ -20,7 +20,7 @@ from fsi.errors import InputError
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.containers import Container
 from fsi.observables import resistance as matrix
-from fsi.observables.resistance import Resistance
+from fsi.observables.resistance import Modes, Resistance
 from fsi.stokes.adapt import Refinement, refine
 from fsi.stokes.identities import identities, require
 from fsi.stokes.model import StokesModel, other_degree_of
@@ -31,6 +31,8 @@ from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, factoris
 AXIAL_MODE = 1
 # Right-hand sides solved at once: more are hardly faster, and each takes as much memory as the unknowns.
 BLOCK = 32
+
+type Mesher = Callable[[Configuration], FluidMesh]
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +52,8 @@ def _solved(case: Case) -> SolvedResistance:
     """With elements of another degree R differs by its error, as forces do (see `model`)."""
     computed = case_resistance(case)
     degree, factor = other_degree_of(case.discretisation.degree, case.dimension)
-    other = _resistance(case, StokesModel(case).reference_mesh, degree)
+    model = StokesModel(case)
+    other = _resistance(case, model, model.reference_mesh, degree)
     error = factor * matrix.difference(computed.R, other.R, computed.modes.scale)
     return SolvedResistance(case, error, computed.dofs, computed)
 
@@ -61,18 +64,20 @@ def case_resistance(case: Case) -> Resistance:
     Along a periodic channel the mean pressure gradient is zero. Raises InputError: the domain has no walls,
     or a given net flux. MeshError, SolveError: as `StokesModel`.
     """
-    return _resistance(case, StokesModel(case).mesh, case.discretisation.degree)
+    model = StokesModel(case)
+    return _resistance(case, model, model.scaled_mesh, case.discretisation.degree)
 
 
-def _resistance(case: Case, mesh: Callable[[Configuration], FluidMesh], degree: int) -> Resistance:
+def _resistance(case: Case, model: StokesModel, mesh: Mesher, degree: int) -> Resistance:
+    """With elements of this degree on a mesh in the units of the model."""
     container, q, clock = case.container(), case.configuration(), Clock()
     _require_still(case, container)
     fluid = mesh(q)
     clock.lap("mesh")
     problem = held_at_rest(fluid, container, q, case.fluid.viscosity, case.wall_pressure())
     options = SolverOptions(degree, solver=case.discretisation.solver)
-    return solve_resistance(problem, case.names, options, clock)
-
+    found = solve_resistance(model.units.scaled(problem), case.names, options, clock)
+    return model.units.user_resistance(found, _modes_of(problem, case.names))
 
 def _require_still(case: Case, container: Container) -> None:
     """F = R U alone: no mean flow, and no mean pressure gradient that would be a result too."""
@@ -107,10 +112,9 @@ def solve_resistance(
     SolveError: singular system, large residual, or an identity violated.
     """
     clock, fluid, q = clock or Clock(), problem.fluid, problem.q
-    shape, radii = q.arms.shape, q.radii
-    units, modes = np.eye(q.arms.size), matrix.all_modes(names, radii, problem.viscosity, q.dimension)
+    shape, units, modes = q.arms.shape, np.eye(q.arms.size), _modes_of(problem, names)
     if fluid.container.axisymmetric:
-        units, modes = units[AXIAL_MODE :: shape[1]], matrix.axial_modes(names, radii, problem.viscosity)
+        units = units[AXIAL_MODE :: shape[1]]
     columns, worst = [], dict[str, float]()
     with assembled(problem, options, clock) as system, factorised(system) as responses:
         clock.lap("factorise")
@@ -129,6 +133,13 @@ def solve_resistance(
     eigenvalues = matrix.positive_eigenvalues(R, modes.scale, resting=resting)
     mobility = matrix.inverse(R) if resting else None
     return Resistance(modes, R, mobility, eigenvalues, checks, dofs, fluid.cells(), clock.seconds)
+
+
+def _modes_of(problem: StokesProblem, names: Sequence[str]) -> Modes:
+    radii, viscosity = problem.q.radii, problem.viscosity
+    if problem.container.axisymmetric:
+        return matrix.axial_modes(names, radii, viscosity)
+    return matrix.all_modes(names, radii, viscosity, problem.q.dimension)
 
 
 def _defects(system: StokesSystem, nodal: NodalSolution, F: Array) -> dict[str, float]:

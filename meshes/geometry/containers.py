@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.curves import Sphere, WallCurve, arc, segment
+from fsi.meshes.geometry.curves import Sphere, WallCurve, arc, rescaled, segment
 
 Array = NDArray[np.float64]
 
@@ -170,15 +170,17 @@ class Container(ABC):
         """The middle of the box around it, or of what a cell's vectors span from the origin, (d,)."""
         return np.zeros(self.dimension)
 
+    def scaled(self, factor: float) -> Container:
+        """The container with all lengths times the factor, to 15 digits where its numbers are known."""
+        from fsi.meshes.geometry.stretched import Stretched  # which is one itself
+
+        return self if factor == 1.0 else Stretched(self, factor)
+
     # What meshing in space asks besides.
 
-    def scaled(self, factor: float) -> Container:  # noqa: ARG002
-        """The container with all lengths times the factor."""
-        raise MeshError("no domain of this shape is meshed in space")
-
-    def solid(self, kernel: Any) -> int:
+    def solid(self, kernel: Any) -> int:  # noqa: ARG002
         """The inside as a solid of gmsh's kernel (`gmsh.model.occ`), without bodies: its number."""
-        raise NotImplementedError
+        raise MeshError("no domain of this shape is meshed in space")
 
     def distance_formulas(self) -> list[str]:
         """The distance to each wall as a formula in x, y, z."""
@@ -318,7 +320,7 @@ class Box(Container):
 
     def scaled(self, factor: float) -> Self:
         """Both corners times the factor."""
-        lower, upper = (tuple(factor * x for x in corner) for corner in (self.lower, self.upper))
+        lower, upper = (tuple(rescaled(corner, factor).tolist()) for corner in (self.lower, self.upper))
         return replace(self, lower=lower, upper=upper)
 
     def solid(self, kernel: Any) -> int:
@@ -389,7 +391,7 @@ class Round(Container):
 
     def scaled(self, factor: float) -> Self:
         """The radius times the factor."""
-        return replace(self, radius=factor * self.radius)
+        return replace(self, radius=float(rescaled(self.radius, factor)))
 
     def solid(self, kernel: Any) -> int:
         """A ball."""

@@ -1,12 +1,27 @@
 """The curves that bound a container in the plane, piece by piece: straight ones and arcs of circles."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
+
+DIGITS = 15  # what doubles keep of any decimal number
+
+
+def rescaled(x: ArrayLike, factor: float) -> Array:
+    """Lengths times a factor, to 15 digits; with the factor 1 what they are.
+
+    So lengths that a user gives in other units become the very same numbers: 2.1 of 1 and 2100 of 1000. A
+    mesh generator breaks ties by the last bit, and with it chooses another mesh.
+    """
+    x = np.array(x, dtype=float)
+    if factor == 1.0:
+        return x
+    digits = [float(f"{number:.{DIGITS}g}") for number in (factor * x).ravel().tolist()]
+    return np.array(digits).reshape(x.shape)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,3 +79,17 @@ def arc(wall: int, radius: float, start: float, end: float) -> WallCurve:
     # Exactly on the axes at multiples of pi / 2, where other curves begin.
     ends = radius * np.round([[np.cos(angle), np.sin(angle)] for angle in (start, end)], 15)
     return WallCurve(wall, (start * radius, end * radius), at, ends, 0.5 * radius, 8, np.zeros(2))
+
+
+def stretched(curve: WallCurve, factor: float) -> WallCurve:
+    """The piece with all lengths times a factor, places along it too."""
+    start, end = (factor * s for s in curve.interval)
+    centre = None if curve.centre is None else factor * curve.centre
+
+    def at(s: Array) -> Array:
+        return factor * curve.at(s / factor)
+
+    longest = factor * curve.longest_element
+    return replace(
+        curve, interval=(start, end), at=at, ends=factor * curve.ends, longest_element=longest, centre=centre
+    )

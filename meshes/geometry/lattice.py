@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Array, WithoutWalls
-from fsi.meshes.geometry.curves import WallCurve
+from fsi.meshes.geometry.curves import WallCurve, rescaled
 
 Integers = NDArray[np.int64]
 Vector = tuple[float, float]
@@ -168,6 +168,11 @@ class Cell(WithoutWalls):
     def at(self, t: float) -> Cell:
         """The cell at time t."""
         return Cell(self.vectors, self.gradient, t)
+
+    def scaled(self, factor: float) -> Cell:
+        """Both vectors times the factor."""
+        (ax, ay), (bx, by) = rescaled(self.vectors, factor).tolist()
+        return Cell(((ax, ay), (bx, by)), self.gradient, self.time)
 
     @property
     def mean_gradient(self) -> Array:

@@ -31,7 +31,7 @@ import numpy as np
 import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
-from fsi.meshes.errors import MeshError, at
+from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Array, Container, FluidDomain
 from fsi.meshes.geometry.curves import WallCurve
 from fsi.meshes.geometry.lattice import Lattice
@@ -59,7 +59,7 @@ def resolve_all(size: Sizes, ends: Array, pieces: int) -> tuple[Array, Array, In
         middle, of = 0.5 * (s[long] + s[long + 1]), k[long]
         h = np.insert(h, long + 1, size(middle, of))
         s, k = np.insert(s, long + 1, middle), np.insert(k, long + 1, of)
-    raise MeshError(f"element sizes down to {h.min():.3g} cannot be resolved; is a gap that small meant?")
+    raise MeshError("element sizes down to {} cannot be resolved; is a gap that small meant?", h.min())
 
 
 def equidistribute(s: Array, density: Array, least: int) -> Array:
@@ -261,7 +261,7 @@ def _neighbourhood(surfaces: Surfaces, i: int) -> Neighbourhood:
     walls = wall_gaps < reach
     gaps = np.concatenate([gaps, wall_gaps[walls]])
     if gaps.min(initial=np.inf) <= 0.0:
-        raise MeshError(f"the disc at {at(centre)} touches a disc or wall; move it")
+        raise MeshError("the disc at {} touches a disc or wall; move it", centre)
     # 0 - n, not -n: minus zero would turn an angle of pi into -pi.
     to_walls = 0.0 - surfaces.container.normals(centre[None])[0]
     towards = np.concatenate([surfaces.centres[near] - centre, to_walls[walls]])

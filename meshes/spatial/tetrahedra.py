@@ -18,9 +18,9 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from fsi.meshes.cells.curved import WORST_ACCEPTED, CurvedCells, scaled_jacobian
-from fsi.meshes.errors import MeshError, at
+from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Array, FluidDomain, lengths
-from fsi.meshes.geometry.curves import Sphere
+from fsi.meshes.geometry.curves import Sphere, rescaled
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import Indices, StraightCells, gmsh_model, require_boundary
 from fsi.meshes.spatial.curved_tetrahedra import curve_tets
@@ -44,8 +44,12 @@ def fill(domain: FluidDomain, resolution: Resolution, order: int) -> CurvedCells
     gmsh fails with all sizes.
     """
     unit = float(domain.radii.max(initial=0.0)) or domain.container.size()
-    container = domain.container.scaled(1.0 / unit)
-    cells = _valid(FluidDomain(container, domain.centres / unit, domain.radii / unit), resolution, order)
+    centres, radii = (rescaled(x, 1.0 / unit) for x in (domain.centres, domain.radii))
+    in_units = FluidDomain(domain.container.scaled(1.0 / unit), centres, radii)
+    try:
+        cells = _valid(in_units, resolution, order)
+    except MeshError as error:
+        raise error.in_units(unit) from error
     return replace(cells, nodes=unit * cells.nodes)
 
 
@@ -151,8 +155,8 @@ def _structure(layer: GapPrisms) -> list[int]:
             gmsh.model.mesh.setTransfiniteSurface(face)
             sides.append(face)
     if len(sides) != 4:
-        where = at(gap.middle())
-        raise MeshError(f"the gap at {where} has no room for its cells; raise discretisation.cells_per_gap")
+        remedy = "raise discretisation.cells_per_gap"
+        raise MeshError(f"the gap at {{}} has no room for its cells; {remedy}", gap.middle())
     return sides
 
 

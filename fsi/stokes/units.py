@@ -1,0 +1,156 @@
+"""The units that a case is solved in: the largest radius, its viscosity, and the user's unit of time.
+
+Stokes flow is linear, and has no length or viscosity of its own. With the unit a of lengths and mu of
+viscosities, what is solved has
+
+    x' = x / a      u' = u / a      omega' = omega      p' = p / mu      mu' = 1
+
+and, with k = 0 in the plane, where loads are those per unit length, and k = 1 in space and with an axis,
+
+    F' = F / (mu a^(1 + k))     T' = T / (mu a^(2 + k))     dissipation' = dissipation / (mu a^(2 + k))
+
+Every number of the mesh and of the matrix is then of the order of one, whatever the user's units are; times
+are left as they are, since velocities stand on the right-hand side alone. Lengths are rounded to 15 digits,
+so that a case in other units is the same case to the last bit, has the same mesh, and the same digits.
+Without bodies the size of the container is the unit of length.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
+from fsi.case.case import Case
+from fsi.meshes.build import FluidMesh
+from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.curves import rescaled
+from fsi.observables.bulk_stress import BulkStress
+from fsi.observables.resistance import Modes, Resistance
+from fsi.stokes.fields import Flow, Surface
+from fsi.stokes.problem import Boundary, Field, StokesProblem
+from fsi.stokes.solution import StokesSolution
+
+
+@dataclass(frozen=True, slots=True)
+class Units:
+    """What is 1 in the solve, in the user's units.
+
+    Attributes:
+        length: a.
+        viscosity: mu.
+        spheres: whether loads are those of spheres, k = 1, or per unit length.
+    """
+
+    length: float
+    viscosity: float
+    spheres: bool
+
+    @classmethod
+    def of(cls, case: Case) -> Units:
+        """Those of a case."""
+        largest = max((body.radius for body in case.bodies), default=case.container().size())
+        return cls(largest, case.fluid.viscosity, case.spheres)
+
+    @property
+    def force(self) -> float:
+        """mu a^(1 + k)."""
+        return self.viscosity * self.length ** (2 if self.spheres else 1)
+
+    @property
+    def power(self) -> float:
+        """mu a^(2 + k); of moments too."""
+        return self.force * self.length
+
+    def velocities(self, dimension: int) -> Array:
+        """Of each mode, (M,): a for translations, 1 for rotations."""
+        return self._modes(dimension, self.length, 1.0)
+
+    def loads(self, dimension: int) -> Array:
+        """Of each mode, (M,): of forces, and of torques."""
+        return self._modes(dimension, self.force, self.power)
+
+    @staticmethod
+    def _modes(dimension: int, translation: float, rotation: float) -> Array:
+        return np.repeat([translation, rotation], [dimension, dimension * (dimension - 1) // 2])
+
+    # Into these units.
+
+    def scaled_lengths(self, x: Array) -> Array:
+        """Lengths of any shape."""
+        return rescaled(x, 1.0 / self.length)
+
+    def scaled_container(self, container: Container) -> Container:
+        """What encloses the fluid."""
+        return container.scaled(1.0 / self.length)
+
+    def scaled(self, problem: StokesProblem) -> StokesProblem:
+        """A problem whose mesh alone has these units already."""
+        q, motion, boundary = problem.q, problem.motion, problem.boundary
+        d = q.dimension
+        speeds, loads = self.velocities(d), self.loads(d)
+        interaction, inertia = problem.interaction, problem.inertia
+        return StokesProblem(
+            problem.fluid,
+            problem.fluid.container,
+            Configuration(self.scaled_lengths(q.centres), q.angles, self.scaled_lengths(q.radii)),
+            Motion(motion.held, motion.U / speeds, motion.F / loads),
+            self._scaled_boundary(boundary),
+            1.0,
+            None if inertia is None else Inertia(inertia.D * (speeds / loads), inertia.U0 / speeds),
+            None if interaction is None else interaction / self.power,
+        )
+
+    def _scaled_boundary(self, boundary: Boundary) -> Boundary:
+        """Its fluxes are of a planar channel."""
+        a, mu = self.length, self.viscosity
+        f, G, flux = boundary.body_force, boundary.pressure_gradient, boundary.net_flux
+        return Boundary(
+            {wall: self._scaled_field(u, a) for wall, u in boundary.velocities.items()},
+            {wall: p / mu for wall, p in boundary.pressures.items()},
+            None if f is None else self._scaled_field(f, mu / a),
+            None if G is None else G / (mu / a),
+            None if flux is None else flux / a**2,
+        )
+
+    def _scaled_field(self, field: Field, unit: float) -> Field:
+        """A field whose values have this unit."""
+        return lambda x: field(self.length * x) / unit
+
+    # Back to the user's.
+
+    def user_solution(self, solution: StokesSolution, problem: StokesProblem) -> StokesSolution:
+        """The solution of a problem from that of the scaled one; its mesh stays as it is."""
+        d, gradient = problem.q.dimension, solution.pressure_gradient
+        loads, fluid = self.loads(d), replace(problem.fluid, container=problem.container)
+        return replace(
+            solution,
+            U=solution.U * self.velocities(d),
+            F=solution.F * loads,
+            traction_F=solution.traction_F * loads,
+            dissipation=solution.dissipation * self.power,
+            bulk=None if solution.bulk is None else self._user_bulk(solution.bulk, problem.container),
+            problem=replace(problem, fluid=fluid),
+            flow=self._user_flow(solution.flow),
+            surface=self._user_surface(solution.surface, fluid),
+            pressure_gradient=None if gradient is None else gradient * (self.viscosity / self.length),
+        )
+
+    def _user_bulk(self, bulk: BulkStress, container: Container) -> BulkStress:
+        mu, stresslets, area = self.viscosity, bulk.stresslets * self.power, container.volume
+        return BulkStress(bulk.fluid * mu, stresslets, bulk.forces * mu, area, bulk.apparent_viscosity)
+
+    def _user_flow(self, flow: Flow) -> Flow:
+        a, mu = self.length, self.viscosity
+        return replace(flow, x=a * flow.x, u=a * flow.u, p=mu * flow.p)
+
+    def _user_surface(self, surface: Surface, fluid: FluidMesh) -> Surface:
+        x, reaction = self.length * surface.x, self.force * surface.reaction
+        return replace(surface, x=x, reaction=reaction, lattice=fluid.lattice)
+
+    def user_resistance(self, found: Resistance, modes: Modes) -> Resistance:
+        """R and its inverse for modes in the user's units; eigenvalues have no unit."""
+        s = modes.scale / found.modes.scale
+        mobility = None if found.mobility is None else found.mobility / np.outer(s, s)
+        return replace(found, modes=modes, R=found.R * np.outer(s, s), mobility=mobility)

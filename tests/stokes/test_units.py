@@ -1,0 +1,114 @@
+"""The same problem in other units: the same mesh, the same digits."""
+
+import numpy as np
+import pytest
+
+import fsi
+from fsi.bodies.configuration import Array, Configuration
+from fsi.meshes.errors import MeshError
+from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.curves import rescaled
+from fsi.meshes.geometry.stretched import Stretched
+from fsi.stokes.model import StokesModel
+from fsi.stokes.resistance import case_resistance
+from tests.units import ONE, SYSTEMS, System, arms, axisymmetric, cell, channel, planar, spatial
+
+CASES = {one.__name__: one for one in (planar, axisymmetric, spatial, cell, channel)}
+# Rounding of the solve: 3e-11 of a pressure in a gap. Another mesh of the same sizes changes 1e-5.
+SAME = 1e-10
+_known: dict[str, dict[str, Array]] = {}
+
+pytestmark = pytest.mark.filterwarnings("error")
+
+
+def solved(kind: str, s: System) -> dict[str, Array]:
+    """Everything that a solve gives, over its unit."""
+    case = fsi.make_case(**CASES[kind](s))
+    solution = StokesModel(case)(case.configuration(), 0.0)
+    d, F, M = case.dimension, s.force(case.geometry), solution.U.shape[1]
+    V, flow, surface, arm = s.velocity, solution.flow, solution.surface, arms(M, case.dimension, s.length)
+    found = {
+        "U": solution.U * arm / V,
+        "F": solution.F / arm / F,
+        "traction_F": solution.traction_F / arm / F,
+        "dissipation": np.array(solution.dissipation) / (F * V),
+        "x": flow.x / s.length,
+        "u": flow.u / V,
+        "p": flow.p / s.stress,
+        "reaction": surface.reaction / F,
+        "traction": solution.traction / s.stress,
+    }
+    u, p = solution.evaluate(s.length * np.array([[0.3, 1.9, 0.4][:d]]))
+    found |= {"u at a point": u / V, "p at a point": p / s.stress}
+    if solution.bulk is not None:
+        S = solution.bulk.stresslets / (F * s.length)
+        found |= {"stress": solution.bulk.mean / s.stress, "stresslets": S}
+        found["viscosity"] = np.array(solution.apparent_viscosity)
+    return found
+
+
+@pytest.mark.parametrize("s", SYSTEMS, ids=str)
+@pytest.mark.parametrize("kind", CASES)
+def test_all_that_a_solve_gives_scales_with_its_units(kind: str, s: System) -> None:
+    expected = _known.setdefault(kind, solved(kind, ONE))
+    found = solved(kind, s)
+    # Loads of free bodies are the given ones; of force-free ones they are rounding, beside tractions of one.
+    for name, value in expected.items():
+        largest = max(1.0, float(np.abs(value).max())) if name in ("F", "traction_F") else np.abs(value).max()
+        np.testing.assert_allclose(found[name], value, rtol=0.0, atol=SAME * largest, err_msg=name)
+
+
+@pytest.mark.parametrize("s", SYSTEMS[2:5], ids=str)
+def test_error_bars_and_resistances_scale_with_their_units(s: System) -> None:
+    bars, R, mobility = [], [], []
+    for one in (ONE, s):
+        case = fsi.make_case(**planar(one))
+        q, model = case.configuration(), StokesModel(case)
+        errors = model.errors(q, 0.0, model(q, 0.0)).errors
+        arm = arms(3, 2, one.length)
+        bars.append(errors.U * arm / one.velocity)
+        found = case_resistance(case)
+        arm = np.tile(arm, 2)
+        R.append(found.R / np.outer(arm, arm) / one.viscosity)
+        assert found.mobility is not None
+        mobility.append(found.mobility * np.outer(arm, arm) * one.viscosity)
+    # A bar is a difference of two solutions; beside the velocities of one it has their rounding.
+    np.testing.assert_allclose(bars[1], bars[0], rtol=0.0, atol=SAME)
+    np.testing.assert_allclose(R[1], R[0], rtol=0.0, atol=SAME * np.abs(R[0]).max())
+    np.testing.assert_allclose(mobility[1], mobility[0], rtol=0.0, atol=SAME * np.abs(mobility[0]).max())
+
+
+def test_lengths_of_other_units_are_the_same_numbers() -> None:
+    x = np.array([[2.1, -0.7], [1.1, 1.00000001]])
+    for unit in (1e3, 1e-9, 0.0254, 3.7):
+        assert np.array_equal(rescaled(unit * x, 1.0 / unit), x)
+    # 0.1 + 0.2 has 17 digits, which stay where there is nothing to scale.
+    assert rescaled(0.1 + 0.2, 1.0) == 0.1 + 0.2
+    assert rescaled(0.1 + 0.2, 2.0) == 0.6
+
+
+def test_a_place_in_a_message_is_in_the_users_units() -> None:
+    error = MeshError("the disc at {} touches; sizes {}", np.array([1.5, -2.0]), 0.25)
+    assert str(error) == "the disc at (1.5, -2) touches; sizes 0.25"
+    assert str(error.in_units(1000.0)) == "the disc at (1500, -2000) touches; sizes 250"
+    case = fsi.make_case(**planar(SYSTEMS[0]))
+    apart = case.configuration()
+    touching = Configuration.unturned(apart.centres - np.array([[0.0, 0.0], [400.0, 0.0]]), apart.radii)
+    with pytest.raises(MeshError, match=r"the disc at \(-1100, 0\) touches"):
+        StokesModel(case)(touching, 0.0)
+
+
+def test_a_stretched_container_answers_as_one_that_knows_its_numbers() -> None:
+    box, x = Box((-1.0, -2.0), (3.0, 5.0)), np.array([[2.0, 4.0], [-1.0, 6.0]])
+    one, other = Stretched(box, 2.0), box.scaled(2.0)
+    assert isinstance(other, Box)
+    for name in ("distances", "normals"):
+        np.testing.assert_array_equal(getattr(one, name)(x), getattr(other, name)(x))
+    for name in ("walls", "corner_axes", "volume", "faces", "periods", "middle"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+    assert one.size() == other.size()
+    for piece, expected in zip(one.outline(), other.outline(), strict=True):
+        s = np.linspace(*expected.interval, 5)
+        np.testing.assert_array_equal(piece.at(s), expected.at(s))
+        assert piece.interval == expected.interval
+        assert piece.longest_element == expected.longest_element
