@@ -79,6 +79,7 @@ def _resistance(case: Case, model: StokesModel, mesh: Mesher, degree: int) -> Re
     found = solve_resistance(model.units.scaled(problem), case.names, options, clock)
     return model.units.user_resistance(found, _modes_of(problem, case.names))
 
+
 def _require_still(case: Case, container: Container) -> None:
     """F = R U alone: no mean flow, and no mean pressure gradient that would be a result too."""
     if len(container.periods) == container.dimension:
