@@ -16,9 +16,10 @@ the default meshes and finer ones, and 9 times on a mesh half as fine. The facto
 Degree 2, which has none below, takes one more.
 
 Where the data of walls jump at a corner (see `corners`), what two degrees have in common is the mesh there,
-and their difference says nothing of it. Planar meshes are graded towards such corners, so that the order comes
-back, and the other problem is then solved on another mesh: one with `growth` over FINER, graded more gently
-and DEPTH times as deep (see `fsi.meshes.planar.grading`), also beside the mesh of a user, that is not graded.
+and their difference says nothing of it. Planar meshes are graded towards such corners, so that the order
+comes back, and the other problem is then solved on another mesh: one with `growth` over FINER, graded more
+gently and DEPTH times as deep (see `fsi.meshes.planar.grading`), also beside the mesh of a user, that is not
+graded.
 
 It sees the mesh and the elements; it does not see how far a container of finite radius is from an infinite
 one (`fsi.observables.truncation` does), nor how a user's own curved mesh differs from its circles.
