@@ -1,9 +1,23 @@
 """For all tests: load the project before NumPy, as the command line does, so that it runs on one thread."""
 
+import pytest
 from hypothesis import settings
 
 import fsi as fsi
+from tests.pictures import NO_PICTURES
 
 # A busy machine is not a defect: nothing is judged by the clock.
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Say loudly that pictures were not tested: without OpenGL all of these tests are skipped."""
+    skipped = terminalreporter.stats.get("skipped", [])
+    count = sum(NO_PICTURES in str(report.longrepr) for report in skipped)
+    if count:
+        terminalreporter.section(NO_PICTURES.upper(), red=True, bold=True)
+        terminalreporter.line(
+            f"{count} tests draw pictures, and this machine has no off-screen OpenGL:", red=True
+        )
+        terminalreporter.line("apt-get install -y libegl1 libgl1, or set CI=1 to let them fail", red=True)

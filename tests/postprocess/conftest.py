@@ -1,5 +1,6 @@
 """A small run folder with an analytic flow on cubic cells, in two parts as two ranks write it."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from fsi.errors import InputError
 from fsi.postprocess.render import canvas
+from tests.pictures import NO_PICTURES
 
 RADIUS, HEIGHT, FAR = 1.0, 1.2, 6.0
 AROUND, OUTWARD = 24, 5
@@ -123,10 +125,12 @@ def settling_run(run: Path) -> Callable[[list[float], list[float]], Path]:
     return fill
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def drawing() -> None:
-    """Skips where no picture can be drawn."""
+    """Skips where no picture can be drawn, which the end of the session says; in CI that is a failure."""
     try:
         canvas.require_opengl()
     except InputError as error:
-        pytest.skip(str(error))
+        if os.environ.get("CI"):
+            pytest.fail(f"{NO_PICTURES}: {error}")
+        pytest.skip(f"{NO_PICTURES}: {error}")

@@ -1,0 +1,199 @@
+"""An exact flow, in whose picture the colour of a pixel is the value there; what is written around it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+import pyvista as pv
+from matplotlib.colors import LogNorm, SymLogNorm
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+import fsi
+from fsi.bodies.configuration import Configuration
+from fsi.postprocess.render import planar
+from fsi.postprocess.render.canvas import new_panel
+from fsi.postprocess.render.picture import Framed, _frame, compose
+from fsi.postprocess.render.planar import PlanarArtist
+from fsi.postprocess.render.view import Choice, View
+
+SIZE, SIDE, VISCOSITY = 200, 2.0, 3.0
+CASE = f"""
+name = "shear"
+fluid.viscosity = {VISCOSITY}
+domain.lower = [0.0, 0.0]
+domain.upper = [{SIDE}, {SIDE}]
+domain.walls.top = [{SIDE}, 0.0]
+"""
+SQUARES = 8
+TIMES = {0: 0.0, 3: 0.25, 5: 0.5}
+
+
+@pytest.fixture
+def shear(tmp_path: Path) -> fsi.Run:
+    """u = y e_x in a box of 2 by 2 on quadratic cells, p = x - 1, at three times of output."""
+    (tmp_path / "fields").mkdir()
+    (tmp_path / "case.toml").write_text(CASE)
+    n = 2 * SQUARES + 1
+    y, x = (
+        index.ravel() * SIDE / (n - 1) for index in np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
+    )
+    i, j = (2 * index.ravel() for index in np.meshgrid(np.arange(SQUARES), np.arange(SQUARES)))
+    lower = [(0, 0), (2, 0), (0, 2), (1, 0), (1, 1), (0, 1)]  # corners, then the middles of 01, 12, 20
+    upper = [(2, 2), (0, 2), (2, 0), (1, 2), (1, 1), (2, 1)]
+    cells = [[(j + b) * n + i + a for a, b in triangle] for triangle in (lower, upper)]
+    connected = np.concatenate([np.column_stack(triangle) for triangle in cells])
+    grid = pv.UnstructuredGrid(
+        {pv.CellType.LAGRANGE_TRIANGLE: connected}, np.column_stack([x, y, np.zeros(n * n)])
+    )
+    grid.point_data["velocity"] = np.column_stack([y, 0.0 * y, 0.0 * y])
+    grid.point_data["pressure"] = x - 1.0
+    grid.point_data["vorticity"] = np.full(n * n, -1.0)
+    grid.point_data["strain_rate"] = np.ones(n * n)
+    entries = []
+    for step, t in TIMES.items():
+        grid.save(tmp_path / "fields" / f"fluid_{step:06d}.vtu")
+        entries.append(f'<DataSet timestep="{t!r}" part="0" file="fields/fluid_{step:06d}.vtu"/>')
+    text = f"<VTKFile><Collection>{''.join(entries)}</Collection></VTKFile>"
+    (tmp_path / "fluid.pvd").write_text(text)
+    return fsi.open_run(tmp_path)
+
+
+def panel(run: fsi.Run, choice: Choice) -> NDArray[np.float64]:
+    """The pixels of the only panel, from the bottom upwards, in 0 to 1."""
+    (picture,) = PlanarArtist(run, choice).pictures([3])
+    return np.asarray(picture[28 : 28 + SIZE, 6 : 6 + SIZE][::-1] / 255.0)
+
+
+def colours(name: str, parts: Any) -> NDArray[np.float64]:
+    return np.asarray(mpl.colormaps[name](parts))[..., :3]
+
+
+PLACES = (np.arange(SIZE) + 0.5) * SIDE / SIZE
+
+
+@pytest.mark.usefixtures("drawing")
+def test_colours_and_streamlines_of_the_speed_are_where_they_should_be(shear: fsi.Run) -> None:
+    """|u| = y in colours from what 95 % of the area exceed to what 1e-4 of it do, and 24 lines of y^2/2.
+
+    On cells of height 1/4, whose middles lie 1/12 above the bottom and below the top. Lines of equal flux
+    between them stand at y^2/2 = 2 k/25.
+    """
+    found = panel(shear, Choice("speed", size=SIZE))
+    span = 1.0 / 12.0, SIDE - 1.0 / 12.0
+    expected = colours("viridis", np.clip(LogNorm(*span)(PLACES), 0.0, 1.0))
+    lines = np.sqrt(2.0 * SIDE**2 / 2.0 * np.arange(1, 25) / 25.0)
+    away = np.abs(PLACES[:, None] - lines).min(axis=1) * SIZE / SIDE  # in pixels
+    rows = found[:, 10:-10]
+    # Colours are linear on triangles of 12 pixels, too coarse for a logarithm where y is that small.
+    clear = (away > 2.5) & (PLACES > 0.12) & (PLACES < SIDE - 0.02)
+    assert clear.sum() > 60
+    off = np.abs(rows[clear] - expected[clear, None]).max(axis=(1, 2))
+    assert off.max() < 0.03  # a hundredth of the value is 0.004
+    on_lines = np.abs(PLACES[:, None] - lines[:12]).argmin(axis=0)
+    brighter = rows[on_lines].mean(axis=1) - expected[on_lines]
+    assert brighter.mean(axis=1).min() > 0.1
+
+
+@pytest.mark.usefixtures("drawing")
+@pytest.mark.parametrize(
+    ("field", "span", "colour_map", "parts"),
+    [
+        ("pressure", (-1.0, 1.0), "RdBu_r", SymLogNorm(0.03, vmin=-1, vmax=1, base=10)(PLACES - 1.0)),
+        ("dissipation", (0.3, 30.0), "magma", np.full(SIZE, 0.5)),  # mu gamma^2 = 3
+        ("vorticity", (-1.0, 1.0), "PuOr_r", np.zeros(SIZE)),
+    ],
+)
+def test_colours_of_the_other_fields(
+    field: str, span: tuple[float, float], colour_map: str, parts: NDArray[np.float64], shear: fsi.Run
+) -> None:
+    """Along x, given the ends of the scale; but where triangles of 12 pixels hold a pressure of zero."""
+    found = panel(shear, Choice(field, span=span, size=SIZE))
+    off = np.abs(found[20:-20] - colours(colour_map, parts)).max(axis=(0, 2))
+    from_middle = np.abs(PLACES - 1.0)
+    assert off[(from_middle > 0.12) & (from_middle < 0.95)].max() < 0.03
+
+
+@pytest.mark.usefixtures("drawing")
+def test_lines_of_the_mesh_are_where_its_cells_end(shear: fsi.Run) -> None:
+    """Every 25 pixels, seen in the lower part of a row of squares; the pressure is brighter to the right."""
+    found = panel(shear, Choice("mesh", span=(-1.0, 1.0), size=SIZE))[106].max(axis=1)
+    for k in range(25, SIZE, 25):
+        assert found[k - 1 : k + 1].min() < 0.8 * min(found[k - 4], found[k + 4])
+    assert found[190] > found[100] + 0.2 > found[10] + 0.4
+
+
+def drawn_around(run: fsi.Run, steps: Sequence[int], choice: Choice, monkeypatch: Any) -> list[Any]:
+    """Titles and panels that are composed to pictures."""
+    composed: list[Any] = []
+
+    def composing(title: str, panels: Sequence[Framed]) -> Any:
+        composed.append((title, panels))
+        return compose(title, panels)
+
+    monkeypatch.setattr(planar, "compose", composing)
+    list(PlanarArtist(run, choice).pictures(steps))
+    return composed
+
+
+@pytest.mark.usefixtures("drawing")
+def test_what_is_written_above_pictures_and_beside_them(
+    shear: fsi.Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each output has its own time; the colour bar has the name and the range of what is drawn."""
+    composed = drawn_around(shear, [0, 3, 5], Choice("speed", size=100), monkeypatch)
+    assert [title for title, _ in composed] == ["shear,  t = 0", "shear,  t = 0.25", "shear,  t = 0.5"]
+    for _, (only,) in composed:
+        assert (only.title, only.label, only.half, only.cut) == ("speed and streamlines", "|u|", 1.0, True)
+        assert only.shades.get_clim() == pytest.approx((1.0 / 12.0, SIDE - 1.0 / 12.0))
+
+
+@pytest.mark.usefixtures("drawing")
+def test_what_is_written_above_a_gap(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A disc 0.2 above a plane, in a window of 5 and one of twelve gaps."""
+    bars: list[Any] = []
+    drawing = Figure.colorbar
+
+    def colorbar(figure: Figure, shades: Any, **more: Any) -> Any:
+        bars.append(shades)
+        return drawing(figure, shades, **more)
+
+    monkeypatch.setattr(Figure, "colorbar", colorbar)
+    ((title, panels),) = drawn_around(fsi.open_run(run), [2], Choice(size=100), monkeypatch)
+    assert title == "analytic,  t = 2"
+    assert [panel.title for panel in panels] == [
+        "speed and streamlines",
+        "narrowest gap, 0.2: pressure and mesh",
+    ]
+    assert [panel.half for panel in panels] == pytest.approx([2.5, 1.2])
+    assert bars == [panel.shades for panel in panels]
+    ((_, (only,)),) = drawn_around(
+        fsi.open_run(run), [2], Choice("pressure", "disc,plane", size=100), monkeypatch
+    )
+    assert only.title == "gap disc - plane, 0.2: pressure"
+
+
+def test_the_scale_bar_is_as_long_as_it_says() -> None:
+    """In a window 5 wide the longest round length up to a quarter of it is 1: a fifth of the panel."""
+    axes = Figure().subplots()
+    _frame(axes, Framed(np.zeros((1, 1, 3), np.uint8), "title", 2.5, "label", mpl.cm.ScalarMappable()))
+    np.testing.assert_allclose(axes.lines[0].get_xdata(), [0.0, 0.2])
+    assert [text.get_text() for text in axes.texts] == ["1"]
+
+
+@pytest.mark.usefixtures("drawing")
+def test_a_pointer_turns_with_its_disc() -> None:
+    """Counterclockwise by a right angle from where it points to the right: upwards."""
+    page = new_panel(View(np.zeros(2), 1.25), 400)
+    page.bodies(Configuration(np.zeros((1, 2)), np.array([0.5 * np.pi]), np.ones(1)), turning=True)
+    disc = page.image()[60:340, 60:340].max(axis=2)  # inside the rim
+    dark = disc < 180
+    assert dark[20:130, 138:142].any(axis=1).all()
+    assert not dark[150:, 100:180].any()
+    assert not dark[100:180, :130].any()
+    assert not dark[100:180, 150:].any()
