@@ -96,7 +96,11 @@ def strain_rate(G: Array, hoop: Array | float = 0.0) -> Array:
     return np.asarray(np.sqrt(2.0 * (np.einsum("...ij,...ij->...", e, e) + np.square(hoop))))
 
 
+# Of the largest r: nodes on the axis stand there to rounding.
+ON_AXIS = 1e-12
+
+
 def hoop_rate(r: Array, u_r: Array, G: Array) -> Array:
     """`u_r / r`, and on the axis its limit `d u_r / dr`."""
-    off_axis = r > 0.0
+    off_axis = r > ON_AXIS * np.max(r, initial=0.0)
     return np.where(off_axis, u_r / np.where(off_axis, r, 1.0), G[..., 0, 0])

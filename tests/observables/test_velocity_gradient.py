@@ -32,3 +32,12 @@ def test_axisymmetric_stretching_has_a_hoop_strain() -> None:
     G = np.broadcast_to([[1.0, 0.0], [0.0, -2.0]], (2, 2, 2))
     r = np.array([0.0, 0.7])
     np.testing.assert_allclose(strain_rate(G, hoop_rate(r, r, G)), np.sqrt(12.0), rtol=1e-15)
+
+
+def test_a_node_on_the_axis_has_the_limit_though_it_stands_there_to_rounding() -> None:
+    """u_r = 3 r, given as zero at r = 0, 1e-17 and -1e-17."""
+    r = np.array([2.0, 0.5, 0.0, 1e-17, -1e-17])
+    u_r = np.array([6.0, 1.5, 0.0, 0.0, 0.0])
+    G = np.zeros((5, 2, 2))
+    G[:, 0, 0] = 3.0
+    np.testing.assert_allclose(hoop_rate(r, u_r, G), 3.0, rtol=1e-15)
