@@ -128,10 +128,11 @@ def test_sizes_follow_the_law() -> None:
         x = on_facets(fluid, tag)
         to_lowest = np.sort(np.linalg.norm(x - [0.0, 0.0, height], axis=1))
         assert to_lowest[0] < 1e-12
-        assert to_lowest[1] == pytest.approx(asked, rel=0.25)
+        assert 0.75 < to_lowest[1] / asked < 0.9  # 0.823 as a regression; a law twice as fine gives half
     facets = len(on_facets(mesh(CUBE, [[0.0, 0.0, 0.0]], [1.0], Resolution(1.0, 40, 1.0)), 1)) * 2
     h = 2.0 * np.pi / 40
-    assert facets == pytest.approx(4.0 * np.pi / (np.sqrt(3.0) / 4.0 * h**2), rel=0.2)
+    # 1.15 as a regression: gmsh makes a few more; cells a tenth larger would be a fifth fewer.
+    assert facets == pytest.approx(1.15 * 4.0 * np.pi / (np.sqrt(3.0) / 4.0 * h**2), rel=0.08)
 
 
 def test_a_mesh_is_the_same_twice() -> None:

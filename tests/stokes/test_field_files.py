@@ -88,7 +88,10 @@ def test_ranks_give_the_same_rates(ran: Ran) -> None:
 
 
 def test_strain_rates_are_those_of_the_dissipation(ran: Ran) -> None:
-    """mu int strain_rate^2 against steps.csv: nodal means on these coarse meshes are good to a percent."""
+    """mu int strain_rate^2 against steps.csv: nodal means on these coarse meshes are good to a percent.
+
+    It tells that they are rates of this flow, all of it; what they are is tested by `test_exact_fields`.
+    """
     run = fsi.open_run(ran(1))
     fluid = run.mesh(0)
     fine = fluid.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=3)
