@@ -182,7 +182,8 @@ def test_the_scale_bar_is_as_long_as_it_says() -> None:
     """In a window 5 wide the longest round length up to a quarter of it is 1: a fifth of the panel."""
     axes = Figure().subplots()
     _frame(axes, Framed(np.zeros((1, 1, 3), np.uint8), "title", 2.5, "label", mpl.cm.ScalarMappable()))
-    np.testing.assert_allclose(axes.lines[0].get_xdata(), [0.0, 0.2])
+    ends = np.asarray(axes.lines[0].get_xdata(), dtype=float)
+    np.testing.assert_allclose(ends, [0.0, 0.2])
     assert [text.get_text() for text in axes.texts] == ["1"]
 
 
