@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from fsi.case.case import Case
+from fsi.case.checks.time import check_own_mesh
 from fsi.errors import InputError
 from fsi.integration.evolution import Evolution, SteppedEvolution
 from fsi.integration.schemes import Beginning, scheme_for
@@ -30,8 +31,10 @@ def make_model(case: Case) -> Model:
 
 
 def make_evolution(case: Case) -> Evolution:
-    """What moves the bodies of a case in time. Raises InputError if the case has no [time]."""
+    """What moves the bodies of a case in time. Raises InputError: no [time], or a mesh that they leave."""
     _ = case.timing
+    if case.model == "resolved":
+        check_own_mesh(case)
     return EVOLUTIONS[case.model](case) if case.model in EVOLUTIONS else stepped(case, make_model(case))
 
 

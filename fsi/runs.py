@@ -8,8 +8,10 @@ from time import process_time
 from fsi.case.case import Case
 from fsi.case.checks.work import check_work
 from fsi.case.load import load_case
+from fsi.errors import InputError
 from fsi.integration.evolution import Evolution, Moment
 from fsi.integration.state import State, StepRecord
+from fsi.meshes.errors import MeshFileError
 from fsi.models import make_evolution
 from fsi.parallel import on_root
 from fsi.run_folder.folder import Commit, RunFolder
@@ -43,13 +45,18 @@ def run(
         make: what steps the case; the level that it names if not given.
 
     Raises:
-        InputError: the case has no [time], is more than this machine holds, or the folder is not new; nothing
-            has been written.
+        InputError, MeshFileError: the case cannot be run, is more than this machine holds, or the folder is
+            not new; nothing stays written.
         SolveError: the run cannot go on; the folder keeps the last good state.
     """
     on_root(lambda: check_work(case))
     evolution = make(case)
-    return _drive(case, RunFolder.create(folder, case.as_toml(), launch()), evolution, progress)
+    new = RunFolder.create(folder, case.as_toml(), launch())
+    try:
+        return _drive(case, new, evolution, progress)
+    except (InputError, MeshFileError):
+        new.discard_if_unused()
+        raise
 
 
 def resume(folder: Path, progress: Progress = no_progress, make: MakeEvolution = make_evolution) -> Outcome:

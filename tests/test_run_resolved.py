@@ -16,7 +16,11 @@ from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.case.load import load_case
+from fsi.errors import InputError
+from fsi.meshes.errors import MeshFileError
+from fsi.meshes.files.write import write_mesh
 from fsi.postprocess.run.run import open_run
+from fsi.runs import run as run_case
 from fsi.stokes.model import StokesModel
 from tests.small_run import contents, launches
 
@@ -192,3 +196,21 @@ def test_pushed_then_pulled_comes_back(tmp_path: Path) -> None:
     y = open_run(tmp_path / "run").columns("bodies")["y"]
     assert y.min() == pytest.approx(1.585, abs=1e-3)
     assert y[-1] == pytest.approx(expected.value, rel=expected.rtol)
+
+
+def test_a_refused_run_leaves_nothing_behind(tmp_path: Path) -> None:
+    """A mesh of the user's own serves one place of the bodies; a file that does not fit is seen at the start."""
+    coarse = ["discretisation.cells_per_circle=12", "discretisation.growth=1.0", "discretisation.degree=2"]
+    box, out = ROOT / "cases" / "disc_in_box.toml", tmp_path / "run"
+    case = load_case(box, coarse)
+    write_mesh(StokesModel(case).mesh(case.configuration()), tmp_path / "mine.msh", case.names)
+    own = [*coarse, f'domain.mesh="{tmp_path}/mine.msh"', "time={end=1.0}"]
+    with pytest.raises(InputError, match=r"domain\.mesh = .*bodies\.0\.velocity\.1 lets 'disc' move; drop"):
+        run_case(load_case(box, own), out)
+    assert not out.exists()
+    at_rest = [*own, "bodies.0.velocity=[0.0,0.0]", "bodies.0.angular_velocity=1.0"]
+    with pytest.raises(MeshFileError, match=r"disc lies up to 0\.1 off its place"):
+        run_case(load_case(box, [*at_rest, "bodies.0.position=[0.0,1.2]"]), out)
+    assert list(tmp_path.iterdir()) == [tmp_path / "mine.msh"]
+    run_case(load_case(box, at_rest), out)
+    assert (out / "state.npz").exists()

@@ -34,7 +34,7 @@ from fsi.bodies.configuration import LOADS, MODES, PLACES
 from fsi.errors import FsiError, InputError, SolveError
 from fsi.files import TEMPORARY, replace
 from fsi.integration.state import State, StepRecord
-from fsi.parallel import on_root
+from fsi.parallel import is_root, on_root
 from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
 from fsi.run_folder.paraview import Entry, collection, read_collection
 
@@ -87,6 +87,11 @@ class RunFolder:
         """Open a folder, changing nothing in it. Raises InputError: no run folder, or not readable."""
         path = path.resolve()
         return cls(path, on_root(lambda: _last_commit(path)))
+
+    def discard_if_unused(self) -> None:
+        """Remove a folder without a commit, if this rank wrote it; not collective: others may have failed."""
+        if is_root() and not (self.path / STATE).exists():
+            shutil.rmtree(self.path)
 
     @property
     def case(self) -> Path:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from fsi.case.case import Case
 from fsi.case.section import nearest_word, refusal, toml_text
-from fsi.case.series import Table, jumps
+from fsi.case.series import Table, is_zero, jumps
 from fsi.errors import InputError
 from fsi.integration.schemes import SCHEMES, scheme_for
 
@@ -24,6 +24,20 @@ def check_time(case: Case) -> None:
     if smallest >= end:
         raise InputError(f"time.smallest_step = {smallest!r}: not below time.end = {end!r}; make it smaller")
     _check_scheme(case)
+
+
+def check_own_mesh(case: Case) -> None:
+    """Raise InputError where bodies leave the place that the user's own mesh has for them."""
+    if case.domain.mesh is None:
+        return
+    for i, body in enumerate(case.bodies):
+        for part, key in zip(body.motion[: case.dimension], body.keys, strict=False):
+            if part == "free" or not is_zero(part):
+                raise InputError(
+                    f"domain.mesh = {toml_text(case.domain.mesh)}: serves bodies where they stand, and "
+                    f"bodies.{i}.{key.replace('force', 'velocity')} lets {body.name!r} move; drop the mesh, "
+                    "so that each instant has its own, hold the bodies at rest, or use `fsi solve`"
+                )
 
 
 def _check_scheme(case: Case) -> None:
