@@ -199,7 +199,7 @@ def test_pushed_then_pulled_comes_back(tmp_path: Path) -> None:
 
 
 def test_a_refused_run_leaves_nothing_behind(tmp_path: Path) -> None:
-    """A mesh of the user's own serves one place of the bodies; a file that does not fit is seen at the start."""
+    """A mesh of the user's own serves one place of the bodies; one that does not fit is seen at the start."""
     coarse = ["discretisation.cells_per_circle=12", "discretisation.growth=1.0", "discretisation.degree=2"]
     box, out = ROOT / "cases" / "disc_in_box.toml", tmp_path / "run"
     case = load_case(box, coarse)

@@ -156,6 +156,16 @@ class LawFile(Section):
         any_shape = self.form in LAWS and LAWS[self.form].any_shape
         return self.mode == "squeeze" and (self.shape == shape or any_shape)
 
+    @property
+    def any_ratio(self) -> bool:
+        """Whether it is the same for all ratios of the radii, and walls."""
+        return self.form in LAWS and LAWS[self.form].any_ratio
+
+    @property
+    def pair(self) -> str:
+        """What it is a law of, for messages."""
+        return "a body and a plane wall" if self.ratio is None else f"bodies of radii 1 : {self.ratio:g}"
+
     def error(self, d: Array, radius: float) -> Array | None:
         """Half width of the 95 % interval of kappa(d), shape of d; None for laws that state no error."""
         if self.series is None:

@@ -81,7 +81,7 @@ def relative_resistance(gap: ArrayLike, radius: ArrayLike, other: ArrayLike, vis
     The stream function over c/(cosh xi - cos eta) is f(xi) sin eta, f = A cosh 2 xi + B sinh 2 xi + C xi + D,
     with f' = 0 and f the velocity on both discs. Such f may be shifted in xi, so that only the distance L of
     the discs in xi matters: f = k (xi - sinh 2 xi / (2 cosh L)) from -L/2 to L/2, F = 4 pi mu k. A disc of
-    infinite radius is the plane.
+    infinite radius is the plane, one of radius -R the wall of a round container, seen from inside.
     """
     s, t = gap_ratio(gap, radius), np.asarray(gap, dtype=np.float64) / np.asarray(other, dtype=np.float64)
     return 4.0 * np.pi * np.asarray(viscosity) / less_tanh(_plane_angle(s + t + 0.5 * s * t))

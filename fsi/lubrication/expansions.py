@@ -1,7 +1,7 @@
 """The expansions at small gaps of the resistances K(s), s = d/a_r, their bases and exact coefficients.
 
-The pair is two spheres or two discs of radii a, b; `ratio` is b/a, infinite for a plane; a_r = a b/(a + b). K
-is the resistance over mu a_r^n (see `fsi.lubrication.laws`), n that of `EXPONENTS`.
+The pair is two spheres or two discs of radii a, b; `ratio` is b/a, infinite for a plane, -R/a inside a round
+wall; a_r = a b/(a + b). K is the resistance over mu a_r^n (see `fsi.lubrication.laws`), n of `EXPONENTS`.
 
     squeeze, spheres   K = c1/s + c2 ln(1/s) + c3 + c4 s ln(1/s) + c5 s + ...
     squeeze, discs     K = c1 s^(-3/2) + c2 s^(-1/2) + c4 s^(1/2) + ..., a constant c3 = 0
@@ -74,7 +74,7 @@ def expansion(shape: Shape, mode: Mode, ratio: float, terms: int) -> Series:
 
 def _squeezed_spheres(ratio: float) -> dict[Term, float]:
     """6 pi (1/s + g2 ln(1/s) + ... + g3 s ln(1/s)); with k = a b/(a + b)^2 instead of the ratio."""
-    k = _overlap(ratio)
+    k = overlap_of(ratio)
     g2 = (1.0 + 5.0 * k) / 5.0  # (1 + 7 l + l^2) / (5 (1 + l)^2)
     g3 = (1.0 + 14.0 * k - 63.0 * k**2) / 21.0  # (1 + 18 l - 29 l^2 + 18 l^3 + l^4) / (21 (1 + l)^4)
     known = {Term(-1.0): 1.0, Term(0.0, True): g2, Term(1.0, True): g3}
@@ -87,10 +87,17 @@ def _squeezed_spheres(ratio: float) -> dict[Term, float]:
 
 def _squeezed_discs(ratio: float) -> dict[Term, float]:
     """4 pi/(L - tanh L) with cosh L = 1 + s + k s^2/2, k = a b/(a + b)^2."""
-    k, unit = _overlap(ratio), 3.0 * sqrt(2.0) * pi
+    k, unit = overlap_of(ratio), 3.0 * sqrt(2.0) * pi
     return {Term(-1.5): unit, Term(-0.5): unit * (21.0 / 20.0 - 0.75 * k), Term(0.0): 0.0}
 
 
-def _overlap(ratio: float) -> float:
-    """a b/(a + b)^2, from 0 beside a plane to 1/4 of equal bodies."""
+def overlap_of(ratio: float) -> float:
+    """k = a b/(a + b)^2, from 0 beside a plane to 1/4 of equal bodies; negative inside a round wall."""
     return 0.0 if ratio == inf else ratio / (1.0 + ratio) ** 2
+
+
+def ratio_of(overlap: float) -> float:
+    """b/a of k, |b/a| >= 1."""
+    if overlap == 0.0:
+        return inf
+    return (1.0 - 2.0 * overlap + sqrt(max(1.0 - 4.0 * overlap, 0.0))) / (2.0 * overlap)

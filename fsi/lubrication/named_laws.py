@@ -13,12 +13,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fsi.lubrication import exact, sphere_beside_plane, spheres
-from fsi.lubrication.expansions import EXPONENTS, Mode, Shape, expansion
+from fsi.lubrication.expansions import EXPONENTS, Mode, Shape, expansion, overlap_of
 from fsi.lubrication.laws import Array, LubricationLaw, ScaledLaw, Series, TabulatedProfile, Term
 
 # A spline of degree 5 through so many points per factor of ten is good to 1e-9 (see the tests).
 _POINTS = 30
 _RANGE = (1e-9, 1e2)
+# Radii of a sphere: a round wall larger than that is flat for it, within 1 %.
+_LARGE = 100.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +30,7 @@ class SqueezeFilm:
     Attributes:
         shape: of the bodies.
         viscosity: mu.
-        ratio: b/a of the radii of the pair; infinite beside a plane.
+        ratio: b/a of the radii of the pair; infinite beside a plane, -R/a inside a round wall.
         extrapolate: whether gaps outside the range of the law are allowed.
     """
 
@@ -40,22 +42,29 @@ class SqueezeFilm:
 
 @dataclass(frozen=True, slots=True)
 class NamedLaw:
-    """One entry of the registry: the law of a film, and whether it is the same for spheres and discs."""
+    """One entry of the registry: the law of a film, of each by itself unless it says otherwise.
+
+    Attributes:
+        of: film -> law. Raises ValueError: none is known.
+        any_shape: whether it is the same for spheres and discs.
+        any_ratio: whether it is the same for all ratios of the radii.
+    """
 
     of: Callable[[SqueezeFilm], LubricationLaw]
     any_shape: bool
+    any_ratio: bool
 
 
 LAWS: dict[str, NamedLaw] = {}
 
 
 def named[F: Callable[[SqueezeFilm], LubricationLaw]](
-    name: str, *, any_shape: bool = False
+    name: str, *, any_shape: bool = False, any_ratio: bool = False
 ) -> Callable[[F], F]:
     """Enter a law under a name."""
 
     def enter(law: F) -> F:
-        LAWS[name] = NamedLaw(law, any_shape)
+        LAWS[name] = NamedLaw(law, any_shape, any_ratio)
         return law
 
     return enter
@@ -66,13 +75,13 @@ def names_of_laws() -> str:
     return ", ".join(f'"{name}"' for name in LAWS)
 
 
-@named("slides", any_shape=True)
+@named("slides", any_shape=True, any_ratio=True)
 def slides_law(film: SqueezeFilm) -> ScaledLaw:
     """kappa = mu/d for every pair, that of A. Lefebvre and B. Maury: no radius enters."""
     return ScaledLaw(Series((Term(-1.0),), (1.0,)), film.viscosity, -1)
 
 
-@named("leading")
+@named("leading", any_ratio=True)
 def leading_law(film: SqueezeFilm) -> ScaledLaw:
     """The first term of the expansion, the same whatever the ratio of the radii is.
 
@@ -85,31 +94,39 @@ def leading_law(film: SqueezeFilm) -> ScaledLaw:
 
 @named("exact")
 def exact_law(film: SqueezeFilm) -> ScaledLaw:
-    """The exact law from gaps of 1e-9 to 100 reduced radii, within 1e-9.
+    """The exact law from gaps of 1e-9 to 100 reduced radii, or as far as a round wall lets, within 1e-9.
+
+    For spheres inside a round wall of more than 100 radii it is that of a plane, within 1 %.
 
     Extrapolated, it goes on with the power of the gap of its ends: below, that is the leading term.
     """
-    profile, exponent = _exact_profile(film.shape, film.ratio), EXPONENTS[film.shape, "squeeze"]
-    return ScaledLaw(profile, film.viscosity, exponent, film.extrapolate)
+    flat = film.shape == "spheres" and film.ratio < -_LARGE
+    profile = _exact_profile(film.shape, inf if flat else film.ratio)
+    return ScaledLaw(profile, film.viscosity, EXPONENTS[film.shape, "squeeze"], film.extrapolate)
 
 
 @cache
 def _exact_profile(shape: Shape, ratio: float) -> TabulatedProfile:
     decades = round(np.log10(_RANGE[1] / _RANGE[0]))
-    s = np.geomspace(*_RANGE, decades * _POINTS + 1)
+    farthest = min(_RANGE[1], inf if ratio > 0.0 else -1.0 / overlap_of(ratio))  # where a body is concentric
+    s = np.geomspace(_RANGE[0], farthest, decades * _POINTS + 1)
     return TabulatedProfile(s, exact_resistance(shape, "squeeze", s, ratio), smooth=True)
 
 
 def exact_resistance(shape: Shape, mode: Mode, gap: ArrayLike, ratio: float) -> Array:
-    """K(s) of spheres or discs at gaps s in units of the reduced radius, mu = 1; ratio is b/a, inf a plane.
+    """K(s) of spheres or discs at gaps s in units of the reduced radius, mu = 1.
 
-    Raises ValueError: shear or rotation of two bodies: there is no closed form here.
+    ratio: b/a, infinite for a plane, -R/a inside a round wall.
+
+    Raises ValueError: shear or rotation of two bodies, or a sphere inside a round wall: no closed form here.
     """
     a = 1.0 if ratio == inf else 1.0 + 1.0 / ratio
     b = inf if ratio == inf else 1.0 + ratio
     if mode == "squeeze":
         if shape == "discs":
             return exact.relative_resistance(gap, a, b, 1.0)
+        if ratio < 0.0:
+            raise ValueError(f"none of a sphere is known here within a round wall of {-ratio:g} radii")
         if ratio == inf:
             return spheres.normal_resistance(gap, a, 1.0)
         return spheres.relative_resistance(gap, a, b, 1.0)

@@ -198,7 +198,7 @@ class DistanceModel(ReducedModel):
         ambient = self._during(state.q, state.t, t_end)
         pairs = of_keys(state.q, ambient.enclosure, self._memory.key)
         memory, checks = self._advance_distances(state, pairs, ambient, h)
-        kappa = self.laws.kappa(memory.x, pairs.radius, pairs.is_wall)
+        kappa = self.laws.kappa(memory.x, pairs.films)
         solved = solve_system(ambient, pairs, kappa, Inertia(self.masses / h, state.U))
         checks |= identities(solved.network, state.q, solved.U, solved.alone, solved.force)
         checks |= solved.balances() | {"energy": solved.energy(self.masses, state.U, h)}
@@ -225,7 +225,7 @@ class DistanceModel(ReducedModel):
             return replace(old, x=x, w=V), {}
 
         def integral(x: Array, part: NDArray[np.intp]) -> tuple[Array, Array]:
-            return self.laws.integral(x, pairs.radius[part], pairs.is_wall[part])
+            return self.laws.integral(x, pairs.films.of(part))
 
         w = old.w + h * f
         step = FirstIntegral(old.x, w, h, g, integral)
@@ -277,10 +277,10 @@ class DistanceModel(ReducedModel):
         d, x = pairs.n.shape[1], np.log(pairs.gap)
         G = gradient(pairs, len(U))
         rates = G @ U[:, :d].ravel() - pairs.b
-        force = self.laws.kappa(x, pairs.radius, pairs.is_wall) * rates
+        force = self.laws.kappa(x, pairs.films) * rates
         if self.literal:
             return PairMemory(pairs.key, x, rates, force)
-        K, _ = self.laws.integral(x, pairs.radius, pairs.is_wall)
+        K, _ = self.laws.integral(x, pairs.films)
         return PairMemory(pairs.key, x, rates + own_mobility(G, self._inverse_masses(ambient, d)) * K, force)
 
     def _instant(
@@ -290,7 +290,7 @@ class DistanceModel(ReducedModel):
         assert self._memory is not None
         d, memory = pairs.n.shape[1], self._memory
         G = gradient(pairs, len(U))
-        K, _ = self.laws.integral(memory.x, pairs.radius, pairs.is_wall)
+        K, _ = self.laws.integral(memory.x, pairs.films)
         gamma = own_mobility(G, self._inverse_masses(ambient, d)) * K
         F = ambient.zeta * (U - ambient.background)
         F[:, :d] += (G.T @ memory.force).reshape(-1, d)

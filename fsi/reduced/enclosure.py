@@ -101,3 +101,9 @@ def wall_gaps(container: Container, centres: Array, radii: Array) -> WallGaps:
             curvature[:, k] = -1.0 / np.where(distance > 0.0, distance, 1.0)
             radius[:, k] = radii * sphere.radius / (sphere.radius - radii)
     return WallGaps(gap, container.normals(centres), radius, curvature, lubricates)
+
+
+def overlap(reduced: Array, radius: Array) -> Array:
+    """`a b/(a + b)^2` of a_r = a b/(a + b) and a, which with it decides a law; a round wall has b = -R."""
+    part = reduced / radius
+    return part * (1.0 - part)

@@ -1,6 +1,13 @@
-"""The laws of a reduced case: which kappa between bodies, which beside walls, cut off where."""
+"""The laws of a reduced case: which kappa between bodies, which beside walls, cut off where.
 
+Besides a_r, a film knows its k = a b/(a + b)^2: from 1/4 of equal bodies to 0 beside a plane, and less inside
+a round wall, where b = -R. The leading term of kappa needs a_r alone; all that follows depends on k. A law
+that is for one k refuses films of another.
+"""
+
+from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import combinations_with_replacement, permutations
 from math import inf
 from pathlib import Path
 from typing import Literal
@@ -12,79 +19,220 @@ from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.law_file import read_law_file
 from fsi.errors import InputError, SolveError
+from fsi.lubrication.expansions import Shape, overlap_of, ratio_of
 from fsi.lubrication.laws import CutLaw, LubricationLaw, RangeError
 from fsi.lubrication.named_laws import LAWS, SqueezeFilm, names_of_laws
+from fsi.reduced.enclosure import make_enclosure, overlap, wall_gaps
 
 # Below this gap, in reduced radii, a law is continued by its leading term in the logarithm of the gap: exact
 # for kappa ~ 1/d, whose gaps underflow, and never reached with kappa ~ d^(-3/2).
 _SMALLEST = 1e-150
+# Up to so many different films have a law each; of more, laws at so many k are interpolated (see the tests).
+_NODES = 10
+# Of k: films whose law is the same; of a law's own k: films for which it may be used.
+_SAME, _ALIKE = 1e-12, 1e-6
+# Different radii in a case whose pairs are looked at one by one.
+_FEW = 40
+
+
+@dataclass(frozen=True, slots=True)
+class Films:
+    """What a law must know of P films.
+
+    Attributes:
+        radius: the reduced radius a_r, (P,).
+        overlap: k, (P,).
+        is_wall: whether it is between a body and a wall, (P,).
+    """
+
+    radius: Array
+    overlap: Array
+    is_wall: NDArray[np.bool_]
+
+    def of(self, some: NDArray[np.intp]) -> "Films":
+        """Some of them."""
+        return Films(self.radius[some], self.overlap[some], self.is_wall[some])
+
+
+@dataclass(frozen=True, slots=True)
+class FilmLaw:
+    """A law for films of any k: the polynomial in k through laws at some k; a single law is for all.
+
+    Attributes:
+        laws: at least one.
+        overlaps: k of each law, (m,).
+    """
+
+    laws: tuple[LubricationLaw, ...]
+    overlaps: Array
+
+    def each(self, method: Literal["kappa", "integral"], D: Array, radius: Array, overlap: Array) -> Array:
+        """kappa or its integral at gaps D of films, (P,). Raises RangeError."""
+        if len(self.laws) == 1:
+            return np.asarray(getattr(self.laws[0], method)(D, radius))
+        total = np.zeros(len(D))
+        for law, weight in zip(self.laws, self._weights(overlap), strict=True):
+            here = np.flatnonzero(weight)
+            if len(here):
+                total[here] += weight[here] * getattr(law, method)(D[here], radius[here])
+        return total
+
+    def _weights(self, overlap: Array) -> Array:
+        """Lagrange's, (m, P); at the k of a law it alone has one."""
+        away = overlap - self.overlaps[:, None]
+        at_law = np.abs(away) <= _SAME
+        weights = np.ones_like(away)
+        for i, j in permutations(range(len(self.laws)), 2):
+            weights[i] *= away[j] / (self.overlaps[i] - self.overlaps[j])
+        return np.where(at_law.any(axis=0), at_law, weights)
 
 
 @dataclass(frozen=True, slots=True)
 class GapLaws:
     """kappa and its integral for pairs of bodies and for bodies and walls; arrays are (P,).
 
-    Gaps are given as x = ln D, see `_SMALLEST`, with the reduced radius of each pair and whether it is one of
-    a body and a wall. Raises SolveError where a law does not hold.
+    Gaps are given as x = ln D, see `_SMALLEST`. Raises SolveError where a law does not hold.
 
     Attributes:
         bodies: the law between bodies.
         walls: the law between bodies and walls.
     """
 
-    bodies: LubricationLaw
-    walls: LubricationLaw
+    bodies: FilmLaw
+    walls: FilmLaw
 
-    def kappa(self, x: Array, radius: Array, is_wall: NDArray[np.bool_]) -> Array:
+    def kappa(self, x: Array, films: Films) -> Array:
         """The resistances kappa; infinite where they overflow."""
-        edge = np.log(_SMALLEST * radius)
-        kappa = self._each("kappa", np.exp(np.maximum(x, edge)), radius, is_wall)
+        edge = np.log(_SMALLEST * films.radius)
+        kappa = self._each("kappa", np.exp(np.maximum(x, edge)), films)
         with np.errstate(over="ignore"):
             return kappa * np.exp(np.maximum(edge - x, 0.0))
 
-    def integral(self, x: Array, radius: Array, is_wall: NDArray[np.bool_]) -> tuple[Array, Array]:
+    def integral(self, x: Array, films: Films) -> tuple[Array, Array]:
         """K, an antiderivative of kappa in D, and `dK/dx = kappa D`."""
-        edge = np.log(_SMALLEST * radius)
+        edge = np.log(_SMALLEST * films.radius)
         D = np.exp(np.maximum(x, edge))
-        slope = self._each("kappa", D, radius, is_wall) * D
-        return self._each("integral", D, radius, is_wall) + slope * np.minimum(x - edge, 0.0), slope
+        slope = self._each("kappa", D, films) * D
+        return self._each("integral", D, films) + slope * np.minimum(x - edge, 0.0), slope
 
-    def _each(
-        self, method: Literal["kappa", "integral"], D: Array, radius: Array, is_wall: NDArray[np.bool_]
-    ) -> Array:
+    def _each(self, method: Literal["kappa", "integral"], D: Array, films: Films) -> Array:
         values = np.empty(len(D))
-        for law, here in ((self.bodies, ~is_wall), (self.walls, is_wall)):
+        for law, here in ((self.bodies, ~films.is_wall), (self.walls, films.is_wall)):
             if np.any(here):
                 try:
-                    values[here] = getattr(law, method)(D[here], radius[here])
+                    values[here] = law.each(method, D[here], films.radius[here], films.overlap[here])
                 except RangeError as error:
                     raise SolveError(f"reduced.law: {error} with reduced.extrapolate = true") from None
         return values
 
 
 def make_laws(case: Case) -> GapLaws:
-    """The laws that the section [reduced] asks for.
+    """The laws that the section [reduced] asks for. Raises InputError: a law is not for films of the case."""
+    name, wall_law = case.reduced.law, case.reduced.wall_law
+    bodies = _Asked(case, "law", name, _between_bodies(case), 'reduced.law = "exact"')
+    wall_key = "law" if wall_law is None else "wall_law"
+    walls = _Asked(case, wall_key, wall_law or name, _beside_walls(case), 'reduced.wall_law = "exact"')
+    return GapLaws(bodies.law(0.25), walls.law(0.0))
 
-    Laws that depend on the ratio of the radii are those of a plane for walls and those of equal bodies for
-    pairs, whose leading term holds for all radii. Raises InputError.
+
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """A law that a case asks for, by the key and its value.
+
+    Attributes:
+        films: k of all films there can be, and what each is between.
+        instead: what to give where the law does not suit.
     """
-    name = case.reduced.law
-    return GapLaws(_law(case, "law", name, 1.0), _law(case, "wall_law", case.reduced.wall_law or name, inf))
+
+    case: Case
+    key: str
+    name: str
+    films: Mapping[float, str]
+    instead: str
+
+    def law(self, otherwise: float) -> FilmLaw:
+        """The law, at k = otherwise where there are no films. Raises InputError."""
+        overlaps = _nodes(np.array(list(self.films) or [otherwise]))
+        if self.name not in LAWS:
+            laws = [self._of_file()]
+        elif LAWS[self.name].any_ratio:
+            laws = [self._named(otherwise)]
+        else:
+            laws = [self._named(overlap) for overlap in overlaps.tolist()]
+        cut = self.case.reduced.cutoff
+        return FilmLaw(tuple(laws if cut is None else [CutLaw(law, cut) for law in laws]), overlaps)
+
+    def _film(self, overlap: float) -> SqueezeFilm:
+        shape: Shape = "spheres" if self.case.spheres else "discs"
+        return SqueezeFilm(shape, self.case.fluid.viscosity, ratio_of(overlap), extrapolate=True)
+
+    def _named(self, overlap: float) -> LubricationLaw:
+        try:
+            return LAWS[self.name].of(self._film(overlap))
+        except ValueError as error:
+            remedy = self.instead.replace("exact", "leading")
+            raise InputError(f"{self._here}: {error}; give {remedy}") from None
+
+    def _of_file(self) -> LubricationLaw:
+        """The law of a file at the viscosity of the fluid, not at that at which it was calibrated."""
+        if not Path(self.name).is_file():
+            raise InputError(
+                f"{self._here}: there is no such law; give {names_of_laws()} or the path of a law file"
+            )
+        file, film = read_law_file(Path(self.name)), self._film(0.0)
+        if not file.squeezes(film.shape):
+            raise InputError(
+                f"{self._here}: a law of {file.mode} between {file.shape}; give one of squeeze between "
+                f"{film.shape}"
+            )
+        for k, between in self.films.items():
+            if not file.any_ratio and abs(k - overlap_of(file.ratio or inf)) > _ALIKE:
+                raise InputError(
+                    f"{self._here}: a law of {file.pair}, but the case has {between}; give {self.instead}, "
+                    "or a law of such a film"
+                )
+        return file.law(viscosity=film.viscosity, extrapolate=self.case.reduced.extrapolate)
+
+    @property
+    def _here(self) -> str:
+        return f'reduced.{self.key} = "{self.name}"'
 
 
-def _law(case: Case, key: str, name: str, ratio: float) -> LubricationLaw:
-    film = SqueezeFilm("spheres" if case.spheres else "discs", case.fluid.viscosity, ratio, extrapolate=True)
-    law = LAWS[name].of(film) if name in LAWS else _of_file(case, f'reduced.{key} = "{name}"', name, film)
-    return law if case.reduced.cutoff is None else CutLaw(law, case.reduced.cutoff)
+def _nodes(overlaps: Array) -> Array:
+    """These k, each once; of many Chebyshev's between the least and the greatest."""
+    low, high = overlaps.min(), overlaps.max()
+    each = np.sort(overlaps)
+    each = each[np.diff(each, prepend=-np.inf) > _SAME]
+    if len(each) <= _NODES:
+        return each
+    return np.asarray(0.5 * (low + high) + 0.5 * (high - low) * np.polynomial.chebyshev.chebpts1(_NODES))
 
 
-def _of_file(case: Case, here: str, name: str, film: SqueezeFilm) -> LubricationLaw:
-    """The law of a file at the viscosity of the fluid, not at that at which it was calibrated."""
-    if not Path(name).is_file():
-        raise InputError(f"{here}: there is no such law; give {names_of_laws()} or the path of a law file")
-    file = read_law_file(Path(name))
-    if not file.squeezes(film.shape):
-        raise InputError(
-            f"{here}: a law of {file.mode} between {file.shape}; give one of squeeze between {film.shape}"
-        )
-    return file.law(viscosity=film.viscosity, extrapolate=case.reduced.extrapolate)
+def _between_bodies(case: Case) -> dict[float, str]:
+    """k of all pairs that bodies and images can form; of very many radii some, the extremes among them."""
+    radii = case.configuration().radii
+    a, first, count = np.unique(radii, return_index=True, return_counts=True)
+    if len(a) > _FEW:
+        some = np.linspace(0, len(a) - 1, _FEW).round().astype(int)
+        a, first, count = a[some], first[some], count[some]
+    alone = count + len(case.container().periods) < 2
+    found = {}
+    for i, j in combinations_with_replacement(range(len(a)), 2):
+        if i != j or not alone[i]:
+            names = f"{case.names[first[i]]!r} and {'its like' if i == j else repr(case.names[first[j]])}"
+            reduced = a[i] * a[j] / (a[i] + a[j])
+            found[float(overlap(reduced, a[i]))] = f"bodies {names} of radii {a[i]:g} and {a[j]:g}"
+    return found
+
+
+def _beside_walls(case: Case) -> dict[float, str]:
+    """k of all films beside solid walls."""
+    q, around = case.configuration(), make_enclosure(case, 0.0)
+    walls = wall_gaps(around.container, q.centres, q.radii)
+    found = {}
+    for w in np.flatnonzero(walls.lubricates & around.solid):
+        name = around.container.walls[w]
+        shape = "a plane wall" if around.container.spheres[w] is None else "a round wall"
+        for k in np.unique(overlap(walls.radius[:, w], q.radii)).tolist():
+            found[float(k)] = f"{shape}, {name!r}"
+    return found

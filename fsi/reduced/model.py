@@ -102,7 +102,7 @@ class ReducedModel:
         if np.any(pairs.gap <= 0.0):
             raise SolveError(f"reduced model at t = {t:.9g}: bodies overlap (gap {pairs.gap.min():.3g})")
         x = np.log(pairs.gap)
-        kappa = self.laws.kappa(x, pairs.radius, pairs.is_wall)
+        kappa = self.laws.kappa(x, pairs.films)
         paired = process_time()
         solved = solve_system(ambient, pairs, kappa, inertia)
         checks = identities(solved.network, q, solved.U, solved.alone, solved.force) | solved.balances()

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Configuration
 from fsi.bodies.gaps import find_gaps, row_numbers
 from fsi.meshes.geometry.lattice import Lattice
-from fsi.reduced.enclosure import Enclosure, wall_gaps
+from fsi.reduced.enclosure import Enclosure, overlap, wall_gaps
+from fsi.reduced.gap_laws import Films
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -22,7 +23,8 @@ class Pairs:
         shift: what the image of body j is moved by, (P, d).
         n: unit normals from j to i, so that `D' = n.(u_i - u_j) - b`, (P, d).
         gap: D(q), (P,).
-        radius: the reduced radius a_r, (P,).
+        radius: the reduced radius a_r = a b/(a + b), (P,).
+        overlap: a b/(a + b)^2, from 1/4 of equal bodies to 0 beside a plane, less in a round wall, (P,).
         curvature: of D across n, `G'.u = curvature |u_i - u_j across n|^2`, (P,).
         b: how fast side j moves along n by itself, as a wall or with the lattice, (P,).
         key: of the pair as long as the bodies are the same, rows (i, j, periods), (P, 2 + k).
@@ -35,6 +37,7 @@ class Pairs:
     n: Array
     gap: Array
     radius: Array
+    overlap: Array
     curvature: Array
     b: Array
     key: NDArray[np.int64]
@@ -42,6 +45,11 @@ class Pairs:
     def __len__(self) -> int:
         """Number of pairs P."""
         return len(self.gap)
+
+    @property
+    def films(self) -> Films:
+        """What laws are told."""
+        return Films(self.radius, self.overlap, self.is_wall)
 
 
 def find_pairs(
@@ -89,7 +97,7 @@ def of_keys(q: Configuration, enclosure: Enclosure, key: NDArray[np.int64]) -> P
         curvature[is_wall] = walls.curvature[at]
         radius[is_wall] = walls.radius[at]
     b = own_speed(n, shift, np.where(is_wall, j - len(q), -1), enclosure)
-    return Pairs(i, j, is_wall, shift, n, gap, radius, curvature, b, key)
+    return Pairs(i, j, is_wall, shift, n, gap, radius, overlap(radius, q.radii[i]), curvature, b, key)
 
 
 def own_speed(n: Array, shift: Array, wall: NDArray[np.intp], enclosure: Enclosure) -> Array:

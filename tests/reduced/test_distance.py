@@ -14,7 +14,7 @@ from fsi.reduced.distance_model import (
     FirstIntegral,
     backward_euler_step,
 )
-from fsi.reduced.gap_laws import GapLaws
+from fsi.reduced.gap_laws import FilmLaw, Films, GapLaws
 
 FILM = SqueezeFilm("discs", 1e-2)
 LAWS: dict[str, LubricationLaw] = {
@@ -24,11 +24,16 @@ LAWS: dict[str, LubricationLaw] = {
 }
 
 
+def films(number: int) -> Films:
+    return Films(np.ones(number), np.zeros(number), np.zeros(number, dtype=bool))
+
+
 def integral_of(law: LubricationLaw) -> tuple[GapLaws, object]:
-    laws = GapLaws(law, law)
+    for_all = FilmLaw((law,), np.zeros(1))
+    laws = GapLaws(for_all, for_all)
 
     def integral(x: Array, part: NDArray[np.intp]) -> tuple[Array, Array]:
-        return laws.integral(x, np.ones(len(part)), np.zeros(len(part), dtype=bool))
+        return laws.integral(x, films(len(part)))
 
     return laws, integral
 
@@ -101,8 +106,8 @@ def test_two_held_sides_that_meet_are_refused() -> None:
 def test_the_law_goes_on_below_the_smallest_number() -> None:
     """kappa D = mu and K = mu x for the slides at x = -30000, where D underflows."""
     laws, _ = integral_of(slides_law(SqueezeFilm("discs", 1e-4)))
-    x, one, bodies = np.array([-30000.0]), np.ones(1), np.zeros(1, dtype=bool)
-    K, slope = laws.integral(x, one, bodies)
+    x = np.array([-30000.0])
+    K, slope = laws.integral(x, films(1))
     assert pytest.approx(-3.0, rel=1e-12) == K
     assert slope == pytest.approx(1e-4, rel=1e-12)
-    assert laws.kappa(x, one, bodies) == np.inf
+    assert laws.kappa(x, films(1)) == np.inf

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+from math import log, pi
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from fsi.bodies.configuration import Configuration
 from fsi.case.law_file import LawFile, TableSection, save_law
 from fsi.errors import InputError
+from fsi.lubrication import exact, spheres
+from fsi.lubrication.expansions import Shape
+from fsi.lubrication.named_laws import exact_resistance
 from fsi.models import make_model
+from fsi.reduced.gap_laws import Films, make_laws
+from fsi.reduced.model import ReducedModel
 from tests.reduced_data import reduced_case
 
 TABLE = TableSection(s=(1e-3, 1.0), K=(4000.0, 2.0))
@@ -39,3 +46,111 @@ def test_a_law_of_something_else_is_refused(shape: str, mode: str, tmp_path: Pat
     ))  # fmt: skip
     with pytest.raises(InputError, match=f"a law of {mode} between {shape}; give one of squeeze"):
         velocity(path, 1.0)
+
+
+def disc(name: str, x: float, y: float, radius: float = 1.0) -> dict[str, object]:
+    return {"name": name, "radius": radius, "position": [x, y], "force": [0.0, -1.0]}
+
+
+PLANE = {"shape": "half-plane", "radius": 1000.0}
+LARGE = {"shape": "round", "radius": 1e4}
+EQUAL, UNEQUAL = [disc("a", 0.0, 9.0), disc("b", 3.0, 9.0)], [disc("a", 0.0, 9.0), disc("b", 5.0, 9.0, 3.0)]
+
+
+def law_file(folder: Path, ratio: float | None) -> str:
+    law = LawFile(form="table", shape="discs", ratio=ratio, viscosity=1.0, table=TABLE)
+    save_law(folder / "law.toml", law)
+    return str(folder / "law.toml")
+
+
+@pytest.mark.parametrize(
+    ("ratio", "bodies", "domain", "refusal"),
+    [
+        (3.0, EQUAL, LARGE, r"law of bodies of radii 1 : 3, but the case has bodies 'a' and its like"),
+        (1.0, UNEQUAL, LARGE, r"of bodies of radii 1 : 1, but .*bodies 'a' and 'b' of radii 1 and 3"),
+        (None, EQUAL, LARGE, r"law of a body and a plane wall, but .*give reduced\.law = \"exact\""),
+        (3.0, UNEQUAL, PLANE, r"radii 1 : 3, but the case has a plane wall, 'plane'; give reduced\.wall_law"),
+        (1.0, EQUAL[:1], PLANE, r"radii 1 : 1, but the case has a plane wall"),
+        (None, [disc("a", 0.0, 2.0)], {"shape": "round", "radius": 9.0}, r"has a round wall, 'far'"),
+        (1.0, [disc("a", 4.0, 4.0)], {"periodic": ["x"], "lower": [0.0, 0.0], "upper": [8.0, 8.0]}, "top"),
+    ],
+)
+def test_a_law_of_another_film_is_refused(
+    ratio: float | None,
+    bodies: list[dict[str, object]],
+    domain: dict[str, object],
+    refusal: str,
+    tmp_path: Path,
+) -> None:
+    """One of radii 1 : 3 for equal discs, of two discs beside a wall, of a plane in a round container."""
+    case = reduced_case(bodies, {"law": law_file(tmp_path, ratio), "drag": 1.0, "cutoff": 1.0}, domain=domain)
+    with pytest.raises(InputError, match=refusal):
+        make_model(case)
+
+
+def test_a_law_is_taken_where_it_belongs(tmp_path: Path) -> None:
+    """Of radii 3 : 1 for 1 : 3, of equal ones for a disc and its images, and the slides' for all."""
+    more = {"wall_law": "exact", "drag": 1.0, "cutoff": 1.0}
+    make_model(reduced_case(UNEQUAL, {"law": law_file(tmp_path, 3.0), **more}, domain=LARGE))
+    channel = {"periodic": ["x"], "lower": [0.0, 0.0], "upper": [8.0, 8.0]}
+    make_model(reduced_case([disc("a", 4.0, 4.0)], {"law": law_file(tmp_path, 1.0), **more}, domain=channel))
+    (tmp_path / "slides.toml").write_text('form = "slides"\nviscosity = 1.0')
+    make_model(reduced_case(UNEQUAL, {"law": str(tmp_path / "slides.toml"), "drag": 1.0}, domain=LARGE))
+
+
+def resistance(radii: tuple[float, float], gap: float, shape: str) -> float:
+    """Of a pair that is pushed together, the force of its film over the rate of its gap."""
+    a, b = radii
+    bodies = [
+        {"name": "a", "radius": a, "position": [0.0, 0.0], "force": [0.0, -1.0]},
+        {"name": "b", "radius": b, "position": [0.0, -a - b - gap], "force": [0.0, 1.0]},
+    ]
+    geometry = "planar" if shape == "discs" else "axisymmetric"
+    found = ReducedModel(reduced_case(bodies, {"drag": 1.0}, domain=LARGE, geometry=geometry))(
+        Configuration.unturned(np.array([body["position"] for body in bodies]), np.array(radii)), 0.0
+    )
+    (pair,) = np.flatnonzero(~found.pairs.is_wall)
+    return float(found.force[pair] / found.rates[pair])
+
+
+@pytest.mark.parametrize("shape", ["discs", pytest.param("spheres", marks=pytest.mark.slow)])
+def test_the_exact_law_is_that_of_the_pair(shape: Shape) -> None:
+    """Radii 2 : 6 at a gap of 0.3: the law of equal bodies is off by 0.8 % or more."""
+    own = float(exact_resistance(shape, "squeeze", 0.2, 3.0))
+    unit = 1.0 if shape == "discs" else 1.5
+    assert resistance((2.0, 6.0), 0.3, shape) == pytest.approx(unit * own, rel=1e-8)
+    equal = float(exact_resistance(shape, "squeeze", 0.2, 1.0))
+    assert abs(equal / own - 1.0) > 0.008
+
+
+def test_many_radii_share_laws_at_a_few_ratios() -> None:
+    """50 radii from 1 to 10, all pairs, against the closed form; measured 3e-8."""
+    radii = np.geomspace(1.0, 10.0, 50)
+    bodies = [disc(f"d{i}", 40.0 * i, 0.0, a) for i, a in enumerate(radii.tolist())]
+    laws = make_laws(reduced_case(bodies, {"drag": 1.0}, domain=LARGE))
+    i, j = np.triu_indices(50)
+    a_r = radii[i] * radii[j] / (radii[i] + radii[j])
+    films = Films(a_r, a_r * (1.0 - a_r / radii[i]) / radii[i], np.zeros(len(i), dtype=bool))
+    for s in (1e-6, 1e-2, 1.0, 30.0):
+        K = exact.relative_resistance(s * a_r, radii[i], radii[j], 1.0)
+        np.testing.assert_allclose(laws.kappa(np.log(s * a_r), films), K, rtol=1e-7)
+
+
+def test_a_disc_in_a_round_container() -> None:
+    """Concentric, `4 pi mu / (ln(R/a) - (R^2 - a^2)/(R^2 + a^2))`, of the annulus between circles."""
+    case = reduced_case([disc("a", 0.0, 0.0)], {"drag": 1e-9}, domain={"shape": "round", "radius": 3.0})
+    films = Films(np.array([1.5]), np.array([-0.75]), np.array([True]))
+    K = make_laws(case).kappa(np.log([2.0]), films)
+    assert pytest.approx(4.0 * pi / (log(3.0) - 0.8), rel=1e-9) == K
+
+
+def test_the_law_of_a_plane_is_for_spheres_in_large_containers_only() -> None:
+    """Beyond 100 radii it is within 1 %; less is refused."""
+    ball, near = [disc("a", 0.0, 0.0)], {"shape": "round", "radius": 3.0}
+    far = reduced_case(ball, {}, domain={"shape": "round", "radius": 200.0}, geometry="axisymmetric")
+    films = Films(np.array([200.0 / 199.0]), np.array([-200.0 / 199.0**2]), np.array([True]))
+    K = make_laws(far).kappa(np.log([0.1]), films)
+    assert pytest.approx(float(spheres.normal_resistance(0.1, 1.0, 1.0)), rel=0.01) == K
+    refusal = r"within a round wall of 3 radii; give reduced\.wall_law = \"leading\""
+    with pytest.raises(InputError, match=refusal):
+        make_model(reduced_case(ball, {}, domain=near, geometry="axisymmetric"))
