@@ -20,6 +20,7 @@ _OF_PATHS = (
     errno.ENAMETOOLONG, errno.EEXIST, errno.ENOTEMPTY,
 )  # fmt: skip
 
+_LONGEST = 200  # letters of what a compiler says
 _LIBRARY = re.compile(r"(lib\S+\.so\S*): cannot open shared object file")
 
 
@@ -39,11 +40,21 @@ def explain(error: BaseException) -> FsiError | None:
             f"{lacking} is missing on this machine, which compiles the forms; as root: "
             f"apt-get install -y {COMPILER}"
         )
+    if "ffcx" in _modules(error) or "JIT compilation" in str(error):
+        compiler = os.environ.get("CC", "gcc")
+        return SolveError(
+            f"the compiler {compiler} failed on the forms ({_last_line(error)}); see that it compiles C, or "
+            "name another one by the variable CC"
+        )
     if isinstance(error, MemoryError):
         return SolveError("memory: there is not enough on this machine; give a coarser mesh or fewer bodies")
     if isinstance(error, OSError) and error.strerror:
         return _refused(error)
     return None
+
+
+def _last_line(error: BaseException) -> str:
+    return (str(error).strip().splitlines() or [type(error).__name__])[-1][:_LONGEST]
 
 
 def _refused(error: OSError) -> FsiError:

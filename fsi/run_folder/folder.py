@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import LOADS, MODES, PLACES
 from fsi.errors import FsiError, InputError, SolveError
-from fsi.files import TEMPORARY, replace
+from fsi.files import TEMPORARY, json_of, replace
 from fsi.integration.state import State, StepRecord
 from fsi.parallel import is_root, on_root
 from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
@@ -203,8 +203,11 @@ def _cut(table: Path, length: int) -> None:
 
 
 def _provenance(path: Path) -> dict[str, Any]:
-    data: dict[str, Any] = json.loads((path / PROVENANCE).read_text(encoding="utf-8"))
-    return data
+    data = json_of(path / PROVENANCE, "put it back or run the case again")
+    launches = data.get("launches") if isinstance(data, dict) else None
+    if not (isinstance(launches, list) and all(isinstance(launch, dict) for launch in launches)):
+        raise ValueError(f"{PROVENANCE} has no list of launches")
+    return dict(data)
 
 
 def _write_launches(path: Path, launches: Sequence[Mapping[str, Any]]) -> None:

@@ -7,56 +7,23 @@ Stokes flow, with `e(u) = (grad u + grad u^T) / 2` and `sigma = 2 mu e(u) - p I`
 
 Only the form with e(u), not grad u, gives the physical traction `sigma n`. Forms are compiled once for each
 pair of element orders, without a mesh, and bound to each new mesh: compiling costs seconds, binding
-microseconds. FFCx keeps what it compiles in a cache on disk. A process that was killed while compiling leaves
-an entry that never gets ready; every later process waits for it in vain. After PATIENCE it is removed, and
-compiled anew.
+microseconds.
 """
 
-import re
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 
 import basix.ufl
 import numpy as np
 import ufl
 from dolfinx import fem
 from dolfinx.mesh import exterior_facet_indices
-from mpi4py import MPI
 from numpy.typing import NDArray
 
-import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.meshes.build import FluidMesh, coordinate_element
 from fsi.meshes.cells.curved import reference_points
-
-PATIENCE = 60  # seconds; another process may be compiling the same form
-_STALE = re.compile(r"remove (\S+\.c)\)")
-
-
-# FFCx's own, and leave to reorder sums, which saves a quarter of the time of A; no machine's own code:
-# machines may share a cache.
-FLAGS = ["-O2", "-g0", "-fno-math-errno", "-fno-signed-zeros", "-fno-trapping-math", "-fassociative-math"]
-
-
-def compile_form(form: ufl.Form) -> fem.forms.CompiledForm:
-    """A compiled form, for all meshes of its kind; collective."""
-    try:
-        return _compile(form)
-    except (TimeoutError, RuntimeError) as error:
-        parallel.settle(error)
-        entry = _STALE.search(str(error))
-        stale = MPI.COMM_WORLD.bcast(None if entry is None else entry[1])
-        if stale is None:
-            raise
-        parallel.on_root(lambda: Path(stale).unlink(missing_ok=True))
-        return _compile(form)
-
-
-def _compile(form: ufl.Form) -> fem.forms.CompiledForm:
-    options = {"timeout": PATIENCE, "cffi_extra_compile_args": FLAGS}
-    return fem.compile_form(MPI.COMM_WORLD, form, jit_options=options)
-
+from fsi.stokes.discretisation.jit import compile_form
 
 CELL = fem.IntegralType.cell
 FACET = fem.IntegralType.exterior_facet

@@ -1,0 +1,109 @@
+"""Forms compiled at run time, and the cache on disk of what FFCx has compiled, which may be in any state.
+
+A process that is killed while it compiles leaves an entry that never gets ready, for which every later one
+would wait; a full disk or a power cut leaves a library cut short, whose use ends in a bus error. Entries are
+therefore looked at before the first is used, and what is broken is removed and compiled again. Where there
+can be no cache, a folder is used that lasts as long as the process.
+"""
+
+import re
+import struct
+import tempfile
+import time
+from functools import cache
+from pathlib import Path
+
+import dolfinx.jit
+import ufl
+from dolfinx import fem
+from mpi4py import MPI
+
+import fsi.parallel as parallel
+
+PATIENCE = 60  # seconds; another process may be compiling the same form
+_STALE = re.compile(r"remove (\S+\.c)\)")
+
+# FFCx's own, and leave to reorder sums, which saves a quarter of the time of A; no machine's own code:
+# machines may share a cache.
+FLAGS = ["-O2", "-g0", "-fno-math-errno", "-fno-signed-zeros", "-fno-trapping-math", "-fassociative-math"]
+
+_READY = ".c.cached"
+_ELF, _HEADER = b"\x7fELF\x02\x01", 64  # of a library of 64 bits on Linux
+
+
+def compile_form(form: ufl.Form) -> fem.forms.CompiledForm:
+    """A compiled form, for all meshes of its kind; collective."""
+    try:
+        return _compile(form)
+    except (TimeoutError, RuntimeError, ImportError) as error:
+        parallel.settle(error)
+        source = MPI.COMM_WORLD.bcast(_blocked_by(error))
+        if source is None:
+            raise
+        parallel.on_root(lambda: _remove(source))
+        return _compile(form)
+
+
+def _blocked_by(error: Exception) -> Path | None:
+    """The source of the entry that never gets ready, or that cannot be loaded; None of other errors."""
+    stale = _STALE.search(str(error))
+    if stale is not None:
+        return Path(stale[1])
+    library = getattr(error, "path", None)
+    return None if library is None else Path(library).with_name(f"{Path(library).name.partition('.')[0]}.c")
+
+
+def _compile(form: ufl.Form) -> fem.forms.CompiledForm:
+    options = {"timeout": PATIENCE, "cffi_extra_compile_args": FLAGS, "cache_dir": _folder()}
+    return fem.compile_form(MPI.COMM_WORLD, form, jit_options=options)
+
+
+@cache
+def _folder() -> Path:
+    """Where compiled forms are kept, without broken entries; collective when it is first asked for."""
+    return parallel.on_root(lambda: sound_cache(Path(dolfinx.jit.get_options()["cache_dir"])))
+
+
+def sound_cache(folder: Path) -> Path:
+    """The folder without its broken entries, or a folder for this process where it cannot be used."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+        for source in folder.glob("*.c"):
+            if _is_broken(source):
+                _remove(source)
+    except OSError:
+        return Path(_own_folder().name)
+    return folder
+
+
+@cache
+def _own_folder() -> tempfile.TemporaryDirectory[str]:
+    """A folder that is removed when the process ends."""
+    return tempfile.TemporaryDirectory(prefix="fsi-forms-")
+
+
+def _is_broken(source: Path) -> bool:
+    """Whether an entry is ready without a whole library, or has been getting ready for too long."""
+    if not source.with_suffix(_READY).exists():
+        return time.time() - source.stat().st_mtime > 2 * PATIENCE
+    libraries = list(source.parent.glob(f"{source.stem}.*.so"))
+    return not libraries or not all(is_whole(library) for library in libraries)
+
+
+def is_whole(library: Path) -> bool:
+    """Whether a library reaches as far as its header says: the table of its sections stands at its end."""
+    with library.open("rb") as file:
+        header = file.read(_HEADER)
+    if not header.startswith(_ELF) or len(header) < _HEADER:
+        return False
+    (table,) = struct.unpack_from("<Q", header, 40)
+    size, count = struct.unpack_from("<HH", header, 58)
+    return bool(table + size * count <= library.stat().st_size)
+
+
+def _remove(source: Path) -> None:
+    """All files of an entry, last the source: while that is there nobody else makes the entry anew."""
+    for file in (*(set(source.parent.glob(f"{source.stem}.*")) - {source}), source):
+        file.unlink(missing_ok=True)
