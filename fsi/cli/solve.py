@@ -85,7 +85,7 @@ def _solve_reduced(case: Case, *, as_json: bool) -> None:
 def resistance(
     case_file: CaseFile,
     output: Annotated[
-        Path | None, output_to("A .json or .npz file for R and its inverse, .csv for R.", False)
+        Path | None, output_to("A .json or .npz file for R, its inverse and their errors, .csv for R.", False)
     ] = None,
     as_json: AsJson = False,
     overrides: Overrides = None,
@@ -94,7 +94,8 @@ def resistance(
 
     F are the external loads that unit motions of the bodies need at time 0 between walls at rest, or open
     where the case has them open; its velocities of walls, its motions and loads of bodies are ignored. The
-    error of R, over the diagonal, is estimated with another degree and held to discretisation.tolerance.
+    errors of all entries are estimated with another degree; the largest of R, over the diagonal, is held to
+    discretisation.tolerance.
     In a container of given radius the change of R with half that radius is reported, as by fsi solve.
     """
     from fsi.observables.resistance import difference
@@ -112,13 +113,13 @@ def resistance(
     solved = resistance_with_error(case)
     found, half = solved.resistance, halved(solved.case)
     truncation = None if half is None else difference(found.R, case_resistance(half).R, found.modes.scale)
-    data = resistance_json(case.name, found, solved.error, truncation)
+    data = resistance_json(case.name, found, solved.errors, truncation)
     if output is not None:
         parallel.on_root(lambda: write_resistance(output, data))
     if parallel.is_root() and as_json:
         typer.echo(json.dumps(data))
     elif parallel.is_root():
-        print_resistance(standard_output(), case.name, found, solved.error, truncation)
+        print_resistance(standard_output(), case.name, found, solved.errors, truncation)
 
 
 def mesh(

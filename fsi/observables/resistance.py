@@ -16,6 +16,10 @@ from fsi.bodies.configuration import LOADS, MODES, Array, arms
 from fsi.errors import SolveError
 
 BOUND = 1e-9
+# What the factorisation leaves of an entry over sqrt(R_ii R_jj), of the inverse likewise.
+FACTORISATION = 1e-11
+# Errors of entries may cancel, of the estimate by chance more than in truth: it is known to so much.
+KNOWN_TO = 0.03
 # A positive matrix has no eigenvalue below this part of its largest: at a gap of 1e-6 radii it is 1e-10.
 ROUNDING = 1e-12
 
@@ -59,6 +63,21 @@ class Resistance:
     dofs: int
     cells: int
     seconds: dict[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class ResistanceErrors:
+    """Estimated errors of a resistance matrix.
+
+    Attributes:
+        R: of each entry, absolute, (n, n).
+        mobility: likewise, None where there is none.
+        largest: of R, as `difference`.
+    """
+
+    R: Array
+    mobility: Array | None
+    largest: float
 
 
 def all_modes(names: Sequence[str], radii: Array, viscosity: float, dimension: int) -> Modes:
@@ -118,3 +137,23 @@ def difference(R: Array, other: Array, scale: Array) -> float:
     """
     size = np.sqrt(np.maximum(np.diag(R), scale**2))
     return float(np.max(np.abs(R - other) / np.outer(size, size)))
+
+
+def estimated_errors(found: Resistance, other: Resistance, factor: float) -> ResistanceErrors:
+    """The factor times the differences from another, at least what rounding and chance leave.
+
+    R and its error are positive matrices, so that |E_ij| <= sqrt(E_ii E_jj), of the mobility likewise: that
+    is the scale of what cancels in E_ij.
+    """
+
+    def bound(A: Array, B: Array) -> Array:
+        error, size = factor * np.abs(A - B), np.sqrt(np.diag(A))
+        cancelling = np.sqrt(np.diag(error))
+        least = FACTORISATION * np.outer(size, size) + KNOWN_TO * np.outer(cancelling, cancelling)
+        return np.asarray(np.maximum(error, least))
+
+    of_mobility = None
+    if found.mobility is not None and other.mobility is not None:
+        of_mobility = bound(found.mobility, other.mobility)
+    largest = factor * difference(found.R, other.R, found.modes.scale)
+    return ResistanceErrors(bound(found.R, other.R), of_mobility, largest)

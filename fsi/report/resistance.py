@@ -3,7 +3,7 @@
 import csv
 import io
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,7 @@ from rich.text import Text
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
 from fsi.files import replace
-from fsi.observables.resistance import Resistance
+from fsi.observables.resistance import Resistance, ResistanceErrors
 from fsi.report.console import checks_table, table
 
 # Two discs; wider tables do not fit on a screen.
@@ -27,7 +27,7 @@ WHY_SINGULAR = "no wall is at rest, so that a rigid motion of everything costs n
 
 
 def resistance_json(
-    name: str, resistance: Resistance, error: float, truncation: float | None
+    name: str, resistance: Resistance, errors: ResistanceErrors, truncation: float | None
 ) -> dict[str, Any]:
     """The object that `fsi resistance --json` prints; `truncation` is there where it could be measured."""
     data: dict[str, Any] = {
@@ -35,10 +35,12 @@ def resistance_json(
         "loads": list(resistance.modes.loads),
         "velocities": list(resistance.modes.velocities),
         "resistance": resistance.R.tolist(),
+        "resistance_error": errors.R.tolist(),
         "mobility": None if resistance.mobility is None else resistance.mobility.tolist(),
+        "mobility_error": None if errors.mobility is None else errors.mobility.tolist(),
         "smallest_eigenvalue": float(resistance.eigenvalues[0]),
         "largest_eigenvalue": float(resistance.eigenvalues[-1]),
-        "error": error,
+        "error": errors.largest,
         "checks": resistance.checks,
         "dofs": resistance.dofs,
         "cells": resistance.cells,
@@ -49,7 +51,7 @@ def resistance_json(
 
 
 def print_resistance(
-    console: Console, name: str, resistance: Resistance, error: float, truncation: float | None
+    console: Console, name: str, resistance: Resistance, errors: ResistanceErrors, truncation: float | None
 ) -> None:
     """The same for a reader; matrices of more than two discs are left to files."""
     loads, velocities = resistance.modes.loads, resistance.modes.velocities
@@ -58,12 +60,15 @@ def print_resistance(
     else:
         console.print(Text(f"{name}: resistance R, F = R U, F external"))
         console.print(_matrix(loads, velocities, resistance.R))
+        console.print(Text("its errors"), _bars(loads, velocities, errors.R), sep="\n")
         if resistance.mobility is not None:
             console.print(Text("mobility, U = R^-1 F"))
             console.print(_matrix(velocities, loads, resistance.mobility))
+        if errors.mobility is not None:
+            console.print(Text("its errors"), _bars(velocities, loads, errors.mobility), sep="\n")
     if resistance.mobility is None:
         console.print(Text(f"no mobility: R is singular: {WHY_SINGULAR}"))
-    console.print(_checks(resistance, error, truncation))
+    console.print(_checks(resistance, errors.largest, truncation))
     seconds = sum(resistance.seconds.values())
     console.print(Text(f"{resistance.cells} cells, {resistance.dofs} unknowns, {seconds:.2f} CPU s"))
 
@@ -71,7 +76,15 @@ def print_resistance(
 def _matrix(rows: tuple[str, ...], columns: tuple[str, ...], values: Array) -> Table:
     size = np.sqrt(np.abs(np.outer(values.diagonal(), values.diagonal())))
     labelled = zip(rows, values, SMALL * size, strict=True)
-    entries = ((label, *map(_number, row, scale)) for label, row, scale in labelled)
+    return _labelled(columns, ((label, *map(_number, row, scale)) for label, row, scale in labelled))
+
+
+def _bars(rows: tuple[str, ...], columns: tuple[str, ...], errors: Array) -> Table:
+    entries = zip(rows, errors, strict=True)
+    return _labelled(columns, ((label, *(f"{error:.0e}" for error in row)) for label, row in entries))
+
+
+def _labelled(columns: tuple[str, ...], entries: Iterable[Sequence[str]]) -> Table:
     shown = table(("",), [label.replace(".", "\n") for label in columns], entries, box=box.SIMPLE_HEAD)
     shown.show_edge, shown.padding = False, (0, 1, 0, 0)
     return shown
@@ -101,7 +114,8 @@ def _csv(data: Mapping[str, Any]) -> bytes:
 
 
 def _npz(data: Mapping[str, Any]) -> bytes:
-    keys = ["loads", "velocities", "resistance", *(["mobility"] if data["mobility"] else [])]
+    keys = ["loads", "velocities", "resistance", "resistance_error"]
+    keys += [key for key in ("mobility", "mobility_error") if data[key] is not None]
     file = io.BytesIO()
     np.savez(file, allow_pickle=False, **{key: np.array(data[key]) for key in keys})
     return file.getvalue()
@@ -121,7 +135,7 @@ def require_format(path: Path) -> None:
 
 
 def write_resistance(path: Path, data: Mapping[str, Any]) -> None:
-    """Write what `resistance_json` gives: .npz takes R and its inverse, .csv R alone. Raises InputError."""
+    """Write what `resistance_json` gives, .npz R, its inverse and errors, .csv R alone. Raises InputError."""
     try:
         replace(path, FORMATS[path.suffix](data))
     except OSError as error:

@@ -20,7 +20,7 @@ from fsi.errors import InputError
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.containers import Container
 from fsi.observables import resistance as matrix
-from fsi.observables.resistance import Modes, Resistance
+from fsi.observables.resistance import Modes, Resistance, ResistanceErrors
 from fsi.stokes.adapt import Refinement, refine
 from fsi.stokes.identities import identities, require
 from fsi.stokes.model import StokesModel, other_degree_of
@@ -37,9 +37,10 @@ type Mesher = Callable[[Configuration], FluidMesh]
 
 @dataclass(frozen=True, slots=True)
 class SolvedResistance(Refinement):
-    """R of a case with its accuracy: the error is the `difference` of R."""
+    """R of a case with its accuracy: the error is the largest of `errors`."""
 
     resistance: Resistance
+    errors: ResistanceErrors
 
 
 def resistance_with_error(case: Case) -> SolvedResistance:
@@ -54,8 +55,8 @@ def _solved(case: Case) -> SolvedResistance:
     degree, factor = other_degree_of(case.discretisation.degree, case.dimension)
     model = StokesModel(case)
     other = _resistance(case, model, model.reference_mesh, degree)
-    error = factor * matrix.difference(computed.R, other.R, computed.modes.scale)
-    return SolvedResistance(case, error, computed.dofs, computed)
+    errors = matrix.estimated_errors(computed, other, factor)
+    return SolvedResistance(case, errors.largest, computed.dofs, computed, errors)
 
 
 def case_resistance(case: Case) -> Resistance:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,9 +17,11 @@ from fsi.bodies.configuration import Array
 from fsi.errors import InputError, SolveError
 from fsi.observables.resistance import (
     Resistance,
+    ResistanceErrors,
     all_modes,
     axial_modes,
     difference,
+    estimated_errors,
     inverse,
     positive_eigenvalues,
     symmetrised,
@@ -37,6 +40,28 @@ def of_one_disc(mobility: Array | None) -> Resistance:
         all_modes(("disc",), ONES[:1], 1.0, 2), SPD, mobility, eigenvalues, {"power": 1e-13}, 120, 30,
         {"mesh": 0.25, "solve": 0.5},
     )  # fmt: skip
+
+
+def errors_of(mobility: Array | None) -> ResistanceErrors:
+    return ResistanceErrors(1e-6 * SPD, None if mobility is None else 3e-7 * np.ones((3, 3)), 2e-6)
+
+
+def test_every_entry_has_its_error_also_where_rounding_is_all() -> None:
+    """R_00 differs by 0.2: the inverse of 1x1 blocks by 1/4 - 1/4.2; no entry is known better than 1e-11."""
+    found, other = of_one_disc(inverse(SPD)), of_one_disc(inverse(SPD + np.diag([0.2, 0.0, 0.0])))
+    other = replace(other, R=SPD + np.diag([0.2, 0.0, 0.0]))
+    errors = estimated_errors(found, other, 1.5)
+    assert errors.R[0, 0] == pytest.approx(0.3)
+    assert errors.largest == pytest.approx(0.3 / 4.0)
+    assert_allclose(errors.R[1:, 1], 1e-11 * np.sqrt([9.0, 6.0]))
+    cancelling = estimated_errors(found, replace(other, R=SPD + np.diag([0.2, 0.1, 0.0])), 1.5)
+    assert cancelling.R[0, 1] == pytest.approx(0.03 * np.sqrt(0.3 * 0.15))
+    # Sherman and Morrison: M - M' = 0.2 M e e^T M / (1 + 0.2 M_00).
+    assert found.mobility is not None
+    assert errors.mobility is not None
+    M = found.mobility
+    assert_allclose(errors.mobility, 1.5 * 0.2 * np.abs(np.outer(M[0], M[0])) / (1.0 + 0.2 * M[0, 0]))
+    assert estimated_errors(of_one_disc(None), other, 1.5).mobility is None
 
 
 def test_scales_make_every_entry_dimensionless() -> None:
@@ -99,7 +124,7 @@ def test_inverse_keeps_its_digits_at_small_gaps() -> None:
 def test_files(tmp_path: Path) -> None:
     """Each reads back to the last digit, with labels."""
     mobility = inverse(SPD)
-    data = resistance_json("a disc", of_one_disc(mobility), 2e-6, 1e-6)
+    data = resistance_json("a disc", of_one_disc(mobility), errors_of(mobility), 1e-6)
     for suffix in ("json", "csv", "npz"):
         write_resistance(tmp_path / f"R.{suffix}", data)
     assert json.loads((tmp_path / "R.json").read_text()) == data
@@ -112,12 +137,14 @@ def test_files(tmp_path: Path) -> None:
     arrays = np.load(tmp_path / "R.npz")
     assert_allclose(arrays["resistance"], SPD, rtol=0)
     assert_allclose(arrays["mobility"], mobility, rtol=0)
+    assert_allclose(arrays["resistance_error"], 1e-6 * SPD, rtol=0)
+    assert_allclose(arrays["mobility_error"], 3e-7, rtol=0)
     assert list(arrays["loads"]) == ["disc.F_x", "disc.F_y", "disc.T"]
     assert sorted(file.name for file in tmp_path.iterdir()) == ["R.csv", "R.json", "R.npz"]
 
 
 def test_files_without_mobility(tmp_path: Path) -> None:
-    data = resistance_json("a disc", of_one_disc(None), 2e-6, None)
+    data = resistance_json("a disc", of_one_disc(None), errors_of(None), None)
     assert data["mobility"] is None
     assert "truncation" not in data
     write_resistance(tmp_path / "R.npz", data)
@@ -129,20 +156,30 @@ def test_a_file_that_cannot_be_written_is_one_line(tmp_path: Path) -> None:
         require_format(Path("R.txt"))
     with pytest.raises(InputError, match=r"No such file or directory; give another path"):
         write_resistance(
-            tmp_path / "nowhere" / "R.csv", resistance_json("a disc", of_one_disc(None), 2e-6, None)
+            tmp_path / "nowhere" / "R.csv",
+            resistance_json("a disc", of_one_disc(None), errors_of(None), None),
         )
 
 
 def shown(found: Resistance, width: int) -> str:
     printed = io.StringIO()
-    print_resistance(Console(width=width, file=printed), "a disc", found, 2e-6, None)
+    print_resistance(Console(width=width, file=printed), "a disc", found, errors_of(found.mobility), None)
     return printed.getvalue()
 
 
 def test_tables_fit_a_screen() -> None:
     """All labels and numbers, none cut short, in 80 columns."""
     text = shown(of_one_disc(inverse(SPD)), 80)
-    for word in ("disc.F_x", "disc.omega", "0.3077", "smallest eigenvalue", "1.25", "30 cells, 120 unknowns"):
+    for word in (
+        "disc.F_x",
+        "disc.omega",
+        "0.3077",
+        "4e-06",
+        "3e-07",
+        "smallest eigenvalue",
+        "1.25",
+        "30 cells, 120 unknowns",
+    ):
         assert word in text
     assert "…" not in text
 

@@ -193,4 +193,14 @@ def test_the_tolerance_of_a_case_holds_its_resistance_matrix() -> None:
         found = resistance_with_error(parse_case(data | {"discretisation": given}))
         true = difference(found.resistance.R, fine.R, fine.modes.scale)
         assert true < found.error < 4.0 * true
+        for entries, finer_entries, bars in (
+            (found.resistance.R, fine.R, found.errors.R),
+            (found.resistance.mobility, fine.mobility, found.errors.mobility),
+        ):
+            assert entries is not None
+            assert finer_entries is not None
+            assert bars is not None
+            ratios = np.abs(entries - finer_entries) / bars
+            assert np.all(ratios < 1.0)
+            assert np.median(ratios) > 0.5
         assert (found.error > 1e-4) if tolerance is None else (found.error <= tolerance)
