@@ -77,9 +77,11 @@ class Reference(StokesModel):
         }
         super().__init__(case.model_copy(update={"discretisation": now.model_copy(update=sizes)}))
 
-    def mesh(self, q: Configuration, t: float = 0.0, order: int | None = None) -> FluidMesh:
-        """A new mesh."""
-        domain = FluidDomain(graded(self.case.container().at(t)), q.centres, q.radii)
+    def scaled_mesh(self, q: Configuration, t: float = 0.0, order: int | None = None) -> FluidMesh:
+        """A new mesh in the units of the model."""
+        container = graded(self.units.scaled_container(self.case.container()).at(t))
+        centres, radii = (self.units.scaled_lengths(x) for x in (q.centres, q.radii))
+        domain = FluidDomain(container, centres, radii)
         return build(domain, self.resolution, order or self.case.discretisation.degree)
 
 
