@@ -101,7 +101,7 @@ class Solution:
 
     @property
     def dissipation(self) -> float:
-        """`2 mu int e:e`, in a reduced model that of gaps and drag."""
+        """`2 mu int e:e`, infinite where walls' velocities jump; in a reduced model that of gaps and drag."""
         return float(self.instant.record["dissipation"])
 
     @property

@@ -105,7 +105,7 @@ class ErrorEstimate:
     Attributes:
         U: of the velocities where they are free, else 0, (N, M).
         F: of the loads where U is held, else 0, (N, M).
-        dissipation: of `2 mu int e:e`.
+        dissipation: of `2 mu int e:e`, not a number where that is infinite.
         apparent_viscosity: of that of a periodic flow, not a number without a strain rate.
         stress: of a periodic flow.
     """
@@ -126,8 +126,9 @@ class StepErrors:
 
     @property
     def columns(self) -> Mapping[str, float]:
-        """Of steps.csv: the relative errors err_U and err_F; of viscosity and mean stress, absolute."""
+        """Of steps.csv: the relative errors err_U and err_F; absolute ones of all that is not for a body."""
         columns = {"err_U": self.relative.get("velocity", 0.0), "err_F": self.relative.get("force", 0.0)}
+        columns["err_dissipation"] = self.errors.dissipation
         if self.errors.apparent_viscosity is not None:
             columns["err_apparent_viscosity"] = self.errors.apparent_viscosity
         return columns if self.errors.stress is None else {**columns, **self.errors.stress.columns}

@@ -33,13 +33,14 @@ class SolvedFlow:
         U: velocities of the bodies, (N, M).
         F: loads int sigma n, n out of the fluid, by the reactions, (N, M): external; the fluid exerts -F.
         traction_F: the same from the traction integral of sigma_h n, less accurate, a cross-check.
-        dissipation: int 2 mu e : e.
+        dissipation: int 2 mu e : e, infinite where the velocities of walls jump.
         checks: the relative defects of the identities.
         dofs: unknowns (u, p) before constraints.
         cells: number of cells over all ranks.
         iterations: of the linear solver, 0 of the direct one.
         seconds: CPU seconds of this process by phase.
         bulk: mean stress of a periodic flow.
+        jumps: the walls with different velocities that meet, by their names.
     """
 
     U: Array
@@ -52,6 +53,7 @@ class SolvedFlow:
     iterations: int
     seconds: dict[str, float]
     bulk: BulkStress | None
+    jumps: tuple[tuple[str, str], ...]
 
     @property
     def apparent_viscosity(self) -> float | None:

@@ -47,7 +47,7 @@ def solution_json(
     data: dict[str, Any] = {
         "name": case.name,
         "bodies": bodies,
-        "dissipation": float(solution.dissipation),
+        **_dissipation_json(solution, errors),
         "checks": {name: float(value) for name, value in solution.checks.items()},
         "discretisation": case.discretisation.model_dump(exclude_none=True),
         "dofs": int(solution.dofs),
@@ -59,6 +59,18 @@ def solution_json(
     if solution.bulk is not None and errors.stress is not None:
         _add_stress(data, solution.bulk, errors, errors.stress)
     return data if truncated is None else data | {"truncation": dict(truncated)}
+
+
+def _dissipation_json(solution: SolvedFlow, errors: ErrorEstimate) -> dict[str, Any]:
+    """JSON has no infinite numbers: null, and the reason."""
+    if solution.jumps:
+        return {"dissipation": None, "dissipation_error": None, "dissipation_infinite": _why(solution)}
+    return {"dissipation": float(solution.dissipation), "dissipation_error": float(errors.dissipation)}
+
+
+def _why(solution: SolvedFlow) -> str:
+    pairs = ", ".join(f"{one} and {other}" for one, other in solution.jumps)
+    return f"the velocity jumps where walls meet: {pairs}"
 
 
 def bodies_json(case: Case, U: Array, F: Array) -> list[dict[str, Any]]:
@@ -105,7 +117,8 @@ def print_solution(
         console.print(_stress_table(solution.bulk, errors, errors.stress))
     changes = (truncated or {}).items()
     halved = {f"truncation: change of {name} when the radius is halved": value for name, value in changes}
-    console.print(checks_table("check, relative", solution.checks | halved), _cost(case, solution), sep="\n")
+    console.print(checks_table("check, relative", solution.checks | halved))
+    console.print(_cost(case, solution, errors))
 
 
 def bodies_table(
@@ -164,13 +177,15 @@ def _stress_table(bulk: BulkStress, errors: ErrorEstimate, bars: StressErrors) -
     return table(("stress, mean over fluid and bodies",), headings, rows, caption=caption)
 
 
-def _cost(case: Case, solution: SolvedFlow) -> Text:
+def _cost(case: Case, solution: SolvedFlow, errors: ErrorEstimate) -> Text:
     phases = ", ".join(f"{phase} {spent:.2f}" for phase, spent in solution.seconds.items())
-    mesh = case.discretisation
+    mesh, dissipation = case.discretisation, f"{solution.dissipation:.8g} ± {errors.dissipation:.0e}"
+    if solution.jumps:
+        dissipation = f"infinite ({_why(solution)})"
     return Text(
         f"degree {mesh.degree}, cells_per_gap {mesh.cells_per_gap:.4g}, "
         f"cells_per_circle {mesh.cells_per_circle}, growth {mesh.growth:.4g}; "
-        f"dissipation {solution.dissipation:.8g}; {solution.cells} cells, {solution.dofs} unknowns, "
+        f"dissipation {dissipation}; {solution.cells} cells, {solution.dofs} unknowns, "
         f"{_solver(solution)}, {sum(solution.seconds.values()):.2f} CPU s ({phases})"
     )
 

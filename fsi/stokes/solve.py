@@ -3,6 +3,7 @@
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
+from math import inf
 
 import numpy as np
 from dolfinx import fem
@@ -12,6 +13,7 @@ import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.meshes.build import FluidMesh
 from fsi.stokes import fields
+from fsi.stokes.corners import jumps
 from fsi.stokes.discretisation.constraints import dof_layout, facets_with, locate, rigid_modes, wall_offset
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.identities import identities, require
@@ -163,6 +165,8 @@ def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clo
         if is_force_free(system):
             checks |= viscosity_checks(problem, bulk, dissipation)
     require(checks)
+    walls = problem.container.walls
+    jumping = tuple((walls[k], walls[m]) for k, m in jumps(problem.container, problem.boundary))
     surface = fields.surfaces(system, nodal.reaction[: system.layout.velocities])
     flow = fields.capture(forms, system.nodes.with_ghosts)
     # Integrals of sigma_h n, on all arcs in the pressure of one image.
@@ -172,6 +176,6 @@ def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clo
     traction_F = load_of(system, integral)
     clock.lap("checks")
     return StokesSolution(
-        nodal.U, F, traction_F, dissipation, checks, forms.dofs, problem.fluid.cells(), nodal.iterations,
-        clock.seconds, bulk, problem, flow, surface, nodal.pressure_gradient,
+        nodal.U, F, traction_F, inf if jumping else dissipation, checks, forms.dofs, problem.fluid.cells(),
+        nodal.iterations, clock.seconds, bulk, jumping, problem, flow, surface, nodal.pressure_gradient,
     )  # fmt: skip

@@ -22,6 +22,7 @@ compression or held together along the extension of the flow.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -105,7 +106,7 @@ class Chains:
         q: where the bodies are.
         links: all of them.
         chains: that which dissipates most first.
-        dissipation: that of the whole flow.
+        dissipation: that of the whole flow, infinite where velocities of walls jump.
         shares: of the links in the apparent viscosity, (L,), None where there is none.
     """
 
@@ -223,7 +224,8 @@ def chains_table(chains: Chains) -> Table:
 
 def _costs(chains: Chains, dissipation: float, links: Sequence[int]) -> list[str]:
     """What links dissipate, its part in the whole, and what they carry of the apparent viscosity, if any."""
-    cells, share = [f"{dissipation:.5g}", f"{dissipation / chains.dissipation:.1%}"], chains.share(links)
+    part = f"{dissipation / chains.dissipation:.1%}" if isfinite(chains.dissipation) else "of infinite"
+    cells, share = [f"{dissipation:.5g}", part], chains.share(links)
     return cells if share is None else [*cells, f"{share:.1%}"]
 
 
@@ -240,4 +242,5 @@ def chains_data(chains: Chains) -> dict[str, Any]:
         }
         for chain in chains.chains
     ]
-    return {"step": chains.step, "t": chains.t, "dissipation": chains.dissipation, "chains": each}
+    dissipation = chains.dissipation if isfinite(chains.dissipation) else None
+    return {"step": chains.step, "t": chains.t, "dissipation": dissipation, "chains": each}

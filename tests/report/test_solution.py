@@ -1,6 +1,7 @@
 """What `fsi solve` prints, for a solution made by hand."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,10 +22,10 @@ CASES = Path(__file__).parents[2] / "cases"
 def solved(U: Array, F: Array, iterations: int = 0) -> SolvedFlow:
     """Some numbers in place of a flow."""
     seconds = {"mesh": 0.25, "solve": 0.5}
-    return SolvedFlow(U, F, F + 1.0, 7.0, {"power": 1e-13}, 120, 30, iterations, seconds, None)
+    return SolvedFlow(U, F, F + 1.0, 7.0, {"power": 1e-13}, 120, 30, iterations, seconds, None, ())
 
 
-ERRORS = ErrorEstimate(U=np.array([[0.0, 0.0, 2e-7]]), F=np.array([[1e-6, 3e-3, 0.0]]))
+ERRORS = ErrorEstimate(U=np.array([[0.0, 0.0, 2e-7]]), F=np.array([[1e-6, 3e-3, 0.0]]), dissipation=0.03)
 
 
 @pytest.fixture
@@ -54,6 +55,7 @@ def test_the_force_is_that_of_the_fluid_on_the_body(case: Case) -> None:
             }
         ],
         "dissipation": 7.0,
+        "dissipation_error": 0.03,
         "checks": {"power": 1e-13},
         "discretisation": {
             "degree": 3,
@@ -84,6 +86,23 @@ def test_the_table_shows_reaction_traction_and_checks(case: Case) -> None:
         word in text
         for word in ("466", "465", "power", "1.0e-13", "truncation", "2.0e-06", "120 unknowns", "3e-03")
     )
+
+
+def test_an_infinite_dissipation_is_said_in_place_of_digits(case: Case) -> None:
+    finite = solved(U=np.array([[0.0, -1.0, 0.5]]), F=np.array([[0.0, -466.0, 0.0]]))
+    solution = replace(finite, dissipation=np.inf, jumps=(("left", "top"), ("right", "top")))
+    errors = replace(ERRORS, dissipation=np.nan)
+    why = "the velocity jumps where walls meet: left and top, right and top"
+    data = json.loads(json.dumps(solution_json(case, solution, errors, None), allow_nan=False))
+    assert data["dissipation"] is data["dissipation_error"] is None
+    assert data["dissipation_infinite"] == why
+    console = Console(width=200, quiet=True)
+    with console.capture() as printed:
+        console.quiet = False
+        print_solution(console, case, solution, errors, None)
+        print_solution(console, case, finite, ERRORS, None)
+    assert f"dissipation infinite ({why});" in printed.get()
+    assert "dissipation 7 ± 3e-02;" in printed.get()
 
 
 def test_truncation_compares_results_only_with_torques_over_the_radius(case: Case) -> None:

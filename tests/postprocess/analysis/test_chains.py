@@ -105,6 +105,17 @@ def test_the_data_of_the_table(run: Path, capsys: pytest.CaptureFixture[str]) ->
     assert (data["step"], data["dissipation"]) == (0, 50000.0)
 
 
+def test_chains_have_no_part_in_a_dissipation_that_is_infinite(
+    run: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It is where the velocities of walls jump: 0.0 % of it was said of every chain."""
+    (run / "steps.csv").write_text("step,t,dissipation\n0,0.0,inf\n1,1.0,inf\n")
+    assert fsi_command("analyse", "chains", run, "--json") == 0
+    assert json.loads(capsys.readouterr().out)["dissipation"] is None
+    assert fsi_command("analyse", "chains", run) == 0
+    assert "of infinite" in capsys.readouterr().out
+
+
 def test_rates_are_slopes_of_gaps(run: Path) -> None:
     found = read_chains(open_run(run), 0)
     h = 1e-6
