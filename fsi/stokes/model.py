@@ -144,15 +144,16 @@ class StokesModel:
 
     def reference(self, q: Configuration, t: float, motion: Motion) -> StokesSolution:
         """The flow from which that of the case differs by its error; see the module."""
-        degree, _ = other_degree_of(self.options.degree, q.dimension)
-        return self._solved(self.problem(self.reference_mesh(q, t), q, t, motion), degree)
+        clock, (degree, _) = Clock(), other_degree_of(self.options.degree, q.dimension)
+        return self._solved(self.problem(self.reference_mesh(q, t), q, t, motion), degree, clock)
 
     def of_degree(self, degree: int, q: Configuration, t: float, motion: Motion) -> StokesSolution:
         """The flow with elements and curved cells of another degree, on a new mesh of the same simplices."""
-        return self._solved(self.problem(self.scaled_mesh(q, t, degree), q, t, motion), degree)
+        clock = Clock()
+        return self._solved(self.problem(self.scaled_mesh(q, t, degree), q, t, motion), degree, clock)
 
-    def _solved(self, problem: StokesProblem, degree: int) -> StokesSolution:
-        found = solve(self.units.scaled(problem), replace(self.options, degree=degree))
+    def _solved(self, problem: StokesProblem, degree: int, clock: Clock) -> StokesSolution:
+        found = solve(self.units.scaled(problem), replace(self.options, degree=degree), clock)
         return self.units.user_solution(found, problem)
 
     def errors(
