@@ -97,3 +97,10 @@ def test_neighbours_in_a_closed_box_are_those_of_all_pairs(number: int) -> None:
     assert len(pairs) == len(near)
     assert m.shape == (len(near), 0)
     assert number < 6 or 0 < len(near) < number * (number - 1) // 2
+
+
+def test_the_smallest_gap_of_each_body_is_that_to_either_side() -> None:
+    """Three discs of radius 1 in a row in a wide box: gaps 0.3 and 0.7, for both that have them."""
+    q = Configuration.unturned(np.array([[0.0, 0.0], [2.3, 0.0], [5.0, 0.0]]), np.ones(3))
+    gaps = find_gaps(q, Box((-50.0, -50.0), (50.0, 50.0)), 2.0)
+    np.testing.assert_allclose(gaps.smallest_of_each(), [0.3, 0.3, 0.7], rtol=1e-12)

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from fsi.case.case import Case
 from fsi.case.load import load_case, parse_case
+from fsi.case.series import Table, polynomial, value_at
 from fsi.errors import InputError
 from tests.case_data import BOX, changed
 
@@ -190,3 +191,18 @@ def test_more_than_twenty_bodies_have_a_coarser_mesh_by_default(
     assert (found.cells_per_gap, found.cells_per_circle, found.growth) == sizes
     finer = parse_case(changed("bodies", bodies) | {"discretisation": {"growth": 0.1}}).discretisation
     assert (finer.cells_per_gap, finer.growth) == (sizes[0], 0.1)
+
+
+def test_the_velocity_at_the_beginning_is_the_prescribed_one_where_there_is_one() -> None:
+    heavy = {"mass": 1.0, "moment_of_inertia": 1.0, "initial_velocity": [0.0, 3.0]}
+    moving = {"velocity": [{"times": [0.0, 1.0], "values": [2.0, 5.0]}, "free"]}
+    data = changed("bodies.0", {"name": "disc", "radius": 1.0, "position": [0.0, 4.0]} | heavy | moving)
+    np.testing.assert_allclose(parse_case(data).initial_velocity()[0], [2.0, 3.0, 0.0])
+
+
+@pytest.mark.parametrize(("t", "integral"), [(0.5, 0.5), (1.0, 1.0), (2.0, 2.5), (4.0, 6.5)])
+def test_a_table_is_constant_before_its_first_time_and_after_its_last(t: float, integral: float) -> None:
+    """1 until t = 1, then to 2 at t = 2, and 2 for ever."""
+    table = Table(times=(1.0, 2.0), values=(1.0, 2.0))
+    assert float(polynomial(table, 4.0).antiderivative()(t)) == pytest.approx(integral, rel=1e-14)
+    assert value_at(table, 4.0) == 2.0

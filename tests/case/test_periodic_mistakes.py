@@ -113,3 +113,36 @@ def test_a_box_may_be_periodic_in_any_directions_without_fluid(geometry: Any) ->
 def test_each_direction_is_named_once(periodic: list[str]) -> None:
     with pytest.raises(InputError, match=r"domain\.periodic = .* each of some directions of x, y once"):
         parse_case(changed("domain", CHANNEL | {"periodic": periodic}))
+
+
+@pytest.mark.parametrize(("width", "refused"), [(8.1, False), (7.9, True)])
+def test_a_gluey_period_is_at_least_four_diameters_wide(width: float, refused: bool) -> None:
+    """A body of radius 1 between its images: below, pairs of images could meet at once."""
+    data = {
+        "name": "test", "model": "gluey", "bodies": [{"name": "a", "radius": 1.0, "position": [1.0, 0.0]}],
+        "domain": {"lower": [0.0, -9.0], "upper": [width, 9.0], "periodic": ["x"]},
+        "time": {"end": 1.0, "step": 0.1},
+    }  # fmt: skip
+    if refused:
+        with pytest.raises(InputError, match="a period is below four diameters"):
+            parse_case(data)
+    else:
+        parse_case(data)
+
+
+@pytest.mark.parametrize(("mass", "refused"), [(2.0, False), (2.002, True), (4.0, True)])
+def test_matter_on_a_line_has_one_density(mass: float, refused: bool) -> None:
+    """Radii 1 and 2, so masses 1 and 2; a thousandth more is another density."""
+    bodies = [
+        {"name": f"b{k}", "radius": a, "position": [5.0 * k, 0.0], "mass": m, "moment_of_inertia": 1.0}
+        for k, (a, m) in enumerate([(1.0, 1.0), (2.0, mass)])
+    ]
+    data = {
+        "name": "test", "model": "macroscopic", "bodies": bodies, "macroscopic": {"parcels": 30},
+        "domain": {"lower": [-50.0, -50.0], "upper": [50.0, 50.0]}, "time": {"end": 1.0, "step": 0.1},
+    }  # fmt: skip
+    if refused:
+        with pytest.raises(InputError, match=r"bodies.1.mass = .*: matter has one density.*; give 2$"):
+            parse_case(data)
+    else:
+        parse_case(data)

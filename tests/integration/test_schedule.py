@@ -55,3 +55,9 @@ def test_times_near_each_other_are_two_times() -> None:
     schedule = Schedule(1.0, knots=(0.5, 0.5 + 1e-9))
     assert schedule.landing(0.5, 0.1) == 0.5 + 1e-9
     assert Schedule(1.0, knots=(0.5, 0.5 + 1e-13)).landing(0.5, 0.1) > 0.5 + 1e-3
+
+
+def test_the_end_is_an_output_also_between_two() -> None:
+    schedule = Schedule(1.0, interval=0.3)
+    assert schedule.is_output(1.0)
+    assert [schedule.is_output(t) for t in (0.0, 0.3, 0.5, 0.6, 0.95)] == [True, True, False, True, False]

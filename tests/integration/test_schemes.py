@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from fsi.bodies.configuration import Array, Configuration, Inertia
 from fsi.integration.schemes import SCHEMES, AscherRuuthSpiteri, Beginning, BogackiShampine, register_scheme
-from fsi.integration.state import Instant, Model, Scheme, State, Trial
+from fsi.integration.state import ErrorEstimate, Instant, Model, Scheme, State, StepErrors, Trial
 from fsi.lubrication.exact import settling_time
 from fsi.models import make_stepper
 from tests.exact_model import DiscsBesidePlane, ExactInstant, settling_case
@@ -146,3 +146,26 @@ def test_a_scheme_from_outside_is_chosen_by_its_name(monkeypatch: pytest.MonkeyP
         gap = step.state.q.centres[0, 1] - 1.0
         errors.append(abs(float(settling_time(gap, 1.0, 1.0, 1.0, -4 * math.pi)) - 1.0))
     assert slope(errors) == pytest.approx(2.0, abs=0.1)
+
+
+def test_the_estimate_with_inertia_is_of_third_order() -> None:
+    """Displacement less that of the trapezoidal rule; with the velocity at the start alone it is of second."""
+    force = {"times": [0.0, 2.0], "values": [-5.0, -50.0]}
+    case = settling_case(0.5, body={"force": [0.0, force], "mass": 10.0, "moment_of_inertia": 1.0})
+    U0 = np.array([[0.0, -0.2, 0.0]])
+    scheme = AscherRuuthSpiteri(Beginning(np.array([[10.0, 10.0, 1.0]]), U0, rest=1e-12))
+    state = State(0.0, 0, case.configuration(), U0, 0.1)
+    sizes = (0.02, 0.01, 0.005)
+    found = [float(np.abs(scheme.step(DiscsBesidePlane(case), state, h).error).max()) for h in sizes]
+    assert slope(found) == pytest.approx(3.0, abs=0.1)
+
+
+def test_errors_stand_in_the_columns_of_what_they_are_errors_of() -> None:
+    errors = ErrorEstimate(np.array([[1.0, 2.0, 3.0]]), np.array([[4.0, 5.0, 6.0]]), 0.0, 7.0)
+    step = StepErrors(errors, {"velocity": 0.1, "force": 0.2})
+    names = ("V_x", "V_y", "omega", "F_x", "F_y", "T")
+    assert {name: float(value[0]) for name, value in step.body_columns.items()} == {
+        f"err_{name}": k + 1.0 for k, name in enumerate(names)
+    }
+    assert step.columns["err_U"] == 0.1
+    assert step.columns["err_F"] == 0.2

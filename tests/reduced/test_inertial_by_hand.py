@@ -8,6 +8,7 @@ from scipy.optimize import brentq
 
 from fsi.case.case import Case
 from fsi.models import make_model, make_stepper
+from fsi.reduced.distance_model import DistanceModel, PairMemory
 from fsi.reduced.model import ReducedInstant
 from tests.reduced_data import INERTIA, reduced_case
 
@@ -87,3 +88,24 @@ def test_discs_that_pass_each_other_part_faster_as_their_line_of_centres_turns()
     (pair,) = np.flatnonzero(~found.pairs.is_wall)
     g = 1.0 + 1.0 / 3.0
     assert np.exp(found.x[pair]) == pytest.approx(gap_after(D0, 0.0, 9.0 / (2.0 + D0), g), rel=1e-12)
+
+
+def test_a_pair_that_sticks_is_kept_beyond_the_cutoff_until_its_stored_gap_opens() -> None:
+    """Drift has carried the bodies 1.2 cutoffs apart, where the stored gap is 1e-3: it is what counts."""
+    bodies = [
+        {"name": f"b{k}", "radius": 1.0, "position": [x, 500.0]} | INERTIA for k, x in enumerate((0.0, 2.3))
+    ]
+    case = reduced_case(
+        bodies, {"law": "slides", "drag": 1.0, "cutoff": 0.5, "scheme": "distance", "step": H}
+    )
+    model = make_model(case)
+    assert isinstance(model, DistanceModel)
+    stepper, q = make_stepper(case, model), case.configuration()
+    start = stepper.start(q)
+    begun = model.state()
+    assert len(begun["key"]) == 1
+    for stored, kept in ((1e-3, 1), (0.6, 0)):
+        memory = PairMemory(**(begun | {"x": np.log([stored])}))
+        apart = q.moved(np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.0]]))
+        model._meet(apart, start.state.U, memory, 0.0, {})
+        assert len(model.state()["key"]) == kept

@@ -198,3 +198,20 @@ BODIES = heap()
 def test_mistakes_are_one_line(reduced: dict[str, object], more: dict[str, object], message: str) -> None:
     with pytest.raises(InputError, match=message):
         make_model(reduced_case(more.pop("bodies", BODIES), reduced, **more))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("geometry", "place", "drag"),
+    [("planar", [0.0, 500.0], 4.0 * 2.0**2), ("spatial", [0.0, 0.0, 500.0], 8.0 * 2.0**3)],
+)
+def test_a_torque_turns_a_lone_body_against_its_exact_drag(
+    geometry: str, place: list[float], drag: float
+) -> None:
+    """4 pi mu a^2 of a disc, 8 pi mu a^3 of a sphere, a = 2, mu = 3."""
+    torque = 5.0 if geometry == "planar" else [5.0, 0.0, 0.0]
+    body = {"name": "one", "radius": 2.0, "position": place, "torque": torque}
+    more = {"geometry": geometry, "fluid": {"viscosity": 3.0}}
+    case = reduced_case([body], {"law": "leading", "drag": 12.0, "cutoff": 0.5}, **more)
+    U = make_model(case)(case.configuration(), 0.0).U[0]
+    d = len(place)
+    assert U[d] == pytest.approx(5.0 / (np.pi * 3.0 * drag), rel=1e-12)

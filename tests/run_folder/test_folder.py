@@ -12,6 +12,7 @@ from fsi.bodies.configuration import Configuration, Inertia
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError, SolveError
 from fsi.integration.state import StepRecord
+from fsi.run_folder.folder import RunFolder
 from fsi.run_folder.provenance import git_commit, launch
 from fsi.runs import resume, run
 from tests.exact_model import DiscsBesidePlane, ExactInstant, by
@@ -110,3 +111,13 @@ def test_a_case_without_time_cannot_be_run(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="time: missing"):
         start(parse_case(small_case().model_dump(exclude={"time"}, exclude_none=True)), tmp_path / "run")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_table_takes_no_rows_under_another_header(tmp_path: Path) -> None:
+    """As many columns with other names would be read as what they are not."""
+    folder = RunFolder.create(tmp_path / "run", small_case().as_toml(), launch())
+    folder._append("extra.csv", ["step", "stress"], [[0, 1.0]])
+    folder._append("extra.csv", ["step", "stress"], [[1, 2.0]])
+    with pytest.raises(ValueError, match="the new rows of extra.csv have other columns"):
+        folder._append("extra.csv", ["step", "strain"], [[2, 3.0]])
+    assert (tmp_path / "run" / "extra.csv").read_text() == "step,stress\n0,1.0\n1,2.0\n"
