@@ -149,7 +149,7 @@ def test_a_scheme_from_outside_is_chosen_by_its_name(monkeypatch: pytest.MonkeyP
 
 
 def test_the_estimate_with_inertia_is_of_third_order() -> None:
-    """Displacement less that of the trapezoidal rule; with the velocity at the start alone it is of second."""
+    """Displacement less that of the trapezoidal rule; with the velocity at the start alone of second."""
     force = {"times": [0.0, 2.0], "values": [-5.0, -50.0]}
     case = settling_case(0.5, body={"force": [0.0, force], "mass": 10.0, "moment_of_inertia": 1.0})
     U0 = np.array([[0.0, -0.2, 0.0]])

@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.linalg import expm
 
-from fsi.meshes.geometry.lattice import Cell, Lattice
+from fsi.meshes.geometry.lattice import Cell, Lattice, Vector
 
 
 @pytest.mark.parametrize(
@@ -29,7 +29,7 @@ def test_the_nearest_image_against_all_within_three_periods(vectors: tuple[tuple
     "gradient", [((0.0, 2.0), (0.0, 0.0)), ((0.7, 0.0), (0.0, -0.7)), ((0.3, 1.0), (0.5, -0.3))]
 )
 def test_vectors_are_carried_by_the_exponential_of_the_gradient(
-    gradient: tuple[tuple[float, float], ...],
+    gradient: tuple[Vector, Vector],
 ) -> None:
     """Of a shear it is 1 + E t: in time 0.5 at rate 2 a vector (0, 3) becomes (3, 3)."""
     cell = Cell(((4.0, 0.0), (0.0, 3.0)), gradient)

@@ -118,6 +118,6 @@ def test_a_table_takes_no_rows_under_another_header(tmp_path: Path) -> None:
     folder = RunFolder.create(tmp_path / "run", small_case().as_toml(), launch())
     folder._append("extra.csv", ["step", "stress"], [[0, 1.0]])
     folder._append("extra.csv", ["step", "stress"], [[1, 2.0]])
-    with pytest.raises(ValueError, match="the new rows of extra.csv have other columns"):
+    with pytest.raises(ValueError, match=r"the new rows of extra\.csv have other columns"):
         folder._append("extra.csv", ["step", "strain"], [[2, 3.0]])
     assert (tmp_path / "run" / "extra.csv").read_text() == "step,stress\n0,1.0\n1,2.0\n"
