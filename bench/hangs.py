@@ -144,12 +144,17 @@ class Site:
 
 @dataclass(frozen=True, slots=True)
 class End:
-    """How a launch ended: exit code, seconds after the error, messages; None for seconds: killed here."""
+    """How a launch ended: exit code, seconds after the error (None: it never came), messages, all words."""
 
     code: int
     seconds: float | None
     messages: int
     stderr: str
+
+    @property
+    def reached(self) -> bool:
+        """Whether the rank came to the call: some are one rank's own."""
+        return self.code != 0 or self.seconds is not None
 
     @property
     def good(self) -> bool:
@@ -287,7 +292,9 @@ def trials(
         for number, site in enumerate(new):
             for rank in ranks:
                 place, kind = folder / name / f"{number}-{rank}", (number + rank) % 2
-                yield name, site, rank, trial(COMMANDS[name], site, rank, kind, place, patience)
+                end = trial(COMMANDS[name], site, rank, kind, place, patience)
+                if end.reached:
+                    yield name, site, rank, end
 
 
 def main(

@@ -11,7 +11,7 @@
 Under MPI all ranks call these functions together.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -194,9 +194,20 @@ def run(case: Case, folder: Path | str, callback: Progress = no_progress) -> Run
 
 
 @together()
-def resume(folder: Path | str, callback: Progress = no_progress) -> Run:
-    """Continue a run after its last complete step; a finished one is left as it is. Raises as `run`."""
-    _follow(callback, partial(resume_run, Path(folder)))
+def resume(folder: Path | str, callback: Progress = no_progress, overrides: Sequence[str] = ()) -> Run:
+    """Continue a run after its last complete step; a finished one is left as it is.
+
+    Args:
+        folder: of the run.
+        callback: as in `run`.
+        overrides: changes of the case, `["time.end=20"]`; only time.end, output.interval and output.fields
+            may change. They are written into the folder.
+
+    Raises:
+        InputError: it is no run folder, a file in it is damaged, or its case has been changed since.
+        SolveError: as in `run`.
+    """
+    _follow(callback, partial(resume_run, Path(folder), overrides=overrides))
     return open_run(folder)
 
 

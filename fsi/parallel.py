@@ -18,6 +18,7 @@ import numpy as np
 type Words = Callable[[BaseException], tuple[str, int]]
 
 PATIENCE = 5.0  # seconds that a rank which fails waits for the others to fail with it
+TO_BE_HEARD = 1.0  # seconds that a launcher may need to pass on the last words before it ends
 
 _comm: Any = None
 _alarm: Any = None  # its own communicator, so that an alarm meets no other message
@@ -147,6 +148,7 @@ def _all_at(place: str) -> bool:
 
 def _end_all(message: str, exit_code: int) -> NoReturn:
     _say(message)
+    time.sleep(TO_BE_HEARD)
     _comm.Abort(exit_code)
     os._exit(exit_code)  # Abort may come back before it takes hold
 

@@ -1,9 +1,12 @@
 """A run from its case to its folder, and the continuation of one that was broken off, at all levels."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import process_time
+from typing import Any
+
+from numpy.typing import NDArray
 
 from fsi.case.case import Case
 from fsi.case.checks.work import check_work
@@ -14,7 +17,8 @@ from fsi.integration.state import State, StepRecord
 from fsi.meshes.errors import MeshFileError
 from fsi.models import make_evolution
 from fsi.parallel import on_root
-from fsi.run_folder.folder import Commit, RunFolder
+from fsi.run_folder.folder import REMEDY, Commit, RunFolder
+from fsi.run_folder.one_case import Changes, changes, require_one_case
 from fsi.run_folder.provenance import launch
 
 type Progress = Callable[[StepRecord], None]
@@ -51,7 +55,7 @@ def run(
     """
     on_root(lambda: check_work(case))
     evolution = make(case)
-    new = RunFolder.create(folder, case.as_toml(), launch())
+    new = RunFolder.create(folder, case, launch())
     try:
         return _drive(case, new, evolution, progress)
     except (InputError, MeshFileError):
@@ -59,20 +63,52 @@ def run(
         raise
 
 
-def resume(folder: Path, progress: Progress = no_progress, make: MakeEvolution = make_evolution) -> Outcome:
+def resume(
+    folder: Path,
+    progress: Progress = no_progress,
+    make: MakeEvolution = make_evolution,
+    overrides: Sequence[str] = (),
+) -> Outcome:
     """Continue a run after its last committed step; a finished run is left as it is.
 
+    Args:
+        folder: of the run.
+        progress: as in `run`.
+        make: as in `run`.
+        overrides: changes of the case, `key=value`; see `one_case` for what may change. It is written into
+            the folder, with what it was.
+
     Raises:
-        InputError: it is not the folder of a run, or files are missing in it.
+        InputError: it is not the folder of a run, a file in it is not sound, or the case is not that of the
+            run any more; nothing in the folder has been changed.
         SolveError: as in `run`.
     """
     run = RunFolder.reopen(folder)
-    case = on_root(lambda: load_case(run.case))
+    case, changed = on_root(lambda: _case_of(run, overrides))
     if run.checkpoint is not None and run.checkpoint.state.t >= case.timing.end:
         return Outcome(run.checkpoint.state, 0)
     evolution = make(case)
-    run.rewind(launch())
+    if run.checkpoint is not None:
+        _restore(evolution, run.checkpoint.model, folder)
+    run.rewind(case, launch() | ({"changed": changed} if changed else {}))
     return _drive(case, run, evolution, progress)
+
+
+def _case_of(run: RunFolder, overrides: Sequence[str]) -> tuple[Case, Changes]:
+    """The case of a run as it is to go on, and what that changes. Raises InputError."""
+    case = load_case(run.case, overrides)
+    changed = changes(run.kept.provenance, case)
+    require_one_case(run.path, changed, run.checkpoint.state.t if run.checkpoint else 0.0)
+    if changed:
+        check_work(case)
+    return case, changed
+
+
+def _restore(evolution: Evolution, memory: Mapping[str, NDArray[Any]], folder: Path) -> None:
+    try:
+        evolution.restore(memory)
+    except (KeyError, ValueError) as error:
+        raise InputError(f"output = {folder}: state.npz is damaged ({error}); {REMEDY}") from None
 
 
 def _drive(case: Case, run: RunFolder, evolution: Evolution, progress: Progress) -> Outcome:
@@ -95,11 +131,7 @@ def _drive(case: Case, run: RunFolder, evolution: Evolution, progress: Progress)
         return moment.state
 
     began = process_time()
-    if run.checkpoint is None:
-        state = keep(evolution.start(), began)
-    else:
-        evolution.restore(run.checkpoint.model)
-        state = run.checkpoint.state
+    state = keep(evolution.start(), began) if run.checkpoint is None else run.checkpoint.state
     first = state.step
     while state.t < evolution.schedule.end:
         began = process_time()

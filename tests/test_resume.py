@@ -73,7 +73,7 @@ def test_lost_rows_are_noticed(tmp_path: Path) -> None:
         resume(tmp_path / "run", make=by(make_model))
 
 
-@pytest.mark.parametrize("written", [{}, {"format": 3}])
+@pytest.mark.parametrize("written", [{}, {"format": 2}, {"format": 4}])
 def test_a_run_of_another_version_is_refused_in_one_line(written: dict[str, int], tmp_path: Path) -> None:
     """Before the format had a number, case files had other keys."""
     break_off(tmp_path / "run", small_case(), step=4)

@@ -6,7 +6,7 @@ the key, its value and the remedy.
 
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, get_args
 
@@ -33,8 +33,8 @@ def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
     for text in overrides:
         override(data, text)
     _check_model(path, data.get("model", MODELS[0]))
-    for section, keys in _PATHS.items():
-        _resolve(data.get(section), keys, path.parent)
+    for section, key, value in _paths(data):
+        data[section][key] = str((path.parent / value).resolve())
     if isinstance(data.get("bodies_from"), str):
         data["bodies_from"] = str((path.parent / data["bodies_from"]).resolve())
     return parse_case(data)
@@ -76,12 +76,20 @@ def _check_model(path: Path, model: Any) -> None:
 _PATHS = {"domain": ("mesh",), "reduced": ("law", "wall_law")}
 
 
-def _resolve(section: Any, keys: Sequence[str], folder: Path) -> None:
-    """Make the paths of files in a section absolute, in place."""
-    for key in keys if isinstance(section, dict) else ():
-        value = section.get(key)
-        if isinstance(value, str) and (key == "mesh" or Path(value).suffix):
-            section[key] = str((folder / value).resolve())
+def _paths(data: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
+    """Section, key and value of each of these in the data of a case."""
+    for name, keys in _PATHS.items():
+        section = data.get(name)
+        given = section if isinstance(section, dict) else {}
+        for key in keys:
+            value = given.get(key)
+            if isinstance(value, str) and (key == "mesh" or Path(value).suffix):
+                yield name, key, value
+
+
+def named_files(data: Mapping[str, Any]) -> Iterator[tuple[str, Path]]:
+    """The dotted keys of a case that are files, in the data of `Case.as_data`, and their paths."""
+    return ((f"{section}.{key}", Path(value)) for section, key, value in _paths(data))
 
 
 _REMEDY = "write key=value, for instance --set discretisation.degree=2"

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from fsi.runs import MakeEvolution, Outcome
 
 EXAMPLE = "Example: fsi run cases/settling_disc.toml --output runs/settling --set time.end=20"
-RESUME_EXAMPLE = "Example: fsi resume runs/settling_disc"
+RESUME_EXAMPLE = "Example: fsi resume runs/settling_disc --set time.end=20"
 
 
 def run(
@@ -36,11 +36,15 @@ def run(
     _follow(folder, lambda show, make: run_case(case, folder, show, make))
 
 
-def resume(folder: RunFolder) -> None:
-    """Continue a run from its last complete step. A finished run is left as it is."""
+def resume(folder: RunFolder, overrides: Overrides = None) -> None:
+    """Continue a run from its last complete step. A finished run is left as it is.
+
+    A run is one case: a case.toml that has been changed since is refused, but for time.end, output.interval
+    and output.fields, which --set changes. With --set time.end=20 a finished run goes on as well.
+    """
     from fsi.runs import resume as resume_run
 
-    _follow(folder, lambda show, make: resume_run(folder, show, make))
+    _follow(folder, lambda show, make: resume_run(folder, show, make, overrides or ()))
 
 
 def _follow(folder: Path, launch: Callable[[Callable[[StepRecord], None], MakeEvolution], Outcome]) -> None:

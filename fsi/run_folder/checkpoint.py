@@ -63,6 +63,8 @@ def _checkpoint(arrays: Mapping[str, NDArray[Any]]) -> Checkpoint:
         return {key.removeprefix(prefix): value for key, value in arrays.items() if key.startswith(prefix)}
 
     q = Configuration(arrays["centres"], arrays["angles"], arrays["radii"])
+    if len({len(part) for part in (q.centres, q.angles, q.radii, arrays["U"])}) > 1:
+        raise ValueError("its arrays are of different numbers of bodies")
     return Checkpoint(
         State(float(arrays["t"]), int(arrays["step"]), q, arrays["U"], float(arrays["h"])),
         group("model"),

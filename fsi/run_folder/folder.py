@@ -1,7 +1,8 @@
 """The run folder: what a run leaves on disk, and how it survives being killed at any moment.
 
     case.toml         the resolved case, every default filled in
-    provenance.json   one entry for each launch: versions, commit, ranks, command
+    provenance.json   the case that it is, digests of the files that this names, and one entry for each
+                      launch: versions, commit, ranks, command, what it changed of the case
     steps.csv         one row a step; the columns cpu_*, the last ones, are CPU seconds
     bodies.csv        one row for each step and body; F and T are external loads (int sigma n)
     contacts.csv, profiles.csv    what the gluey and the macroscopic model add at the times of output
@@ -9,9 +10,9 @@
     state.npz         what the next step depends on
 
 Rows are appended and files added first; state.npz, replaced in one go, is the commit: it knows how
-long the tables and series were. Resuming cuts off whatever came after it and repeats that step. So
-a run that was killed and resumed ends, in serial, with the same files bit by bit as an unbroken one,
-but for the columns cpu_* and provenance.json.
+long the tables and series were. Resuming reads all of them, and changes nothing unless all are sound; then it
+cuts off whatever came after the commit and repeats that step. So a run that was killed and resumed ends, in
+serial, with the same files bit by bit as an unbroken one, but for the columns cpu_* and provenance.json.
 """
 
 import csv
@@ -21,28 +22,30 @@ import os
 import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self
-from xml.etree.ElementTree import ParseError
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import LOADS, MODES, PLACES
+from fsi.case.case import Case
 from fsi.errors import FsiError, InputError, SolveError
-from fsi.files import TEMPORARY, json_of, replace
+from fsi.files import TEMPORARY, content, json_of, replace
 from fsi.integration.state import State, StepRecord
 from fsi.parallel import is_root, on_root
 from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
+from fsi.run_folder.one_case import case_record
 from fsi.run_folder.paraview import Entry, collection, read_collection
 
 CASE, PROVENANCE, STATE, FIELDS = "case.toml", "provenance.json", "state.npz", "fields"
 STEPS, BODIES = "steps.csv", "bodies.csv"
+REMEDY = "put that right or run the case again"
 STEP_COLUMNS = ("step", "t", "h", "smallest_gap", "rejected")
-# Of the folder: what its files mean. Those of before the number have case files with other keys.
-FORMAT = 2
+# Of the folder: what its files mean. Before the number case files had other keys; before 3 nothing told
+# whether the case has been changed since.
+FORMAT = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,28 +68,43 @@ class Commit:
     memory: Mapping[str, NDArray[Any]]
 
 
-class RunFolder:
-    """A run folder open for writing, with its last commit. All ranks call every method; root alone writes."""
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """What a folder has of its run.
 
-    def __init__(self, path: Path, checkpoint: Checkpoint | None = None) -> None:
+    Attributes:
+        provenance: the content of provenance.json.
+        checkpoint: the last commit; None before the first.
+        series: the entries of each series that belong to it.
+    """
+
+    provenance: Mapping[str, Any]
+    checkpoint: Checkpoint | None = None
+    series: Mapping[str, list[Entry]] = field(default_factory=dict)
+
+
+class RunFolder:
+    """A run folder open for writing, with what it has. All ranks call every method; root alone writes."""
+
+    def __init__(self, path: Path, kept: Kept) -> None:
         self.path = path
-        self.checkpoint = checkpoint
-        self._lengths = dict(checkpoint.lengths) if checkpoint else {STEPS: 0, BODIES: 0}
+        self.kept = kept
+        self.checkpoint = kept.checkpoint
+        self._lengths = dict(kept.checkpoint.lengths) if kept.checkpoint else {STEPS: 0, BODIES: 0}
         self._headers: dict[str, list[str]] = {}
-        self._series: dict[str, list[Entry]] = {}
+        self._series = {series: list(entries) for series, entries in kept.series.items()}
 
     @classmethod
-    def create(cls, path: Path, case_toml: str, launch: Mapping[str, Any]) -> Self:
+    def create(cls, path: Path, case: Case, launch: Mapping[str, Any]) -> Self:
         """Make a folder, complete or not at all. Raises InputError: it exists, or cannot be written."""
         path = path.resolve()
-        on_root(lambda: _create(path, case_toml, launch))
-        return cls(path)
+        return cls(path, on_root(lambda: _create(path, case, launch)))
 
     @classmethod
     def reopen(cls, path: Path) -> Self:
-        """Open a folder, changing nothing in it. Raises InputError: no run folder, or not readable."""
+        """Open a folder, changing nothing in it. Raises InputError: no run folder, or a file is not sound."""
         path = path.resolve()
-        return cls(path, on_root(lambda: _last_commit(path)))
+        return cls(path, on_root(lambda: _sound(path)))
 
     def discard_if_unused(self) -> None:
         """Remove a folder without a commit, if this rank wrote it; not collective: others may have failed."""
@@ -103,9 +121,12 @@ class RunFolder:
         """Where the model writes its files."""
         return self.path / FIELDS
 
-    def rewind(self, launch: Mapping[str, Any]) -> None:
-        """Cut off what came after the last commit, and add a launch. Raises InputError: parts are missing."""
-        on_root(lambda: self._rewind(launch))
+    def rewind(self, case: Case, launch: Mapping[str, Any]) -> None:
+        """Cut off what came after the last commit; add a launch, of the case as it is now.
+
+        Raises InputError: the folder cannot be written.
+        """
+        on_root(lambda: self._rewind(case, launch))
 
     def keep(self, commit: Commit) -> None:
         """Append a step to tables and series; then commit. Raises SolveError: not writable (disk full)."""
@@ -149,26 +170,28 @@ class RunFolder:
                 self._headers[table] = next(csv.reader(file))
         return self._headers[table]
 
-    def _rewind(self, launch: Mapping[str, Any]) -> None:
-        counts = self.checkpoint.entries if self.checkpoint else {}
-        with _disk(self.path, InputError, "put that right or run the case again"):
+    def _rewind(self, case: Case, launch: Mapping[str, Any]) -> None:
+        with _disk(self.path, InputError, REMEDY):
+            # The case first: killed after it, the next launch finds the same changes.
+            if "changed" in launch:
+                replace(self.case, case.as_toml().encode())
+            _write_provenance(self.path, case, [*self.kept.provenance["launches"], launch])
             for table, length in self._lengths.items():
-                _cut(self.path / table, length)
-            for series, count in counts.items():
-                self._series[series] = read_collection(self._collection(series))[:count]
-                replace(self._collection(series), collection(self._series[series]))
+                (self.path / table).touch()
+                os.truncate(self.path / table, length)
+            for series, entries in self._series.items():
+                replace(self._collection(series), collection(entries))
             kept = {self.path / entry.file for entries in self._series.values() for entry in entries}
-            kept |= {self._collection(series) for series in counts}
+            kept |= {self._collection(series) for series in self._series}
             for pattern in ("*.pvd", f"*{TEMPORARY}", f"{FIELDS}/*.vtu", f"{FIELDS}/.*"):
                 for file in set(self.path.glob(pattern)) - kept:
                     file.unlink()
-            _write_launches(self.path, [*_provenance(self.path)["launches"], launch])
 
     def _collection(self, series: str) -> Path:
         return self.path / f"{series}.pvd"
 
 
-def _create(path: Path, case_toml: str, launch: Mapping[str, Any]) -> None:
+def _create(path: Path, case: Case, launch: Mapping[str, Any]) -> Kept:
     with _disk(path, InputError, "give a folder that can be written"):
         if path.exists() and not (path.is_dir() and not any(path.iterdir())):
             resume = f", or `fsi resume {path}` to continue that run" if (path / CASE).is_file() else ""
@@ -177,42 +200,66 @@ def _create(path: Path, case_toml: str, launch: Mapping[str, Any]) -> None:
         if partial.exists():
             shutil.rmtree(partial)
         (partial / FIELDS).mkdir(parents=True)
-        replace(partial / CASE, case_toml.encode())
-        _write_launches(partial, [launch])
+        replace(partial / CASE, case.as_toml().encode())
+        provenance = _write_provenance(partial, case, [launch])
         partial.rename(path)
+        return Kept(provenance)
 
 
-def _last_commit(path: Path) -> Checkpoint | None:
+def _sound(path: Path) -> Kept:
+    """What is in a folder; every file that a run needs to go on is read. Raises InputError."""
     if not (path / CASE).is_file():
         raise InputError(f"output = {path}: not a run folder (it has no {CASE}); give one made by `fsi run`")
-    with _disk(path, InputError, "put that right or run the case again"):
-        written = _provenance(path).get("format", 1)
-        if written != FORMAT:
-            raise InputError(
-                f"output = {path}: a run of another version of this program (format {written}, this one "
-                f"writes {FORMAT}); run the case again, or resume with that version"
-            )
-        return read_checkpoint(path / STATE) if (path / STATE).exists() else None
+    with _disk(path, InputError, REMEDY):
+        provenance = _provenance(path)
+        if not (path / STATE).exists():
+            return Kept(provenance)
+        checkpoint = read_checkpoint(path / STATE)
+        for table, length in checkpoint.lengths.items():
+            _require_rows(path / table, length)
+        series = {name: _entries(path, name, count) for name, count in checkpoint.entries.items()}
+        return Kept(provenance, checkpoint, series)
 
 
-def _cut(table: Path, length: int) -> None:
-    table.touch()
-    if table.stat().st_size < length:
+def _require_rows(table: Path, length: int) -> None:
+    """Raise InputError unless the first bytes of a table are whole rows of its header's width."""
+    text = content(table, REMEDY)[:length] if length else b""
+    if len(text) < length:
         raise InputError(f"output = {table.parent}: {table.name} has lost rows; put them back or run again")
-    os.truncate(table, length)
+    widths = set(map(len, csv.reader(text.decode().splitlines())))
+    if length and (not text.endswith(b"\n") or len(widths) > 1):
+        raise ValueError(f"{table.name}: rows are not of one width")
+
+
+def _entries(path: Path, series: str, count: int) -> list[Entry]:
+    entries = read_collection(path / f"{series}.pvd")
+    if len(entries) < count:
+        raise ValueError(f"{series}.pvd: {len(entries)} entries where there were {count}")
+    return entries[:count]
 
 
 def _provenance(path: Path) -> dict[str, Any]:
-    data = json_of(path / PROVENANCE, "put it back or run the case again")
-    launches = data.get("launches") if isinstance(data, dict) else None
-    if not (isinstance(launches, list) and all(isinstance(launch, dict) for launch in launches)):
-        raise ValueError(f"{PROVENANCE} has no list of launches")
-    return dict(data)
+    """The content of provenance.json. Raises InputError, ValueError: of another version, damaged."""
+    data = json_of(path / PROVENANCE, REMEDY)
+    if not isinstance(data, dict):
+        raise ValueError(f"{PROVENANCE}: is no object")
+    written = data.get("format", 1)
+    if written != FORMAT:
+        raise InputError(
+            f"output = {path}: a run of another version of this program (format {written}, this one "
+            f"writes {FORMAT}); run the case again, or resume with that version"
+        )
+    kinds = {"case": dict, "files": dict, "launches": list}
+    for key, kind in kinds.items():
+        if not isinstance(data.get(key), kind):
+            raise ValueError(f"{PROVENANCE}: its {key} is missing")
+    return data
 
 
-def _write_launches(path: Path, launches: Sequence[Mapping[str, Any]]) -> None:
-    data = {"format": FORMAT, "launches": launches}
+def _write_provenance(path: Path, case: Case, launches: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    data = {"format": FORMAT, "launches": launches, **case_record(case)}
     replace(path / PROVENANCE, (json.dumps(data, indent=2) + "\n").encode())
+    return data
 
 
 def _step_table(record: StepRecord) -> tuple[list[str], list[list[object]]]:
@@ -244,5 +291,5 @@ def _disk(path: Path, kind: type[FsiError], remedy: str) -> Iterator[None]:
         yield
     except OSError as error:
         raise kind(f"output = {path}: {error.strerror} ({error.filename or path}); {remedy}") from error
-    except (ValueError, KeyError, BadZipFile, ParseError) as error:
+    except ValueError as error:
         raise kind(f"output = {path}: a file is damaged ({error}); {remedy}") from error

@@ -1,0 +1,83 @@
+"""A run is one case: what is kept of it beside the run, and what of it may change when the run goes on."""
+
+import json
+from collections.abc import Iterator, Mapping
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from fsi.case.case import Case
+from fsi.case.load import named_files
+from fsi.case.section import toml_text
+from fsi.errors import InputError
+
+MAY_CHANGE = ("time.end", "output.interval", "output.fields")
+ABSENT = "none"
+_NAMED = 5  # changes that a message lists
+_BRIEF = 12  # digits of a digest there
+
+type Changes = dict[str, tuple[object, object]]
+
+
+def case_record(case: Case) -> dict[str, Any]:
+    """What provenance.json keeps of a case: its data, and the SHA-256 of each file that it names by a key."""
+    data = case.as_data()
+    digests = {key: _digest(path) for key, path in named_files(data)}
+    record: dict[str, Any] = json.loads(json.dumps({"case": data, "files": digests}))
+    return record
+
+
+def changes(kept: Mapping[str, Any], case: Case) -> Changes:
+    """The keys in which a case differs from the one that was kept, each with its old and its new value."""
+    now = case_record(case)
+    files = [{key: digest[:_BRIEF] for key, digest in record["files"].items()} for record in (kept, now)]
+    of_files = {f"the file of {key}": values for key, values in _differences(*files, "")}
+    return {**dict(_differences(kept["case"], now["case"], "")), **of_files}
+
+
+def require_one_case(folder: Path, changed: Changes, t: float) -> None:
+    """Raise InputError of changes that a run at time t does not allow; the message names their keys."""
+    refused = [
+        f"{key} = {_text(old)} -> {_text(new)}"
+        for key, (old, new) in changed.items()
+        if key not in MAY_CHANGE
+    ]
+    if refused:
+        more = f" (and {len(refused) - _NAMED} more)" if len(refused) > _NAMED else ""
+        raise InputError(
+            f"{folder}: a run is one case, and this is not the one it began with: "
+            f"{', '.join(refused[:_NAMED])}{more}; put the old values back, or run the changed case into "
+            f"another folder; only {', '.join(MAY_CHANGE[:-1])} and {MAY_CHANGE[-1]} may change"
+        )
+    end = changed.get("time.end", (None, t))[1]
+    if not isinstance(end, float | int) or end < t:
+        raise InputError(f"time.end = {toml_text(end)}: the run is at t = {t:g} already; give a later end")
+
+
+def _differences(old: Any, new: Any, key: str) -> Iterator[tuple[str, tuple[object, object]]]:
+    """Dotted keys with the old and the new value, of data as JSON has them."""
+    match old, new:
+        case dict(), dict():
+            for part in {**old, **new}:
+                inner = f"{key}.{part}" if key else part
+                yield from _differences(old.get(part, ABSENT), new.get(part, ABSENT), inner)
+        case [{}, *_], [{}, *_] if len(old) == len(new):
+            for number, (one, other) in enumerate(zip(old, new, strict=True)):
+                yield from _differences(one, other, f"{key}.{number}")
+        case _ if old != new:
+            yield key, (old, new)
+
+
+def _text(value: object) -> str:
+    """A value as a message has it; of a list of sections how many there are."""
+    match value:
+        case [{}, *_]:
+            return f"{len(value)} sections"
+        case str() if value == ABSENT:
+            return ABSENT
+        case _:
+            return toml_text(value)
+
+
+def _digest(path: Path) -> str:
+    return sha256(path.read_bytes()).hexdigest() if path.is_file() else ABSENT
