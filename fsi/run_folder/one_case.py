@@ -30,8 +30,10 @@ def case_record(case: Case) -> dict[str, Any]:
 def changes(kept: Mapping[str, Any], case: Case) -> Changes:
     """The keys in which a case differs from the one that was kept, each with its old and its new value."""
     now = case_record(case)
-    files = [{key: digest[:_BRIEF] for key, digest in record["files"].items()} for record in (kept, now)]
-    of_files = {f"the file of {key}": values for key, values in _differences(*files, "")}
+    before, after = (
+        {key: digest[:_BRIEF] for key, digest in record["files"].items()} for record in (kept, now)
+    )
+    of_files = {f"the file of {key}": values for key, values in _differences(before, after, "")}
     return {**dict(_differences(kept["case"], now["case"], "")), **of_files}
 
 
