@@ -161,13 +161,16 @@ def test_a_changed_law_file_is_refused(tmp_path: Path) -> None:
     """The case is the same, the physics is not."""
     law = LawFile(form="table", shape="discs", viscosity=1.0, table=TableSection(s=(1e-4, 1.0), K=(9.0, 1.0)))
     save_law(tmp_path / "law.toml", law)
-    given = {"law": str(tmp_path / "law.toml"), "drag": 12.0, "cutoff": 0.5, "extrapolate": True}
+    law_and_file = {"law": "exact", "wall_law": str(tmp_path / "law.toml"), "extrapolate": True}
+    given = law_and_file | {"drag": 12.0, "cutoff": 0.5}
     case = reduced_case(heap(), given, time={"end": 0.2, "tolerance": 1e-3}, output={"interval": 0.2})
     folder = stopped(tmp_path / "run", case, make_evolution, step=2)
     changed = law.model_copy(update={"table": TableSection(s=(1e-4, 1.0), K=(9.5, 1.0))})
     save_law(tmp_path / "law.toml", changed)
     before = everything(folder)
-    with pytest.raises(InputError, match=r"the file of reduced\.law = \"\w{12}\" -> \"\w{12}\"; put the old"):
+    with pytest.raises(
+        InputError, match=r"the file of reduced\.wall_law = \"\w{12}\" -> \"\w{12}\"; put the old"
+    ):
         resume(folder)
     assert everything(folder) == before
     save_law(tmp_path / "law.toml", law)
