@@ -115,7 +115,7 @@ def test_a_case_without_time_cannot_be_run(tmp_path: Path) -> None:
 
 def test_a_table_takes_no_rows_under_another_header(tmp_path: Path) -> None:
     """As many columns with other names would be read as what they are not."""
-    folder = RunFolder.create(tmp_path / "run", small_case().as_toml(), launch())
+    folder = RunFolder.create(tmp_path / "run", small_case(), launch())
     folder._append("extra.csv", ["step", "stress"], [[0, 1.0]])
     folder._append("extra.csv", ["step", "stress"], [[1, 2.0]])
     with pytest.raises(ValueError, match=r"the new rows of extra\.csv have other columns"):
