@@ -128,7 +128,8 @@ def _curves(walk: list[Stretch], links: NeighbourLinks, surfaces: Surfaces) -> I
         if stretch.node < n:
             piece = next(pieces)
             moved = _moved(piece, stretch.centre - surfaces.centres[stretch.node])
-            yield Curve(moved.tag, moved.nodes[::-1], centre=moved.centre)
+            opening = None if moved.opening is None else moved.opening[::-1]
+            yield Curve(moved.tag, moved.nodes[::-1], centre=moved.centre, opening=opening)
             radius = float(surfaces.radii[stretch.node])
         else:
             yield surfaces.wall(segment(stretch.node - n, stretch.centre, stretch.leaves))
@@ -158,7 +159,7 @@ def _closed(curves: Iterator[Curve]) -> list[Curve]:
 
 def _moved(curve: Curve, shift: Array) -> Curve:
     centre = None if curve.centre is None else curve.centre + shift
-    return Curve(curve.tag, curve.nodes + shift, curve.closed, centre)
+    return Curve(curve.tag, curve.nodes + shift, curve.closed, centre, curve.opening)
 
 
 def _shifts_inside(surfaces: Surfaces, centres: Array, walk: list[Stretch]) -> Array:

@@ -12,10 +12,16 @@ where `d(x)` is the distance to the nearest body; towards singular corners it is
 The flow in a narrow gap is a polynomial across it and varies along it over the lubrication length
 sqrt(a gap), so that is what a cell must resolve:
 
-    h_gap(d) = 0.11 sqrt(a d) / cells_per_gap,   but within [0.3 d, 4 d] / cells_per_gap.
+    h_gap(d) = 0.11 sqrt(a d) / cells_per_gap,   but within [0.3 d, 4 d] / cells_per_gap,
+                                                 and no less than 0.05 sqrt(a d) / cells_per_gap.
 
 With cells_per_gap = 1 that is one cell across a gap of 0.012 a, three across gaps above 0.13 a; in narrower
-gaps cells are longer than wide, and the error of the force still falls with the gap.
+gaps cells are longer than wide. One cell across leaves an error of the force of order 4 in h / sqrt(a d):
+below gaps of 1.6e-4 a the last bound keeps it at some 1e-6, and the number of cells grows only like log(a/d).
+
+gmsh works with absolute lengths and rounds them; cells a thousand times as long as wide, next to gaps of
+1e-8 a, are beyond it. So it is shown the narrowest gaps opened, the nodes moved into the solids on both sides
+until no cell is longer than four times its width, and its triangles are taken back to where the nodes are.
 On a line through the fluid from surface to surface, the axis or a link of the cut, d(x) in h_gap is the
 length of the line. Nodes equidistribute `int ds / h`. gmsh then extends the sizes of the boundary into the
 fluid, if its interior shall be graded.
@@ -23,8 +29,9 @@ fluid, if its interior shall be graded.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from math import ceil, floor
 from typing import Literal
 
 import numpy as np
@@ -35,42 +42,11 @@ from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Array, Container, FluidDomain
 from fsi.meshes.geometry.curves import WallCurve
 from fsi.meshes.geometry.lattice import Lattice
+from fsi.meshes.planar.facing import FINEST, LONGEST, NarrowGap, foot_on, on_circle, on_wall
 from fsi.meshes.planar.grading import Grading
+from fsi.meshes.planar.spread import Indices, equidistribute, resolve_all, spread
 
-MOST_HALVINGS = 60
-
-Indices = NDArray[np.int64]
-type Sizes = Callable[[Array, Indices], Array]
-
-
-def resolve_all(size: Sizes, ends: Array, pieces: int) -> tuple[Array, Array, Indices]:
-    """Places s along curves from ends[k, 0] to ends[k, 1], the element sizes there, and the curve k of each.
-
-    Intervals are halved until they are no longer than half the element size at both their ends.
-    """
-    s = np.linspace(ends[:, 0], ends[:, 1], pieces + 1, axis=1).ravel()
-    k = np.repeat(np.arange(len(ends)), pieces + 1)
-    h = size(s, k)
-    for _ in range(MOST_HALVINGS):
-        too_long = (np.diff(s) > 0.5 * np.minimum(h[:-1], h[1:])) & (k[:-1] == k[1:])
-        long = np.flatnonzero(too_long)
-        if len(long) == 0:
-            return s, h, k
-        middle, of = 0.5 * (s[long] + s[long + 1]), k[long]
-        h = np.insert(h, long + 1, size(middle, of))
-        s, k = np.insert(s, long + 1, middle), np.insert(k, long + 1, of)
-    raise MeshError("element sizes down to {} cannot be resolved; is a gap that small meant?", h.min())
-
-
-def equidistribute(s: Array, density: Array, least: int) -> Array:
-    """Parameters, with both ends of s, that split `int density ds` into equal parts of at most 1."""
-    cumulative = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(s))])
-    parts = max(least, int(np.ceil(cumulative[-1] - 1e-6)))
-    placed: Array = np.interp(np.linspace(0.0, cumulative[-1], parts + 1), cumulative, s)
-    return placed
-
-
-LENGTH, SHORTEST, LONGEST = 0.11, 0.3, 4.0
+LENGTH, SHORTEST = 0.11, 0.3
 NEIGHBOURS = 16
 PIECES = 64  # of a wall, to begin with
 
@@ -100,9 +76,17 @@ class Resolution:
 
     def across(self, gap: Array | float, radius: Array | float) -> Array:
         """h_gap where the gap is `gap` and the smallest radius beside it `radius`."""
-        size: Array = np.clip(LENGTH * np.sqrt(radius * gap), SHORTEST * gap, LONGEST * gap)
+        along = np.sqrt(radius * gap)
+        longest = np.maximum(LONGEST * gap, FINEST * along)
+        size: Array = np.clip(LENGTH * along, SHORTEST * gap, longest)
         size /= self.cells_per_gap
         return size
+
+    def opened(self, gap: Array, radius: Array | float) -> Array:
+        """By how much a gap is opened for gmsh: no cell there is longer than LONGEST times its width."""
+        gap = np.minimum(gap, radius)  # without a neighbour it is infinite
+        missing: Array = np.maximum(self.across(gap, radius) / LONGEST - gap, 0.0)
+        return missing
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,12 +98,14 @@ class Curve:
         nodes: in order, (n, 2); those of a closed curve do not repeat the first.
         closed: whether the last node is joined to the first.
         centre: of the circle that the curve follows, None for a straight piece.
+        opening: how far nodes are moved into the solid while gmsh works, (n, 2); None on lines in the fluid.
     """
 
     tag: int
     nodes: Array
     closed: bool = False
     centre: Array | None = None
+    opening: Array | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,9 +174,31 @@ class Surfaces:
             return np.minimum(np.minimum(self.sizes(x), curve.longest_element), self.grading.sizes(x))
 
         s, h, _ = resolve_all(size, np.array([curve.interval]), PIECES)
-        nodes = curve.at(equidistribute(s, 1.0 / h, curve.fewest_elements))
+        nodes = curve.at(spread(s, h, self._facing(curve, s), curve.fewest_elements))
         nodes[[0, -1]] = curve.ends
-        return Curve(self.bodies + 1 + curve.wall, nodes, centre=curve.centre)
+        tag, smallest = self.bodies + 1 + curve.wall, float(self.radii.min(initial=np.inf))
+        half = 0.5 * self.resolution.opened(self.to_bodies(nodes), smallest) if self.bodies else np.zeros(1)
+        opening = -half[:, None] * self.container.normals(nodes)[:, curve.wall]
+        return Curve(tag, nodes, centre=curve.centre, opening=opening)
+
+    def _facing(self, curve: WallCurve, s: Array) -> Iterator[Array]:
+        """The places of nodes on a wall that face those of the bodies in narrow gaps; s: samples along it."""
+        start = curve.at(s[:1])
+        centres, x = self.centres + (start - self.lattice.wrapped(start)), curve.at(s)
+        gaps, curvature = self.container.distances(centres)[:, curve.wall] - self.radii, self.curvature(curve.wall)
+        for i in np.flatnonzero(gaps < self.radii):
+            gap = NarrowGap(float(gaps[i]), float(self.radii[i]), 1.0 / float(self.radii[i]) + curvature)
+            if gap.is_narrow:
+                nearest = int(np.argmin(np.hypot(*(x - centres[i]).T)))
+                low, high = s[max(nearest - 1, 0)], s[min(nearest + 1, len(s) - 1)]
+                foot = foot_on(curve, self.container, centres[i], 2.0 * low - high, 2.0 * high - low)
+                if foot is not None:
+                    yield on_wall(curve, self.container, gap, foot, self.resolution.cells_per_gap)
+
+    def curvature(self, wall: int) -> float:
+        """Of a wall, negative where the fluid lies inside of it."""
+        sphere = self.container.spheres[wall]
+        return 0.0 if sphere is None else -1.0 / sphere.radius
 
     def line(self, at: Callable[[Array], Array], start: float, end: float, pieces: int) -> Array:
         """Places s of the nodes on a line `at(s)` through the fluid from surface to surface."""
@@ -209,7 +217,7 @@ def rings(surfaces: Surfaces, bodies: Sequence[int]) -> list[Curve]:
     near = [_neighbourhood(surfaces, i) for i in bodies]
     turns = np.array([(body.narrowest, body.narrowest + 2.0 * np.pi) for body in near]).reshape(-1, 2)
     chains = zip(bodies, _on_arcs(surfaces, near, turns), strict=True)
-    return [Curve(i + 1, nodes[:-1], closed=True, centre=surfaces.centres[i]) for i, nodes in chains]
+    return [Curve(i + 1, x[:-1], True, surfaces.centres[i], opening[:-1]) for i, (x, opening) in chains]
 
 
 def half_ring(surfaces: Surfaces, i: int) -> Curve:
@@ -224,7 +232,7 @@ def arcs(surfaces: Surfaces, bodies: Sequence[int], angles: Array) -> list[Curve
     """The nodes on bodies between two angles each, start < end, (n, 2)."""
     near = [_neighbourhood(surfaces, i) for i in bodies]
     chains = zip(bodies, _on_arcs(surfaces, near, angles), strict=True)
-    return [Curve(i + 1, nodes, centre=surfaces.centres[i]) for i, nodes in chains]
+    return [Curve(i + 1, x, False, surfaces.centres[i], opening) for i, (x, opening) in chains]
 
 
 @dataclass(frozen=True, slots=True)
@@ -238,6 +246,7 @@ class Neighbourhood:
         walls: which walls are near, (walls,).
         smallest: of all radii, its own included.
         narrowest: the angle at which its narrowest gap is.
+        facing: gaps so narrow that nodes face each other in them, and the angles at which they are.
     """
 
     i: int
@@ -246,6 +255,7 @@ class Neighbourhood:
     walls: NDArray[np.bool_]
     smallest: float
     narrowest: float
+    facing: list[tuple[NarrowGap, float]]
 
 
 def _neighbourhood(surfaces: Surfaces, i: int) -> Neighbourhood:
@@ -265,13 +275,28 @@ def _neighbourhood(surfaces: Surfaces, i: int) -> Neighbourhood:
     # 0 - n, not -n: minus zero would turn an angle of pi into -pi.
     to_walls = 0.0 - surfaces.container.normals(centre[None])[0]
     towards = np.concatenate([surfaces.centres[near] - centre, to_walls[walls]])
-    narrowest = float(np.arctan2(*towards[np.argmin(gaps), ::-1])) if len(gaps) else 0.0
+    angles = np.arctan2(towards[:, 1], towards[:, 0])
+    narrowest = float(angles[np.argmin(gaps)]) if len(gaps) else 0.0
     smallest = min(radius, float(radii[near].min(initial=np.inf)))
-    return Neighbourhood(i, surfaces.centres[near], radii[near], walls, smallest, narrowest)
+    curvatures = [*(1.0 / radii[near]), *(surfaces.curvature(wall) for wall in np.flatnonzero(walls))]
+    beside = np.append(np.minimum(radii[near], radius), np.full(walls.sum(), radius))
+    every = zip(gaps, beside, curvatures, angles, strict=True)
+    facing = [(NarrowGap(float(q), float(a), 1.0 / radius + k), float(angle)) for q, a, k, angle in every]
+    facing = [(gap, angle) for gap, angle in facing if gap.is_narrow]
+    return Neighbourhood(i, surfaces.centres[near], radii[near], walls, smallest, narrowest, facing)
 
 
-def _on_arcs(surfaces: Surfaces, near: Sequence[Neighbourhood], angles: Array) -> list[Array]:
-    """Nodes on bodies between two angles each, (n, 2), both included; on a whole circle at least 8.
+def _fixed(body: Neighbourhood, radius: float, start: float, end: float, cells: float) -> Iterator[Array]:
+    """The places of nodes that face others in narrow gaps, along an arc between two angles."""
+    for gap, angle in body.facing:
+        for turn in range(floor((start - angle) / (2.0 * np.pi)), ceil((end - angle) / (2.0 * np.pi)) + 1):
+            yield on_circle(gap, angle + 2.0 * np.pi * turn, radius, cells)
+
+
+def _on_arcs(
+    surfaces: Surfaces, near: Sequence[Neighbourhood], angles: Array
+) -> list[tuple[Array, Array]]:
+    """Nodes on bodies between two angles each, both included, on a whole circle at least 8; their openings.
 
     All are placed together: one by one they took a fifth of the time of a mesh of 200 discs.
     """
@@ -292,13 +317,15 @@ def _on_arcs(surfaces: Surfaces, near: Sequence[Neighbourhood], angles: Array) -
         x: Array = centres[k] + a * np.column_stack([np.cos(turn), np.sin(turn)])
         return x
 
-    def size(s: Array, k: Indices) -> Array:
-        x = place(s, k)
+    def distance(x: Array, k: Indices) -> Array:
         away = x[:, None] - others[k]
         to_near = np.hypot(away[..., 0], away[..., 1]) - sizes[k]
         to_walls = np.where(walls[k], surfaces.container.distances(x), np.inf)
-        distance = np.column_stack([to_near, to_walls]).min(axis=1, initial=np.inf)
-        of_gap: Array = np.minimum(resolution.across(distance, smallest[k]), h_body[k])
+        nearest: Array = np.column_stack([to_near, to_walls]).min(axis=1, initial=np.inf)
+        return nearest
+
+    def size(s: Array, k: Indices) -> Array:
+        of_gap: Array = np.minimum(resolution.across(distance(place(s, k), k), smallest[k]), h_body[k])
         return of_gap
 
     pieces = []
@@ -306,7 +333,10 @@ def _on_arcs(surfaces: Surfaces, near: Sequence[Neighbourhood], angles: Array) -
     first = np.searchsorted(curve, np.arange(len(near) + 1))
     for k, (start, end) in enumerate(angles):
         part = slice(first[k], first[k + 1])
-        least = max(1, round(8 * (end - start) / (2.0 * np.pi)))
-        placed = equidistribute(s[part], 1.0 / h[part], least)
-        pieces.append(place(placed, np.full(len(placed), k)))
+        fixed = _fixed(near[k], float(radii[k]), start, end, resolution.cells_per_gap)
+        placed = spread(s[part], h[part], fixed, 8.0 * (end - start) / (2.0 * np.pi))
+        of = np.full(len(placed), k)
+        x = place(placed, of)
+        half = 0.5 * resolution.opened(distance(x, of), smallest[k])
+        pieces.append((x, half[:, None] * (centres[k] - x) / radii[k]))
     return pieces

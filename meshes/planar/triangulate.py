@@ -147,13 +147,27 @@ def triangulate(curves: Sequence[Curve], far: FarSize | None = None) -> Straight
     tags = np.concatenate([np.full(len(c) - 1, curve.tag) for c, curve in zip(chains, curves, strict=True)])
     with gmsh_model():
         bodies = 0 if far is None else far.bodies
-        _add_boundary(nodes, edges, tags <= bodies)
+        _add_boundary(nodes + _opening(nodes, chains, curves), edges, tags <= bodies)
         if far is not None:
             far.apply()
         gmsh.model.mesh.generate(2)
         vertices, triangles = _read_triangles()
     require_boundary(triangles, edges)
+    vertices[: len(nodes)] = nodes
     return StraightCells(vertices, triangles, edges, tags)
+
+
+def _opening(nodes: Array, chains: Sequence[Indices], curves: Sequence[Curve]) -> Array:
+    """How far all nodes (n, 2) are moved for gmsh: those on lines in the fluid between what the ends are."""
+    moved = np.zeros_like(nodes)
+    for places, curve in zip(chains, curves, strict=True):
+        if curve.opening is not None:
+            moved[places[: len(curve.nodes)]] = curve.opening
+    for places, curve in zip(chains, curves, strict=True):
+        if curve.opening is None:
+            s = np.linspace(0.0, 1.0, len(places))[:, None]
+            moved[places[1:-1]] = ((1.0 - s) * moved[places[0]] + s * moved[places[-1]])[1:-1]
+    return moved
 
 
 def _add_boundary(nodes: Array, edges: Indices, on_body: NDArray[np.bool_]) -> None:

@@ -1,0 +1,71 @@
+"""Nodes along curves by an element size: where it is sampled, and how they equidistribute `int ds / h`."""
+
+from collections.abc import Callable, Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsi.meshes.errors import MeshError
+from fsi.meshes.geometry.containers import Array
+
+MOST_HALVINGS = 60
+
+Indices = NDArray[np.int64]
+type Sizes = Callable[[Array, Indices], Array]
+
+
+def resolve_all(size: Sizes, ends: Array, pieces: int) -> tuple[Array, Array, Indices]:
+    """Places s along curves from ends[k, 0] to ends[k, 1], the element sizes there, and the curve k of each.
+
+    Intervals are halved until they are no longer than half the element size at both their ends.
+    """
+    s = np.linspace(ends[:, 0], ends[:, 1], pieces + 1, axis=1).ravel()
+    k = np.repeat(np.arange(len(ends)), pieces + 1)
+    h = size(s, k)
+    for _ in range(MOST_HALVINGS):
+        too_long = (np.diff(s) > 0.5 * np.minimum(h[:-1], h[1:])) & (k[:-1] == k[1:])
+        long = np.flatnonzero(too_long)
+        if len(long) == 0:
+            return s, h, k
+        middle, of = 0.5 * (s[long] + s[long + 1]), k[long]
+        h = np.insert(h, long + 1, size(middle, of))
+        s, k = np.insert(s, long + 1, middle), np.insert(k, long + 1, of)
+    raise MeshError(f"element sizes down to {h.min():.3g} cannot be resolved; is a gap that small meant?")
+
+
+def equidistribute(s: Array, density: Array, least: int) -> Array:
+    """Parameters, with both ends of s, that split `int density ds` into equal parts of at most 1."""
+    cumulative = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(s))])
+    parts = max(least, int(np.ceil(cumulative[-1] - 1e-6)))
+    placed: Array = np.interp(np.linspace(0.0, cumulative[-1], parts + 1), cumulative, s)
+    return placed
+
+
+def spread(s: Array, h: Array, fixed: Iterable[Array], fewest: float) -> Array:
+    """Places between the ends of s that equidistribute `ds / h`, but for stretches of fixed places.
+
+    s: ascending, (n,), h there. fixed: stretches, ascending; what lies beyond the ends of s is left out, and
+    so is a stretch that overlaps one before it. fewest: elements in all.
+    """
+    start, end = float(s[0]), float(s[-1])
+    slack, at, placed = 1e-9 * (end - start), start, [s[:1]]
+    for stretch in sorted(fixed, key=lambda stretch: float(stretch[0])):
+        inside = stretch[(stretch > start - slack) & (stretch < end + slack)]
+        if len(inside) > 1 and inside[0] > at - slack:
+            placed += [_even(s, h, at, float(inside[0]), fewest), inside[1:]]
+            at = float(inside[-1])
+    places = np.concatenate([*placed, _even(s, h, at, end, fewest)])
+    places[-1] = end
+    return places
+
+
+def _even(s: Array, h: Array, low: float, high: float, fewest: float) -> Array:
+    """Places after `low` up to `high` that equidistribute `ds / h`."""
+    length = float(s[-1] - s[0])
+    if high - low <= 1e-9 * length:
+        return np.empty(0)
+    between = (s > low) & (s < high)
+    ends = np.interp([low, high], s, h)
+    s, h = (np.concatenate([[a], x[between], [b]]) for x, a, b in ((s, low, high), (h, *ends)))
+    placed = equidistribute(s, 1.0 / h, max(1, round(fewest * (high - low) / length)))
+    return placed[1:]
