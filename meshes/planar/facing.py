@@ -20,7 +20,7 @@ import scipy  # its modules load when they are used
 from fsi.meshes.geometry.containers import Array, Container
 from fsi.meshes.geometry.curves import WallCurve
 
-FINEST = 0.05  # element size along the narrowest gaps, over sqrt(a d)
+FINEST = 0.04  # element size along the narrowest gaps, over sqrt(a d)
 LONGEST = 4.0  # element size over the gap, as gmsh is shown it
 SAME_FROM = (FINEST / LONGEST) ** 2  # d / a, above which cells are no longer than LONGEST gaps anyway
 NARROW = 0.5 * SAME_FROM  # the smallest gap over a, below which nodes face each other
@@ -39,7 +39,7 @@ class NarrowGap:
     @property
     def is_narrow(self) -> bool:
         """Whether nodes face each other there."""
-        return self.width < NARROW * self.radius
+        return 0.0 < self.width < NARROW * self.radius
 
     def places(self, cells_per_gap: float) -> Array:
         """The distances xi_k from the narrowest place, from zero on, (n + 1,)."""
@@ -51,15 +51,14 @@ class NarrowGap:
         return places
 
 
-def on_circle(gap: NarrowGap, angle: float, radius: float, cells_per_gap: float) -> Array:
+def on_circle(angle: float, radius: float, xi: Array) -> Array:
     """Where these nodes stand on a circle that has the gap at an angle: lengths along it, ascending."""
-    turn = np.arcsin(gap.places(cells_per_gap) / radius)
+    turn = np.arcsin(xi / radius)
     return radius * (angle + np.concatenate([-turn[:0:-1], turn]))
 
 
-def on_wall(curve: WallCurve, container: Container, gap: NarrowGap, foot: float, cells_per_gap: float) -> Array:
+def on_wall(curve: WallCurve, container: Container, foot: float, xi: Array) -> Array:
     """Where they stand on a piece of a wall that has the gap at the length `foot`: lengths, ascending."""
-    xi = gap.places(cells_per_gap)
     xi = np.concatenate([-xi[:0:-1], xi])
     along, start = _along(curve, container, foot), curve.at(np.array([foot]))
     s = foot + xi

@@ -13,11 +13,11 @@ The flow in a narrow gap is a polynomial across it and varies along it over the 
 sqrt(a gap), so that is what a cell must resolve:
 
     h_gap(d) = 0.11 sqrt(a d) / cells_per_gap,   but within [0.3 d, 4 d] / cells_per_gap,
-                                                 and no less than 0.05 sqrt(a d) / cells_per_gap.
+                                                 and no less than 0.04 sqrt(a d) / cells_per_gap.
 
 With cells_per_gap = 1 that is one cell across a gap of 0.012 a, three across gaps above 0.13 a; in narrower
 gaps cells are longer than wide. One cell across leaves an error of the force of order 4 in h / sqrt(a d):
-below gaps of 1.6e-4 a the last bound keeps it at some 1e-6, and the number of cells grows only like log(a/d).
+below gaps of 1e-4 a the last bound keeps it at some 1e-6, and the number of cells grows only like log(a/d).
 
 gmsh works with absolute lengths and rounds them; cells a thousand times as long as wide, next to gaps of
 1e-8 a, are beyond it. So it is shown the narrowest gaps opened, the nodes moved into the solids on both sides
@@ -183,17 +183,17 @@ class Surfaces:
 
     def _facing(self, curve: WallCurve, s: Array) -> Iterator[Array]:
         """The places of nodes on a wall that face those of the bodies in narrow gaps; s: samples along it."""
-        start = curve.at(s[:1])
-        centres, x = self.centres + (start - self.lattice.wrapped(start)), curve.at(s)
-        gaps, curvature = self.container.distances(centres)[:, curve.wall] - self.radii, self.curvature(curve.wall)
-        for i in np.flatnonzero(gaps < self.radii):
-            gap = NarrowGap(float(gaps[i]), float(self.radii[i]), 1.0 / float(self.radii[i]) + curvature)
+        container, x = self.container, curve.at(s)
+        centres = self.centres + (x[0] - self.lattice.wrapped(x[:1]))
+        gaps, curvature = container.distances(centres)[:, curve.wall] - self.radii, self.curvature(curve.wall)
+        for width, a, centre in zip(gaps.tolist(), self.radii.tolist(), centres, strict=True):
+            gap = NarrowGap(width, a, 1.0 / a + curvature)
             if gap.is_narrow:
-                nearest = int(np.argmin(np.hypot(*(x - centres[i]).T)))
+                nearest = int(np.argmin(np.hypot(*(x - centre).T)))
                 low, high = s[max(nearest - 1, 0)], s[min(nearest + 1, len(s) - 1)]
-                foot = foot_on(curve, self.container, centres[i], 2.0 * low - high, 2.0 * high - low)
+                foot = foot_on(curve, container, centre, 2.0 * low - high, 2.0 * high - low)
                 if foot is not None:
-                    yield on_wall(curve, self.container, gap, foot, self.resolution.cells_per_gap)
+                    yield on_wall(curve, container, foot, gap.places(self.resolution.cells_per_gap))
 
     def curvature(self, wall: int) -> float:
         """Of a wall, negative where the fluid lies inside of it."""
@@ -278,7 +278,8 @@ def _neighbourhood(surfaces: Surfaces, i: int) -> Neighbourhood:
     angles = np.arctan2(towards[:, 1], towards[:, 0])
     narrowest = float(angles[np.argmin(gaps)]) if len(gaps) else 0.0
     smallest = min(radius, float(radii[near].min(initial=np.inf)))
-    curvatures = [*(1.0 / radii[near]), *(surfaces.curvature(wall) for wall in np.flatnonzero(walls))]
+    of_walls = [surfaces.curvature(wall) for wall in np.flatnonzero(walls).tolist()]
+    curvatures = [*(1.0 / radii[near]), *of_walls]
     beside = np.append(np.minimum(radii[near], radius), np.full(walls.sum(), radius))
     every = zip(gaps, beside, curvatures, angles, strict=True)
     facing = [(NarrowGap(float(q), float(a), 1.0 / radius + k), float(angle)) for q, a, k, angle in every]
@@ -290,12 +291,10 @@ def _fixed(body: Neighbourhood, radius: float, start: float, end: float, cells: 
     """The places of nodes that face others in narrow gaps, along an arc between two angles."""
     for gap, angle in body.facing:
         for turn in range(floor((start - angle) / (2.0 * np.pi)), ceil((end - angle) / (2.0 * np.pi)) + 1):
-            yield on_circle(gap, angle + 2.0 * np.pi * turn, radius, cells)
+            yield on_circle(angle + 2.0 * np.pi * turn, radius, gap.places(cells))
 
 
-def _on_arcs(
-    surfaces: Surfaces, near: Sequence[Neighbourhood], angles: Array
-) -> list[tuple[Array, Array]]:
+def _on_arcs(surfaces: Surfaces, near: Sequence[Neighbourhood], angles: Array) -> list[tuple[Array, Array]]:
     """Nodes on bodies between two angles each, both included, on a whole circle at least 8; their openings.
 
     All are placed together: one by one they took a fifth of the time of a mesh of 200 discs.

@@ -50,7 +50,7 @@ TOO_MUCH = [
         "discretisation.cells_per_gap=1e300",
         "discretisation.cells_per_gap = 1e+300: a mesh",
     ),
-    ("validation/concentric_sphere.toml", "domain.radius=1.0000002", "bodies: 1, smallest gap 2e-07"),
+    ("sphere_in_space.toml", "bodies.0.position=[0.0, 0.0, 1.0000002]", "bodies: 1, smallest gap 2e-07"),
     ("gluey/layers.toml", "time.step=1e-300", "time.step = 1e-300: "),
     ("settling_disc.toml", "output.interval=1e-300", "output.interval = 1e-300: "),
     (

@@ -30,7 +30,9 @@ def chords(curve: Curve) -> tuple[Array, Array]:
 
 def h_gap(d: Array, a: float, resolution: Resolution) -> Array:
     """The documented size at a gap d beside radius a, worked out again."""
-    size: Array = np.maximum(np.minimum(0.11 * np.sqrt(a * d), 4.0 * d), 0.3 * d) / resolution.cells_per_gap
+    along = np.sqrt(a * d)
+    longest = np.maximum(4.0 * d, 0.04 * along)
+    size: Array = np.maximum(np.minimum(0.11 * along, longest), 0.3 * d) / resolution.cells_per_gap
     return size
 
 
@@ -103,11 +105,11 @@ def test_a_node_stands_at_the_narrowest_place(gap: float) -> None:
 
 @pytest.mark.parametrize(
     ("gap", "expected"),
-    [(0.25, 0.075), (2e-2, 0.11 * np.sqrt(2e-2)), (1e-4, 4e-4), (1e-5, 4e-5)],
-    ids=["a third of the gap", "lubrication length", "four gaps", "four gaps, narrower"],
+    [(0.25, 0.075), (2e-2, 0.11 * np.sqrt(2e-2)), (2e-4, 8e-4), (1e-5, 0.04 * np.sqrt(1e-5))],
+    ids=["a third of the gap", "lubrication length", "four gaps", "a part of the lubrication length"],
 )
 def test_size_at_the_narrowest_place(gap: float, expected: float) -> None:
-    """The three branches of the law; where each applies, the others are 10 % off at least."""
+    """The four branches of the law; where each applies, the others are 10 % off at least."""
     for curve in (curves(BOX, disc_over_plane(gap))[k] for k in (0, 3)):
         length, middle = chords(curve)
         nearest = np.argmin(np.hypot(*middle.T))
