@@ -30,7 +30,7 @@ def resolve_all(size: Sizes, ends: Array, pieces: int) -> tuple[Array, Array, In
         middle, of = 0.5 * (s[long] + s[long + 1]), k[long]
         h = np.insert(h, long + 1, size(middle, of))
         s, k = np.insert(s, long + 1, middle), np.insert(k, long + 1, of)
-    raise MeshError(f"element sizes down to {h.min():.3g} cannot be resolved; is a gap that small meant?")
+    raise MeshError("element sizes down to {} cannot be resolved; is a gap that small meant?", h.min())
 
 
 def equidistribute(s: Array, density: Array, least: int) -> Array:
