@@ -168,7 +168,7 @@ class RoundDomain(Walled):
 
     shape: Literal["round"]
     radius: Positive
-    """the radius of the container, a number > 0"""
+    """a number > 0; the container is real where a body reaches beyond 3/8 of it, else half of it is tried"""
 
     @classmethod
     @override

@@ -61,10 +61,20 @@ class SolvedFlow:
         return None if self.bulk is None else self.bulk.apparent_viscosity
 
 
+ROOM = 0.375  # of the radius of a container that stands for infinity, in which all bodies are
+
+
 def halved(case: Case) -> Case | None:
-    """The case in a container of half the radius; None where there is no radius or no room for the bodies."""
-    domain = case.domain.halved()
+    """The case in a container of half the radius; None where there is no radius, or the container is real.
+
+    It is taken as real, and not for one that stands for infinity, where a body reaches beyond ROOM of its
+    radius: at half of it the flow would be another one, and a gap that is narrow there one that nobody has.
+    """
+    domain, q = case.domain.halved(), case.configuration()
     if domain is None or domain.mesh is not None:
+        return None
+    reach = float((np.linalg.norm(q.centres, axis=1) + q.radii).max(initial=0.0))
+    if reach > ROOM * 0.5 * case.container().size():
         return None
     data = case.model_dump(exclude_none=True) | {"domain": domain.model_dump(exclude_none=True)}
     try:

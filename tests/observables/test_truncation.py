@@ -29,6 +29,16 @@ def test_the_smaller_container_has_half_the_radius(geometry: str, shape: str) ->
     assert halved(parse_case(data | {"domain": {"shape": shape, "radius": 5.0}})) is None  # no room
 
 
+@pytest.mark.parametrize(("x", "real"), [(3.997, True), (0.9, True), (0.85, False)])
+def test_a_container_with_a_wall_near_a_body_is_real(x: float, real: bool) -> None:
+    """A gap of 0.003 in a disc of radius 5 was solved at radius 2.5 too; within 3/8 of 5, |x| + 1 < 1.875."""
+    data: dict[str, Any] = {
+        "name": "x", "fluid": {"viscosity": 1.0}, "domain": {"shape": "round", "radius": 5.0},
+        "bodies": [{"name": "one", "radius": 1.0, "position": [x, 0.0]}],
+    }  # fmt: skip
+    assert (halved(parse_case(data)) is None) == real
+
+
 def test_changes_count_torques_over_the_radius_and_rotations_times_it() -> None:
     """Radius 2; a body held with F = (10, 0) and T = 8, another free with V = (0, 3) and omega = 4."""
     U, F = np.array([[0.0, 0.0, 0.0], [0.0, 3.0, 4.0]]), np.array([[10.0, 0.0, 8.0], [0.0, 0.0, 0.0]])
