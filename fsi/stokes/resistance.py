@@ -23,7 +23,7 @@ from fsi.observables import resistance as matrix
 from fsi.observables.resistance import Modes, Resistance, ResistanceErrors
 from fsi.stokes.adapt import Refinement, refine
 from fsi.stokes.identities import identities, require
-from fsi.stokes.model import StokesModel, other_degree_of
+from fsi.stokes.model import StokesModel, bar_factor, other_degree_of
 from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem
 from fsi.stokes.solve import DEFAULT, Clock, assembled
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, factorised, load_of, multiply
@@ -52,10 +52,10 @@ def resistance_with_error(case: Case) -> SolvedResistance:
 def _solved(case: Case) -> SolvedResistance:
     """With elements of another degree R differs by its error, as forces do (see `model`)."""
     computed = case_resistance(case)
-    degree, factor = other_degree_of(case.discretisation.degree, case.dimension)
+    degree, _ = other_degree_of(case.discretisation.degree, case.dimension)
     model = StokesModel(case)
     other = _resistance(case, model, model.reference_mesh, degree)
-    errors = matrix.estimated_errors(computed, other, factor)
+    errors = matrix.estimated_errors(computed, other, bar_factor(case))
     return SolvedResistance(case, errors.largest, computed.dofs, computed, errors)
 
 
