@@ -87,6 +87,22 @@ def test_a_defect_above_the_bound_is_named(value: float) -> None:
         require({"power": value})
 
 
+def test_a_free_body_that_is_not_balanced_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A disc under the force 1 whose reactions add up to 1 + 1e-6: `balance` says so, 100 times the bound."""
+
+    def pulled(system: StokesSystem) -> NodalSolution:
+        good = solve_eliminated(system)
+        reaction = good.reaction.copy()
+        reaction[system.layout.on_body[0]] += 1e-6
+        return dataclasses.replace(good, reaction=reaction)
+
+    monkeypatch.setitem(FORMULATIONS, "eliminated", pulled)
+    monkeypatch.setattr("fsi.stokes.solve.require", lambda _: None)
+    found = solved(BOX, disc_over_plane(1.0), free((1.0, 0.0, 0.0)), resolution=Resolution(0.5, 12, 0.5))
+    assert found.F[0, :2].sum() == pytest.approx(1.0 + 1e-6, rel=1e-9)
+    assert found.checks["balance"] > 1e-7
+
+
 def test_a_slow_flow_beside_a_fast_stream_is_not_excused_as_rounding(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -31,3 +31,19 @@ def test_two_discs_come_off_after_the_push(tmp_path: Path) -> None:
     assert memory_data(memory)["contacts"][0]["released"] == memory.contacts["released"][0]
     plot_memories(memory, tmp_path / "memory.png")
     assert (tmp_path / "memory.png").stat().st_size > 10_000
+
+
+def test_of_a_contact_that_closes_again_the_last_time_counts(tmp_path: Path) -> None:
+    """Closed at t = 1 and 2 with a push of 5, open at 3, closed at 4 and 5 with 2: off since 6."""
+    case = load_case(CASES / "gluey" / "two_discs.toml", ["time.end=6", "time.step=1"])
+    (tmp_path / "case.toml").write_text(case.as_toml())
+    contacts = [(1, -3.0), (2, -5.0), (4, -2.0), (5, -1.0)]
+    rows = [f"{t},{t}.0,{case.names[0]},{case.names[1]},0.0,{gamma},0.0,0.0" for t, gamma in contacts]
+    head = "step,t,side,body,gap,gamma,impulse,solid_impulse"
+    (tmp_path / "contacts.csv").write_text("\n".join([head, *rows]) + "\n")
+    bodies = [f"{t},{t}.0,{name},0.0,0.0" for t in range(7) for name in case.names]
+    (tmp_path / "bodies.csv").write_text("\n".join(["step,t,body,x,y", *bodies]) + "\n")
+    memory = read_memories(open_run(tmp_path))
+    (row,) = memory.contacts[["stored", "reached", "released", "lag"]].to_numpy().tolist()
+    assert row == [2.0, 4.0, 6.0, 2.0]
+    np.testing.assert_array_equal(memory.closed, [0, 1, 1, 0, 1, 1, 0])

@@ -41,5 +41,14 @@ def test_rate_that_varies_between_steps() -> None:
     assert strain[-1] == pytest.approx(1.0)
 
 
+def test_rate_that_falls_over_a_step() -> None:
+    """From 1 to 0 in 2: the strain is 1, where the rate at the start would give 2."""
+    strain = accumulated_strain(
+        channel([{"times": [0.0, 2.0], "values": [4.0, 0.0]}, 0.0]), np.array([0.0, 1.0, 2.0])
+    )
+    assert strain is not None
+    np.testing.assert_allclose(strain, [0.0, 0.75, 1.0])
+
+
 def test_no_strain_in_a_closed_box() -> None:
     assert accumulated_strain(sheared(lower=[0.0, 0.0], upper=[4.0, 4.0]), np.array([0.0, 1.0])) is None
