@@ -271,5 +271,5 @@ def test_a_run_refines_to_half_its_tolerance(monkeypatch: pytest.MonkeyPatch) ->
 
     monkeypatch.setattr("fsi.stokes.adapt.refined", refined)
     U = np.zeros((1, 3))
-    RefinedModel(case).refine(case.configuration(), 0.0, SimpleNamespace(U=U, F=U))  # type: ignore[arg-type]
+    RefinedModel(case).refine(case.configuration(), 0.0, SimpleNamespace(U=U, F=U))
     assert asked == [0.5e-3]

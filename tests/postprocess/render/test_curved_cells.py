@@ -63,12 +63,16 @@ def test_stream_function_of_a_uniform_stream_along_an_axis(run: Path) -> None:
 
 
 def test_mirrored_flow_turns_its_radial_component(run: Path) -> None:
+    """And so does the vorticity, whose axis is seen from the other side; speeds and pressures stay."""
     fluid = fsi.open_run(run).mesh(0)
+    fluid["vorticity"] = np.arange(1.0, fluid.n_points + 1.0)
     both = mirrored(fluid)
     n = fluid.n_points
     assert both.n_cells == 2 * fluid.n_cells
     np.testing.assert_array_equal(both.points[n:, 0], -fluid.points[:, 0])
     np.testing.assert_array_equal(both["velocity"][n:], fluid["velocity"] * [-1.0, 1.0, 1.0])
+    np.testing.assert_array_equal(both["vorticity"][n:], -fluid["vorticity"])
+    np.testing.assert_array_equal(both["pressure"][n:], fluid["pressure"])
 
 
 def test_stream_function_of_separate_parts(run: Path) -> None:
