@@ -5,10 +5,10 @@
 A trial is one command on a mutated case, with mutated options, or on a damaged run folder, in a process of
 its own that is forked from one that has loaded all libraries. It fails where it ends by a signal or with
 another exit code than 0, 2, 3 and 4, prints a traceback or a warning of a library, says more than one line of
-an error, or is not done after PATIENCE seconds without having said that it takes long. A run that makes steps
-is interrupted after ENOUGH seconds, and must then leave with 130. The bench prints how many trials of each
-command there were and how they ended, and those that failed with their seeds; its exit code is 1 if any has.
-`--seed S --count 1` is one trial again.
+an error, or is not done after PATIENCE seconds, more on a busy machine, without having said that it takes
+long. A run that makes steps is interrupted after ENOUGH seconds, and must then leave with 130. The bench
+prints how many trials of each command there were and how they ended, and those that failed with their seeds;
+its exit code is 1 if any has. `--seed S --count 1` is one trial again.
 """
 
 from __future__ import annotations
@@ -94,6 +94,11 @@ def in_child(arguments: Arguments, folder: Path) -> int:
         os._exit(code)
 
 
+def crowding() -> float:
+    """How many processes want each CPU, at least 1: a trial has so much more time on a busy machine."""
+    return max(1.0, os.getloadavg()[0] / (os.cpu_count() or 1))
+
+
 def fault_of(code: int, said: str, *, timed_out: bool, interrupted: bool) -> str | None:
     """What is wrong with how a trial ended; None where nothing is."""
     if timed_out:
@@ -132,7 +137,7 @@ class Running:
             if stepping and seconds > ENOUGH and not self.interrupted:
                 os.kill(self.process, signal.SIGINT)
                 self.interrupted = True
-            if seconds < (ENOUGH + GRACE if self.interrupted else PATIENCE):
+            if seconds < (ENOUGH + GRACE if self.interrupted else PATIENCE) * crowding():
                 return None
             os.killpg(self.process, signal.SIGKILL)
             _, status = os.waitpid(self.process, 0)

@@ -49,16 +49,21 @@ def tell(line: str) -> None:
         typer.echo(line)
 
 
+def warn(line: str) -> None:
+    """Say on stderr, on root, that what follows takes long."""
+    if parallel.is_root():
+        typer.echo(f"note: {line}", err=True)
+
+
 def load(path: Path, overrides: list[str] | None) -> Case:
     """The case of a file, with changes; all ranks. Says beforehand where it takes long."""
     from fsi.case.checks.work import check_work
     from fsi.case.load import load_case
-    from fsi.report.console import standard_error
 
     case = parallel.on_root(lambda: load_case(path, overrides or ()))
     warning = parallel.on_root(lambda: check_work(case))
     if warning is not None:
-        standard_error().print(warning, highlight=False, markup=False)
+        warn(warning)
     return case
 
 

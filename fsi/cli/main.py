@@ -74,9 +74,9 @@ def _command() -> int:
         if code != INTERRUPTED:  # typer turns Ctrl-C into this exit code, and says nothing
             return int(code)
         return parallel.last_words(*_words(KeyboardInterrupt()))
-    except SystemExit:  # typer's, where the reader of standard output has gone, as `head` does
-        return 0
-    except Exception as error:
+    except (Exception, SystemExit) as error:
+        if isinstance(error, SystemExit) and isinstance(error.__context__, BrokenPipeError):
+            return 0  # typer's, where the reader of standard output has gone, as `head` does
         return parallel.last_words(*_words(error))
 
 

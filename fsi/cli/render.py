@@ -9,8 +9,11 @@ import typer
 import fsi.parallel as parallel
 from fsi.cli.arguments import RunFolder, Step, numbers, option, output_to, tell
 from fsi.errors import InputError
+from fsi.machine import require_memory
 from fsi.postprocess.render.fields import field_names
 
+_LARGEST = 1e30  # end of colours: those of VTK are single numbers
+_PIXEL_BYTES = 400.0  # of a pixel of a panel: two panels, drawn at a multiple of their size, and copies
 EXAMPLE = "Example: fsi render runs/settling_disc --field dissipation --gap disc,plane -o gap.mp4"
 PLOT_EXAMPLE = "Example: fsi plot runs/settling_disc runs/settling_discs -o gaps.pdf"
 
@@ -37,7 +40,7 @@ def render(
     span: Annotated[
         str | None, option("What the colours span.", False, "--range", metavar="LOW,HIGH")
     ] = None,
-    size: Annotated[int, option("Pixels of a panel's side.")] = 1000,
+    size: Annotated[int, option("Pixels of a panel's side.", min=50)] = 1000,
 ) -> None:
     """Draw a run: speed, streamlines, and the mesh in the narrowest gap, or the field of your choice.
 
@@ -51,11 +54,16 @@ def render(
 
     if time is not None and step is not None:
         raise InputError("render: give --time or --step, not both")
+    require_memory(
+        f"--size {size}: {float(size) ** 2:.3g} pixels", _PIXEL_BYTES * float(size) ** 2, "give fewer"
+    )
     ends = None
     if span is not None:
         low, high = numbers("--range", span, 2)
         if not low < high:
             raise InputError(f"--range {span}: give the lower end first")
+        if max(-low, high) > _LARGEST:
+            raise InputError(f"--range {span}: colours end at {_LARGEST:g}; give smaller numbers")
         ends = low, high
 
     def draw() -> Path:

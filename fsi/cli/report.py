@@ -8,10 +8,12 @@ import typer
 import fsi.parallel as parallel
 from fsi.cli.arguments import RunFolder, Step, numbers, option, output_to, require_writable, tell
 from fsi.errors import InputError
+from fsi.machine import require_memory
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+_POINT_BYTES = 2000.0  # of a point and what is found there: measured 1.5 kB
 EXAMPLE = "Example: fsi report runs/settling_discs -o settling.html"
 REVOLVE_EXAMPLE = "Example: fsi revolve runs/settling_spheres --degrees 270 -o runs/spheres_3d"
 PROBE_EXAMPLE = "Example: fsi probe runs/settling_disc --line 0,0,3,0.5 --count 7 --step 20 -o line.csv"
@@ -88,6 +90,8 @@ def probe(
             return values_at(run, read_points(points, d), step)
         place, option = (np.linspace, "--line") if line is not None else (on_plane, "--plane")
         ends = numbers(option, line or plane or "", 2 * d)
+        total = float(count) if line is not None else float(count) ** 2
+        require_memory(f"--count {count}: {total:.3g} points", _POINT_BYTES * total, "give fewer")
         return values_at(run, place(ends[:d], ends[d:], count), step)
 
     table = parallel.on_root(values)

@@ -147,20 +147,30 @@ def recover(parts: Sequence[Path], domain: FluidDomain) -> CurvedCells:
     boundary is not that of the bodies and walls of the domain at that step.
     """
     pieces, first, d = [], 0, domain.container.dimension
-    try:
-        for part in parts:
-            mesh = meshio.read(part)
-            simplices = mesh.cells_dict[VTK_SIMPLICES[d - 1]].astype(np.int64)
-            pieces.append((mesh.points[:, :d], simplices + first))
-            first += len(mesh.points)
-    except (OSError, meshio.ReadError, KeyError) as error:
-        raise MeshFileError(f"{part}: cannot be read ({error}); mend the run with `fsi resume`") from None
+    for part in parts:
+        x, simplices = _read_vtu(part, d)
+        pieces.append((x, simplices + first))
+        first += len(x)
     x, cells = (np.concatenate([piece[k] for piece in pieces]) for k in range(2))
     x, cells = _merged(x, cells, SAME_NODE * domain.container.size())
     cells = cells[:, np.argsort(vtk_order(cells.shape[1], d))]
     order = order_of(cells.shape[1], d)
     edges = boundary_sides(cells[:, : d + 1])
     return CurvedCells(x, cells, edges, _tags(x[edges], domain), order)
+
+
+def _read_vtu(path: Path, d: int) -> tuple[Array, Indices]:
+    """Nodes (n, d) and simplices of a field file."""
+    try:
+        with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+            mesh = meshio.vtu.read(path)
+        x, simplices = mesh.points[:, :d], mesh.cells_dict[VTK_SIMPLICES[d - 1]].astype(np.int64)
+        if not np.isfinite(x).all() or simplices.min() < 0 or simplices.max() >= len(x):
+            raise MeshFileError("its cells join nodes that it has not")
+    except Exception as error:  # a damaged file makes meshio raise errors of many kinds
+        told = " ".join(f"{type(error).__name__} {error}".split())[:200]
+        raise MeshFileError(f"{path}: cannot be read ({told}); mend the run with `fsi resume`") from None
+    return x, simplices
 
 
 def _merged(x: Array, cells: Indices, distance: float) -> tuple[Array, Indices]:

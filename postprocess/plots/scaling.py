@@ -3,6 +3,7 @@
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -42,6 +43,14 @@ def plot_scaling(source: Path, output: Path) -> None:
         axes.legend()
 
 
+def _curve(pairs: Any) -> list[tuple[int, float]]:
+    """Sizes and seconds of a file. Raises TypeError, ValueError: they are none."""
+    curve = [(int(N), float(seconds)) for N, seconds in pairs]
+    if not curve or not all(0.0 < number < np.inf for pair in curve for number in pair):
+        raise ValueError("sizes and seconds are numbers > 0")
+    return curve
+
+
 def _ends(curves: Curves, k: int) -> tuple[float, float]:
     """Ends of the axis of sizes (k = 0), or of seconds (k = 1)."""
     values = [pair[k] for curve in curves.values() for pair in curve]
@@ -57,7 +66,8 @@ def _read(path: Path) -> tuple[str, str, Curves]:
     text = content(path, "give a run folder or the file of a benchmark")
     try:
         data = json.loads(text)
-        return str(data["benchmark"]), str(data["size"]), dict(data["cpu_seconds"])
-    except (ValueError, KeyError, TypeError, RecursionError) as error:
+        curves = {str(name): _curve(pairs) for name, pairs in data["cpu_seconds"].items()}
+        return str(data["benchmark"]), str(data["size"]), curves
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         what = f"{path}: not the file of a benchmark ({error})"
         raise InputError(f"{what}; give one that --json has written") from None

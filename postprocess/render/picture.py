@@ -154,6 +154,7 @@ def write_pictures(pictures: Iterable[Picture], output: Path) -> None:
     """Write pictures of one size, (height, width, 3) each, as they come. Raises InputError."""
     temporary = output.with_name(f".partial-{output.name}")
     try:
+        temporary.touch()  # ffmpeg would complain itself, in its own words
         {".png": _write_png, ".mp4": _write_mp4, ".gif": _write_gif}[output.suffix](pictures, temporary)
         temporary.replace(output)
     except OSError as error:

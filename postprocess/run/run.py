@@ -11,7 +11,6 @@ A run that is still going on, or that was killed, can be opened too: it then end
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -32,6 +31,7 @@ from fsi.files import json_of
 from fsi.gluey.system import room
 from fsi.meshes.cells.lagrange import lattice
 from fsi.meshes.geometry.containers import Container
+from fsi.postprocess.run.grids import read_grid
 from fsi.postprocess.run.tables import read_table
 from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint
 from fsi.run_folder.folder import CASE, PROVENANCE, STATE
@@ -54,6 +54,8 @@ def open_run(path: Path | str) -> Run:
     return Run(path)
 
 
+# By series: what is known at its nodes.
+_POINT_DATA = {"fluid": ("velocity", "pressure"), "surface": ("traction",)}
 # By model: the series of files that pictures are made of.
 _SERIES = {"resolved": "fluid", "reduced": "bodies", "gluey": "bodies", "macroscopic": "profile"}
 
@@ -128,11 +130,8 @@ class Run:
         """
         step = self.step(step, series)
         files = [self.path / entry.file for entry in self._entries(series) if _step(entry) == step]
-        try:
-            with warnings.catch_warnings(action="error"):  # pyvista only warns of a broken file
-                return _joined([pv.read(file) for file in files])
-        except (OSError, RuntimeError, ValueError, UserWarning) as error:
-            raise InputError(f"{files[0]}: cannot be read ({error}); mend it with `fsi resume`") from None
+        grids = [read_grid(file, _POINT_DATA.get(series, ())) for file in files]
+        return _joined(grids)
 
     def step(self, step: int | None = None, series: str = "fluid") -> int:
         """That step, or the last one, if it has fields. Raises InputError."""

@@ -55,7 +55,7 @@ def check_work(case: Case) -> str | None:
     hours = max(steps, 1.0) * count * (_SECONDS[case.dimension] if resolved else _BODY_SECONDS) / 3600.0
     if hours < _LONG / 3600.0:
         return None
-    return f"note: {steps:.2g} steps of {count:.2g} {'unknowns' if resolved else 'bodies'}: {hours:.2g} hours"
+    return f"{steps:.2g} steps of {count:.2g} {'unknowns' if resolved else 'bodies'}: {hours:.2g} hours"
 
 
 def _check_gaps(case: Case, gaps: Gaps) -> None:

@@ -1,0 +1,55 @@
+"""Field files as pyvista grids; damaged ones are refused before VTK, which would not survive them."""
+
+import logging
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pyvista as pv
+from vtkmodules.vtkCommonCore import vtkLogger
+
+from fsi.errors import InputError
+
+
+def read_grid(path: Path, names: Sequence[str] = ()) -> pv.UnstructuredGrid:
+    """The grid of a .vtu file, with these values at its nodes. Raises InputError: it is damaged."""
+    if not path.is_file():
+        raise InputError(f"{path}: is not there, or no file; mend it with `fsi resume`")
+    try:
+        with _quiet_vtk(), warnings.catch_warnings(action="error"):  # pyvista only warns of a broken file
+            grid = pv.read(path)
+            _require_sound(grid, names)
+    except (OSError, RuntimeError, ValueError, AttributeError, UserWarning) as error:
+        told = " ".join(str(error).split())[:200]
+        raise InputError(f"{path}: cannot be read ({told}); mend it with `fsi resume`") from None
+    return grid
+
+
+def _require_sound(grid: pv.UnstructuredGrid, names: Sequence[str]) -> None:
+    """Raise ValueError unless cells of one kind join nodes that are there, with finite values at them."""
+    corners = grid.cell_connectivity
+    if corners.min(initial=0) < 0 or corners.max(initial=-1) >= grid.n_points:
+        raise ValueError("its cells join nodes that it has not")
+    if len(np.unique(grid.celltypes)) > 1 or (grid.n_cells and len(corners) % grid.n_cells):
+        raise ValueError("its cells are of several kinds")
+    for name in names:
+        if name not in grid.point_data:
+            raise ValueError(f"it has no {name}")
+    for name, values in (("place", grid.points), *grid.point_data.items()):
+        if not np.isfinite(values).all():
+            raise ValueError(f"a {name} in it is not finite")
+
+
+@contextmanager
+def _quiet_vtk() -> Iterator[None]:
+    """VTK prints what it then raises, and pyvista logs it."""
+    verbosity = vtkLogger.GetCurrentVerbosityCutoff()
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+    logging.disable(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        logging.disable(logging.NOTSET)
+        vtkLogger.SetStderrVerbosity(verbosity)
