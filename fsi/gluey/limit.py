@@ -36,6 +36,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PPoly
+from scipy.optimize import brentq
 from scipy.special import wrightomega
 
 from fsi.bodies.configuration import Array
@@ -94,11 +95,19 @@ class Limit:
         return [(float(a), float(b) if b < f[-1] else np.inf) for a, b in times]
 
     def _arrivals(self) -> Array:
-        """Times at which Q falls to its running minimum."""
-        levels = np.unique(np.minimum.accumulate(np.append(0.0, self.Q(self.lowest))))
-        found = [self.Q.solve(level, discontinuity=False, extrapolate=False) for level in levels]
-        times: Array = np.concatenate(found)
-        return times[np.isfinite(times)]
+        """Times at which Q falls to its running minimum, from above.
+
+        Q is monotone between its extremes, so that each is a simple root there. Where the body lets go, Q has
+        its minimum: that is a root of utilde, and as a double one of Q it would be known to 1e-8 only.
+        """
+        t, Q = self.lowest, self.Q(self.lowest)
+        level = np.minimum.accumulate(np.append(0.0, Q))[1:-1]  # at the beginning of each interval of t
+        falls = np.flatnonzero((Q[:-1] > level + self._rounding()) & (Q[1:] < level))
+
+        def above(s: float, k: int) -> float:
+            return float(self.Q(s) - level[k])
+
+        return np.array([brentq(above, t[k], t[k + 1], args=(k,), xtol=1e-300) for k in falls])
 
     def _rounding(self) -> float:
         """Below this a distance is rounding in Q."""

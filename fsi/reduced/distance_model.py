@@ -8,6 +8,11 @@ Each step h
   3. moves the bodies, `q += h u^{n+1}`.
 The energy inequality `1/2 |u^{n+1}|^2_M + h A u.u + ... <= 1/2 |u^n|^2_M + h Phi.u^{n+1}` holds at each
 step. Stored gaps drift away from those of the bodies, at first order in h; the drift is recorded.
+
+Where bodies would overlap, as their own gap is smaller than the stored one, the pair is stopped: 2. and 3. are
+repeated with kappa = inf there, so that its gap stays as it is. Any kappa >= 0 leaves A symmetric and
+nonnegative, so that the energy inequality holds as before; a shorter step would keep it too, but the drift
+of pressed contacts is O(h) however short h is. How many are stopped is recorded.
 Source: A. Lefebvre and B. Maury, Direct simulation of dense suspensions (2008).
 """
 
@@ -20,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Inertia
-from fsi.bodies.gaps import row_numbers
+from fsi.bodies.gaps import ROUNDING, row_numbers
 from fsi.case.case import Case
 from fsi.errors import SolveError
 from fsi.integration.state import State
@@ -28,7 +33,7 @@ from fsi.reduced.model import ReducedInstant, ReducedModel
 from fsi.reduced.network import gradient, own_mobility
 from fsi.reduced.pairs import Pairs, find_pairs, of_keys, own_speed, turning
 from fsi.reduced.stress import lubrication_stress
-from fsi.reduced.system import Surroundings, identities, require, solve_system
+from fsi.reduced.system import SolvedSystem, Surroundings, identities, require, solve_system
 
 # (x) -> K and dK/dx, of an antiderivative K of kappa in D, for some of the pairs.
 type Integral = Callable[[Array, NDArray[np.intp]], tuple[Array, Array]]
@@ -186,7 +191,7 @@ class DistanceModel(ReducedModel):
         pairs = find_pairs(q, ambient.enclosure, self.reach)
         self._memory = self._fresh(pairs, ambient, U)
         checks = CHECKS[1:] if self.literal else CHECKS
-        nothing = dict.fromkeys(("pairs", "dissipation", *checks, "drift"), 0.0)
+        nothing = dict.fromkeys(("pairs", "dissipation", *checks, "stopped", "drift"), 0.0)
         instant = self._instant(q, U, pairs, ambient, nothing | {"pairs": len(pairs)})
         return replace(instant, record={**instant.record, "cpu_solve": 0.0})
 
@@ -198,15 +203,34 @@ class DistanceModel(ReducedModel):
         ambient = self._during(state.q, state.t, t_end)
         pairs = of_keys(state.q, ambient.enclosure, self._memory.key)
         memory, checks = self._advance_distances(state, pairs, ambient, h)
-        kappa = self.laws.kappa(memory.x, pairs.films)
-        solved = solve_system(ambient, pairs, kappa, Inertia(self.masses / h, state.U))
+        kappa, inertia = self.laws.kappa(memory.x, pairs.films), Inertia(self.masses / h, state.U)
+        solved, q, stopped = self._without_overlap(state.q, ambient, pairs, kappa, inertia, h)
         checks |= identities(solved.network, state.q, solved.U, solved.alone, solved.force)
         checks |= solved.balances() | {"energy": solved.energy(self.masses, state.U, h)}
         require(checks, t_end)
-        record = {"pairs": len(pairs), "dissipation": solved.dissipation, **checks}
-        q = state.q.moved(h * solved.U)
+        record = {"pairs": len(pairs), "dissipation": solved.dissipation, **checks, "stopped": stopped}
         instant = self._meet(q, solved.U, replace(memory, force=solved.force), t_end, record)
         return q, replace(instant, record={**instant.record, "cpu_solve": process_time() - began})
+
+    def _without_overlap(
+        self, q: Configuration, ambient: Surroundings, pairs: Pairs, kappa: Array, inertia: Inertia, h: float
+    ) -> tuple[SolvedSystem, Configuration, int]:
+        """Steps 2 and 3: velocities, the bodies there, and how many pairs had to be stopped."""
+        stopped = np.zeros(len(pairs), dtype=bool)
+        while True:
+            rigid = np.where(stopped, np.inf, kappa)
+            solved = solve_system(ambient, pairs, rigid, inertia)
+            moved = q.moved(h * solved.U)
+            left = of_keys(moved, ambient.enclosure, pairs.key).gap
+            if np.any(np.isinf(rigid) & (left < -ROUNDING * q.radii.min())):
+                raise SolveError(
+                    f"time.step = {h:g}: bodies overlap after it by {-left.min():.3g}, and stopping their "
+                    "gaps does not part them; shorten it"
+                )
+            closed = (left <= 0.0) & ~np.isinf(rigid)
+            if not closed.any():
+                return solved, moved, int(stopped.sum())
+            stopped |= closed
 
     def _during(self, q: Configuration, t: float, t_end: float) -> Surroundings:
         """Held velocities of the end of the step, loads of its middle: linear ones are integrated exactly."""

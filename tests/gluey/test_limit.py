@@ -53,6 +53,21 @@ def test_the_limit_is_the_closed_form(name: str) -> None:
     np.testing.assert_allclose(limit.contacts(), [contact], atol=1e-12)
 
 
+@given(push=st.floats(0.1, 10.0), pull=st.floats(0.1, 10.0), q0=st.floats(1e-3, 10.0), after=st.floats(0.1, 5.0))
+def test_contact_begins_and_ends_when_it_should(push: float, pull: float, q0: float, after: float) -> None:
+    """Arrival at sqrt(2 q0 / push), release when the pull has paid back: utilde = 0, where Q has a double root.
+
+    As a root of Q the release was off by up to 2.5e-8.
+    """
+    arrival = float(np.sqrt(2.0 * q0 / push))
+    turn = arrival + after
+    release = turn + turn * push / pull
+    f = piecewise_constant(np.array([0.0, turn, 2.0 * release]), np.array([-push, pull]))
+    ((begin, end),) = Limit.of(q0, 0.0, f).contacts()
+    assert begin == pytest.approx(arrival, rel=1e-14)
+    assert end == pytest.approx(release, rel=1e-14)
+
+
 @pytest.mark.parametrize("eps", EPS)
 @pytest.mark.parametrize("name", CASES)
 def test_the_path_at_eps_is_the_reference(name: str, eps: float) -> None:

@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 
 from fsi.bodies.configuration import Array
+from fsi.bodies.gaps import nearest_gaps
+from fsi.errors import SolveError
 from fsi.integration.state import Step
+from fsi.meshes.geometry.containers import HalfPlane
 from fsi.models import make_model, make_stepper
 from fsi.reduced.distance_model import DistanceModel, PairMemory, merged
 from tests.reduced_data import INERTIA, heap, reduced_case
@@ -106,6 +109,31 @@ def test_every_step_of_a_falling_heap_satisfies_its_identities(law: str) -> None
     assert max(step.instant.record["pairs"] for step in steps[1:]) >= 4
     assert min(step.instant.record["log10_stored_gap"] for step in steps[1:]) < -1.0
     assert min(float(step.instant.gamma.min(initial=0.0)) for step in steps) < -0.5  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(("law", "h"), [("slides", 0.02), ("slides", 0.1), ("leading", 0.1)])
+def test_bodies_do_not_overlap_however_large_the_step(law: str, h: float) -> None:
+    """Stored gaps drift from those of the bodies, which overlapped by 1.1 h in the heap: those are stopped."""
+    steps = steps_of_a_heap(law, h)
+    container = HalfPlane(1000.0)
+    assert min(nearest_gaps(step.state.q, container).smallest() for step in steps) > 0.0
+    assert max(step.instant.record["stopped"] for step in steps) > 0
+    assert max(step.instant.record["energy"] for step in steps) <= 1e-12
+    assert max(step.instant.record["momentum"] for step in steps) <= 1e-12
+
+
+def test_held_bodies_that_meet_cannot_be_stopped() -> None:
+    """With the literal scheme, whose stored gap stays positive: the line says by how much they overlap."""
+    held = {"angular_velocity": 0.0} | INERTIA
+    bodies = [
+        {"name": "one", "radius": 1.0, "position": [-1.1, 9.0], "velocity": [1.0, 0.0]} | held,
+        {"name": "other", "radius": 1.0, "position": [1.1, 9.0], "velocity": [-1.0, 0.0]} | held,
+    ]
+    reduced = {"law": "slides", "drag": 5.0, "scheme": "backward-euler", "step": 0.2}
+    case = reduced_case(bodies, reduced)
+    stepper = make_stepper(case, make_model(case))
+    with pytest.raises(SolveError, match=r"time\.step = 0\.2: bodies overlap after it by 0\.2, .*shorten it"):
+        stepper.advance(stepper.start(case.configuration()).state)
 
 
 def test_stored_gaps_drift_at_first_order() -> None:
