@@ -115,10 +115,14 @@ class Limit:
 
 
 def slides_scheme(q0: float, u0: float, impulses: Array, h: Array) -> tuple[Array, Array, Array]:
-    """The scheme of the slides, case by case: a push stores gamma, a pull pays it back before release.
+    """The distances of the slides' scheme, case by case: a push stores gamma, a pull pays it back first.
 
     It begins at q0, u0, with `int f dt` over steps of lengths h, both (n,), and gives q, u, gamma at the
     start and at the ends of all steps, (n + 1,). First order in h.
+
+    In a step that ends in contact, u is the velocity with which q gets there, `q += h u`, as it is for many
+    bodies (`fsi.gluey.step`), and gamma what it misses; the slides have u = 0 and all of it in gamma. Only
+    u + gamma enters the next step, which is the same, and so are all distances.
     """
     q, u, gamma = (np.zeros(len(h) + 1) for _ in range(3))
     q[0], u[0] = q0, u0

@@ -9,8 +9,8 @@ Each step h
 The energy inequality `1/2 |u^{n+1}|^2_M + h A u.u + ... <= 1/2 |u^n|^2_M + h Phi.u^{n+1}` holds at each
 step. Stored gaps drift away from those of the bodies, at first order in h; the drift is recorded.
 
-Where bodies would overlap, as their own gap is smaller than the stored one, the pair is stopped: 2. and 3. are
-repeated with kappa = inf there, so that its gap stays as it is. Any kappa >= 0 leaves A symmetric and
+Where bodies would overlap, as their own gap is smaller than the stored one, the pair is stopped: 2. and 3.
+are repeated with kappa = inf there, so that its gap stays as it is. Any kappa >= 0 leaves A symmetric and
 nonnegative, so that the energy inequality holds as before; a shorter step would keep it too, but the drift
 of pressed contacts is O(h) however short h is. How many are stopped is recorded.
 Source: A. Lefebvre and B. Maury, Direct simulation of dense suspensions (2008).

@@ -14,7 +14,10 @@ from typing import Any
 import pytest
 from numpy.testing import assert_allclose
 
+from fsi.calibration.calibrate import calibrate_case
+from fsi.calibration.sampling import Sampling
 from fsi.case.law_file import read_law_file
+from fsi.case.load import load_case
 from fsi.lubrication.laws import LubricationLaw
 from fsi.lubrication.named_laws import SqueezeFilm, exact_law
 from tests.cli.test_commands import MPIEXEC, ROOT, call, needs_mpi
@@ -67,6 +70,37 @@ def test_a_killed_calibration_goes_on_and_its_law_is_right(tmp_path: Path) -> No
     assert "s^-1.5" in done.stdout
     assert "inside" in done.stdout
     assert f"wrote {tmp_path}/out" in "".join(done.stdout.split("\n"))
+
+
+def timeless(folder: Path) -> dict[str, bytes]:
+    """The files of a calibration and its cache, without what they say of times and dates."""
+    texts = {
+        path.relative_to(folder).as_posix(): path.read_text()
+        for path in folder.rglob("*")
+        if path.is_file() and path.suffix != ".png"
+    }
+    data, rows = json.loads(texts["out/calibration.json"]), texts["out/samples.csv"].splitlines()
+    assert "seconds" in rows[0].split(",")
+    spent = [str(sample["seconds"]) for sample in data["samples"]]
+    fitted = str(read_law_file(folder / "out" / "law.toml").source["fitted"])
+    for name, text in texts.items():
+        for time_or_date in (*spent, fitted):
+            text = text.replace(time_or_date, "")
+        texts[name] = text
+    return {name: text.encode() for name, text in texts.items()}
+
+
+def test_two_calibrations_differ_in_times_and_dates_alone(tmp_path: Path) -> None:
+    """To the last bit, with one worker and with two; a sum in another order would change digits."""
+    coarse = ["discretisation.degree=2", "discretisation.cells_per_circle=12", "discretisation.growth=0.8"]
+    sampled = ["calibration.samples=6", "calibration.held_out=1", "calibration.range=[2e-2, 0.2]"]
+    case = load_case(CASES / "disc_wall.toml", [*coarse, *sampled])
+    for workers in (1, 2):
+        folder = tmp_path / str(workers)
+        calibrate_case(case, "disc_wall.toml", folder / "out", Sampling(folder / "cache", workers))
+    one, two = timeless(tmp_path / "1"), timeless(tmp_path / "2")
+    assert len(one) == 3 + 7
+    assert one == two
 
 
 def exact_discs() -> LubricationLaw:

@@ -53,11 +53,13 @@ def test_the_limit_is_the_closed_form(name: str) -> None:
     np.testing.assert_allclose(limit.contacts(), [contact], atol=1e-12)
 
 
-@given(push=st.floats(0.1, 10.0), pull=st.floats(0.1, 10.0), q0=st.floats(1e-3, 10.0), after=st.floats(0.1, 5.0))
+@given(
+    push=st.floats(0.1, 10.0), pull=st.floats(0.1, 10.0), q0=st.floats(1e-3, 10.0), after=st.floats(0.1, 5.0)
+)
 def test_contact_begins_and_ends_when_it_should(push: float, pull: float, q0: float, after: float) -> None:
-    """Arrival at sqrt(2 q0 / push), release when the pull has paid back: utilde = 0, where Q has a double root.
+    """Arrival at sqrt(2 q0 / push), release when the pull has paid back, where utilde = 0.
 
-    As a root of Q the release was off by up to 2.5e-8.
+    There Q has a double root, by which the release was off by up to 2.5e-8.
     """
     arrival = float(np.sqrt(2.0 * q0 / push))
     turn = arrival + after
@@ -186,6 +188,24 @@ def test_the_slides_scheme_is_of_order_one(name: str) -> None:
         errors.append(np.abs(q - limit.q(t)).max())
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     np.testing.assert_allclose(orders, 1.0, atol=0.05)
+
+
+@given(
+    st.lists(st.integers(-999, 999).map(lambda f: 1e-3 * f), min_size=1, max_size=40), st.floats(0.01, 2.0)
+)
+def test_the_slides_store_in_gamma_what_here_is_shared_with_u(impulses: list[float], q0: float) -> None:
+    """Their scheme literally: at contact q = 0, u = 0 and gamma = u + impulse + gamma before."""
+    h = 0.1
+    q, u, gamma = slides_scheme(q0, 0.0, np.array(impulses), np.full(len(impulses), h))
+    literal_q, literal_u, literal_gamma = q0, 0.0, 0.0
+    for n, impulse in enumerate(impulses):
+        u_tilde = literal_u + impulse + literal_gamma
+        free = literal_q + h * u_tilde >= 0.0
+        literal_q = literal_q + h * u_tilde if free else 0.0
+        literal_u, literal_gamma = (u_tilde, 0.0) if free else (0.0, u_tilde)
+        assert q[n + 1] == pytest.approx(literal_q, abs=1e-13 * (n + 1))
+        assert u[n + 1] + gamma[n + 1] == pytest.approx(literal_u + literal_gamma, abs=1e-13 * (n + 1))
+        assert gamma[n + 1] <= 0.0
 
 
 @given(

@@ -113,7 +113,7 @@ def test_every_step_of_a_falling_heap_satisfies_its_identities(law: str) -> None
 
 @pytest.mark.parametrize(("law", "h"), [("slides", 0.02), ("slides", 0.1), ("leading", 0.1)])
 def test_bodies_do_not_overlap_however_large_the_step(law: str, h: float) -> None:
-    """Stored gaps drift from those of the bodies, which overlapped by 1.1 h in the heap: those are stopped."""
+    """Stored gaps drift from those of the bodies, which overlapped by 1.1 h in the heap: now they stop."""
     steps = steps_of_a_heap(law, h)
     container = HalfPlane(1000.0)
     assert min(nearest_gaps(step.state.q, container).smallest() for step in steps) > 0.0
