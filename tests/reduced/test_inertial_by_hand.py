@@ -30,12 +30,13 @@ def gap_after(D0: float, rate: float, f: float, g: float) -> float:
 
 
 def test_a_disc_above_a_plane_under_a_linear_load_in_a_stream_that_starts() -> None:
-    """Plane and fluid go upwards with v = 2 t; the force -5 - 20 t counts at the middle of the step.
+    """Plane and fluid go upwards with v = 1/2 + 2 t; the force -5 - 20 t counts at the middle of the step.
 
     Positions at the end of the step are free of the force that the gap itself exerts: g K stores it.
     """
-    m, zeta, D0, V0, v1, F = 2.0, 0.5 * MU, 0.4, -1.5, 2.0 * H, -5.0 - 20.0 * 0.5 * H
-    stream = [0.0, {"times": [0.0, 1.0], "values": [0.0, 2.0]}]
+    m, zeta, D0, V0, F = 2.0, 0.5 * MU, 0.4, -1.5, -5.0 - 20.0 * 0.5 * H
+    v0, v1 = 0.5, 0.5 + 2.0 * H
+    stream = [0.0, {"times": [0.0, 1.0], "values": [0.5, 2.5]}]
     body = {
         "name": "disc", "radius": 1.0, "position": [0.0, 1.0 + D0], "initial_velocity": [0.0, V0],
         "force": [0.0, {"times": [0.0, 1.0], "values": [-5.0, -25.0]}], "mass": m, "moment_of_inertia": 1.0,
@@ -47,7 +48,7 @@ def test_a_disc_above_a_plane_under_a_linear_load_in_a_stream_that_starts() -> N
         domain={"shape": "half-plane", "radius": 1000.0, "walls": {"plane": stream, "far": stream}},
     )
     found = first_step(case)
-    D1 = gap_after(D0, V0, (F - zeta * V0) / m - v1 / H, 1.0 / m)
+    D1 = gap_after(D0, V0 - v0, (F - zeta * (V0 - v0)) / m - (v1 - v0) / H, 1.0 / m)
     assert np.exp(found.x) == pytest.approx([D1], rel=1e-12)
     # (m/h + zeta + kappa(D1)) u1 = m/h u0 + F + (zeta + kappa(D1)) v1: the gap at the end, not at the start.
     kappa = MU / D1

@@ -1,5 +1,6 @@
 """What `fsi solve` prints, for a solution made by hand."""
 
+import io
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -10,11 +11,11 @@ from rich.console import Console
 
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
-from fsi.case.load import load_case
+from fsi.case.load import load_case, parse_case
 from fsi.integration.state import ErrorEstimate
 from fsi.observables.truncation import SolvedFlow, halved, truncation
 from fsi.report.console import standard_output
-from fsi.report.solution import print_solution, solution_json
+from fsi.report.solution import print_case, print_solution, solution_json
 
 CASES = Path(__file__).parents[2] / "cases"
 
@@ -134,3 +135,14 @@ def test_no_number_is_cut_where_there_is_no_terminal(
     monkeypatch.delenv("COLUMNS", raising=False)
     standard_output().print("-" * 130)
     assert capsys.readouterr().out == "-" * 130 + "\n"
+
+
+def test_a_lone_body_of_a_periodic_cell_is_nearest_to_its_own_image() -> None:
+    """Images 5 away on one side and 7 on the other, a radius of 1: the gap is 3."""
+    domain = {"shape": "cell", "vectors": [[5.0, 0.0], [0.0, 7.0]], "shear": 1.0}
+    body = {"name": "disc", "radius": 1.0, "position": [1.0, 1.0]}
+    data = {"name": "lone", "fluid": {"viscosity": 1.0}, "domain": domain, "bodies": [body]}
+    console = Console(file=io.StringIO(), width=120)
+    print_case(console, parse_case(data))
+    rows = [line.replace("│", " ").split() for line in console.file.getvalue().splitlines()]  # type: ignore[attr-defined]
+    assert ["disc", "1,", "1", "1", "3", "disc", "free", "free", "free"] in rows
