@@ -12,6 +12,7 @@ from pathlib import Path
 import fsi.meshes.backend  # noqa: F401
 
 import numpy as np
+from numpy.typing import NDArray
 
 import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
@@ -21,7 +22,8 @@ from fsi.stokes import fields
 from fsi.stokes.discretisation.forms import Forms
 
 capture, write = fields.capture, fields.write_flow
-evaluated: dict[int, tuple[Array, Array]] = {}
+# By the number of nodes: which of them are this rank's, u there, and how long the domain is.
+evaluated: dict[int, tuple[NDArray[np.intp], Array, float]] = {}
 
 
 def evaluate(forms: Forms, x: Array) -> fields.Flow:
@@ -33,14 +35,15 @@ def evaluate(forms: Forms, x: Array) -> fields.Flow:
     own = np.flatnonzero(holder >= 0)
     evaluated.clear()
     u = np.asarray(forms.u.eval(np.pad(x[own], ((0, 0), (0, 1))), holder[own], tol=1e-10), dtype=np.float64)
-    evaluated[id(flow)] = x[own].astype(np.float64), u
+    evaluated[len(flow.x)] = own, u, float(np.ptp(flow.x))
     return flow
 
 
 def keep(flow: fields.Flow, folder: Path, step: int) -> list[str]:
     """Also write what was evaluated."""
-    x, u = evaluated[id(flow)]
-    np.savez(folder.parent / f"VALUES_{step}_{parallel.rank()}.npz", x=x, u=u)
+    own, u, length = evaluated[len(flow.x)]
+    unit = np.ptp(flow.x) / length  # of the lengths in the solve
+    np.savez(folder.parent / f"VALUES_{step}_{parallel.rank()}.npz", x=flow.x[own], u=unit * u)
     return write(flow, folder, step)
 
 

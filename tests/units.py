@@ -28,6 +28,7 @@ class System:
         """In the plane per unit length."""
         return self.stress * self.length ** (1 if geometry == "planar" else 2)
 
+    @property
     def density(self) -> float:
         """So that mass / time^2 is a force over a length."""
         return self.viscosity * self.time / self.length**2
@@ -113,3 +114,126 @@ def channel(s: System) -> dict[str, Any]:
 
 def _case(s: System, **sections: Any) -> dict[str, Any]:
     return {"name": "units", "fluid": {"viscosity": s.viscosity}, **sections}
+
+
+def settling(s: System, model: str = "reduced", **sections: Any) -> dict[str, Any]:
+    """Two discs that fall onto a plane, one beside the other."""
+    a, T, F = s.length, s.time, s.force("planar")
+    first = {"name": "a", "radius": a, "position": [-1.1 * a, 1.3 * a], "force": [0.0, -8.0 * F]}
+    second = {"name": "b", "radius": 0.8 * a, "position": [0.9 * a, 1.7 * a], "force": [0.3 * F, -6.0 * F]}
+    domain = {"shape": "half-plane", "radius": 20.0 * a}
+    reduced = {"law": "exact", "drag": 50.0, "cutoff": 0.5 * a}
+    time = {"end": 0.4 * T, "tolerance": 1e-3}
+    given = {"domain": domain, "bodies": [first, second], "time": time, "reduced": reduced}
+    return _case(s, model=model, **(given | {"discretisation": COARSE} | sections))
+
+
+def with_memory(s: System) -> dict[str, Any]:
+    """The same with masses and the distance scheme."""
+    case = settling(s, time={"end": 0.4 * s.time, "scheme": "distance", "step": 0.01 * s.time})
+    mass = s.density * s.length**2
+    bodies = [
+        body | {"mass": 0.1 * mass, "moment_of_inertia": 0.05 * mass * s.length**2} for body in case["bodies"]
+    ]
+    return case | {"bodies": bodies}
+
+
+def gluey(s: System, **keys: Any) -> dict[str, Any]:
+    """Five discs that fall into a corner and are pulled off."""
+    a, T = s.length, s.time
+    g = a / T**2
+    places = [(1.3, 1.2), (3.6, 1.43), (2.5, 3.3), (1.4, 5.4), (4.1, 3.9)]
+    bodies = [
+        {"name": f"d{k}", "radius": (1.0 - 0.05 * k) * a, "position": [x * a, y * a]}
+        for k, (x, y) in enumerate(places)
+    ]
+    times = [0.0, 3.0 * T, 3.0 * T]
+    pull = [
+        {"times": times, "values": [-0.3 * g, -0.3 * g, 0.2 * g]},
+        {"times": times, "values": [-g, -g, g]},
+    ]
+    forces = [{"kind": "gravity", "acceleration": pull}]
+    domain = {"shape": "box", "lower": [0.0, 0.0], "upper": [20.0 * a, 20.0 * a]}
+    time = {"end": 5.0 * T, "step": 0.1 * T}
+    sections = {"model": "gluey", "domain": domain, "bodies": bodies, "forces": forces, "time": time}
+    return {"name": "units", "gluey": {"density": s.density, **keys}, **sections}
+
+
+def rough(s: System) -> dict[str, Any]:
+    """The same with friction at solid contacts."""
+    impulse = s.force("planar") * s.time
+    return gluey(s, gamma_min=-0.5 * impulse, friction=0.3, tangential=0.2)
+
+
+def films(s: System) -> dict[str, Any]:
+    """The same with films of a viscosity before the limit."""
+    return gluey(s, variant="film", eps=0.01 * s.viscosity * s.length, reference_gap=0.05 * s.length)
+
+
+def on_a_line(s: System) -> dict[str, Any]:
+    """Three discs on a line, pushed together and pulled apart, by the macroscopic model."""
+    a, T = s.length, s.time
+    mass, F = s.density * a**2, s.density * a**3 / T**2
+    free = {"velocity": ["free", 0.0], "angular_velocity": 0.0}
+    bodies = [
+        {
+            "name": f"d{k}",
+            "radius": a,
+            "position": [x * a, 0.0],
+            "mass": mass,
+            "moment_of_inertia": mass * a**2,
+            "force": [{"times": [0.0, 2.0 * T, 2.0 * T], "values": [-k * F, -k * F, k * F]}, 0.0],
+            **free,
+        }
+        for k, x in enumerate((0.0, 2.5, 6.0))
+    ]
+    time = {"end": 4.0 * T, "step": 0.05 * T}
+    sections = {"model": "macroscopic", "domain": {"shape": "unbounded"}, "bodies": bodies, "time": time}
+    return {"name": "units", "macroscopic": {"parcels": 30}, **sections}
+
+
+def blocks(s: System) -> dict[str, Any]:
+    """Two blocks, with formulas in the user's units."""
+    a, T = s.length, s.time
+    given = [
+        {"left": -2.0 * a, "right": -a, "density": 0.5, "initial_velocity": f"-x/{T!r}"},
+        {"left": a, "right": 3.0 * a, "density": 0.7, "initial_velocity": f"-x/{T!r}"},
+    ]
+    macroscopic = {
+        "parcels": 40,
+        "blocks": given,
+        "force_per_mass": f"where(t > {1.5 * T!r}, x, -x)/{T * T!r}",
+    }
+    time = {"end": 3.0 * T, "step": 0.05 * T}
+    sections = {"model": "macroscopic", "domain": {"shape": "unbounded"}, "time": time}
+    return {"name": "units", "macroscopic": macroscopic, **sections}
+
+
+def above_a_wall(s: System) -> dict[str, Any]:
+    """One disc that is pushed onto a plane and pulled off, for `fsi limit`."""
+    a, T = s.length, s.time
+    mass, F = s.density * a**2, s.density * a**3 / T**2
+    force = {"times": [0.0, T, T], "values": [-2.0 * F, -2.0 * F, 1.5 * F]}
+    disc = {"name": "disc", "radius": a, "position": [0.0, 1.5 * a], "force": [0.0, force]}
+    disc |= {
+        "mass": mass,
+        "moment_of_inertia": mass * a**2,
+        "velocity": [0.0, "free"],
+        "angular_velocity": 0.0,
+    }
+    domain = {"shape": "half-plane", "radius": 1e3 * a}
+    time, limit = (
+        {"end": 3.0 * T, "step": 0.05 * T},
+        {"eps": [0.1 * a / T, 1e-4 * a / T, 1e-8 * a / T], "steps": [50]},
+    )
+    sections = {"model": "gluey", "domain": domain, "bodies": [disc], "time": time, "limit": limit}
+    return {"name": "units", **sections}
+
+
+def calibrated(s: System) -> dict[str, Any]:
+    """A disc beside a plane, whose resistance is sampled."""
+    a = s.length
+    disc = {"name": "disc", "radius": a, "position": [0.0, 2.0 * a]}
+    domain = {"shape": "half-plane", "radius": 50.0 * a}
+    calibration = {"pair": ["disc", "plane"], "range": [1e-2 * a, a], "samples": 6, "held_out": 2}
+    return _case(s, domain=domain, bodies=[disc], calibration=calibration, discretisation=COARSE)
