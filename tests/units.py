@@ -160,9 +160,10 @@ def gluey(s: System, **keys: Any) -> dict[str, Any]:
 
 
 def rough(s: System) -> dict[str, Any]:
-    """The same with friction at solid contacts."""
+    """Three of them with friction at solid contacts."""
     impulse = s.force("planar") * s.time
-    return gluey(s, gamma_min=-0.5 * impulse, friction=0.3, tangential=0.2)
+    case = gluey(s, gamma_min=-0.5 * impulse, friction=0.3, tangential=0.2)
+    return case | {"bodies": case["bodies"][:3], "time": {"end": 4.0 * s.time, "step": 0.1 * s.time}}
 
 
 def films(s: System) -> dict[str, Any]:

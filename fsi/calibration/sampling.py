@@ -26,6 +26,7 @@ from fsi.integration.state import ErrorEstimate
 from fsi.meshes.errors import MeshError
 from fsi.observables.truncation import halved
 
+DIGITS = 8  # of a gap over a radius
 _PACKAGE = Path(__file__).parents[1]
 # What computes a sample besides its case.
 _SOLVERS = ("fenics-dolfinx", "dolfinx-solver-real", "gmsh", "petsc4py")
@@ -78,12 +79,18 @@ def as_arrays(samples: list[Sample], *, held_out: bool) -> Samples:
 
 
 def planned_gaps(pair: Pair) -> list[tuple[float, bool]]:
-    """(gap, held out) of all samples: the range in equal ratios, and middles of intervals spread over it."""
-    plan = pair.plan
+    """(gap, held out) of all samples: the range in equal ratios, and middles of intervals spread over it.
+
+    Those inside the range are rounded over the largest radius, so that they are the same in all units.
+    """
+    plan, unit = pair.plan, float(pair.case.configuration().radii.max())
     gaps = np.geomspace(*plan.range, plan.samples)
     middles = np.sqrt(gaps[1:] * gaps[:-1])
     chosen = middles[np.unique(np.linspace(0, len(middles) - 1, plan.held_out).round().astype(int))]
-    return [(gap, False) for gap in gaps.tolist()] + [(gap, True) for gap in chosen.tolist()]
+    gaps[1:-1], chosen = (
+        [unit * float(f"{gap / unit:.{DIGITS}g}") for gap in inner] for inner in (gaps[1:-1], chosen)
+    )
+    return [(gap, False) for gap in gaps.tolist()] + [(gap, True) for gap in chosen]
 
 
 def key_of(pair: Pair, gap: float) -> str:

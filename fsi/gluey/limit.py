@@ -209,7 +209,8 @@ def solve(q0: float, u0: float, f: PPoly, eps: float, t: Array) -> Path:
     stops = np.unique(np.concatenate([t, events[(events > 0.0) & (events < t[-1])]]))
     largest = float(np.abs(w(np.concatenate([f.x, t]))).max())
     if eps < SMALLEST * largest:
-        raise InputError(f"eps = {eps!r}: below the rounding of velocities of {largest:.3g}; make it larger")
+        ratio = f"{eps / largest:.1e} of the largest velocity, and rounding {SMALLEST:g}"
+        raise InputError(f"limit.eps: one is {ratio}; make it larger")
     tolerated = min(IN_GAMMA, IN_LOG * eps) + ROUNDING * largest
     film = _Film(w, eps, tolerated, SHORTEST * float(t[-1]))
     now = _Now(0.0, q0, eps * np.log(q0), 1e-3 * float(t[-1]), 0)
@@ -247,7 +248,9 @@ def _until(stop: float, film: _Film, now: _Now) -> _Now:
     while t < stop:
         steps += 1
         if steps > MOST_STEPS:
-            raise SolveError(f"eps = {film.eps:g}: {MOST_STEPS} steps end at t = {t:.9g}; shorten the time")
+            raise SolveError(
+                f"limit.eps: {MOST_STEPS} steps end at {t / stop:.2g} of the way to a stop; shorten time.end"
+            )
         landing = t + NEARLY * h >= stop
         used = stop - t if landing else h
         q1, gamma1, error = _step(film, q, gamma, t, used)

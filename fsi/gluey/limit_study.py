@@ -27,12 +27,26 @@ class OneGap:
         u0: its rate at time 0.
         f: what drives it apart, per mass.
         end: of time.
+        radius: of the smaller body.
     """
 
     q0: float
     u0: float
     f: PPoly
     end: float
+    radius: float
+
+    def solved(self, eps: float, t: Array) -> Path:
+        """The solution at times t with `gamma = eps ln(q / a)`, a the radius. Raises as `solve`.
+
+        It is solved for q / a over t / end, in which the tolerances of `solve` are relative ones.
+        """
+        a, T = self.radius, self.end
+        f = self.f
+        powers = np.arange(len(f.c))[::-1, None]
+        scaled = PPoly(f.c * (T ** (2.0 + powers) / a), f.x / T)
+        path = solve(self.q0 / a, self.u0 * T / a, scaled, eps * T / a, t / T)
+        return Path(t, a * path.q, a / T * path.gamma, path.steps)
 
 
 def one_gap(case: Case) -> OneGap:
@@ -56,7 +70,8 @@ def one_gap(case: Case) -> OneGap:
             )
         signed = zip((1.0, -1.0), sides, strict=True)
         terms = [(sign / masses[i, axis], case.bodies[i].loads[axis]) for sign, i in signed]
-        return OneGap(gap, float(U[sides[0], axis] - U[sides[1], axis]), _sum(terms, end), end)
+        rate = float(U[sides[0], axis] - U[sides[1], axis])
+        return OneGap(gap, rate, _sum(terms, end), end, float(q.radii.min()))
     container = case.container()
     free = [axis for axis in range(case.dimension) if case.bodies[0].motion[axis] == "free"]
     axis = free[-1] if free else case.dimension - 1
@@ -76,7 +91,8 @@ def one_gap(case: Case) -> OneGap:
     bulk = Bulk.of(masses[:, 0], q.radii, spheres=case.spheres)
     weights = [weight for force in case.forces if (weight := force.weight(bulk)) is not None]
     terms += [(n * float(heavy[0]) / masses[0, axis], g[axis]) for heavy, g in weights]
-    return OneGap(float(gaps.min()), n * float(U[0, axis]), _sum(terms, end), end)
+    rate, radius = n * float(U[0, axis]), float(q.radii[0])
+    return OneGap(float(gaps.min()), rate, _sum(terms, end), end, radius)
 
 
 def _sum(terms: Sequence[tuple[float, float | Table]], end: float) -> PPoly:
@@ -115,7 +131,7 @@ def study(case: Case) -> Study:
     events = [time for pair in contacts for time in pair if np.isfinite(time)]
     t = np.unique(np.concatenate([np.linspace(0.0, gap.end, SAMPLES + 1), events]))
     q, gamma = limit.q(t), limit.gamma(t)
-    paths = tuple(solve(gap.q0, gap.u0, gap.f, eps, t) for eps in wanted.eps)
+    paths = tuple(gap.solved(eps, t) for eps in wanted.eps)
     arrivals = [begin for begin, _ in contacts]  # there gamma jumps
     width = np.where(np.isin(t, arrivals), 0.0, np.gradient(t)) / gap.end
     return Study(

@@ -12,14 +12,12 @@ DIGITS = 15  # what doubles keep of any decimal number
 
 
 def rescaled(x: ArrayLike, factor: float) -> Array:
-    """Lengths times a factor, to 15 digits; with the factor 1 what they are.
+    """Lengths times a factor, to 15 digits.
 
     So lengths that a user gives in other units become the very same numbers: 2.1 of 1 and 2100 of 1000. A
     mesh generator breaks ties by the last bit, and with it chooses another mesh.
     """
     x = np.array(x, dtype=float)
-    if factor == 1.0:
-        return x
     digits = [float(f"{number:.{DIGITS}g}") for number in (factor * x).ravel().tolist()]
     return np.array(digits).reshape(x.shape)
 

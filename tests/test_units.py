@@ -1,0 +1,151 @@
+"""One case in other units, at all levels: runs and studies give the same numbers over their units."""
+
+import csv
+from collections.abc import Callable, Mapping
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+import pytest
+
+import fsi
+from fsi.bodies.configuration import Array
+from fsi.gluey.limit_study import study
+from tests import units
+from tests.units import ONE, SYSTEMS, System
+
+# What is promised. A step that is chosen otherwise, or another mesh, changes 1e-5 and more.
+SAME = 1e-9
+# No power of ten, and not far from what one of two would be; the others take longer than they are worth daily.
+FIRST = System(0.0254, 47.88, 60.0)
+SYSTEMS_TO_TRY = [s if s == FIRST else pytest.param(s, marks=pytest.mark.slow) for s in SYSTEMS]
+
+pytestmark = pytest.mark.filterwarnings("error")
+
+
+def resolved(s: System) -> dict[str, Any]:
+    """Two discs that settle, resolved, with error bars."""
+    return units.settling(s, "resolved", output={"error_estimates": True})
+
+
+def moved(s: System) -> dict[str, Any]:
+    """The same on a mesh that is moved."""
+    return units.settling(s, "resolved", time={"end": s.time, "tolerance": 1e-3, "remesh": "when-needed"})
+
+
+def sheared(s: System) -> dict[str, Any]:
+    """A sheared cell, with error bars."""
+    time = {"end": 0.3 * s.time, "tolerance": 1e-3}
+    return units.cell(s) | {"time": time, "output": {"error_estimates": True}}
+
+
+LEVELS: dict[str, Callable[[System], dict[str, Any]]] = {
+    kind.__name__: kind
+    for kind in (
+        units.settling, units.with_memory, units.gluey, units.rough, units.films, units.on_a_line,
+        units.blocks, resolved, moved, sheared,
+    )
+}  # fmt: skip
+# Defects of identities, which are rounding, counters, times of the processor.
+NOT_RESULTS = {
+    "power", "angular_momentum", "balance", "net_flux", "residual", "kernel", "invariant", "momentum_defect",
+    "kkt", "overlap", "iterations", "newton_steps", "stress", "viscosity_bound",
+}  # fmt: skip
+
+
+def units_of(s: System) -> Mapping[str, float]:
+    """Of the columns of all tables in the plane that have one."""
+    a, T, V, F, p = s.length, s.time, s.velocity, s.force("planar"), s.stress
+    impulse, mass = F * T, s.density * a**2
+    of = {"t": T, "h": T, "smallest_gap": a, "gap": a, "x": a, "y": a, "drift": a}
+    of |= {"V_x": V, "V_y": V, "omega": 1.0 / T, "F_x": F, "F_y": F, "T": F * a, "dissipation": F * V}
+    of |= {"stress_xx": p, "stress_xy": p, "stress_yy": p, "N_1": p}
+    of |= {"S_xx": F * a, "S_xy": F * a, "S_yy": F * a}
+    of |= dict.fromkeys(("gamma", "smallest_gamma", "impulse", "solid_impulse"), impulse)
+    return of | {"kinetic_energy": mass * V**2}
+
+
+def on_a_line(s: System) -> Mapping[str, float]:
+    """Of those of the macroscopic model, whose mass is a length."""
+    a, V = s.length, s.velocity
+    own = {"m": a, "u": V, "gamma": a * V, "smallest_gamma": a * V, "momentum": a * V}
+    return {**units_of(s), **own, "kinetic_energy": a * V**2}
+
+
+def scaled_tables(kind: str, s: System) -> dict[str, Array]:
+    """All numbers in the tables of a run, column by column, over their units."""
+    macroscopic = kind in ("on_a_line", "blocks")
+    unit, columns = (on_a_line if macroscopic else units_of)(s), dict[str, Array]()
+    with TemporaryDirectory() as folder:
+        fsi.run(fsi.make_case(**LEVELS[kind](s)), Path(folder) / "run")
+        for path in sorted((Path(folder) / "run").glob("*.csv")):
+            header, *rows = csv.reader(path.read_text().splitlines())
+            for name, column in zip(header, zip(*rows, strict=True), strict=False):
+                if name in NOT_RESULTS or name.startswith("cpu_") or (name == "momentum" and not macroscopic):
+                    continue
+                if name in ("body", "side", "name"):
+                    columns[f"{path.stem}.{name}"] = np.array(column)
+                    continue
+                numbers = np.array(column, dtype=float)
+                if name == "log10_stored_gap":  # the logarithm of a length
+                    columns[f"{path.stem}.{name}"] = numbers - np.log10(s.length)
+                    continue
+                columns[f"{path.stem}.{name}"] = numbers / unit.get(name.removeprefix("err_"), 1.0)
+    return columns
+
+
+@cache
+def in_units_of_one(kind: str) -> dict[str, Array]:
+    """What all others are compared with."""
+    return scaled_tables(kind, ONE)
+
+
+@pytest.mark.parametrize("s", SYSTEMS_TO_TRY, ids=str)
+@pytest.mark.parametrize("kind", LEVELS)
+def test_a_run_gives_the_same_numbers_over_their_units(kind: str, s: System) -> None:
+    expected, found = in_units_of_one(kind), scaled_tables(kind, s)
+    assert found.keys() == expected.keys()
+    for name, values in expected.items():
+        if values.dtype.kind == "U":
+            assert np.array_equal(found[name], values), name
+            continue
+        # Loads of free bodies are rounding, beside weights of one.
+        least = 1.0 if name.rpartition(".")[2] in ("F_x", "F_y", "T") else 0.0
+        # The error bar of a bar is the rounding of two solutions over their difference.
+        same = 1e-6 if ".err_" in name else SAME
+        largest = max(least, float(np.abs(values[np.isfinite(values)]).max(initial=0.0)))
+        np.testing.assert_allclose(found[name], values, rtol=0.0, atol=same * largest, err_msg=name)
+
+
+def numbers_of_limit(s: System) -> dict[str, Array]:
+    """Contacts, paths and errors of `fsi limit`."""
+    found, a, V = study(fsi.make_case(**units.above_a_wall(s))), s.length, s.velocity
+    numbers = {"contacts": np.array(found.contacts) / s.time, "scheme": found.scheme / a}
+    numbers |= {"errors_q": found.errors_q / a, "errors_gamma": found.errors_gamma / V}
+    for k, path in enumerate(found.paths):
+        numbers |= {f"q of eps {k}": path.q / a, f"gamma of eps {k}": path.gamma / V}
+    return numbers
+
+
+def numbers_of_calibration(s: System) -> dict[str, Array]:
+    """Samples and law of `fsi calibrate`."""
+    with TemporaryDirectory() as folder:
+        found = fsi.calibrate(fsi.make_case(**units.calibrated(s)), Path(folder) / "law")
+    assert found.law.series is not None
+    samples = np.array([(one.gap / s.length, one.kappa / s.viscosity) for one in found.samples])
+    law = found.law.law().kappa(s.length * np.array([0.02, 0.3]), s.length) / s.viscosity
+    return {"samples": samples, "coefficients": np.array(found.law.series.coefficients), "law": law}
+
+
+@pytest.mark.parametrize("s", SYSTEMS_TO_TRY, ids=str)
+@pytest.mark.parametrize("numbers", [numbers_of_limit, numbers_of_calibration])
+def test_studies_give_the_same_numbers_over_their_units(
+    numbers: Callable[[System], dict[str, Array]], s: System
+) -> None:
+    expected, found = numbers(ONE), numbers(s)
+    for name, values in expected.items():
+        np.testing.assert_allclose(
+            found[name], values, rtol=0.0, atol=SAME * np.abs(values).max(), err_msg=name
+        )
