@@ -18,7 +18,7 @@ from tests.units import ONE, SYSTEMS, System
 
 # What is promised. A step that is chosen otherwise, or another mesh, changes 1e-5 and more.
 SAME = 1e-9
-# No power of ten, and not far from what one of two would be; the others take longer than they are worth daily.
+# No powers of ten, an inch and a minute; the others take longer than they are worth each day.
 FIRST = System(0.0254, 47.88, 60.0)
 SYSTEMS_TO_TRY = [s if s == FIRST else pytest.param(s, marks=pytest.mark.slow) for s in SYSTEMS]
 

@@ -109,7 +109,7 @@ def bar_factor(case: Case) -> float:
         boundary = boundary_of(case, t)
         edges, jumping = singular(container, boundary), jumps(container, boundary)
         powers |= {JUMP_ORDER if edge in jumping else OPEN_ORDER for edge in edges}
-    return max([factor, *(SAFETY / abs(1.0 - (degree / other) ** p) for p in powers)])
+    return float(max([factor, *(SAFETY / abs(1.0 - (degree / other) ** p) for p in powers)]))
 
 
 def _of_viscosity(results: Results, other: StokesSolution) -> float | None:
