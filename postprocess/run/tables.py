@@ -12,7 +12,7 @@ from fsi.files import content
 
 # What is not a number at instants to which it does not apply.
 _VISCOSITIES = ("apparent_viscosity", "err_apparent_viscosity", "lubrication_viscosity", "viscosity_bound")
-_SOMETIMES = (*_VISCOSITIES, "stress")
+_SOMETIMES = (*_VISCOSITIES, "stress", "err_dissipation")
 # What the tables of all models begin with.
 _STEPS = ("step", "t")
 

@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fsi.api import open_run
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.meshes.files.write import write_mesh
 from fsi.meshes.geometry.containers import Box, Container, HalfPlane, Round
+from fsi.runs import run
 from fsi.stokes.adapt import Solved, solve_with_errors
 from fsi.stokes.corners import distance, jumps, singular
 from fsi.stokes.model import StokesModel, singular_corners
@@ -126,7 +128,7 @@ def test_corners_of_walls_that_move_for_a_while_are_singular_at_all_times() -> N
     ],
 )
 def test_bars_hold_where_walls_jump(walls: dict[str, Any], body: dict[str, Any], sizes: Any) -> None:
-    """With one mesh for both degrees the lid's first bar was 3 times too small, the open wall's 2 times."""
+    """With one mesh for both degrees 8 of these 15 had a value outside, one by a factor 21."""
     coarse = case(walls, body, **sizes)
     found = ratios(solve_with_errors(coarse), finer(coarse))
     assert found.max() <= 1.0
@@ -135,7 +137,9 @@ def test_bars_hold_where_walls_jump(walls: dict[str, Any], body: dict[str, Any],
 
 @pytest.mark.parametrize("walls", [LID, OPEN])
 def test_the_order_of_the_force_comes_back(walls: dict[str, Any]) -> None:
-    """It is 5.0 here, on its way to 6; without grading 1.8, with any degree."""
+    """It is 5.0 here, on its way to 6. Without grading it is 1.0 with any degree for the open wall, and for
+    the lid the errors are 40 times as large: 7e-5.
+    """
     exact = finer(case(walls, DISC))
     errors = []
     for circle, growth in ((32, 0.3), (64, 0.15)):
@@ -143,6 +147,7 @@ def test_the_order_of_the_force_comes_back(walls: dict[str, Any]) -> None:
         found = StokesModel(coarse)(coarse.configuration(), 0.0)
         errors.append(np.abs(found.F - exact.F).max())
     assert np.log2(errors[0] / errors[1]) > 4.5
+    assert errors[1] < 5e-6
 
 
 def test_a_bar_sees_that_the_mesh_of_a_user_is_not_graded(tmp_path: Path) -> None:
@@ -206,3 +211,22 @@ def test_the_bar_of_the_dissipation_holds(walls: dict[str, Any]) -> None:
     solved = solve_with_errors(coarse)
     true = abs(solved.solution.dissipation - finer(coarse).dissipation)
     assert 0.3 < true / solved.errors.dissipation < 1.0
+
+
+def test_a_run_records_when_the_dissipation_is_infinite(tmp_path: Path) -> None:
+    """The lid starts after the first step; the mesh is graded, and moved along, at all times."""
+    ramp = {"times": [0.5, 1.0], "values": [0.0, 1.0]}
+    free = {"name": "disc", "radius": 0.5, "position": [1.6, 1.9], "force": [0.3, -1.0]}
+    still = case({"top": [ramp, 0.0]}, free, cells_per_circle=12, growth=1.0)
+    time = {"end": 1.0, "first_step": 0.5, "remesh": "when-needed"}
+    output = {"fields": False, "error_estimates": True}
+    run(parse_case(still.as_data() | {"time": time, "output": output}), tmp_path / "run")
+    steps = open_run(tmp_path / "run").steps
+    infinite = steps["t"] > 0.5
+    assert infinite.any()
+    assert not infinite.all()
+    assert np.isinf(steps["dissipation"][infinite]).all()
+    assert np.isfinite(steps["dissipation"][~infinite]).all()
+    assert steps["err_dissipation"][infinite].isna().all()
+    assert (steps["err_dissipation"][~infinite] > 0.0).all()
+    assert (steps["power"] < 1e-8).all()
