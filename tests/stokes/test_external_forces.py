@@ -80,3 +80,18 @@ def test_forces_that_balance_on_every_body_still_stress_a_cell() -> None:
     f = 5.0 * math.exp(-0.5 / 0.3)
     np.testing.assert_allclose(found.bulk.mean - without.bulk.mean, -f / 2.5 * np.eye(2), atol=1e-9)
     assert found.apparent_viscosity == pytest.approx(without.apparent_viscosity, rel=1e-9)
+
+
+def test_forces_that_cancel_on_a_body_do_not_count_as_none() -> None:
+    """A disc between its images at a gap of 0.5 along x: pushed from both sides alike, it stresses the cell.
+
+    The stress that the forces carry is no part of what is dissipated, so that the checks for bodies without
+    forces do not apply: they would refuse the flow.
+    """
+    cell = {"shape": "cell", "vectors": [[2.5, 0.0], [0.0, 6.0]], "extension": 0.3}
+    found = sheared(cell, [(0.0, 0.0, 1.0)], REPULSION)
+    assert found.bulk is not None
+    push = 5.0 * math.exp(-0.5 / 0.3)
+    np.testing.assert_allclose(found.bulk.forces, [[-2.5 * push / 15.0, 0.0], [0.0, 0.0]], rtol=1e-12)
+    np.testing.assert_allclose(found.F, 0.0, atol=1e-8)
+    assert "stress" not in found.checks
