@@ -19,7 +19,7 @@ CASES = Path(__file__).parents[1] / "cases"
 # Coarse, so that three thousand trials take 20 minutes.
 COARSE = {"degree": 2, "cells_per_gap": 0.5, "cells_per_circle": 12, "growth": 0.5}
 SHORTER = 0.02  # of the time of a shipped case
-SOUND = 0.1  # how often a case has no fault
+SOUND = 0.25  # how often a case has no fault
 ANY = ("resolved", "reduced", "gluey", "macroscopic")
 
 type Random = random.Random
@@ -96,9 +96,9 @@ def changes(rng: Random, case: Path) -> Arguments:
 
 def option(rng: Random, name: str, *usual: object) -> Arguments:
     """An option, often left out; its value is mostly a usual one."""
-    if rng.random() < 0.6:
+    if rng.random() < 0.75:
         return []
-    value = rng.choice(usual) if rng.random() < 0.7 else rng.choice((*NUMBERS, *WORDS))
+    value = rng.choice(usual) if rng.random() < 0.85 else rng.choice((*NUMBERS, *WORDS))
     return [f"{name}={value}"]
 
 

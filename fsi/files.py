@@ -2,6 +2,7 @@
 
 import json
 import os
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -30,6 +31,17 @@ def require_suffix(output: Path, *suffixes: str) -> None:
     if output.suffix not in suffixes or not output.absolute().parent.is_dir():
         kinds = " or ".join(filter(None, [", ".join(suffixes[:-1]), suffixes[-1]]))
         raise InputError(f"output = {output}: give the path of a {kinds} file in a folder that exists")
+
+
+def require_folder(folder: Path) -> None:
+    """Raise InputError where no file can be written into a folder, or where it will be made."""
+    folder = folder.absolute()
+    there = next(path for path in (folder, *folder.parents) if path.exists())
+    try:
+        with tempfile.TemporaryFile(dir=there):
+            pass
+    except OSError as error:
+        raise InputError(f"output = {folder}: {error.strerror}; give a folder that can be written") from None
 
 
 def write_whole(output: Path, text: str) -> None:

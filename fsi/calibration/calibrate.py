@@ -16,7 +16,7 @@ from fsi.calibration.sampling import Sampling, take_samples
 from fsi.case.case import Case
 from fsi.case.law_file import save_law
 from fsi.errors import InputError
-from fsi.files import replace
+from fsi.files import replace, require_folder
 
 
 def calibrate_case(case: Case, source: str, folder: Path, sampling: Sampling) -> CalibrationResult:
@@ -27,6 +27,7 @@ def calibrate_case(case: Case, source: str, folder: Path, sampling: Sampling) ->
     """
     pair = pair_of(case)
     parallel.on_root(lambda: require_writable(folder))
+    parallel.on_root(lambda: require_folder(sampling.cache))
     samples = take_samples(pair, sampling)
     result = parallel.on_root(lambda: fit_law(pair, samples, source))
     parallel.on_root(lambda: write_calibration(folder, result))
@@ -41,6 +42,7 @@ def require_writable(folder: Path) -> None:
     fits = folder.is_dir() and (not any(folder.iterdir()) or (folder / SUMMARY).exists())
     if folder.exists() and not fits:
         raise InputError(f"output = {folder}: exists and is no calibration; give another folder")
+    require_folder(folder)
 
 
 def write_calibration(folder: Path, result: CalibrationResult) -> None:

@@ -20,7 +20,7 @@ from fsi.case.law_file import read_law_file
 from fsi.case.load import load_case
 from fsi.lubrication.laws import LubricationLaw
 from fsi.lubrication.named_laws import SqueezeFilm, exact_law
-from tests.cli.test_commands import MPIEXEC, ROOT, call, needs_mpi
+from tests.cli.test_commands import MPIEXEC, ROOT, call, complaint, needs_mpi
 
 CASES = ROOT / "cases" / "calibration"
 SETTINGS = (
@@ -164,3 +164,14 @@ def test_the_shipped_calibrations_give_the_laws_of_theory(name: str, tmp_path: P
     law = read_law_file(tmp_path / "out" / "law.toml").law()
     a = data["reduced_radius"]
     assert_allclose(law.kappa(data["range"][0] * a, a), data["samples"][0]["kappa"], rtol=1e-5)
+
+
+@pytest.mark.parametrize("option", ["--output", "--cache"])
+def test_a_folder_that_cannot_be_written_is_refused_before_the_first_sample(
+    option: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """/proc takes no files, even from root."""
+    case = str(Path(__file__).parents[2] / "cases" / "calibration" / "disc_wall.toml")
+    told = complaint(capsys, monkeypatch, "calibrate", case, "--output", "nowhere", option, "/proc/law")
+    assert "/proc/law" in told
+    assert "can be written" in told

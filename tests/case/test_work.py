@@ -97,3 +97,27 @@ def test_memory_that_a_container_may_take(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr("fsi.machine._LIMITS", (str(limit),))
     with pytest.raises(InputError, match="of 1 GB here"):
         check_work(load_case(CASES / "macroscopic/blocks.toml", ["macroscopic.parcels=1000000"]))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (
+            ["pack", "random", "--number", "1000000000", "-o", "{folder}/p.json"],
+            "--number 1000000000, for which",
+        ),
+        (["render", "{folder}", "--size", "1000000"], "--size 1000000: 1e+12 pixels"),
+        (["probe", "{folder}", "--plane", "0,0,1,1", "--count", "1000000"], "--count 1000000: 1e+12 points"),
+    ],
+)
+def test_options_that_no_machine_holds_are_refused(
+    arguments: list[str],
+    words: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    (tmp_path / "case.toml").write_text((CASES / "settling_disc.toml").read_text())
+    given = [argument.format(folder=tmp_path) for argument in arguments]
+    assert words in complaint(capsys, monkeypatch, *given)
+    assert [path.name for path in tmp_path.iterdir()] == ["case.toml"]

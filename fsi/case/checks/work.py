@@ -35,7 +35,7 @@ _BODY_BYTES, _BODY_SECONDS = 20e3, 2e-5
 _ROW, _BODY_ROW, _FIELD = 200.0, 150.0, 40.0  # bytes of a step, of a body in it, of an unknown in a file
 _SAMPLE = 4096.0  # bytes of a sample's file
 _LIMIT_STEP = 400.0  # bytes of a step of the slides' scheme
-_LONG = 3600.0  # seconds from which on it is said beforehand
+_LONG = 10.0  # minutes from which on it is said beforehand
 
 
 def check_work(case: Case) -> str | None:
@@ -52,10 +52,11 @@ def check_work(case: Case) -> str | None:
         count = _check_bodies(case)
     steps = _check_steps(case, count if resolved else 0.0)
     _check_studies(case)
-    hours = max(steps, 1.0) * count * (_SECONDS[case.dimension] if resolved else _BODY_SECONDS) / 3600.0
-    if hours < _LONG / 3600.0:
+    minutes = max(steps, 1.0) * count * (_SECONDS[case.dimension] if resolved else _BODY_SECONDS) / 60.0
+    if minutes < _LONG:
         return None
-    return f"{steps:.2g} steps of {count:.2g} {'unknowns' if resolved else 'bodies'}: {hours:.2g} hours"
+    what = f"{count:.2g} {'unknowns' if resolved else 'bodies'}" + (f", {steps:.2g} steps" if steps else "")
+    return f"{what}: some {minutes:.2g} minutes or more"
 
 
 def _check_gaps(case: Case, gaps: Gaps) -> None:
