@@ -1,8 +1,9 @@
 """Solve, or run, to a tolerance: refine where the estimated error says that it matters.
 
-Three sizes make a mesh: along the gaps, around the bodies, and the growth away from them. Each round divides
-every one of them in turn by STEP, and keeps the change that lowers the estimate most; sizes that help are
-also tried all together.
+Three sizes make a mesh: along the gaps, around the bodies, and the growth away from them, which is also that
+away from corners where the data of walls jump, and says how small cells are there. Each round divides every
+one of them in turn by STEP, and keeps the change that lowers the estimate most; sizes that help are also
+tried all together.
 """
 
 from collections.abc import Callable, Mapping
