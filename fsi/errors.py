@@ -21,7 +21,17 @@ class SolveError(FsiError):
     exit_code = 3
 
 
+class RefusedError(SolveError):
+    """A solution is less accurate than any may be; whoever knows the case adds what to do about it."""
+
+
 class ValidationError(FsiError):
     """A computed value lies outside the tolerance of its reference."""
 
     exit_code = 4
+
+
+def apart(value: float, bound: float) -> str:
+    """A value beyond a bound, with as many digits as tell it from the bound, at least two."""
+    texts = (f"{value:.{digits}g}" for digits in range(2, 17))
+    return next((text for text in texts if float(text) != bound), repr(value))

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from math import comb
+from functools import partial
+from math import ceil, comb
 
 import fsi.meshes.backend  # noqa: F401
 
@@ -17,7 +18,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fsi.meshes.cells.curved import SIMPLEX, CurvedCells, curve, require_valid
-from fsi.meshes.errors import MeshError
+from fsi.meshes.errors import MeshError, TouchingError
 from fsi.meshes.geometry.containers import Array, Container, FluidDomain
 from fsi.meshes.geometry.lattice import Lattice, PeriodicPairs, matching_points
 from fsi.meshes.planar.boundary import boundary
@@ -32,6 +33,8 @@ type FunctionSpace = fem.FunctionSpace[np.float64]
 
 # How much faster sizes may grow in the fluid than along the walls.
 SLOPE = 2.0
+# Where a mesh is refused: what the growth is divided by in the plane, times what cells_per_circle in space.
+SLOWER, FINER = (2.0, 4.0), (1.25, 1.6)
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +48,7 @@ class FluidMesh:
         container: what encloses the fluid, at the time of the mesh.
         order: of the cells.
         quality: worst scaled Jacobian of all cells.
+        instead: the size that was taken as those of the case gave no valid mesh, "" where they did.
     """
 
     mesh: Mesh
@@ -53,6 +57,7 @@ class FluidMesh:
     container: Container
     order: int
     quality: float
+    instead: str = ""
 
     @property
     def lattice(self) -> Lattice:
@@ -95,10 +100,20 @@ class FluidMesh:
 def build(domain: FluidDomain, resolution: Resolution, order: int) -> FluidMesh:
     """Mesh the fluid around discs, or spheres in space, by cells of order 1 ... 4.
 
-    Collective, gmsh runs on rank 0. Raises MeshError (on all ranks) where gmsh fails or a cell is invalid.
+    Collective, gmsh runs on rank 0. Where sizes are coarse a cell that lies flat on a body can turn over when
+    it is curved, and gmsh can lose a part of a boundary: then all is meshed again, with sizes that grow more
+    slowly, in space with smaller elements on the spheres. Raises MeshError (on all ranks) where all fail.
     """
-    make = fill if domain.container.dimension == 3 else _triangles
-    return shared(lambda: make(domain, resolution, order), domain)
+    if domain.container.dimension == 3:
+        circles = [ceil(factor * resolution.cells_per_circle) for factor in FINER]
+        finer = {f"cells_per_circle = {n}": replace(resolution, cells_per_circle=n) for n in circles}
+        make = fill
+    else:
+        growths = [resolution.growth / factor for factor in SLOWER]
+        finer = {f"growth = {g:.4g}": replace(resolution, growth=g) for g in growths}
+        make = _triangles
+    tries = {f"discretisation.{size}": partial(make, domain, sizes, order) for size, sizes in finer.items()}
+    return shared({"": partial(make, domain, resolution, order)} | tries, domain)
 
 
 def _triangles(domain: FluidDomain, resolution: Resolution, order: int) -> CurvedCells:
@@ -110,19 +125,20 @@ def _triangles(domain: FluidDomain, resolution: Resolution, order: int) -> Curve
     return curve(triangulate(curves, far), curves, order)
 
 
-def shared(make: Callable[[], CurvedCells], domain: FluidDomain) -> FluidMesh:
-    """Make cells on rank 0, check them and share them out; a MeshError of rank 0 is raised on all ranks."""
+def shared(tries: Mapping[str, Callable[[], CurvedCells]], domain: FluidDomain) -> FluidMesh:
+    """Make cells on rank 0, the first that are valid, and share them out; collective.
+
+    tries: what makes cells, one after the other, by what is said of them. Raises the MeshError of the first
+    on all ranks where none is valid, or at once where no other sizes would help.
+    """
     comm, container = MPI.COMM_WORLD, domain.container
     cells: CurvedCells | None = None
     problem: MeshError | None = None
-    quality, order = 0.0, 0
+    quality, order, instead = 0.0, 0, ""
     if comm.rank == 0:
-        try:
-            cells = make()
-            quality, order = require_valid(cells.nodes[cells.cells], cells.order), cells.order
-        except MeshError as error:
-            problem = error
-    problem, quality, order = comm.bcast((problem, quality, order))
+        cells, quality, instead, problem = _first_valid(tries)
+        order = 0 if cells is None else cells.order
+    problem, quality, order, instead = comm.bcast((problem, quality, order, instead))
     if problem is not None:
         raise problem
     # The other ranks give no cells.
@@ -131,7 +147,25 @@ def shared(make: Callable[[], CurvedCells], domain: FluidDomain) -> FluidMesh:
     x = np.empty((0, d)) if cells is None else cells.nodes
     mesh = dolfinx.mesh.create_mesh(comm, topology, ufl.Mesh(coordinate_element(order, d)), x)
     tags = _facet_tags(mesh, *comm.bcast(None if cells is None else (cells.edges, cells.tags)))
-    return FluidMesh(mesh, tags, len(domain.radii), container, order, quality)
+    return FluidMesh(mesh, tags, len(domain.radii), container, order, quality, instead)
+
+
+def _first_valid(
+    tries: Mapping[str, Callable[[], CurvedCells]],
+) -> tuple[CurvedCells, float, str, None] | tuple[None, float, str, MeshError]:
+    """The first cells that are valid, their quality and what is said of them; or the first error."""
+    problem: MeshError | None = None
+    for said, make in tries.items():
+        try:
+            cells = make()
+            return cells, require_valid(cells.nodes[cells.cells], cells.order), said, None
+        except TouchingError as error:
+            return None, 0.0, "", error
+        except MeshError as error:
+            problem = problem or error
+    assert problem is not None, "there is something to try"
+    others = " and ".join(said for said in tries if said)
+    return None, 0.0, "", problem.saying(f"; {others} did not help either") if others else problem
 
 
 def coordinate_element(order: int, dimension: int = 2) -> basix.ufl._ElementBase:

@@ -14,6 +14,10 @@ class MeshError(Exception):
         self._message, self._lengths = message, lengths
         super().__init__(message.format(*map(at, lengths)) if lengths else message)
 
+    def saying(self, more: str) -> Self:
+        """The same with more words at its end, without braces."""
+        return type(self)(self._message + more, *self._lengths)
+
     def in_units(self, unit: float) -> Self:
         """The same with lengths times the unit that they were given in."""
         return type(self)(self._message, *(unit * np.asarray(length) for length in self._lengths))
@@ -23,6 +27,10 @@ def at(x: ArrayLike) -> str:
     """A place as messages give it, (1.5, 2), or a length, 1.5."""
     numbers = [f"{c:.6g}" for c in np.ravel(x)]
     return f"({', '.join(numbers)})" if np.ndim(x) else numbers[0]
+
+
+class TouchingError(MeshError):
+    """Bodies, or a body and a wall, touch or overlap: no mesh would do."""
 
 
 class MeshFileError(MeshError):

@@ -28,7 +28,7 @@ def nested_meshes(
     for level in range(levels):
         if level > 0:
             straight = refine(straight, curves)
-        yield shared(partial(curve, straight, curves, order), domain)
+        yield shared({"": partial(curve, straight, curves, order)}, domain)
 
 
 def refine(straight: StraightCells, curves: list[Curve]) -> StraightCells:

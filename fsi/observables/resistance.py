@@ -13,7 +13,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from fsi.bodies.configuration import LOADS, MODES, Array, arms
-from fsi.errors import SolveError
+from fsi.errors import RefusedError, apart
 
 BOUND = 1e-9
 # What the factorisation leaves of an entry over sqrt(R_ii R_jj), of the inverse likewise.
@@ -101,8 +101,8 @@ def symmetrised(columns: Array, scale: Array) -> tuple[Array, float]:
     """The symmetric part of the columns (n, n), and their asymmetry. Raises SolveError: it exceeds 1e-9."""
     asymmetry = difference(columns, columns.T, scale)
     if not asymmetry <= BOUND:
-        defect = f"relative asymmetry {asymmetry:.2g}, bound {BOUND:g}"
-        raise SolveError(f"the resistance matrix violates reciprocity: {defect}")
+        defect = f"relative asymmetry {apart(asymmetry, BOUND)}, bound {BOUND:g}"
+        raise RefusedError(f"the resistance matrix violates reciprocity: {defect}")
     return 0.5 * (columns + columns.T), asymmetry
 
 
@@ -117,7 +117,7 @@ def positive_eigenvalues(R: Array, scale: Array, *, resting: bool) -> Array:
     bound = ROUNDING if resting else -BOUND
     if not eigenvalues[0] > bound * max(1.0, eigenvalues[-1]):
         range_of = f"it has the eigenvalue {eigenvalues[0]:.2g}, the largest is {eigenvalues[-1]:.2g}"
-        raise SolveError(f"the resistance matrix is not positive: {range_of}")
+        raise RefusedError(f"the resistance matrix is not positive: {range_of}")
     return eigenvalues
 
 

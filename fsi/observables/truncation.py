@@ -56,6 +56,11 @@ class SolvedFlow:
     jumps: tuple[tuple[str, str], ...]
 
     @property
+    def mesh_instead(self) -> str:
+        """The size that was taken as those of the case gave no valid mesh, "" where they did."""
+        return ""
+
+    @property
     def apparent_viscosity(self) -> float | None:
         """Over the viscosity of the fluid, of a periodic flow with a mean strain rate."""
         return None if self.bulk is None else self.bulk.apparent_viscosity

@@ -56,6 +56,8 @@ def solution_json(
         "seconds": float(sum(solution.seconds.values())),
         "seconds_by_phase": {phase: float(spent) for phase, spent in solution.seconds.items()},
     }
+    if solution.mesh_instead:
+        data["mesh_instead"] = solution.mesh_instead
     if solution.bulk is not None and errors.stress is not None:
         _add_stress(data, solution.bulk, errors, errors.stress)
     return data if truncated is None else data | {"truncation": dict(truncated)}
@@ -119,6 +121,8 @@ def print_solution(
     halved = {f"truncation: change of {name} when the radius is halved": value for name, value in changes}
     console.print(checks_table("check, relative", solution.checks | halved))
     console.print(_cost(case, solution, errors))
+    if solution.mesh_instead:
+        console.print(f"the sizes of the case gave no valid mesh; taken: {solution.mesh_instead}")
 
 
 def bodies_table(

@@ -76,4 +76,5 @@ def _write(path: Path, x: Array, cells: Cells, **data: dict[str, object]) -> Non
         meshio.Mesh(in_space(x), cells, **data).write(partial, file_format="vtu")
         partial.replace(path)
     except OSError as error:
-        raise SolveError(f"cannot write {path}: {error.strerror}") from error
+        remedy = "make room, or drop output.fields, and go on with fsi resume"
+        raise SolveError(f"cannot write {path}: {error.strerror}; {remedy}") from error

@@ -227,7 +227,8 @@ def _write(path: Path, mesh: meshio.Mesh) -> None:
         meshio.write(temporary, mesh, file_format="vtu")
         temporary.replace(path)
     except OSError as error:
-        raise SolveError(f"cannot write {path}: {error.strerror}") from error
+        remedy = "make room, or drop output.fields, and go on with fsi resume"
+        raise SolveError(f"cannot write {path}: {error.strerror}; {remedy}") from error
 
 
 def _nodal_rates(flow: Flow) -> dict[str, Array]:

@@ -19,7 +19,7 @@ import numpy as np
 from mpi4py import MPI
 
 from fsi.bodies.configuration import Array
-from fsi.errors import SolveError
+from fsi.errors import RefusedError, apart
 from fsi.observables.truncation import BOUND
 from fsi.stokes.corners import distance, jumps
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, mode_equations, multiply
@@ -130,8 +130,8 @@ def require(defects: dict[str, float]) -> None:
     """Raise SolveError if the defect of an identity exceeds 1e-8, or is not a number."""
     for name, defect in defects.items():
         if not defect <= BOUND:
-            size = f"relative defect {defect:.2g}, bound {BOUND:g}"
-            raise SolveError(f"the solution violates the identity `{name}`: {size}")
+            size = f"relative defect {apart(defect, BOUND)}, bound {BOUND:g}"
+            raise RefusedError(f"the solution violates the identity `{name}`: {size}")
 
 
 def _balance(system: StokesSystem, U: Array, F: Array, force: float) -> float:

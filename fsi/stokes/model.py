@@ -57,6 +57,7 @@ from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.truncation import flow_scales, relative_change
 from fsi.stokes.corners import jumps, singular
 from fsi.stokes.problem import Boundary, Field, SolverOptions, StokesProblem
+from fsi.stokes.refusal import explained
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import Clock, solve
 from fsi.stokes.solvers.workspace import Workspace
@@ -163,7 +164,8 @@ class StokesModel:
         clock.lap("mesh")
         problem = replace(self.problem(fluid, q, t, self.case.motion_at(q, t)), inertia=inertia)
         workspace = self._workspace if self._moving else None
-        found = solve(self.units.scaled(problem), self.options, clock, workspace)
+        with explained(problem, self.case.names):
+            found = solve(self.units.scaled(problem), self.options, clock, workspace)
         return self.units.user_solution(found, problem)
 
     def reference(self, q: Configuration, t: float, motion: Motion) -> StokesSolution:
@@ -177,7 +179,8 @@ class StokesModel:
         return self._solved(self.problem(self.scaled_mesh(q, t, degree), q, t, motion), degree, clock)
 
     def _solved(self, problem: StokesProblem, degree: int, clock: Clock) -> StokesSolution:
-        found = solve(self.units.scaled(problem), replace(self.options, degree=degree), clock)
+        with explained(problem, self.case.names):
+            found = solve(self.units.scaled(problem), replace(self.options, degree=degree), clock)
         return self.units.user_solution(found, problem)
 
     def errors(

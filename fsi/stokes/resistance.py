@@ -25,6 +25,7 @@ from fsi.stokes.adapt import Refinement, refine
 from fsi.stokes.identities import identities, require
 from fsi.stokes.model import StokesModel, bar_factor, other_degree_of
 from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem
+from fsi.stokes.refusal import explained
 from fsi.stokes.solve import DEFAULT, Clock, assembled
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, factorised, load_of, multiply
 
@@ -77,7 +78,8 @@ def _resistance(case: Case, model: StokesModel, mesh: Mesher, degree: int) -> Re
     clock.lap("mesh")
     problem = held_at_rest(fluid, container, q, case.fluid.viscosity, case.wall_pressure())
     options = SolverOptions(degree, solver=case.discretisation.solver)
-    found = solve_resistance(model.units.scaled(problem), case.names, options, clock)
+    with explained(problem, case.names, shift=False):
+        found = solve_resistance(model.units.scaled(problem), case.names, options, clock)
     return model.units.user_resistance(found, _modes_of(problem, case.names))
 
 

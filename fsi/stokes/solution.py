@@ -32,6 +32,11 @@ class StokesSolution(SolvedFlow):
     surface: Surface = field(repr=False)
     pressure_gradient: Array | None = None
 
+    @property
+    def mesh_instead(self) -> str:
+        """The size that was taken as those of the case gave no valid mesh, "" where they did."""
+        return self.problem.fluid.instead
+
     def evaluate(self, x: Array) -> tuple[Array, Array]:
         """u (n, d) and p (n,) at points x (n, d), the same on all ranks; NaN outside the fluid; collective.
 

@@ -19,6 +19,7 @@ from math import factorial, prod
 import basix
 import numpy as np
 
+from fsi.errors import apart
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Array
 from fsi.meshes.planar.sizing import Curve
@@ -213,8 +214,8 @@ def require_valid(x: Array, order: int) -> float:
     if not quality[worst] > WORST_ACCEPTED:
         place = x[worst].mean(axis=0)
         raise MeshError(
-            f"the cell at {{}} has scaled Jacobian {quality[worst]:.3g},"
-            f" at most {WORST_ACCEPTED:g} is refused; raise discretisation.cells_per_circle or cells_per_gap",
+            f"the cell at {{}} has scaled Jacobian {apart(quality[worst], WORST_ACCEPTED)}, at most "
+            f"{WORST_ACCEPTED:g} is refused; lower discretisation.growth or raise cells_per_circle",
             place,
         )
     return float(quality[worst])

@@ -48,7 +48,7 @@ def read_mesh(path: Path, names: Sequence[str], domain: FluidDomain, order: int)
         except MeshFileError as error:
             raise MeshFileError(f"domain.mesh = {path}: {error}") from error
 
-    return shared(read, domain)
+    return shared({"": read}, domain)
 
 
 def _read_gmsh(path: Path) -> meshio.Mesh:

@@ -14,7 +14,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.meshes.errors import MeshError
+from fsi.meshes.errors import MeshError, TouchingError
 from fsi.meshes.geometry.containers import Array, FluidDomain
 from fsi.meshes.geometry.curves import segment
 from fsi.meshes.planar.cut import NeighbourLinks, cut
@@ -57,7 +57,7 @@ def opened(surfaces: Surfaces) -> list[Curve]:
     """Whole bodies, then what bounds the opened domain: arcs, walls, the cut."""
     links = cut(surfaces)
     if links.gap.min(initial=np.inf) <= 0.0:
-        raise MeshError("two bodies, or a body and a wall, touch or overlap; move them apart")
+        raise TouchingError("two bodies, or a body and a wall, touch or overlap; move them apart")
     walk = list(_walk(links, surfaces))
     opened_bodies = {stretch.node for stretch in walk}
     whole = [i for i in range(surfaces.bodies) if i not in opened_bodies]

@@ -38,7 +38,7 @@ import numpy as np
 import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
-from fsi.meshes.errors import MeshError
+from fsi.meshes.errors import TouchingError
 from fsi.meshes.geometry.containers import Array, Container, FluidDomain
 from fsi.meshes.geometry.curves import WallCurve
 from fsi.meshes.geometry.lattice import Lattice
@@ -271,7 +271,7 @@ def _neighbourhood(surfaces: Surfaces, i: int) -> Neighbourhood:
     walls = wall_gaps < reach
     gaps = np.concatenate([gaps, wall_gaps[walls]])
     if gaps.min(initial=np.inf) <= 0.0:
-        raise MeshError("the disc at {} touches a disc or wall; move it", centre)
+        raise TouchingError("the disc at {} touches a disc or wall; move it", centre)
     # 0 - n, not -n: minus zero would turn an angle of pi into -pi.
     to_walls = 0.0 - surfaces.container.normals(centre[None])[0]
     towards = np.concatenate([surfaces.centres[near] - centre, to_walls[walls]])

@@ -59,7 +59,7 @@ def gmsh_model() -> Iterator[None]:
     except MeshError:
         raise
     except Exception as error:
-        remedy = "try a finer discretisation.cells_per_gap or cells_per_circle"
+        remedy = "lower discretisation.growth or raise cells_per_circle"
         raise MeshError(f"gmsh failed: {error}; {remedy}") from error
     finally:
         gmsh.clear()
@@ -236,7 +236,8 @@ def require_boundary(cells: Indices, facets: Indices) -> None:
     n = int(max(cells.max(), facets.max())) + 1
     keys, count = np.unique(side_keys(_sides(cells), n), return_counts=True)
     if count.max() > 2 or not np.array_equal(keys[count == 1], np.sort(side_keys(facets, n))):
-        raise MeshError("gmsh lost a part of the boundary; try a finer discretisation.cells_per_gap")
+        remedy = "lower discretisation.growth or raise cells_per_circle"
+        raise MeshError(f"gmsh lost a part of the boundary; {remedy}")
 
 
 def side_keys(sides: Indices, n: int) -> Indices:

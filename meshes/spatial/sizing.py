@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsi.meshes.errors import MeshError
+from fsi.meshes.errors import TouchingError
 from fsi.meshes.geometry.containers import Array, FluidDomain, lengths
 from fsi.meshes.planar.sizing import Resolution
 
@@ -67,7 +67,7 @@ class Spacing:
             gaps = np.concatenate([lengths(centres - centre) - radii - a, to_walls[i]])
             gaps[i] = np.inf
             if gaps.min() <= 0.0:
-                raise MeshError("the sphere at {} touches a sphere or wall; move it", centre)
+                raise TouchingError("the sphere at {} touches a sphere or wall; move it", centre)
             smallest = np.minimum(a, np.append(radii, np.full(to_walls.shape[1], a)))
             largest = np.maximum(size[i], np.append(size, np.full(to_walls.shape[1], size[i])))
             narrow = np.flatnonzero(self.in_gap(gaps, smallest) < largest)

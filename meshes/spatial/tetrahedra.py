@@ -8,7 +8,6 @@ of the layer, which then has five corners and cannot be structured.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import ceil
 
 import fsi.meshes.backend  # noqa: F401
 
@@ -17,7 +16,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from fsi.meshes.cells.curved import WORST_ACCEPTED, CurvedCells, scaled_jacobian
+from fsi.meshes.cells.curved import CurvedCells
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Array, FluidDomain, lengths
 from fsi.meshes.geometry.curves import Sphere, rescaled
@@ -29,7 +28,6 @@ from fsi.meshes.spatial.sizing import Spacing
 
 OVERLAP = 0.25  # how far a layer's cylinder enters either surface, in radii of the smaller body
 ON_CURVE = 1e-5  # of a layer's radius: where gmsh's intersections lie
-FINER = (1.0, 1.25, 1.6)  # times cells_per_circle, until there are cells and all are valid
 TRIANGLE, TETRAHEDRON = 2, 4  # as gmsh calls them
 
 
@@ -39,36 +37,16 @@ def fill(domain: FluidDomain, resolution: Resolution, order: int) -> CurvedCells
     gmsh's kernel has absolute tolerances: it is given lengths in units of the largest radius, or without
     bodies of the container.
 
-    A cell that lies flat on a sphere can turn over when it is curved, and gmsh can lose a part of a boundary:
-    then all is meshed again with smaller elements on the spheres. Raises MeshError where spheres touch, or
-    gmsh fails with all sizes.
+    Raises MeshError where spheres touch, or gmsh fails.
     """
     unit = float(domain.radii.max(initial=0.0)) or domain.container.size()
     centres, radii = (rescaled(x, 1.0 / unit) for x in (domain.centres, domain.radii))
     in_units = FluidDomain(domain.container.scaled(1.0 / unit), centres, radii)
     try:
-        cells = _valid(in_units, resolution, order)
+        cells = _fill(Spacing(in_units, resolution), order)
     except MeshError as error:
         raise error.in_units(unit) from error
     return replace(cells, nodes=unit * cells.nodes)
-
-
-def _valid(domain: FluidDomain, resolution: Resolution, order: int) -> CurvedCells:
-    """What `fill` gives, in gmsh's units."""
-    cells: CurvedCells | None = None
-    problem: MeshError | None = None
-    for factor in FINER:
-        finer = replace(resolution, cells_per_circle=ceil(factor * resolution.cells_per_circle))
-        try:
-            cells = _fill(Spacing(domain, finer), order)
-        except MeshError as error:
-            problem = problem or error
-            continue
-        if scaled_jacobian(cells.nodes[cells.cells], order).min() > WORST_ACCEPTED:
-            return cells
-    if cells is None:
-        raise problem or MeshError("gmsh made no tetrahedra")
-    return cells
 
 
 def _fill(spacing: Spacing, order: int) -> CurvedCells:

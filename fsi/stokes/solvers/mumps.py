@@ -19,7 +19,7 @@ from petsc4py import PETSc
 
 import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
-from fsi.errors import SolveError
+from fsi.errors import RefusedError, SolveError, apart
 from fsi.meshes.moving.slip import unfactorised
 from fsi.stokes.solvers.refinement import correction
 
@@ -86,10 +86,8 @@ class Factorisation(AbstractContextManager["Factorisation"]):
         for k in np.flatnonzero((relative > REFINE_ABOVE) & (relative < np.inf)):
             x[:, k], relative[k] = self._mended(x[:, k], b[:, k])
         if not relative.max() < REFUSE_ABOVE:
-            raise SolveError(
-                f"the linear solve left a relative residual of {relative.max():.2g}, more than the bound of "
-                f"{REFUSE_ABOVE:g}; is a body or the flow {LEFT}?"
-            )
+            size = f"{apart(relative.max(), REFUSE_ABOVE)}, more than {REFUSE_ABOVE:g}"
+            raise RefusedError(f"the linear solve left a relative residual of {size}")
         return x, relative
 
     def _mended(self, x: Array, b: Array) -> tuple[Array, float]:

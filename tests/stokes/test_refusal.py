@@ -1,0 +1,103 @@
+"""Messages of refused solves and meshes name key, value and remedies, which work where they are taken."""
+
+import re
+from collections.abc import Callable
+
+import pytest
+
+import fsi.meshes.build
+from bench.gaps import CASES
+from fsi.case.case import Case
+from fsi.case.load import load_case
+from fsi.errors import SolveError, apart
+from fsi.meshes.errors import MeshError
+from fsi.meshes.geometry.containers import FluidDomain
+from fsi.meshes.planar.sizing import Resolution
+from fsi.report.console import standard_output
+from fsi.report.solution import print_solution
+from fsi.stokes.adapt import solve_with_errors
+from fsi.stokes.model import StokesModel
+from fsi.stokes.resistance import case_resistance
+
+
+def in_corner(x: float, y: float = 0.0, gap: float = 1e-7) -> Case:
+    """A disc in the lower left corner, at (x, y), of a box."""
+    places = [f"bodies.0.position=[{x + 1.0 + gap!r}, {y + 1.0 + gap!r}]"]
+    walls = [f"domain.lower=[{x!r}, {y!r}]", f"domain.upper=[{x + 16.0!r}, {y + 16.0!r}]"]
+    return load_case(CASES / "disc_in_box.toml", [*places, *walls])
+
+
+def solved(case: Case) -> object:
+    return StokesModel(case)(case.configuration(), 0.0)
+
+
+GAP = r"; bodies: the narrowest gap, between 'disc' and '(left|bottom)', is 1e-07; widen it"
+ORIGIN = re.compile(GAP + r", or shift all coordinates so that the origin is there, at \((\S+), (\S+)\)$")
+
+
+def test_a_refused_solve_names_the_gap_and_remedies_that_work() -> None:
+    """Far from the origin rounding is a part of the gap; widened, or with the origin there, it goes."""
+    with pytest.raises(SolveError) as refused:
+        solved(in_corner(-800.0))
+    found = ORIGIN.search(str(refused.value))
+    assert found is not None
+    solved(in_corner(-800.0, gap=1e-3))
+    solved(in_corner(-800.0 - float(found[2]), -float(found[3])))
+
+
+def test_a_refused_resistance_names_the_gap_and_a_remedy_that_works() -> None:
+    with pytest.raises(SolveError, match=f"{GAP}$"):
+        case_resistance(in_corner(-800.0))
+    case_resistance(in_corner(-800.0, gap=1e-3))
+
+
+def coarse(gap: float, growth: float = 1.0) -> Case:
+    """A sphere whose coarse cells turn over when they are curved."""
+    sizes = {"cells_per_circle": 8, "growth": growth, "cells_per_gap": 0.3}
+    changes = [f"discretisation.{key}={value}" for key, value in sizes.items()]
+    return load_case(CASES / "sphere_towards_plane.toml", [*changes, f"bodies.0.position=[0.0, {1.0 + gap}]"])
+
+
+@pytest.mark.parametrize("gap", [2.0, 3.0])
+def test_a_mesh_that_is_refused_is_made_again(gap: float, capsys: pytest.CaptureFixture[str]) -> None:
+    """With half the growth, and the report says so in a line; where it is not refused nothing is said."""
+    case = coarse(gap)
+    found = solve_with_errors(case)
+    print_solution(standard_output(), found.case, found.solution, found.errors, None)
+    said = "the sizes of the case gave no valid mesh; taken: discretisation.growth = 0.5"
+    assert said in capsys.readouterr().out
+    assert StokesModel(coarse(gap, 0.5)).scaled_mesh(case.configuration()).instead == ""
+
+
+@pytest.mark.parametrize("gap", [2.0, 3.0])
+def test_the_remedy_of_a_refused_mesh_works(gap: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    case = coarse(gap)
+    monkeypatch.setattr(fsi.meshes.build, "SLOWER", (1.0,))
+    with pytest.raises(MeshError, match=r"lower discretisation\.growth or raise cells_per_circle") as refused:
+        StokesModel(case).scaled_mesh(case.configuration())
+    assert "; discretisation.growth = 1 did not help either" in str(refused.value)
+    StokesModel(coarse(gap, 0.5)).scaled_mesh(case.configuration())
+
+
+def test_what_touches_is_not_meshed_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    tries: list[float] = []
+    make: Callable[..., object] = fsi.meshes.build._triangles
+
+    def counted(domain: FluidDomain, resolution: Resolution, order: int) -> object:
+        tries.append(resolution.growth)
+        return make(domain, resolution, order)
+
+    monkeypatch.setattr(fsi.meshes.build, "_triangles", counted)
+    case = coarse(1.0)
+    q = case.configuration()
+    q.centres[0, 1] = 0.5
+    with pytest.raises(MeshError, match="touches") as refused:
+        StokesModel(case).scaled_mesh(q)
+    assert "did not help" not in str(refused.value)
+    assert tries == [1.0]
+
+
+@pytest.mark.parametrize(("value", "text"), [(1.04e-9, "1.04e-09"), (2e-9, "2e-09"), (float("nan"), "nan")])
+def test_a_value_beyond_a_bound_never_looks_like_it(value: float, text: str) -> None:
+    assert apart(value, 1e-9) == text
+    assert float(apart(1e-9 * (1.0 + 1e-12), 1e-9)) != 1e-9
