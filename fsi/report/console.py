@@ -3,11 +3,13 @@
 import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, override
 
-from rich.console import Console
-from rich.table import Table
+from rich.console import Console, ConsoleOptions, RenderResult
+from rich.measure import Measurement
+from rich.table import Column, Table
 
 import fsi.parallel as parallel
 
@@ -36,13 +38,69 @@ def standard_error() -> Console:
     return _Lasting(stderr=True, quiet=not parallel.is_root())
 
 
+class FittingTable(Table):
+    """A table that breaks no number and no word: what is too wide goes on below, led by the same columns.
+
+    leading: how many columns lead each part.
+    """
+
+    leading = 1
+
+    @override
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        narrow, wide = zip(*(_widths(console, column) for column in self.columns), strict=True)
+        if _total(wide) <= options.max_width:
+            yield from super().__rich_console__(console, options)
+            return
+        leading = self.leading
+        while leading > 1 and _total((*narrow[:leading], max(narrow[leading:]))) > options.max_width:
+            leading -= 1
+        parts: list[list[int]] = [[]]
+        for k in range(leading, len(self.columns)):
+            if (
+                parts[-1]
+                and _total([narrow[j] for j in (*range(leading), *parts[-1], k)]) > options.max_width
+            ):
+                parts.append([])
+            parts[-1].append(k)
+        for part in parts:
+            chosen = [*range(leading), *part]
+            free = max(options.max_width - _total([narrow[k] for k in chosen]), 0)
+            widths = {}
+            for k in chosen:
+                widths[k] = min(wide[k], narrow[k] + free)
+                free -= widths[k] - narrow[k]
+            shown = Table(box=self.box, padding=self.padding, title_justify=self.title_justify)
+            shown.title = self.title if part is parts[0] else None
+            shown.caption = self.caption if part is parts[-1] else None
+            shown.columns = [
+                replace(self.columns[k], _index=i, width=widths[k], overflow="fold")
+                for i, k in enumerate(chosen)
+            ]
+            shown.rows = self.rows
+            yield from Table.__rich_console__(shown, console, options)
+
+
+def _widths(console: Console, column: Column) -> tuple[int, int]:
+    """The longest word and the longest line of a column, whose numbers are words."""
+    cells = [console.render_str(str(cell)) for cell in (column.header, *column.cells)]
+    sizes = [Measurement.get(console, console.options.update(width=10_000), cell) for cell in cells]
+    return max(size.minimum for size in sizes), max(size.maximum for size in sizes)
+
+
+def _total(widths: Sequence[int]) -> int:
+    """With a margin on both sides of each column, and lines around."""
+    return sum(widths) + 3 * len(widths) + 1
+
+
 def table(
     words: Sequence[str], numbers: Sequence[str], rows: Iterable[Sequence[str]] = (), **style: Any
-) -> Table:
+) -> FittingTable:
     """A table of columns of words, then of columns of numbers, which stand to the right; style: of rich."""
-    with_rows = Table(*words, **style)
+    with_rows = FittingTable(*words, **style)
+    with_rows.leading = max(len(words), 1) if numbers else 1
     for heading in numbers:
-        with_rows.add_column(heading, justify="right", overflow="fold")
+        with_rows.add_column(heading, justify="right", no_wrap=True)
     for row in rows:
         with_rows.add_row(*row)
     return with_rows

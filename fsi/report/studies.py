@@ -59,11 +59,11 @@ def print_study(console: Console, study: Study) -> None:
     for begin, end in study.contacts:
         until = f"is released at t = {end:.12g}" if np.isfinite(end) else "is not released"
         console.print(f"sticks at t = {begin:.12g}, {until}", highlight=False)
-    shown = Table("eps", "sup |q_eps - q|", "over eps", "mean |gamma_eps - gamma|")
+    shown = table(("eps", "sup |q_eps - q|", "over eps", "mean |gamma_eps - gamma|"), ())
     for eps, in_q, in_gamma in zip(study.wanted.eps, study.errors_q, study.errors_gamma, strict=True):
         shown.add_row(f"{eps:.0e}", f"{in_q:.3e}", f"{in_q / eps:.3f}", f"{in_gamma:.3e}")
     console.print(shown)
-    shown = Table("steps", "max |q_h - q|", "order")
+    shown = table(("steps", "max |q_h - q|", "order"), ())
     before: tuple[int, float] | None = None
     for steps, error in zip(study.wanted.steps, study.scheme, strict=True):
         order = np.log(before[1] / error) / np.log(steps / before[0]) if before and error > 0.0 else np.nan
