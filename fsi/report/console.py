@@ -41,7 +41,7 @@ def standard_error() -> Console:
 class FittingTable(Table):
     """A table that breaks no number and no word: what is too wide goes on below, led by the same columns.
 
-    leading: how many columns lead each part.
+    leading: how many columns lead each part; fewer where they leave no room for a number.
     """
 
     leading = 1
@@ -53,7 +53,7 @@ class FittingTable(Table):
             yield from super().__rich_console__(console, options)
             return
         leading = self.leading
-        while leading > 1 and _total((*narrow[:leading], max(narrow[leading:]))) > options.max_width:
+        while leading and _total((*narrow[:leading], max(narrow[leading:]))) > options.max_width:
             leading -= 1
         parts: list[list[int]] = [[]]
         for k in range(leading, len(self.columns)):
