@@ -9,11 +9,12 @@ from fsi.errors import SolveError
 from fsi.meshes.build import build
 from fsi.meshes.geometry.containers import FluidDomain
 from fsi.meshes.planar.sizing import Resolution
+from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.identities import require
 from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem
-from fsi.stokes.solve import FORMULATIONS, solve
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, solve_eliminated
-from tests.flows import BOX, at_rest, disc_over_plane, discs, free, held, resting, solved
+from fsi.stokes.solve import FORMULATIONS, _pinned_pressure, solve
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, nodal_vector, solve_eliminated
+from tests.flows import BOX, at_rest, disc_over_plane, discs, free, held, mesh, resting, solved
 
 LID = Boundary({**resting(BOX).velocities, "top": lambda x: np.tile([1.0, 0.0], (len(x), 1))}, {})
 CORNERS = np.array([[-8.0, 16.0], [8.0, 16.0]])  # of a lid
@@ -172,3 +173,16 @@ def test_fluid_at_rest_under_a_pressure_is_no_violation(pressure: float, held_al
     )  # fmt: skip
     assert np.abs(found.U - without.U).max() < 1e-12 * pressure
     assert np.abs(found.F - without.F).max() < 1e-12 * pressure
+
+
+@pytest.mark.parametrize("gap", [1e-2, 1e-5])
+def test_the_pressure_is_pinned_where_most_fluid_is(gap: float) -> None:
+    """In the gap below the disc, where the smallest cells are, it would cost 7 digits."""
+    fluid = mesh(BOX, disc_over_plane(gap), Resolution(0.5, 12, 0.5))
+    forms = Forms(fluid, 3, 1.0)
+    weights = nodal_vector(forms.bind("pressure weights"))
+    pin = _pinned_pressure(fluid, forms, weights)
+    assert pin is not None
+    place = forms.Q.tabulate_dof_coordinates()[pin, :2]
+    assert np.hypot(*place) > 2.0
+    assert abs(weights[pin]) == np.abs(weights).max()
