@@ -130,14 +130,15 @@ def _keys(rng: Random, _: Place) -> Arguments:
 
 def _pack(rng: Random, place: Place) -> Arguments:
     kind = rng.choice(("random", "random", "square", "hexagonal", "rows", "chains", "columns", "heap"))
-    usual = {
+    usual: Options = {
         "--number": (1, 5, 20, 40), "--area-fraction": (0.1, 0.4, 0.7, 0.9), "--radius": (1.0, 1e-6, 1e6),
         "--gap": (0.0, 0.02, 3.0), "--cell": ("channel", "periodic", "box"), "--seed": (1, 2),
         "--aspect": (1, 3), "--sizes": ("equal", "bidisperse", "lognormal"), "--spread": (1.4, 0.2),
         "--dimension": (2, 3), "--rows": (1, 2, 5), "--length": (1, 4), "--angle": (0, 45, 90, 135),
     }  # fmt: skip
-    given = [word for name, choices in usual.items() for word in option(rng, name, *choices)]
-    out = rng.choice(("discs.json", "discs.json", "discs.csv", "nowhere/discs.json", "."))
+    chosen = rng.sample(sorted(usual), rng.randrange(4))  # more would hardly ever fit together
+    given = [f"{name}={rng.choice((*3 * usual[name], rng.choice(NUMBERS)))}" for name in chosen]
+    out = rng.choice((*5 * ("discs.json",), "discs.csv", "nowhere/discs.json", "."))
     return ["pack", kind, "--output", str(place.folder / out), *given]
 
 
