@@ -14,6 +14,7 @@ from fsi.integration.evolution import Evolution, SteppedEvolution
 from fsi.integration.schemes import Beginning, scheme_for
 from fsi.integration.state import Advance, Model, Schedule
 from fsi.integration.stepper import FixedStepper, Refinable, RefiningStepper, Stepper
+from fsi.integration.strayed import Strayed
 
 
 def require_instant(case: Case) -> None:
@@ -42,7 +43,9 @@ def stepped(case: Case, model: Model) -> SteppedEvolution:
     """The motion of a case with a model that gives velocities at an instant."""
     estimated = case.output.error_estimates or case.discretisation.tolerance is not None
     q, first = case.configuration(), case.timing.first_step
-    return SteppedEvolution(make_stepper(case, model), case.names, q, first, estimated)
+    # A body with mass has a velocity of its own that strays too.
+    strayed = Strayed() if case.output.error_estimates and case.masses() is None else None
+    return SteppedEvolution(make_stepper(case, model), case.names, q, first, estimated, strayed)
 
 
 def make_stepper(case: Case, model: Model) -> Advance:

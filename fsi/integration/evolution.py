@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import nearest_gaps
 from fsi.integration.state import Advance, Schedule, State, Step, StepRecord
+from fsi.integration.strayed import Strayed
 
 type CsvTable = tuple[Sequence[str], Sequence[Sequence[object]]]
 
@@ -67,6 +68,7 @@ class SteppedEvolution:
         q: where they begin.
         first_step: the first step to try; one by the tolerance if None.
         estimated: true to estimate the discretisation error of each step.
+        strayed: how far the bodies are from the exact motion; None where that is not followed.
     """
 
     stepper: Advance
@@ -74,6 +76,7 @@ class SteppedEvolution:
     q: Configuration
     first_step: float | None
     estimated: bool
+    strayed: Strayed | None = None
 
     @property
     def schedule(self) -> Schedule:
@@ -89,12 +92,14 @@ class SteppedEvolution:
         return self._moment(self.stepper.advance(state))
 
     def memory(self) -> dict[str, NDArray[Any]]:
-        """That of the model."""
-        return self.stepper.model.state()
+        """That of the model, and how far the bodies have strayed."""
+        return {**self.stepper.model.state(), **(self.strayed.memory() if self.strayed else {})}
 
     def restore(self, memory: Mapping[str, NDArray[Any]]) -> None:
         """Take back what `memory` gave."""
         self.stepper.model.restore(memory)
+        if self.strayed:
+            self.strayed.restore(memory)
 
     def _moment(self, step: Step) -> Moment:
         state, instant = step.state, step.instant
@@ -102,7 +107,12 @@ class SteppedEvolution:
         columns = {**instant.record, **(errors.columns if errors else {})}
         # Only some models know more of each body than velocity and load.
         of_bodies = {**getattr(instant, "body_columns", {}), **(errors.body_columns if errors else {})}
-        q, U, F = state.q, instant.U, instant.F
-        gap = nearest_gaps(q, self.stepper.container.at(state.t)).smallest()
+        q, U, F, container = state.q, instant.U, instant.F, self.stepper.container
+        if self.strayed and errors:
+            delta = errors.errors.U if errors.delta is None else errors.delta
+            self.strayed.follow(step, delta, self.stepper.model, container)
+            columns["err_smallest_gap"] = self.strayed.gap_error(q, container.at(state.t))
+            of_bodies |= self.strayed.body_columns(q)
+        gap = nearest_gaps(q, container.at(state.t)).smallest()
         record = StepRecord(state.step, state.t, step.h, gap, step.rejected, q, U, F, columns, of_bodies)
         return Moment(state, record, self.names, lambda folder: instant.write(folder, state.step))

@@ -119,10 +119,17 @@ class ErrorEstimate:
 
 @dataclass(frozen=True, slots=True)
 class StepErrors:
-    """The errors of a step: absolute, and relative as by `relative_change`, with "viscosity" besides."""
+    """The errors of a step.
+
+    Attributes:
+        errors: absolute.
+        relative: as by `relative_change`, with "viscosity" besides.
+        delta: of U with their sign, exact less computed, (N, M); None where only their size is known.
+    """
 
     errors: ErrorEstimate
     relative: Mapping[str, float]
+    delta: Array | None = None
 
     @property
     def columns(self) -> Mapping[str, float]:
@@ -242,12 +249,21 @@ class Scheme(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """An accepted step: the state it ends in, the instant there, its length, how many tries were rejected."""
+    """An accepted step.
+
+    Attributes:
+        state: that it ends in.
+        instant: there.
+        h: its length.
+        rejected: how many tries came before.
+        error: of its displacement, as estimated, (N, M); None where nothing is known of it.
+    """
 
     state: State
     instant: Instant
     h: float
     rejected: int
+    error: Array | None = None
 
 
 class Advance(Protocol):

@@ -99,7 +99,7 @@ class Stepper:
         used = t_end - state.t
         q, instant = trial.q, trial.instant
         new = State(t_end, state.step + 1, q, instant.U, self._next_step(h, used, error, rejected))
-        return Step(new, instant, used, rejected)
+        return Step(new, instant, used, rejected, trial.error)
 
     def _norm(self, q: Configuration, t: float, displacement: Array) -> float:
         """Largest error that displacements (N, M) make, relative to what is tolerated: accepted up to 1.

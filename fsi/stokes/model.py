@@ -91,7 +91,7 @@ def step_errors(case: Case, t: float, results: Results, other: StokesSolution) -
     mu = getattr(results, "apparent_viscosity", None)
     if mu is not None and errors.apparent_viscosity is not None:
         relative["viscosity"] = errors.apparent_viscosity / abs(mu)
-    return StepErrors(errors, relative)
+    return StepErrors(errors, relative, np.copysign(U, other.U - results.U))
 
 
 def other_degree_of(degree: int, dimension: int) -> tuple[int, float]:
