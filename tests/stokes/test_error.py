@@ -181,10 +181,6 @@ def test_a_run_records_errors_and_resumes_with_the_same(remesh: str, tmp_path: P
         assert float(body["err_V_y"]) == pytest.approx(float(step["err_U"]) * abs(float(body["V_y"])))
         assert float(body["err_F_y"]) == 0.0
     assert all(1e-6 < float(row["err_U"]) < 0.1 and float(row["err_F"]) == 0.0 for row in whole)
-    exactly = float(exact.settling_gap(float(whole[-1]["t"]), 1.0, 1.0, 1.0, -4.0 * np.pi))
-    error = abs(float(whole[-1]["smallest_gap"]) - exactly)
-    assert 0.05 < error / float(whole[-1]["err_smallest_gap"]) < 1.0
-    assert float(of_body[-1]["err_y"]) == pytest.approx(float(whole[-1]["err_smallest_gap"]), rel=1e-6)
 
 
 @pytest.mark.parametrize("remesh", [pytest.param("always", marks=pytest.mark.slow), "when-needed"])
