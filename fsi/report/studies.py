@@ -61,7 +61,8 @@ def print_study(console: Console, study: Study) -> None:
         console.print(f"sticks at t = {begin:.12g}, {until}", highlight=False)
     shown = table(("eps", "sup |q_eps - q|", "over eps", "mean |gamma_eps - gamma|"), ())
     for eps, in_q, in_gamma in zip(study.wanted.eps, study.errors_q, study.errors_gamma, strict=True):
-        shown.add_row(f"{eps:.0e}", f"{in_q:.3e}", f"{in_q / eps:.3f}", f"{in_gamma:.3e}")
+        given = np.format_float_scientific(eps, precision=4, trim="-", exp_digits=2)
+        shown.add_row(given, f"{in_q:.3e}", f"{in_q / eps:#.4g}", f"{in_gamma:.3e}")
     console.print(shown)
     shown = table(("steps", "max |q_h - q|", "order"), ())
     before: tuple[int, float] | None = None
@@ -87,7 +88,7 @@ def draw(case: Case, study: Study, path: Path) -> None:
     above.plot(study.t, study.q, "k--", linewidth=1.0, label="limit")
     below.plot(study.t, study.gamma, "k--", linewidth=1.0, label="limit")
     above.set_ylabel(r"distance $q_\varepsilon$")
-    below.set_ylabel(r"memory $\gamma_\varepsilon = \varepsilon\,\ln q_\varepsilon$")
+    below.set_ylabel(r"memory $\gamma_\varepsilon = \varepsilon\,\ln(q_\varepsilon/a)$")
     below.set_xlabel("time $t$")
     above.set_title(case.name)
     above.legend(frameon=False)
