@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from fsi.files import replace
+from fsi.run_folder.paraview import write_points
 from fsi.runs import run
 from tests.exact_model import by
 from tests.small_run import make_model, small_case
@@ -30,6 +32,13 @@ def test_a_file_is_on_the_disk_before_it_takes_its_place(synced: list[str], tmp_
     replace(tmp_path / "a.txt", b"seven b")
     assert synced == ["a.txt.tmp 7"]
     assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
+
+
+def test_a_field_file_is_on_the_disk_before_it_takes_its_place(synced: list[str], tmp_path: Path) -> None:
+    """A checkpoint may know of it after a power cut."""
+    write_points(tmp_path / "a.vtu", np.zeros((3, 2)), {"p": np.ones(3)})
+    assert [path.name for path in tmp_path.iterdir()] == ["a.vtu"]
+    assert synced == [f".a.vtu.partial {(tmp_path / 'a.vtu').stat().st_size}"]
 
 
 def test_tables_are_on_the_disk_before_the_checkpoint_that_knows_their_lengths(

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
-from fsi.files import content
+from fsi.files import appearing, content
 
 type Cells = list[tuple[str, NDArray[np.intp]]]
 
@@ -71,10 +71,9 @@ def in_space(vectors: Array) -> Array:
 
 def _write(path: Path, x: Array, cells: Cells, **data: dict[str, object]) -> None:
     """Write under a temporary name that is then the path's."""
-    partial = path.with_name(f".{path.name}.partial")
     try:
-        meshio.Mesh(in_space(x), cells, **data).write(partial, file_format="vtu")
-        partial.replace(path)
+        with appearing(path) as partial:
+            meshio.Mesh(in_space(x), cells, **data).write(partial, file_format="vtu")
     except OSError as error:
         remedy = "make room, or drop output.fields, and go on with fsi resume"
         raise SolveError(f"cannot write {path}: {error.strerror}; {remedy}") from error

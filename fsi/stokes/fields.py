@@ -27,6 +27,7 @@ from scipy.spatial import cKDTree
 import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
+from fsi.files import appearing
 from fsi.meshes.cells.lagrange import gradient, locate, tabulate
 from fsi.meshes.files.write import vtk_order
 from fsi.meshes.geometry.lattice import SAME_PLACE, Integers, Lattice, on_torus
@@ -222,10 +223,9 @@ def _mesh(x: Array, cells: NDArray[np.int64], dimension: int) -> meshio.Mesh:
 
 def _write(path: Path, mesh: meshio.Mesh) -> None:
     """Write a VTU file to a temporary name and rename it. Raises SolveError: the disk refuses."""
-    temporary = path.with_name(f".{path.name}.partial")
     try:
-        meshio.write(temporary, mesh, file_format="vtu")
-        temporary.replace(path)
+        with appearing(path) as partial:
+            meshio.write(partial, mesh, file_format="vtu")
     except OSError as error:
         remedy = "make room, or drop output.fields, and go on with fsi resume"
         raise SolveError(f"cannot write {path}: {error.strerror}; {remedy}") from error
