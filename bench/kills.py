@@ -65,8 +65,8 @@ upper = [3.0, 3.0, 6.0]
 [[bodies]]
 name = "sphere"
 radius = 1.0
-position = [0.0, 0.0, 2.5]
-force = [0.0, 0.0, -20.0]
+position = [0.0, 0.0, 2.0]
+force = [0.0, 0.0, -2.0]
 [discretisation]
 degree = 2
 cells_per_circle = 6
@@ -76,6 +76,7 @@ growth = 1.0
 end = 0.2
 first_step = 0.05
 tolerance = 1e-1
+remesh = "when-needed"
 [output]
 interval = 0.1
 """
@@ -127,7 +128,7 @@ tolerance = 1e-5
 [output]
 interval = 0.05
 """
-GLUEY = "cases/gluey/two_discs.toml --set output.interval=0.25"
+GLUEY = "cases/gluey/two_discs.toml --set output.interval=0.25 --set time.step=0.05"
 MACROSCOPIC = "cases/macroscopic/bulk.toml --set output.interval=0.25 --set time.step=0.02"
 RANKS = "planar run on two ranks"
 
@@ -235,7 +236,7 @@ def _without_times(path: Path) -> Any:
             with np.load(path) as state:  # the length of steps.csv has those of its CPU seconds
                 return {key: state[key].tobytes() for key in state if key != "lengths/steps.csv"}
         case ".toml":
-            return re.sub(r"(?m)^(date|created|started|command) = .*$", "", path.read_text())
+            return re.sub(r"(?m)^fitted = .*$", "", path.read_text())
         case _:
             return path.read_bytes()
 
@@ -244,9 +245,7 @@ def _plain(data: Any) -> Any:
     """Without the keys of times, at any depth."""
     match data:
         case dict():
-            return {
-                k: _plain(v) for k, v in data.items() if k not in ("seconds", "date", "created", "command")
-            }
+            return {k: _plain(v) for k, v in data.items() if k not in ("seconds", "fitted")}
         case list():
             return [_plain(item) for item in data]
         case _:
@@ -301,13 +300,12 @@ def main(
                 differ = differences(base / name / "whole" / "out", folder / "out", scenario)
             except (RuntimeError, subprocess.TimeoutExpired) as error:
                 differ = [str(error)]
+            print(f"{name}, {number}, killed {kills[name]} times so far: {differ or 'equal'}", flush=True)
             if differ:
-                bad.append(f"{name}, {number}: {differ}")
-                print(bad[-1], flush=True)
+                bad.append(name)
     table = Table("what", "moments", "still running", "ends", "unequal")
     for name in names:
-        unequal = sum(line.startswith(f"{name},") for line in bad)
-        table.add_row(name, *map(str, (kills[name], running[name], trials[name], unequal)))
+        table.add_row(name, *map(str, (kills[name], running[name], trials[name], bad.count(name))))
     Console().print(table)
     raise SystemExit(bool(bad))
 
