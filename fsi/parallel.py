@@ -142,15 +142,29 @@ def _all_at(place: str) -> bool:
     if len(set(places)) == 1:
         return True
     if not is_root():
-        time.sleep(PATIENCE)  # each fails with its own error: root speaks
+        time.sleep(PATIENCE)  # each fails with its own error: root speaks first
     return False
 
 
 def _end_all(message: str, exit_code: int) -> NoReturn:
-    _say(message)
-    time.sleep(TO_BE_HEARD)
+    """Speak, unless another rank has begun to, and end all ranks."""
+    silent = _is_spoken()
+    if not silent:
+        for other in set(range(size())) - {rank()}:
+            _alarm.Isend(b"", dest=other)
+        _say(message)
+    time.sleep(5.0 * TO_BE_HEARD if silent else TO_BE_HEARD)
     _comm.Abort(exit_code)
     os._exit(exit_code)  # Abort may come back before it takes hold
+
+
+def _is_spoken() -> bool:
+    """Whether another rank has begun to speak; its word may take some looks to get here."""
+    for _ in range(10):
+        if _alarm.Iprobe():
+            return True
+        time.sleep(0.01)
+    return False
 
 
 def _say(message: str) -> None:
