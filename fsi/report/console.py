@@ -41,10 +41,10 @@ def standard_error() -> Console:
 class FittingTable(Table):
     """A table that breaks no number and no word: what is too wide goes on below, led by the same columns.
 
-    leading: how many columns lead each part; fewer where they leave no room for a number.
+    led_by: how many columns lead each part; fewer where they leave no room for a number.
     """
 
-    leading = 1
+    led_by = 1
 
     @override
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
@@ -52,7 +52,7 @@ class FittingTable(Table):
         if _total(wide) <= options.max_width:
             yield from super().__rich_console__(console, options)
             return
-        leading = self.leading
+        leading = self.led_by
         while leading and _total((*narrow[:leading], max(narrow[leading:]))) > options.max_width:
             leading -= 1
         parts: list[list[int]] = [[]]
@@ -98,7 +98,7 @@ def table(
 ) -> FittingTable:
     """A table of columns of words, then of columns of numbers, which stand to the right; style: of rich."""
     with_rows = FittingTable(*words, **style)
-    with_rows.leading = max(len(words), 1) if numbers else 1
+    with_rows.led_by = max(len(words), 1) if numbers else 1
     for heading in numbers:
         with_rows.add_column(heading, justify="right", no_wrap=True)
     for row in rows:

@@ -71,6 +71,10 @@ def test_a_narrow_terminal_folds_words_and_then_takes_parts() -> None:
         assert {*row[1:]} <= tokens(text)
 
 
+def test_rows_follow_each_other_without_blank_lines() -> None:
+    assert len(printed(table(("body",), ("V",), [("a", "1"), ("b", "2"), ("c", "3")]), 80).splitlines()) == 7
+
+
 @pytest.mark.parametrize("width", [40, 60, 80])
 def test_words_alone_are_folded_between_words(width: int) -> None:
     """As `fsi check` has it: places and gaps among words."""
