@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 import fsi
+from fsi.arrangements.arrangement import Wanted
+from fsi.arrangements.kinds import arrange
 from fsi.bodies.configuration import Array
 from fsi.gluey.limit_study import study
 from tests import units
@@ -149,3 +151,15 @@ def test_studies_give_the_same_numbers_over_their_units(
         np.testing.assert_allclose(
             found[name], values, rtol=0.0, atol=SAME * np.abs(values).max(), err_msg=name
         )
+
+
+@pytest.mark.parametrize("s", SYSTEMS, ids=str)
+def test_the_same_seed_packs_the_same_bodies(s: System) -> None:
+    """Metropolis moves are chaotic: one that is decided by rounding would give another packing."""
+
+    def packed(a: float) -> tuple[Array, Array]:
+        found = arrange("random", Wanted(12, 0.4, 0.01 * a, a, sizes="lognormal", spread=0.2))
+        return found.centres / a, found.radii / a
+
+    for found, expected in zip(packed(s.length), packed(1.0), strict=True):
+        np.testing.assert_allclose(found, expected, rtol=1e-14)

@@ -141,6 +141,11 @@ class Arrangement:
                 return smallest
             reach *= 2.0
 
+    def scaled(self, factor: float) -> "Arrangement":
+        """The same with all lengths times the factor."""
+        cell = SimulationCell(tuple(factor * side for side in self.cell.sides), self.cell.periodic)
+        return Arrangement(cell, cell.wrapped(factor * self.centres), factor * self.radii)
+
     def smallest_wall_gap(self) -> float:
         """The smallest gap between bodies and walls; infinite without walls."""
         return float((self.cell.wall_distances(self.centres) - self.radii[:, None]).min(initial=np.inf))

@@ -6,6 +6,7 @@ chains and columns have the gap g, and s = 2 a + g is the distance of their cent
 them, are above and below.
 """
 
+import dataclasses
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ from fsi.arrangements.arrangement import Arrangement, Array, SimulationCell, Wan
 from fsi.arrangements.packing import random_arrangement
 from fsi.errors import InputError
 from fsi.files import replace
+from fsi.meshes.geometry.curves import rescaled
 
 
 def square_array(w: Wanted) -> Arrangement:
@@ -178,7 +180,9 @@ KINDS: Mapping[str, Kind] = {
 
 def arrange(kind: str, wanted: Wanted) -> Arrangement:
     """The arrangement. Raises InputError: the bodies do not fit in this way; named is what fraction would."""
-    arrangement = KINDS[kind].arranged(wanted)
+    unit = wanted.radius  # so that in all units it is the same arrangement, to the last move
+    in_units = dataclasses.replace(wanted, gap=float(rescaled(wanted.gap, 1.0 / unit)), radius=1.0)
+    arrangement = KINDS[kind].arranged(in_units).scaled(unit)
     rounding = 1e-9 * wanted.radius
     remedy = "place more bodies side by side, or lower the area fraction or the gap"
     gaps = {"between bodies": arrangement.smallest_gap(), "to a wall": arrangement.smallest_wall_gap()}

@@ -49,7 +49,7 @@ def random_arrangement(radii: Array, w: Wanted) -> Arrangement:
     """
     largest = largest_fraction(radii, w.periodic, w.aspect, w.gap)
     if w.fraction > largest:
-        here = f"too large for {len(radii)} bodies at random with gaps of {w.gap:g}"
+        here = f"too large for {len(radii)} bodies at random with gaps of {w.gap:g} radii"
         bound = f"the largest possible is {np.floor(1e4 * largest) / 1e4:g}"
         raise InputError(f"area fraction = {w.fraction:g}: {here}; {bound}")
     cell = cell_for(radii, w.fraction, w.periodic, w.aspect)
@@ -60,7 +60,7 @@ def random_arrangement(radii: Array, w: Wanted) -> Arrangement:
         if x is not None:
             return Arrangement(cell, shaken(cell, x, radii, gap, rng), radii)
     raise InputError(
-        f"area fraction = {w.fraction:g}: no arrangement of {len(radii)} bodies with gaps of {w.gap:g} "
+        f"area fraction = {w.fraction:g}: no arrangement of {len(radii)} bodies with gaps of {w.gap:g} radii "
         f"found in {_TRIES} tries; lower it or the gap, or place more bodies"
     )
 
