@@ -54,6 +54,7 @@ from fsi.meshes.geometry.containers import Container, FluidDomain
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
 from fsi.observables.bulk_stress import BulkStress
+from fsi.observables.resistance import KNOWN_TO
 from fsi.observables.truncation import flow_scales, relative_change
 from fsi.stokes.corners import jumps, singular
 from fsi.stokes.problem import Boundary, Field, SolverOptions, StokesProblem
@@ -78,9 +79,11 @@ def step_errors(case: Case, t: float, results: Results, other: StokesSolution) -
     q, motion, factor = other.problem.q, other.problem.motion, bar_factor(case)
 
     def bound(values: Array, reference: Array, arm: Array, computed: NDArray[np.bool_]) -> Array:
-        rounding = ROUNDING * arm * np.abs(values / arm).max(initial=0.0)
-        error = np.maximum(factor * np.abs(values - reference), rounding)
-        return np.where(computed & case.modes, error, 0.0)
+        error, counts = factor * np.abs(values - reference), computed & case.modes
+        largest = np.where(counts, error / arm, 0.0).max(initial=0.0)
+        rounding = ROUNDING * np.abs(values / arm).max(initial=0.0)
+        error = np.maximum(error, arm * max(rounding, KNOWN_TO * largest))
+        return np.where(counts, error, 0.0)
 
     U = bound(results.U, other.U, 1.0 / q.arms, ~motion.held)
     F = bound(results.F, other.F, q.arms, motion.held)
