@@ -18,8 +18,8 @@ from fsi.errors import RefusedError, apart
 BOUND = 1e-9
 # What the factorisation leaves of an entry over sqrt(R_ii R_jj), of the inverse likewise.
 FACTORISATION = 1e-11
-# Errors of entries, and of velocities or loads, may cancel, in the estimate by chance more than in truth: it is
-# known to this part of the largest.
+# Errors of entries, velocities or loads may cancel, in the estimate by chance more than in truth: it is known
+# to this part of the largest.
 KNOWN_TO = 0.03
 # A positive matrix has no eigenvalue below this part of its largest: at a gap of 1e-6 radii it is 1e-10.
 ROUNDING = 1e-12
