@@ -18,7 +18,8 @@ from fsi.meshes.errors import MeshError, TouchingError
 from fsi.meshes.geometry.containers import Array, FluidDomain
 from fsi.meshes.geometry.curves import segment
 from fsi.meshes.planar.cut import NeighbourLinks, cut
-from fsi.meshes.planar.sizing import PIECES, Curve, Resolution, Surfaces, arcs, half_ring, rings
+from fsi.meshes.planar.rings import arcs, half_ring, rings
+from fsi.meshes.planar.sizing import PIECES, Curve, Resolution, Surfaces
 
 LINK_PIECES = 16  # of a link, to begin with
 
