@@ -58,6 +58,25 @@ def _losing(gaps: Gaps, displacement: Array, away_moves: Array, loss: float) -> 
     return would if len(would) else np.arange(len(gaps.pairs))
 
 
+def _reach(
+    q: Configuration, container: Container, displacement: Array, gap_loss: float, duration: float
+) -> float:
+    """How wide a gap can be that loses `gap_loss` of itself, at least the largest diameter.
+
+    A lattice carries vectors e to e + A e, so that bodies that differ by d_i = displacement_i - A q_i from
+    the mean flow, with centres s = q_i - q_j - e apart, come nearer by
+
+        |d_i - d_j + A s| <= 2 max |d| + |A| (gap + 2 max a)
+    """
+    unit = np.eye(q.dimension)
+    strain = container.carried(unit, duration) - unit
+    rate, largest = float(np.linalg.norm(strain, 2)), float(q.radii.max())
+    if rate >= gap_loss:
+        return np.inf
+    fastest = float(np.linalg.norm(displacement - q.centres @ strain, axis=1).max())
+    return max(2.0 * largest, 2.0 * (fastest + rate * largest) / (gap_loss - rate))
+
+
 def greatest_approach(
     q: Configuration, container: Container, displacement: Array, gap_loss: float, duration: float = 0.0
 ) -> Approach:
@@ -70,9 +89,7 @@ def greatest_approach(
     end of the way.
     """
     displacement = displacement[:, : q.dimension]
-    fastest = float(np.linalg.norm(displacement, axis=1).max())
-    reach = max(2.0 * float(q.radii.max()), 2.0 * fastest / gap_loss)
-    gaps = find_gaps(q, container, reach)
+    gaps = find_gaps(q, container, _reach(q, container, displacement, gap_loss, duration))
     away_moves = container.carried(gaps.away, duration) - gaps.away
     losing = _losing(gaps, displacement, away_moves, 0.5 * gap_loss)
     gaps, away_moves = gaps.of(losing), away_moves.take(losing, axis=0)

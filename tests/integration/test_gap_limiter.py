@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.bodies.gaps import find_gaps
+from fsi.bodies.gaps import Gaps, find_gaps
 from fsi.integration.gap_limiter import greatest_approach, limited_step
-from fsi.meshes.geometry.containers import Box, HalfPlane
+from fsi.meshes.geometry.containers import Box, Container, HalfPlane
 from fsi.meshes.geometry.lattice import Cell
 
 BOX = Box((-10.0, -10.0), (10.0, 10.0))
@@ -73,10 +73,45 @@ def test_spinning_or_nothing_at_all_loses_nothing() -> None:
     assert limited_step(THREE, BOX, spin, 10.0, 0.2)[0] == 10.0
 
 
-def test_images_of_a_sheared_cell_come_nearer_though_bodies_rest() -> None:
-    """Discs of radius 1 whose images above lie at (-2, 2.5): at strain 0.8 they stand above, a gap of 0.5."""
-    cell = Cell(((9.0, 0.0), (-2.0, 2.5)), ((0.0, 1.0), (0.0, 0.0)))
+SHEAR, EXTENSION = ((0.0, 1.0), (0.0, 0.0)), ((1.0, 0.0), (0.0, -1.0))
+
+
+@pytest.mark.parametrize(
+    ("image", "gradient", "strain", "left"),
+    [
+        ((-2.0, 2.5), SHEAR, 0.8, 0.5),
+        ((-3.0, 3.0), SHEAR, 1.0, 1.0),
+        ((0.0, 5.0), EXTENSION, 0.4, 5.0 * np.exp(-0.4) - 2.0),
+    ],
+    ids=["gap 1.2", "gap 2.24", "gap 3"],
+)
+def test_images_of_a_sheared_cell_come_nearer_though_bodies_rest(
+    image: tuple[float, float],
+    gradient: tuple[tuple[float, float], tuple[float, float]],
+    strain: float,
+    left: float,
+) -> None:
+    """Discs of radius 1 with their images, which shear puts above them and extension brings down."""
+    cell = Cell(((9.0, 0.0), image), gradient)
     one, still = Configuration.unturned(np.array([[0.5, 0.5]]), np.ones(1)), np.zeros((1, 3))
-    before = np.hypot(2.0, 2.5) - 2.0
-    assert greatest_approach(one, cell, still, 0.9, 0.8).loss == pytest.approx(1.0 - 0.5 / before)
-    assert greatest_approach(one, cell, still, 0.9, 0.0).loss == pytest.approx(0.0, abs=1e-14)
+    said = greatest_approach(one, cell, still, 0.5, strain)
+    assert said.loss == pytest.approx(1.0 - left / (np.hypot(*image) - 2.0))
+    assert said.between == (0, 0)
+    assert greatest_approach(one, cell, still, 0.5, 0.0).loss <= 1e-14
+
+
+def test_bodies_that_the_mean_flow_carries_are_sought_no_farther(monkeypatch: pytest.MonkeyPatch) -> None:
+    """However far from the origin of the shear, and so however fast: what they need is one diameter."""
+    reaches: list[float] = []
+
+    def found(q: Configuration, container: Container, reach: float) -> Gaps:
+        reaches.append(reach)
+        return find_gaps(q, container, reach)
+
+    monkeypatch.setattr("fsi.integration.gap_limiter.find_gaps", found)
+    cell = Cell(((90.0, 0.0), (0.0, 90.0)), SHEAR)
+    carried = Configuration.unturned(np.array([[0.0, 3.0], [0.0, 9e3]]), np.full(2, 10.0))
+    displacement = np.array([[0.06, 0.0, 0.0], [180.0, 0.0, 0.0]])
+    still = greatest_approach(carried, cell, displacement, 0.2, 0.02)
+    assert reaches == [20.0]
+    assert still.loss < 0.2
