@@ -32,6 +32,7 @@ class ValidationError(FsiError):
 
 
 def apart(value: float, bound: float) -> str:
-    """A value beyond a bound, with as many digits as tell it from the bound, at least two."""
+    """A value beyond a bound, with as many digits as put it beyond the bound, at least two."""
     texts = (f"{value:.{digits}g}" for digits in range(2, 17))
-    return next((text for text in texts if float(text) != bound), repr(value))
+    beyond = (text for text in texts if float(text) != bound and (float(text) > bound) == (value > bound))
+    return next(beyond, repr(value))

@@ -117,16 +117,10 @@ def _drive(case: Case, run: RunFolder, evolution: Evolution, progress: Progress)
     def keep(moment: Moment, began: float) -> State:
         record = moment.record.timed(process_time() - began)
         output = evolution.schedule.is_output(record.t)
-        run.keep(
-            Commit(
-                record,
-                moment.names,
-                moment.write(run.fields) if output and case.output.fields else {},
-                moment.tables() if output else {},
-                moment.state,
-                evolution.memory(),
-            )
-        )
+        with run.writing():
+            files = moment.write(run.fields) if output and case.output.fields else {}
+        tables = moment.tables() if output else {}
+        run.keep(Commit(record, moment.names, files, tables, moment.state, evolution.memory()))
         progress(record)
         return moment.state
 

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Inertia
-from fsi.bodies.gaps import find_gaps, pair_gaps
-from fsi.errors import SolveError
+from fsi.bodies.gaps import find_gaps, nearest_gaps, pair_gaps
+from fsi.errors import SolveError, apart
 from fsi.integration.gap_limiter import Approach, GapRefusedError, greatest_approach, limited_step
 from fsi.integration.state import Advance, Instant, Model, Schedule, Scheme, State, Step, StepErrors
 from fsi.meshes.geometry.containers import Container
@@ -229,7 +229,9 @@ class RefiningStepper:
             if error <= self.tolerance:
                 return step
             self.refinable.refine(q, t, step.instant)
+        gap, size = nearest_gaps(q, self.container.at(t)).smallest(), apart(error, self.tolerance)
         raise SolveError(
-            f"discretisation.tolerance = {self.tolerance:g}: missed at t = {t:.9g}, where the error is "
-            f"{error:.1e} on the finest mesh that was tried; raise it, or discretisation.degree"
+            f"discretisation.tolerance = {self.tolerance!r}: missed at t = {t:.9g}, where the error is "
+            f"{size} on the finest mesh that was tried, and the smallest gap {gap:.3g}; "
+            "raise it, or discretisation.degree (at most 4), or end the run before"
         )

@@ -26,10 +26,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self
 
-import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import LOADS, MODES, PLACES
 from fsi.case.case import Case
 from fsi.errors import FsiError, InputError, SolveError
 from fsi.files import TEMPORARY, content, json_of, replace
@@ -38,11 +36,11 @@ from fsi.parallel import is_root, on_root
 from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
 from fsi.run_folder.one_case import case_record
 from fsi.run_folder.paraview import Entry, collection, read_collection
+from fsi.run_folder.tables import body_table, step_table
 
 CASE, PROVENANCE, STATE, FIELDS = "case.toml", "provenance.json", "state.npz", "fields"
 STEPS, BODIES = "steps.csv", "bodies.csv"
 REMEDY = "put that right or run the case again"
-STEP_COLUMNS = ("step", "t", "h", "smallest_gap", "rejected")
 # Of the folder: what its files mean. Before the number case files had other keys; before 3 nothing told
 # whether the case has been changed since.
 FORMAT = 3
@@ -132,11 +130,22 @@ class RunFolder:
         """Append a step to tables and series; then commit. Raises SolveError: not writable (disk full)."""
         on_root(lambda: self._keep(commit))
 
+    @contextmanager
+    def writing(self) -> Iterator[None]:
+        """Raise a SolveError where the disk does not take what a step writes; the last commit stays."""
+        with _refused(self.path, SolveError, self._goes_on):
+            yield
+
+    @property
+    def _goes_on(self) -> str:
+        """What to do about a disk that takes no more."""
+        return f"make room, or make it writable, and `fsi resume {self.path}`"
+
     def _keep(self, commit: Commit) -> None:
         record = commit.record
-        with _disk(self.path, SolveError, f"make it writable and `fsi resume {self.path}`"):
-            self._append(STEPS, *_step_table(record))
-            self._append(BODIES, *_body_table(record, commit.names))
+        with _disk(self.path, SolveError, self._goes_on):
+            self._append(STEPS, *step_table(record))
+            self._append(BODIES, *body_table(record, commit.names))
             for table, (header, rows) in commit.tables.items():
                 self._append(table, header, rows)
             for series, added in commit.files.items():
@@ -262,34 +271,20 @@ def _write_provenance(path: Path, case: Case, launches: Sequence[Mapping[str, An
     return data
 
 
-def _step_table(record: StepRecord) -> tuple[list[str], list[list[object]]]:
-    """Header and the row of steps.csv, CPU seconds last."""
-    columns = dict(sorted(record.columns.items(), key=lambda column: column[0].startswith("cpu_")))
-    own: list[object] = [record.step, record.t, record.h, record.smallest_gap, record.rejected]
-    return [*STEP_COLUMNS, *columns], [own + [_plain(value) for value in columns.values()]]
-
-
-def _body_table(record: StepRecord, names: Sequence[str]) -> tuple[list[str], list[list[object]]]:
-    """Header and rows of bodies.csv."""
-    d = record.q.dimension
-    more = record.body_columns
-    numbers = np.column_stack([record.q.centres, record.q.angles, record.U, record.F, *more.values()])
-    listed = numbers.tolist() if names else []  # without names the bodies of this step are not wanted
-    rows = [[record.step, record.t, name, *row] for name, row in zip(names, listed, strict=True)]
-    return ["step", "t", "body", *PLACES[d], *MODES[d], *LOADS[d], *more], rows
-
-
-def _plain(value: float) -> float:
-    """A NumPy scalar as Python's int or float."""
-    return value.item() if isinstance(value, np.generic) else value
+@contextmanager
+def _refused(path: Path, kind: type[FsiError], remedy: str) -> Iterator[None]:
+    """Turn what the operating system refuses into an error that names the folder."""
+    try:
+        yield
+    except OSError as error:
+        raise kind(f"output = {path}: {error.strerror} ({error.filename or path}); {remedy}") from error
 
 
 @contextmanager
 def _disk(path: Path, kind: type[FsiError], remedy: str) -> Iterator[None]:
     """Turn what the operating system refuses, or a damaged file, into an error that names the folder."""
     try:
-        yield
-    except OSError as error:
-        raise kind(f"output = {path}: {error.strerror} ({error.filename or path}); {remedy}") from error
+        with _refused(path, kind, remedy):
+            yield
     except ValueError as error:
         raise kind(f"output = {path}: a file is damaged ({error}); {remedy}") from error

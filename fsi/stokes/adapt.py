@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Configuration, Inertia, Motion
 from fsi.case.case import Case
 from fsi.case.checks.determined import require_determined_at_rest
-from fsi.errors import SolveError
+from fsi.errors import SolveError, apart
 from fsi.integration.state import ErrorEstimate, Instant, StepErrors
 from fsi.stokes.model import StokesModel, motion_of
 from fsi.stokes.solution import StokesSolution
@@ -117,17 +117,20 @@ def _of_sizes(case: Case, sizes: Mapping[str, float]) -> Case:
 
 
 def _missed(best: Refinement, tolerance: float) -> SolveError:
-    used, mesh = best.case.discretisation, best.case.domain.mesh
-    here = f"discretisation.tolerance = {tolerance:g}: the estimated error"
+    """The error of a tolerance that is not reached, that of the case, or less where a run needs it."""
+    used, mesh, error = best.case.discretisation, best.case.domain.mesh, apart(best.error, tolerance)
+    here = f"discretisation.tolerance = {used.tolerance!r}: the estimated error"
+    if tolerance != used.tolerance:
+        error += f", not to the {tolerance!r} that the steps to come need"
     if mesh is not None:
         remedy = f"on the mesh of domain.mesh = {mesh}, which is not refined; raise it, or give a finer mesh"
-        return SolveError(f"{here} is {best.error:.1e} {remedy}")
+        return SolveError(f"{here} is {error} {remedy}")
     limit = "a finer mesh does not lower it enough"
     if best.dofs > MOST_UNKNOWNS:
         limit = f"{best.dofs} unknowns are the most that is tried"
     sizes = ", ".join(f"{size} = {getattr(used, size):.4g}" for size in SIZES)
     remedy = "raise it" if used.degree == HIGHEST_DEGREE else f"raise it, or degree above {used.degree}"
-    return SolveError(f"{here} came down to {best.error:.1e} with {sizes}, and {limit}; {remedy}")
+    return SolveError(f"{here} came down to {error}, with {sizes}, and {limit}; {remedy}")
 
 
 class RefinedModel:

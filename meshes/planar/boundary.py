@@ -58,12 +58,14 @@ def opened(surfaces: Surfaces) -> list[Curve]:
     """Whole bodies, then what bounds the opened domain: arcs, walls, the cut."""
     links = cut(surfaces)
     if links.gap.min(initial=np.inf) <= 0.0:
-        raise TouchingError("two bodies, or a body and a wall, touch or overlap; move them apart")
+        nearest = int(links.gap.argmin())
+        place = surfaces.centres[int(links.first[nearest])]
+        raise TouchingError("the disc at {} touches a disc or wall, or overlaps it; move it", place)
     walk = list(_walk(links, surfaces))
     opened_bodies = {stretch.node for stretch in walk}
     whole = [i for i in range(surfaces.bodies) if i not in opened_bodies]
     outer = _closed(_curves(walk, links, surfaces))
-    shifts = _shifts_inside(surfaces, surfaces.centres[whole], walk)
+    shifts = _shifts_inside(surfaces, surfaces.centres[whole], walk, links)
     holes = rings(surfaces, whole)
     return [_moved(hole, shift) for hole, shift in zip(holes, shifts, strict=True)] + outer
 
@@ -113,7 +115,7 @@ def _walk(links: NeighbourLinks, surfaces: Surfaces) -> Iterator[Stretch]:
             place = place + (end - begin)
         yield Stretch(node, met, place, start, start - float(turn.min()), half % count, half < count)
     if half != 0 or len(passed) != 2 * count:
-        raise MeshError("the periodic domain cannot be opened; are bodies about to touch?")
+        raise _not_opened(links, surfaces)
 
 
 def _curves(walk: list[Stretch], links: NeighbourLinks, surfaces: Surfaces) -> Iterator[Curve]:
@@ -163,7 +165,7 @@ def _moved(curve: Curve, shift: Array) -> Curve:
     return Curve(curve.tag, curve.nodes + shift, curve.closed, centre, curve.opening)
 
 
-def _shifts_inside(surfaces: Surfaces, centres: Array, walk: list[Stretch]) -> Array:
+def _shifts_inside(surfaces: Surfaces, centres: Array, walk: list[Stretch], links: NeighbourLinks) -> Array:
     """The translations (n, 2) that bring centres (n, 2) into the opened domain.
 
     Raises MeshError where not exactly one image of a body lies inside.
@@ -175,8 +177,16 @@ def _shifts_inside(surfaces: Surfaces, centres: Array, walk: list[Stretch]) -> A
     images = centres[:, None] + lattice.shift(m)
     inside = _inside(polygon, images.reshape(-1, 2)).reshape(len(centres), len(m))
     if not np.all(inside.sum(axis=1) == 1):
-        raise MeshError("the periodic domain cannot be opened around its bodies; are some about to touch?")
+        raise _not_opened(links, surfaces)
     return lattice.shift(m[np.argmax(inside, axis=1)])
+
+
+def _not_opened(links: NeighbourLinks, surfaces: Surfaces) -> MeshError:
+    """What to say where the links do not open the domain to one piece that has every body once."""
+    narrowest = int(links.gap.argmin())
+    place, gap = surfaces.centres[int(links.first[narrowest])], links.gap[narrowest]
+    text = "the periodic domain cannot be opened; its narrowest gap, of the disc at {}, is {}: widen it"
+    return MeshError(text, place, gap)
 
 
 def _inside(polygon: Array, x: Array) -> NDArray[np.bool_]:

@@ -6,13 +6,16 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
+import fsi.meshes.planar.boundary
 from fsi.meshes.cells.curved import curve, scaled_jacobian
-from fsi.meshes.errors import MeshError
+from fsi.meshes.errors import MeshError, TouchingError
 from fsi.meshes.geometry.containers import Array, Box, Container, FluidDomain
 from fsi.meshes.geometry.lattice import Cell, Lattice, matching_points, reduced
 from fsi.meshes.planar.boundary import boundary
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.planar.cut import NeighbourLinks, neighbours
+from fsi.meshes.planar.sizing import Resolution, Surfaces
 from fsi.meshes.planar.triangulate import triangulate
 
 COARSE = Resolution(0.25, 12, 1.0)
@@ -104,3 +107,43 @@ def test_images_match_to_1e9_of_a_period_or_not_at_all(off: float, match: bool) 
     else:
         with pytest.raises(MeshError, match="two sides of a periodic domain do not match"):
             matching_points(x, lattice)
+
+
+BIG_AND_TINY = FluidDomain(
+    Cell(((9.0, 0.0), (0.0, 9.0)), ((0.0, 1.0), (0.0, 0.0))),
+    np.array([[4.5, 4.0], [0.0, 0.0]]),
+    np.array([4.0, 0.1]),
+)
+
+
+def in_no_image(_: Array, x: Array) -> NDArray[np.bool_]:
+    """No point is inside the opened domain."""
+    return np.zeros(len(x), dtype=bool)
+
+
+def two_rings(surfaces: Surfaces) -> NeighbourLinks:
+    """A link from each disc to its own image: the one cannot be reached from the other."""
+    links = neighbours(surfaces, 9.0)
+    own = links.first == links.second
+    return links[np.array([np.flatnonzero(own & (links.first == i))[0] for i in range(2)])]
+
+
+@pytest.mark.parametrize(("name", "broken"), [("_inside", in_no_image), ("cut", two_rings)])
+def test_a_cell_that_cannot_be_opened_names_its_narrowest_gap(
+    name: str, broken: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The big disc is 1 from its own image."""
+    check(BIG_AND_TINY.container, BIG_AND_TINY.centres, BIG_AND_TINY.radii)
+    monkeypatch.setattr(fsi.meshes.planar.boundary, name, broken)
+    words = r"cannot be opened; its narrowest gap, of the disc at \(4.5, 4\), is 1: widen it$"
+    with pytest.raises(MeshError, match=words):
+        boundary(BIG_AND_TINY, COARSE)
+
+
+def test_what_touches_is_named_by_its_place() -> None:
+    cell = Cell(((9.0, 0.0), (0.0, 9.0)), ((0.0, 1.0), (0.0, 0.0)))
+    touching = FluidDomain(cell, np.array([[2.0, 2.0], [3.0, 2.0]]), np.array([1.0, 0.5]))
+    with pytest.raises(
+        TouchingError, match=r"the disc at \(2, 2\) touches a disc or wall, or overlaps it; move"
+    ):
+        boundary(touching, COARSE)

@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import errno
+import os
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -16,7 +19,7 @@ from fsi.run_folder.folder import RunFolder
 from fsi.run_folder.provenance import git_commit, launch
 from fsi.runs import resume, run
 from tests.exact_model import DiscsBesidePlane, ExactInstant, by
-from tests.small_run import launches, make_model, rows, small_case, start
+from tests.small_run import contents, launches, make_model, rows, small_case, start
 
 
 @pytest.fixture(scope="module")
@@ -121,3 +124,37 @@ def test_a_table_takes_no_rows_under_another_header(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"the new rows of extra\.csv have other columns"):
         folder._append("extra.csv", ["step", "strain"], [[2, 3.0]])
     assert (tmp_path / "run" / "extra.csv").read_text() == "step,stress\n0,1.0\n1,2.0\n"
+
+
+@pytest.mark.parametrize("full", ["steps.csv", "fluid.pvd.tmp", "state.npz.tmp", "_1.vtu"])
+def test_a_full_disk_is_one_line_and_the_run_goes_on_when_there_is_room(
+    full: str, unbroken: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In whatever file it happens, of the folder or of the fields: what was committed stays."""
+    folder, seen = tmp_path / "run", list[str]()
+
+    def no_room(name: str, written: Callable[..., object], *given: object) -> object:
+        seen.append(name)
+        if name.endswith(full) and len(seen) > 20:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), name)
+        return written(*given)
+
+    def fsync(descriptor: int) -> None:
+        no_room(Path(f"/proc/self/fd/{descriptor}").readlink().name, synced, descriptor)
+
+    def write_bytes(path: Path, data: bytes) -> object:
+        return no_room(path.name, written, path, data)
+
+    synced, written = os.fsync, Path.write_bytes
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", fsync)
+        patch.setattr(Path, "write_bytes", write_bytes)
+        with pytest.raises(SolveError) as told:
+            start(small_case(), folder)
+    words = f"output = {folder}: No space left on device ({seen[-1]}); make room, or make it writable, and "
+    assert str(told.value) == f"{words}`fsi resume {folder}`"
+    committed = RunFolder.reopen(folder).checkpoint
+    assert committed is not None
+    assert 0.0 < committed.state.t < 1.0
+    resume(folder, make=by(make_model))
+    assert contents(folder) == contents(unbroken)

@@ -15,7 +15,7 @@ from fsi.meshes.geometry.containers import FluidDomain
 from fsi.meshes.planar.sizing import Resolution
 from fsi.report.console import standard_output
 from fsi.report.solution import print_solution
-from fsi.stokes.adapt import solve_with_errors
+from fsi.stokes.adapt import Refinement, _missed, solve_with_errors
 from fsi.stokes.model import StokesModel
 from fsi.stokes.resistance import case_resistance
 
@@ -97,7 +97,41 @@ def test_what_touches_is_not_meshed_again(monkeypatch: pytest.MonkeyPatch) -> No
     assert tries == [1.0]
 
 
-@pytest.mark.parametrize(("value", "text"), [(1.04e-9, "1.04e-09"), (2e-9, "2e-09"), (float("nan"), "nan")])
-def test_a_value_beyond_a_bound_never_looks_like_it(value: float, text: str) -> None:
-    assert apart(value, 1e-9) == text
-    assert float(apart(1e-9 * (1.0 + 1e-12), 1e-9)) != 1e-9
+@pytest.mark.parametrize(
+    ("value", "bound", "text"),
+    [
+        (1.04e-9, 1e-9, "1.04e-09"), (2e-9, 1e-9, "2e-09"), (float("nan"), 1e-9, "nan"),
+        (1.74e-9, 1.72e-9, "1.74e-09"),  # two digits, 1.7, would be below the bound
+    ],
+)  # fmt: skip
+def test_a_value_beyond_a_bound_never_looks_like_it(value: float, bound: float, text: str) -> None:
+    assert apart(value, bound) == text
+    assert float(apart(bound * (1.0 + 1e-12), bound)) > bound
+
+
+def test_a_tolerance_that_is_just_missed_says_by_how_much() -> None:
+    """Of the case, where a run needs half of it too; the error has as many digits as put it above."""
+    case = load_case(
+        CASES / "disc_in_box.toml", ["discretisation.degree=2", "discretisation.tolerance=1.4e-4"]
+    )
+    said = str(_missed(Refinement(case, 1.404e-4, 900), 1.4e-4))
+    assert "tolerance = 0.00014: the estimated error came down to 0.0001404, with cells_per_gap = 1, " in said
+    assert said.endswith("; raise it, or degree above 2")
+    in_run = str(_missed(Refinement(case, 1e-4, 900), 0.7e-4))
+    assert "tolerance = 0.00014: the" in in_run
+    assert "came down to 0.0001, not to the 7e-05 that the steps to come need, with" in in_run
+
+
+@pytest.mark.parametrize(
+    ("status", "words"),
+    [
+        (-10, "a singular matrix: is a body or the flow left without anything that holds it? hold a body"),
+        (-13, "most likely too little memory: lower discretisation.cells_per_circle or degree, raise growth"),
+    ],
+)
+def test_what_mumps_refuses_is_said_in_words(
+    status: int, words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fsi.stokes.solvers.mumps._factorise", lambda _: status)
+    with pytest.raises(SolveError, match=re.escape(f"INFOG(1) = {status}, {words}")):
+        solved(coarse(1.0, 0.5))

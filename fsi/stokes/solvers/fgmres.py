@@ -36,7 +36,7 @@ from petsc4py import PETSc
 
 import fsi.parallel as parallel
 from fsi.bodies.configuration import Array, rigid_motion
-from fsi.errors import SolveError
+from fsi.errors import SolveError, apart
 from fsi.stokes.discretisation.constraints import Prolongation, dof_layout, locate, rigid_modes
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.problem import StokesProblem
@@ -172,9 +172,9 @@ class Iteration(AbstractContextManager["Iteration"]):
         relative = float(residual.norm() / size) if size > 0.0 else 0.0
         if self._ksp.getConvergedReason() <= 0 or not relative <= 2.0 * TOLERANCE:
             raise SolveError(
-                f"the iterative solver stagnates: relative residual {relative:.2g} after "
+                f"the iterative solver stagnates: relative residual {apart(relative, TOLERANCE)} after "
                 f"{self._ksp.getIterationNumber()} iterations (bound {TOLERANCE:g}); "
-                'set discretisation.solver = "direct", or change the cells in the narrowest gap'
+                'set discretisation.solver = "direct", or change discretisation.cells_per_gap'
             )
         values: Array = x.array.copy()
         for used in (x, right, residual):

@@ -30,6 +30,7 @@ LARGE = 100_000  # unknowns
 # Percent beyond MUMPS's estimate: many delayed pivots may need the second.
 WORKSPACES = (30, 500)
 TOO_LITTLE_WORKSPACE = (-8, -9)
+SINGULAR = (-6, -10)
 REFINE_ABOVE = 1e-12
 REFUSE_ABOVE = 1e-9
 CYCLES = 4
@@ -60,7 +61,7 @@ class Factorisation(AbstractContextManager["Factorisation"]):
             self._ksp = _solver(self.matrix, self._ordering, WORKSPACES[1])
             status = _factorise(self._ksp)
         if status < 0:
-            raise SolveError(f"MUMPS failed with INFOG(1) = {status}; is the flow {LEFT}?")
+            raise SolveError(f"MUMPS failed with INFOG(1) = {status}, {_meaning(status)}")
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         parallel.settle(error)
@@ -161,6 +162,16 @@ def _solver(matrix: PETSc.Mat, ordering: int, workspace: int) -> PETSc.KSP:
     factor.destroy()
     pc.destroy()
     return ksp
+
+
+def _meaning(status: int) -> str:
+    """Of a negative INFOG(1) (MUMPS 5 users' guide, section 8), and what to do."""
+    if status in SINGULAR:
+        return f"a singular matrix: is a body or the flow {LEFT}? hold a body or give a wall a velocity"
+    return (
+        "most likely too little memory: lower discretisation.cells_per_circle or degree, raise growth, "
+        'or in space set discretisation.solver = "iterative"'
+    )
 
 
 def _factorise(ksp: PETSc.KSP) -> int:
