@@ -41,7 +41,7 @@ DAMAGE: list[tuple[str, str, Callable[[Path], object]]] = [
     ("resume", "state.npz", _half),
     ("resume", "state.npz", _pipe),
     ("resume", "provenance.json", _written(b"[1, 2]")),
-    ("resume", "provenance.json", _written(b'{"format": 2, "launches": 3}')),
+    ("resume", "provenance.json", _written(b'{"format": 3, "launches": 3}')),
     ("resume", "provenance.json", _written(b"[" * 3000)),
     ("resume", "bodies.pvd", _half),
     ("render", "state.npz", _written(b"")),

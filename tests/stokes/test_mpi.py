@@ -69,7 +69,7 @@ def test_ranks_agree(formulation: str, tmp_path: Path) -> None:
     serial, two, three = (on_ranks(ranks, case) for ranks in (1, 2, 3))
     for other in (two, three):
         assert_allclose(numbers(other), numbers(serial), rtol=0, atol=1e-9)
-        assert other["dissipation"] == pytest.approx(serial["dissipation"], rel=1e-9)
+        assert other["dissipation_infinite"] == serial["dissipation_infinite"]  # the lid slides past its sides
         assert (other["dofs"], other["cells"]) == (serial["dofs"], serial["cells"])
         assert max(other["checks"].values()) < 1e-8
 
@@ -108,6 +108,6 @@ def test_ranks_agree_on_periodic_flow(kind: str, tmp_path: Path) -> None:
     case.write_text(f'name = "periodic"\n[fluid]\nviscosity = 0.7\n[domain]\n{PERIODIC[kind]}\n{SHARED}')
     serial, *others = (on_ranks(ranks, case) for ranks in (1, 2, 3))
     for other in others:
-        for key in ("mean_stress", "apparent_viscosity"):
+        for key in ("mean_stress", "apparent_viscosity", "dissipation"):
             assert_allclose(other[key], serial[key], rtol=1e-9, atol=1e-9)
         assert_allclose(velocities(other), velocities(serial), rtol=0, atol=1e-9)
