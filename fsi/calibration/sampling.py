@@ -45,6 +45,7 @@ class Sample:
         dofs: unknowns.
         defect: worst of the identities.
         seconds: CPU seconds for all of it.
+        mesh_instead: whether the sizes of the case gave no valid mesh, so that others were taken.
     """
 
     gap: float
@@ -55,6 +56,7 @@ class Sample:
     dofs: int
     defect: float
     seconds: float
+    mesh_instead: bool = False
 
     @property
     def error(self) -> float:
@@ -241,6 +243,6 @@ def resolved_sample(pair: Pair, gap: float, *, held_out: bool) -> Sample:
         smaller = StokesModel(half)(half.configuration(), 0.0)
         none = ErrorEstimate(0.0 * smaller.U, 0.0 * smaller.F)
         change = abs(pair.resistance(smaller, none)[0] - kappa)
-    defect = max(solved.solution.checks.values())
-    seconds = time.process_time() - began
-    return Sample(gap, held_out, kappa, error, change, solved.solution.dofs, defect, seconds)
+    solution, seconds = solved.solution, time.process_time() - began
+    defect, instead = max(solution.checks.values()), bool(solution.mesh_instead)
+    return Sample(gap, held_out, kappa, error, change, solution.dofs, defect, seconds, instead)

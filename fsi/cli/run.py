@@ -17,6 +17,13 @@ if TYPE_CHECKING:
     from fsi.runs import MakeEvolution, Outcome
 
 EXAMPLE = "Example: fsi run cases/settling_disc.toml --output runs/settling --set time.end=20"
+# What is said of a run at its end where a column of steps.csv has not been zero.
+NOTES = {
+    "solid_contacts": "films are thinner than the roughness (delta_eps < delta): the gluey model makes no "
+    "sense there, contact is solid",
+    "mesh_instead": "the sizes of the case gave some steps no valid mesh, and they took finer ones",
+}
+
 RESUME_EXAMPLE = "Example: fsi resume runs/settling_disc --set time.end=20"
 
 
@@ -54,11 +61,12 @@ def _follow(folder: Path, launch: Callable[[Callable[[StepRecord], None], MakeEv
     from fsi.models import make_evolution
     from fsi.report.progress import ProgressBar
 
-    solid_since: list[float] = []
+    since: dict[str, float] = {}
 
     def show(record: StepRecord) -> None:
-        if record.columns.get("solid_contacts", 0) > 0:
-            solid_since.append(record.t)
+        for column in NOTES:
+            if record.columns.get(column, 0) > 0:
+                since.setdefault(column, record.t)
         bar.show(record)
 
     def make(case: Case) -> Evolution:
@@ -70,11 +78,8 @@ def _follow(folder: Path, launch: Callable[[Callable[[StepRecord], None], MakeEv
     if not parallel.is_root():
         return
     _tell_end(folder, outcome, bar)
-    if solid_since:
-        typer.echo(
-            f"note: from t = {solid_since[0]:g} films are thinner than the roughness (delta_eps < delta): "
-            "the gluey model makes no sense there, contact is solid; see solid_contacts in steps.csv"
-        )
+    for column, t in since.items():
+        typer.echo(f"note: from t = {t:g} {NOTES[column]}; see {column} in steps.csv")
 
 
 def _tell_end(folder: Path, outcome: Outcome, bar: ProgressBar) -> None:

@@ -54,6 +54,7 @@ class Resistance:
         dofs: unknowns (u, p).
         cells: their number.
         seconds: CPU seconds of this process by phase.
+        mesh_instead: the size that was taken as those of the case gave no valid mesh, "" where they did.
     """
 
     modes: Modes
@@ -64,6 +65,7 @@ class Resistance:
     dofs: int
     cells: int
     seconds: dict[str, float]
+    mesh_instead: str = ""
 
 
 @dataclass(frozen=True, slots=True)

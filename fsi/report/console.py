@@ -109,3 +109,9 @@ def table(
 def checks_table(heading: str, checks: Mapping[str, float]) -> Table:
     """Relative numbers that should be small."""
     return table((heading,), ("value",), ((name, f"{value:.1e}") for name, value in checks.items()))
+
+
+def print_mesh_instead(console: Console, size: str) -> None:
+    """Say which size was taken where those of the case gave no valid mesh; nothing where they did, ""."""
+    if size:
+        console.print(f"the sizes of the case gave no valid mesh; taken: {size}", soft_wrap=True)

@@ -17,7 +17,7 @@ from fsi.bodies.configuration import Array
 from fsi.errors import InputError
 from fsi.files import replace
 from fsi.observables.resistance import Resistance, ResistanceErrors
-from fsi.report.console import checks_table, table
+from fsi.report.console import checks_table, print_mesh_instead, table
 
 # Two discs; wider tables do not fit on a screen.
 LARGEST_TABLE = 6
@@ -47,6 +47,8 @@ def resistance_json(
         "seconds": sum(resistance.seconds.values()),
         "seconds_by_phase": resistance.seconds,
     }
+    if resistance.mesh_instead:
+        data["mesh_instead"] = resistance.mesh_instead
     return data if truncation is None else data | {"truncation": truncation}
 
 
@@ -71,6 +73,7 @@ def print_resistance(
     console.print(_checks(resistance, errors.largest, truncation))
     seconds = sum(resistance.seconds.values())
     console.print(Text(f"{resistance.cells} cells, {resistance.dofs} unknowns, {seconds:.2f} CPU s"))
+    print_mesh_instead(console, resistance.mesh_instead)
 
 
 def _matrix(rows: tuple[str, ...], columns: tuple[str, ...], values: Array) -> Table:

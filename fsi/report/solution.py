@@ -19,7 +19,7 @@ from fsi.integration.state import ErrorEstimate, StressErrors
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.truncation import SolvedFlow
-from fsi.report.console import checks_table, table
+from fsi.report.console import checks_table, print_mesh_instead, table
 
 if TYPE_CHECKING:
     from fsi.reduced.model import ReducedInstant
@@ -121,8 +121,7 @@ def print_solution(
     halved = {f"truncation: change of {name} when the radius is halved": value for name, value in changes}
     console.print(checks_table("check, relative", solution.checks | halved))
     console.print(_cost(case, solution, errors))
-    if solution.mesh_instead:
-        console.print(f"the sizes of the case gave no valid mesh; taken: {solution.mesh_instead}")
+    print_mesh_instead(console, solution.mesh_instead)
 
 
 def bodies_table(

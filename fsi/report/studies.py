@@ -136,6 +136,10 @@ def lines(result: CalibrationResult) -> list[str]:
         stated = np.max((test.band + test.samples.bars) / test.samples.kappa)
         verdict = f"{'within' if test.passed else 'NOT within'} the stated errors (at most {stated:.1e})"
         said.append(f"{len(test.law)} samples held out: law off by at most {worst:.1e}, {verdict}")
+    if instead := sum(sample.mesh_instead for sample in result.samples):
+        said.append(
+            f"the sizes of the case gave {instead} samples no valid mesh; see mesh_instead in samples.csv"
+        )
     return said
 
 

@@ -136,7 +136,8 @@ def solve_resistance(
     resting, checks = bool(problem.boundary.velocities), worst | {"reciprocity": asymmetry}
     eigenvalues = matrix.positive_eigenvalues(R, modes.scale, resting=resting)
     mobility = matrix.inverse(R) if resting else None
-    return Resistance(modes, R, mobility, eigenvalues, checks, dofs, fluid.cells(), clock.seconds)
+    size = (dofs, fluid.cells())
+    return Resistance(modes, R, mobility, eigenvalues, checks, *size, clock.seconds, fluid.instead)
 
 
 def _modes_of(problem: StokesProblem, names: Sequence[str]) -> Modes:

@@ -62,6 +62,7 @@ class StokesSolution(SolvedFlow):
     def record(self) -> Mapping[str, float]:
         """The model's columns of steps.csv, at every instant the same: sizes, checks, then CPU seconds."""
         record = {"dofs": self.dofs, "cells": self.cells, "worst_cell": self.problem.fluid.quality}
+        record["mesh_instead"] = int(bool(self.mesh_instead))
         record["dissipation"] = self.dissipation
         if self.U.shape[1] == len(MODES[3]):
             record["iterations"] = self.iterations

@@ -33,6 +33,7 @@ from fsi.case.load import load_case
 from fsi.cli.render import plot
 from fsi.errors import InputError, SolveError
 from fsi.lubrication import exact
+from fsi.report.studies import lines
 
 CASE = Path(__file__).parents[2] / "cases" / "calibration" / "disc_wall.toml"
 SMALL = ("calibration.samples=8", "calibration.held_out=2", "calibration.range=[1e-3, 0.5]")
@@ -206,6 +207,14 @@ def test_the_folder_of_a_law(model: ExactModel, tmp_path: Path) -> None:  # noqa
     assert len(data["samples"]) == 10
     assert found.law.source["case"] == "disc.toml"
     calibrate_case(case, "disc.toml", out, Sampling(tmp_path / "cache", 1, silent))  # replaces its own folder
+
+
+def test_samples_of_meshes_made_again_are_told(model: ExactModel, tmp_path: Path) -> None:  # noqa: ARG001
+    found = calibrate_case(small_case(), "disc.toml", tmp_path / "out", Sampling(tmp_path / "all", 1, silent))
+    again = [replace(one, mesh_instead=k < 3) for k, one in enumerate(found.samples)]
+    said = "the sizes of the case gave 3 samples no valid mesh; see mesh_instead in samples.csv"
+    assert lines(replace(found, samples=again)) == [*lines(found), said]
+    assert "mesh_instead" in (tmp_path / "out" / "samples.csv").read_text().splitlines()[0].split(",")
 
 
 def test_a_table_is_an_alternative(model: ExactModel, tmp_path: Path) -> None:  # noqa: ARG001

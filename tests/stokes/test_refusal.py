@@ -2,11 +2,14 @@
 
 import re
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 import fsi.meshes.build
 from bench.gaps import CASES
+from fsi.calibration.pair import pair_of
+from fsi.calibration.sampling import resolved_sample
 from fsi.case.case import Case
 from fsi.case.load import load_case
 from fsi.errors import SolveError, apart
@@ -18,6 +21,8 @@ from fsi.report.solution import print_solution
 from fsi.stokes.adapt import Refinement, _missed, solve_with_errors
 from fsi.stokes.model import StokesModel
 from fsi.stokes.resistance import case_resistance
+from tests.commands import fsi_command
+from tests.small_run import rows
 
 
 def in_corner(x: float, y: float = 0.0, gap: float = 1e-7) -> Case:
@@ -51,10 +56,12 @@ def test_a_refused_resistance_names_the_gap_and_a_remedy_that_works() -> None:
     case_resistance(in_corner(-800.0, gap=1e-3))
 
 
+SIZES = ("cells_per_circle=8", "cells_per_gap=0.3")
+
+
 def coarse(gap: float, growth: float = 1.0) -> Case:
     """A sphere whose coarse cells turn over when they are curved."""
-    sizes = {"cells_per_circle": 8, "growth": growth, "cells_per_gap": 0.3}
-    changes = [f"discretisation.{key}={value}" for key, value in sizes.items()]
+    changes = [f"discretisation.{size}" for size in (*SIZES, f"growth={growth}")]
     return load_case(CASES / "sphere_towards_plane.toml", [*changes, f"bodies.0.position=[0.0, {1.0 + gap}]"])
 
 
@@ -67,6 +74,32 @@ def test_a_mesh_that_is_refused_is_made_again(gap: float, capsys: pytest.Capture
     said = "the sizes of the case gave no valid mesh; taken: discretisation.growth = 0.5"
     assert said in capsys.readouterr().out
     assert StokesModel(coarse(gap, 0.5)).scaled_mesh(case.configuration()).instead == ""
+
+
+def test_a_mesh_that_is_made_again_is_said_of_resistances_runs_and_samples(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One line at the end of each, and a column; nothing where the sizes of the case did."""
+    keys = [key for size in SIZES for key in ("--set", f"discretisation.{size}")]
+    case = [CASES / "sphere_towards_plane.toml", *keys, "--set", "bodies.0.position=[0.0, 3.0]"]
+    time = ["--set", "time.end=1e-6", "--set", "output.fields=false"]
+    for growth, instead in ((1.0, True), (0.5, False)):
+        grown, folder = [*case, "--set", f"discretisation.growth={growth}"], tmp_path / f"{growth}"
+        assert fsi_command("resistance", *grown) == 0
+        assert (
+            "gave no valid mesh; taken: discretisation.growth = 0.5" in capsys.readouterr().out
+        ) == instead
+        assert fsi_command("run", *grown, *time, "--output", folder) == 0
+        said = (
+            "note: from t = 0 the sizes of the case gave some steps no valid mesh, and they took finer ones;"
+        )
+        assert (f"{said} see mesh_instead in steps.csv" in capsys.readouterr().out) == instead
+        assert {row["mesh_instead"] for row in rows(folder / "steps.csv")} == {str(int(instead))}
+        sizes = [f"discretisation.{size}" for size in (*SIZES, f"growth={growth}")]
+        pair = pair_of(
+            load_case(CASES / "calibration" / "sphere_wall.toml", [*sizes, "domain.radius=1000.0"])
+        )
+        assert resolved_sample(pair, 2.0, held_out=False).mesh_instead == instead
 
 
 @pytest.mark.parametrize("gap", [2.0, 3.0])
