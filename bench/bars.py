@@ -26,7 +26,7 @@ from bench.random_cases import KINDS, random_case
 from fsi.bodies.configuration import Array, Configuration
 from fsi.case.case import Case
 from fsi.errors import SolveError
-from fsi.integration.state import ErrorEstimate
+from fsi.integration.errors import ErrorEstimate
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Container, FluidDomain

@@ -28,8 +28,9 @@ from fsi.case.case import Case
 from fsi.case.checks.work import check_work
 from fsi.case.load import load_case, parse_case
 from fsi.errors import FsiError, InputError, SolveError
+from fsi.integration.errors import ErrorEstimate
 from fsi.integration.evolution import Evolution
-from fsi.integration.state import ErrorEstimate, Instant, StepRecord
+from fsi.integration.state import Instant, StepRecord
 from fsi.models import make_evolution, make_model
 from fsi.observables.resistance import Resistance
 from fsi.parallel import on_root, together

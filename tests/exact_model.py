@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Configuration, Inertia
 from fsi.case.case import Case
 from fsi.case.load import parse_case
-from fsi.integration.state import ErrorEstimate, Instant, Model, StepErrors
+from fsi.integration.errors import ErrorEstimate, StepErrors
+from fsi.integration.state import Instant, Model
 from fsi.lubrication.exact import normal_resistance, parallel_resistance, rotation_resistance
 from fsi.models import stepped
 from fsi.runs import MakeEvolution

@@ -22,7 +22,7 @@ from fsi.calibration.pair import Pair, pair_of
 from fsi.case.load import parse_case
 from fsi.errors import FsiError, InputError, SolveError
 from fsi.files import json_of, replace
-from fsi.integration.state import ErrorEstimate
+from fsi.integration.errors import ErrorEstimate
 from fsi.meshes.errors import MeshError
 from fsi.observables.truncation import halved
 

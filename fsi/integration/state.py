@@ -13,10 +13,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar, Protocol
 
-import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import LOADS, MODES, Array, Configuration, Inertia
+from fsi.bodies.configuration import Array, Configuration, Inertia
+from fsi.integration.errors import StepErrors
 from fsi.meshes.geometry.containers import Container
 
 # A step that ends this close to a stop is stretched to land on it; `limiter.SAFETY` allows for it.
@@ -65,90 +65,6 @@ class Schedule:
 
 
 # The names of velocities and loads by their number, 3 in the plane and 6 in space.
-NAMES = {len(MODES[d]): (*MODES[d], *LOADS[d]) for d in MODES}
-
-
-@dataclass(frozen=True, slots=True)
-class StressErrors:
-    """Estimated errors of the stress of a periodic flow, absolute.
-
-    Attributes:
-        fluid: of the part of the fluid in the mean stress, (2, 2).
-        mean: of the mean stress, (2, 2).
-        stresslets: of each body's, (N, 2, 2).
-        normal_stress_difference: of N_1.
-    """
-
-    fluid: Array
-    mean: Array
-    stresslets: Array
-    normal_stress_difference: float
-
-    @property
-    def columns(self) -> Mapping[str, float]:
-        """Of steps.csv."""
-        (xx, xy), (_, yy) = self.mean.tolist()
-        of_mean = {"err_stress_xx": xx, "err_stress_xy": xy, "err_stress_yy": yy}
-        return {**of_mean, "err_N_1": self.normal_stress_difference}
-
-    @property
-    def body_columns(self) -> Mapping[str, Array]:
-        """Of bodies.csv, (N,) each."""
-        S = self.stresslets
-        return {"err_S_xx": S[:, 0, 0], "err_S_xy": S[:, 0, 1], "err_S_yy": S[:, 1, 1]}
-
-
-@dataclass(frozen=True, slots=True)
-class ErrorEstimate:
-    """Estimated errors, absolute.
-
-    Attributes:
-        U: of the velocities where they are free, else 0, (N, M).
-        F: of the loads where U is held, else 0, (N, M).
-        dissipation: of `2 mu int e:e`, not a number where that is infinite.
-        apparent_viscosity: of that of a periodic flow, not a number without a strain rate.
-        stress: of a periodic flow.
-    """
-
-    U: Array
-    F: Array
-    dissipation: float = 0.0
-    apparent_viscosity: float | None = None
-    stress: StressErrors | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class StepErrors:
-    """The errors of a step.
-
-    Attributes:
-        errors: absolute.
-        relative: as by `relative_change`, with "viscosity" besides.
-        delta: of U with their sign, exact less computed, (N, M); None where only their size is known.
-    """
-
-    errors: ErrorEstimate
-    relative: Mapping[str, float]
-    delta: Array | None = None
-
-    @property
-    def columns(self) -> Mapping[str, float]:
-        """Of steps.csv: the relative errors err_U and err_F; absolute ones of all that is not for a body."""
-        columns = {"err_U": self.relative.get("velocity", 0.0), "err_F": self.relative.get("force", 0.0)}
-        columns["err_dissipation"] = self.errors.dissipation
-        if self.errors.apparent_viscosity is not None:
-            columns["err_apparent_viscosity"] = self.errors.apparent_viscosity
-        return columns if self.errors.stress is None else {**columns, **self.errors.stress.columns}
-
-    @property
-    def body_columns(self) -> Mapping[str, Array]:
-        """Of bodies.csv: errors of velocities, loads (0 where given) and stresslets, absolute; (N,) each."""
-        names = NAMES[self.errors.U.shape[1]]
-        values = np.hstack([self.errors.U, self.errors.F]).T
-        columns = {f"err_{name}": value for name, value in zip(names, values, strict=True)}
-        return columns if self.errors.stress is None else {**columns, **self.errors.stress.body_columns}
-
-
 class Results(Protocol):
     """What a model computes."""
 

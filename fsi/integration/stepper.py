@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Configuration, Inertia
 from fsi.bodies.gaps import find_gaps, nearest_gaps, pair_gaps
 from fsi.errors import SolveError, apart
+from fsi.integration.errors import StepErrors
 from fsi.integration.gap_limiter import Approach, GapRefusedError, greatest_approach, limited_step
-from fsi.integration.state import Advance, Instant, Model, Schedule, Scheme, State, Step, StepErrors
+from fsi.integration.state import Advance, Instant, Model, Schedule, Scheme, State, Step
 from fsi.meshes.geometry.containers import Container
 
 # Step controller of Hairer, Norsett & Wanner, Solving ODEs I, section II.4.

@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 
 from fsi.bodies.configuration import Array
-from fsi.integration.state import StressErrors
+from fsi.integration.errors import StressErrors
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,8 @@ from fsi.case.case import Case
 from fsi.case.checks.work import check_work
 from fsi.case.load import parse_case
 from fsi.errors import InputError
-from fsi.integration.state import ErrorEstimate, Results
+from fsi.integration.errors import ErrorEstimate
+from fsi.integration.state import Results
 from fsi.observables.bulk_stress import BulkStress
 from fsi.parallel import on_root
 

@@ -16,7 +16,7 @@ of pressed contacts is O(h) however short h is. How many are stopped is recorded
 Source: A. Lefebvre and B. Maury, Direct simulation of dense suspensions (2008).
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from time import process_time
 from typing import Any
@@ -29,103 +29,12 @@ from fsi.bodies.gaps import ROUNDING, row_numbers
 from fsi.case.case import Case
 from fsi.errors import SolveError
 from fsi.integration.state import State
+from fsi.reduced.first_integral import FirstIntegral, backward_euler_step
 from fsi.reduced.model import ReducedInstant, ReducedModel
 from fsi.reduced.network import gradient, own_mobility
 from fsi.reduced.pairs import Pairs, find_pairs, of_keys, own_speed, turning
 from fsi.reduced.stress import lubrication_stress
 from fsi.reduced.system import SolvedSystem, Surroundings, identities, require, solve_system
-
-# (x) -> K and dK/dx, of an antiderivative K of kappa in D, for some of the pairs.
-type Integral = Callable[[Array, NDArray[np.intp]], tuple[Array, Array]]
-
-_ROUNDING = 4.0 * float(np.finfo(float).eps)
-_ITERATIONS = 200
-_LAST_STEP = 1e-8  # of Newton's method in x: the error after it is about its square
-_LEAST = float(np.finfo(float).tiny)
-
-
-@dataclass(frozen=True, slots=True)
-class FirstIntegral:
-    """One implicit step of `D' = w - g K(D)`, by which `w = D' + g K(D)` is kept, `w' = f`.
-
-    The equation for x = ln D at the end of the step is
-
-        (e^x - e^x0) / h + g K(x) = w
-
-    Its left side increases, so that there is one root; g K is the gamma of the slides, which stores the push.
-
-    Attributes:
-        x0: ln D at the beginning, (P,).
-        w: the first integral at the end, (P,).
-        h: the step.
-        g: >= 0, (P,).
-        integral: K and dK/dx at x for the pairs of an index.
-    """
-
-    x0: Array
-    w: Array
-    h: float
-    g: Array
-    integral: Integral
-
-    def solve(self) -> Array:
-        """x at the end of the step, (P,). Raises SolveError: two held bodies close their gap."""
-        h, D0, active = self.h, np.exp(self.x0), np.arange(len(self.x0))
-        if np.any((self.g == 0.0) & (D0 + h * self.w <= 0.0)):
-            raise SolveError("a gap between bodies or walls that are all held is closed by their motion")
-        F, _, _ = self._residual(self.x0, active)
-        # K increases, so that e^x <= e^x0 - h F(x0) if the gap opens: the start is never left of the root.
-        x = np.where(F < 0.0, np.log(D0 - h * np.minimum(F, 0.0) + _LEAST), self.x0)
-        low, high = np.full(len(x), -np.inf), x.copy()
-        for _ in range(_ITERATIONS):
-            at = x[active]
-            F, slope, size = self._residual(at, active)
-            high[active] = np.where(F >= 0.0, at, high[active])
-            low[active] = np.where(F < 0.0, at, low[active])
-            to = at - F / slope
-            beyond = (to > high[active]) | (to < low[active])
-            to = np.where(beyond, 0.5 * (low[active] + high[active]), to)
-            solved = np.abs(F) <= _ROUNDING * size
-            x[active] = np.where(solved, at, to)
-            active = active[~(solved | (~beyond & (np.abs(to - at) <= _LAST_STEP)))]
-            if len(active) == 0:
-                return x
-        raise SolveError("the distance of a pair was not found; shorten reduced.step")
-
-    def defect(self, x: Array) -> float:
-        """How far `D' + g K(D)` is from w after a step to x, at most, over the size of its terms.
-
-        Rounding of x = ln D, which is that of D and of K, counts among them.
-        """
-        F, slope, size = self._residual(x, np.arange(len(x)))
-        size = size + slope * np.abs(x) + _LEAST
-        return float(np.max(np.abs(F) / size, initial=0.0))
-
-    def _residual(self, x: Array, index: NDArray[np.intp]) -> tuple[Array, Array, Array]:
-        """Of the equation for some pairs, its derivative, and the size of its terms."""
-        K, slope = self.integral(x, index)
-        D, D0, g, w = np.exp(x), np.exp(self.x0[index]), self.g[index], self.w[index]
-        F = (D - D0) / self.h + g * K - w
-        size = (D + D0) / self.h + np.abs(g * K) + np.abs(w)
-        return F, D / self.h + g * slope, size
-
-
-def backward_euler_step(x0: Array, V: Array, f: Array, h: float, g_mu: Array) -> tuple[Array, Array]:
-    """The literal step for kappa = mu/D: the root D > 0 of `D^2 + p D = h g mu D0`.
-
-    Here `p = h g mu - D0 - h V - h^2 f`. Positive, but it keeps the push only in the gap itself, which is
-    lost once h |f| is not small against g mu.
-
-    Returns:
-        x = ln D and D' = (D - D0) / h.
-    """
-    D0 = np.exp(x0)
-    p = h * g_mu - D0 - h * V - h**2 * f
-    root = np.sqrt(p**2 + 4.0 * h * g_mu * D0)
-    with np.errstate(divide="ignore"):
-        shrinking = np.log(2.0 * h * g_mu) + x0 - np.log(np.abs(p) + root)
-        x = np.where(p > 0.0, shrinking, np.log(0.5 * (np.abs(p) + root)))
-    return x, (np.exp(x) - D0) / h
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,8 +112,8 @@ class DistanceModel(ReducedModel):
         ambient = self._during(state.q, state.t, t_end)
         pairs = of_keys(state.q, ambient.enclosure, self._memory.key)
         memory, checks = self._advance_distances(state, pairs, ambient, h)
-        kappa, inertia = self.laws.kappa(memory.x, pairs.films), Inertia(self.masses / h, state.U)
-        solved, q, stopped = self._without_overlap(state.q, ambient, pairs, kappa, inertia, h)
+        kappa = self.laws.kappa(memory.x, pairs.films)
+        solved, q, stopped = self._without_overlap(state, ambient, pairs, kappa, h)
         checks |= identities(solved.network, state.q, solved.U, solved.alone, solved.force)
         checks |= solved.balances() | {"energy": solved.energy(self.masses, state.U, h)}
         require(checks, t_end)
@@ -213,16 +122,16 @@ class DistanceModel(ReducedModel):
         return q, replace(instant, record={**instant.record, "cpu_solve": process_time() - began})
 
     def _without_overlap(
-        self, q: Configuration, ambient: Surroundings, pairs: Pairs, kappa: Array, inertia: Inertia, h: float
+        self, state: State, ambient: Surroundings, pairs: Pairs, kappa: Array, h: float
     ) -> tuple[SolvedSystem, Configuration, int]:
         """Steps 2 and 3: velocities, the bodies there, and how many pairs had to be stopped."""
-        stopped = np.zeros(len(pairs), dtype=bool)
+        inertia, stopped = Inertia(self.masses / h, state.U), np.zeros(len(pairs), dtype=bool)
         while True:
             rigid = np.where(stopped, np.inf, kappa)
             solved = solve_system(ambient, pairs, rigid, inertia)
-            moved = q.moved(h * solved.U)
+            moved = state.q.moved(h * solved.U)
             left = of_keys(moved, ambient.enclosure, pairs.key).gap
-            if np.any(np.isinf(rigid) & (left < -ROUNDING * q.radii.min())):
+            if np.any(np.isinf(rigid) & (left < -ROUNDING * state.q.radii.min())):
                 raise SolveError(
                     f"time.step = {h:g}: bodies overlap after it by {-left.min():.3g}, and stopping their "
                     "gaps does not part them; shorten it"

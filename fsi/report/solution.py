@@ -14,8 +14,8 @@ from rich.text import Text
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.section import toml_text
+from fsi.integration.errors import ErrorEstimate, StressErrors
 from fsi.integration.schemes import FLOWS, scheme_for
-from fsi.integration.state import ErrorEstimate, StressErrors
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.truncation import SolvedFlow

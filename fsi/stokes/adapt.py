@@ -18,7 +18,8 @@ from fsi.bodies.configuration import Configuration, Inertia, Motion
 from fsi.case.case import Case
 from fsi.case.checks.determined import require_determined_at_rest
 from fsi.errors import SolveError, apart
-from fsi.integration.state import ErrorEstimate, Instant, StepErrors
+from fsi.integration.errors import ErrorEstimate, StepErrors
+from fsi.integration.state import Instant
 from fsi.stokes.model import StokesModel, motion_of
 from fsi.stokes.solution import StokesSolution
 

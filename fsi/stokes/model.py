@@ -46,7 +46,8 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
 from fsi.case.case import Case
 from fsi.case.walls import WallVelocity
-from fsi.integration.state import ErrorEstimate, Results, StepErrors, StressErrors
+from fsi.integration.errors import ErrorEstimate, StepErrors, StressErrors
+from fsi.integration.state import Results
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.errors import MeshError
 from fsi.meshes.files.read import read_mesh

@@ -13,8 +13,8 @@ from fsi.bodies.gaps import nearest_gaps
 from fsi.case.case import Case
 from fsi.case.sections import TIME_AT_GAP, Expected, gap_of
 from fsi.errors import InputError, SolveError, ValidationError
+from fsi.integration.errors import ErrorEstimate
 from fsi.integration.schemes import BogackiShampine
-from fsi.integration.state import ErrorEstimate
 from fsi.lubrication.exact_results import EXACT
 from fsi.meshes.errors import MeshError
 from fsi.observables.truncation import halved

@@ -29,7 +29,7 @@ _STEPS = 8
 
 
 @dataclass(frozen=True, slots=True)
-class NarrowGap:
+class FacedGap:
     """A narrow gap: its width q, the smaller radius a beside it, and the sum of the two curvatures."""
 
     width: float

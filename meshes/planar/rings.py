@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from fsi.meshes.errors import TouchingError
 from fsi.meshes.geometry.containers import Array
-from fsi.meshes.planar.facing import NarrowGap, on_circle
+from fsi.meshes.planar.facing import FacedGap, on_circle
 from fsi.meshes.planar.sizing import SHORTEST, Curve, Surfaces
 from fsi.meshes.planar.spread import Indices, resolve_all, spread
 
@@ -65,7 +65,7 @@ class Neighbourhood:
     walls: NDArray[np.bool_]
     smallest: float
     narrowest: float
-    facing: list[tuple[NarrowGap, float]]
+    facing: list[tuple[FacedGap, float]]
 
 
 def _neighbourhood(surfaces: Surfaces, i: int) -> Neighbourhood:
@@ -92,7 +92,7 @@ def _neighbourhood(surfaces: Surfaces, i: int) -> Neighbourhood:
     curvatures = [*(1.0 / radii[near]), *of_walls]
     beside = np.append(np.minimum(radii[near], radius), np.full(walls.sum(), radius))
     every = zip(gaps, beside, curvatures, angles, strict=True)
-    facing = [(NarrowGap(float(q), float(a), 1.0 / radius + k), float(angle)) for q, a, k, angle in every]
+    facing = [(FacedGap(float(q), float(a), 1.0 / radius + k), float(angle)) for q, a, k, angle in every]
     facing = [(gap, angle) for gap, angle in facing if gap.is_narrow]
     return Neighbourhood(i, surfaces.centres[near], radii[near], walls, smallest, narrowest, facing)
 

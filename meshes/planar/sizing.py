@@ -39,7 +39,7 @@ import scipy  # its modules load when they are used
 from fsi.meshes.geometry.containers import Array, Container, FluidDomain
 from fsi.meshes.geometry.curves import WallCurve
 from fsi.meshes.geometry.lattice import Lattice
-from fsi.meshes.planar.facing import FINEST, LONGEST, NarrowGap, foot_on, on_wall
+from fsi.meshes.planar.facing import FINEST, LONGEST, FacedGap, foot_on, on_wall
 from fsi.meshes.planar.grading import Grading
 from fsi.meshes.planar.spread import Indices, equidistribute, resolve_all, spread
 
@@ -184,7 +184,7 @@ class Surfaces:
         centres = self.centres + (x[0] - self.lattice.wrapped(x[:1]))
         gaps, curvature = container.distances(centres)[:, curve.wall] - self.radii, self.curvature(curve.wall)
         for width, a, centre in zip(gaps.tolist(), self.radii.tolist(), centres, strict=True):
-            gap = NarrowGap(width, a, 1.0 / a + curvature)
+            gap = FacedGap(width, a, 1.0 / a + curvature)
             if gap.is_narrow:
                 nearest = int(np.argmin(np.hypot(*(x - centre).T)))
                 low, high = s[max(nearest - 1, 0)], s[min(nearest + 1, len(s) - 1)]

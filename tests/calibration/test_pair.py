@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose
 from fsi.calibration.pair import pair_of
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
-from fsi.integration.state import ErrorEstimate
+from fsi.integration.errors import ErrorEstimate
 
 CASES = Path(__file__).parents[2] / "cases" / "calibration"
 

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from fsi.bodies.configuration import Array, Configuration, Inertia
+from fsi.integration.errors import ErrorEstimate, StepErrors
 from fsi.integration.schemes import SCHEMES, AscherRuuthSpiteri, Beginning, BogackiShampine, register_scheme
-from fsi.integration.state import ErrorEstimate, Instant, Model, Scheme, State, StepErrors, Trial
+from fsi.integration.state import Instant, Model, Scheme, State, Trial
 from fsi.lubrication.exact import settling_time
 from fsi.models import make_stepper
 from tests.exact_model import DiscsBesidePlane, ExactInstant, settling_case

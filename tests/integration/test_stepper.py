@@ -15,8 +15,9 @@ from hypothesis import strategies as st
 from fsi.bodies.configuration import Array, Configuration
 from fsi.case.case import Case
 from fsi.errors import SolveError
+from fsi.integration.errors import StepErrors
 from fsi.integration.schemes import BogackiShampine
-from fsi.integration.state import Advance, Instant, Model, Schedule, State, Step, StepErrors, Trial
+from fsi.integration.state import Advance, Instant, Model, Schedule, State, Step, Trial
 from fsi.integration.stepper import RefiningStepper, Stepper
 from fsi.lubrication.exact import settling_time
 from fsi.meshes.geometry.containers import Box, HalfPlane

@@ -11,8 +11,9 @@ import pytest
 
 from fsi.bodies.configuration import Array, Configuration, Inertia
 from fsi.case.case import Case
+from fsi.integration.errors import ErrorEstimate, StepErrors
 from fsi.integration.evolution import Moment, SteppedEvolution
-from fsi.integration.state import ErrorEstimate, Instant, StepErrors
+from fsi.integration.state import Instant
 from fsi.models import stepped
 from tests.exact_model import DiscsBesidePlane, ExactInstant, settling_case
 

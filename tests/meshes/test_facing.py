@@ -8,7 +8,7 @@ from fsi.meshes.build import build
 from fsi.meshes.geometry.containers import Box, FluidDomain, HalfPlane, Round
 from fsi.meshes.geometry.lattice import Cell, Lattice
 from fsi.meshes.planar.boundary import boundary
-from fsi.meshes.planar.facing import FINEST, SAME_FROM, NarrowGap
+from fsi.meshes.planar.facing import FINEST, SAME_FROM, FacedGap
 from fsi.meshes.planar.sizing import Curve, Resolution
 from tests.flows import BOX, disc_over_plane, discs
 
@@ -98,14 +98,14 @@ def test_what_gmsh_makes_is_valid(name: str) -> None:
 def test_places_follow_the_law_of_sizes() -> None:
     """Of `h = 0.04 sqrt(a d)` at d = q + kappa xi^2 / 2, up to d = 1e-4 a; cells grow like log(a / q)."""
     q, a, kappa = 1e-8, 0.5, 3.0
-    gap = NarrowGap(q, a, kappa)
+    gap = FacedGap(q, a, kappa)
     xi = gap.places(1.0)
     middle = 0.5 * (xi[1:] + xi[:-1])
     asked = FINEST * np.sqrt(a * (q + 0.5 * kappa * middle**2))
     ratio = np.diff(xi) / asked
     assert 0.99 < ratio.min() <= ratio.max() < 1.005
     assert q + 0.5 * kappa * xi[-1] ** 2 == pytest.approx(SAME_FROM * a)
-    added = len(NarrowGap(q / 100.0, a, kappa).places(1.0)) - len(xi)
+    added = len(FacedGap(q / 100.0, a, kappa).places(1.0)) - len(xi)
     assert added == pytest.approx(np.log(10.0) / FINEST * np.sqrt(2.0 / (kappa * a)), abs=1.0)
 
 

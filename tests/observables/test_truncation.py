@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fsi.case.load import parse_case
-from fsi.integration.state import ErrorEstimate
+from fsi.integration.errors import ErrorEstimate
 from fsi.observables.truncation import FlowScales, halved, relative_change
 
 

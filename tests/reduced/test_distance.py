@@ -10,7 +10,7 @@ from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
 from fsi.lubrication.laws import CutLaw, LubricationLaw
 from fsi.lubrication.named_laws import SqueezeFilm, leading_law, slides_law
-from fsi.reduced.distance_model import (
+from fsi.reduced.first_integral import (
     FirstIntegral,
     backward_euler_step,
 )

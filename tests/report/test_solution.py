@@ -12,7 +12,7 @@ from rich.console import Console
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.load import load_case, parse_case
-from fsi.integration.state import ErrorEstimate
+from fsi.integration.errors import ErrorEstimate
 from fsi.observables.truncation import SolvedFlow, halved, truncation
 from fsi.report.console import standard_output
 from fsi.report.solution import print_case, print_solution, solution_json

@@ -54,7 +54,7 @@ def check_quality_of_a_moved_mesh() -> None:
 
 
 def check_residual_of_a_solve() -> None:
-    """sum |x_i r_i| / sum |x_i b_i|, r = b - M x, of all rows; since it was factorised the matrix has changed on the last rank alone."""
+    """sum |x_i r_i| / sum |x_i b_i|, r = b - M x; once factorised, M changes on the last rank alone."""
     rows, last = 40, COMM.rank == COMM.size - 1
     matrix = PETSc.Mat().createAIJ(((rows, None), (rows, None)), nnz=1, comm=COMM)
     first = matrix.getOwnershipRange()[0]

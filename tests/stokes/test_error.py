@@ -13,7 +13,8 @@ import pytest
 from fsi.case.case import Case
 from fsi.case.load import load_case, parse_case
 from fsi.errors import SolveError
-from fsi.integration.state import ErrorEstimate, StepRecord
+from fsi.integration.errors import ErrorEstimate
+from fsi.integration.state import StepRecord
 from fsi.lubrication import exact, spheres
 from fsi.meshes.files.write import write_mesh
 from fsi.observables.truncation import flow_scales, relative_change

@@ -12,7 +12,7 @@ import pytest
 
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
-from fsi.integration.state import ErrorEstimate
+from fsi.integration.errors import ErrorEstimate
 from fsi.lubrication.exact_results import EXACT as RESULTS
 from fsi.lubrication.exact_results import ExactProblem, Fitting, exact_result
 from fsi.report.studies import summary
