@@ -80,7 +80,7 @@ class Reference(StokesModel):
     def scaled_mesh(self, q: Configuration, t: float = 0.0, order: int | None = None) -> FluidMesh:
         """A new mesh in the units of the model."""
         container = graded(self.units.scaled_container(self.case.container()).at(t))
-        centres, radii = (self.units.scaled_lengths(x) for x in (q.centres, q.radii))
+        centres, radii = self.units.scaled_places(q.centres), self.units.scaled_lengths(q.radii)
         domain = FluidDomain(container, centres, radii)
         return build(domain, self.resolution, order or self.case.discretisation.degree)
 

@@ -82,9 +82,10 @@ class FluidMesh:
         """The same mesh, moved, with its new quality; the lattice may have moved too."""
         return replace(self, quality=quality, container=container)
 
-    def scaled(self, factor: float, container: Container) -> FluidMesh:
-        """The same mesh, changed in place, with all lengths times the factor, those of this container."""
+    def scaled(self, factor: float, container: Container, shift: Array | float = 0.0) -> FluidMesh:
+        """The same mesh, changed in place, all lengths times the factor, then moved; of this container."""
         self.mesh.geometry.x[:] *= factor
+        self.mesh.geometry.x[:, : self.dimension] += shift
         return replace(self, container=container)
 
     @property

@@ -18,9 +18,10 @@ class MeshError(Exception):
         """The same with more words at its end, without braces."""
         return type(self)(self._message + more, *self._lengths)
 
-    def in_units(self, unit: float) -> Self:
-        """The same with lengths times the unit that they were given in."""
-        return type(self)(self._message, *(unit * np.asarray(length) for length in self._lengths))
+    def in_units(self, unit: float, origin: ArrayLike = 0.0) -> Self:
+        """The same with lengths times the unit that they were given in, and places from their origin."""
+        lengths = (unit * np.asarray(length) for length in self._lengths)
+        return type(self)(self._message, *(x + np.asarray(origin) if np.ndim(x) else x for x in lengths))
 
 
 def at(x: ArrayLike) -> str:

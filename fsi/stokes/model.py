@@ -159,7 +159,7 @@ class StokesModel:
         self._meshed_centres, self._meshed_time = case.configuration().centres, 0.0
         self._workspace = Workspace()
         self.units = Units.of(case)
-        self._corners = self.units.scaled_lengths(singular_corners(case))
+        self._corners = self.units.scaled_places(singular_corners(case))
 
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> StokesSolution:
         """The flow at q and t. Raises MeshError; SolveError: the solve fails or violates an identity."""
@@ -206,7 +206,8 @@ class StokesModel:
 
     def mesh(self, q: Configuration, t: float = 0.0) -> FluidMesh:
         """A new mesh around the bodies at q and t, or the user's own."""
-        return self.scaled_mesh(q, t).scaled(self.units.length, self.case.container().at(t))
+        fluid, units = self.scaled_mesh(q, t), self.units
+        return fluid.scaled(units.length, self.case.container().at(t), units.origin)
 
     def scaled_mesh(self, q: Configuration, t: float = 0.0, order: int | None = None) -> FluidMesh:
         """The same mesh in the units of the model; of the case's order if not given."""
@@ -226,12 +227,12 @@ class StokesModel:
 
     def _built(self, q: Configuration, t: float, resolution: Resolution, order: int) -> FluidMesh:
         """A new mesh in the units of the model, whatever the user has."""
-        centres, radii = (self.units.scaled_lengths(x) for x in (q.centres, q.radii))
+        centres, radii = self.units.scaled_places(q.centres), self.units.scaled_lengths(q.radii)
         try:
             domain = FluidDomain(self._container().at(t), centres, radii, self._corners)
             return build(domain, resolution, order)
         except MeshError as error:
-            raise error.in_units(self.units.length) from error
+            raise error.in_units(self.units.length, self.units.origin) from error
 
     def _container(self) -> Container:
         """At time 0, in the units of the model."""
@@ -253,8 +254,8 @@ class StokesModel:
         """The mesh in use, moved to q and t, or a new one where it would be too distorted."""
         if self._mover is not None:
             container, duration = self._container(), t - self._meshed_time
-            centres = self.units.scaled_lengths(q.centres)
-            quality = self._mover.move(centres, lambda e: container.carried(e, duration))
+            places = self.units.scaled_places(q.centres)
+            quality = self._mover.move(places, lambda e: container.carried(e, duration))
             if quality is not None:
                 return self._mover.fluid.moved(quality, container.at(t))
         return self._remesh(q, t)
@@ -263,7 +264,7 @@ class StokesModel:
         self._workspace.close()
         if self._mover is not None:
             self._mover.close()
-        self._mover = Mover(self.scaled_mesh(q, t), self.units.scaled_lengths(q.centres))
+        self._mover = Mover(self.scaled_mesh(q, t), self.units.scaled_places(q.centres))
         self._meshed_centres, self._meshed_time = q.centres, t
         return self._mover.fluid
 
@@ -283,7 +284,7 @@ def singular_corners(case: Case) -> Array:
     """Where in the plane the flow is singular at some time, (n, 2): walls are linear between their kinks."""
     container = case.container()
     if container.dimension == 3:
-        return np.empty((0, 2))
+        return np.empty((0, 3))
     pairs = {pair for t in wall_kinks(case) for pair in singular(container, boundary_of(case, t))}
     meetings = container.meetings()
     return np.concatenate([np.empty((0, 2)), *(meetings[pair] for pair in sorted(pairs))])

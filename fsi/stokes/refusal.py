@@ -2,8 +2,9 @@
 
 That happens in the narrowest gaps alone. Coordinates are rounded to 1e-16 of their distance from the origin,
 and fluid that several gaps shut in turns such a rounding into a pressure that is larger by (a/q)^(5/2): with
-the corner of a box at (-8, 0) a disc at 1e-7 radii from both walls is refused, with the corner at the origin
-it is solved at 1e-8, to 2e-6.
+the corner at the origin a disc at 1e-8 radii from both walls of a box is solved, to 2e-6, with the corner at
+(-8, 0) at 1e-7 it would be refused. The origin is put there where that can be done (see `units`); to the user
+are left containers that stand at the origin, and gaps that become narrow in a run.
 """
 
 from collections.abc import Iterator, Sequence
@@ -11,7 +12,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from fsi.bodies.gaps import find_gaps
+from fsi.bodies.gaps import narrowest_gap
 from fsi.errors import RefusedError, SolveError
 from fsi.stokes.problem import StokesProblem
 
@@ -34,22 +35,13 @@ def explained(problem: StokesProblem, names: Sequence[str], *, shift: bool = Tru
 def _remedy(problem: StokesProblem, names: Sequence[str], *, shift: bool) -> str:
     """The narrowest gap, and what to do about it."""
     q, container = problem.q, problem.container
-    gaps = find_gaps(q, container)
-    if not np.isfinite(gaps.smallest()):
+    found = narrowest_gap(q, container)
+    if found is None:
         return "lower discretisation.growth"
-    wall_gaps = gaps.wall_gaps
-    if wall_gaps.min(initial=np.inf) <= gaps.pair_gaps.min(initial=np.inf):
-        i, k = divmod(int(wall_gaps.argmin()), wall_gaps.shape[1])
-        other, gap = container.walls[k], wall_gaps[i, k]
-        towards = -container.normals(q.centres[[i]])[0, k]
-    else:
-        pair = int(gaps.pair_gaps.argmin())
-        (i, j), gap = gaps.pairs[pair].tolist(), gaps.pair_gaps[pair]
-        other, between = names[j], q.centres[j] + gaps.away[pair] - q.centres[i]
-        towards = between / np.linalg.norm(between)
-    place = q.centres[i] + q.radii[i] * towards
-    what = f"bodies: the narrowest gap, between {names[i]!r} and {other!r}, is {gap:.3g}; widen it"
-    if not shift or np.linalg.norm(place) <= _NEAR * q.radii[i]:
+    (i, other), sides = found.between, (*names, *container.walls)
+    between = f"{names[i]!r} and {sides[other]!r}"
+    what = f"bodies: the narrowest gap, between {between}, is {found.gap:.3g}; widen it"
+    if not shift or np.linalg.norm(found.place) <= _NEAR * q.radii[i]:
         return what
-    where = ", ".join(f"{x:.6g}" for x in place)
+    where = ", ".join(f"{x:.6g}" for x in found.place)
     return f"{what}, or shift all coordinates so that the origin is there, at ({where})"

@@ -13,6 +13,11 @@ Every number of the mesh and of the matrix is then of the order of one, whatever
 are left as they are, since velocities stand on the right-hand side alone. Lengths are rounded to 15 digits,
 so that a case in other units is the same case to the last bit, has the same mesh, and the same digits.
 Without bodies the size of the container is the unit of length.
+
+Doubles are dense at zero alone. In the plane gaps that shut fluid in make of a rounding of coordinates, 1e-16
+of their distance from the origin, a pressure that is larger by (a/q)^(5/2). So where a gap is below NARROW
+radii at the beginning, and the container can stand anywhere (a box without periods), x' = (x - x0) / a with
+the origin x0 in the narrowest gap. Differences of doubles so near to each other are exact.
 """
 
 from __future__ import annotations
@@ -22,6 +27,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
+from fsi.bodies.gaps import narrowest_gap
 from fsi.case.case import Case
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.containers import Container
@@ -32,6 +38,8 @@ from fsi.stokes.fields import Flow, Surface
 from fsi.stokes.problem import Boundary, Field, StokesProblem
 from fsi.stokes.solution import StokesSolution
 
+NARROW = 5e-5  # of a radius
+
 
 @dataclass(frozen=True, slots=True)
 class Units:
@@ -41,17 +49,19 @@ class Units:
         length: a.
         viscosity: mu.
         spheres: whether loads are those of spheres, k = 1, or per unit length.
+        origin: x0, (d,), zero where the user's is kept.
     """
 
     length: float
     viscosity: float
     spheres: bool
+    origin: Array
 
     @classmethod
     def of(cls, case: Case) -> Units:
         """Those of a case."""
         largest = max((body.radius for body in case.bodies), default=case.container().size())
-        return cls(largest, case.fluid.viscosity, case.spheres)
+        return cls(largest, case.fluid.viscosity, case.spheres, _origin(case))
 
     @property
     def force(self) -> float:
@@ -81,9 +91,15 @@ class Units:
         """Lengths of any shape."""
         return rescaled(x, 1.0 / self.length)
 
+    def scaled_places(self, x: Array) -> Array:
+        """Points (n, d)."""
+        return self.scaled_lengths(x - self.origin)
+
     def scaled_container(self, container: Container) -> Container:
         """What encloses the fluid."""
-        return container.scaled(1.0 / self.length)
+        seen = container.seen_from(self.origin) if self.origin.any() else container
+        assert seen is not None, "only where the container can be moved is there another origin"
+        return seen.scaled(1.0 / self.length)
 
     def scaled(self, problem: StokesProblem) -> StokesProblem:
         """A problem whose mesh alone has these units already."""
@@ -94,7 +110,7 @@ class Units:
         return StokesProblem(
             problem.fluid,
             problem.fluid.container,
-            Configuration(self.scaled_lengths(q.centres), q.angles, self.scaled_lengths(q.radii)),
+            Configuration(self.scaled_places(q.centres), q.angles, self.scaled_lengths(q.radii)),
             Motion(motion.held, motion.U / speeds, motion.F / loads),
             self._scaled_boundary(boundary),
             1.0,
@@ -116,9 +132,13 @@ class Units:
 
     def _scaled_field(self, field: Field, unit: float) -> Field:
         """A field whose values have this unit."""
-        return lambda x: field(self.length * x) / unit
+        return lambda x: field(self.user_places(x)) / unit
 
     # Back to the user's.
+
+    def user_places(self, x: Array) -> Array:
+        """Points (n, d)."""
+        return self.length * x + self.origin if self.origin.any() else self.length * x
 
     def user_solution(self, solution: StokesSolution, problem: StokesProblem) -> StokesSolution:
         """The solution of a problem from that of the scaled one; its mesh stays as it is."""
@@ -143,10 +163,10 @@ class Units:
 
     def _user_flow(self, flow: Flow) -> Flow:
         a, mu = self.length, self.viscosity
-        return replace(flow, x=a * flow.x, u=a * flow.u, p=mu * flow.p)
+        return replace(flow, x=self.user_places(flow.x), u=a * flow.u, p=mu * flow.p)
 
     def _user_surface(self, surface: Surface, fluid: FluidMesh) -> Surface:
-        x, reaction = self.length * surface.x, self.force * surface.reaction
+        x, reaction = self.user_places(surface.x), self.force * surface.reaction
         return replace(surface, x=x, reaction=reaction, lattice=fluid.lattice)
 
     def user_resistance(self, found: Resistance, modes: Modes) -> Resistance:
@@ -154,3 +174,23 @@ class Units:
         s = modes.scale / found.modes.scale
         mobility = None if found.mobility is None else found.mobility / np.outer(s, s)
         return replace(found, modes=modes, R=found.R * np.outer(s, s), mobility=mobility)
+
+
+def _origin(case: Case) -> Array:
+    """Where the narrowest gap of a case is, (d,), if another origin is wanted and possible; else zero.
+
+    Of a body that is so near to several walls it is where they meet, in the fluid that is shut in there.
+    """
+    q, container = case.configuration(), case.container()
+    here = np.zeros(container.dimension)
+    if case.domain.mesh is not None or container.seen_from(here) is None:
+        return here
+    narrowest = narrowest_gap(q, container)
+    if narrowest is None or narrowest.gap > NARROW * q.radii.min():
+        return here
+    origin, i = narrowest.place[None], narrowest.between[0]
+    near = container.distances(q.centres[[i]])[0] - q.radii[i] <= NARROW * q.radii.min()
+    for wall in np.flatnonzero(near):
+        origin = origin - container.distances(origin)[0, wall] * container.normals(origin)[0, wall]
+    place: Array = origin[0]
+    return place

@@ -176,6 +176,10 @@ class Container(ABC):
 
         return self if factor == 1.0 else Stretched(self, factor)
 
+    def seen_from(self, origin: Array) -> Container | None:  # noqa: ARG002
+        """The container in coordinates with this origin, (d,); None where its shape stands at its own."""
+        return None
+
     # What meshing in space asks besides.
 
     def solid(self, kernel: Any) -> int:  # noqa: ARG002
@@ -321,6 +325,13 @@ class Box(Container):
     def scaled(self, factor: float) -> Self:
         """Both corners times the factor."""
         lower, upper = (tuple(rescaled(corner, factor).tolist()) for corner in (self.lower, self.upper))
+        return replace(self, lower=lower, upper=upper)
+
+    def seen_from(self, origin: Array) -> Self | None:
+        """Both corners less the origin; none with periods, whose pressure has its zero at the origin."""
+        if len(self.periods):
+            return None
+        lower, upper = (tuple(np.subtract(corner, origin).tolist()) for corner in (self.lower, self.upper))
         return replace(self, lower=lower, upper=upper)
 
     def solid(self, kernel: Any) -> int:

@@ -41,9 +41,12 @@ ORIGIN = re.compile(GAP + r", or shift all coordinates so that the origin is the
 
 
 def test_a_refused_solve_names_the_gap_and_remedies_that_work() -> None:
-    """Far from the origin rounding is a part of the gap; widened, or with the origin there, it goes."""
+    """Far from the origin rounding is a part of the gap; widened, or with the origin there, it goes.
+
+    The origin was placed for a gap that was wide at the beginning, as in a run.
+    """
     with pytest.raises(SolveError) as refused:
-        solved(in_corner(-800.0))
+        StokesModel(in_corner(-800.0, gap=1e-3))(in_corner(-800.0).configuration(), 0.0)
     found = ORIGIN.search(str(refused.value))
     assert found is not None
     solved(in_corner(-800.0, gap=1e-3))

@@ -5,12 +5,14 @@ import pytest
 
 import fsi
 from fsi.bodies.configuration import Array, Configuration
+from fsi.case.case import Case
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.curves import rescaled
 from fsi.meshes.geometry.stretched import Stretched
 from fsi.stokes.model import StokesModel
 from fsi.stokes.resistance import case_resistance
+from fsi.stokes.units import Units
 from tests.units import ONE, SYSTEMS, System, arms, axisymmetric, cell, channel, planar, spatial
 
 CASES = {one.__name__: one for one in (planar, axisymmetric, spatial, cell, channel)}
@@ -89,6 +91,7 @@ def test_a_place_in_a_message_is_in_the_users_units() -> None:
     error = MeshError("the disc at {} touches; sizes {}", np.array([1.5, -2.0]), 0.25)
     assert str(error) == "the disc at (1.5, -2) touches; sizes 0.25"
     assert str(error.in_units(1000.0)) == "the disc at (1500, -2000) touches; sizes 250"
+    assert str(error.in_units(1000.0, np.array([1.0, 2.0]))) == "the disc at (1501, -1998) touches; sizes 250"
     case = fsi.make_case(**planar(SYSTEMS[0]))
     apart = case.configuration()
     touching = Configuration.unturned(apart.centres - np.array([[0.0, 0.0], [400.0, 0.0]]), apart.radii)
@@ -110,3 +113,47 @@ def test_a_stretched_container_answers_as_one_that_knows_its_numbers() -> None:
         np.testing.assert_array_equal(piece.at(s), expected.at(s))
         assert piece.interval == expected.interval
         assert piece.longest_element == expected.longest_element
+
+
+def in_corner(x: float, y: float, gap: float, shear: float = 0.0) -> Case:
+    """A disc in the lower left corner (x, y) of a box that it leaves, below a lid with u = shear y."""
+    body = {"name": "disc", "radius": 1.0, "position": [x + 1.0 + gap, y + 1.0 + gap]}
+    box = {"lower": [x, y], "upper": [x + 16.0, y + 16.0], "walls": {"top": {"shear": shear}}}
+    moves = {"velocity": [1.0, 1.0], "angular_velocity": 0.5}
+    fluid = {"viscosity": 1.0}
+    return fsi.make_case(name="in a corner", fluid=fluid, domain=box, bodies=[body | moves])
+
+
+def test_a_gap_far_from_the_origin_is_solved_as_at_it() -> None:
+    """With the user's origin forces at (-8, 3) are 4e-6 off; its doubles know the gap to 1e-15 / gap.
+
+    The lid's velocity is shear times the user's y; fields, meshes and points are in the user's coordinates.
+    """
+    gap = 1e-7
+    at, far = in_corner(0.0, 0.0, gap, 9.5 / 16.0), in_corner(-8.0, 3.0, gap, 9.5 / 19.0)
+    corner = np.array([-8.0, 3.0])
+    models = StokesModel(at), StokesModel(far)
+    np.testing.assert_array_equal(models[0].units.origin, [0.0, 0.0])
+    np.testing.assert_array_equal(models[1].units.origin, corner)
+    one, other = [model(model.case.configuration(), 0.0) for model in models]
+    np.testing.assert_allclose(other.F, one.F, rtol=0.0, atol=3.0 * 1e-15 / gap * np.abs(one.F).max())
+    np.testing.assert_allclose(other.flow.x.min(axis=0), corner, atol=1e-14)
+    np.testing.assert_allclose(other.surface.x.mean(axis=0), one.surface.x.mean(axis=0) + corner, rtol=1e-7)
+    x = np.array([[5.0, 7.0], [11.0, 15.5]])
+    np.testing.assert_allclose(other.evaluate(x + corner)[0], one.evaluate(x)[0], rtol=1e-6)
+    nodes = models[1].mesh(far.configuration()).mesh.geometry.x[:, :2]
+    np.testing.assert_allclose([nodes.min(axis=0), nodes.max(axis=0)], [corner, corner + 16.0], atol=1e-14)
+
+
+def test_the_origin_is_moved_for_narrow_gaps_in_boxes_alone() -> None:
+    assert not Units.of(in_corner(-8.0, 3.0, 1e-4)).origin.any()
+    narrow, between = in_corner(-8.0, 3.0, 1e-7), [-2.0, 9.0]
+    pair = [{"name": n, "radius": 1.0, "position": [x, 9.0]} for n, x in (("a", -3.0), ("b", -1.0 + 1e-6))]
+    data = narrow.model_dump(exclude_none=True)
+    of_pair = fsi.make_case(**data | {"bodies": pair})
+    np.testing.assert_allclose(Units.of(of_pair).origin, between, atol=2e-6)
+    periodic = data["domain"] | {"periodic": ["x"], "walls": {}}
+    assert not Units.of(fsi.make_case(**data | {"domain": periodic})).origin.any()
+    for shape in ("half-plane", "round"):
+        domain = {"shape": shape, "radius": 99.0}
+        assert not Units.of(fsi.make_case(**data | {"domain": domain, "bodies": pair})).origin.any()
