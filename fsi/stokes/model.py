@@ -206,8 +206,7 @@ class StokesModel:
 
     def mesh(self, q: Configuration, t: float = 0.0) -> FluidMesh:
         """A new mesh around the bodies at q and t, or the user's own."""
-        fluid, units = self.scaled_mesh(q, t), self.units
-        return fluid.scaled(units.length, self.case.container().at(t), units.origin)
+        return self.units.user_mesh(self.scaled_mesh(q, t), self.case.container().at(t))
 
     def scaled_mesh(self, q: Configuration, t: float = 0.0, order: int | None = None) -> FluidMesh:
         """The same mesh in the units of the model; of the case's order if not given."""

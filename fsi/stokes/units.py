@@ -140,6 +140,10 @@ class Units:
         """Points (n, d)."""
         return self.length * x + self.origin if self.origin.any() else self.length * x
 
+    def user_mesh(self, fluid: FluidMesh, container: Container) -> FluidMesh:
+        """A mesh in this container from the scaled one, which is changed in place."""
+        return fluid.scaled(self.length, container, self.origin)
+
     def user_solution(self, solution: StokesSolution, problem: StokesProblem) -> StokesSolution:
         """The solution of a problem from that of the scaled one; its mesh stays as it is."""
         d, gradient = problem.q.dimension, solution.pressure_gradient
