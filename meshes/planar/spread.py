@@ -9,6 +9,7 @@ from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import Array
 
 MOST_HALVINGS = 60
+SAME_PLACE = 1e-3  # of the distance between places
 
 Indices = NDArray[np.int64]
 type Sizes = Callable[[Array, Indices], Array]
@@ -48,23 +49,26 @@ def spread(s: Array, h: Array, fixed: Iterable[Array], fewest: float) -> Array:
     so is a stretch that overlaps one before it. fewest: elements in all.
     """
     start, end = float(s[0]), float(s[-1])
-    slack, at, placed = 1e-9 * (end - start), start, [s[:1]]
+    at, slack, placed = start, 0.0, [s[:1]]
     for stretch in sorted(fixed, key=lambda stretch: float(stretch[0])):
+        # Of the places themselves: a wall may be 1e10 times as long as they are apart.
+        slack = SAME_PLACE * float(np.diff(stretch).min())
         inside = stretch[(stretch > start - slack) & (stretch < end + slack)]
         if len(inside) > 1 and inside[0] > at - slack:
-            placed += [_even(s, h, at, float(inside[0]), fewest), inside[1:]]
+            if inside[0] > at + slack:
+                placed.append(_even(s, h, at, float(inside[0]), fewest))
+            placed.append(inside[1:])
             at = float(inside[-1])
-    places = np.concatenate([*placed, _even(s, h, at, end, fewest)])
+    if end > at + slack:
+        placed.append(_even(s, h, at, end, fewest))
+    places = np.concatenate(placed)
     places[-1] = end
     return places
 
 
 def _even(s: Array, h: Array, low: float, high: float, fewest: float) -> Array:
     """Places after `low` up to `high` that equidistribute `ds / h`."""
-    length = float(s[-1] - s[0])
-    if high - low <= 1e-9 * length:
-        return np.empty(0)
-    between = (s > low) & (s < high)
+    length, between = float(s[-1] - s[0]), (s > low) & (s < high)
     ends = np.interp([low, high], s, h)
     s, h = (np.concatenate([[a], x[between], [b]]) for x, a, b in ((s, low, high), (h, *ends)))
     placed = equidistribute(s, 1.0 / h, max(1, round(fewest * (high - low) / length)))

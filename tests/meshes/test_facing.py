@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.meshes.build import build
@@ -10,6 +11,7 @@ from fsi.meshes.geometry.lattice import Cell, Lattice
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.facing import FINEST, SAME_FROM, FacedGap
 from fsi.meshes.planar.sizing import Curve, Resolution
+from fsi.meshes.planar.spread import spread
 from tests.flows import BOX, disc_over_plane, discs
 
 SQUARE = Box((0.0, 0.0), (4.0, 4.0))
@@ -120,3 +122,14 @@ def test_narrow_gaps_are_opened_until_cells_are_four_times_as_long_as_wide() -> 
     assert lifted - width + 1e-8 == pytest.approx(FINEST * 1e-4 / 4.0, rel=1e-6)
     wide = Resolution().opened(np.array([2e-4, np.inf]), 1.0)
     np.testing.assert_array_equal(wide, 0.0)
+
+
+def test_places_beside_an_end_stay_on_a_wall_that_is_far_longer() -> None:
+    """A plane of 1e5 radii, cut by the axis under the gap: a place before its end turns it inside out."""
+    fixed = 4e-5 * np.arange(-9.0, 10.0)
+    s = np.concatenate([[0.0], np.geomspace(1e-5, 1e5, 200)])
+    for sign in (1.0, -1.0):  # the axis at the beginning of the wall, and at its end
+        places = spread(np.sort(sign * s), np.full(201, 1e3), [fixed], 1.0)
+        near = np.abs(places[np.abs(places) < 4e-4])
+        assert np.all(np.diff(places) > 0.0)
+        assert_allclose(np.sort(near), fixed[9:], atol=1e-16)
