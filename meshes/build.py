@@ -132,6 +132,8 @@ def shared(tries: Mapping[str, Callable[[], CurvedCells]], domain: FluidDomain) 
     tries: what makes cells, one after the other, by what is said of them. Raises the MeshError of the first
     on all ranks where none is valid, or at once where no other sizes would help.
     """
+    # Python objects go by this one everywhere. What mpi4py hangs for them on a mesh's own copy cannot be
+    # freed while an error is on its way, when the mesh may be: the program would not end.
     comm, container = MPI.COMM_WORLD, domain.container
     cells: CurvedCells | None = None
     problem: MeshError | None = None
@@ -195,7 +197,7 @@ def matching_nodes(fluid: FluidMesh, space: FunctionSpace, x: Array) -> Periodic
 
     Raises MeshError where a node on one side has none on the other.
     """
-    comm, numbers = fluid.mesh.comm, space.dofmap.index_map
+    comm, numbers = MPI.COMM_WORLD, space.dofmap.index_map
     if fluid.lattice.dimension == 0:
         nothing = np.empty(0, dtype=np.int64)
         return PeriodicPairs(nothing, nothing, nothing.reshape(0, 0))

@@ -20,6 +20,7 @@ import numpy as np
 import scipy.sparse as sp
 from dolfinx import fem, la
 from dolfinx.common import IndexMap
+from mpi4py import MPI
 from numpy.typing import NDArray
 from scipy.sparse.linalg import spsolve
 from scipy.spatial import cKDTree
@@ -137,7 +138,7 @@ def surfaces(system: StokesSystem, reaction: Array) -> Surface:
     lambda_h.x.scatter_forward()
     values = lambda_h.x.array.reshape(-1, d)[mine]
     node = V.dofmap.index_map.local_to_global(mine.astype(np.int32))
-    parts = fluid.mesh.comm.gather((node, x[mine], values, numbers, body))
+    parts = MPI.COMM_WORLD.gather((node, x[mine], values, numbers, body))
     if parts is None:
         parts = [(node[:0], x[:0], values[:0], numbers[:0], body[:0])]
     nodes, xs, reactions, numbers, bodies = (np.concatenate([part[k] for part in parts]) for k in range(5))

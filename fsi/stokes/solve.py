@@ -126,8 +126,8 @@ def _pinned_pressure(fluid: FluidMesh, forms: Forms, weights: Array) -> int | No
     if fluid.lattice.dimension:
         on_cut = fem.locate_dofs_topological(forms.Q, 1, fluid.facet_tags.find(fluid.cut_tag))
         weights[on_cut[on_cut < len(weights)]] = 0.0
-    largest_here = (float(weights.max(initial=-1.0)), -forms.mesh.comm.rank)
-    if forms.mesh.comm.allreduce(largest_here, op=MPI.MAX) != largest_here:
+    largest_here = (float(weights.max(initial=-1.0)), -MPI.COMM_WORLD.rank)
+    if MPI.COMM_WORLD.allreduce(largest_here, op=MPI.MAX) != largest_here:
         return None
     return int(np.argmax(weights))
 

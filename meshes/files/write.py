@@ -15,6 +15,7 @@ import meshio
 import numpy as np
 from dolfinx import cpp
 from dolfinx.mesh import CellType, entities_to_geometry
+from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fsi.meshes.build import FluidMesh
@@ -48,7 +49,7 @@ def write_mesh(fluid: FluidMesh, path: Path, names: Sequence[str]) -> None:
             write_cells(cells, path, [*names, *fluid.container.boundary_names])
         except MeshFileError as error:
             problem = error
-    problem = fluid.mesh.comm.bcast(problem)
+    problem = MPI.COMM_WORLD.bcast(problem)
     if problem is not None:
         raise problem
 
@@ -67,7 +68,7 @@ def gather(fluid: FluidMesh) -> CurvedCells | None:
     owned = geometry.index_map().size_local
     numbers = geometry.index_map().local_to_global(np.arange(len(geometry.x), dtype=np.int32))
     edges = entities_to_geometry(mesh, d - 1, tags.indices)[:, :d]
-    parts = mesh.comm.gather((geometry.x[:owned, :d], numbers[cells], numbers[edges], tags.values))
+    parts = MPI.COMM_WORLD.gather((geometry.x[:owned, :d], numbers[cells], numbers[edges], tags.values))
     if parts is None:
         return None
     x, all_cells, all_edges, values = (np.concatenate([part[k] for part in parts]) for k in range(4))

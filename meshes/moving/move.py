@@ -112,7 +112,7 @@ class Mover:
 
     def _inside(self) -> tuple[NDArray[np.int64], Array, PETSc.Mat]:
         """Slaves on the cut, local rows, how far from their masters, and P: d = P y + what is given."""
-        comm, numbers = self.fluid.mesh.comm, self._vertices.dofmap.index_map
+        comm, numbers = MPI.COMM_WORLD, self._vertices.dofmap.index_map
         first, rows = numbers.local_range[0], numbers.size_local
         pairs = matching_nodes(self.fluid, self._vertices, self._vertices.tabulate_dof_coordinates())
         here = (pairs.slave >= first) & (pairs.slave < first + rows)
@@ -172,8 +172,8 @@ class Mover:
         x = mesh.geometry.x[mesh.geometry.dofmaps[0]][:, :, : self.fluid.dimension]
         worst = float(scaled_jacobian(x, self.fluid.order).min(initial=1.0))
         distortion = float(_distortion(_sides(x) @ self._inverse_sides).max(initial=1.0))
-        worst = mesh.comm.allreduce(worst, op=MPI.MIN)
-        distortion = mesh.comm.allreduce(distortion, op=MPI.MAX)
+        worst = MPI.COMM_WORLD.allreduce(worst, op=MPI.MIN)
+        distortion = MPI.COMM_WORLD.allreduce(distortion, op=MPI.MAX)
         return worst if worst >= SMALLEST_JACOBIAN and distortion <= LARGEST_DISTORTION else None
 
 

@@ -21,6 +21,7 @@ import fsi.meshes.backend  # noqa: F401
 
 import numpy as np
 import scipy.sparse as sp
+from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
@@ -138,7 +139,7 @@ class Slip:
             P: its vertices by the free ones.
             modes: by which slipping moves this rank's vertices, none of them free, (2 vertices, modes).
         """
-        self._comm, self._free = stiffness.comm.tompi4py(), 2 * P.getLocalSize()[1]
+        self._comm, self._free = MPI.COMM_WORLD, 2 * P.getLocalSize()[1]
         # Rank 0 owns the modes, after its own free vertices.
         before = self._comm.bcast(self._free)
         free = _of_both(P)

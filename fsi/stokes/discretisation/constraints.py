@@ -191,7 +191,7 @@ def dof_layout(
     # Where a sphere meets the axis, u_r = 0 is given.
     off_axis = ~np.isin(on_body, axis)
     return DofLayout(
-        fluid.mesh.comm, d, len(nodes.x), pressure_nodes, fixed, on_body[off_axis], body[off_axis],
+        MPI.COMM_WORLD, d, len(nodes.x), pressure_nodes, fixed, on_body[off_axis], body[off_axis],
         len(MODES[d]) * fluid.bodies, fluid.container.axisymmetric,
     )  # fmt: skip
 

@@ -18,6 +18,7 @@ import numpy as np
 import ufl
 from dolfinx import fem
 from dolfinx.mesh import exterior_facet_indices
+from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
@@ -223,7 +224,7 @@ class Forms:
 
     def integrate(self, name: str) -> float:
         """Value of a form without arguments, over all ranks."""
-        return float(self.mesh.comm.allreduce(fem.assemble_scalar(self.bind(name))))
+        return float(MPI.COMM_WORLD.allreduce(fem.assemble_scalar(self.bind(name))))
 
 
 def _cells(fluid: FluidMesh) -> tuple[NDArray[np.int32], NDArray[np.int32]]:

@@ -121,7 +121,7 @@ class Jumps:
 
 def _normals(fluid: FluidMesh, forms: Forms, q: Configuration) -> list[tuple[Array, Array]]:
     """Lattice vectors e and <n, v> over the facets at e: slaves of the cut, and arcs of bodies."""
-    comm, lattice = fluid.mesh.comm, fluid.lattice
+    comm, lattice = MPI.COMM_WORLD, fluid.lattice
     on_cut = facets_with(fluid, fluid.cut_tag, fluid.cut_tag)
     facets = np.concatenate([facets_with(fluid, 1, fluid.bodies), on_cut])
     tags = fluid.facet_tags.values[np.searchsorted(fluid.facet_tags.indices, facets)]
@@ -166,7 +166,7 @@ class Averages:
 
     def velocity(self, solution: NodalSolution, E: Array) -> Array:
         """The mean of u - E x, (2,); collective."""
-        q, comm = self._problem.q, self._problem.fluid.mesh.comm
+        q, comm = self._problem.q, MPI.COMM_WORLD
         u = solution.x[: len(self.weights)] - (self.x @ E.T).ravel()
         V = solution.U[:, :2] - q.centres @ E.T
         of_fluid = np.asarray(comm.allreduce(u @ self.weights, op=MPI.SUM))
