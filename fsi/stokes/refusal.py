@@ -1,10 +1,11 @@
 """What to do about a solution that is refused: its residual, an identity, or R is off by more than allowed.
 
-That happens in the narrowest gaps alone. Coordinates are rounded to 1e-16 of their distance from the origin,
-and fluid that several gaps shut in turns such a rounding into a pressure that is larger by (a/q)^(5/2): with
-the corner at the origin a disc at 1e-8 radii from both walls of a box is solved, to 2e-6, with the corner at
-(-8, 0) at 1e-7 it would be refused. The origin is put there where that can be done (see `units`); to the user
-are left containers that stand at the origin, and gaps that become narrow in a run.
+Where no gap is narrow the cells are too coarse. In the narrowest gaps rounding is to blame: coordinates are
+rounded to 1e-16 of their distance from the origin, and fluid that several gaps shut in turns such a rounding
+into a pressure that is larger by (a/q)^(5/2): with the corner at the origin a disc at 1e-8 radii from both
+walls of a box is solved, to 2e-6, with the corner at (-8, 0) at 1e-7 it would be refused. The origin is put
+there where that can be done (see `units`); to the user are left containers that stand at the origin, and gaps
+that become narrow in a run.
 """
 
 from collections.abc import Iterator, Sequence
@@ -17,6 +18,7 @@ from fsi.errors import RefusedError, SolveError
 from fsi.stokes.problem import StokesProblem
 
 _NEAR = 0.1  # of a radius: there the origin is already
+_WIDE = 0.1  # of a radius: such a gap is not to blame
 
 
 @contextmanager
@@ -36,8 +38,8 @@ def _remedy(problem: StokesProblem, names: Sequence[str], *, shift: bool) -> str
     """The narrowest gap, and what to do about it."""
     q, container = problem.q, problem.container
     found = narrowest_gap(q, container)
-    if found is None:
-        return "lower discretisation.growth"
+    if found is None or found.gap > _WIDE * q.radii[found.between[0]]:
+        return "lower discretisation.growth or raise discretisation.cells_per_circle"
     (i, other), sides = found.between, (*names, *container.walls)
     between = f"{names[i]!r} and {sides[other]!r}"
     what = f"bodies: the narrowest gap, between {between}, is {found.gap:.3g}; widen it"

@@ -3,6 +3,8 @@
 import re
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 
@@ -12,7 +14,7 @@ from fsi.calibration.pair import pair_of
 from fsi.calibration.sampling import resolved_sample
 from fsi.case.case import Case
 from fsi.case.load import load_case
-from fsi.errors import SolveError, apart
+from fsi.errors import RefusedError, SolveError, apart
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.containers import FluidDomain
 from fsi.meshes.planar.sizing import Resolution
@@ -20,8 +22,10 @@ from fsi.report.console import standard_output
 from fsi.report.solution import print_solution
 from fsi.stokes.adapt import Refinement, _missed, solve_with_errors
 from fsi.stokes.model import StokesModel
+from fsi.stokes.refusal import explained
 from fsi.stokes.resistance import case_resistance
 from tests.commands import fsi_command
+from tests.flows import BOX, disc_over_plane
 from tests.small_run import rows
 
 
@@ -60,6 +64,16 @@ def test_a_refused_resistance_names_the_gap_and_a_remedy_that_works() -> None:
 
 
 SIZES = ("cells_per_circle=8", "cells_per_gap=0.3")
+
+
+@pytest.mark.parametrize(
+    ("gap", "remedy"), [(0.5, "raise discretisation.cells_per_circle"), (1e-3, "widen it")]
+)
+def test_a_wide_gap_is_not_to_blame(gap: float, remedy: str) -> None:
+    q = disc_over_plane(gap)
+    problem = cast(Any, SimpleNamespace(q=q, container=BOX))
+    with pytest.raises(SolveError, match=remedy), explained(problem, ["disc"]):
+        raise RefusedError("a defect")
 
 
 def coarse(gap: float, growth: float = 1.0) -> Case:
