@@ -22,7 +22,6 @@ from fsi.bodies.gaps import smallest_of_each, without_rounding
 from fsi.case.case import MODELS, Case
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
-from fsi.models import INSTANTS
 from fsi.parallel import on_root
 from fsi.reduced.model import ReducedModel
 from fsi.reduced.network import gradient
@@ -189,7 +188,7 @@ def trajectories(cases: Mapping[str, Case], histories: Mapping[str, History]) ->
     gaps = {}
     for level, history in histories.items():
         # Where a model takes steps of given length its velocities jump, on contact for instance.
-        centres = history.at(t) if level in INSTANTS else history.between(t)
+        centres = history.at(t) if cases[level].level.viscous else history.between(t)
         gaps[level] = _gaps_over_time(cases[level], t, centres)
     return Trajectories(t, gaps)
 

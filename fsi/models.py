@@ -19,7 +19,7 @@ from fsi.integration.strayed import Strayed
 
 def require_instant(case: Case) -> None:
     """Raise InputError where the level of a case has no velocities at an instant: it steps by itself."""
-    if case.model not in INSTANTS:
+    if not case.level.viscous:
         raise InputError(
             f'model = "{case.model}": has no velocities at an instant, only a motion in time; use `fsi run`'
         )

@@ -86,7 +86,7 @@ def _state(run: Run) -> dict[str, Any]:
 def _case(run: Run) -> dict[str, Any]:
     """The bodies and the whole case."""
     case, about, rows = run.case, f"{run.case.model} model", []
-    if run.has_flow:
+    if run.viscous:
         walls = ", ".join(case.domain.walls) or "none"
         about += f", {case.geometry}, viscosity {case.fluid.viscosity:g}, walls: {walls}"
         rows = [[body.name, body.radius, ", ".join(f"{x:g}" for x in body.position)] for body in case.bodies]
@@ -133,7 +133,7 @@ def _checks(run: Run) -> pd.DataFrame:
         defect, t = abs(float(steps[name][worst])), steps["t"][worst]
         verdict = "holds" if defect <= bound else "VIOLATED"
         rows.append([name, identities[name], f"{defect:.1e}", f"{t:g}", f"{bound:g}", verdict])
-    if run.has_flow:
+    if run.viscous:
         least = steps.loc[steps["smallest_gap"].idxmin()]
         verdict = "holds" if least["smallest_gap"] > 0.0 else "VIOLATED"
         gap, t = f"{least['smallest_gap']:.4g}", f"{least['t']:g}"

@@ -10,11 +10,13 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from fsi.case.case import MODELS
 from fsi.case.load import parse_case
 from fsi.cli.main import app
 from fsi.comparison import case_at_levels
 from fsi.errors import InputError
-from fsi.models import make_evolution
+from fsi.levels import LEVELS, VISCOUS
+from fsi.models import EVOLUTIONS, INSTANTS, make_evolution
 from fsi.postprocess.run.run import open_run
 from fsi.runs import run
 
@@ -186,3 +188,9 @@ def test_only_levels_with_a_fluid_want_one_and_refuse_jumps() -> None:
     with pytest.raises(InputError, match=r"bodies\.0\.force\.0: jumps at t = 2"):
         parse_case(pair("resolved", fluid={"viscosity": 1.0}))
     assert make_evolution(parse_case(pair("gluey"))).schedule.end == 6.0
+
+
+def test_what_steps_a_level_is_as_the_level_says() -> None:
+    assert tuple(LEVELS) == MODELS
+    assert tuple(INSTANTS) == VISCOUS
+    assert {*INSTANTS, *EVOLUTIONS} == {*MODELS}

@@ -24,6 +24,7 @@ from fsi.case.sections import Calibration, Discretisation, Expected, Fluid, Outp
 from fsi.case.series import kinks, value_at
 from fsi.case.walls import WallVelocity
 from fsi.errors import InputError
+from fsi.levels import LEVELS, Level
 from fsi.meshes.geometry.containers import Container
 
 type ModelName = Literal["resolved", "reduced", "gluey", "macroscopic"]
@@ -100,6 +101,11 @@ class Case(Section):
     def names(self) -> tuple[str, ...]:
         """Names of the bodies, in the order of every array over bodies."""
         return tuple(body.name for body in self.bodies)
+
+    @property
+    def level(self) -> Level:
+        """What its model has."""
+        return LEVELS[self.model]
 
     @property
     def axisymmetric(self) -> bool:

@@ -12,6 +12,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Array, Configuration, Inertia
 from fsi.integration.state import Instant, Model, Scheme, State, Trial
+from fsi.levels import VISCOUS
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +50,6 @@ class SchemeKind:
 
 
 SCHEMES: dict[str, SchemeKind] = {}
-FLOWS = ("resolved", "reduced")
 
 
 def register_scheme[T: Callable[[Beginning], Scheme]](
@@ -57,7 +57,7 @@ def register_scheme[T: Callable[[Beginning], Scheme]](
     inertia: Literal["none", "some", "all"] = "none",
     *,
     fixed: bool = False,
-    models: tuple[str, ...] = FLOWS,
+    models: tuple[str, ...] = VISCOUS,
 ) -> Callable[[T], T]:
     """Put a scheme into the registry: a class, or a function, that makes it from a `Beginning`."""
 

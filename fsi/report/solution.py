@@ -15,7 +15,7 @@ from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.section import toml_text
 from fsi.integration.errors import ErrorEstimate, StressErrors
-from fsi.integration.schemes import FLOWS, scheme_for
+from fsi.integration.schemes import scheme_for
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.truncation import SolvedFlow
@@ -214,7 +214,7 @@ def _level(case: Case) -> str:
     if case.time is None:
         return f"{case.model}{matter}, one instant"
     steps = f"by steps of {case.time.step:g}" if case.time.step is not None else ""
-    if case.model in FLOWS:
+    if case.level.viscous:
         scheme = scheme_for(case.time.scheme, inertia=case.masses() is not None)
         steps = f"{steps if scheme.fixed else ''} by the scheme {scheme.name}".strip()
     return f"{case.model}{matter}, to t = {case.time.end:g} {steps}"

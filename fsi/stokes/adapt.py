@@ -20,7 +20,8 @@ from fsi.case.checks.determined import require_determined_at_rest
 from fsi.errors import SolveError, apart
 from fsi.integration.errors import ErrorEstimate, StepErrors
 from fsi.integration.state import Instant
-from fsi.stokes.model import StokesModel, motion_of
+from fsi.observables.bars import motion_of
+from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution
 
 STEP = 1.5

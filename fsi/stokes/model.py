@@ -36,7 +36,6 @@ one (`fsi.observables.truncation` does), nor how a user's own curved mesh differ
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import nan
 from pathlib import Path
 from typing import Any
 
@@ -46,7 +45,7 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
 from fsi.case.case import Case
 from fsi.case.walls import WallVelocity
-from fsi.integration.errors import ErrorEstimate, StepErrors, StressErrors
+from fsi.integration.errors import StepErrors
 from fsi.integration.state import Results
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.errors import MeshError
@@ -54,9 +53,7 @@ from fsi.meshes.files.read import read_mesh
 from fsi.meshes.geometry.containers import Container, FluidDomain
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
-from fsi.observables.bulk_stress import BulkStress
-from fsi.observables.resistance import KNOWN_TO
-from fsi.observables.truncation import flow_scales, relative_change
+from fsi.observables.bars import DrivenBodies, motion_of, step_errors
 from fsi.stokes.corners import jumps, singular
 from fsi.stokes.problem import Boundary, Field, SolverOptions, StokesProblem
 from fsi.stokes.refusal import explained
@@ -71,31 +68,6 @@ FINER = 1.5
 # How the error of a force goes with h beside edges of a box in space.
 JUMP_ORDER, OPEN_ORDER = 2.74, 1.19
 LOWEST = 2
-# Of the largest result: what the factorisation leaves at gaps of 1e-5 radii, where it is worst.
-ROUNDING = 1e-11
-
-
-def step_errors(case: Case, t: float, results: Results, other: StokesSolution) -> StepErrors:
-    """Estimated errors of results with the degree of the case, from another with `other_degree_of` that."""
-    q, motion, factor = other.problem.q, other.problem.motion, bar_factor(case)
-
-    def bound(values: Array, reference: Array, arm: Array, computed: NDArray[np.bool_]) -> Array:
-        error, counts = factor * np.abs(values - reference), computed & case.modes
-        largest = np.where(counts, error / arm, 0.0).max(initial=0.0)
-        rounding = ROUNDING * np.abs(values / arm).max(initial=0.0)
-        error = np.maximum(error, arm * max(rounding, KNOWN_TO * largest))
-        return np.where(counts, error, 0.0)
-
-    U = bound(results.U, other.U, 1.0 / q.arms, ~motion.held)
-    F = bound(results.F, other.F, q.arms, motion.held)
-    lost = getattr(results, "dissipation", nan)
-    dissipation = max(factor * abs(lost - other.dissipation), ROUNDING * lost)  # nan of an infinite one
-    errors = ErrorEstimate(U, F, dissipation, _of_viscosity(results, other), _of_stress(results, other))
-    relative = relative_change(results, errors, motion.held, q.arms, flow_scales(case, t))
-    mu = getattr(results, "apparent_viscosity", None)
-    if mu is not None and errors.apparent_viscosity is not None:
-        relative["viscosity"] = errors.apparent_viscosity / abs(mu)
-    return StepErrors(errors, relative, np.copysign(U, other.U - results.U))
 
 
 def other_degree_of(degree: int, dimension: int) -> tuple[int, float]:
@@ -115,33 +87,6 @@ def bar_factor(case: Case) -> float:
         edges, jumping = singular(container, boundary), jumps(container, boundary)
         powers |= {JUMP_ORDER if edge in jumping else OPEN_ORDER for edge in edges}
     return float(max([factor, *(SAFETY / abs(1.0 - (degree / other) ** p) for p in powers)]))
-
-
-def _of_viscosity(results: Results, other: StokesSolution) -> float | None:
-    """The same for the apparent viscosity of a periodic flow, not a number at instants without one."""
-    if other.bulk is None:
-        return None
-    mu, mu_other = getattr(results, "apparent_viscosity", None), other.bulk.apparent_viscosity
-    return nan if mu is None or mu_other is None else max(SAFETY * abs(mu - mu_other), ROUNDING * abs(mu))
-
-
-def _of_stress(results: Results, other: StokesSolution) -> StressErrors | None:
-    """The same for the stress of a periodic flow."""
-    bulk: BulkStress | None = getattr(results, "bulk", None)
-    return None if bulk is None or other.bulk is None else bulk.errors(other.bulk, SAFETY, ROUNDING)
-
-
-def motion_of(case: Case, q: Configuration, t: float, instant: Results) -> Motion:
-    """What held and drove the bodies at an instant.
-
-    Bodies with mass have the velocity that their history gave them: the error is that of the force at this
-    velocity.
-    """
-    motion, masses = case.motion_at(q, t), case.masses()
-    if masses is None:
-        return motion
-    held = motion.held | (masses > 0.0)
-    return Motion(held, np.where(held, instant.U, 0.0), np.where(held, 0.0, motion.F))
 
 
 class StokesModel:
@@ -196,7 +141,8 @@ class StokesModel:
         SolveError: as for the flow, with the other degree.
         """
         motion = motion or motion_of(self.case, q, t, instant)
-        return step_errors(self.case, t, instant, self.reference(q, t, motion))
+        bodies = DrivenBodies(self.case, q, t, motion)
+        return step_errors(bodies, instant, self.reference(q, t, motion), bar_factor(self.case))
 
     def problem(self, fluid: FluidMesh, q: Configuration, t: float, motion: Motion) -> StokesProblem:
         """What the case asks for at q and t, without inertia, on a mesh in the units of the model."""

@@ -57,7 +57,7 @@ class Asked:
     @property
     def bodies(self) -> bool:
         """Whether there are bodies in a fluid."""
-        return self.run.has_flow and bool(self.run.case.names)
+        return self.run.viscous and bool(self.run.case.names)
 
     def each(self, table: Array) -> Curves:
         """Columns of a table (steps, N) by the name of the body."""
@@ -149,12 +149,12 @@ class RunHistory:
 
 def read_history(run: Run, gap: str | None = None, singly: int = len(COLOURS)) -> RunHistory:
     """The curves of a run; gap and singly as in `Asked`. Raises InputError."""
-    if gap is not None and not run.has_flow:
+    if gap is not None and not run.viscous:
         raise InputError(f'--gap {gap}: model = "{run.case.model}" of {run.path} has no such curve; drop it')
     t, laws = run.steps["t"].to_numpy(), {}
     panels = {title: read(Asked(run, gap, singly)) for title, read in _PANELS.items()}
     panels = {title: curves for title, curves in panels.items() if curves}
-    if run.has_flow and gap is None:
+    if run.viscous and gap is None:
         with suppress(InputError):  # no exact law for this case
             laws = {"exact": exact_gap(run.case, t), "asymptote": asymptotic_gap(run.case, t)}
     sheared = VISCOSITY in panels or ADDED_VISCOSITY in panels

@@ -56,8 +56,6 @@ def open_run(path: Path | str) -> Run:
 
 # By series: what is known at its nodes.
 _POINT_DATA = {"fluid": ("velocity", "pressure"), "surface": ("traction",)}
-# By model: the series of files that pictures are made of.
-_SERIES = {"resolved": "fluid", "reduced": "bodies", "gluey": "bodies", "macroscopic": "profile"}
 
 
 @dataclass(frozen=True)
@@ -80,14 +78,14 @@ class Run:
         return load_case(self.path / CASE)
 
     @property
-    def has_flow(self) -> bool:
+    def viscous(self) -> bool:
         """Whether it is of a model with a viscous fluid."""
-        return self.case.model in ("resolved", "reduced")
+        return self.case.level.viscous
 
     @property
     def series(self) -> str:
         """What its pictures are made of: "fluid", "bodies" (and their contacts), or "profile"."""
-        return _SERIES[self.case.model]
+        return self.case.level.series
 
     @cached_property
     def steps(self) -> pd.DataFrame:
@@ -169,7 +167,7 @@ class Run:
 
     def wall_distances(self, x: Array) -> Array:
         """Distance of points (n, d) to each wall, (n, walls); in gluey runs not to those far away."""
-        if self.has_flow:
+        if self.viscous:
             return self.case.container().distances(x)
         walls = room(self.case)
         distances: Array = np.sum((x[:, None] - walls.points) * walls.normals, axis=2)

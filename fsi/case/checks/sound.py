@@ -33,19 +33,19 @@ def check_case(case: Case) -> None:
     _check_inertia(case)
     _check_forces(case)
     _check_files(case)
+    if case.level.viscous:
+        _check_fluid(case)
     if case.model in _OF_LEVEL:
         _OF_LEVEL[case.model](case)
-    else:
-        _check_fluid(case)
     check_time(case)
 
 
-# Levels without a fluid: what else they want.
-_OF_LEVEL = {"gluey": check_gluey, "macroscopic": check_macroscopic}
+# What else a level wants.
+_OF_LEVEL = {"reduced": check_reduced, "gluey": check_gluey, "macroscopic": check_macroscopic}
 
 
 def _check_fluid(case: Case) -> None:
-    """What holds wherever a viscous fluid moves the bodies, resolved or reduced."""
+    """What holds wherever a viscous fluid moves the bodies."""
     if "fluid" not in case.model_fields_set:
         raise InputError("fluid: missing; give a section [fluid] with its viscosity")
     case.domain.require_fluid()
@@ -53,8 +53,6 @@ def _check_fluid(case: Case) -> None:
     _check_room(case)
     check_flux(case)
     check_determined(case)
-    if case.model == "reduced":
-        check_reduced(case)
 
 
 def _check_names(case: Case) -> None:
@@ -170,7 +168,7 @@ def _check_beginning(case: Case, i: int) -> None:
     body = case.bodies[i]
     for key in ("initial_velocity", "initial_angular_velocity"):
         velocity = getattr(body, key)
-        if velocity is not None and body.mass is None and case.model in ("resolved", "reduced"):
+        if velocity is not None and body.mass is None and case.level.viscous:
             raise InputError(
                 f"bodies.{i}.{key} = {toml_text(velocity)}: without a mass the velocity is a result; drop it "
                 "or give mass and moment_of_inertia"

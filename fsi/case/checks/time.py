@@ -8,13 +8,10 @@ from fsi.case.series import Table, is_zero, jumps
 from fsi.errors import InputError
 from fsi.integration.schemes import SCHEMES, scheme_for
 
-# Levels whose only step is their own, of given length.
-_OWN_STEP = ("gluey", "macroscopic")
-
 
 def check_time(case: Case) -> None:
     """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
-    if case.model not in _OWN_STEP:
+    if case.level.viscous:
         _check_jumps(case)
     if case.time is None:
         return
@@ -42,7 +39,7 @@ def check_own_mesh(case: Case) -> None:
 
 def _check_scheme(case: Case) -> None:
     time = case.timing
-    if case.model in _OWN_STEP:
+    if not case.level.viscous:
         if time.scheme is not None:
             raise refusal(
                 "time.scheme", time.scheme, f'model = "{case.model}" has a scheme of its own; drop it'

@@ -138,8 +138,7 @@ def _check_steps(case: Case, unknowns: float) -> float:
     time = case.time
     if time is None:
         return 0.0
-    own = case.model in ("gluey", "macroscopic")
-    fixed = own or scheme_for(time.scheme, inertia=case.masses() is not None).fixed
+    fixed = not case.level.viscous or scheme_for(time.scheme, inertia=case.masses() is not None).fixed
     steps = time.end / time.step if fixed and time.step is not None else 0.0
     interval = case.output.interval
     outputs = steps if interval is None else time.end / interval

@@ -1,0 +1,36 @@
+"""The levels at which a case can be computed, and what each of them has.
+
+Whoever must know more of a case than its data asks its level, never for the name of a model. What steps the
+levels is in `fsi.models`.
+"""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """What one level has.
+
+    Attributes:
+        viscous: whether a viscous fluid gives the bodies their velocities at any instant; the other levels
+            step by themselves, with given steps.
+        series: the files that pictures of its runs are made of: "fluid" where it has a velocity at every
+            point of the fluid, "bodies" (and lines between them), or "profile".
+    """
+
+    viscous: bool
+    series: str
+
+    @property
+    def flow(self) -> bool:
+        """Whether it has a velocity at every point of the fluid."""
+        return self.series == "fluid"
+
+
+LEVELS = {
+    "resolved": Level(viscous=True, series="fluid"),
+    "reduced": Level(viscous=True, series="bodies"),
+    "gluey": Level(viscous=False, series="bodies"),
+    "macroscopic": Level(viscous=False, series="profile"),
+}
+VISCOUS = tuple(name for name, level in LEVELS.items() if level.viscous)
