@@ -35,7 +35,7 @@ from fsi.files import replace
 from fsi.lubrication.expansions import EXPONENTS, Mode, Shape
 from fsi.lubrication.fitting import band
 from fsi.lubrication.laws import LubricationLaw, Profile, ScaledLaw, Series, TabulatedProfile, Term
-from fsi.lubrication.named_laws import LAWS, SqueezeFilm, names_of_laws
+from fsi.lubrication.named_laws import LAWS, GapFilm, names_of_laws
 
 # Forms that have a section of their own.
 _SAMPLED = ("series", "table")
@@ -134,15 +134,15 @@ class LawFile(Section):
                 raise ValueError(f'a law needs the section [{form}] if and only if its form is "{form}"')
         if self.form == "series" and (self.range is None or not 0.0 <= self.range[0] < self.range[1]):
             raise ValueError("a series needs a range of s")
-        if self.form in LAWS and self.mode != "squeeze":
-            raise ValueError(f'the form "{self.form}" is known for mode = "squeeze" only')
+        if self.form in LAWS and self.mode not in LAWS[self.form].modes:
+            raise ValueError(f'the form "{self.form}" is not known for mode = "{self.mode}"')
         return self
 
     def law(self, *, viscosity: float | None = None, extrapolate: bool = False) -> LubricationLaw:
         """The law, linear in mu: at this viscosity, or its own; `extrapolate` beyond the range of gaps."""
         mu = self.viscosity if viscosity is None else viscosity
         if self.form in LAWS:
-            return LAWS[self.form].of(SqueezeFilm(self.shape, mu, self.ratio or inf, extrapolate))
+            return LAWS[self.form].of(GapFilm(self.shape, mu, self.ratio or inf, extrapolate, self.mode))
         return ScaledLaw(self._profile(), mu, EXPONENTS[self.shape, self.mode], extrapolate)
 
     def _profile(self) -> Profile:
@@ -151,10 +151,10 @@ class LawFile(Section):
         assert self.table is not None  # by `_complete`
         return self.table.profile()
 
-    def squeezes(self, shape: Shape) -> bool:
-        """Whether it is a law of squeeze between bodies of this shape."""
+    def suits(self, shape: Shape, mode: Mode) -> bool:
+        """Whether it is a law of this relative motion of bodies of this shape."""
         any_shape = self.form in LAWS and LAWS[self.form].any_shape
-        return self.mode == "squeeze" and (self.shape == shape or any_shape)
+        return self.mode == mode and (self.shape == shape or any_shape)
 
     @property
     def any_ratio(self) -> bool:

@@ -72,8 +72,9 @@ def _check_model(path: Path, model: Any) -> None:
         raise InputError(f"{path}: model = {toml_text(model)}: there is no such model; give {choices}")
 
 
+_LAW_KEYS = ("law", "wall_law", "shear_law", "wall_shear_law", "rotation_law", "wall_rotation_law")
 # Keys that are paths of files, seen from the folder of the case; words without a suffix are none.
-_PATHS = {"domain": ("mesh",), "reduced": ("law", "wall_law")}
+_PATHS: dict[str, tuple[str, ...]] = {"domain": ("mesh",), "reduced": _LAW_KEYS}
 
 
 def _paths(data: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:

@@ -138,6 +138,14 @@ class Reduced(Section):
     )
     wall_law: Text | None = None
     """the law of the gaps to walls, as `law`; the same if not given"""
+    shear_law: Text | None = None
+    """the law of surfaces that slide past each other, a name or the path of a law file, or none"""
+    rotation_law: Text | None = None
+    """the law of bodies that roll on each other, a name or the path of a law file, or none"""
+    wall_shear_law: Text | None = None
+    """the law of sliding along walls, as `shear_law`; the same if not given"""
+    wall_rotation_law: Text | None = None
+    """the law of turning beside walls, as `rotation_law`; the same if not given"""
     drag: NotNegative | None = None
     """the drag of a lone disc over mu V, of a sphere over mu a V (6 pi if not given), >= 0"""
     cutoff: Positive | None = None

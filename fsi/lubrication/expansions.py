@@ -8,12 +8,15 @@ wall; a_r = a b/(a + b). K is the resistance over mu a_r^n (see `fsi.lubrication
     shear, rotation    of a disc K = c1 s^(-1/2) + c3 s^(1/2) + ..., a constant c2 = 0,
                        of a sphere K = c1 ln(1/s) + c2 + c3 s ln(1/s) + ...
 
-Squeeze is relative motion along the line of centres without net force; shear is translation along a plane
-without rotation, and rotation is turning in place beside it.
+Squeeze is relative motion along the line of centres without net force. Beside a wall shear is translation
+along it without rotation, and rotation is turning in place. Of two bodies shear is their surfaces sliding
+past each other without a couple, and rotation is rolling without sliding, in the relative rate of rotation
+(see `fsi.lubrication.two_discs`); the first terms of both are those of Reynolds' equation.
 
 Sources: D. J. Jeffrey and Y. Onishi, J. Fluid Mech. 139 (1984) 261 for squeezed spheres (g_1, g_2, g_3); A.
-J. Goldman, R. G. Cox and H. Brenner, Chem. Eng. Sci. 22 (1967) 637 for a sphere along a plane; for discs the
-closed forms of `fsi.lubrication.exact`. Tests compare all of them with the exact functions.
+J. Goldman, R. G. Cox and H. Brenner, Chem. Eng. Sci. 22 (1967) 637 for a sphere along a plane; S. Kim and S.
+J. Karrila, Microhydrodynamics (1991), section 9.3, for the logarithms of two spheres; for discs the closed
+forms of `fsi.lubrication.exact` and `two_discs`. Tests compare them with the exact functions.
 """
 
 from math import inf, pi, sqrt
@@ -52,11 +55,16 @@ def basis(shape: Shape, mode: Mode) -> tuple[Term, ...]:
 
 
 def coefficients(shape: Shape, mode: Mode, ratio: float) -> dict[Term, float]:
-    """The coefficients that are known in closed form; of shear and rotation only beside a plane."""
+    """The coefficients that are known in closed form; of shear and rotation inside a round wall the first."""
     if mode == "squeeze":
         return _squeezed_spheres(ratio) if shape == "spheres" else _squeezed_discs(ratio)
-    if ratio != inf:
-        return {}
+    if ratio != inf and ratio > 0.0:
+        return _sliding_spheres(mode) if shape == "spheres" else _sliding_discs(mode, ratio)
+    known = _beside_a_plane(shape, mode)
+    return known if ratio == inf else dict([next(iter(known.items()))])
+
+
+def _beside_a_plane(shape: Shape, mode: Mode) -> dict[Term, float]:
     if shape == "discs":  # 4 pi/al and 4 pi coth al, cosh al = 1 + s
         unit, following = sqrt(2.0) * pi, sqrt(2.0) * pi / 6.0 if mode == "shear" else 1.5 * sqrt(2.0) * pi
         return {Term(-0.5): 2.0 * unit, Term(0.0): 0.0, Term(0.5): following}
@@ -89,6 +97,18 @@ def _squeezed_discs(ratio: float) -> dict[Term, float]:
     """4 pi/(L - tanh L) with cosh L = 1 + s + k s^2/2, k = a b/(a + b)^2."""
     k, unit = overlap_of(ratio), 3.0 * sqrt(2.0) * pi
     return {Term(-1.5): unit, Term(-0.5): unit * (21.0 / 20.0 - 0.75 * k), Term(0.0): 0.0}
+
+
+def _sliding_spheres(mode: Mode) -> dict[Term, float]:
+    """Of the surfaces' speeds U_i and U_j, 2 pi mu a_r ln(1/s) ((U_i - U_j)^2 + 3/5 (U_i + U_j)^2)."""
+    return {Term(0.0, True): 2.0 * pi if mode == "shear" else 24.0 / 5.0 * pi}
+
+
+def _sliding_discs(mode: Mode, ratio: float) -> dict[Term, float]:
+    """sqrt2 pi s^(-1/2) and four times that; what follows is of `two_discs`, k = a b/(a + b)^2."""
+    k, unit = overlap_of(ratio), sqrt(2.0) * pi
+    first, next_over_it = (unit, 5 / 12 - 9 / 4 * k) if mode == "shear" else (4.0 * unit, (5 + 13 * k) / 12)
+    return {Term(-0.5): first, Term(0.0): 0.0, Term(0.5): first * next_over_it}
 
 
 def overlap_of(ratio: float) -> float:

@@ -35,6 +35,11 @@ class Enclosure:
     mean: Array
     gradient: Array
 
+    @property
+    def strain_rate(self) -> Array:
+        """The symmetric part of the gradient, (d, d)."""
+        return np.asarray(0.5 * (self.gradient + self.gradient.T))
+
     def background(self, x: Array) -> Array:
         """`u_inf` and its rate of rotation in all modes at points (n, d), shape (n, modes)."""
         E = self.gradient

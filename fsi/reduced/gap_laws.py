@@ -1,4 +1,4 @@
-"""The laws of a reduced case: which kappa between bodies, which beside walls, cut off where.
+"""The laws of a reduced case: which kappa between bodies, which beside walls, cut off where, of which mode.
 
 Besides a_r, a film knows its k = a b/(a + b)^2: from 1/4 of equal bodies to 0 beside a plane, and less inside
 a round wall, where b = -R. The leading term of kappa needs a_r alone; all that follows depends on k. A law
@@ -19,9 +19,9 @@ from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.law_file import read_law_file
 from fsi.errors import InputError, SolveError
-from fsi.lubrication.expansions import Shape, overlap_of, ratio_of
+from fsi.lubrication.expansions import Mode, Shape, overlap_of, ratio_of
 from fsi.lubrication.laws import CutLaw, LubricationLaw, RangeError
-from fsi.lubrication.named_laws import LAWS, SqueezeFilm, names_of_laws
+from fsi.lubrication.named_laws import LAWS, GapFilm, names_of_laws
 from fsi.reduced.enclosure import make_enclosure, overlap, wall_gaps
 
 # Below this gap, in reduced radii, a law is continued by its leading term in the logarithm of the gap: exact
@@ -59,7 +59,7 @@ class FilmLaw:
     """A law for films of any k: the polynomial in k through laws at some k; a single law is for all.
 
     Attributes:
-        laws: at least one.
+        laws: none where there can be no film.
         overlaps: k of each law, (m,).
     """
 
@@ -96,10 +96,12 @@ class GapLaws:
     Attributes:
         bodies: the law between bodies.
         walls: the law between bodies and walls.
+        key: of the section [reduced], for messages.
     """
 
     bodies: FilmLaw
     walls: FilmLaw
+    key: str = "law"
 
     def kappa(self, x: Array, films: Films) -> Array:
         """The resistances kappa; infinite where they overflow."""
@@ -122,17 +124,27 @@ class GapLaws:
                 try:
                     values[here] = law.each(method, D[here], films.radius[here], films.overlap[here])
                 except RangeError as error:
-                    raise SolveError(f"reduced.law: {error} with reduced.extrapolate = true") from None
+                    raise SolveError(f"reduced.{self.key}: {error} with reduced.extrapolate = true") from None
         return values
 
 
 def make_laws(case: Case) -> GapLaws:
-    """The laws that the section [reduced] asks for. Raises InputError: a law is not for films of the case."""
-    name, wall_law = case.reduced.law, case.reduced.wall_law
-    bodies = _Asked(case, "law", name, _between_bodies(case), 'reduced.law = "exact"')
-    wall_key = "law" if wall_law is None else "wall_law"
-    walls = _Asked(case, wall_key, wall_law or name, _beside_walls(case), 'reduced.wall_law = "exact"')
-    return GapLaws(bodies.law(0.25), walls.law(0.0))
+    """The laws of squeeze that the section [reduced] asks for. Raises InputError: one is not for the case."""
+    return _laws(case, "squeeze", "law", case.reduced.law)
+
+
+def make_tangential_laws(case: Case) -> dict[Mode, GapLaws]:
+    """Those of shear and rotation, as far as it asks for them. Raises InputError as `make_laws` does."""
+    asked: dict[Mode, str | None] = {"shear": case.reduced.shear_law, "rotation": case.reduced.rotation_law}
+    return {mode: _laws(case, mode, f"{mode}_law", name) for mode, name in asked.items() if name is not None}
+
+
+def _laws(case: Case, mode: Mode, key: str, name: str) -> GapLaws:
+    wall_law: str | None = getattr(case.reduced, f"wall_{key}")
+    bodies = _Asked(case, mode, key, name, _between_bodies(case), key)
+    wall_key = key if wall_law is None else f"wall_{key}"
+    walls = _Asked(case, mode, wall_key, wall_law or name, _beside_walls(case), f"wall_{key}")
+    return GapLaws(bodies.law(0.25), walls.law(0.0), key)
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,21 +152,26 @@ class _Asked:
     """A law that a case asks for, by the key and its value.
 
     Attributes:
+        mode: of which it shall be.
         films: k of all films there can be, and what each is between.
-        instead: what to give where the law does not suit.
+        own: the key of such films alone, to give where the law does not suit.
     """
 
     case: Case
+    mode: Mode
     key: str
     name: str
     films: Mapping[float, str]
-    instead: str
+    own: str
 
     def law(self, otherwise: float) -> FilmLaw:
-        """The law, at k = otherwise where there are no films. Raises InputError."""
+        """The law; one of any ratio at k = otherwise. Raises InputError."""
         overlaps = _nodes(np.array(list(self.films) or [otherwise]))
+        laws: list[LubricationLaw] = []
         if self.name not in LAWS:
             laws = [self._of_file()]
+        elif not self.films:  # none will be asked for, and there may be none of such films
+            self._require_mode()
         elif LAWS[self.name].any_ratio:
             laws = [self._named(otherwise)]
         else:
@@ -162,34 +179,42 @@ class _Asked:
         cut = self.case.reduced.cutoff
         return FilmLaw(tuple(laws if cut is None else [CutLaw(law, cut) for law in laws]), overlaps)
 
-    def _film(self, overlap: float) -> SqueezeFilm:
+    def _film(self, overlap: float) -> GapFilm:
         shape: Shape = "spheres" if self.case.spheres else "discs"
-        return SqueezeFilm(shape, self.case.fluid.viscosity, ratio_of(overlap), extrapolate=True)
+        return GapFilm(shape, self.case.fluid.viscosity, ratio_of(overlap), extrapolate=True, mode=self.mode)
 
     def _named(self, overlap: float) -> LubricationLaw:
+        self._require_mode()
         try:
             return LAWS[self.name].of(self._film(overlap))
         except ValueError as error:
-            remedy = self.instead.replace("exact", "leading")
-            raise InputError(f"{self._here}: {error}; give {remedy}") from None
+            raise InputError(f'{self._here}: {error}; give reduced.{self.own} = "leading"') from None
+
+    def _require_mode(self) -> None:
+        if self.mode not in LAWS[self.name].modes:
+            raise InputError(
+                f"{self._here}: not known for {self.mode}; give {names_of_laws(self.mode)} or the path of a "
+                "law file"
+            )
 
     def _of_file(self) -> LubricationLaw:
         """The law of a file at the viscosity of the fluid, not at that at which it was calibrated."""
         if not Path(self.name).is_file():
             raise InputError(
-                f"{self._here}: there is no such law; give {names_of_laws()} or the path of a law file"
+                f"{self._here}: there is no such law; give {names_of_laws(self.mode)} or the path of a law "
+                "file"
             )
         file, film = read_law_file(Path(self.name)), self._film(0.0)
-        if not file.squeezes(film.shape):
+        if not file.suits(film.shape, self.mode):
             raise InputError(
-                f"{self._here}: a law of {file.mode} between {file.shape}; give one of squeeze between "
+                f"{self._here}: a law of {file.mode} between {file.shape}; give one of {self.mode} between "
                 f"{film.shape}"
             )
         for k, between in self.films.items():
             if not file.any_ratio and abs(k - overlap_of(file.ratio or inf)) > _ALIKE:
                 raise InputError(
-                    f"{self._here}: a law of {file.pair}, but the case has {between}; give {self.instead}, "
-                    "or a law of such a film"
+                    f"{self._here}: a law of {file.pair}, but the case has {between}; give "
+                    f'reduced.{self.own} = "exact", or a law of such a film'
                 )
         return file.law(viscosity=film.viscosity, extrapolate=self.case.reduced.extrapolate)
 

@@ -13,13 +13,15 @@ from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
 from fsi.case.case import Case
 from fsi.errors import SolveError
 from fsi.integration.state import Instant
+from fsi.observables.bulk_stress import BulkStress
 from fsi.parallel import on_root
 from fsi.reduced.enclosure import drag, make_enclosure
-from fsi.reduced.gap_laws import make_laws
+from fsi.reduced.gap_laws import make_laws, make_tangential_laws
 from fsi.reduced.network import gradient
 from fsi.reduced.pairs import Pairs, find_pairs
-from fsi.reduced.stress import LubricationStress, lubrication_stress
+from fsi.reduced.stress import LubricationStress, bulk_stress, dissipation_of_strain, lubrication_stress
 from fsi.reduced.system import Surroundings, identities, require, solve_system
+from fsi.reduced.tangential import TangentialRows, tangential_rows
 from fsi.run_folder.paraview import in_space, write_lines, write_points
 
 
@@ -37,6 +39,7 @@ class ReducedInstant:
         gamma: g K(D), the stored pushes, zero for a model without memory, (P,).
         record: columns of steps.csv.
         stress: that of lubrication, in a periodic domain.
+        bulk: the mean stress there, where pairs resist sliding and rolling too.
     """
 
     q: Configuration
@@ -48,6 +51,17 @@ class ReducedInstant:
     gamma: Array
     record: Mapping[str, float]
     stress: LubricationStress | None = None
+    bulk: BulkStress | None = None
+
+    @property
+    def apparent_viscosity(self) -> float | None:
+        """Over the viscosity of the fluid, where there is a bulk stress and a mean strain rate."""
+        return None if self.bulk is None else self.bulk.apparent_viscosity
+
+    @property
+    def dissipation(self) -> float:
+        """By drag and gaps; where there is a bulk stress, also that of the fluid and of lone bodies in it."""
+        return float(self.record["dissipation"])
 
     @property
     def rates(self) -> Array:
@@ -59,7 +73,8 @@ class ReducedInstant:
     @property
     def body_columns(self) -> Mapping[str, Array]:
         """More columns of bodies.csv."""
-        return {} if self.stress is None else self.stress.body_columns
+        of_gaps = {} if self.stress is None else self.stress.body_columns
+        return of_gaps if self.bulk is None else {**of_gaps, **self.bulk.body_columns}
 
     def write(self, folder: Path, step: int) -> dict[str, list[str]]:
         """Write "bodies" and "contacts": the gap, maybe stored, lambda, positive where it opens, gamma."""
@@ -85,6 +100,7 @@ class ReducedModel:
         """A model of the case; law files are read. Raises InputError."""
         self.case = case
         self.laws = make_laws(case)
+        self.tangential = make_tangential_laws(case)
         self.reach = np.inf if case.reduced.cutoff is None else case.reduced.cutoff
         self.zeta = drag(case)
         self._steady = None if case.knots() else case.motion(0.0)  # with many bodies worth keeping
@@ -103,17 +119,30 @@ class ReducedModel:
             raise SolveError(f"reduced model at t = {t:.9g}: bodies overlap (gap {pairs.gap.min():.3g})")
         x = np.log(pairs.gap)
         kappa = self.laws.kappa(x, pairs.films)
+        slip = self._slip(pairs, ambient, q)
         paired = process_time()
-        solved = solve_system(ambient, pairs, kappa, inertia)
+        solved = solve_system(ambient, pairs, kappa, inertia, slip)
         checks = identities(solved.network, q, solved.U, solved.alone, solved.force) | solved.balances()
+        viscosity = self.case.fluid.viscosity
+        stress = lubrication_stress(ambient.enclosure, pairs, solved.force, q.radii, viscosity, slip)
+        columns, bulk, lost = {} if stress is None else dict(stress.record), None, solved.dissipation
+        if stress is not None and slip is not None:
+            forces = self.case.interaction_moment(q, t)
+            bulk = bulk_stress(ambient.enclosure, stress, q.radii, viscosity, forces)
+            columns |= bulk.record
+            checks |= {"stress": solved.stress_defect(stress)}
+            lost += dissipation_of_strain(ambient.enclosure, q.radii, viscosity)
         require(checks, t)
         spent = {"cpu_pairs": paired - began, "cpu_solve": process_time() - paired}
-        viscosity = self.case.fluid.viscosity
-        stress = lubrication_stress(ambient.enclosure, pairs, solved.force, q.radii, viscosity)
-        columns = {} if stress is None else stress.record
-        record = {"pairs": len(pairs), "dissipation": solved.dissipation, **columns, **checks, **spent}
-        nothing = np.zeros(len(pairs))
-        return ReducedInstant(q, solved.U, solved.F, pairs, x, solved.force, nothing, record, stress)
+        record = {"pairs": len(pairs), "dissipation": lost, **columns, **checks, **spent}
+        force, nothing = solved.force[: len(pairs)], np.zeros(len(pairs))
+        return ReducedInstant(q, solved.U, solved.F, pairs, x, force, nothing, record, stress, bulk)
+
+    def _slip(self, pairs: Pairs, ambient: Surroundings, q: Configuration) -> TangentialRows | None:
+        """How the pairs resist sliding and rolling, if they do."""
+        if not self.tangential:
+            return None
+        return tangential_rows(pairs, q.radii, self.tangential, ambient.enclosure)
 
     def surroundings(self, q: Configuration, t: float) -> Surroundings:
         """Walls, periods, background flow, motion and drag at time t."""

@@ -8,6 +8,9 @@ With the force lambda of each gap the system `Z u + A u = f + sum kappa b G` rea
 and eliminating u leaves one unknown for each gap, `(1/kappa + G Z^-1 G^T) lambda = G Z^-1 f - b`. This matrix
 is sparse, symmetric and positive definite like Z + A, but stays well conditioned as kappa grows without
 bound, and momentum is balanced to rounding whatever is left of the residual. What is held has Z^-1 = 0.
+
+Where bodies also resist sliding and rolling, G and b have more rows (`fsi.reduced.tangential`), each with its
+kappa and lambda, and u has the rotations.
 """
 
 from dataclasses import dataclass
@@ -15,11 +18,13 @@ from functools import lru_cache
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 from scipy.sparse.linalg import cg, splu
 
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
 from fsi.reduced.pairs import Pairs
+from fsi.reduced.tangential import TangentialRows
 
 # A gap is no stiffer than this times the mobility of its two sides: they are rigid to this precision, and
 # where there are more such gaps than freedoms the forces are still determined.
@@ -55,51 +60,78 @@ def own_mobility(G: sp.csr_matrix, Z_inverse: Array) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class GapNetwork:
-    """The gaps with their laws at one instant.
+    """The gaps with their laws at one instant: R rows of resisted rates, of which the first P are those of D.
 
     Attributes:
         pairs: P of them between N bodies.
-        G: (P, N d).
-        compliance: 1/kappa > 0, (P,).
+        G: (R, N m), m = d velocities of each body, or all its modes where rows resist rotations.
+        compliance: 1/kappa > 0, (R,).
+        own: b, the part of the rates that walls and images have by themselves, (R,).
+        modes: m.
+        between: which of the rows after the first P are of two bodies, (R - P,).
     """
 
     pairs: Pairs
     G: sp.csr_matrix
     compliance: Array
+    own: Array
+    modes: int
+    between: NDArray[np.bool_]
+
+    @property
+    def beside_wall(self) -> NDArray[np.bool_]:
+        """Which rows resist sliding and turning beside walls, (R,)."""
+        return np.append(np.zeros(len(self.pairs), dtype=bool), ~self.between)
 
     def rates(self, u: Array) -> Array:
-        """`D' = G u - b` of velocities (N, d), shape (P,)."""
-        rates: Array = self.G @ u.ravel() - self.pairs.b
+        """`G u - b` of velocities (N, m), shape (R,); the first P are D'."""
+        rates: Array = self.G @ u.ravel() - self.own
         return rates
 
     def loads(self, force: Array) -> Array:
-        """`G^T lambda`, the external loads (N, d) that balance forces (P,) of the gaps."""
-        loads: Array = (self.G.T @ force).reshape(-1, self.pairs.n.shape[1])
+        """`G^T lambda`, the external loads (N, m) that balance forces (R,) of the rows."""
+        loads: Array = (self.G.T @ force).reshape(-1, self.modes)
         return loads
 
     def solve(self, u0: Array, Z_inverse: Array) -> tuple[Array, Array]:
-        """Velocities u, (N, d), and forces lambda, (P,), of the gaps, positive where one opens.
+        """Velocities u, (N, m), and forces lambda, (R,), positive where a gap opens.
 
         u0: the velocities without lubrication, `Z^-1 f`; where held, the prescribed ones, with Z_inverse = 0.
         Raises SolveError: the system cannot be solved.
         """
-        if len(self.pairs) == 0:
+        if len(self.own) == 0:
             return u0, np.empty(0)
         scale = 1.0 / np.sqrt(own_mobility(self.G, Z_inverse) + self.compliance)
         H = self.G.copy()  # scaled: S = H H^T + ... has the unit diagonal
         H.data *= np.repeat(scale, np.diff(H.indptr)) * np.sqrt(Z_inverse.ravel())[H.indices]
         S = H @ H.T.tocsr() + sp.diags_array(scale**2 * self.compliance)
-        force = scale * _solve_spd(S.tocsr(), scale * self.rates(u0), u0.shape[1])
+        force = scale * _solve_spd(S.tocsr(), scale * self.rates(u0), self.pairs.n.shape[1])
         return u0 - Z_inverse * self.loads(force), force
 
 
-def make_network(pairs: Pairs, kappa: Array, Z_inverse: Array) -> GapNetwork:
-    """The network of pairs with resistances kappa (P,), 0 and infinite ones within reach of numbers."""
-    G = gradient(pairs, len(Z_inverse))
+def make_network(
+    pairs: Pairs, kappa: Array, Z_inverse: Array, slip: TangentialRows | None = None
+) -> GapNetwork:
+    """The network of pairs with resistances kappa (P,), 0 and infinite ones within reach of numbers.
+
+    Z_inverse: of the m modes that the rows have: of velocities, with `slip` of all.
+    """
+    G, own, between = gradient(pairs, len(Z_inverse)), pairs.b, np.empty(0, dtype=bool)
+    if slip is not None:
+        G = sp.vstack([_among_modes(G, Z_inverse.shape, pairs.n.shape[1]), slip.G], "csr")
+        own, kappa = np.append(own, slip.own), np.append(kappa, slip.resistance)
+        between = slip.between
     mobility = own_mobility(G, Z_inverse)
     with np.errstate(divide="ignore"):
         compliance = np.clip(1.0 / kappa, _RIGID * np.where(mobility > 0.0, mobility, 1.0), _SLACK)
-    return GapNetwork(pairs, G, compliance)
+    return GapNetwork(pairs, G, compliance, own, Z_inverse.shape[1], between)
+
+
+def _among_modes(G: sp.csr_matrix, shape: tuple[int, ...], d: int) -> sp.csr_matrix:
+    """The same rows, of N d velocities, over all M modes of N bodies: shape (P, N M)."""
+    body, component = np.divmod(G.indices, d)
+    columns = (body * shape[1] + component).astype(G.indices.dtype)
+    return sp.csr_matrix((G.data, columns, G.indptr), (G.shape[0], shape[0] * shape[1]))
 
 
 def _solve_spd(S: sp.csr_array, right: Array, d: int) -> Array:

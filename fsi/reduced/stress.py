@@ -7,6 +7,17 @@ loads, and walls that move along themselves, `|Omega| Sigma_L:E` is the dissipat
 strain rate E of the background. It is a contribution only, and not called the apparent viscosity: how a lone
 body resists strain, 2 phi of discs and 5/2 phi of spheres in the viscosity, and what sliding pairs add, are
 not in the model.
+
+Where pairs also resist sliding and rolling (`fsi.reduced.tangential`), each rate of theirs, that by a uniform
+gradient W of velocity is S : W, adds lambda S. A rotation of everything changes no rate of two bodies, so
+that S is symmetric; of a wall, which does not turn, S is the symmetric tensor of the same xy. With the bodies
+by themselves that gives a bulk stress and an apparent viscosity, of discs
+
+    Sigma = 2 mu E + 1/|Omega| (sum_i 4 pi mu a_i^2 E + sum over the rates of lambda S) - forces,
+    mu_app / mu = 1 + 2 phi + Sigma_L:E / (2 mu E:E)
+
+(as R. Mari, R. Seto, J. F. Morris and M. M. Denn, J. Rheol. 58 (2014) 1693, have it of spheres), and for
+bodies without loads mu_app 2 E:E |Omega| is what is dissipated.
 """
 
 from collections.abc import Mapping
@@ -16,8 +27,10 @@ from math import nan
 import numpy as np
 
 from fsi.bodies.configuration import Array
+from fsi.observables.bulk_stress import BulkStress, area_fraction
 from fsi.reduced.enclosure import Enclosure
 from fsi.reduced.pairs import Pairs
+from fsi.reduced.tangential import TangentialRows
 
 _COMPONENTS = {"xx": (0, 0), "xy": (0, 1), "yy": (1, 1)}
 
@@ -58,25 +71,75 @@ class LubricationStress:
 
 
 def lubrication_stress(
-    enclosure: Enclosure, pairs: Pairs, force: Array, radii: Array, viscosity: float
+    enclosure: Enclosure,
+    pairs: Pairs,
+    force: Array,
+    radii: Array,
+    viscosity: float,
+    slip: TangentialRows | None = None,
 ) -> LubricationStress | None:
-    """Sigma_L in a periodic domain, with forces (P,) of the gaps, positive where they open; else None."""
+    """Sigma_L in a periodic domain, else None; force (R,): of gaps, positive where they open, and of slip."""
     if not len(enclosure.container.periods):
         return None
-    E = 0.5 * (enclosure.gradient + enclosure.gradient.T)
-    stress = LubricationStress(_stresslets(pairs, force, radii), enclosure.container.volume, None)
+    E, P = enclosure.strain_rate, len(pairs)
+    stresslets = _stresslets(pairs, force[:P], radii)
+    if slip is not None:
+        stresslets = stresslets + _of_slip(pairs, slip, force[P:], radii)
+    stress = LubricationStress(stresslets, enclosure.container.volume, None)
     rate = float(np.sum(E**2))
     if rate == 0.0:
         return stress
     return replace(stress, viscosity=float(np.sum(stress.mean * E)) / (2.0 * viscosity * rate))
 
 
+def bulk_stress(
+    enclosure: Enclosure, lubrication: LubricationStress, radii: Array, viscosity: float, forces: Array
+) -> BulkStress:
+    """Sigma of discs whose pairs resist all their relative motions; forces: sum of r (x) F, (2, 2)."""
+    E, area, mu = enclosure.strain_rate, lubrication.area, lubrication.viscosity
+    alone = 4.0 * np.pi * viscosity * radii[:, None, None] ** 2 * E
+    carried = 0.0 - forces / area
+    if mu is not None:
+        mu += 1.0 + 2.0 * area_fraction(radii, area)
+        mu += float(np.sum(carried * E)) / (2.0 * viscosity * float(np.sum(E**2)))
+    return BulkStress(2.0 * viscosity * E, alone + lubrication.stresslets, carried, area, mu)
+
+
+def dissipation_of_strain(enclosure: Enclosure, radii: Array, viscosity: float) -> float:
+    """Of fluid at the mean strain rate with lone discs in it, `2 mu E:E (|Omega| + 2 pi sum a^2)`."""
+    area = enclosure.container.volume + 2.0 * np.pi * float(np.sum(radii**2))
+    return 2.0 * viscosity * float(np.sum(enclosure.strain_rate**2)) * area
+
+
+def _of_slip(pairs: Pairs, slip: TangentialRows, force: Array, radii: Array) -> Array:
+    """S_i of what slides and rolls in the plane, (N, 2, 2)."""
+    p, between = slip.pair, slip.between
+    arm, arm_other = (arms[p] for arms in _arms(pairs, radii))
+    # The rate S : W of shear along a wall has half of its rotation too.
+    moment = force * (slip.across * arm + np.where(between, 0.0, 0.5 * slip.turn))
+    symmetric = 0.5 * np.einsum("rk,rl->rkl", slip.tangent, pairs.n[p])
+    symmetric = symmetric + np.swapaxes(symmetric, 1, 2)
+    S = np.zeros((len(radii), 2, 2))
+    np.add.at(S, pairs.i[p], (np.where(between, 1.0, 2.0) * moment)[:, None, None] * symmetric)
+    other = (force * slip.across * arm_other)[between, None, None] * symmetric[between]
+    np.add.at(S, pairs.j[p][between], other)
+    return S
+
+
+def _arms(pairs: Pairs, radii: Array) -> tuple[Array, Array]:
+    """From the centres of both sides to the middle of a gap, or from i to a wall and 0, (P,)."""
+    between = ~pairs.is_wall
+    middle = np.where(between, 0.5, 1.0) * pairs.gap
+    other = np.where(between, radii[np.where(between, pairs.j, 0)] + middle, 0.0)
+    return radii[pairs.i] + middle, other
+
+
 def _stresslets(pairs: Pairs, force: Array, radii: Array) -> Array:
-    """S_i, (N, d, d)."""
+    """S_i of the gaps, (N, d, d)."""
     between, N = ~pairs.is_wall, len(radii)
     i, j = pairs.i, pairs.j[between]
-    middle = np.where(between, 0.5, 1.0) * pairs.gap
-    moment = np.concatenate([(radii[i] + middle) * force, (radii[j] + middle[between]) * force[between]])
+    arm, other = _arms(pairs, radii)
+    moment = np.concatenate([arm * force, other[between] * force[between]])
     body, n = np.concatenate([i, j]), np.concatenate([pairs.n, pairs.n[between]])
     sums = [[np.bincount(body, moment * x * y, minlength=N) for y in n.T] for x in n.T]
     return np.moveaxis(np.array(sums), 2, 0)

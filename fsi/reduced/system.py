@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
@@ -16,6 +15,8 @@ from fsi.errors import SolveError
 from fsi.reduced.enclosure import Enclosure
 from fsi.reduced.network import GapNetwork, make_network
 from fsi.reduced.pairs import Pairs
+from fsi.reduced.stress import LubricationStress
+from fsi.reduced.tangential import TangentialRows
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +45,7 @@ class SolvedSystem:
         Z: `zeta + D`, (N, modes).
         network: the gaps.
         U: velocities, (N, modes).
-        force: lambda of the gaps, (P,).
+        force: lambda of the rows of the network, (R,).
         F: what balances drag and lubrication, `zeta (U - u_inf) + G^T lambda`, (N, modes).
         applied: that and inertia, `F + D (U - U0)`, F_ext on free modes, (N, modes).
         alone: the velocities that there would be without lubrication, to which rounding relates, (N, modes).
@@ -70,7 +71,7 @@ class SolvedSystem:
         """Power of moving walls and images, `-lambda.b`, and of the background, `-zeta (U - u_inf).u_inf`."""
         ambient = self.ambient
         dragged = np.sum(ambient.zeta * (self.U - ambient.background) * ambient.background)
-        return float(-self.force @ self.network.pairs.b - dragged)
+        return float(-self.force @ self.network.own - dragged)
 
     @property
     def power_scale(self) -> float:
@@ -87,6 +88,12 @@ class SolvedSystem:
             "balance": relative(off, largest, float(np.abs(self.ambient.motion.F).max(initial=0.0))),
         }
 
+    def stress_defect(self, stress: LubricationStress) -> float:
+        """Of the dissipation by drag and gaps from `|Omega| Sigma_L:E + F.(U - u_inf)`, relative."""
+        power = stress.area * float(np.sum(stress.mean * self.ambient.enclosure.strain_rate))
+        loads, lost = float(np.sum(self.F * (self.U - self.ambient.background))), self.dissipation
+        return relative(power + loads - lost, power, loads, lost, self.power_scale)
+
     def energy(self, masses: Array, before: Array, h: float) -> float:
         """By how much a step h from velocities `before` violates the energy inequality, or 0.
 
@@ -98,8 +105,17 @@ class SolvedSystem:
         return relative(max(gain + lost - work, 0.0), gain, lost, work, h * self.power_scale)
 
 
-def solve_system(ambient: Surroundings, pairs: Pairs, kappa: Array, inertia: Inertia | None) -> SolvedSystem:
-    """Solve for the velocities, with resistances kappa (P,). Raises SolveError if they are not determined."""
+def solve_system(
+    ambient: Surroundings,
+    pairs: Pairs,
+    kappa: Array,
+    inertia: Inertia | None,
+    slip: TangentialRows | None = None,
+) -> SolvedSystem:
+    """Solve for the velocities, with resistances kappa (P,) of the gaps, and those of sliding and rolling.
+
+    Raises SolveError if the velocities are not determined.
+    """
     motion, d = ambient.motion, pairs.n.shape[1]
     zero = np.zeros_like(ambient.zeta)
     D, U0 = (inertia.D, inertia.U0) if inertia else (zero, zero)
@@ -109,11 +125,12 @@ def solve_system(ambient: Surroundings, pairs: Pairs, kappa: Array, inertia: Ine
     applied = motion.F + ambient.zeta * ambient.background + D * U0
     Z_inverse = np.where(motion.held, 0.0, 1.0 / np.where(Z > 0.0, Z, 1.0))
     alone = np.where(motion.held, motion.U, Z_inverse * applied)
-    network = make_network(pairs, kappa, Z_inverse[:, :d])
-    u, force = network.solve(alone[:, :d], Z_inverse[:, :d])
-    U = np.column_stack([u, alone[:, d:]])
+    m = d if slip is None else Z.shape[1]  # rotations do not enter the rates of gaps
+    network = make_network(pairs, kappa, Z_inverse[:, :m], slip)
+    u, force = network.solve(alone[:, :m], Z_inverse[:, :m])
+    U = np.column_stack([u, alone[:, m:]])
     F = ambient.zeta * (U - ambient.background)
-    F[:, :d] += network.loads(force)
+    F[:, :m] += network.loads(force)
     return SolvedSystem(ambient, Z, network, U, force, F, F + D * (U - U0), alone)
 
 
@@ -124,41 +141,46 @@ _TINY = np.finfo(float).tiny
 def identities(
     network: GapNetwork, q: Configuration, U: Array, alone: Array, force: Array
 ) -> dict[str, float]:
-    """Relative defects of the forces of the gaps, (P,), at velocities U (N, modes).
+    """Relative defects of the forces of the rows, (R,), at velocities U (N, modes).
 
     Returns:
         momentum: the forces of the gaps between bodies and of the walls sum to zero, over sum |lambda|;
-        angular_momentum: so do their moments, 0 if any pair is periodic;
-        kernel: a rigid motion of each cluster of bodies changes none of its gaps, in units of its speed;
+        angular_momentum: so do their moments and couples, 0 if any pair is periodic;
+        kernel: a rigid motion of each cluster of bodies changes none of its rates, in units of its speed;
         residual: of the law `D' = lambda / kappa`, over the largest speed there is, or would be without
         lubrication (alone).
     """
     pairs, d = network.pairs, q.centres.shape[1]
-    loads = network.loads(force)
-    from_walls = force[pairs.is_wall, None] * pairs.n[pairs.is_wall]
+    # What walls do across their normals has no point of attack: those rows are left out.
+    from_gaps, balanced = force[: len(pairs)], np.where(network.beside_wall, 0.0, force)
+    loads = network.loads(balanced)
+    from_walls = from_gaps[pairs.is_wall, None] * pairs.n[pairs.is_wall]
     total = float(np.abs(force).sum()) + _TINY
-    sums = loads.sum(axis=0) - from_walls.sum(axis=0)
+    sums = loads[:, :d].sum(axis=0) - from_walls.sum(axis=0)
     defects: dict[str, float] = {"momentum": float(np.abs(sums).max()) / total}
     defects["angular_momentum"] = 0.0
     if not np.any(pairs.shift):
         arm = q.centres - q.centres.mean(axis=0)
-        moments = _moments(arm, loads).sum(axis=0)
+        moments = _moments(arm, loads[:, :d]).sum(axis=0)
+        if network.modes > d:
+            moments = moments + loads[:, d:].sum(axis=0)
         moments = moments - _moments(arm[pairs.i[pairs.is_wall]], from_walls).sum(axis=0)
         size = float(np.abs(arm).max()) + float(q.radii.max())
         defects["angular_momentum"] = float(np.abs(moments).max()) / (total * size)
-    defects["kernel"] = _kernel(network, q, ~pairs.is_wall)
-    rates = network.rates(U[:, :d])
-    speed = float(np.abs(U).max() + np.abs(alone).max() + np.abs(pairs.b).max(initial=0.0)) + _TINY
+    defects["kernel"] = _kernel(network, q)
+    rates = network.rates(U[:, : network.modes])
+    speed = float(np.abs(U).max() + np.abs(alone).max() + np.abs(network.own).max(initial=0.0)) + _TINY
     defects["residual"] = float(np.abs(rates - network.compliance * force).max(initial=0.0)) / speed
     return defects
 
 
-def _kernel(network: GapNetwork, q: Configuration, between: NDArray[np.bool_]) -> float:
+def _kernel(network: GapNetwork, q: Configuration) -> float:
     """Largest |G U| over the largest |U|, for a rigid motion U of each cluster of gaps `between` bodies.
 
     A cluster that closes on itself through a period can only be translated.
     """
-    pairs, N = network.pairs, len(q)
+    pairs, N, d = network.pairs, len(q), q.dimension
+    between = ~pairs.is_wall
     i, j = pairs.i[between], pairs.j[between]
     clusters, label = connected_components(sp.csr_matrix((np.ones(len(i)), (i, j)), (N, N)), directed=False)
     size = np.bincount(label, minlength=clusters)
@@ -169,8 +191,11 @@ def _kernel(network: GapNetwork, q: Configuration, between: NDArray[np.bool_]) -
     spin = turns / np.maximum(np.sqrt(np.bincount(label, (arm**2).sum(axis=1)) / size), q.radii.max())
     turning = np.zeros_like(arm)
     turning[:, 0], turning[:, 1] = -spin[label] * arm[:, 1], spin[label] * arm[:, 0]
-    U = 1.0 + turning
-    rates = (network.G @ U.ravel())[between]
+    U = np.zeros((N, network.modes))
+    U[:, :d] = 1.0 + turning
+    if network.modes > d:
+        U[:, -1] = spin[label]  # about z, in the plane and in space
+    rates = (network.G @ U.ravel())[np.append(between, network.between)]
     return float(np.abs(rates).max(initial=0.0) / np.abs(U).max())
 
 

@@ -247,7 +247,9 @@ def _nearest(case: Case, i: int) -> tuple[float, str]:
 
 
 # Of what a step records.
-SHOWN = ("dissipation", "lubrication_viscosity", "momentum", "power", "balance", "residual")
+SHOWN = (
+    "dissipation", "apparent_viscosity", "lubrication_viscosity", "momentum", "power", "balance", "residual",
+)  # fmt: skip
 
 
 def instant_json(case: Case, instant: "ReducedInstant") -> dict[str, Any]:

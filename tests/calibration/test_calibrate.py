@@ -19,7 +19,7 @@ from fsi.calibration.sampling import Sampling
 from fsi.case.law_file import read_law_file
 from fsi.case.load import load_case
 from fsi.lubrication.laws import LubricationLaw
-from fsi.lubrication.named_laws import SqueezeFilm, exact_law
+from fsi.lubrication.named_laws import GapFilm, exact_law
 from tests.cli.test_commands import MPIEXEC, ROOT, call, complaint, needs_mpi
 
 CASES = ROOT / "cases" / "calibration"
@@ -104,7 +104,7 @@ def test_two_calibrations_differ_in_times_and_dates_alone(tmp_path: Path) -> Non
 
 
 def exact_discs() -> LubricationLaw:
-    return exact_law(SqueezeFilm("discs", 1.0, 2.0))
+    return exact_law(GapFilm("discs", 1.0, 2.0))
 
 
 @pytest.mark.slow

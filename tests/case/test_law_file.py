@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from fsi.case.law_file import LawFile, SeriesSection, TableSection, read_law_file, save_law
 from fsi.errors import InputError
 from fsi.lubrication.laws import RangeError
-from fsi.lubrication.named_laws import SqueezeFilm, exact_law
+from fsi.lubrication.named_laws import GapFilm, exact_law
 
 SERIES = LawFile(
     form="series",
@@ -74,7 +74,7 @@ def test_short_forms(tmp_path: Path, ratio: float | None) -> None:
     given = {} if ratio is None else {"ratio": ratio}
     path = tmp_path / "law.toml"
     path.write_text(tomli_w.dumps({"form": "exact", "shape": "discs", "viscosity": 2.0} | given))
-    expected = exact_law(SqueezeFilm("discs", 2.0, ratio or inf)).kappa(GAPS, 0.5)
+    expected = exact_law(GapFilm("discs", 2.0, ratio or inf)).kappa(GAPS, 0.5)
     assert_array_equal(read_law_file(path).law().kappa(GAPS, 0.5), expected)
     path.write_text('form = "slides"\nviscosity = 2.0')
     assert_allclose(read_law_file(path).law().kappa(GAPS, 0.5), 2.0 / GAPS)

@@ -22,10 +22,10 @@ from fsi.lubrication.laws import (
     TabulatedProfile,
     Term,
 )
-from fsi.lubrication.named_laws import SqueezeFilm, exact_law, exact_resistance, leading_law, slides_law
+from fsi.lubrication.named_laws import GapFilm, exact_law, exact_resistance, leading_law, slides_law
 
 MU = 0.7
-SPHERES, DISCS = SqueezeFilm("spheres", MU), SqueezeFilm("discs", MU)
+SPHERES, DISCS = GapFilm("spheres", MU), GapFilm("discs", MU)
 RATIOS = (1.0, 2.5, inf)
 gaps = st.floats(-6.0, -1.0).map(lambda exponent: 10.0**exponent)
 radii = st.floats(0.2, 5.0)
@@ -41,8 +41,8 @@ LAWS: dict[str, LubricationLaw] = {
     "slides": slides_law(DISCS),
     "leading spheres": leading_law(SPHERES),
     "leading discs": leading_law(DISCS),
-    "exact spheres": exact_law(SqueezeFilm("spheres", MU, 2.5)),
-    "exact discs": exact_law(SqueezeFilm("discs", MU, 2.5)),
+    "exact spheres": exact_law(GapFilm("spheres", MU, 2.5)),
+    "exact discs": exact_law(GapFilm("discs", MU, 2.5)),
     "expansion": ScaledLaw(Series((Term(-1.0), Term(0.0, True), Term(1.0, True)), (3.0, 2.0, 1.0)), MU, 1),
     "table": sampled_law(),
     "cut": CutLaw(leading_law(DISCS), 0.05),
@@ -87,7 +87,7 @@ def test_exact_laws_are_exact_between_their_points(shape: Shape, ratio: float) -
     s = np.exp(np.random.default_rng(1).uniform(np.log(1e-9), np.log(100.0), 100))
     a, b = (2.0, inf) if ratio == inf else (2.0, 2.0 * ratio)
     reduced = a if ratio == inf else a * b / (a + b)
-    law = exact_law(SqueezeFilm(shape, MU, ratio))
+    law = exact_law(GapFilm(shape, MU, ratio))
     if shape == "discs":
         expected = exact.relative_resistance(s * reduced, a, b, MU)
     elif ratio == inf:
@@ -100,8 +100,8 @@ def test_exact_laws_are_exact_between_their_points(shape: Shape, ratio: float) -
 @pytest.mark.parametrize("shape", SHAPES)
 def test_exact_laws_go_on_as_their_leading_terms(shape: Shape) -> None:
     """At 1e-12 the next term is below 1e-10; the slope at the last point is known to 1e-8."""
-    leading = leading_law(SqueezeFilm(shape, MU))
-    law = exact_law(SqueezeFilm(shape, MU, 1.0, extrapolate=True))
+    leading = leading_law(GapFilm(shape, MU))
+    law = exact_law(GapFilm(shape, MU, 1.0, extrapolate=True))
     d = np.array([1e-14, 1e-12, 3e-12])
     assert_allclose(law.kappa(d, 1.0), leading.kappa(d, 1.0), rtol=2e-7)
     assert_allclose(np.diff(law.integral(d, 1.0)), np.diff(leading.integral(d, 1.0)), rtol=2e-7)

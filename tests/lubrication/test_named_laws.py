@@ -12,7 +12,7 @@ import pytest
 from fsi.case.law_file import read_law_file
 from fsi.errors import InputError
 from fsi.lubrication.laws import ScaledLaw, Series, Term
-from fsi.lubrication.named_laws import LAWS, SqueezeFilm, named
+from fsi.lubrication.named_laws import LAWS, GapFilm, named
 from fsi.models import make_model
 from tests.reduced_data import reduced_case
 
@@ -24,12 +24,12 @@ BALLS = [
 
 
 @pytest.fixture
-def asked() -> Iterator[list[SqueezeFilm]]:
+def asked() -> Iterator[list[GapFilm]]:
     """kappa = mu (a_r/d)^2 of discs, 5 mu a_r (a_r/d)^2 of spheres; yields the films it was asked for."""
-    films: list[SqueezeFilm] = []
+    films: list[GapFilm] = []
 
     @named("quadratic")
-    def quadratic_law(film: SqueezeFilm) -> ScaledLaw:
+    def quadratic_law(film: GapFilm) -> ScaledLaw:
         films.append(film)
         c, n = {"discs": (1.0, 0), "spheres": (5.0, 1)}[film.shape]
         return ScaledLaw(Series((Term(-2.0),), (c,)), film.viscosity, n)
@@ -38,16 +38,16 @@ def asked() -> Iterator[list[SqueezeFilm]]:
     del LAWS["quadratic"]
 
 
-def test_a_law_from_outside_moves_a_disc(asked: list[SqueezeFilm]) -> None:
+def test_a_law_from_outside_moves_a_disc(asked: list[GapFilm]) -> None:
     """Beside a plane a_r = a = 1: kappa = 3 (1/0.1)^2 = 300, so V = -1/(300 + drag)."""
     reduced = {"law": "quadratic", "drag": 2.0}
     case = reduced_case([DISC], reduced, fluid={"viscosity": 3.0})
     U = make_model(case)(case.configuration(), 0.0).U
     assert U[0, 1] == pytest.approx(-1.0 / (300.0 + 6.0), rel=1e-12)
-    assert asked == [SqueezeFilm("discs", 3.0, ratio, extrapolate=True) for ratio in (1.0, inf)]
+    assert asked == [GapFilm("discs", 3.0, inf, extrapolate=True)]  # there is no other disc
 
 
-def test_a_law_from_outside_moves_two_spheres(asked: list[SqueezeFilm]) -> None:
+def test_a_law_from_outside_moves_two_spheres(asked: list[GapFilm]) -> None:
     """a_r = 1, d = 0.2: kappa = 5 (1/0.2)^2 = 125; each feels the drag 6 pi 2 and the force 125 (2 V)."""
     reduced, domain = {"law": "quadratic"}, {"shape": "half-plane", "radius": 1000.0}
     case = reduced_case(BALLS, reduced | {"cutoff": 1.0}, domain=domain, geometry="axisymmetric")
@@ -57,15 +57,15 @@ def test_a_law_from_outside_moves_two_spheres(asked: list[SqueezeFilm]) -> None:
     assert {film.shape for film in asked} == {"spheres"}
 
 
-def test_a_law_file_may_name_it(asked: list[SqueezeFilm], tmp_path: Path) -> None:
+def test_a_law_file_may_name_it(asked: list[GapFilm], tmp_path: Path) -> None:
     path = tmp_path / "law.toml"
     path.write_text('form = "quadratic"\nshape = "discs"\nratio = 2.0\nviscosity = 0.5')
     np.testing.assert_allclose(read_law_file(path).law().kappa([0.1, 0.2], 1.0), [50.0, 12.5])
-    assert asked == [SqueezeFilm("discs", 0.5, 2.0)]
+    assert asked == [GapFilm("discs", 0.5, 2.0)]
 
 
 @pytest.mark.parametrize("key", ["law", "wall_law"])
-def test_the_complaint_names_all_laws_that_there_are(key: str, asked: list[SqueezeFilm]) -> None:
+def test_the_complaint_names_all_laws_that_there_are(key: str, asked: list[GapFilm]) -> None:
     case = reduced_case([DISC], {key: "quadratik", "drag": 1.0})
     names = '"slides", "leading", "exact", "quadratic" or the path of a law file'
     with pytest.raises(InputError, match=f'reduced.{key} = "quadratik": there is no such law; give {names}'):

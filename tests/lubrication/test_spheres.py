@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from fsi.lubrication import spheres
 from fsi.lubrication.expansions import expansion
-from fsi.lubrication.named_laws import SqueezeFilm, leading_law
+from fsi.lubrication.named_laws import GapFilm, leading_law
 
 REFERENCE = Path(__file__).parents[1] / "reference"
 DRAG = 6.0 * np.pi
@@ -172,7 +172,7 @@ def test_lubrication_of_unequal_spheres(ratio: float) -> None:
     force, _ = spheres.line_forces(q, (1.0, ratio), 1.0, (1.0, 0.0))
     g2 = ratio * (1.0 + 7.0 * ratio + ratio**2) / (5.0 * (1.0 + ratio) ** 3)
     reduced = ratio / (1.0 + ratio)
-    leading = leading_law(SqueezeFilm("spheres", 1.0, ratio)).kappa(q, reduced)
+    leading = leading_law(GapFilm("spheres", 1.0, ratio)).kappa(q, reduced)
     rest = force - leading + DRAG * g2 * np.log(xi)
     assert_allclose(rest[0], rest[1], rtol=0.0, atol=1e-3 * DRAG * 0.1)
     assert_allclose(leading * xi / DRAG, 2.0 * ratio**2 / (1.0 + ratio) ** 3)

@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
 from fsi.lubrication.laws import CutLaw, LubricationLaw
-from fsi.lubrication.named_laws import SqueezeFilm, leading_law, slides_law
+from fsi.lubrication.named_laws import GapFilm, leading_law, slides_law
 from fsi.reduced.first_integral import (
     FirstIntegral,
     backward_euler_step,
 )
 from fsi.reduced.gap_laws import FilmLaw, Films, GapLaws
 
-FILM = SqueezeFilm("discs", 1e-2)
+FILM = GapFilm("discs", 1e-2)
 LAWS: dict[str, LubricationLaw] = {
     "slides": slides_law(FILM),
     "discs": leading_law(FILM),
@@ -82,7 +82,7 @@ def test_backward_euler_takes_the_root_of_its_equation() -> None:
 def test_one_step_keeps_the_push_and_the_literal_one_forgets_it() -> None:
     """A push by impulse -1, then a pull by 0.5: w = -0.5 still sticks, and the gap is exp(w/mu); by backward
     Euler it is at once wide open. Without viscosity the gluey limit says: closed."""
-    law = slides_law(SqueezeFilm("discs", 1e-3))
+    law = slides_law(GapFilm("discs", 1e-3))
     _, integral = integral_of(law)
     x, g, h, one = np.log([0.5]), np.ones(1), 0.1, np.ones(1)
     w = 1e-3 * x
@@ -105,7 +105,7 @@ def test_two_held_sides_that_meet_are_refused() -> None:
 
 def test_the_law_goes_on_below_the_smallest_number() -> None:
     """kappa D = mu and K = mu x for the slides at x = -30000, where D underflows."""
-    laws, _ = integral_of(slides_law(SqueezeFilm("discs", 1e-4)))
+    laws, _ = integral_of(slides_law(GapFilm("discs", 1e-4)))
     x = np.array([-30000.0])
     K, slope = laws.integral(x, films(1))
     assert pytest.approx(-3.0, rel=1e-12) == K

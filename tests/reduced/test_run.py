@@ -20,7 +20,7 @@ from fsi.cli.solve import solve
 from fsi.comparison import History, RateComparison, compare_rates
 from fsi.errors import InputError
 from fsi.integration.state import StepRecord
-from fsi.lubrication.named_laws import SqueezeFilm, exact_law
+from fsi.lubrication.named_laws import GapFilm, exact_law
 from fsi.models import make_model
 from fsi.postprocess.export import write_step_mesh
 from fsi.postprocess.run.probe import probe
@@ -195,7 +195,7 @@ def test_solve_shows_an_instant(capsys: pytest.CaptureFixture[str], tmp_path: Pa
     for body, given in zip(found["bodies"], heap(), strict=True):
         assert body["force"] == pytest.approx([-f for f in given["force"]])
     contact = next(row for row in found["contacts"] if row["between"] == ["b0", "plane"])
-    law = exact_law(SqueezeFilm("discs", 1.0, extrapolate=True))
+    law = exact_law(GapFilm("discs", 1.0, extrapolate=True))
     kappa = law.kappa(np.array([0.3, 0.5]), np.ones(2))
     assert contact["gap"] == pytest.approx(0.3)
     assert contact["force"] == pytest.approx((kappa[0] - kappa[1]) * contact["rate"])

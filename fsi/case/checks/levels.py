@@ -10,6 +10,7 @@ from fsi.case.domain import MeanDrive
 from fsi.case.section import refusal, toml_text
 from fsi.case.series import is_zero
 from fsi.errors import InputError
+from fsi.integration.schemes import SCHEMES
 
 # Of the smallest radius: an overlap that is rounding in a contact.
 _ROUNDING = 1e-10
@@ -163,6 +164,7 @@ def check_reduced(case: Case) -> None:
             "output.error_estimates = true: a reduced model has no mesh to estimate the error of; drop it"
         )
     _check_periodic(case)
+    _check_tangential(case)
     _check_background(case)
     laws = {case.reduced.law, case.reduced.wall_law or case.reduced.law}
     literal = case.time is not None and case.time.scheme == "backward-euler"
@@ -180,6 +182,28 @@ def _check_periodic(case: Case) -> None:
             "reduced.cutoff: missing; a body of a periodic domain has images without end; give the gap from "
             "which on they do not feel each other"
         )
+
+
+def _check_tangential(case: Case) -> None:
+    """What sliding and rolling need: laws between bodies, a reach, freedoms, and a model that keeps them."""
+    keys = ("shear_law", "wall_shear_law", "rotation_law", "wall_rotation_law")
+    given = {key: law for key in keys if (law := getattr(case.reduced, key)) is not None}
+    for key, law in given.items():
+        here, plain = f'reduced.{key} = "{law}"', key.removeprefix("wall_")
+        if plain not in given:
+            raise InputError(f"{here}: needs the law between bodies too; give reduced.{plain}")
+        if case.axisymmetric:
+            raise InputError(f"{here}: spheres on an axis neither slide nor roll; drop it")
+        if case.reduced.cutoff is None:
+            raise InputError(
+                f"{here}: goes on to any gap, where drag is counted already; give reduced.cutoff, the gap "
+                "from which on bodies do not feel each other"
+            )
+        scheme = SCHEMES.get(case.time.scheme or "") if case.time is not None else None
+        if scheme is not None and scheme.fixed:
+            raise InputError(
+                f'{here}: scheme "{scheme.name}" stores gaps, for squeeze alone; drop it, or time.scheme'
+            )
 
 
 def _check_background(case: Case) -> None:
