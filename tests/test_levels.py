@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from fsi.case.case import MODELS
 from fsi.case.load import parse_case
 from fsi.cli.main import app
-from fsi.comparison import case_at_levels
+from fsi.comparison.motion import case_at_levels
 from fsi.errors import InputError
 from fsi.levels import LEVELS, VISCOUS
 from fsi.models import EVOLUTIONS, INSTANTS, make_evolution

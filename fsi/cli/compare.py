@@ -2,13 +2,17 @@
 
 import json
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 import fsi.parallel as parallel
 from fsi.cli.arguments import AsJson, CaseFile, Overrides, load, option, output_to, require_writable
 from fsi.report.console import standard_output
+
+if TYPE_CHECKING:
+    from fsi.case.case import Case
+    from fsi.comparison.instants import LevelAtInstant
 
 EXAMPLE = "Example: fsi compare cases/levels.toml --levels resolved,reduced,gluey,macroscopic"
 LIMIT_EXAMPLE = "Example: fsi limit cases/gluey/pushed_then_pulled.toml --output limit.png"
@@ -28,30 +32,55 @@ def compare(
 ) -> None:
     """Run a case at several levels, and say how far they differ.
 
+    First at time 0, of all levels that give velocities at an instant: apparent viscosity, velocities less
+    the mean flow, spins, and rates of the narrowest gaps; a case without [time] is compared there alone.
     What is in the folder already is not run again. Of the reduced level against the resolved one the rates of
     the gaps are compared too, at the same configurations.
     """
-    from fsi.comparison import case_at_levels, run_levels
+    from fsi.comparison.instants import compare_instants
+    from fsi.comparison.motion import case_at_levels, require_motion, run_levels
+    from fsi.files import require_folder
     from fsi.report.progress import ProgressBar
 
     case = load(case_file, overrides)
     folder = output or Path("runs") / f"{case_file.stem}_compared"
     path = str(Path(law).resolve()) if law is not None and Path(law).is_file() else law
     cases = parallel.on_root(lambda: case_at_levels(case, levels.split(","), path))
-    with ProgressBar() as bar:
-        bar.begin(case.timing.end)
-        run_levels(cases, folder, bar.show)
-    data = parallel.on_root(lambda: _compare(cases, folder, quiet=as_json))
+    parallel.on_root(lambda: require_motion(cases))
+    parallel.on_root(lambda: require_folder(folder))
+    at_once = compare_instants(cases)
+    if case.time is not None:
+        with ProgressBar() as bar:
+            bar.begin(case.timing.end)
+            run_levels(cases, folder, bar.show)
+    data = parallel.on_root(lambda: _compare(cases, folder, at_once, quiet=as_json))
     if parallel.is_root() and as_json:
         typer.echo(json.dumps(data))
     elif parallel.is_root():
-        typer.echo(f"wrote {folder}/comparison.json and .png")
+        typer.echo(f"wrote {folder}/comparison.json" + (" and .png" if case.time is not None else ""))
 
 
-def _compare(cases: dict[str, Any], folder: Path, *, quiet: bool) -> dict[str, Any]:
-    """Compare the runs in a folder, on root: what is printed unless it is quiet, drawn and kept as JSON."""
-    from fsi.comparison import History, compare_rates, comparison_json, rates_json, trajectories
+def _compare(
+    cases: "dict[str, Case]", folder: Path, at_once: "dict[str, LevelAtInstant]", *, quiet: bool
+) -> dict[str, Any]:
+    """The instants, and the runs in a folder, on root: printed unless it is quiet, and kept as JSON."""
+    from fsi.comparison.instants import instants_json
     from fsi.files import replace
+    from fsi.report.studies import print_instants
+
+    case, data = next(iter(cases.values())), instants_json(at_once)
+    if at_once and not quiet:
+        print_instants(standard_output(), case, at_once)
+    if case.time is not None:
+        data |= _compare_runs(cases, folder, quiet=quiet)
+    folder.mkdir(parents=True, exist_ok=True)
+    replace(folder / "comparison.json", (json.dumps(data) + "\n").encode())
+    return data
+
+
+def _compare_runs(cases: "dict[str, Case]", folder: Path, *, quiet: bool) -> dict[str, Any]:
+    """The runs in a folder: what is printed unless it is quiet, and drawn."""
+    from fsi.comparison.motion import History, compare_rates, comparison_json, rates_json, trajectories
     from fsi.postprocess.plots.studies import plot_comparison, plot_levels
     from fsi.postprocess.run.run import open_run
     from fsi.report.studies import print_rates, print_trajectories
@@ -71,7 +100,6 @@ def _compare(cases: dict[str, Any], folder: Path, *, quiet: bool) -> dict[str, A
         plot_levels(paths.t, paths.smallest, picture)
         if not quiet:
             print_trajectories(standard_output(), next(iter(cases.values())), paths)
-    replace(folder / "comparison.json", (json.dumps(data) + "\n").encode())
     return data
 
 

@@ -67,14 +67,19 @@ class WallGaps:
 
 
 def make_enclosure(case: Case, t: float) -> Enclosure:
-    """Walls, periods and background flow of a case at time t."""
+    """Walls, periods and background flow of a case at time t. Raises InputError: that flow is not known."""
+    return with_flow(case, t, *background(case.container().at(t), case.wall_velocity(t)))
+
+
+def with_flow(case: Case, t: float, mean: Array, gradient: Array) -> Enclosure:
+    """Walls and periods of a case at time t, with a flow `mean + gradient x` without bodies."""
     container, walls = case.container().at(t), case.wall_velocity(t)
     velocity = np.zeros((len(container.walls), container.dimension))
     for row, name in zip(velocity, container.walls, strict=True):
         if name in walls:
             row[:] = walls[name].velocity
     solid = np.array([name in walls for name in container.walls], dtype=bool)
-    return Enclosure(container, solid, velocity, *background(container, walls))
+    return Enclosure(container, solid, velocity, mean, gradient)
 
 
 def drag(case: Case) -> Array:

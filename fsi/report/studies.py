@@ -1,6 +1,6 @@
 """What the studies print, and draw: `fsi compare`, `fsi limit`, `fsi calibrate`, `fsi validate`."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +10,8 @@ from rich.table import Table
 
 from fsi.calibration.result import CalibrationResult
 from fsi.case.case import Case
-from fsi.comparison import LIMITS, PART, RateComparison, Trajectories
+from fsi.comparison.instants import LevelAtInstant
+from fsi.comparison.motion import LIMITS, PART, RateComparison, Trajectories
 from fsi.gluey.limit_study import Study
 from fsi.lubrication.expansions import EXPONENTS
 from fsi.report.console import table
@@ -31,6 +32,20 @@ def print_trajectories(console: Console, case: Case, paths: Trajectories) -> Non
         touch = f"delta_eps = {paths.smallest['resolved'].min():.1e}: surfaces rougher than this touch"
         memory = "the gluey model, which remembers the push in a film, makes no sense for them"
         console.print(f"{touch}, and {memory} (give gluey.roughness)", highlight=False)
+
+
+def print_instants(console: Console, case: Case, found: Mapping[str, LevelAtInstant]) -> None:
+    """A row for each level: the apparent viscosity, and the errors in per cent."""
+    title = f"{case.name}: per cent from {next(iter(found))}, at time 0"
+    columns = ("mu_app", "viscosity", "velocities", "spins", "gap rates", "CPU s")
+    caption = "velocities less the mean flow; rates of the narrowest gaps, as many as bodies"
+    shown = table(("level",), columns, title=title, title_justify="left", caption=caption)
+    for level, row in found.items():
+        mu = "" if row.apparent_viscosity is None else f"{row.apparent_viscosity:.6g}"
+        viscosity = "" if row.viscosity is None else f"{100.0 * row.viscosity:+.3g}"
+        others = ("" if x is None else f"{100.0 * x:.3g}" for x in (row.velocities, row.spins, row.gap_rates))
+        shown.add_row(level, mu, viscosity, *others, f"{row.seconds:.2g}")
+    console.print(shown)
 
 
 def print_rates(console: Console, case: Case, found: RateComparison) -> None:

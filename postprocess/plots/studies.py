@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fsi.bodies.configuration import Array
-from fsi.comparison import LIMITS, RateComparison
+from fsi.comparison.motion import LIMITS, RateComparison
 from fsi.lubrication.expansions import expansion
 from fsi.lubrication.spheres import normal_resistance
 from fsi.postprocess.plots.figure import BLUE, COLOURS, GREY, ORANGE, saved_figure

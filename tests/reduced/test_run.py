@@ -17,7 +17,7 @@ from fsi.case.case import Case
 from fsi.case.law_file import LawFile, TableSection, save_law
 from fsi.cli.main import main
 from fsi.cli.solve import solve
-from fsi.comparison import History, RateComparison, compare_rates
+from fsi.comparison.motion import History, RateComparison, compare_rates
 from fsi.errors import InputError
 from fsi.integration.state import StepRecord
 from fsi.lubrication.named_laws import GapFilm, exact_law

@@ -12,7 +12,7 @@ import pytest
 from fsi.case.case import Case
 from fsi.case.load import load_case
 from fsi.case.sections import Expected
-from fsi.comparison import RateComparison, Trajectories
+from fsi.comparison.motion import RateComparison, Trajectories
 from fsi.validation import resolved
 from fsi.validation.rows import Row, reference
 

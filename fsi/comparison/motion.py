@@ -159,6 +159,13 @@ def case_at_levels(case: Case, levels: Sequence[str], law: str | None = None) ->
     return {level: parse_case(data | {"model": level}) for level in levels}
 
 
+def require_motion(cases: Mapping[str, Case]) -> None:
+    """Raise InputError where a level only steps and the case has no [time]."""
+    for case in cases.values():
+        if not case.level.viscous:
+            _ = case.timing
+
+
 def run_levels(cases: Mapping[str, Case], folder: Path, progress: Progress = no_progress) -> None:
     """Run all levels, or go on with what is in the folder; collective.
 

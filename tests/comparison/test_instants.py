@@ -1,0 +1,82 @@
+"""The levels of a case at time 0: the errors by hand, and the table that the command prints."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from fsi.case.case import Case
+from fsi.case.load import load_case
+from fsi.cli.main import app
+from fsi.comparison.instants import compare_instants
+from fsi.errors import InputError
+from fsi.models import make_model
+from tests.reduced_data import reduced_case
+
+CASES = Path(__file__).parents[2] / "cases"
+CHANNEL = {
+    "lower": [0.0, 0.0],
+    "upper": [6.0, 6.0],
+    "periodic": ["x"],
+    "walls": {"bottom": [-1.0, 0.0], "top": [3.0, 0.0]},
+}
+LAWS = {"law": "exact", "shear_law": "exact", "rotation_law": "exact", "cutoff": 1.0}
+
+
+def three_discs(drag: float) -> Case:
+    """Two near each other and one near the top; four gaps are below the reach of two radii."""
+    places = [[1.0, 2.0], [3.1, 2.3], [4.5, 4.9]]
+    bodies = [{"name": f"b{k}", "radius": 1.0, "position": x} for k, x in enumerate(places)]
+    return reduced_case(bodies, LAWS | {"drag": drag}, domain=CHANNEL)
+
+
+def test_the_errors_are_those_of_their_definitions() -> None:
+    """Two drags for two levels: u_inf = -1 + 2/3 y, the three narrowest of the gaps by hand."""
+    cases = {"first": three_discs(5.0), "second": three_discs(50.0)}
+    found = compare_instants(cases)
+    one, other = (make_model(case)(case.configuration(), 0.0) for case in cases.values())
+    x = cases["first"].configuration().centres
+    mean = np.column_stack([-1.0 + 2.0 / 3.0 * x[:, 1], np.zeros(3)])
+    row, norm = found["second"], np.linalg.norm
+    off = other.U - one.U
+    assert row.velocities == pytest.approx(norm(off[:, :2]) / norm(one.U[:, :2] - mean))
+    assert row.spins == pytest.approx(norm(off[:, 2]) / norm(one.U[:, 2]))
+    mu = [instant.record["apparent_viscosity"] for instant in (one, other)]
+    assert row.viscosity == pytest.approx(mu[1] / mu[0] - 1.0)
+    assert (found["first"].viscosity, found["first"].velocities, found["first"].gap_rates) == (0.0, 0.0, 0.0)
+
+    def rates(U: np.ndarray) -> np.ndarray:
+        """Of the discs 0 and 1, of 2 and the top, of 1 and 2: gaps of 0.12, 0.1 and 0.95."""
+        first, second = (x[1] - x[0]) / norm(x[1] - x[0]), (x[2] - x[1]) / norm(x[2] - x[1])
+        return np.array([first @ (U[1] - U[0])[:2], -U[2, 1], second @ (U[2] - U[1])[:2]])
+
+    assert row.gap_rates == pytest.approx(norm(rates(off)) / norm(rates(one.U)))
+
+
+def test_a_case_without_time_is_compared_at_its_instant(tmp_path: Path) -> None:
+    """Resolved and reduced: what is printed is what the file holds, and no picture is made."""
+    path, folder = tmp_path / "case.toml", tmp_path / "out"
+    path.write_text(three_discs(8.0).model_copy(update={"time": None}).as_toml())
+    result = CliRunner().invoke(app, ["compare", str(path), "-o", str(folder)])
+    assert result.exit_code == 0, result.output
+    rows = json.loads((folder / "comparison.json").read_text())["instant"]
+    assert set(rows) == {"resolved", "reduced"}
+    assert {file.name for file in folder.iterdir()} == {"comparison.json"}
+    assert f"{100.0 * rows['reduced']['viscosity']:+.3g}" in result.output
+    assert f"{100.0 * rows['reduced']['velocities']:.3g}" in result.output
+    # two models of one flow: far from equal, and of the same size
+    assert 0.01 < abs(rows["reduced"]["viscosity"]) < 0.5
+
+
+def test_a_level_that_only_steps_needs_a_time(tmp_path: Path) -> None:
+    path = tmp_path / "case.toml"
+    path.write_text(load_case(CASES / "levels.toml").model_copy(update={"time": None}).as_toml())
+    levels = ["--levels", "reduced,gluey", "-o", str(tmp_path / "out")]
+    result = CliRunner().invoke(app, ["compare", str(path), *levels])
+    assert isinstance(result.exception, InputError)
+    assert "time: missing" in str(result.exception)
+    assert not (tmp_path / "out").exists()
