@@ -1,7 +1,7 @@
 """Error bars of an instant from the same one computed otherwise: with another degree, or other modes.
 
 The difference times a factor, which the model knows, bounds the error; it is at least what rounding leaves,
-and what chance may hide in one result of many.
+and what chance may hide in one result of many. Where errors have several causes the bounds of each add up.
 """
 
 from dataclasses import dataclass
@@ -45,28 +45,48 @@ def motion_of(case: Case, q: Configuration, t: float, instant: Results) -> Motio
     return Motion(held, np.where(held, instant.U, 0.0), np.where(held, 0.0, motion.F))
 
 
-def step_errors(bodies: DrivenBodies, results: Results, other: Results, factor: float) -> StepErrors:
-    """Estimated errors of results from others of the same bodies: the factor times their difference."""
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """The same instant computed otherwise.
+
+    Attributes:
+        results: of the same bodies.
+        factor: what makes the difference a bound of the error.
+        chance: the part of the largest difference to which each is known: by chance some cancel.
+    """
+
+    results: Results
+    factor: float
+    chance: float = KNOWN_TO
+
+
+def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> StepErrors:
+    """Estimated errors of results from one or more others, the first with all that these have."""
     case, q, motion = bodies.case, bodies.q, bodies.motion
+    other, factor, arms = others[0].results, others[0].factor, q.arms
 
-    def bound(values: Array, reference: Array, arm: Array, computed: NDArray[np.bool_]) -> Array:
-        error, counts = factor * np.abs(values - reference), computed & case.modes
-        largest = np.where(counts, error / arm, 0.0).max(initial=0.0)
+    def bound(values: Array, compared: list[Array], arm: Array, computed: NDArray[np.bool_]) -> Array:
+        counts, error = computed & case.modes, np.zeros_like(arm)
+        for each, reference in zip(others, compared, strict=True):
+            difference = each.factor * np.abs(values - reference)
+            largest = np.where(counts, difference / arm, 0.0).max(initial=0.0)
+            error += np.maximum(difference, arm * each.chance * largest)
         rounding = ROUNDING * np.abs(values / arm).max(initial=0.0)
-        error = np.maximum(error, arm * max(rounding, KNOWN_TO * largest))
-        return np.where(counts, error, 0.0)
+        return np.where(counts, np.maximum(error, arm * rounding), 0.0)
 
-    U = bound(results.U, other.U, 1.0 / q.arms, ~motion.held)
-    F = bound(results.F, other.F, q.arms, motion.held)
-    lost, of_other = getattr(results, "dissipation", nan), getattr(other, "dissipation", nan)
-    dissipation = max(factor * abs(lost - of_other), ROUNDING * lost)  # nan of an infinite one
+    U = bound(results.U, [each.results.U for each in others], 1.0 / arms, ~motion.held)
+    F = bound(results.F, [each.results.F for each in others], arms, motion.held)
+    lost = getattr(results, "dissipation", nan)
+    off = [each.factor * abs(lost - getattr(each.results, "dissipation", nan)) for each in others]
+    dissipation = max(sum(off), ROUNDING * lost)  # nan of an infinite one
     viscosity = _of_viscosity(results, other, factor)
     errors = ErrorEstimate(U, F, dissipation, viscosity, _of_stress(results, other, factor))
     relative = relative_change(results, errors, motion.held, q.arms, flow_scales(case, bodies.t))
     mu = getattr(results, "apparent_viscosity", None)
     if mu is not None and viscosity is not None:
         relative["viscosity"] = viscosity / abs(mu)
-    return StepErrors(errors, relative, np.copysign(U, other.U - results.U))
+    away = np.sum([each.factor * (each.results.U - results.U) for each in others], axis=0)
+    return StepErrors(errors, relative, np.copysign(U, away))
 
 
 def _of_viscosity(results: Results, other: Results, factor: float) -> float | None:

@@ -142,21 +142,22 @@ def difference(R: Array, other: Array, scale: Array) -> float:
     return float(np.max(np.abs(R - other) / np.outer(size, size)))
 
 
-def estimated_errors(found: Resistance, other: Resistance, factor: float) -> ResistanceErrors:
-    """The factor times the differences from another, at least what rounding and chance leave.
+def estimated_errors(found: Resistance, others: Sequence[tuple[float, Resistance]]) -> ResistanceErrors:
+    """The sum of factors times the differences from others, at least what rounding and chance leave.
 
     R and its error are positive matrices, so that |E_ij| <= sqrt(E_ii E_jj), of the mobility likewise: that
     is the scale of what cancels in E_ij.
     """
 
-    def bound(A: Array, B: Array) -> Array:
-        error, size = factor * np.abs(A - B), np.sqrt(np.diag(A))
+    def bound(A: Array, compared: Sequence[tuple[float, Array]]) -> Array:
+        error, size = sum((factor * np.abs(A - B) for factor, B in compared), 0.0 * A), np.sqrt(np.diag(A))
         cancelling = np.sqrt(np.diag(error))
         least = FACTORISATION * np.outer(size, size) + KNOWN_TO * np.outer(cancelling, cancelling)
         return np.asarray(np.maximum(error, least))
 
     of_mobility = None
-    if found.mobility is not None and other.mobility is not None:
-        of_mobility = bound(found.mobility, other.mobility)
-    largest = factor * difference(found.R, other.R, found.modes.scale)
-    return ResistanceErrors(bound(found.R, other.R), of_mobility, largest)
+    inverses = [(factor, other.mobility) for factor, other in others if other.mobility is not None]
+    if found.mobility is not None and len(inverses) == len(others):
+        of_mobility = bound(found.mobility, inverses)
+    largest = sum(factor * difference(found.R, other.R, found.modes.scale) for factor, other in others)
+    return ResistanceErrors(bound(found.R, [(f, other.R) for f, other in others]), of_mobility, largest)

@@ -9,6 +9,7 @@ with one matrix P^T M P for all modes (see `system`).
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import batched
 
 import numpy as np
@@ -16,14 +17,16 @@ from mpi4py import MPI
 
 from fsi.bodies.configuration import Array, Configuration, Motion
 from fsi.case.case import Case
+from fsi.case.walls import Velocity
 from fsi.errors import InputError
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.containers import Container
 from fsi.observables import resistance as matrix
 from fsi.observables.resistance import Modes, Resistance, ResistanceErrors
 from fsi.stokes.adapt import Refinement, refine
+from fsi.stokes.comparisons import comparisons
 from fsi.stokes.identities import identities, require
-from fsi.stokes.model import StokesModel, bar_factor, other_degree_of
+from fsi.stokes.model import StokesModel
 from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem
 from fsi.stokes.refusal import explained
 from fsi.stokes.solve import DEFAULT, Clock, assembled
@@ -51,12 +54,13 @@ def resistance_with_error(case: Case) -> SolvedResistance:
 
 
 def _solved(case: Case) -> SolvedResistance:
-    """With elements of another degree R differs by its error, as forces do (see `model`)."""
-    computed = case_resistance(case)
-    degree, _ = other_degree_of(case.discretisation.degree, case.dimension)
-    model = StokesModel(case)
-    other = _resistance(case, model, model.reference_mesh, degree)
-    errors = matrix.estimated_errors(computed, other, bar_factor(case))
+    """R of other elements or meshes differs by its error, as forces do (see `comparisons`)."""
+    still, others = _between_resting_walls(case), list[tuple[float, Resistance]]()
+    computed, model = case_resistance(case), StokesModel(still)
+    for comparison in comparisons(still):
+        mesh = partial(model.compared_mesh, comparison)
+        others.append((comparison.factor, _resistance(case, model, mesh, comparison.degree)))
+    errors = matrix.estimated_errors(computed, others)
     return SolvedResistance(case, errors.largest, computed.dofs, computed, errors)
 
 
@@ -66,8 +70,16 @@ def case_resistance(case: Case) -> Resistance:
     Along a periodic channel the mean pressure gradient is zero. Raises InputError: the domain has no walls,
     or a given net flux. MeshError, SolveError: as `StokesModel`.
     """
-    model = StokesModel(case)
+    model = StokesModel(_between_resting_walls(case))
     return _resistance(case, model, model.scaled_mesh, case.discretisation.degree)
+
+
+def _between_resting_walls(case: Case) -> Case:
+    """The case whose walls do not move, so that no data jump where they meet."""
+    rest = Velocity((0.0,) * case.dimension)
+    given = case.domain.walls.items()
+    walls = {name: rest if wall.outside_pressure is None else wall for name, wall in given}
+    return case.model_copy(update={"domain": case.domain.model_copy(update={"walls": walls})})
 
 
 def _resistance(case: Case, model: StokesModel, mesh: Mesher, degree: int) -> Resistance:

@@ -212,10 +212,10 @@ def require_valid(x: Array, order: int) -> float:
     quality = scaled_jacobian(x, order)
     worst = int(np.argmin(quality))
     if not quality[worst] > WORST_ACCEPTED:
-        place = x[worst].mean(axis=0)
+        place, size = x[worst].mean(axis=0), "cells_per_circle" if x.shape[-1] == 2 else "cells_per_gap"
         raise MeshError(
             f"the cell at {{}} has scaled Jacobian {apart(quality[worst], WORST_ACCEPTED)}, at most "
-            f"{WORST_ACCEPTED:g} is refused; lower discretisation.growth or raise cells_per_circle",
+            f"{WORST_ACCEPTED:g} is refused; lower discretisation.growth or raise {size}",
             place,
         )
     return float(quality[worst])

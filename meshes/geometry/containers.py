@@ -485,12 +485,14 @@ class FluidDomain:
         centres: q_i, of a periodic container any images, (N, d).
         radii: a_i, (N,).
         corners: where a planar mesh is graded towards corners of the container, (n, 2).
+        edges: the pairs of walls towards whose common edge a mesh in space is graded.
     """
 
     container: Container
     centres: Array
     radii: Array
     corners: Array = field(default_factory=lambda: np.empty((0, 2)))
+    edges: tuple[tuple[int, int], ...] = ()
 
 
 class WithoutWalls(Container):

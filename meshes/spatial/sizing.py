@@ -11,7 +11,8 @@ lubrication length sqrt(a gap), thus
     h_gap(d) = 0.3 sqrt(a d) / cells_per_gap,   but within [0.3 d, 10 d] / cells_per_gap,
 
 a: the smaller radius. No element is larger than a quarter of a box, or than 2 pi R / cells_per_circle in a
-container of radius R. The law is said in gmsh's own language: a function in Python takes ten times as long.
+container of radius R; towards edges where the flow is singular they are smaller (see `grading`). The law is
+said in gmsh's own language: a function in Python takes ten times as long.
 """
 
 from dataclasses import dataclass
@@ -21,6 +22,7 @@ import numpy as np
 from fsi.meshes.errors import TouchingError
 from fsi.meshes.geometry.containers import Array, FluidDomain, lengths
 from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.spatial.grading import edge_sizes
 
 LENGTH, SHORTEST, LONGEST = 0.3, 0.3, 10.0
 
@@ -91,6 +93,7 @@ class Spacing:
             d, across = f"({away[gap.body]}+{away[gap.other]})", float(self.resolution.cells_per_gap)
             along = f"min({LENGTH!r}*sqrt({gap.smallest!r}*abs({d})),{LONGEST!r}*{d})"
             sizes.append(f"max({along},{SHORTEST!r}*{d})/{across!r}")
+        sizes += edge_sizes(self.domain, growth)
         sizes.append(repr(container.largest_element(self.resolution.cells_per_circle)))
         field = gmsh.model.mesh.field
         numbers = []

@@ -41,7 +41,7 @@ def fill(domain: FluidDomain, resolution: Resolution, order: int) -> CurvedCells
     """
     unit = float(domain.radii.max(initial=0.0)) or domain.container.size()
     centres, radii = (rescaled(x, 1.0 / unit) for x in (domain.centres, domain.radii))
-    in_units = FluidDomain(domain.container.scaled(1.0 / unit), centres, radii)
+    in_units = FluidDomain(domain.container.scaled(1.0 / unit), centres, radii, edges=domain.edges)
     try:
         cells = _fill(Spacing(in_units, resolution), order)
     except MeshError as error:

@@ -17,9 +17,10 @@ from fsi.meshes.geometry.containers import Box, Container, HalfPlane, Round
 from fsi.runs import run
 from fsi.stokes.adapt import Solved, solve_with_errors
 from fsi.stokes.corners import distance, jumps, singular
-from fsi.stokes.model import StokesModel, singular_corners
+from fsi.stokes.model import StokesModel
 from fsi.stokes.problem import Boundary
 from fsi.stokes.solution import StokesSolution
+from fsi.stokes.walls import singular_corners
 from tests.flows import at_rest, shear
 
 SQUARE = Box((0.0, 0.0), (4.0, 4.0))

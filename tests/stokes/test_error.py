@@ -20,7 +20,7 @@ from fsi.meshes.files.write import write_mesh
 from fsi.observables.truncation import flow_scales, relative_change
 from fsi.runs import resume, run
 from fsi.stokes.adapt import RefinedModel, solve_with_errors
-from fsi.stokes.model import StokesModel, other_degree_of
+from fsi.stokes.model import StokesModel
 from tests.stokes.test_periodic import THREE_IN_A_CELL
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -248,17 +248,6 @@ def test_the_bar_of_the_apparent_viscosity_holds_the_true_error(more: dict[str, 
     assert mu is not None
     true = abs(mu - 1.4958338873024166)
     assert true <= bar <= 3.0 * true
-
-
-@pytest.mark.parametrize(
-    ("degree", "dimension", "other"),
-    [(3, 2, (4, 1.5)), (4, 2, (5, 1.5)), (3, 3, (2, 0.15)), (2, 3, (3, 1.5))],
-)
-def test_bars_are_differences_times_what_has_been_measured(
-    degree: int, dimension: int, other: tuple[int, float]
-) -> None:
-    """One degree more is 0.97 to 1.01 times the error; one fewer, in space, 9 to 50 times."""
-    assert other_degree_of(degree, dimension) == other
 
 
 def test_a_run_refines_to_half_its_tolerance(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -117,6 +117,10 @@ def compile_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -
     degree 2 k is enough for forces of order 2 k: with more points those of P3 at default sizes change by
     1e-10 and less. Where integrals carry r its degree is added. Matrices, which cost most, are integrated
     over straight cells apart: half the points are exact there.
+
+    With n dA a polynomial of degree (d - 1) (order - 1) on facets, and div u dx one of that degree and k - 1,
+    what flows through the boundary, and what through that of each cell, is integrated exactly: so a constant
+    pressure does nothing, as the iterative solver must know, and what rigid bodies move through is closed.
     """
     omega = ufl.Mesh(coordinate_element(order, dimension))
     V = ufl.FunctionSpace(omega, velocity_element(degree, dimension))
@@ -127,10 +131,12 @@ def compile_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -
     mu, zero = (ufl.Constant(omega) for _ in range(2))
     n = ufl.FacetNormal(omega)
     space = Coordinates(omega, axisymmetric)
-    curved_degree = 2 * degree + order * axisymmetric
+    of_normal = (dimension - 1) * (order - 1)
+    curved_degree = max(2 * degree, of_normal + degree - 1) + order * axisymmetric
     quadrature = {"quadrature_degree": curved_degree}
+    of_flux = {"quadrature_degree": max(curved_degree, of_normal + degree)}
     w = space.weight
-    dx, ds = ufl.dx(omega, metadata=quadrature), ufl.ds(omega, metadata=quadrature)
+    dx, ds = ufl.dx(omega, metadata=quadrature), ufl.ds(omega, metadata=of_flux)
     dS = ufl.ds(MARKED, domain=omega, metadata=quadrature)
     on_straight = {"quadrature_degree": curved_degree if axisymmetric else 2 * (degree - 1)}
     dX = ufl.dx(CURVED, domain=omega, metadata=quadrature)

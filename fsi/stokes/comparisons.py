@@ -1,0 +1,92 @@
+"""The flows with which a resolved flow is compared for its error bars: they differ from it by the error.
+
+The error bar on every force and velocity comes from the same problem with elements of another degree. Forces
+from the reactions, and the velocities of free bodies, converge like h^(2k) with elements of degree k in
+velocity and geometry (they are energies, so their error is the square of the flow's). On the same mesh the
+values of degree k + 1 are therefore 10 to 1000 times closer to the exact ones, and the difference of the two
+is the error of the first. Measured against exact solutions for a disc and a sphere beside a plane, gaps from
+1e-5 to 10 radii and k = 2, 3, 4, it is 0.97 to 1.01 times the true error; 1.10 times once, at an error of
+1e-10, where rounding begins. On meshes too coarse far away, where one degree more gains only a factor 10, it
+is 0.9 times. The factor SAFETY makes it a bound.
+
+In space one degree more costs some ten times as much as the solution itself. There the same problem is solved
+with one degree less, for a tenth of it: its values are the less accurate ones, and the difference is their
+error. Measured beside a plane for k = 3, gaps from 0.01 to 1 radii, it is 14 to 50 times that of degree k on
+the default meshes and finer ones, and 9 times on a mesh half as fine. The factor FEWER makes it a bound.
+Degree 2, which has none below, takes one more.
+
+Where the data of walls jump at a corner (see `corners`), two degrees on one mesh miss the same there, and
+their difference does not tell it. Planar meshes are graded towards such corners, so that the order comes
+back, and the other problem is then solved on another mesh: one with `growth` over FINER, which is graded more
+finely and deeper (see `fsi.meshes.planar.grading`). So is the one beside a user's own mesh, which is not
+graded. The difference is 0.97 to 1.05 times the error of the first again.
+
+In space cells beside such an edge are graded likewise (see `fsi.meshes.spatial.grading`), and what they miss
+goes with their size like h^p, p = 2.74 where velocities jump and 1.19 between an open wall and a solid one,
+whatever the degree. That error and the one of gaps and bodies may cancel, in one flow and not in the next, so
+that each has a flow of its own: one of another degree, as above, and one of the same degree with `growth`
+over FINER, whose difference is 1 - FINER^-p of the error of the edges. The bar is the sum of both.
+
+Bars see the mesh and the elements; they do not see how far a container of finite radius is from an infinite
+one (`fsi.observables.truncation` does), nor how a user's own curved mesh differs from its circles.
+"""
+
+from dataclasses import dataclass
+
+from fsi.case.case import Case
+from fsi.observables.resistance import KNOWN_TO
+from fsi.stokes.corners import jumps, singular
+from fsi.stokes.walls import boundary_of, wall_kinks
+
+SAFETY = 1.5
+FEWER = 0.15
+FINER = 1.5
+# How the error of a force goes with h beside edges of a box in space.
+JUMP_ORDER, OPEN_ORDER = 2.74, 1.19
+# Two meshes in space have other cells everywhere: the flow misses there by chance.
+CHANCE = 0.3
+LOWEST = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """Another flow, which differs from that of a case by its error or a part of it.
+
+    Attributes:
+        degree: of its elements.
+        finer: what its `growth` is less by.
+        factor: what makes the difference a bound.
+        chance: the part of the largest difference to which each is known: by chance some cancel.
+    """
+
+    degree: int
+    finer: float
+    factor: float
+    chance: float = KNOWN_TO
+
+
+def comparisons(case: Case) -> tuple[Comparison, ...]:
+    """The flows with which that of a case is compared; the bars of each add up."""
+    degree, (other, factor) = case.discretisation.degree, _other_degree(case)
+    orders = _edge_orders(case)
+    if case.dimension == 2:
+        return (Comparison(other, FINER if orders else 1.0, factor),)
+    of_edges = (Comparison(degree, FINER, SAFETY / (1.0 - FINER**-p), CHANCE) for p in sorted(orders)[:1])
+    return (Comparison(other, 1.0, factor), *of_edges)
+
+
+def _other_degree(case: Case) -> tuple[int, float]:
+    """The degree with which a problem is solved again, and what makes the difference a bound of the error."""
+    degree = case.discretisation.degree
+    return (degree - 1, FEWER) if case.dimension == 3 and degree > LOWEST else (degree + 1, SAFETY)
+
+
+def _edge_orders(case: Case) -> set[float]:
+    """The orders of the errors where the flow is singular at some time, none where it is smooth."""
+    container, orders = case.container(), set[float]()
+    for t in wall_kinks(case):
+        boundary = boundary_of(case, t)
+        jumping = jumps(container, boundary)
+        pairs = singular(container, boundary)
+        orders |= {JUMP_ORDER if pair in jumping else OPEN_ORDER for pair in pairs}
+    return orders

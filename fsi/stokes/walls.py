@@ -1,0 +1,45 @@
+"""What holds on the walls of a case, and where it makes the flow singular."""
+
+import numpy as np
+
+from fsi.bodies.configuration import Array
+from fsi.case.case import Case
+from fsi.case.walls import WallVelocity
+from fsi.stokes.corners import singular
+from fsi.stokes.problem import Boundary, Field
+
+
+def boundary_of(case: Case, t: float) -> Boundary:
+    """What holds on the walls of a case at time t."""
+    velocities = {wall: _field(velocity) for wall, velocity in case.wall_velocity(t).items()}
+    return Boundary(velocities, case.wall_pressure(), None, *case.domain.mean_drive())
+
+
+def _field(wall: WallVelocity) -> Field:
+    """u(x) = velocity + shear h e_x with the last coordinate h, points (n, d) -> (n, d)."""
+
+    def u(x: Array) -> Array:
+        values = np.tile(wall.velocity, (len(x), 1))
+        values[:, 0] += wall.shear * x[:, -1]
+        return values
+
+    return u
+
+
+def wall_kinks(case: Case) -> set[float]:
+    """The times between which the velocities of the walls are linear, at least one."""
+    return set[float]().union(*(wall.kinks() for wall in case.domain.walls.values())) or {0.0}
+
+
+def singular_pairs(case: Case) -> tuple[tuple[int, int], ...]:
+    """The pairs of walls where the flow is singular at some time: walls are linear between their kinks."""
+    container = case.container()
+    return tuple(
+        sorted({pair for t in wall_kinks(case) for pair in singular(container, boundary_of(case, t))})
+    )
+
+
+def singular_corners(case: Case) -> Array:
+    """Where in the plane these walls meet, (n, 2)."""
+    meetings = case.container().meetings()
+    return np.concatenate([np.empty((0, 2)), *(meetings[pair] for pair in singular_pairs(case))])
