@@ -104,7 +104,7 @@ def build(domain: FluidDomain, resolution: Resolution, order: int) -> FluidMesh:
 
     Collective, gmsh runs on rank 0. Where sizes are coarse a cell that lies flat on a body can turn over when
     it is curved, and gmsh can lose a part of a boundary: then all is meshed again, with sizes that grow more
-    slowly, in space with smaller elements on spheres and in gaps. Raises MeshError on all ranks where all fail.
+    slowly, in space with smaller elements on spheres and in gaps. Raises MeshError on all ranks if all fail.
     """
     if domain.container.dimension == 3:
         finer, make = dict(_finer(resolution, *factors) for factors in FINER), fill
