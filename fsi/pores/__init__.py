@@ -1,0 +1,1 @@
+"""Pore elements: the fluid between discs cut along its necks into pores."""

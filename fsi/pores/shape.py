@@ -1,0 +1,147 @@
+"""The shape of pores: their inscribed circles, and how far their bodies keep clear of their necks."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fsi.pores.compiled import compiled
+from fsi.pores.links import Corner, Links, across, cross, flip, turn
+from fsi.pores.surfaces import CONTAINER, DISC, WALL, Array, Bodies, Shapes
+
+CLEAR = 0.3  # radii between a body and a neck opposite, which a flip may bring about
+_EQUAL = 1e-6  # circles as far as that from a body, over their radius, touch it
+_ROUNDS = 100
+
+
+@compiled
+def distance(shapes: Shapes, x: float, y: float, a: Corner) -> float:
+    """Of the point (x, y) from a surface, positive in the fluid."""
+    kind, r = shapes.kind[a[0]], shapes.radius[a[0]]
+    if kind == WALL:
+        n = shapes.normal[a[0]]
+        return float((x - a[1]) * n[0] + (y - a[2]) * n[1])
+    length = float(np.hypot(x - a[1], y - a[2]))
+    return float(-r - length if kind == CONTAINER else length - r)
+
+
+@compiled
+def _tangent(shapes: Shapes, a: Corner, b: Corner) -> tuple[float, float, float, float]:
+    """e, p, f: centres a + y of circles of radius rho that touch disc a and b have e.y = p + f rho."""
+    x, y, r, s = b[1] - a[1], b[2] - a[2], shapes.radius[a[0]], shapes.radius[b[0]]
+    if shapes.kind[b[0]] == WALL:
+        n = shapes.normal[b[0]]
+        return n[0], n[1], x * n[0] + y * n[1], 1.0
+    return x, y, 0.5 * (x * x + y * y - s * s + r * r), r - s
+
+
+@compiled
+def inscribed(shapes: Shapes, a: Corner, b: Corner, c: Corner) -> tuple[float, float, float]:
+    """Centre and radius of the least circle between three surfaces that touches them; nan for none."""
+    for _ in range(2):
+        if shapes.kind[a[0]] != DISC:
+            a, b, c = b, c, a
+    ex, ey, p, f = _tangent(shapes, a, b)
+    hx, hy, q, g = _tangent(shapes, a, c)
+    area = cross(ex, ey, hx, hy)
+    if area == 0.0:
+        return np.nan, np.nan, np.nan
+    ux, uy = (p * hy - q * ey) / area, (q * ex - p * hx) / area
+    vx, vy = (f * hy - g * ey) / area, (g * ex - f * hx) / area
+    r = shapes.radius[a[0]]
+    # |u + v rho| = r + rho
+    A, B, C = vx * vx + vy * vy - 1.0, ux * vx + uy * vy - r, ux * ux + uy * uy - r * r
+    root = B * B - A * C
+    rho = C / (np.sqrt(root) - B) if root >= 0.0 and np.sqrt(root) > B else np.nan
+    return a[1] + ux + vx * rho, a[2] + uy + vy * rho, rho
+
+
+@compiled
+def conflict(shapes: Shapes, a: Corner, b: Corner, c: Corner, d: Corner) -> float:
+    """Distance of d from the inscribed circle of a, b, c over its radius; -inf where there is none."""
+    x, y, rho = inscribed(shapes, a, b, c)
+    return distance(shapes, x, y, d) / rho - 1.0 if rho > 0.0 else -np.inf
+
+
+@compiled
+def from_neck(shapes: Shapes, x: float, y: float, a: Corner, b: Corner) -> float:
+    """Distance of a point from the side ab: from centre to centre, or to the foot on a wall or container."""
+    if shapes.kind[a[0]] != DISC:
+        a, b = b, a
+    ex, ey = b[1] - a[1], b[2] - a[2]
+    if shapes.kind[b[0]] == WALL:
+        n = shapes.normal[b[0]]
+        h = ex * n[0] + ey * n[1]
+        ex, ey = h * n[0], h * n[1]
+    elif shapes.kind[b[0]] == CONTAINER:
+        stretch = 1.0 + shapes.radius[b[0]] / np.hypot(ex, ey)  # the radius is negative
+        ex, ey = stretch * ex, stretch * ey
+    u, v = x - a[1], y - a[2]
+    along = min(max((u * ex + v * ey) / (ex * ex + ey * ey), 0.0), 1.0)
+    return float(np.hypot(u - along * ex, v - along * ey))
+
+
+@compiled
+def clearance(shapes: Shapes, c: Corner, a: Corner, b: Corner) -> float:
+    """Distance of disc c from the neck ab over its radius, or over theirs if less; infinite for a wall."""
+    if shapes.kind[c[0]] != DISC or (shapes.kind[a[0]] != DISC and shapes.kind[b[0]] != DISC):
+        return np.inf
+    r, s = shapes.radius[c[0]], max(shapes.radius[a[0]], shapes.radius[b[0]])
+    return float((from_neck(shapes, c[1], c[2], a, b) - r) / min(r, s))
+
+
+@compiled
+def narrowest(shapes: Shapes, a: Corner, b: Corner, c: Corner) -> float:
+    """The smallest clearance in a pore."""
+    return min(clearance(shapes, a, b, c), clearance(shapes, b, c, a), clearance(shapes, c, a, b))
+
+
+@compiled
+def _urgency(shapes: Shapes, links: Links, t: int, k: int) -> float:
+    """What side k of pore t asks for a flip by, the less the sooner; infinite where it should stay.
+
+    It asks for one where a body is too near to a neck, or in the inscribed circle of its neighbour.
+    """
+    c, a, b, d = across(shapes, links, t, k)
+    if turn(shapes, c, a, d) <= 0.0 or turn(shapes, d, b, c) <= 0.0:
+        return np.inf
+    before = min(narrowest(shapes, c, a, b), narrowest(shapes, d, b, a))
+    after = min(narrowest(shapes, c, a, d), narrowest(shapes, d, b, c))
+    if before < CLEAR and after > before:
+        return before - CLEAR
+    if after < min(CLEAR, before):
+        return np.inf
+    worst = min(conflict(shapes, c, a, b, d), conflict(shapes, d, b, a, c))
+    best = min(conflict(shapes, c, a, d, b), conflict(shapes, d, b, c, a))
+    return 1.0 + worst if worst < -_EQUAL and best > worst else np.inf
+
+
+@compiled
+def improve(shapes: Shapes, links: Links) -> None:
+    """Flip sides, those that ask for it most first, until none asks for it."""
+    T = len(links.body)
+    last = np.full(T, -1)  # the round in which a pore was flipped
+    for count in range(_ROUNDS):
+        sides, urgency = _pending(shapes, links, last, count - 1)
+        if len(sides) == 0:
+            return
+        for h in sides[np.argsort(urgency, kind="mergesort")]:
+            t, u = h // 3, links.twin[h] // 3
+            if last[t] < count and last[u] < count:
+                flip(shapes, links, t, h % 3)
+                last[t] = last[u] = count
+
+
+@compiled
+def _pending(shapes: Shapes, links: Links, last: Bodies, count: int) -> tuple[Bodies, Array]:
+    """The sides of pores flipped in round `count` that ask for a flip, and their urgency."""
+    sides, urgency = np.empty(len(links.twin) // 2, np.int64), np.empty(len(links.twin) // 2)
+    n = 0
+    for h in range(len(links.twin)):
+        twin = links.twin[h]
+        t, u = h // 3, twin // 3
+        if h < twin and t != u and max(last[t], last[u]) == count:
+            wish = _urgency(shapes, links, t, h % 3)
+            if wish < np.inf:
+                sides[n], urgency[n] = h, wish
+                n += 1
+    return sides[:n], urgency[:n]

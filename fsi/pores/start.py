@@ -1,0 +1,113 @@
+"""The first pores, between as few discs as a container can have, and the order in which the others come."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fsi.errors import SolveError
+from fsi.pores.links import OPEN, Links
+from fsi.pores.surfaces import CONTAINER, DISC, Array, Bodies, Surfaces
+
+
+def first_pores(surfaces: Surfaces, order: Bodies) -> tuple[Links, Bodies]:
+    """The first pores, with room for all, and the discs that are still to come, of those in this order.
+
+    Raises SolveError where the discs of a round container do not surround its centre.
+    """
+    bounds = np.flatnonzero(surfaces.kind != DISC)
+    if np.any(surfaces.kind == CONTAINER):
+        first = _around(surfaces, order)
+        body, image, twin = _in_container(first, int(bounds[0]))
+    elif len(bounds) == 0:
+        first = order[:1]
+        body, image, twin = _in_cell(int(first[0]), surfaces.periods)
+    elif len(surfaces.periods):
+        first = order[:1]
+        body, image, twin = _in_channel(int(first[0]), bounds, surfaces)
+    else:
+        first = order[:1]
+        angles = np.arctan2(surfaces.normal[bounds, 1], surfaces.normal[bounds, 0])
+        body, image, twin = _in_box(int(first[0]), bounds[np.argsort(angles)])
+    room = len(body) + 2 * (len(order) - len(first))
+    links = Links(
+        np.zeros((room, 3), np.int64), np.zeros((room, 3, 2), np.int64), np.zeros(3 * room, np.int64)
+    )
+    links.body[: len(body)], links.image[: len(body)], links.twin[: 3 * len(body)] = (
+        body,
+        image,
+        np.ravel(twin),
+    )
+    return links, order[~np.isin(order, first)]
+
+
+type First = tuple[list[list[int]], list[list[tuple[int, int]]], list[list[int]]]
+
+
+def _in_cell(disc: int, periods: Array) -> First:
+    """Two triangles of a disc and its images."""
+    i, j = ((1, 0), (0, 1)) if np.linalg.det(periods) > 0.0 else ((0, 1), (1, 0))
+    image = [[(0, 0), i, (1, 1)], [(0, 0), (1, 1), j]]
+    return [[disc] * 3] * 2, image, [[4, 5, 3], [2, 0, 1]]
+
+
+def _in_channel(disc: int, walls: Bodies, surfaces: Surfaces) -> First:
+    """Two pores between a disc, its image and a wall."""
+    (e,), body, image = surfaces.periods, [], []
+    for wall in walls:
+        n = surfaces.normal[wall]
+        forwards = n[0] * e[1] - n[1] * e[0] > 0.0
+        body.append([disc, disc, int(wall)])
+        image.append([(0, 0), (1, 0), (0, 0)] if forwards else [(1, 0), (0, 0), (0, 0)])
+    return body, image, [[1, 0, 5], [4, 3, 2]]
+
+
+def _in_box(disc: int, walls: Bodies) -> First:
+    """Four pores in the corners; walls anticlockwise."""
+    n = len(walls)
+    body = [[disc, int(walls[k]), int(walls[(k + 1) % n])] for k in range(n)]
+    twin = [[OPEN, 3 * ((k + 1) % n) + 2, 3 * ((k - 1) % n) + 1] for k in range(n)]
+    return body, [[(0, 0)] * 3] * n, twin
+
+
+def _in_container(discs: Bodies, container: int) -> First:
+    """A triangle of discs, anticlockwise, and three pores between it and the container."""
+    a, b, c = (int(disc) for disc in discs)
+    body = [[a, b, c], [b, a, container], [c, b, container], [a, c, container]]
+    return body, [[(0, 0)] * 3] * 4, [[8, 11, 5], [10, 6, 2], [4, 9, 0], [7, 3, 1]]
+
+
+def _around(surfaces: Surfaces, order: Bodies) -> Bodies:
+    """Three discs whose triangle has the centre of the container inside, anticlockwise."""
+    container = int(np.argmax(surfaces.kind == CONTAINER))
+    e = surfaces.centre[order] - surfaces.centre[container]
+    angle = np.arctan2(e[:, 1], e[:, 0])
+    for first in np.argsort(-np.hypot(e[:, 0], e[:, 1]), kind="stable"):
+        behind = np.mod(angle - angle[first], 2.0 * np.pi)
+        second = int(np.argmax(np.where(behind < np.pi, behind, -1.0)))
+        third = int(np.argmin(np.where(behind > np.pi, behind, 7.0)))
+        if behind[second] > 0.0 and np.pi < behind[third] < behind[second] + np.pi:
+            return order[[first, second, third]]
+    raise SolveError(
+        "no pores between the discs and the round container: they do not surround its centre; "
+        "fluid discs would"
+    )
+
+
+def order_of_insertion(surfaces: Surfaces) -> Bodies:
+    """All discs, rows (surface, its image in the cell), in ever larger rounds, each along a winding path.
+
+    Rounds keep pores round while they are few, and the path keeps walks short (Amenta, Choi and Rote 2003,
+    Incremental constructions con BRIO).
+    """
+    n = surfaces.discs
+    x, image = surfaces.centre[:n], np.zeros((n, 2), np.int64)
+    if len(surfaces.periods):
+        image[:, : len(surfaces.periods)] = -np.floor(x @ np.linalg.pinv(surfaces.periods)).astype(np.int64)
+        x = x + image[:, : len(surfaces.periods)] @ surfaces.periods
+    place = np.random.default_rng(0).permutation(n)
+    size = np.maximum(np.ptp(x, axis=0).max(initial=0.0), 1e-300)
+    rounds = np.ceil(np.log2(place + 1.0))
+    row = np.floor((x[:, 1] - x[:, 1].min(initial=0.0)) / size * np.sqrt(2.0**rounds))
+    along = np.where(row % 2 == 0, x[:, 0], -x[:, 0])
+    order = np.lexsort((along, row, rounds))
+    return np.column_stack([order, image[order]])

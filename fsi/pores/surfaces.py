@@ -1,0 +1,123 @@
+"""The surfaces that bound the fluid: discs, fluid discs, plane walls, a round container."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsi.bodies.configuration import Configuration
+from fsi.errors import InputError
+from fsi.meshes.geometry.containers import Container
+
+Array = NDArray[np.float64]
+Bodies = NDArray[np.int64]
+
+DISC, WALL, CONTAINER = 0, 1, 2
+
+
+class Shapes(NamedTuple):
+    """What compiled loops see of surfaces: always two periods, of which those that are missing are 0.
+
+    The radius of a container is -R, so that |x - centre| = rho + radius holds for the centre x of a circle of
+    radius rho that touches a disc from outside or a container from inside.
+    """
+
+    kind: NDArray[np.int8]
+    centre: Array
+    radius: Array
+    normal: Array
+    periods: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surfaces:
+    """What bounds the fluid, B surfaces: first discs, then fluid discs, then walls or a container.
+
+    Attributes:
+        kind: DISC (fluid outside a circle), WALL (straight) or CONTAINER (fluid inside a circle), (B,).
+        centre: of the circle; of a wall a point on it, (B, 2).
+        radius: of the circle, 0 for walls, (B,).
+        normal: of walls, unit, into the fluid; 0 for circles, (B, 2).
+        fluid: whether it is a circle of fluid rather than a body, (B,).
+        periods: vectors that carry all onto itself, rows, (P, 2), P = 0, 1, 2.
+    """
+
+    kind: NDArray[np.int8]
+    centre: Array
+    radius: Array
+    normal: Array
+    fluid: NDArray[np.bool_]
+    periods: Array
+
+    def __len__(self) -> int:
+        """Number of surfaces B."""
+        return len(self.kind)
+
+    @property
+    def discs(self) -> int:
+        """Number of discs and fluid discs; they come first."""
+        return int(np.count_nonzero(self.kind == DISC))
+
+    @property
+    def bounds(self) -> int:
+        """Number of walls and containers."""
+        return len(self) - self.discs
+
+    def shapes(self) -> Shapes:
+        """What compiled loops see of them."""
+        radius = np.where(self.kind == CONTAINER, -self.radius, self.radius)
+        periods = np.zeros((2, 2))
+        periods[: len(self.periods)] = self.periods
+        return Shapes(self.kind, self.centre, radius, self.normal, periods)
+
+    def with_fluid(self, centre: Array, radius: Array) -> Surfaces:
+        """These and more fluid discs, centres (n, 2) and radii (n,), behind those that there are."""
+        n, at = len(radius), self.discs
+        more = (np.full(n, DISC, np.int8), centre, radius, np.zeros((n, 2)), np.ones(n, bool))
+        old = (self.kind, self.centre, self.radius, self.normal, self.fluid)
+        kind, x, r, normal, fluid = (
+            np.concatenate([a[:at], b, a[at:]]) for a, b in zip(old, more, strict=True)
+        )
+        return Surfaces(kind, x, r, normal, fluid, self.periods)
+
+
+def surfaces_of(q: Configuration, container: Container) -> Surfaces:
+    """The discs of a configuration and the walls of its container.
+
+    Raises InputError where pores are not made for such a container.
+    """
+    _require_pores(q, container)
+    middle = np.atleast_2d(container.middle)
+    centre, normal, radius, kind = [q.centres], [np.zeros_like(q.centres)], [q.radii], [DISC] * len(q)
+    inward = container.normals(middle)[0]
+    reach = container.distances(middle)[0]
+    for sphere, n, distance in zip(container.spheres, inward, reach, strict=True):
+        flat = sphere is None
+        kind.append(WALL if flat else CONTAINER)
+        centre.append(middle - distance * n if sphere is None else np.atleast_2d(sphere.centre))
+        normal.append(n[None] if flat else np.zeros((1, 2)))
+        radius.append(np.array([0.0 if sphere is None else sphere.radius]))
+    return Surfaces(
+        np.array(kind, np.int8),
+        np.concatenate(centre),
+        np.concatenate(radius),
+        np.concatenate(normal),
+        np.zeros(len(kind), bool),
+        np.asarray(container.periods, float).reshape(-1, 2),
+    )
+
+
+def _require_pores(q: Configuration, container: Container) -> None:
+    """Pores fill what walls or periods close on all sides, in the plane."""
+    if q.dimension != 2 or container.dimension != 2 or container.axisymmetric:
+        raise InputError('model = "pores": pores are made in the plane; give geometry = "planar"')
+    walls, periods = container.spheres, len(container.periods)
+    closed = (len(walls), periods) in {(0, 2), (2, 1), (4, 0)} and not any(walls)
+    if not closed and not (len(walls) == 1 and all(walls) and periods == 0):
+        raise InputError(
+            f'model = "pores": no pores are made in a {type(container).__name__}; give a box, a round '
+            "container, a channel or a cell"
+        )

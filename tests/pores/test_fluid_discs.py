@@ -1,0 +1,55 @@
+"""Fluid discs leave no pore wide, and free every neck."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fsi.pores.fluid_discs import Wide, inscribed_circles, with_fluid_discs
+from fsi.pores.surfaces import DISC, Surfaces
+from fsi.pores.topology import clearances, linked, triangulate
+from tests.packings import in_box, in_cell, in_channel, scattered
+from tests.pores.test_topology import require_tiling
+
+
+def require_narrow(surfaces: Surfaces) -> None:
+    """No inscribed circle beside a body is larger than `Wide` says but where bodies reach into it."""
+    links, wide = linked(surfaces), Wide()
+    circles = inscribed_circles(surfaces.shapes(), links)
+    body = (surfaces.kind[links.body] == DISC) & ~surfaces.fluid[links.body]
+    smallest = np.where(body, surfaces.radius[links.body], np.inf).min(axis=1)
+    assert np.nanmax(circles[:, 2] / smallest, initial=0.0) <= 2.0 * wide.least
+    assert clearances(surfaces.shapes(), links).min() > 0.0
+
+
+def test_a_void_between_two_walls_is_filled() -> None:
+    surfaces = with_fluid_discs(in_channel(np.array([[0.3, 1.2]]), np.ones(1), 12.0, 12.0))
+    assert 5 < np.count_nonzero(surfaces.fluid) < 40
+    require_tiling(triangulate(surfaces))
+    require_narrow(surfaces)
+
+
+def test_neighbouring_discs_need_none() -> None:
+    surfaces = in_cell(np.zeros((1, 2)), np.ones(1), 2.2 * np.eye(2))
+    assert with_fluid_discs(surfaces).discs == 1
+
+
+@pytest.mark.parametrize("place", [10.0, 1.01])
+def test_a_small_disc_in_a_large_box(place: float) -> None:
+    """Exactly on the diagonal, where choices are equal; the discs grow away from it."""
+    surfaces = with_fluid_discs(in_box(np.full((1, 2), place), np.ones(1), 20.0, 20.0))
+    fluid = surfaces.radius[surfaces.fluid]
+    assert len(fluid) < 40
+    assert fluid.max() > 2.0
+    triangulate(surfaces)
+    require_narrow(surfaces)
+
+
+@given(st.integers(0, 10**6), st.integers(1, 30), st.sampled_from([1.0, 0.3, 0.1]), st.booleans())
+@settings(max_examples=60, deadline=None)
+def test_random_packings_are_tiled_with_them(seed: int, n: int, ratio: float, channel: bool) -> None:
+    centres, radii = scattered(seed, n, ratio, channel)
+    surfaces = in_channel(centres, radii, 1.0, 1.0) if channel else in_cell(centres, radii, np.eye(2))
+    require_tiling(triangulate(with_fluid_discs(surfaces)))
