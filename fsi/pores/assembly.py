@@ -1,0 +1,149 @@
+"""K of all pores and fluid discs: a sparse form of the numbers of surfaces and the modes of necks."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from fsi.pores.forms import Forms, pore_forms
+from fsi.pores.inner import inner_form
+from fsi.pores.levels import LEVELS, level_of
+from fsi.pores.quadrature import Rule, gathering
+from fsi.pores.regions import PoreShapes
+from fsi.pores.topology import Pores
+from fsi.pores.trial import RIGID, Orders, fluid_numbers
+
+type Index = NDArray[np.int64]
+
+# As many points as keep what one function of a batch needs in the processor's cache.
+_POINTS = 4000
+
+
+@dataclass(frozen=True, slots=True)
+class Numbering:
+    """Where the unknowns of surfaces and necks stand.
+
+    Attributes:
+        surface: first unknown of each surface, (B + 1,): U_x, U_y, omega, c, those of fluid discs.
+        neck: first unknown of each neck, and their end, (K + 1,).
+        order: of fluid discs.
+    """
+
+    surface: Index
+    neck: Index
+    order: int
+
+    @property
+    def unknowns(self) -> int:
+        """All of them."""
+        return int(self.neck[-1])
+
+    @property
+    def modes(self) -> Index:
+        """How many modes each neck has, (K,)."""
+        return np.diff(self.neck)
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """The forms of pores of the same orders.
+
+    Attributes:
+        pore: which, (n,).
+        unknown: of each function of each, (n, m).
+        orders: which functions they have.
+        rule: their points of quadrature.
+        forms: their dissipation.
+    """
+
+    pore: Index
+    unknown: Index
+    orders: Orders
+    rule: Rule
+    forms: Forms
+
+
+@dataclass(frozen=True, slots=True)
+class Assembly:
+    """The assembled form.
+
+    Attributes:
+        K: symmetric, positive semidefinite, (n, n); of fluid of viscosity 1.
+        batches: the forms of the pores.
+        numbering: of the unknowns.
+    """
+
+    K: sp.csr_matrix
+    batches: list[Batch]
+    numbering: Numbering
+
+
+def number(pores: Pores, modes: Index) -> Numbering:
+    """The unknowns when necks have these numbers of modes, (K,)."""
+    order = LEVELS[level_of(int(modes.max(initial=0)))].fluid
+    sizes = np.where(pores.surfaces.fluid, fluid_numbers(order), RIGID)
+    surface = np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
+    neck = surface[-1] + np.concatenate([[0], np.cumsum(modes)]).astype(np.int64)
+    return Numbering(surface, neck, order)
+
+
+def assemble(pores: Pores, shapes: PoreShapes, modes: Index) -> Assembly:
+    """K where necks have these numbers of modes; a pore is as fine as its finest neck."""
+    numbering = number(pores, modes)
+    batches = list(_batches(pores, shapes, numbering))
+    n = numbering.unknowns
+    unknown = [batch.unknown for batch in batches]
+    rows = np.concatenate([np.repeat(u, u.shape[1], axis=1).ravel() for u in unknown])
+    columns = np.concatenate([np.tile(u, (1, u.shape[1])).ravel() for u in unknown])
+    values = np.concatenate([batch.forms.K.ravel() for batch in batches])
+    K = sp.coo_matrix((values, (rows, columns)), shape=(n, n)).tocsr()
+    return Assembly((K + _fluid_form(pores, numbering)).tocsr(), batches, numbering)
+
+
+def _batches(pores: Pores, shapes: PoreShapes, numbering: Numbering) -> Iterator[Batch]:
+    modes = np.where(pores.sides >= 0, numbering.modes[pores.sides], 0)
+    gather = np.max([gathering(shapes, v) for v in range(3)], axis=0)
+    kinds = np.column_stack([modes, pores.surfaces.fluid[pores.vertices]])
+    for kind in np.unique(kinds, axis=0):
+        level = LEVELS[level_of(int(kind[:3].max()))]
+        orders = Orders(
+            (int(kind[0]), int(kind[1]), int(kind[2])),
+            (bool(kind[3]), bool(kind[4]), bool(kind[5])),
+            numbering.order,
+            level.bubbles,
+            level.neck_bubbles,
+        )
+        alike = np.flatnonzero(np.all(kinds == kind, axis=1))
+        alike = alike[np.argsort(gather[alike], kind="stable")]
+        points = level.rule(1.0)
+        at_once = max(1, _POINTS // (3 * points.along.shape[1] * points.across.shape[1]))
+        for start in range(0, len(alike), at_once):
+            chosen = alike[start : start + at_once]
+            rule = level.rule(float(gather[chosen[-1]]))
+            chosen = np.sort(chosen)
+            forms = pore_forms(shapes.of(chosen), rule, orders)
+            yield Batch(chosen, _unknowns(pores, chosen, orders, numbering), orders, rule, forms)
+
+
+def _unknowns(pores: Pores, chosen: Index, orders: Orders, numbering: Numbering) -> Index:
+    """The unknowns of the shared functions of pores, (n, m)."""
+    parts = []
+    for v in range(3):
+        numbers = fluid_numbers(orders.order) if orders.fluid[v] else RIGID
+        parts.append(numbering.surface[pores.vertices[chosen, v], None] + np.arange(numbers))
+    for v in range(3):
+        parts.append(numbering.neck[pores.sides[chosen, v], None] + np.arange(orders.modes[v]))
+    return np.concatenate(parts, axis=1)
+
+
+def _fluid_form(pores: Pores, numbering: Numbering) -> sp.csr_matrix:
+    """The dissipation inside fluid discs."""
+    surfaces, n = pores.surfaces, numbering.unknowns
+    fluid = np.flatnonzero(surfaces.fluid)
+    own = inner_form(numbering.order)
+    at = numbering.surface[fluid, None] + RIGID + np.arange(len(own))
+    values = own / surfaces.radius[fluid, None, None] ** 2
+    rows, columns = np.broadcast_arrays(at[:, :, None], at[:, None, :])
+    return sp.coo_matrix((values.ravel(), (rows.ravel(), columns.ravel())), shape=(n, n)).tocsr()

@@ -1,0 +1,214 @@
+"""The flow in pores at points: stream function, velocity and its gradient. It has no pressure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from fsi.bodies.configuration import Array
+from fsi.pores.assembly import Batch, Index
+from fsi.pores.forms import with_bubbles
+from fsi.pores.inner import inner_flow
+from fsi.pores.jets import value
+from fsi.pores.quadrature import Points, Rule, distances, pore_points
+from fsi.pores.regions import PoreShapes, cross
+from fsi.pores.solve import PoreFlow, stream
+from fsi.pores.system import PoreSystem
+from fsi.pores.trial import fluid_numbers, trial_functions
+
+_CANDIDATES = 8  # pores near a point, of which one holds it
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FluidField:
+    """Of the fluid at n points.
+
+    Attributes:
+        psi: stream function, (n,).
+        u: velocity (psi_y, -psi_x), (n, 2).
+        gradient: d u_i / d x_j, (n, 2, 2).
+    """
+
+    psi: Array
+    u: Array
+    gradient: Array
+
+    @classmethod
+    def of(cls, jet: Array) -> FluidField:
+        """From psi and its derivatives, (6, ...)."""
+        psi, x, y, xx, xy, yy = jet.reshape(6, -1)
+        gradient = np.stack([xy, yy, -xx, -xy], axis=-1).reshape(-1, 2, 2)
+        return cls(psi, np.stack([y, -x], axis=-1), gradient)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoreMesh:
+    """Pores as patches of quadrilaterals with points of their own; some are triangles with a double point.
+
+    Attributes:
+        points: (n, 2), where the pores lie, not brought back into one period.
+        cells: (c, 4), of points.
+        pore: of each point, -1 in fluid discs, (n,).
+        field: at the points.
+    """
+
+    points: Array
+    cells: Index
+    pore: Index
+    field: FluidField
+
+
+class FlowFields:
+    """The fields of a flow; the numbers of its bubbles are found once."""
+
+    def __init__(self, flow: PoreFlow) -> None:
+        """Of a flow."""
+        self.flow = flow
+        self._shapes = flow.system.shapes
+        self._numbers = []
+        for batch in flow.system.assembly.batches:
+            numbers = flow.numbers(batch)
+            self._numbers.append(with_bubbles(self._shapes.of(batch.pore), batch.rule, batch.orders, numbers))
+
+    def at(self, points: Array) -> FluidField:
+        """The fields at points (n, 2), in fluid discs too; not a number in bodies and outside."""
+        system, jet = self.flow.system, np.full((6, len(points)), np.nan)
+        pore, place = locate(system, points)
+        for batch, numbers in zip(system.assembly.batches, self._numbers, strict=True):
+            here = np.flatnonzero(np.isin(pore, batch.pore))
+            if len(here):
+                shapes, x = self._shapes.of(pore[here]), place[here, None]
+                there = Points(x, np.ones(x.shape[:2]), distances(shapes, x))
+                local = numbers[np.searchsorted(batch.pore, pore[here])]
+                jet[:, here] = _sum(shapes, there, batch, local)[:, :, 0]
+        place = self._in_fluid_discs(jet, np.flatnonzero(pore < 0), points, place)
+        return FluidField.of(_carried(jet, place, points, self.flow.loading.gradient))
+
+    def _in_fluid_discs(self, jet: Array, missing: Index, points: Array, place: Array) -> Array:
+        """Fill in points that lie in fluid discs; where all points lie then."""
+        surfaces = self.flow.system.pores.surfaces
+        disc = np.flatnonzero(surfaces.fluid)
+        if len(disc) == 0 or len(missing) == 0:
+            return place
+        place = place.copy()
+        for c in _around(len(surfaces.periods)):
+            shift = np.array(c, float) @ surfaces.periods if c else np.zeros(2)
+            wrapped = _wrapped(points[missing], surfaces.periods, surfaces.centre[disc])
+            length, nearest = cKDTree(surfaces.centre[disc] + shift).query(wrapped)
+            inside = length < surfaces.radius[disc[nearest]]
+            here, own = missing[inside], disc[nearest[inside]]
+            place[here] = wrapped[inside] - shift
+            jet[:, here] = self._inner(own, place[here] - surfaces.centre[own])
+        return place
+
+    def _inner(self, disc: Index, r: Array) -> Array:
+        """psi with its derivatives in fluid discs, (6, n), at r from their centres, (n, 2)."""
+        numbering = self.flow.system.assembly.numbering
+        first = numbering.surface[disc, None] + np.arange(fluid_numbers(numbering.order))
+        radius = self.flow.system.pores.surfaces.radius[disc]
+        return inner_flow(r, radius, self.flow.x[first], numbering.order)
+
+    def mesh(self, cells: int = 4) -> PoreMesh:
+        """A picture of the flow: each strip, triangle, and quarter of a fluid disc in cells x cells."""
+        rule, jets, points, pores = _even(cells), [], [], []
+        for batch, numbers in zip(self.flow.system.assembly.batches, self._numbers, strict=True):
+            shapes = self._shapes.of(batch.pore)
+            there = pore_points(shapes, rule)
+            jets.append(_sum(shapes, there, batch, numbers).reshape(6, -1))
+            points.append(there.x.reshape(-1, 2))
+            pores.append(np.repeat(batch.pore, there.x.shape[1]))
+        r, disc = self._quarters(cells)
+        jets.append(self._inner(disc, r))
+        points.append(self.flow.system.pores.surfaces.centre[disc] + r)
+        pores.append(np.full(len(disc), -1))
+        pore = np.concatenate(pores)
+        patches = np.arange(len(pore) // (cells + 1) ** 2) * (cells + 1) ** 2
+        quadrilaterals = (patches[:, None, None] + _grid(cells)).reshape(-1, 4)
+        return PoreMesh(np.concatenate(points), quadrilaterals, pore, FluidField.of(np.concatenate(jets, 1)))
+
+    def _quarters(self, cells: int) -> tuple[Array, Index]:
+        """Points of quarters of fluid discs, from their centres, (n, 2), and the discs, (n,)."""
+        surfaces = self.flow.system.pores.surfaces
+        disc = np.flatnonzero(surfaces.fluid)
+        t = np.linspace(0.0, 1.0, cells + 1)
+        angle = 0.5 * np.pi * (np.arange(4)[:, None, None] + t)
+        one = (t[:, None] * np.stack([np.cos(angle), np.sin(angle)])).reshape(2, -1).T
+        return (surfaces.radius[disc, None, None] * one).reshape(-1, 2), np.repeat(disc, len(one))
+
+
+def locate(system: PoreSystem, points: Array) -> tuple[Index, Array]:
+    """The pore of each point, (n,), -1 where there is none, and its image in that pore, (n, 2).
+
+    A point lies in the pore to whose sides it lies on the left, and in no body.
+    """
+    shapes, periods = system.shapes, system.pores.surfaces.periods
+    images = [
+        sum((k * p for k, p in zip(c, periods, strict=True)), np.zeros(2)) for c in _around(len(periods))
+    ]
+    middle = shapes.touch.mean(axis=1)
+    tree = cKDTree(np.concatenate([middle + shift for shift in images]))
+    wrapped = _wrapped(points, periods, middle)
+    count = min(_CANDIDATES, len(tree.data))
+    near = tree.query(wrapped, k=count)[1].reshape(len(points), count)
+    pore, place = np.full(len(points), -1), points.copy()
+    for candidate in near.T[::-1]:  # the nearest has the last word
+        number, image = candidate % len(middle), np.asarray(images)[candidate // len(middle)]
+        x = wrapped - image
+        inside = _inside(shapes.of(number), x)
+        pore[inside], place[inside] = number[inside], x[inside]
+    return pore, place
+
+
+def _inside(shapes: PoreShapes, x: Array) -> NDArray[np.bool_]:
+    """Whether points (n, 2) lie in pores (n)."""
+    from_feet = np.moveaxis(x[:, None] - shapes.foot[:, :, 0], -1, 0)
+    left = cross(np.moveaxis(shapes.direction, -1, 0), from_feet) >= -1e-12
+    return np.asarray(np.all(left, axis=1) & np.all(distances(shapes, x[:, None])[..., 0] >= 0.0, axis=0))
+
+
+def _around(number: int) -> list[tuple[int, ...]]:
+    """Coefficients of the periods of all neighbouring images."""
+    return list(product((-1, 0, 1), repeat=number))
+
+
+def _wrapped(points: Array, periods: Array, middle: Array) -> Array:
+    """Images of points near the middles of pores."""
+    if len(periods) == 0:
+        return points
+    coefficients = (points - middle.mean(axis=0)) @ np.linalg.pinv(periods)
+    return points - np.round(coefficients) @ periods
+
+
+def _carried(jet: Array, place: Array, points: Array, gradient: Array) -> Array:
+    """A jet at images of points, with what the mean flow adds from there to the points."""
+    u = (points - place) @ gradient.T
+    jet[0] += stream(gradient, points) - stream(gradient, place)
+    jet[1] -= u[:, 1]
+    jet[2] += u[:, 0]
+    return jet
+
+
+def _sum(shapes: PoreShapes, points: Points, batch: Batch, numbers: Array) -> Array:
+    """psi with its derivatives, (6, n, Q), from the numbers of all functions, (n, m)."""
+    psi = np.zeros((6, *points.weight.shape))
+    for x, function in zip(numbers.T, trial_functions(shapes, points, batch.orders), strict=True):
+        psi += x[:, None] * value(function).f
+    return psi
+
+
+def _even(cells: int) -> Rule:
+    """Evenly spread points, hardly off the corners, where distances to two walls vanish."""
+    t = np.linspace(1e-7, 1.0 - 1e-7, cells + 1)
+    even = np.stack([t, np.ones_like(t)])
+    return Rule(even, even, even)
+
+
+def _grid(cells: int) -> Index:
+    """Cells of a grid of (cells + 1)^2 points, (cells^2, 4)."""
+    corner = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()
+    cells_of: Index = corner[:, None] + np.array([0, 1, cells + 2, cells + 1])
+    return cells_of

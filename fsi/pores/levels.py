@@ -1,0 +1,51 @@
+"""How fine a pore is, by the number of modes of its necks: degrees and points that go with them."""
+
+from math import ceil
+from typing import NamedTuple
+
+from fsi.pores.quadrature import Rule
+from fsi.pores.quadrature import rule as gauss
+
+
+class Level(NamedTuple):
+    """What goes with a number of modes.
+
+    Attributes:
+        modes: from this number of modes of a neck on.
+        fluid: order of fluid discs.
+        bubbles: degree of the bubbles of a pore.
+        neck_bubbles: degrees + 1 of the bubbles of a neck, along and across.
+        points: of quadrature along necks, across them, and inside.
+    """
+
+    modes: int
+    fluid: int
+    bubbles: int
+    neck_bubbles: int
+    points: tuple[int, int, int]
+
+    def rule(self, gathering: float) -> Rule:
+        """The points of quadrature, more along necks where they gather: T of the narrowest."""
+        along, across, inside = self.points
+        return gauss(along + ceil(_PER_GATHERING * gathering), across, inside)
+
+
+# Points along a neck for each unit of T.
+_PER_GATHERING = 2.0
+
+LEVELS = (
+    Level(0, 3, 4, 0, (4, 7, 6)),
+    Level(1, 4, 4, 0, (4, 7, 6)),
+    Level(2, 4, 5, 0, (4, 7, 7)),
+    Level(4, 6, 6, 0, (6, 9, 8)),
+    Level(6, 6, 7, 0, (7, 9, 10)),
+    Level(8, 8, 8, 2, (8, 10, 12)),
+    Level(10, 8, 9, 3, (10, 12, 14)),
+    Level(12, 10, 10, 4, (12, 12, 16)),
+    Level(16, 12, 12, 6, (16, 14, 20)),
+)
+
+
+def level_of(modes: int) -> int:
+    """The number of the level in LEVELS that goes with a number of modes."""
+    return max(k for k, level in enumerate(LEVELS) if level.modes <= modes)

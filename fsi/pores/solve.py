@@ -1,0 +1,249 @@
+"""Velocities of bodies between pores: the least dissipation less the power of what drives them.
+
+    1/2 x^T K x - b . x -> min     over the numbers x that are free,
+
+K x = b. What is held gives the forces that hold it, (K x)_held. The dissipation x^T K x is that of a flow
+that satisfies all but the momentum equation, so at given velocities, or for bodies free of force between
+moving walls, it is never less than that of Stokes flow: an upper bound of the apparent viscosity.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.linalg import splu
+
+from fsi.bodies.configuration import Array, Inertia, Motion
+from fsi.errors import SolveError
+from fsi.pores.assembly import Batch
+from fsi.pores.system import PoreSystem
+from fsi.pores.trial import RIGID
+
+_TINY = float(np.finfo(float).tiny)
+
+
+@dataclass(frozen=True, slots=True)
+class PoreLoading:
+    """What drives the bodies and the fluid.
+
+    Attributes:
+        motion: of the N bodies, modes (U_x, U_y, omega).
+        walls: U_x, U_y, omega of the surfaces that are no discs, in their order, (W, 3).
+        gradient: mean velocity gradient, by which periods change, (2, 2), trace 0.
+        pressure_gradient: dp/dx along a channel; None where the net flux is given.
+        net_flux: through such a channel, of fluid and bodies.
+        inertia: of an implicit step.
+    """
+
+    motion: Motion
+    walls: Array
+    gradient: Array
+    pressure_gradient: float | None = 0.0
+    net_flux: float | None = None
+    inertia: Inertia | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoreFlow:
+    """A flow through pores.
+
+    Attributes:
+        system: whose numbers these are.
+        loading: what drives it.
+        x: all numbers, those of the images of surfaces less the mean flow, (n,).
+        U: velocities of bodies, (N, 3).
+        F: external loads on them, those that hold them too, (N, 3).
+        wall_forces: on the walls, as F, (W, 3).
+        dissipation: in the fluid, mu x^T K x with the mean flow.
+        checks: relative defects: residual, power, momentum.
+    """
+
+    system: PoreSystem
+    loading: PoreLoading
+    x: Array
+    U: Array
+    F: Array
+    wall_forces: Array
+    dissipation: float
+    checks: dict[str, float]
+
+    def numbers(self, batch: Batch) -> Array:
+        """Of all functions of the pores of a batch, with the mean flow of their images, (n, m)."""
+        found: Array = self.x[batch.unknown] + mean_flow(self.system, batch, self.loading.gradient)
+        return found
+
+    def mean_stress(self) -> Array:
+        """Mean stress in a periodic cell less its mean pressure, (2, 2), symmetric, traceless.
+
+        The power of a mean gradient G' is Sigma : G' |cell|, G' = diag(1, -1) and [[0, 1], [1, 0]].
+        """
+        system = self.system
+        area = abs(float(np.linalg.det(system.pores.surfaces.periods)))
+        power = []
+        for test in (np.diag([1.0, -1.0]), np.array([[0.0, 1.0], [1.0, 0.0]])):
+            total = 0.0
+            for batch in system.assembly.batches:
+                q = mean_flow(system, batch, test)
+                total += float(np.einsum("ei,eij,ej->", q, batch.forms.K, self.numbers(batch)))
+            power.append(0.5 * system.viscosity * total / area)
+        return np.array([[power[0], power[1]], [power[1], -power[0]]])
+
+    def dissipation_of_pores(self) -> Array:
+        """Of each pore, (E,); fluid discs have theirs besides."""
+        lost = np.empty(len(self.system.pores.vertices))
+        for batch in self.system.assembly.batches:
+            x = self.numbers(batch)
+            lost[batch.pore] = np.einsum("ei,eij,ej->e", x, batch.forms.K, x)
+        return self.system.viscosity * lost
+
+
+def solve_pores(system: PoreSystem, loading: PoreLoading) -> PoreFlow:
+    """The flow that a loading drives. Raises SolveError: bodies overlap, or the motion is not determined."""
+    mu, n, N = system.viscosity, system.unknowns, system.bodies
+    K = mu * system.assembly.K
+    body = system.assembly.numbering.surface[:N, None] + np.arange(3)
+    x, held = _prescribed(system, loading)
+    b, D = _loads(system, loading), np.zeros(n)
+    if loading.inertia is not None:
+        D[body] = loading.inertia.D
+        b[body] += loading.inertia.D * loading.inertia.U0
+    images, mean_power = _of_mean_flow(system, loading.gradient)
+    free = np.flatnonzero(~held)
+    rhs = b - images - K @ x
+    A = (K + sp.diags(D))[free][:, free]
+    x[free], residual = _solve(A, rhs[free])
+    U = x[body]
+    reactions = K @ x + images
+    F = reactions[body]
+    walls = system.assembly.numbering.surface[system.pores.surfaces.discs : -1, None] + np.arange(3)
+    dissipation = float(x @ (K @ x) + 2.0 * images @ x + mean_power)
+    flow = PoreFlow(system, loading, x, U, F, reactions[walls], dissipation, {})
+    flow.checks.update(residual=residual, power=_power(flow, reactions, images, mean_power))
+    flow.checks.update(_translations(system, reactions))
+    return flow
+
+
+def mean_flow(system: PoreSystem, batch: Batch, gradient: Array) -> Array:
+    """What images of surfaces have more than the surfaces in u = G x + periodic, (n, m).
+
+    Their velocities, and as c the flux of G x between the surface and its image.
+    """
+    pores = system.pores
+    periods = np.zeros((2, 2))
+    periods[: len(pores.surfaces.periods)] = pores.surfaces.periods
+    shift = pores.image[batch.pore] @ periods
+    image = system.shapes.reference[batch.pore]
+    U, c = shift @ gradient.T, stream(gradient, image) - stream(gradient, image - shift)
+    q, at = np.zeros(batch.unknown.shape), 0
+    first = system.assembly.numbering.surface
+    for v in range(3):
+        body = pores.vertices[batch.pore, v]
+        q[:, at], q[:, at + 1], q[:, at + 3] = U[:, v, 0], U[:, v, 1], c[:, v]
+        at += int(first[body[0] + 1] - first[body[0]])
+    return q
+
+
+def stream(G: Array, x: Array) -> Array:
+    """psi of u = G x, G of trace 0."""
+    psi: Array = G[0, 0] * x[..., 0] * x[..., 1] + 0.5 * (G[0, 1] * x[..., 1] ** 2 - G[1, 0] * x[..., 0] ** 2)
+    return psi
+
+
+def _of_mean_flow(system: PoreSystem, gradient: Array) -> tuple[Array, float]:
+    """mu K q for the mean flow q of the images, (n,), and mu q^T K q."""
+    images, power = np.zeros(system.unknowns), 0.0
+    if np.any(gradient):
+        for batch in system.assembly.batches:
+            q = mean_flow(system, batch, gradient)
+            Kq = system.viscosity * np.einsum("eij,ej->ei", batch.forms.K, q)
+            np.add.at(images, batch.unknown.ravel(), Kq.ravel())
+            power += float(np.sum(q * Kq))
+    return images, power
+
+
+def _prescribed(system: PoreSystem, loading: PoreLoading) -> tuple[Array, NDArray[np.bool_]]:
+    """Numbers that are given, (n,), 0 elsewhere, and which."""
+    first, surfaces, motion = system.assembly.numbering.surface, system.pores.surfaces, loading.motion
+    x, held = np.zeros(system.unknowns), np.zeros(system.unknowns, bool)
+    body = first[: system.bodies, None] + np.arange(3)
+    x[body], held[body] = motion.U, motion.held
+    bounds = first[surfaces.discs : len(surfaces)]
+    walls = bounds[:, None] + np.arange(RIGID)
+    held[walls] = True
+    x[walls[:, :3]] = loading.walls
+    if len(bounds) == 0:
+        held[first[0] + 3] = True  # psi of a cell is determined up to a constant
+    if len(bounds) == 2:
+        held[bounds[1] + 3] = loading.net_flux is not None
+        x[bounds[1] + 3] = _flux_sign(system) * (loading.net_flux or 0.0)
+    return x, held
+
+
+def _flux_sign(system: PoreSystem) -> float:
+    """+1 where the second wall of a channel is the one on the left of its period: flux = c_2 - c_1."""
+    surfaces = system.pores.surfaces
+    p, n = surfaces.periods[0], surfaces.normal[-1]
+    return float(np.sign(p[1] * n[0] - p[0] * n[1]))
+
+
+def _loads(system: PoreSystem, loading: PoreLoading) -> Array:
+    """What has power on each number: loads on free modes, the pressure gradient on the flux."""
+    b, first = np.zeros(system.unknowns), system.assembly.numbering.surface
+    body = first[: system.bodies, None] + np.arange(3)
+    b[body] = np.where(loading.motion.held, 0.0, loading.motion.F)
+    if loading.pressure_gradient:
+        length = float(np.linalg.norm(system.pores.surfaces.periods[0]))
+        top = first[len(system.pores.surfaces) - 1] + 3
+        b[top] = -loading.pressure_gradient * length * _flux_sign(system)
+    return b
+
+
+def _solve(A: sp.csr_matrix, b: Array) -> tuple[Array, float]:
+    """x and the relative residual of A x = b, A symmetric positive definite. Raises SolveError."""
+    diagonal = A.diagonal()
+    if not np.all(diagonal > 0.0):
+        raise SolveError("pores: the motion is not determined: a free body meets no fluid")
+    scale = sp.diags(1.0 / np.sqrt(diagonal))
+    scaled, right = (scale @ A @ scale).tocsc(), scale @ b
+    try:
+        options = {"SymmetricMode": True}
+        factors = splu(scaled, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+    except RuntimeError as error:
+        raise SolveError(f"pores: the dissipation is not positive ({error}): do bodies overlap?") from None
+    y = factors.solve(right)
+    y += factors.solve(right - scaled @ y)
+    defect = float(np.abs(right - scaled @ y).max(initial=0.0))
+    return scale @ y, defect / (float(np.abs(right).max(initial=0.0)) + _TINY)
+
+
+def _power(flow: PoreFlow, reactions: Array, images: Array, mean_power: float) -> float:
+    """Power of loads, walls and mean flow less the dissipation, over the sum of their sizes."""
+    system, loading, x = flow.system, flow.loading, flow.x
+    bodies = flow.F * flow.U
+    walls = flow.wall_forces * loading.walls
+    mean = float(images @ x) + mean_power
+    driven = 0.0
+    if len(loading.walls) == 2:
+        top = int(system.assembly.numbering.surface[-1]) - 1
+        driven = float(reactions[top] * x[top])
+    total = float(bodies.sum() + walls.sum()) + mean + driven
+    sizes = float(np.abs(bodies).sum() + np.abs(walls).sum()) + abs(mean) + abs(driven)
+    return abs(total - flow.dissipation) / (sizes + abs(flow.dissipation) + _TINY)
+
+
+def _translations(system: PoreSystem, reactions: Array) -> dict[str, float]:
+    """The largest net force of the fluid on all that bounds it: a translation of all costs nothing."""
+    surfaces, first = system.pores.surfaces, system.assembly.numbering.surface[:-1]
+    sums = []
+    for axis in range(2):
+        t = np.zeros(system.unknowns)
+        t[first + axis] = 1.0
+        t[first + 3] = (system.reference[:, 1], -system.reference[:, 0])[axis]
+        if len(surfaces.periods) and np.any(np.abs(surfaces.periods[:, 1 - axis]) > 0.0):
+            continue  # its stream function is not periodic
+        sums.append(abs(float(t @ reactions)))
+    scale = float(np.abs(reactions).max(initial=0.0)) + _TINY
+    return {"momentum": max(sums, default=0.0) / scale}

@@ -1,0 +1,87 @@
+"""The dissipation of the fluid between bodies as a quadratic form of few numbers, at one configuration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from time import process_time
+
+import numpy as np
+
+from fsi.bodies.configuration import Array
+from fsi.errors import SolveError
+from fsi.pores.assembly import Assembly, Index, assemble
+from fsi.pores.fluid_discs import with_fluid_discs
+from fsi.pores.regions import PoreShapes, shapes_of
+from fsi.pores.surfaces import DISC, Surfaces
+from fsi.pores.topology import Pores, triangulate
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoreSystem:
+    """The pores of a configuration and their dissipation.
+
+    Attributes:
+        bodies: how many of the surfaces, the first, are bodies (N).
+        pores: the pores, also those around fluid discs.
+        shapes: where they lie.
+        assembly: the form, for viscosity 1.
+        viscosity: mu.
+        seconds: of the processor: topology, forms.
+    """
+
+    bodies: int
+    pores: Pores
+    shapes: PoreShapes
+    assembly: Assembly
+    viscosity: float
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    @classmethod
+    def make(cls, surfaces: Surfaces, modes: int, viscosity: float) -> PoreSystem:
+        """With the same number of modes for each neck. Raises SolveError: no pores fill the fluid."""
+        began = process_time()
+        bodies = int(np.count_nonzero(surfaces.kind == DISC))
+        pores = triangulate(with_fluid_discs(surfaces))
+        between = process_time()
+        made = cls.of(bodies, pores, np.full(len(pores.necks), modes), viscosity)
+        made.seconds.update(cpu_pores=between - began, cpu_forms=process_time() - between)
+        return made
+
+    @classmethod
+    def of(cls, bodies: int, pores: Pores, modes: Index, viscosity: float) -> PoreSystem:
+        """With numbers of modes for the necks, (K,). Raises SolveError."""
+        shapes = shapes_of(pores)
+        assembly = assemble(pores, shapes, modes)
+        _require_regions(pores, assembly)
+        return cls(bodies, pores, shapes, assembly, viscosity)
+
+    @property
+    def unknowns(self) -> int:
+        """All numbers, the prescribed ones too."""
+        return self.assembly.numbering.unknowns
+
+    @property
+    def reference(self) -> Array:
+        """Where psi of each surface is its number c, (B, 2)."""
+        surfaces, V = self.pores.surfaces, self.pores.vertices
+        reference = surfaces.centre.copy()
+        offset = (self.shapes.reference - self.shapes.centre).reshape(-1, 2)
+        reference[V.ravel()] = surfaces.centre[V.ravel()] + offset
+        return reference
+
+    @property
+    def area(self) -> Array:
+        """Of each pore, (E,)."""
+        area = np.empty(len(self.pores.vertices))
+        for batch in self.assembly.batches:
+            area[batch.pore] = batch.forms.area
+        return area
+
+
+def _require_regions(pores: Pores, assembly: Assembly) -> None:
+    """Raise SolveError where strips or triangle of a pore overlap."""
+    for batch in assembly.batches:
+        bad = batch.pore[batch.forms.least <= 0.0]
+        if len(bad):
+            names = ", ".join(str(b + 1) for b in pores.vertices[bad[0]])
+            raise SolveError(f"pores: the fluid between surfaces {names} is no pore; report this arrangement")

@@ -1,0 +1,266 @@
+"""The trial functions of a pore: stream functions, u = (psi_y, -psi_x), with no slip built in.
+
+A surface v that moves rigidly imposes psi and grad psi through four numbers (U_x, U_y, omega, c),
+
+    Psi_v(x) = c + U_x (y - y_v) - U_y (x - x_v) - omega (|x - x_v|^2 - a_v^2) / 2,
+
+c being psi where the narrowest neck ends (in U_x and U_y x_v is that point: what slides in it makes no flux),
+and c_w - c_v is the flux through the neck between v and w. With d_v the distance to surface v and e_v the
+distance to the line of side v, 1 at the arc of vertex v, the weights
+
+    l_v = q_v / (q_1 + q_2 + q_3),  q_v = s_v d_i d_j,  s_v = e_v^2 / (e_v^2 + e_i^2 e_j^2)    (i, j the
+    others)
+
+are 1 with zero slope on surface v and 0 with zero slope on the two others; on side v they are (0, t, 1 - t),
+t = d_j / (d_i + d_j), with slopes that only d_i and d_j determine, hence the same in both pores that share
+it. So
+
+    psi = sum_v (l_v^2 (3 - 2 l_v) + 2 l_1 l_2 l_3) Psi_v                       blending; the weights sum to 1
+          - 2 sum_{v<w} l_v^2 l_w^2 (d_v + d_w) n_vw . grad(Psi_v - Psi_w)      cubic in necks: Reynolds
+          + sum_{sides} l_i^2 l_j^2 P_k(l_j - l_i) (m_k + m'_k e / D)           modes of necks
+          + l_1 l_2 l_3 p(x, y) + sum_{sides} l_i^2 l_j^2 e^2 p(e, l_j - l_i)   bubbles
+
+is continuous with its gradient across necks (it lies in H^2 of all the fluid), moves with the bodies on their
+surfaces, costs nothing where all move as one rigid body, and is complete as the degrees grow: all functions
+are analytic in the pore, and bubbles vanish to second order exactly on its boundary.
+"""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from fsi.pores.jets import Jet, Sum
+from fsi.pores.quadrature import Points
+from fsi.pores.regions import NEXT, OTHER, PoreShapes
+from fsi.pores.surfaces import CONTAINER, WALL
+
+RIGID = 4  # U_x, U_y, omega, c
+CUBIC = 3  # the least order of fluid discs
+
+
+class Orders(NamedTuple):
+    """Which trial functions pores have.
+
+    Attributes:
+        modes: of each of the three sides.
+        fluid: which of the three vertices are discs of fluid.
+        order: the order M of fluid discs, at least 3: psi is a biharmonic polynomial of 4 M - 2 numbers.
+        bubbles: the degree of p(x, y).
+        neck_bubbles: degrees + 1 of p(e, l_j - l_i) along and across each neck; 0 for none.
+    """
+
+    modes: tuple[int, int, int]
+    fluid: tuple[bool, bool, bool]
+    order: int
+    bubbles: int
+    neck_bubbles: int
+
+    @property
+    def shared(self) -> int:
+        """How many functions belong to surfaces and necks; those that follow are bubbles."""
+        numbers = sum(fluid_numbers(self.order) if fluid else RIGID for fluid in self.fluid)
+        return numbers + sum(self.modes)
+
+    @property
+    def total(self) -> int:
+        """How many functions there are."""
+        return self.shared + (self.bubbles + 1) * (self.bubbles + 2) // 2 + 3 * self.neck_bubbles**2
+
+
+class Weights(NamedTuple):
+    """What trial functions are made of, at points.
+
+    Attributes:
+        vertex: l of the three vertices.
+        blend: l^2 (3 - 2 l) + 2 l_1 l_2 l_3 of the vertices.
+        slope: what multiplies the two components of grad Psi_v, of the vertices.
+        pair: l_i^2 l_j^2 of the sides.
+        across: e / D of the sides, zero there and positive inside, D the distance of the centres.
+        bubble: l_1 l_2 l_3.
+    """
+
+    vertex: list[Jet]
+    blend: list[Jet]
+    slope: list[tuple[Jet, Jet]]
+    pair: list[Jet]
+    across: list[Jet]
+    bubble: Jet
+
+
+def fluid_numbers(order: int) -> int:
+    """How many numbers a fluid disc has."""
+    return 4 * order - 2
+
+
+def trial_functions(shapes: PoreShapes, points: Points, orders: Orders) -> Iterator[Sum]:
+    """All trial functions of pores of the same orders: of surfaces, of sides, bubbles."""
+    weights = weights_at(shapes, points)
+    for v in range(3):
+        yield from _surface(shapes, v, points, orders, weights)
+    for v in range(3):
+        yield from _modes(shapes, v, orders.modes[v], weights)
+    yield from _bubbles(shapes, points, orders.bubbles, weights)
+    for v in range(3):
+        yield from _neck_bubbles(v, orders.neck_bubbles, weights)
+
+
+def weights_at(shapes: PoreShapes, points: Points) -> Weights:
+    """The weights of pores at points and what is made of them."""
+    d = [_distance(shapes, v, points) for v in range(3)]
+    lines = [_line(shapes, v, points) for v in range(3)]
+    squares = [e * e for e, _ in lines]
+    q = []
+    for v, i, j in zip(range(3), NEXT, OTHER, strict=True):
+        s = squares[v] * (squares[v] + squares[i] * squares[j]).reciprocal()
+        q.append(s * (d[i] * d[j]))
+    total = (q[0] + q[1] + q[2]).reciprocal()
+    weight = [q[v] * total for v in range(3)]
+    square = [w * w for w in weight]
+    bubble = weight[0] * weight[1] * weight[2]
+    twice = bubble.scaled(2.0)
+    blend = [square[v] * weight[v].scaled(-2.0).plus(3.0) + twice for v in range(3)]
+    pair = [square[i] * square[j] for i, j in zip(NEXT, OTHER, strict=True)]
+    wide = [pair[v] * (d[NEXT[v]] + d[OTHER[v]]) for v in range(3)]
+    slope = []
+    for i, j in zip(NEXT, OTHER, strict=True):
+        # Side j leads away from vertex v, side i towards it.
+        n, m = shapes.direction[:, j].T[..., None], shapes.direction[:, i].T[..., None]
+        x, y = (wide[i].scaled(2.0 * m[k]) - wide[j].scaled(2.0 * n[k]) for k in range(2))
+        slope.append((x, y))
+    return Weights(weight, blend, slope, pair, [across for _, across in lines], bubble)
+
+
+def _distance(shapes: PoreShapes, v: int, points: Points) -> Jet:
+    """d_v."""
+    r = np.moveaxis(points.x, -1, 0) - shapes.centre[:, v].T[..., None]
+    wall = (shapes.kind[:, v] == WALL)[:, None]
+    sign = np.where(shapes.kind[:, v] == CONTAINER, -1.0, 1.0)[:, None]
+    length = np.where(wall, 1.0, np.hypot(r[0], r[1]))
+    n = np.where(wall, shapes.normal[:, v].T[..., None], sign * r / length)
+    bend = np.where(wall, 0.0, sign / length)
+    second = (bend * n[1] ** 2, -bend * n[0] * n[1], bend * n[0] ** 2)
+    return Jet(np.stack([points.distance[v], n[0], n[1], *second]))
+
+
+def _line(shapes: PoreShapes, v: int, points: Points) -> tuple[Jet, Jet]:
+    """e_v and e_v / D. At a corner of two walls nothing has to vanish: 1 and 0."""
+    n, foot = shapes.direction[:, v].T[..., None], shapes.foot[:, v, 0].T[..., None]
+    corner = shapes.gap[:, v, None] <= 0.0
+    touch = shapes.touch[:, v].T[..., None]
+    height = np.where(corner, 1.0, n[0] * (touch[1] - foot[1]) - n[1] * (touch[0] - foot[0]))
+    e = n[0] * (points.x[..., 1] - foot[1]) - n[1] * (points.x[..., 0] - foot[0])
+    line = Jet.linear(np.where(corner, 1.0, e / height), -n[1] / height, n[0] / height)
+    D = np.where(corner, 1.0, shapes.reach[:, v, None])
+    return line, Jet.linear(e / D, -n[1] / D, n[0] / D)
+
+
+def _surface(shapes: PoreShapes, v: int, points: Points, orders: Orders, weights: Weights) -> Iterator[Sum]:
+    """The functions of the numbers of surface v."""
+    r = points.x - shapes.centre[:, v, None]
+    dx, dy = Jet.linear(r[..., 0], 1.0, 0.0), Jet.linear(r[..., 1], 0.0, 1.0)
+    blend, (slope_x, slope_y) = weights.blend[v], weights.slope[v]
+    s = points.x - shapes.reference[:, v, None]
+    yield [(blend, Jet.linear(s[..., 1], 0.0, 1.0)), (slope_y, None)]
+    yield [(blend, Jet.linear(-s[..., 0], -1.0, 0.0)), (slope_x.scaled(-1.0), None)]
+    # -(|x|^2 - a^2) / 2 by d (|x| + a): beside the circle it keeps its digits.
+    half = dx * dx + dy * dy
+    half.f *= -0.5
+    sign = np.where(shapes.kind[:, v] == CONTAINER, -1.0, 1.0)[:, None]
+    a, length = shapes.radius[:, v, None], np.hypot(r[..., 0], r[..., 1])
+    half.f[0] = -0.5 * sign * points.distance[v] * (length + a)
+    turn = np.where((shapes.kind[:, v] == WALL)[:, None], 0.0, 1.0)  # walls do not turn
+    yield [
+        (blend, half.scaled(turn)),
+        (slope_x, dx.scaled(-turn)),
+        (slope_y, dy.scaled(-turn)),
+    ]
+    yield [(blend, None)]
+    if orders.fluid[v]:
+        for f, fx, fy in _fluid(dx.scaled(1.0 / a), dy.scaled(1.0 / a), orders.order):
+            yield [(blend, f), (slope_x, fx.scaled(1.0 / a)), (slope_y, fy.scaled(1.0 / a))]
+
+
+def _fluid(x: Jet, y: Jet, order: int) -> Iterator[tuple[Jet, Jet, Jet]]:
+    """f, f_x, f_y of the functions of a fluid disc beyond the rigid ones, z = x + i y, |z| = 1 on its circle.
+
+    Inside they are those of `inner_powers`. Only value and slope on the circle count outside, so that those
+    from m = 4 on, which would grow, are continued by decaying ones of the same value and slope,
+
+        A w^m + B |z|^2 w^m,  w = 1 / conj(z);   A + B = 1,  2 B - m = slope.
+    """
+    one = np.zeros_like(x.f)
+    one[0] = 1.0
+    square = x * x + y * y
+    inverse = square.reciprocal()
+    z = _powers(x, y, Jet(one), CUBIC)
+    for m in (2, 3):
+        for part in range(2):
+            yield z[m][part], z[m - 1][part].scaled(m), z[m - 1][1 - part].scaled(m * (2 * part - 1))
+    for part in range(2):
+        f = z[1][part]
+        fx, fy = (square, Jet(0.0 * one)) if part == 0 else (Jet(0.0 * one), square)
+        yield square * f, fx + (x * f).scaled(2.0), fy + (y * f).scaled(2.0)
+    w = _powers(x * inverse, y * inverse, Jet(one), order + 1)
+    for m in range(4, order + 1):
+        for k, slope in ((m, m), (m - 2, m)):
+            B = 0.5 * (slope + k)
+            for part in range(2):
+                # d w^k / dx = -k w^(k+1), d w^k / dy = i k w^(k+1)
+                f, gx = w[k][part], w[k + 1][part].scaled(-k)
+                gy = w[k + 1][1 - part].scaled(-k if part == 0 else k)
+                weight = square.scaled(B).plus(1.0 - B)
+                yield (
+                    weight * f,
+                    weight * gx + (x * f).scaled(2.0 * B),
+                    weight * gy + (y * f).scaled(2.0 * B),
+                )
+
+
+def _powers(x: Jet, y: Jet, one: Jet, order: int) -> list[tuple[Jet, Jet]]:
+    """Re and Im of (x + i y)^m, m = 0 ... order."""
+    powers = [(one, one.scaled(0.0))]
+    for _ in range(order):
+        re, im = powers[-1]
+        powers.append((re * x - im * y, re * y + im * x))
+    return powers
+
+
+def _modes(shapes: PoreShapes, v: int, number: int, weights: Weights) -> Iterator[Sum]:
+    """The modes of side v: P_0, e P_0, P_1, e P_1, P_2, e P_2 ...
+
+    They belong to the neck: seen against its direction both l_j - l_i and e change their signs.
+    """
+    turn = shapes.turn[:, v, None]
+    P = (weights.vertex[OTHER[v]] - weights.vertex[NEXT[v]]).scaled(turn).legendre(number // 2 + 2)
+    e = weights.across[v].scaled(turn)
+    for k in range(number):
+        odd, degree = (k % 2, k // 2)
+        yield [(weights.pair[v], e * P[degree] if odd else P[degree])]
+
+
+def _bubbles(shapes: PoreShapes, points: Points, degree: int, weights: Weights) -> Iterator[Sum]:
+    """l_1 l_2 l_3 P_i(x) P_j(y), i + j <= degree, in coordinates that are 1 at the farthest arc."""
+    middle = shapes.touch.mean(axis=1)[:, None]
+    size = np.linalg.norm(shapes.touch - middle, axis=2).max(axis=1)[:, None]
+    r = points.x - middle
+    x = Jet.linear(r[..., 0] / size, 1.0 / size, 0.0).legendre(degree + 1)
+    y = Jet.linear(r[..., 1] / size, 0.0, 1.0 / size).legendre(degree + 1)
+    for i in range(degree + 1):
+        f = weights.bubble * x[i]
+        for j in range(degree + 1 - i):
+            yield [(f, y[j])]
+
+
+def _neck_bubbles(v: int, number: int, weights: Weights) -> Iterator[Sum]:
+    """l_i^2 l_j^2 e^2 P_c(2 e - 1) P_d(l_j - l_i) of side v."""
+    if number == 0:
+        return
+    e = weights.across[v]
+    base = weights.pair[v] * (e * e)
+    along = e.scaled(2.0).plus(-1.0).legendre(number)
+    over = (weights.vertex[OTHER[v]] - weights.vertex[NEXT[v]]).legendre(number)
+    for c in range(number):
+        f = base * along[c]
+        for d in range(number):
+            yield [(f, over[d])]
