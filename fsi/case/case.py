@@ -5,6 +5,7 @@ the plane.
 """
 
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
 import numpy as np
@@ -16,6 +17,7 @@ from fsi.bodies.configuration import MODES, Array, Configuration, Motion
 from fsi.bodies.forces import Bulk, external_forces, moment_of_forces
 from fsi.case.body import FREE, Body
 from fsi.case.domains import Domain
+from fsi.case.drag_file import read_drag_file
 from fsi.case.force_laws import Force
 from fsi.case.gluey import Gluey, LimitStudy
 from fsi.case.macroscopic import Macroscopic
@@ -130,15 +132,24 @@ class Case(Section):
 
     @property
     def drag(self) -> float:
-        """The drag of a lone body in the reduced model, over mu V, for spheres over mu a V."""
+        """The drag of a body by itself in the reduced model, over mu V, for spheres over mu a V."""
         if self.reduced.drag is not None:
             return self.reduced.drag
+        if self.reduced.drag_from is not None:
+            return read_drag_file(Path(self.reduced.drag_from)).drag
         if not self.spheres:
             raise InputError(
                 "reduced.drag: missing; give the drag of a disc over mu V, some 10: a lone disc in unbounded "
-                "fluid has none (Stokes's paradox)"
+                "fluid has none (Stokes's paradox), or a file of `fsi resistance --drag` by reduced.drag_from"
             )
         return 6.0 * np.pi
+
+    @property
+    def fraction(self) -> float:
+        """The part of the domain that is bodies."""
+        a = np.array([body.radius for body in self.bodies], dtype=float)
+        size = 4.0 / 3.0 * np.pi * a**3 if self.spheres else np.pi * a**2
+        return float(size.sum()) / self.container().volume
 
     @property
     def timing(self) -> Time:

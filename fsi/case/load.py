@@ -74,7 +74,7 @@ def _check_model(path: Path, model: Any) -> None:
 
 _LAW_KEYS = ("law", "wall_law", "shear_law", "wall_shear_law", "rotation_law", "wall_rotation_law")
 # Keys that are paths of files, seen from the folder of the case; words without a suffix are none.
-_PATHS: dict[str, tuple[str, ...]] = {"domain": ("mesh",), "reduced": _LAW_KEYS}
+_PATHS: dict[str, tuple[str, ...]] = {"domain": ("mesh",), "reduced": (*_LAW_KEYS, "drag_from")}
 
 
 def _paths(data: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any, ClassVar, Literal, NamedTuple
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
@@ -148,10 +149,18 @@ class Reduced(Section):
     """the law of turning beside walls, as `rotation_law`; the same if not given"""
     drag: NotNegative | None = None
     """the drag of a lone disc over mu V, of a sphere over mu a V (6 pi if not given), >= 0"""
+    drag_from: Text | None = None
+    """in place of `drag`, the path of a drag file that `fsi resistance --drag` has written, or none"""
     cutoff: Positive | None = None
     """the gap beyond which bodies do not feel each other, a length > 0, or none"""
     extrapolate: bool = False
     """true to use a law file outside the range of its gaps, false to stop there"""
+
+    @property
+    def laws(self) -> dict[str, str]:
+        """The laws that are given, by their keys; those of files by the names of the files."""
+        keys = ("law", "wall_law", "shear_law", "wall_shear_law", "rotation_law", "wall_rotation_law")
+        return {key: Path(law).name for key in keys if (law := getattr(self, key)) is not None}
 
 
 APPARENT_VISCOSITY = "apparent viscosity"

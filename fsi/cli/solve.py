@@ -87,6 +87,9 @@ def resistance(
     output: Annotated[
         Path | None, output_to("A .json or .npz file for R, its inverse and their errors, .csv for R.", False)
     ] = None,
+    drag: Annotated[
+        Path | None, option("A drag file to write, for reduced.drag_from of cases like this.", "none")
+    ] = None,
     as_json: AsJson = False,
     overrides: Overrides = None,
 ) -> None:
@@ -97,7 +100,12 @@ def resistance(
     errors of all entries are estimated with another degree; the largest of R, over the diagonal, is held to
     discretisation.tolerance.
     In a container of given radius the change of R with half that radius is reported, as by fsi solve.
+
+    With --drag also the drag with which the reduced model of the case, its laws and its cutoff, has the same
+    mean mobility of the bodies.
     """
+    from fsi.calibration.drag import calibrated_drag, reduced_model
+    from fsi.case.drag_file import save_drag
     from fsi.observables.resistance import difference
     from fsi.observables.truncation import halved
     from fsi.report.resistance import print_resistance, require_format, resistance_json, write_resistance
@@ -105,21 +113,32 @@ def resistance(
     if output is not None:
         require_writable(output)
         require_format(output)
+    if drag is not None:
+        require_writable(drag)
     case = load_resolved(case_file, overrides, "resistance")
     if not case.bodies:
         raise InputError("bodies: there are none; a resistance matrix needs at least one [[bodies]]")
     from fsi.stokes.resistance import case_resistance, resistance_with_error
 
+    model = None if drag is None else reduced_model(case)
     solved = resistance_with_error(case)
     found, half = solved.resistance, halved(solved.case)
     truncation = None if half is None else difference(found.R, case_resistance(half).R, found.modes.scale)
     data = resistance_json(case.name, found, solved.errors, truncation)
     if output is not None:
         parallel.on_root(lambda: write_resistance(output, data))
+    file = None if model is None else calibrated_drag(model, found, solved.errors, case_file)
+    if drag is not None and file is not None:
+        parallel.on_root(lambda: save_drag(drag, file))
+        data |= {"drag": file.drag, "drag_error": file.error}
     if parallel.is_root() and as_json:
         typer.echo(json.dumps(data))
     elif parallel.is_root():
         print_resistance(standard_output(), case.name, found, solved.errors, truncation)
+        if file is not None:
+            typer.echo(
+                f"drag = {file.drag:.6g} ± {file.error:.0e}, with the same mean mobility; wrote {drag}"
+            )
 
 
 def mesh(

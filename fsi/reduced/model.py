@@ -7,6 +7,7 @@ from time import process_time
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
@@ -17,7 +18,7 @@ from fsi.observables.bulk_stress import BulkStress
 from fsi.parallel import on_root
 from fsi.reduced.enclosure import drag, make_enclosure
 from fsi.reduced.gap_laws import make_laws, make_tangential_laws
-from fsi.reduced.network import gradient
+from fsi.reduced.network import gradient, resistance_matrix
 from fsi.reduced.pairs import Pairs, find_pairs
 from fsi.reduced.stress import LubricationStress, bulk_stress, dissipation_of_strain, lubrication_stress
 from fsi.reduced.system import Surroundings, identities, require, solve_system
@@ -137,6 +138,13 @@ class ReducedModel:
         record = {"pairs": len(pairs), "dissipation": lost, **columns, **checks, **spent}
         force, nothing = solved.force[: len(pairs)], np.zeros(len(pairs))
         return ReducedInstant(q, solved.U, solved.F, pairs, x, force, nothing, record, stress, bulk)
+
+    def resistance(self, q: Configuration, t: float) -> sp.csr_matrix:
+        """R of the pairs alone, without drag, at q and time t, (N M, N M): symmetric, not negative."""
+        ambient = self.surroundings(q, t)
+        pairs = find_pairs(q, ambient.enclosure, self.reach)
+        kappa = self.laws.kappa(np.log(pairs.gap), pairs.films)
+        return resistance_matrix(pairs, kappa, self.zeta.shape, self._slip(pairs, ambient, q))
 
     def _slip(self, pairs: Pairs, ambient: Surroundings, q: Configuration) -> TangentialRows | None:
         """How the pairs resist sliding and rolling, if they do."""

@@ -127,6 +127,16 @@ def make_network(
     return GapNetwork(pairs, G, compliance, own, Z_inverse.shape[1], between)
 
 
+def resistance_matrix(
+    pairs: Pairs, kappa: Array, shape: tuple[int, int], slip: TangentialRows | None
+) -> sp.csr_matrix:
+    """A over all M modes of N bodies, shape = (N, M): sum over the rows of kappa G (x) G, (N M, N M)."""
+    G = _among_modes(gradient(pairs, shape[0]), shape, pairs.n.shape[1])
+    if slip is not None:
+        G, kappa = sp.vstack([G, slip.G], "csr"), np.append(kappa, slip.resistance)
+    return sp.csr_matrix(G.T @ sp.diags_array(kappa) @ G)
+
+
 def _among_modes(G: sp.csr_matrix, shape: tuple[int, ...], d: int) -> sp.csr_matrix:
     """The same rows, of N d velocities, over all M modes of N bodies: shape (P, N M)."""
     body, component = np.divmod(G.indices, d)

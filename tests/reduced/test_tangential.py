@@ -20,9 +20,6 @@ from fsi.lubrication.laws import CutLaw
 from fsi.lubrication.named_laws import GapFilm, exact_law
 from fsi.models import make_model
 from fsi.reduced.model import ReducedInstant, ReducedModel
-from fsi.reduced.network import make_network
-from fsi.reduced.pairs import find_pairs
-from fsi.reduced.tangential import tangential_rows
 from tests.reduced_data import INERTIA, heap, reduced_case
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -57,15 +54,7 @@ def instant(case: Case) -> ReducedInstant:
 
 def resistance(case: Case, q: Configuration | None = None) -> Array:
     """R of lubrication alone, over all modes."""
-    model = ReducedModel(case)
-    q = q or case.configuration()
-    around = model.surroundings(q, 0.0)
-    pairs = find_pairs(q, around.enclosure, model.reach)
-    slip = tangential_rows(pairs, q.radii, model.tangential, around.enclosure)
-    kappa = model.laws.kappa(np.log(pairs.gap), pairs.films)
-    network = make_network(pairs, kappa, np.ones(around.zeta.shape), slip)
-    G = network.G.toarray()
-    return np.asarray(G.T @ (np.append(kappa, slip.resistance)[:, None] * G))
+    return np.asarray(ReducedModel(case).resistance(q or case.configuration(), 0.0).toarray())
 
 
 def spheres(number: int) -> list[dict[str, Any]]:

@@ -1,5 +1,7 @@
 """What a case must satisfy to be run with the gluey, the macroscopic or the reduced model."""
 
+from pathlib import Path
+
 import numpy as np
 
 from fsi.bodies.configuration import Array
@@ -7,6 +9,7 @@ from fsi.bodies.gaps import find_gaps
 from fsi.case.background_flow import background
 from fsi.case.case import Case
 from fsi.case.domain import MeanDrive
+from fsi.case.drag_file import read_drag_file
 from fsi.case.section import refusal, toml_text
 from fsi.case.series import is_zero
 from fsi.errors import InputError
@@ -155,6 +158,7 @@ def _check_parcels(case: Case, radii: Array) -> None:
 
 def check_reduced(case: Case) -> None:
     """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
+    _check_drag_file(case)
     if case.drag == 0.0 and case.masses() is None:
         raise InputError(
             "reduced.drag = 0: only lubrication would resist bodies without mass; give them drag or mass"
@@ -173,6 +177,52 @@ def check_reduced(case: Case) -> None:
             f'reduced.law = "{case.reduced.law}": scheme "backward-euler" is for "slides" without a cutoff; '
             'use time.scheme = "distance"'
         )
+
+
+# A drag belongs to the area fraction at which it was found, to within this part, and to one cutoff.
+_SAME_FRACTION, _SAME_CUTOFF = 0.05, 1e-6
+
+
+def relative_cutoff(case: Case) -> float | None:
+    """The cutoff over the mean radius."""
+    cutoff, radii = case.reduced.cutoff, case.configuration().radii
+    return None if cutoff is None or not len(radii) else cutoff / float(radii.mean())
+
+
+def _check_drag_file(case: Case) -> None:
+    """A drag is for bodies as many, that do not feel pairs twice."""
+    if (name := case.reduced.drag_from) is None:
+        return
+    here = f'reduced.drag_from = "{name}"'
+    if case.reduced.drag is not None:
+        raise InputError(f"{here}: there is reduced.drag = {case.reduced.drag:g} too; drop one of them")
+    if not Path(name).is_file():
+        raise InputError(f"{here}: there is no such file; `fsi resistance CASE --drag FILE` writes one")
+    file, cutoff = read_drag_file(Path(name)), relative_cutoff(case)
+    of_case = "spheres" if case.spheres else "discs"
+    if file.shape != of_case:
+        raise InputError(
+            f"{here}: a drag of {file.shape}, but the case has {of_case}; calibrate one of these"
+        )
+    if abs(case.fraction - file.fraction) > _SAME_FRACTION * file.fraction:
+        raise InputError(
+            f"{here}: found where bodies are {file.fraction:.3g} of the domain, but here they are "
+            f"{case.fraction:.3g}; calibrate one for these"
+        )
+    if (file.cutoff is None) != (cutoff is None) or (
+        file.cutoff is not None and cutoff is not None and abs(cutoff / file.cutoff - 1.0) > _SAME_CUTOFF
+    ):
+        raise InputError(
+            f"{here}: found with reduced.cutoff = {file.cutoff} mean radii, not {cutoff}; give that, or "
+            "calibrate one for this"
+        )
+    for key in sorted(file.laws.keys() | case.reduced.laws.keys()):
+        theirs, ours = (laws.get(key) for laws in (file.laws, case.reduced.laws))
+        if theirs != ours:
+            raise InputError(
+                f"{here}: found with reduced.{key} = {theirs or 'none'}, not {ours or 'none'}; give that, or "
+                "calibrate one for this"
+            )
 
 
 def _check_periodic(case: Case) -> None:
