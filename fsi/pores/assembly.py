@@ -1,6 +1,6 @@
 """K of all pores and fluid discs: a sparse form of the numbers of surfaces and the modes of necks."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,7 @@ from fsi.pores.levels import LEVELS, level_of
 from fsi.pores.quadrature import Rule, gathering
 from fsi.pores.regions import PoreShapes
 from fsi.pores.topology import Pores
-from fsi.pores.trial import RIGID, Orders, fluid_numbers
+from fsi.pores.trial import RIGID, Orders, numbers_of
 
 type Index = NDArray[np.int64]
 
@@ -28,12 +28,12 @@ class Numbering:
     Attributes:
         surface: first unknown of each surface, (B + 1,): U_x, U_y, omega, c, those of fluid discs.
         neck: first unknown of each neck, and their end, (K + 1,).
-        order: of fluid discs.
+        order: of fluid discs, 0 of other surfaces, (B,).
     """
 
     surface: Index
     neck: Index
-    order: int
+    order: Index
 
     @property
     def unknowns(self) -> int:
@@ -82,11 +82,17 @@ class Assembly:
 
 def number(pores: Pores, modes: Index) -> Numbering:
     """The unknowns when necks have these numbers of modes, (K,)."""
-    order = LEVELS[level_of(int(modes.max(initial=0)))].fluid
-    sizes = np.where(pores.surfaces.fluid, fluid_numbers(order), RIGID)
-    surface = np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
+    most = np.zeros(len(pores.surfaces), np.int64)
+    np.maximum.at(most, pores.necks, modes[:, None])
+    order = np.where(pores.surfaces.fluid, _tabulated(lambda k: LEVELS[level_of(k)].fluid, most), 0)
+    surface = np.concatenate([[0], np.cumsum(_tabulated(numbers_of, order))]).astype(np.int64)
     neck = surface[-1] + np.concatenate([[0], np.cumsum(modes)]).astype(np.int64)
     return Numbering(surface, neck, order)
+
+
+def _tabulated(function: Callable[[int], int], at: Index) -> Index:
+    """A function of small numbers."""
+    return np.array([function(k) for k in range(int(at.max(initial=0)) + 1)])[at]
 
 
 def assemble(pores: Pores, shapes: PoreShapes, modes: Index) -> Assembly:
@@ -105,13 +111,12 @@ def assemble(pores: Pores, shapes: PoreShapes, modes: Index) -> Assembly:
 def _batches(pores: Pores, shapes: PoreShapes, numbering: Numbering) -> Iterator[Batch]:
     modes = np.where(pores.sides >= 0, numbering.modes[pores.sides], 0)
     gather = np.max([gathering(shapes, v) for v in range(3)], axis=0)
-    kinds = np.column_stack([modes, pores.surfaces.fluid[pores.vertices]])
+    kinds = np.column_stack([modes, numbering.order[pores.vertices]])
     for kind in np.unique(kinds, axis=0):
         level = LEVELS[level_of(int(kind[:3].max()))]
         orders = Orders(
             (int(kind[0]), int(kind[1]), int(kind[2])),
-            (bool(kind[3]), bool(kind[4]), bool(kind[5])),
-            numbering.order,
+            (int(kind[3]), int(kind[4]), int(kind[5])),
             level.bubbles,
             level.neck_bubbles,
         )
@@ -131,8 +136,8 @@ def _unknowns(pores: Pores, chosen: Index, orders: Orders, numbering: Numbering)
     """The unknowns of the shared functions of pores, (n, m)."""
     parts = []
     for v in range(3):
-        numbers = fluid_numbers(orders.order) if orders.fluid[v] else RIGID
-        parts.append(numbering.surface[pores.vertices[chosen, v], None] + np.arange(numbers))
+        numbers = np.arange(numbers_of(orders.fluid[v]))
+        parts.append(numbering.surface[pores.vertices[chosen, v], None] + numbers)
     for v in range(3):
         parts.append(numbering.neck[pores.sides[chosen, v], None] + np.arange(orders.modes[v]))
     return np.concatenate(parts, axis=1)
@@ -140,10 +145,13 @@ def _unknowns(pores: Pores, chosen: Index, orders: Orders, numbering: Numbering)
 
 def _fluid_form(pores: Pores, numbering: Numbering) -> sp.csr_matrix:
     """The dissipation inside fluid discs."""
-    surfaces, n = pores.surfaces, numbering.unknowns
-    fluid = np.flatnonzero(surfaces.fluid)
-    own = inner_form(numbering.order)
-    at = numbering.surface[fluid, None] + RIGID + np.arange(len(own))
-    values = own / surfaces.radius[fluid, None, None] ** 2
-    rows, columns = np.broadcast_arrays(at[:, :, None], at[:, None, :])
-    return sp.coo_matrix((values.ravel(), (rows.ravel(), columns.ravel())), shape=(n, n)).tocsr()
+    n = numbering.unknowns
+    K = sp.csr_matrix((n, n))
+    for order in np.unique(numbering.order[pores.surfaces.fluid]):
+        fluid = np.flatnonzero(numbering.order == order)
+        own = inner_form(int(order))
+        at = numbering.surface[fluid, None] + RIGID + np.arange(len(own))
+        values = own / pores.surfaces.radius[fluid, None, None] ** 2
+        rows, columns = np.broadcast_arrays(at[:, :, None], at[:, None, :])
+        K = K + sp.coo_matrix((values.ravel(), (rows.ravel(), columns.ravel())), shape=(n, n)).tocsr()
+    return K

@@ -18,7 +18,7 @@ from fsi.pores.quadrature import Points, Rule, distances, pore_points
 from fsi.pores.regions import PoreShapes, cross
 from fsi.pores.solve import PoreFlow, stream
 from fsi.pores.system import PoreSystem
-from fsi.pores.trial import fluid_numbers, trial_functions
+from fsi.pores.trial import numbers_of, trial_functions
 
 _CANDIDATES = 8  # pores near a point, of which one holds it
 
@@ -108,9 +108,12 @@ class FlowFields:
     def _inner(self, disc: Index, r: Array) -> Array:
         """psi with its derivatives in fluid discs, (6, n), at r from their centres, (n, 2)."""
         numbering = self.flow.system.assembly.numbering
-        first = numbering.surface[disc, None] + np.arange(fluid_numbers(numbering.order))
-        radius = self.flow.system.pores.surfaces.radius[disc]
-        return inner_flow(r, radius, self.flow.x[first], numbering.order)
+        radius, psi = self.flow.system.pores.surfaces.radius, np.empty((6, len(disc)))
+        for order in np.unique(numbering.order[disc]):
+            here = np.flatnonzero(numbering.order[disc] == order)
+            numbers = numbering.surface[disc[here], None] + np.arange(numbers_of(order))
+            psi[:, here] = inner_flow(r[here], radius[disc[here]], self.flow.x[numbers], int(order))
+        return psi
 
     def mesh(self, cells: int = 4) -> PoreMesh:
         """A picture of the flow: each strip, triangle, and quarter of a fluid disc in cells x cells."""

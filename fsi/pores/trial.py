@@ -44,23 +44,21 @@ class Orders(NamedTuple):
 
     Attributes:
         modes: of each of the three sides.
-        fluid: which of the three vertices are discs of fluid.
-        order: the order M of fluid discs, at least 3: psi is a biharmonic polynomial of 4 M - 2 numbers.
+        fluid: order M of the vertices that are discs of fluid, at least 3: psi is a biharmonic polynomial of
+            4 M - 2 numbers there; 0 of others.
         bubbles: the degree of p(x, y).
         neck_bubbles: degrees + 1 of p(e, l_j - l_i) along and across each neck; 0 for none.
     """
 
     modes: tuple[int, int, int]
-    fluid: tuple[bool, bool, bool]
-    order: int
+    fluid: tuple[int, int, int]
     bubbles: int
     neck_bubbles: int
 
     @property
     def shared(self) -> int:
         """How many functions belong to surfaces and necks; those that follow are bubbles."""
-        numbers = sum(fluid_numbers(self.order) if fluid else RIGID for fluid in self.fluid)
-        return numbers + sum(self.modes)
+        return sum(numbers_of(order) for order in self.fluid) + sum(self.modes)
 
     @property
     def total(self) -> int:
@@ -88,9 +86,9 @@ class Weights(NamedTuple):
     bubble: Jet
 
 
-def fluid_numbers(order: int) -> int:
-    """How many numbers a fluid disc has."""
-    return 4 * order - 2
+def numbers_of(order: int) -> int:
+    """How many numbers a fluid disc of that order has, or a surface that is none, of order 0."""
+    return 4 * order - 2 if order else RIGID
 
 
 def trial_functions(shapes: PoreShapes, points: Points, orders: Orders) -> Iterator[Sum]:
@@ -177,7 +175,7 @@ def _surface(shapes: PoreShapes, v: int, points: Points, orders: Orders, weights
     ]
     yield [(blend, None)]
     if orders.fluid[v]:
-        for f, fx, fy in _fluid(dx.scaled(1.0 / a), dy.scaled(1.0 / a), orders.order):
+        for f, fx, fy in _fluid(dx.scaled(1.0 / a), dy.scaled(1.0 / a), orders.fluid[v]):
             yield [(blend, f), (slope_x, fx.scaled(1.0 / a)), (slope_y, fy.scaled(1.0 / a))]
 
 
