@@ -39,6 +39,13 @@ def in_box(centres: Array, radii: Array, length: float, height: float) -> Surfac
     return between(centres, radii, points, normals, np.empty((0, 2)))
 
 
+def in_square(centres: Array, radii: Array, walls: int) -> Surfaces:
+    """Of side 1 with 0, 2 or 4 walls."""
+    if walls == 4:
+        return in_box(centres, radii, 1.0, 1.0)
+    return in_channel(centres, radii, 1.0, 1.0) if walls else in_cell(centres, radii, np.eye(2))
+
+
 def in_container(centres: Array, radii: Array, radius: float) -> Surfaces:
     n = len(radii)
     return Surfaces(
@@ -51,19 +58,22 @@ def in_container(centres: Array, radii: Array, radius: float) -> Surfaces:
     )
 
 
-def scattered(seed: int, n: int, ratio: float, walls: bool) -> tuple[Array, Array]:
-    """Up to n discs without overlap in the unit square, every other one smaller, at most 45 % of the area."""
+def scattered(seed: int, n: int, ratio: float, walls: int = 0) -> tuple[Array, Array]:
+    """Up to n discs without overlap in the unit square, every other one smaller, at most 45 % of the area.
+
+    The square is periodic but between walls: 0, 2 (below and above) or 4.
+    """
+    shut = np.array([walls == 4, walls > 0])
     rng = np.random.default_rng(seed)
     radii = np.where(np.arange(n) % 2, ratio, 1.0)
     radii *= np.sqrt(rng.uniform(0.01, 0.45) / np.pi / np.sum(radii**2))
     centres = np.empty((0, 2))
     kept: list[int] = []
     for k in np.argsort(-radii, kind="stable"):
-        low = np.array([0.0, radii[k] + 1e-3 if walls else 0.0])
+        low = np.where(shut, radii[k] + 1e-3, 0.0)
         for x in rng.uniform(low, 1.0 - low, (200, 2)):
             away = centres - x
-            away[:, 0] -= np.round(away[:, 0])
-            away[:, 1] -= 0.0 if walls else np.round(away[:, 1])
+            away -= np.where(shut, 0.0, np.round(away))
             if np.all(np.hypot(*away.T) > 1.001 * (radii[kept] + radii[k])) and 2.0 * radii[k] < 0.99:
                 centres, kept = np.vstack([centres, x]), [*kept, int(k)]
                 break
@@ -122,6 +132,17 @@ def areas(pores: Pores) -> Array:
         x, y = np.array(polygon).T
         total[t] = 0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y) + segments
     return total
+
+
+def area_inside(surfaces: Surfaces) -> float:
+    """Of fluid and discs together: in a cell, channel, round container or upright box."""
+    V, bounds = surfaces.periods, slice(surfaces.discs, None)
+    if len(V) == 2:
+        return float(abs(np.linalg.det(V)))
+    if surfaces.kind[-1] == CONTAINER:
+        return float(np.pi * surfaces.radius[-1] ** 2)
+    width, height = np.ptp(surfaces.centre[bounds], axis=0)
+    return float(height * (np.hypot(*V[0]) if len(V) else width))
 
 
 def neighbours_of_necks(pores: Pores, names: NDArray[np.int64]) -> set[tuple[int, int, int]]:

@@ -17,14 +17,13 @@ from fsi.pores.compiled import compiled
 from fsi.pores.links import Links, corner, moved, step
 from fsi.pores.power import locate
 from fsi.pores.shape import distance, from_neck, inscribed
-from fsi.pores.surfaces import DISC, Array, Bodies, Shapes, Surfaces
+from fsi.pores.start import surrounding, widest_view
+from fsi.pores.surfaces import CONTAINER, DISC, Array, Bodies, Shapes, Surfaces
 from fsi.pores.topology import clearances, linked
 
 _ROUNDS = 60
 _MOST = 200  # pores that one circle reaches into
-_IN_THE_WAY = (
-    0.1  # of an inscribed circle: that much is enough for a fluid disc where a body lies across a neck
-)
+_IN_THE_WAY = 0.1  # of an inscribed circle is enough for a fluid disc where a body lies across a neck
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +51,7 @@ def with_fluid_discs(surfaces: Surfaces, wide: Wide = Wide()) -> Surfaces:
 
     Raises SolveError where there is no end of it, because bodies overlap.
     """
+    surfaces = _surrounded(surfaces, wide.share)
     for _ in range(_ROUNDS):
         links = linked(surfaces)
         shapes = surfaces.shapes()
@@ -61,6 +61,22 @@ def with_fluid_discs(surfaces: Surfaces, wide: Wide = Wide()) -> Surfaces:
             return surfaces
         surfaces = surfaces.with_fluid(free[:, :2], wide.share * free[:, 2])
     raise SolveError("no end of fluid discs; do bodies overlap?")
+
+
+def _surrounded(surfaces: Surfaces, share: float) -> Surfaces:
+    """With fluid discs around the centre of a container, where pores can start."""
+    if not np.any(surfaces.kind == CONTAINER):
+        return surfaces
+    centre, R = surfaces.centre[-1], surfaces.radius[-1]
+    while surrounding(surfaces, np.arange(surfaces.discs)) is None:
+        view = widest_view(surfaces)
+        out = np.linspace(0.0, R, 101)[1:-1]
+        x = centre + out[:, None] * [np.cos(view), np.sin(view)]
+        away = np.linalg.norm(x[:, None] - surfaces.centre[:-1], axis=2) - surfaces.radius[:-1]
+        free = np.minimum(np.minimum(out, R - out), away.min(axis=1, initial=np.inf))
+        best = int(np.argmax(free))
+        surfaces = surfaces.with_fluid(x[best : best + 1], share * free[best : best + 1])
+    return surfaces
 
 
 def _wanted(surfaces: Surfaces, links: Links, circles: Array, wide: Wide) -> Array:

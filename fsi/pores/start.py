@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fsi.errors import SolveError
 from fsi.pores.links import OPEN, Links
 from fsi.pores.surfaces import CONTAINER, DISC, Array, Bodies, Surfaces
+
+_HALF_TURN = 0.95 * np.pi  # angle between neighbours around the centre of a container
+_IN_THE_MIDDLE = 1e-6  # over the radius of a container: a disc that near to its centre lies in no direction
 
 
 def first_pores(surfaces: Surfaces, order: Bodies) -> tuple[Links, Bodies]:
@@ -16,7 +20,12 @@ def first_pores(surfaces: Surfaces, order: Bodies) -> tuple[Links, Bodies]:
     """
     bounds = np.flatnonzero(surfaces.kind != DISC)
     if np.any(surfaces.kind == CONTAINER):
-        first = _around(surfaces, order)
+        around = surrounding(surfaces, order)
+        if around is None:
+            raise SolveError(
+                "no pores: the discs do not surround the centre of the container; fluid discs would"
+            )
+        first = around
         body, image, twin = _in_container(first, int(bounds[0]))
     elif len(bounds) == 0:
         first = order[:1]
@@ -76,21 +85,36 @@ def _in_container(discs: Bodies, container: int) -> First:
     return body, [[(0, 0)] * 3] * 4, [[8, 11, 5], [10, 6, 2], [4, 9, 0], [7, 3, 1]]
 
 
-def _around(surfaces: Surfaces, order: Bodies) -> Bodies:
-    """Three discs whose triangle has the centre of the container inside, anticlockwise."""
-    container = int(np.argmax(surfaces.kind == CONTAINER))
-    e = surfaces.centre[order] - surfaces.centre[container]
-    angle = np.arctan2(e[:, 1], e[:, 0])
-    for first in np.argsort(-np.hypot(e[:, 0], e[:, 1]), kind="stable"):
-        behind = np.mod(angle - angle[first], 2.0 * np.pi)
-        second = int(np.argmax(np.where(behind < np.pi, behind, -1.0)))
-        third = int(np.argmin(np.where(behind > np.pi, behind, 7.0)))
-        if behind[second] > 0.0 and np.pi < behind[third] < behind[second] + np.pi:
+def surrounding(surfaces: Surfaces, order: Bodies) -> Bodies | None:
+    """Three discs around the centre of the container, anticlockwise, of those in this order, or None."""
+    angle, length, beside = _places_around(surfaces, order)
+    for first in np.argsort(-length, kind="stable"):
+        behind = np.where(beside, np.mod(angle - angle[first], 2.0 * np.pi), np.nan)
+        seconds = np.where(behind < _HALF_TURN, behind, -np.inf)
+        thirds = np.where(behind > 2.0 * np.pi - _HALF_TURN, behind, np.inf)
+        second, third = int(np.argmax(seconds)), int(np.argmin(thirds))
+        if beside[first] and thirds[third] - seconds[second] < _HALF_TURN:
             return order[[first, second, third]]
-    raise SolveError(
-        "no pores between the discs and the round container: they do not surround its centre; "
-        "fluid discs would"
-    )
+    return None
+
+
+def _places_around(surfaces: Surfaces, order: Bodies) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Angles and distances of discs around the centre of a container, and whether they are beside it."""
+    container = surfaces.kind == CONTAINER
+    e = surfaces.centre[order] - surfaces.centre[container]
+    length = np.hypot(e[:, 0], e[:, 1])
+    return np.arctan2(e[:, 1], e[:, 0]), length, length > _IN_THE_MIDDLE * surfaces.radius[container]
+
+
+def widest_view(surfaces: Surfaces) -> float:
+    """The middle of the widest angle, seen from the centre of a container, with no disc in it."""
+    angle, _, beside = _places_around(surfaces, np.arange(surfaces.discs))
+    angle = np.sort(angle[beside])
+    if len(angle) == 0:
+        return 0.0
+    width = np.diff(angle, append=angle[0] + 2.0 * np.pi)
+    widest = int(np.argmax(width))
+    return float(angle[widest] + 0.5 * width[widest])
 
 
 def order_of_insertion(surfaces: Surfaces) -> Bodies:

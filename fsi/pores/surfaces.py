@@ -75,13 +75,15 @@ class Surfaces:
 
     def with_fluid(self, centre: Array, radius: Array) -> Surfaces:
         """These and more fluid discs, centres (n, 2) and radii (n,), behind those that there are."""
-        n, at = len(radius), self.discs
-        more = (np.full(n, DISC, np.int8), centre, radius, np.zeros((n, 2)), np.ones(n, bool))
-        old = (self.kind, self.centre, self.radius, self.normal, self.fluid)
-        kind, x, r, normal, fluid = (
-            np.concatenate([a[:at], b, a[at:]]) for a, b in zip(old, more, strict=True)
+        n, at = len(radius), np.full(len(radius), self.discs)
+        return Surfaces(
+            np.insert(self.kind, at, DISC),
+            np.insert(self.centre, at, centre, axis=0),
+            np.insert(self.radius, at, radius),
+            np.insert(self.normal, at, np.zeros((n, 2)), axis=0),
+            np.insert(self.fluid, at, values=True),
+            self.periods,
         )
-        return Surfaces(kind, x, r, normal, fluid, self.periods)
 
 
 def surfaces_of(q: Configuration, container: Container) -> Surfaces:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from fsi.pores.fluid_discs import Wide, inscribed_circles, with_fluid_discs
 from fsi.pores.surfaces import DISC, Surfaces
 from fsi.pores.topology import clearances, linked, triangulate
-from tests.packings import in_box, in_cell, in_channel, scattered
+from tests.packings import in_box, in_cell, in_channel, in_container, in_square, scattered
 from tests.pores.test_topology import require_tiling
 
 
@@ -43,13 +43,37 @@ def test_a_small_disc_in_a_large_box(place: float) -> None:
     fluid = surfaces.radius[surfaces.fluid]
     assert len(fluid) < 40
     assert fluid.max() > 2.0
-    triangulate(surfaces)
+    require_tiling(triangulate(surfaces))
     require_narrow(surfaces)
 
 
-@given(st.integers(0, 10**6), st.integers(1, 30), st.sampled_from([1.0, 0.3, 0.1]), st.booleans())
+@given(
+    st.integers(0, 10**6), st.integers(1, 30), st.sampled_from([1.0, 0.3, 0.1]), st.sampled_from([0, 2, 4])
+)
 @settings(max_examples=60, deadline=None)
-def test_random_packings_are_tiled_with_them(seed: int, n: int, ratio: float, channel: bool) -> None:
-    centres, radii = scattered(seed, n, ratio, channel)
-    surfaces = in_channel(centres, radii, 1.0, 1.0) if channel else in_cell(centres, radii, np.eye(2))
+def test_random_packings_are_tiled_with_them(seed: int, n: int, ratio: float, walls: int) -> None:
+    surfaces = in_square(*scattered(seed, n, ratio, walls), walls)
     require_tiling(triangulate(with_fluid_discs(surfaces)))
+
+
+@given(st.integers(0, 10**6), st.integers(1, 30))
+@settings(max_examples=20, deadline=None)
+def test_round_containers_are_tiled_with_them(seed: int, n: int) -> None:
+    """Also where the discs do not surround the centre."""
+    centres, radii = scattered(seed, n, 0.3, 4)
+    inside = np.hypot(*(centres - 0.5).T) + radii < 0.499
+    surfaces = in_container(3.0 * (centres - 0.5)[inside], 3.0 * radii[inside], 1.5)
+    require_tiling(triangulate(with_fluid_discs(surfaces)))
+
+
+@pytest.mark.parametrize("angles", [[0.0], [0.0, np.pi], [0.0, 0.5 * np.pi, np.pi, 1.5 * np.pi]])
+def test_few_discs_in_a_round_container(angles: list[float]) -> None:
+    """One, two opposite ones, four at right angles about the centre, and one in the middle."""
+    centres = np.array([[0.0, 0.0], *([6.0 * np.cos(a), 6.0 * np.sin(a)] for a in angles)])
+    surfaces = with_fluid_discs(in_container(centres, np.ones(len(centres)), 10.0))
+    assert np.count_nonzero(surfaces.fluid) < 40
+    require_tiling(triangulate(surfaces))
+
+
+def test_a_concentric_disc_alone() -> None:
+    require_tiling(triangulate(with_fluid_discs(in_container(np.zeros((1, 2)), np.ones(1), 10.0))))
