@@ -2,7 +2,6 @@
 
 import os
 import sys
-import warnings
 from contextlib import suppress
 from io import TextIOWrapper
 from typing import TextIO
@@ -13,15 +12,13 @@ from fsi.errors import SolveError
 def prepare(*, silent: bool) -> None:
     """Make both streams ones that can be written to; silent: standard output goes nowhere.
 
-    Warnings of NumPy go nowhere: what is not finite is refused by name where it matters. Letters that the
-    encoding lacks are written as their numbers. Where a stream was closed before the start, Python has None
-    in its place.
+    Letters that the encoding lacks are written as their numbers. Where a stream was closed before the start,
+    Python has None in its place.
     """
     if silent or sys.stdout is None:
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115  (for as long as we run)
     if sys.stderr is None:
         sys.stderr = sys.__stderr__ = open(os.devnull, "w", encoding="utf-8")  # type: ignore[misc]  # noqa: PTH123, SIM115
-    warnings.simplefilter("ignore", RuntimeWarning)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg.lapack import dgejsv
 
 from fsi.bodies.configuration import LOADS, MODES, Array, arms
 from fsi.errors import RefusedError, apart
@@ -21,7 +22,7 @@ FACTORISATION = 1e-11
 # Errors of entries, velocities or loads may cancel, in the estimate by chance more than in truth: it is known
 # to this part of the largest.
 KNOWN_TO = 0.03
-# A positive matrix has no eigenvalue below this part of its largest: at a gap of 1e-6 radii it is 1e-10.
+# A positive matrix of unit diagonal has no eigenvalue below this part of its largest.
 ROUNDING = 1e-12
 
 
@@ -112,15 +113,24 @@ def symmetrised(columns: Array, scale: Array) -> tuple[Array, float]:
 def positive_eigenvalues(R: Array, scale: Array, *, resting: bool) -> Array:
     """The eigenvalues of R made dimensionless, increasing, shape (n,).
 
+    Signs are looked at with a unit diagonal (Sylvester's law of inertia): modes may differ by 1e16.
+
     resting: whether a wall is at rest. If not, rigid motions of everything cost nothing, and their
     eigenvalues are zero but for rounding. Raises SolveError: one is negative, or zero although a wall is at
     rest.
     """
-    eigenvalues: Array = np.linalg.eigvalsh(R / np.outer(scale, scale))
+    size = np.sqrt(np.maximum(np.diag(R), scale**2))
+    of_unit_diagonal = np.linalg.eigvalsh(R / np.outer(size, size))
     bound = ROUNDING if resting else -BOUND
-    if not eigenvalues[0] > bound * max(1.0, eigenvalues[-1]):
-        range_of = f"it has the eigenvalue {eigenvalues[0]:.2g}, the largest is {eigenvalues[-1]:.2g}"
-        raise RefusedError(f"the resistance matrix is not positive: {range_of}")
+    if not of_unit_diagonal[0] > bound * max(1.0, of_unit_diagonal[-1]):
+        least, most = f"{of_unit_diagonal[0]:.2g}", f"{of_unit_diagonal[-1]:.2g}"
+        what = f"with a unit diagonal it has the eigenvalue {least}, the largest is {most}"
+        raise RefusedError(f"the resistance matrix is not positive: {what}")
+    if not resting:
+        return np.asarray(np.linalg.eigvalsh(R / np.outer(scale, scale)))
+    # One-sided Jacobi on the factor keeps the digits of small ones, in a corner 1e-16 of the largest.
+    singular, *_, work, _, _ = dgejsv(np.linalg.cholesky(R / np.outer(scale, scale)), jobu=3, jobv=3)
+    eigenvalues: Array = np.sort((singular * (work[0] / work[1])) ** 2)
     return eigenvalues
 
 
@@ -152,9 +162,12 @@ def estimated_errors(found: Resistance, others: Sequence[tuple[float, Resistance
     def bound(A: Array, compared: Sequence[tuple[float, Array]]) -> Array:
         error, size = sum((factor * np.abs(A - B) for factor, B in compared), 0.0 * A), np.sqrt(np.diag(A))
         cancelling = np.sqrt(np.diag(error))
-        least = FACTORISATION * np.outer(size, size) + KNOWN_TO * np.outer(cancelling, cancelling)
+        least = rounding * np.outer(size, size) + KNOWN_TO * np.outer(cancelling, cancelling)
         return np.asarray(np.maximum(error, least))
 
+    rounding = max(
+        FACTORISATION, found.checks.get("reciprocity", 0.0)
+    )  # what R as computed lacks of symmetry
     of_mobility = None
     inverses = [(factor, other.mobility) for factor, other in others if other.mobility is not None]
     if found.mobility is not None and len(inverses) == len(others):

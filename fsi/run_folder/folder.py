@@ -235,7 +235,10 @@ def _require_rows(table: Path, length: int) -> None:
     text = content(table, REMEDY)[:length] if length else b""
     if len(text) < length:
         raise InputError(f"output = {table.parent}: {table.name} has lost rows; put them back or run again")
-    widths = set(map(len, csv.reader(text.decode().splitlines())))
+    try:
+        widths = set(map(len, csv.reader(text.decode().splitlines())))
+    except csv.Error as error:
+        raise ValueError(f"{table.name}: {error}") from None
     if length and (not text.endswith(b"\n") or len(widths) > 1):
         raise ValueError(f"{table.name}: rows are not of one width")
 

@@ -15,7 +15,7 @@ from itertools import batched
 import numpy as np
 from mpi4py import MPI
 
-from fsi.bodies.configuration import Array, Configuration, Motion
+from fsi.bodies.configuration import Configuration, Motion
 from fsi.case.case import Case
 from fsi.case.walls import Velocity
 from fsi.errors import InputError
@@ -30,7 +30,7 @@ from fsi.stokes.model import StokesModel
 from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem
 from fsi.stokes.refusal import explained
 from fsi.stokes.solve import DEFAULT, Clock, assembled
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, factorised, load_of, multiply
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, factorised, multiply
 
 AXIAL_MODE = 1
 # Right-hand sides solved at once: more are hardly faster, and each takes as much memory as the unknowns.
@@ -137,10 +137,9 @@ def solve_resistance(
         for block in batched(units, BLOCK):
             for nodal in responses(np.reshape(block, (-1, *shape))):
                 clock.lap("solve")
-                F = load_of(system, nodal.reaction)
-                defects = _defects(system, nodal, F)
+                defects = _defects(system, nodal)
                 worst = {name: max(defect, worst.get(name, 0.0)) for name, defect in defects.items()}
-                columns.append(units @ F.ravel())
+                columns.append(units @ nodal.load.ravel())
                 clock.lap("checks")
         dofs = system.forms.dofs
     require(worst)
@@ -159,13 +158,13 @@ def _modes_of(problem: StokesProblem, names: Sequence[str]) -> Modes:
     return matrix.all_modes(names, radii, viscosity, problem.q.dimension)
 
 
-def _defects(system: StokesSystem, nodal: NodalSolution, F: Array) -> dict[str, float]:
+def _defects(system: StokesSystem, nodal: NodalSolution) -> dict[str, float]:
     """What one unit motion violates of the identities, but for the balance of free modes: there are none."""
     system.forms.fill(nodal.x)
     u = nodal.x.copy()
     u[system.layout.velocities :] = 0.0
     # u^T A u is int 2 mu e : e, from the matrix at hand.
     dissipation = float(system.layout.comm.allreduce(u @ multiply(system.M, u), op=MPI.SUM))
-    defects = identities(system, nodal, F, dissipation)
+    defects = identities(system, nodal, nodal.load, dissipation)
     del defects["balance"]
     return defects

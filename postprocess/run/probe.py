@@ -73,8 +73,9 @@ def _places(run: Run, points: Array, step: int) -> list[str]:
     """The body that holds each point, or "outside"."""
     q = run.configuration(step)
     places = np.full(len(points), OUTSIDE, dtype=object)
-    for name, centre, radius in zip(run.case.names, q.centres, q.radii, strict=True):
-        places[np.linalg.norm(points - centre, axis=1) <= radius * (1.0 + _TOLERANCE)] = name
+    for name, centre, radius in zip(run.case.names, q.centres, (1.0 + _TOLERANCE) * q.radii, strict=True):
+        near = np.flatnonzero(np.abs(points - centre).max(axis=1) <= radius)  # squares of others may overflow
+        places[near[np.linalg.norm(points[near] - centre, axis=1) <= radius]] = name
     return [str(place) for place in places]
 
 

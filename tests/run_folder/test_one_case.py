@@ -196,6 +196,7 @@ DAMAGES: dict[str, tuple[str, Callable[[bytes], bytes]]] = {
     "half a series": ("fluid.pvd", lambda data: data[: len(data) // 2]),
     "a shorter series": ("fluid.pvd", lambda data: data.replace(b"<DataSet", b"<Dataset", 1)),
     "lost rows": ("bodies.csv", lambda data: data[:-30]),
+    "a field without an end": ("bodies.csv", lambda data: data[:-200_000] + 200_000 * b"1" + b"\n"),
     "a lost column": ("bodies.csv", lambda data: data.replace(b",", b";", 1)),
     "no case file": ("case.toml", lambda _: b""),
     "half a case file": ("case.toml", lambda data: data[: len(data) // 2]),

@@ -13,7 +13,13 @@ from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.identities import require
 from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem
 from fsi.stokes.solve import FORMULATIONS, _pinned_pressure, solve
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, nodal_vector, solve_eliminated
+from fsi.stokes.solvers.elimination import (
+    NodalSolution,
+    StokesSystem,
+    load_of,
+    nodal_vector,
+    solve_eliminated,
+)
 from tests.flows import BOX, at_rest, disc_over_plane, discs, free, held, mesh, resting, solved
 
 LID = Boundary({**resting(BOX).velocities, "top": lambda x: np.tile([1.0, 0.0], (len(x), 1))}, {})
@@ -95,7 +101,7 @@ def test_a_free_body_that_is_not_balanced_is_noticed(monkeypatch: pytest.MonkeyP
         good = solve_eliminated(system)
         reaction = good.reaction.copy()
         reaction[system.layout.on_body[0]] += 1e-6
-        return dataclasses.replace(good, reaction=reaction)
+        return dataclasses.replace(good, reaction=reaction, load=load_of(system, reaction))
 
     monkeypatch.setitem(FORMULATIONS, "eliminated", pulled)
     monkeypatch.setattr("fsi.stokes.solve.require", lambda _: None)

@@ -28,12 +28,16 @@ from petsc4py import PETSc
 
 import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
+from fsi.bodies.gaps import narrowest_gap
 from fsi.stokes.discretisation.constraints import BoundaryNodes, DofLayout, RigidModes
 from fsi.stokes.discretisation.forms import Form, Forms
 from fsi.stokes.problem import StokesProblem
+from fsi.stokes.solvers.extended import ExtendedMatrix
 from fsi.stokes.solvers.fgmres import Coarse, Iteration, SchurBlocks, transfer
 from fsi.stokes.solvers.mumps import Factorisation
 from fsi.stokes.solvers.workspace import Elimination, Workspace
+
+NARROW = 1e-5  # of a radius: such gaps are solved in extended precision
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +91,7 @@ class NodalSolution:
     Attributes:
         x: values of (u, p), this rank's rows.
         reaction: lambda, this rank's rows; not on those of masters, being minus that of their slaves.
+        load: (F, T) = rigid^T lambda, (N, M), on all ranks.
         U: velocities of the bodies, (N, M), on all ranks.
         residual: relative residual of the linear system.
         iterations: most of them, 0 by the direct solver.
@@ -95,6 +100,7 @@ class NodalSolution:
 
     x: Array
     reaction: Array
+    load: Array
     U: Array
     residual: float
     iterations: int = 0
@@ -109,7 +115,9 @@ def nodal_vector(form: Form) -> Array:
 
 
 def multiply(matrix: PETSc.Mat, values: Array) -> Array:
-    """This rank's rows of a matrix times a vector given by this rank's values."""
+    """This rank's rows of a matrix times a vector given by this rank's values, in their precision."""
+    if values.dtype == np.longdouble:
+        return ExtendedMatrix(matrix).times(values)
     x, y = matrix.createVecs()
     x.array[:] = values
     matrix.mult(x, y)
@@ -117,7 +125,9 @@ def multiply(matrix: PETSc.Mat, values: Array) -> Array:
 
 
 def multiply_transpose(matrix: PETSc.Mat, values: Array) -> Array:
-    """This rank's rows of a transposed matrix times a vector given by this rank's values."""
+    """The same with the matrix transposed."""
+    if values.dtype == np.longdouble:
+        return ExtendedMatrix(matrix).transpose_times(values)
     x, y = matrix.createVecs()
     y.array[:] = values
     matrix.multTranspose(y, x)
@@ -134,8 +144,8 @@ def _taken(vector: PETSc.Vec, used: PETSc.Vec) -> Array:
 
 def load_of(system: StokesSystem, nodal: Array) -> Array:
     """(F, T) = rigid^T lambda of a nodal reaction, (N, M), on all ranks."""
-    load: Array = system.layout.comm.bcast(multiply_transpose(system.rigid.matrix, nodal))
-    return load.reshape(-1, system.layout.modes_of_each)
+    load = system.layout.comm.bcast(multiply_transpose(system.rigid.matrix, nodal))
+    return np.asarray(load, dtype=float).reshape(-1, system.layout.modes_of_each)
 
 
 def body_velocity(system: StokesSystem, U: Array) -> Array:
@@ -178,6 +188,7 @@ def factorised(system: StokesSystem) -> Iterator[Callable[[Array], Iterator[Noda
     reduced.assemble()
     if system.mass is None or system.coarse is None:
         factors = elimination.factors(lasting=system.workspace.lasting)
+        factors.extended = _is_narrow(system.problem)
         yield lambda U: _respond(system, elimination, factors, U)
         return
     try:
@@ -188,6 +199,12 @@ def factorised(system: StokesSystem) -> Iterator[Callable[[Array], Iterator[Noda
             yield lambda U: _respond(system, elimination, iteration, U)
     finally:
         system.workspace.forget_elimination()
+
+
+def _is_narrow(problem: StokesProblem) -> bool:
+    """Whether fluid may be shut in by gaps below NARROW."""
+    narrowest = narrowest_gap(problem.q, problem.container)
+    return narrowest is not None and narrowest.gap < NARROW * problem.q.radii[narrowest.between[0]]
 
 
 def _iteration(
@@ -229,6 +246,8 @@ def _respond(
         x = multiply(P, y) + offset
         moved = U.copy()
         moved[free] = system.layout.comm.bcast(y[first_mode:])[free.ravel()[unknown]]
-        reaction = np.zeros(len(x))
+        reaction = np.zeros_like(x)
         reaction[rows] = multiply(M, x) - system.b[rows]
-        yield NodalSolution(x, reaction, moved, float(residual), solver.iterations)
+        load = load_of(system, reaction)
+        x, reaction = x.astype(float, copy=False), reaction.astype(float, copy=False)
+        yield NodalSolution(x, reaction, load, moved, float(residual), solver.iterations)

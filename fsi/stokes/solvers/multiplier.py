@@ -68,7 +68,7 @@ def solve_multiplier(system: StokesSystem) -> NodalSolution:
     U.ravel()[free] = layout.comm.bcast(solution[flow_rows + multiplier_rows :].copy())
     for used in (S, flow, matrix):
         used.destroy()
-    return NodalSolution(x, reaction, U, float(residual))
+    return NodalSolution(x, reaction, elimination.load_of(system, reaction), U, float(residual))
 
 
 def _renumbered(flow: PETSc.Mat, starts: list[int]) -> tuple[Index, Index, Array]:

@@ -21,6 +21,7 @@ import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.errors import RefusedError, SolveError, apart
 from fsi.meshes.moving.slip import unfactorised
+from fsi.stokes.solvers.extended import ExtendedMatrix
 from fsi.stokes.solvers.refinement import correction
 
 # ICNTL(7). Nested dissection (PORD) saves a fifth of a large factorisation, but takes as much longer to order
@@ -32,6 +33,7 @@ WORKSPACES = (30, 500)
 TOO_LITTLE_WORKSPACE = (-8, -9)
 SINGULAR = (-6, -10)
 REFINE_ABOVE = 1e-12
+REFINE_EXTENDED_ABOVE = 1e-18
 REFUSE_ABOVE = 1e-9
 CYCLES = 4
 LEFT = "left without anything that holds it"
@@ -46,7 +48,7 @@ class Factorisation(AbstractContextManager["Factorisation"]):
 
     def __init__(self, matrix: PETSc.Mat, *, lasting: bool = False) -> None:
         """Factorise, as `update`; lasting: it will be done again many times with other values."""
-        self.matrix, self.iterations = matrix, 0
+        self.matrix, self.iterations, self.extended = matrix, 0, False
         matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         self._ordering = NESTED_DISSECTION if lasting and matrix.size[0] > LARGE else MINIMUM_DEGREE
         self._ksp = _solver(matrix, self._ordering, WORKSPACES[0])
@@ -75,8 +77,8 @@ class Factorisation(AbstractContextManager["Factorisation"]):
         """Solutions of `M x = b`, refined if that helps, for all columns of b at once; collective.
 
         b, x: this rank's rows, (rows, k); with x the residuals, measured as above, (k,), on all ranks. A
-        block of some tens costs a tenth of as many single ones. Raises SolveError: a residual is not below
-        1e-9.
+        block of some tens costs a tenth of as many single ones. With `extended` x is of extended precision.
+        Raises SolveError: a residual is not below 1e-9.
         """
         x = self._apply(b)
         residual = b - self._multiply(x)
@@ -84,15 +86,21 @@ class Factorisation(AbstractContextManager["Factorisation"]):
         if REFINE_ABOVE < relative.max() < np.inf:
             x += self._apply(residual)
             relative = self._measured(b - self._multiply(x), x, b)
-        for k in np.flatnonzero((relative > REFINE_ABOVE) & (relative < np.inf)):
-            x[:, k], relative[k] = self._mended(x[:, k], b[:, k])
+        exact: ExtendedMatrix | None = None
+        if self.extended:
+            exact, x, b = ExtendedMatrix(self.matrix), x.astype(np.longdouble), b.astype(np.longdouble)
+        for k in np.flatnonzero((self.extended | (relative > REFINE_ABOVE)) & (relative < np.inf)):
+            x[:, k], relative[k] = self._mended(x[:, k], b[:, k], exact)
         if not relative.max() < REFUSE_ABOVE:
             size = f"{apart(relative.max(), REFUSE_ABOVE)}, more than {REFUSE_ABOVE:g}"
             raise RefusedError(f"the linear solve left a relative residual of {size}")
         return x, relative
 
-    def _mended(self, x: Array, b: Array) -> tuple[Array, float]:
-        """A solution (rows,) that one refinement has not brought to rounding, and its residual."""
+    def _mended(self, x: Array, b: Array, exact: ExtendedMatrix | None) -> tuple[Array, float]:
+        """A solution (rows,) that one refinement has not brought to rounding, and its residual.
+
+        exact: the matrix in extended precision, if x and b are.
+        """
 
         def apply(residual: Array) -> Array:
             return self._apply(residual[:, None])[:, 0]
@@ -100,15 +108,18 @@ class Factorisation(AbstractContextManager["Factorisation"]):
         def multiply(x: Array) -> Array:
             return self._multiply(x[:, None])[:, 0]
 
-        best, least = x, np.inf
+        product = multiply if exact is None else exact.times
+        best, least, enough = x, np.inf, REFINE_ABOVE if exact is None else REFINE_EXTENDED_ABOVE
+        residual = b - product(x)
         for _ in range(CYCLES):
-            x = x + correction(lambda z: apply(multiply(z)), apply(b - multiply(x)), self._total)
-            residual = b - multiply(x)
+            d = apply(residual.astype(float, copy=False))
+            x = x + correction(lambda z: apply(multiply(z)), d, self._total)
+            residual = b - product(x)
             relative = float(self._measured(residual[:, None], x[:, None], b[:, None])[0])
             if not relative < least:
                 break
             best, least = x, relative
-            if least <= REFINE_ABOVE:
+            if least <= enough:
                 break
         return best, least
 

@@ -214,5 +214,6 @@ def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, 
 
 
 def _sum(one: NodalSolution, other: NodalSolution, s: float) -> NodalSolution:
-    x, reaction, U = one.x + s * other.x, one.reaction + s * other.reaction, one.U + s * other.U
-    return NodalSolution(x, reaction, U, max(one.residual, other.residual))
+    x, reaction = one.x + s * other.x, one.reaction + s * other.reaction
+    load, U = one.load + s * other.load, one.U + s * other.U
+    return NodalSolution(x, reaction, load, U, max(one.residual, other.residual))
