@@ -1,9 +1,17 @@
 """The pair of bodies that a calibration case samples: its geometry, and the case at any gap.
 
 Beside a wall the body moves at unit speed, along the normal (squeeze) or along the wall (shear), or turns at
-unit rate, and the resistance is the load of that motion. Two bodies are pushed along their line of centres by
-opposite unit forces, free otherwise, and the resistance is one over the speed at which their gap changes: so
-no net force is felt far away. Loads, forces, motions, masses and velocities in the case do not count.
+unit rate, and the resistance is the load of that motion. Two bodies feel opposite unit loads, free otherwise,
+and the resistance is one over the rate at which they then move relative to each other: so neither net force
+nor torque is felt far away. With the normal n, a tangent t, m = n x t, and the distance d of the centres,
+
+    squeeze    forces n                                  rate of the gap
+    shear      forces t with torques -l_i m, -l_j m      t.(u_i - u_j) - (l_i omega_i + l_j omega_j).m
+    rotation   a couple, of equal bodies                 (omega_i - omega_j).m
+
+where the arms l_i = a_i d/(a_i + a_j) meet between the surfaces. A couple on bodies of two radii makes their
+surfaces slide too; no such law is calibrated. Loads, forces, motions, masses and velocities in the case do
+not count.
 """
 
 from dataclasses import dataclass
@@ -23,6 +31,8 @@ from fsi.lubrication.expansions import Shape
 
 # Sections of a case that its samples do not have.
 _LEFT_OUT = {"calibration", "time", "output", "expected", "sweep", "forces", "reduced"}
+# Radii are equal to this, relative.
+_EQUAL = 1e-9
 # A wall is plane if a body moved along its normal is as far away as it should be, relative to its radius.
 _FLAT = 1e-9
 
@@ -77,7 +87,7 @@ class Pair:
         data["bodies"] = list(data["bodies"])
         for i, body in enumerate(data["bodies"]):
             place = {key: body[key] for key in ("name", "radius", "position")}
-            data["bodies"][i] = place | self._motion(i)
+            data["bodies"][i] = place | self._motion(i, gap)
         data["bodies"][self.first]["position"] = tuple(centre.tolist())
         try:
             return parse_case(data)
@@ -85,24 +95,36 @@ class Pair:
             here = f"calibration.range: at the gap {gap:g}"
             raise InputError(f"{here} the case is not sound: {error}") from None
 
-    def resistance(self, results: Results, errors: Results) -> tuple[float, float]:
-        """F/U, and its error, from U and F of the case at a gap and their errors."""
+    def resistance(self, gap: float, results: Results, errors: Results) -> tuple[float, float]:
+        """F/U, and its error, from U and F of the case at this gap and their errors."""
         if self.second is None:
             direction = self._unit_motion()
             return float(results.F[self.first] @ direction), float(errors.F[self.first] @ np.abs(direction))
-        d = len(self.normal)
-        speed = (results.U[self.first] - results.U[self.second])[:d] @ self.normal
-        error = (errors.U[self.first] + errors.U[self.second])[:d] @ np.abs(self.normal)
+        sides = [self.first, self.second]
+        unit = np.array([self._unit_loads(i, gap) for i in sides])
+        speed, error = np.sum(results.U[sides] * unit), np.sum(errors.U[sides] * np.abs(unit))
         return float(1.0 / speed), float(error / speed**2)
 
-    def _motion(self, i: int) -> dict[str, Any]:
+    def _unit_loads(self, i: int, gap: float) -> Array:
+        """Force and torque on body i of two, which are also the factors of its modes in the rate, (M,)."""
+        n, mode, sign = self.normal, self.plan.mode, 1.0 if i == self.first else -1.0
+        t = np.array([-n[1], n[0]]) if len(n) == 2 else _across(n)
+        m = np.ones(1) if len(n) == 2 else np.cross(n, t)
+        if mode == "squeeze":
+            return np.concatenate([sign * n, 0.0 * m])
+        if mode == "rotation":
+            return np.concatenate([0.0 * n, sign * m])
+        radii = self.case.configuration().radii
+        return np.concatenate([sign * t, -radii[i] * (1.0 + gap / radii.sum()) * m])
+
+    def _motion(self, i: int, gap: float) -> dict[str, Any]:
+        d = len(self.normal)
         if self.second is not None:
-            sign = 1.0 if i == self.first else -1.0
-            return {"force": tuple((sign * self.normal).tolist())}
-        d, motion = len(self.normal), self._unit_motion().tolist()
-        turning = motion[d:]
-        rotation = turning[0] if len(turning) == 1 else tuple(turning)
-        return {"velocity": tuple(motion[:d]), "angular_velocity": rotation}
+            loads = self._unit_loads(i, gap).tolist()
+            given: dict[str, Any] = {"force": tuple(loads[:d])}
+            return given if self.plan.mode == "squeeze" else given | {"torque": _turning(loads[d:])}
+        motion = self._unit_motion().tolist()
+        return {"velocity": tuple(motion[:d]), "angular_velocity": _turning(motion[d:])}
 
     def _unit_motion(self) -> Array:
         """The unit motion beside a wall, along the modes of a body."""
@@ -139,13 +161,26 @@ def pair_of(case: Case) -> Pair:
         raise InputError(f"{here}: {plan.pair[1]!r} is no other body and no wall; {remedy}")
     if (count := len(case.bodies)) != (1 if pair.second is None else 2):
         raise InputError(f"{here}: the case has {count} bodies; drop those that are not of the pair")
-    if plan.mode != "squeeze" and (pair.second is not None or case.geometry == "axisymmetric"):
-        needs = 'needs a body beside a wall, and no axis of symmetry; give "squeeze"'
-        raise InputError(f"calibration.mode = {toml_text(plan.mode)}: {needs}")
+    here = f"calibration.mode = {toml_text(plan.mode)}"
+    if plan.mode != "squeeze" and case.axisymmetric:
+        raise InputError(f'{here}: bodies on an axis of symmetry do not slide or turn; give "squeeze"')
+    if plan.mode == "rotation" and pair.second is not None and pair.ratio > 1.0 + _EQUAL:
+        raise InputError(f"{here}: bodies of two radii slide as a couple turns them; give equal radii")
     _check_surroundings(case)
     for gap in plan.range:
         pair.at(gap)
     return pair
+
+
+def _turning(values: list[float]) -> float | tuple[float, ...]:
+    """As a case has rotations and torques: a number in the plane."""
+    return values[0] if len(values) == 1 else tuple(values)
+
+
+def _across(n: Array) -> Array:
+    """A unit vector across n in space."""
+    across: Array = np.cross(n, np.eye(3)[np.abs(n).argmin()])
+    return across / np.linalg.norm(across)
 
 
 def _beside_wall(case: Case, first: int, wall: str) -> Pair:

@@ -237,12 +237,12 @@ def resolved_sample(pair: Pair, gap: float, *, held_out: bool) -> Sample:
 
     began = time.process_time()
     solved = solve_with_errors(pair.at(gap))
-    kappa, error = pair.resistance(solved.solution, solved.errors)
+    kappa, error = pair.resistance(gap, solved.solution, solved.errors)
     half, change = halved(solved.case), 0.0
     if half is not None:
         smaller = StokesModel(half)(half.configuration(), 0.0)
         none = ErrorEstimate(0.0 * smaller.U, 0.0 * smaller.F)
-        change = abs(pair.resistance(smaller, none)[0] - kappa)
+        change = abs(pair.resistance(gap, smaller, none)[0] - kappa)
     solution, seconds = solved.solution, time.process_time() - began
     defect, instead = max(solution.checks.values()), bool(solution.mesh_instead)
     return Sample(gap, held_out, kappa, error, change, solution.dofs, defect, seconds, instead)

@@ -105,7 +105,7 @@ class Calibration(Section):
     pair: tuple[str, str]
     """two names, ["ball", "plane"]: a body, and a body or plane wall"""
     mode: Literal["squeeze", "shear", "rotation"] = "squeeze"
-    '"squeeze", or beside a wall also "shear" or "rotation"'
+    '"squeeze", "shear" or, of a body beside a wall or two equal ones, "rotation"'
     range: tuple[float, float]
     """the smallest and the largest gap, increasing numbers > 0"""
     samples: int = Field(default=20, ge=6)

@@ -60,7 +60,7 @@ def test_beside_a_wall_the_motion_is_prescribed(mode: str, U: tuple[float, ...])
     assert_allclose(motion.U, [U])
     F = 7.0 * np.array([U]) + 100.0 * (np.array([U]) == 0.0)
     errors = ErrorEstimate(np.zeros((1, 3)), 0.1 * np.abs(F))
-    assert pair.resistance(ErrorEstimate(np.array([U]), F), errors) == pytest.approx((7.0, 0.7))
+    assert pair.resistance(0.05, ErrorEstimate(np.array([U]), F), errors) == pytest.approx((7.0, 0.7))
 
 
 def test_two_bodies_are_pushed_along_their_line_of_centres() -> None:
@@ -83,9 +83,36 @@ def test_the_resistance_of_two_bodies_is_one_over_their_speed() -> None:
     normal = np.array([-0.6, -0.8, 0.0])
     U = np.array([1.5e-3 * normal, -0.5e-3 * normal]) + np.array([0.0, 0.0, 9.0])  # turning does not count
     errors = np.array([1e-5 * np.abs(normal), 1e-5 * np.abs(normal)])
-    kappa, error = pair.resistance(ErrorEstimate(U, 0.0 * U), ErrorEstimate(errors, 0.0 * U))
+    kappa, error = pair.resistance(0.05, ErrorEstimate(U, 0.0 * U), ErrorEstimate(errors, 0.0 * U))
     assert kappa == pytest.approx(500.0)
     assert error == pytest.approx(2e-5 / (2e-3) ** 2)
+
+
+def test_two_bodies_slide_under_forces_between_their_surfaces() -> None:
+    """Radii 0.5 and 1 at 0.06: arms of 0.52 and 1.04 along the line, across which the forces act.
+
+    A rigid motion is no sliding and is felt in no rate; errors add up, those of rotations times the arms.
+    """
+    pair = pair_of(parse_case(two(mode="shear")))
+    motion = pair.at(0.06).motion(0.0)
+    assert not np.any(motion.held)
+    assert_allclose(motion.F, [[0.8, -0.6, -0.52], [-0.8, 0.6, -1.04]], rtol=1e-14)
+    small, large = pair.at(0.06).configuration().centres
+    turned = np.array([[-3.0 * small[1], 3.0 * small[0], 3.0], [-3.0 * large[1], 3.0 * large[0], 3.0]])
+    sliding = np.array([[0.8e-2, -0.6e-2, 0.0], [0.0, 0.0, 0.0]])
+    U, errors = turned + sliding, np.full((2, 3), 1e-5)
+    kappa, error = pair.resistance(0.06, ErrorEstimate(U, 0.0 * U), ErrorEstimate(errors, 0.0 * U))
+    assert kappa == pytest.approx(100.0)
+    assert error == pytest.approx(1e-5 * (2.8 + 1.56) * 100.0**2)
+
+
+def test_two_equal_bodies_roll_under_a_couple() -> None:
+    bodies = [dict(body, radius=0.9) for body in two()["bodies"]]
+    pair = pair_of(parse_case(two(mode="rotation") | {"bodies": bodies}))
+    assert_allclose(pair.at(0.05).motion(0.0).F, [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
+    U = np.array([[5.0, 1.0, 0.03], [-5.0, 2.0, -0.01]])
+    kappa, _ = pair.resistance(0.05, ErrorEstimate(U, 0.0 * U), ErrorEstimate(0.0 * U, 0.0 * U))
+    assert kappa == pytest.approx(25.0)
 
 
 @pytest.mark.parametrize("path", sorted(CASES.glob("*.toml")), ids=lambda path: path.stem)
@@ -132,7 +159,7 @@ def planned(**plan: Any) -> dict[str, Any]:
         (planned(range=[1e-3, 20.0]), "at the gap 20 the case is not sound: .*crosses wall"),
         (planned(samples=6, held_out=6), "as many between them at most one fewer"),
         (planned(mode="sheer"), 'calibration.mode = "sheer": not one of the choices'),
-        (two(mode="shear"), 'calibration.mode = "shear": needs a body beside a wall'),
+        (two(mode="rotation"), 'calibration.mode = "rotation": bodies of two radii slide'),
         (two(pair=["small", "left"]), "the case has 2 bodies; drop those"),
         (planned(pair=["disc", "far"]) | ROUND, "this wall is not plane"),
         (two() | {"domain": CELL, "bodies": PAIR}, "domain.extension = 0.5: .* needs fluid at rest"),
