@@ -53,7 +53,7 @@ def case(number: int, scheme: str) -> Case:
     ]
     for body in bodies if scheme == "adaptive" else ():
         del body["mass"], body["moment_of_inertia"]
-    reduced: dict[str, object] = {"law": "leading", "drag": 12.0, "cutoff": 0.5, "scheme": scheme}
+    stepping = {} if scheme == "adaptive" else {"scheme": scheme, "step": 0.02}
     return parse_case(
         {
             "name": "discs",
@@ -66,8 +66,8 @@ def case(number: int, scheme: str) -> Case:
                 "walls": {"top": [10.0, 0.0]},
             },
             "bodies": bodies,
-            "reduced": reduced if scheme == "adaptive" else reduced | {"step": 0.02},
-            "time": {"end": 100.0, "tolerance": 1e-2, "first_step": 0.02},
+            "reduced": {"law": "leading", "drag": 12.0, "cutoff": 0.5},
+            "time": {"end": 100.0, "tolerance": 1e-2, "first_step": 0.02} | stepping,
         }
     )
 

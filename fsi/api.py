@@ -102,7 +102,10 @@ class Solution:
 
     @property
     def dissipation(self) -> float:
-        """`2 mu int e:e`, infinite where walls' velocities jump; in a reduced model that of gaps and drag."""
+        """`2 mu int e:e`, infinite where walls' velocities jump; in a reduced model that of gaps and drag.
+
+        Where a reduced model has a bulk stress, that of the fluid and of lone bodies is in it too.
+        """
         return float(self.instant.record["dissipation"])
 
     @property

@@ -32,6 +32,7 @@ _OF_NETWORK = {
     "kernel": "rigid motions of clusters change no gap",
     "invariant": "the first integral of each gap is kept",
     "energy": "the energy inequality",
+    "stress": "stress and loads do the work that drag and gaps dissipate",
 }
 _OF_IMPULSES = {"kkt": "velocities and impulses are optimal", "momentum_defect": "impulses act and react"}
 # By model: columns of steps.csv, what they say, and the bound of each, which the models enforce.
