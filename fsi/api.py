@@ -31,7 +31,7 @@ from fsi.errors import FsiError, InputError, SolveError
 from fsi.integration.errors import ErrorEstimate
 from fsi.integration.evolution import Evolution
 from fsi.integration.state import Instant, StepRecord
-from fsi.models import make_evolution, make_model
+from fsi.models import flow_solvers, make_evolution, make_model
 from fsi.observables.resistance import Resistance
 from fsi.parallel import on_root, together
 from fsi.postprocess.run.run import Run, open_run
@@ -72,10 +72,10 @@ class Solution:
     """A case solved at time 0.
 
     Attributes:
-        case: what was solved; with `discretisation.tolerance` the refined one.
+        case: what was solved; with a tolerance the refined one.
         instant: velocities U and external loads F, shape (N, M), and what the model knows besides.
         errors: estimated errors of U and F, of the dissipation and the apparent viscosity; None of a model
-            without a mesh.
+            without a flow.
     """
 
     case: Case
@@ -117,15 +117,27 @@ class Solution:
     @together()
     def evaluate(self, points: ArrayLike) -> tuple[Array, Array]:
         """Velocity (n, d) and pressure (n,) at points (n, d); NaN outside the fluid. Raises InputError."""
-        return self._resolved("evaluate").evaluate(np.atleast_2d(np.asarray(points, dtype=float)))  # type: ignore[no-any-return]
+        flow = self._flow("evaluate")
+        if not self.case.level.pressure:
+            raise InputError(
+                f'model = "{self.case.model}": has no pressure; use Solution.velocity, or solve the resolved '
+                "case"
+            )
+        values: tuple[Array, Array] = flow.evaluate(_points(points))
+        return values
+
+    @together()
+    def velocity(self, points: ArrayLike) -> Array:
+        """Velocity (n, d) at points (n, d); NaN outside the fluid. Raises InputError."""
+        flow = self._flow("evaluate")
+        u: Array = flow.velocity(_points(points))
+        return u
 
     @together()
     def resistance(self) -> Resistance:
         """R of all bodies, F = R U, and its inverse, with walls at rest. Raises InputError."""
-        self._resolved("resistance")
-        from fsi.stokes.resistance import case_resistance  # dolfinx, only where it is needed
-
-        return case_resistance(self.case)
+        self._flow("resistance")
+        return flow_solvers(self.case).resistance(self.case)
 
     @together()
     def write(self, folder: Path | str) -> dict[str, list[str]]:
@@ -134,8 +146,8 @@ class Solution:
         folder.mkdir(parents=True, exist_ok=True)
         return self.instant.write(folder, 0)
 
-    def _resolved(self, what: str) -> Any:
-        if self.case.model != "resolved":
+    def _flow(self, what: str) -> Any:
+        if not self.case.level.flow:
             raise InputError(f'model = "{self.case.model}": has no flow to {what}; solve the resolved case')
         return self.instant
 
@@ -148,6 +160,10 @@ class Solution:
             for body in self.bodies[:5]:
                 lines.append(f"  {body.name}: V = {body.velocity}, force of the fluid = {body.force}")
         return "\n".join(lines)
+
+
+def _points(points: ArrayLike) -> Array:
+    return np.atleast_2d(np.asarray(points, dtype=float))
 
 
 def make_case(**sections: Any) -> Case:
@@ -164,18 +180,16 @@ def make_case(**sections: Any) -> Case:
 def solve(case: Case) -> Solution:
     """The velocities of all bodies and the forces of the fluid on them at time 0, without inertia.
 
-    A resolved case has error bars, and is refined to `discretisation.tolerance` if it has one.
+    A case of a level with a flow has error bars, and is refined to its tolerance if it has one.
 
     Raises:
         InputError: its level steps by itself and has no instant, or it is more than this machine holds.
         SolveError: the solve fails, or a check of it.
     """
     on_root(lambda: check_work(case))
-    if case.model != "resolved":
+    if not case.level.flow:
         return Solution(case, make_model(case)(case.configuration(), 0.0), None)
-    from fsi.stokes.adapt import solve_with_errors  # dolfinx, only where it is needed
-
-    solved = solve_with_errors(case)
+    solved = flow_solvers(case).solve(case)
     return Solution(solved.case, solved.solution, solved.errors)
 
 

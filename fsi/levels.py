@@ -8,18 +8,24 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Level:
+class ModelLevel:
     """What one level has.
 
     Attributes:
         viscous: whether a viscous fluid gives the bodies their velocities at any instant; the other levels
             step by themselves, with given steps.
+        meshed: whether its fluid is meshed.
+        accuracy: the section of the case whose `tolerance` refines it, "" where nothing does.
+        pressure: whether its fluid has one.
         series: the files that pictures of its runs are made of: "fluid" where it has a velocity at every
             point of the fluid, "bodies" (and lines between them), or "profile".
     """
 
     viscous: bool
     series: str
+    accuracy: str = ""
+    meshed: bool = False
+    pressure: bool = False
 
     @property
     def flow(self) -> bool:
@@ -28,9 +34,12 @@ class Level:
 
 
 LEVELS = {
-    "resolved": Level(viscous=True, series="fluid"),
-    "reduced": Level(viscous=True, series="bodies"),
-    "gluey": Level(viscous=False, series="bodies"),
-    "macroscopic": Level(viscous=False, series="profile"),
+    "resolved": ModelLevel(
+        viscous=True, series="fluid", accuracy="discretisation", meshed=True, pressure=True
+    ),
+    "pores": ModelLevel(viscous=True, series="fluid", accuracy="pores"),
+    "reduced": ModelLevel(viscous=True, series="bodies"),
+    "gluey": ModelLevel(viscous=False, series="bodies"),
+    "macroscopic": ModelLevel(viscous=False, series="profile"),
 }
 VISCOUS = tuple(name for name, level in LEVELS.items() if level.viscous)

@@ -4,17 +4,20 @@ Libraries are imported where they are needed: only the resolved model wants DOLF
 """
 
 from collections.abc import Callable
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from fsi.case.case import Case
 from fsi.case.checks.time import check_own_mesh
 from fsi.errors import InputError
+from fsi.integration.errors import ErrorEstimate
 from fsi.integration.evolution import Evolution, SteppedEvolution
 from fsi.integration.schemes import Beginning, scheme_for
 from fsi.integration.state import Advance, Model, Schedule
 from fsi.integration.stepper import FixedStepper, Refinable, RefiningStepper, Stepper
 from fsi.integration.strayed import Strayed
+from fsi.observables.resistance import Resistance, ResistanceErrors
 
 
 def require_instant(case: Case) -> None:
@@ -31,6 +34,58 @@ def make_model(case: Case) -> Model:
     return INSTANTS[case.model](case)
 
 
+class SolvedInstant(Protocol):
+    """A case solved at time 0."""
+
+    @property
+    def case(self) -> Case:
+        """What was solved: with a tolerance, refined to it."""
+
+    @property
+    def solution(self) -> Any:
+        """The flow: `Measured`, and what its level knows besides."""
+
+    @property
+    def errors(self) -> ErrorEstimate:
+        """Its estimated errors."""
+
+
+class SolvedMatrix(Protocol):
+    """The resistance matrix of a case with its estimated errors."""
+
+    @property
+    def case(self) -> Case:
+        """What was solved: with a tolerance, refined to it."""
+
+    @property
+    def resistance(self) -> Resistance:
+        """The matrix."""
+
+    @property
+    def errors(self) -> ResistanceErrors:
+        """Of its entries."""
+
+
+class FlowSolvers(NamedTuple):
+    """What levels with a flow do besides, at time 0 and without inertia; all of it collective.
+
+    Attributes:
+        solve: the flow with its estimated errors. Raises InputError: only inertia determines the motion;
+            MeshError, SolveError: the solve fails, or the tolerance of the case is not reached.
+        resistance: the matrix of all bodies. Raises alike; InputError where bodies alone determine no flow.
+        resistance_with_errors: the same with its estimated errors.
+    """
+
+    solve: Callable[[Case], SolvedInstant]
+    resistance: Callable[[Case], Resistance]
+    resistance_with_errors: Callable[[Case], SolvedMatrix]
+
+
+def flow_solvers(case: Case) -> FlowSolvers:
+    """Those of the level of a case, which has a flow."""
+    return FLOWS[case.model]()
+
+
 def make_evolution(case: Case) -> Evolution:
     """What moves the bodies of a case in time. Raises InputError: no [time], or a mesh that they leave."""
     _ = case.timing
@@ -41,7 +96,7 @@ def make_evolution(case: Case) -> Evolution:
 
 def stepped(case: Case, model: Model) -> SteppedEvolution:
     """The motion of a case with a model that gives velocities at an instant."""
-    estimated = case.output.error_estimates or case.discretisation.tolerance is not None
+    estimated = case.output.error_estimates or case.tolerance is not None
     q, first = case.configuration(), case.timing.first_step
     # A body with mass has a velocity of its own that strays too.
     strayed = Strayed() if case.output.error_estimates and case.masses() is None else None
@@ -68,9 +123,8 @@ def make_stepper(case: Case, model: Model) -> Advance:
         gap_loss=time.gap_loss,
         smallest_step=time.smallest_step,
     )
-    tolerance = case.discretisation.tolerance
-    if tolerance is not None and isinstance(model, Refinable):
-        return RefiningStepper(stepper, model, tolerance)
+    if case.tolerance is not None and isinstance(model, Refinable):
+        return RefiningStepper(stepper, model, case.tolerance)
     return stepper
 
 
@@ -79,6 +133,12 @@ def _resolved(case: Case) -> Model:
     from fsi.stokes.model import StokesModel
 
     return StokesModel(case) if case.discretisation.tolerance is None else RefinedModel(case)
+
+
+def _pores(case: Case) -> Model:
+    from fsi.pores.model import PoreModel
+
+    return PoreModel(case)
 
 
 def _reduced(case: Case) -> Model:
@@ -101,5 +161,24 @@ def _macroscopic(case: Case) -> Evolution:
     return MacroscopicEvolution(case)
 
 
-INSTANTS: dict[str, Callable[[Case], Model]] = {"resolved": _resolved, "reduced": _reduced}
+def _flow_of_cells() -> FlowSolvers:
+    from fsi.stokes.adapt import solve_with_errors
+    from fsi.stokes.resistance import case_resistance, resistance_with_error
+
+    return FlowSolvers(solve_with_errors, case_resistance, resistance_with_error)
+
+
+def _flow_of_pores() -> FlowSolvers:
+    from fsi.pores.accuracy import solve_with_errors
+    from fsi.pores.resistance import case_resistance, resistance_with_error
+
+    return FlowSolvers(solve_with_errors, case_resistance, resistance_with_error)
+
+
+INSTANTS: dict[str, Callable[[Case], Model]] = {
+    "resolved": _resolved,
+    "pores": _pores,
+    "reduced": _reduced,
+}
+FLOWS: dict[str, Callable[[], FlowSolvers]] = {"resolved": _flow_of_cells, "pores": _flow_of_pores}
 EVOLUTIONS: dict[str, Callable[[Case], Evolution]] = {"gluey": _gluey, "macroscopic": _macroscopic}

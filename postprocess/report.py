@@ -16,7 +16,9 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from fsi.errors import InputError
 from fsi.files import require_suffix, write_whole
 from fsi.observables.truncation import BOUND, IDENTITIES
+from fsi.pores.instant import BOUND as PORES_BOUND
 from fsi.postprocess.plots.histories import plot_runs
+from fsi.postprocess.render.network import NECKS
 from fsi.postprocess.render.picture import MOVIES, write_pictures
 from fsi.postprocess.render.render import artist, render_run
 from fsi.postprocess.render.view import Choice
@@ -28,6 +30,10 @@ from fsi.run_folder.folder import CASE
 _ROWS = 15  # of the table of steps
 _MANY = 20  # bodies, more than which are not listed in the open
 _FRAMES, _FRAME_SIZE, _PICTURE_SIZE = 30, 320, 700
+_OF_VISCOSITY = {
+    "stress": "viscosity by stress = viscosity by dissipation",
+    "viscosity_bound": "viscosity >= 1 / (1 - area fraction)",
+}
 _OF_NETWORK = {
     "kernel": "rigid motions of clusters change no gap",
     "invariant": "the first integral of each gap is kept",
@@ -38,6 +44,7 @@ _OF_IMPULSES = {"kkt": "velocities and impulses are optimal", "momentum_defect":
 # By model: columns of steps.csv, what they say, and the bound of each, which the models enforce.
 _IDENTITIES: dict[str, tuple[dict[str, str], float]] = {
     "resolved": (IDENTITIES, BOUND),
+    "pores": (IDENTITIES | _OF_VISCOSITY, PORES_BOUND),
     "reduced": (IDENTITIES | _OF_NETWORK, REDUCED_BOUND),
     "gluey": (_OF_IMPULSES, BOUND),
     "macroscopic": ({}, BOUND),
@@ -101,6 +108,10 @@ def _pictures(run: Run) -> list[dict[str, str] | str]:
     last = {f"{what[run.series]} at the last step": Choice(size=_PICTURE_SIZE)}
     if run.series == "fluid":
         last["dissipation at the last step"] = Choice("dissipation", size=_PICTURE_SIZE)
+    if run.has(NECKS):
+        last["necks at the last step, as wide as what is dissipated in them"] = Choice(
+            NECKS, size=_PICTURE_SIZE
+        )
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "picture.png"
         parts = {"histories": partial(plot_runs, [run], file)}

@@ -19,17 +19,19 @@ import numpy as np
 import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.calibration.pair import Pair, pair_of
+from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.errors import FsiError, InputError, SolveError
 from fsi.files import json_of, replace
 from fsi.integration.errors import ErrorEstimate
 from fsi.meshes.errors import MeshError
+from fsi.models import flow_solvers, make_model
 from fsi.observables.truncation import halved
 
 DIGITS = 8  # of a gap over a radius
 _PACKAGE = Path(__file__).parents[1]
 # What computes a sample besides its case.
-_SOLVERS = ("fenics-dolfinx", "dolfinx-solver-real", "gmsh", "petsc4py")
+_SOLVERS = ("fenics-dolfinx", "dolfinx-solver-real", "gmsh", "petsc4py", "numba")
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +100,7 @@ def planned_gaps(pair: Pair) -> list[tuple[float, bool]]:
 def key_of(pair: Pair, gap: float) -> str:
     """What names a sample: a hash of the case at the gap, of the mode, and of all code that computes it."""
     case = pair.at(gap).model_dump(mode="json", exclude={"name"})
-    content = {"case": case, "pair": pair.plan.pair, "mode": pair.plan.mode, "code": _code()}
+    content = {"case": case, "pair": pair.plan.pair, "mode": pair.plan.mode, "code": _code(pair.case)}
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:32]
 
 
@@ -123,11 +125,11 @@ def keep_sample(cache: Path, key: str, sample: Sample) -> None:
     replace(cache / f"{key}.json", json.dumps(asdict(sample)).encode())
 
 
-def _code() -> str:
-    """Hash of the sources of mesh and resolved model, and the versions of the libraries that they use."""
+def _code(case: Case) -> str:
+    """Hash of the sources that compute a flow, and the versions of the libraries that they use."""
     sources = hashlib.sha256()
-    for folder in (_PACKAGE / "meshes", _PACKAGE / "stokes"):
-        for path in sorted(folder.rglob("*.py")):
+    for folder in ("meshes", "stokes") if case.level.meshed else ("pores",):
+        for path in sorted((_PACKAGE / folder).rglob("*.py")):
             sources.update(path.read_bytes())
     for name in _SOLVERS:
         try:
@@ -232,17 +234,15 @@ def _compute(pair: Pair, task: Task, cache: Path) -> Outcome:
 
 def resolved_sample(pair: Pair, gap: float, *, held_out: bool) -> Sample:
     """The resistance of the pair at a gap; collective. Raises MeshError, SolveError."""
-    from fsi.stokes.adapt import solve_with_errors  # dolfinx, only where it is needed
-    from fsi.stokes.model import StokesModel
-
     began = time.process_time()
-    solved = solve_with_errors(pair.at(gap))
+    case = pair.at(gap)
+    solved = flow_solvers(case).solve(case)
     kappa, error = pair.resistance(gap, solved.solution, solved.errors)
     half, change = halved(solved.case), 0.0
     if half is not None:
-        smaller = StokesModel(half)(half.configuration(), 0.0)
+        smaller = make_model(half)(half.configuration(), 0.0)
         none = ErrorEstimate(0.0 * smaller.U, 0.0 * smaller.F)
         change = abs(pair.resistance(gap, smaller, none)[0] - kappa)
     solution, seconds = solved.solution, time.process_time() - began
-    defect, instead = max(solution.checks.values()), bool(solution.mesh_instead)
+    defect, instead = float(np.nanmax([*solution.checks.values()])), bool(solution.mesh_instead)
     return Sample(gap, held_out, kappa, error, change, solution.dofs, defect, seconds, instead)

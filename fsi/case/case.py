@@ -22,14 +22,24 @@ from fsi.case.force_laws import Force
 from fsi.case.gluey import Gluey, LimitStudy
 from fsi.case.macroscopic import Macroscopic
 from fsi.case.section import Geometry, Section, Text, dimension_of
-from fsi.case.sections import Calibration, Discretisation, Expected, Fluid, Output, Reduced, Sweep, Time
+from fsi.case.sections import (
+    Calibration,
+    Discretisation,
+    Expected,
+    Fluid,
+    Output,
+    PoreResolution,
+    Reduced,
+    Sweep,
+    Time,
+)
 from fsi.case.series import kinks, value_at
 from fsi.case.walls import WallVelocity
 from fsi.errors import InputError
-from fsi.levels import LEVELS, Level
+from fsi.levels import LEVELS, ModelLevel
 from fsi.meshes.geometry.containers import Container
 
-type ModelName = Literal["resolved", "reduced", "gluey", "macroscopic"]
+type ModelName = Literal["resolved", "pores", "reduced", "gluey", "macroscopic"]
 MODELS: tuple[str, ...] = get_args(ModelName.__value__)
 
 
@@ -39,7 +49,7 @@ def _rows(value: Any) -> Any:
 
 
 class Case(Section):
-    """One problem: fluid, domain, bodies, and how to compute it at one of four levels."""
+    """One problem: fluid, domain, bodies, and how to compute it at one of five levels."""
 
     renamed: ClassVar[dict[str, str]] = {
         "cell": "use [domain] with lower, upper and periodic",
@@ -62,7 +72,7 @@ class Case(Section):
     geometry: Geometry = "planar"
     '"planar", "axisymmetric" or "spatial"'
     model: ModelName = "resolved"
-    '"resolved", "reduced", "gluey" or "macroscopic": the level'
+    '"resolved", "pores", "reduced", "gluey" or "macroscopic": the level'
     fluid: Fluid = Field(default_factory=lambda: Fluid(viscosity=1.0))
     """a section [fluid] with its viscosity"""
     domain: Domain
@@ -80,6 +90,8 @@ class Case(Section):
     """one section [[forces]] for gravity and each law of force between bodies"""
     discretisation: Discretisation
     """a section [discretisation]"""
+    pores: PoreResolution = Field(default_factory=PoreResolution)
+    """a section [pores]"""
     reduced: Reduced = Field(default_factory=Reduced)
     """a section [reduced]"""
     gluey: Gluey = Field(default_factory=Gluey)
@@ -105,9 +117,16 @@ class Case(Section):
         return tuple(body.name for body in self.bodies)
 
     @property
-    def level(self) -> Level:
+    def level(self) -> ModelLevel:
         """What its model has."""
         return LEVELS[self.model]
+
+    @property
+    def tolerance(self) -> float | None:
+        """The estimated relative error to which its level is refined, or none."""
+        section = self.level.accuracy
+        tolerance: float | None = getattr(self, section).tolerance if section else None
+        return tolerance
 
     @property
     def axisymmetric(self) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple, get_args
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
@@ -127,6 +127,18 @@ class Calibration(Section):
         if self.held_out >= self.samples:
             raise ValueError(f"has {self.samples} samples and as many between them at most one fewer")
         return self
+
+
+class PoreResolution(Section):
+    """The model of pores: how finely the stream function is resolved."""
+
+    modes: Literal[0, 1, 2, 4, 6, 8, 10, 12, 16] = 1
+    """the number of modes an edge, 0, 1, 2, 4, 6, 8, 10, 12 or 16"""
+    tolerance: Fraction | None = None
+    """the estimated relative error down to which modes are added, in (0, 1), or none"""
+
+
+EDGE_MODES: tuple[int, ...] = get_args(PoreResolution.model_fields["modes"].annotation)
 
 
 class Reduced(Section):

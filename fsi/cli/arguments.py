@@ -67,13 +67,23 @@ def load(path: Path, overrides: list[str] | None) -> Case:
     return case
 
 
-def load_resolved(path: Path, overrides: list[str] | None, command: str) -> Case:
-    """The case of a file, for a command that resolves the flow. Raises InputError for a reduced one."""
+def load_with_flow(path: Path, overrides: list[str] | None, command: str) -> Case:
+    """The case of a file, for a command that needs a flow. Raises InputError: its level has none."""
     case = load(path, overrides)
-    if case.model != "resolved":
+    if not case.level.flow:
         raise InputError(
-            f'model = "{case.model}": `fsi {command}` is for the resolved flow; add --set model=resolved, or '
-            "use `fsi run`"
+            f'model = "{case.model}": `fsi {command}` is for a level with a flow; add --set model=resolved, '
+            "or use `fsi run`"
+        )
+    return case
+
+
+def load_meshed(path: Path, overrides: list[str] | None) -> Case:
+    """The case of a file, for a command that meshes its fluid. Raises InputError: its level has no mesh."""
+    case = load(path, overrides)
+    if not case.level.meshed:
+        raise InputError(
+            f'model = "{case.model}": only the resolved level has a mesh; add --set model=resolved'
         )
     return case
 

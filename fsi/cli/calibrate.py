@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 import fsi.parallel as parallel
-from fsi.cli.arguments import CaseFile, Overrides, load_resolved, option, output_to
+from fsi.cli.arguments import CaseFile, Overrides, load_with_flow, option, output_to
 from fsi.report.console import standard_error, standard_output
 
 EXAMPLE = "Example: fsi calibrate cases/calibration/equal_discs.toml --workers 2"
@@ -25,7 +25,7 @@ def calibrate(
     workers: Annotated[int | None, option("Local processes.", "one for each CPU", min=1)] = None,
     overrides: Overrides = None,
 ) -> None:
-    """Sample the resolved resistance of a pair over its gap and fit a lubrication law to it.
+    """Sample the resistance of a pair over its gap and fit a lubrication law to it.
 
     The section [calibration] of the case says which pair, which motion, which gaps. Writes the law
     (law.toml), the samples with their error bars and a plot. A sample is kept as soon as it is there and
@@ -37,7 +37,7 @@ def calibrate(
     from fsi.report.progress import counting
     from fsi.report.studies import print_calibration
 
-    case = load_resolved(case_file, overrides, "calibrate")
+    case = load_with_flow(case_file, overrides, "calibrate")
     folder = output or Path("runs") / "calibration" / case_file.stem
     with counting("samples") as show:
         sampling = Sampling(cache, workers or os.cpu_count() or 1, show)

@@ -14,7 +14,8 @@ from fsi.cli.arguments import (
     CaseFile,
     Overrides,
     load,
-    load_resolved,
+    load_meshed,
+    load_with_flow,
     option,
     output_to,
     require_writable,
@@ -45,27 +46,30 @@ def solve(
     A half-plane or a round container may stand for an infinite one: the solve is repeated with half its
     radius. The change of the results is the reported truncation, and the error at the full radius is less.
 
-    Of a case with model = "reduced" the velocities, without inertia, and the forces in its gaps are shown.
+    With model = "pores" the errors are from more modes an edge, the apparent viscosity is an upper bound, and
+    the necks are listed in which most is dissipated. With model = "reduced" the velocities, without inertia,
+    and the forces in its gaps are shown.
     """
     case = load(case_file, overrides)
-    if case.model != "resolved":
+    if not case.level.flow:
         _solve_reduced(case, as_json=as_json)
         return
+    from fsi.models import flow_solvers, make_model
     from fsi.observables.truncation import halved, truncation
-    from fsi.report.solution import print_solution, solution_json
-    from fsi.stokes.adapt import solve_with_errors
-    from fsi.stokes.model import StokesModel
+    from fsi.report import pores, solution
 
-    solved = solve_with_errors(case)
-    case, solution, errors = solved.case, solved.solution, solved.errors
-    half = halved(case)
+    solved = flow_solvers(case).solve(case)
+    case, found, half = solved.case, solved.solution, halved(solved.case)
     truncated = None
     if half is not None:
-        truncated = truncation(case, solution, StokesModel(half)(half.configuration(), 0.0))
-    if parallel.is_root() and as_json:
-        typer.echo(json.dumps(solution_json(case, solution, errors, truncated)))
-    elif parallel.is_root():
-        print_solution(standard_output(), case, solution, errors, truncated)
+        truncated = truncation(case, found, make_model(half)(half.configuration(), 0.0))
+    if not parallel.is_root():
+        return
+    show = {"resolved": solution, "pores": pores}[case.model]
+    if as_json:
+        typer.echo(json.dumps(show.solution_json(case, found, solved.errors, truncated)))
+    else:
+        show.print_solution(standard_output(), case, found, solved.errors, truncated)
 
 
 def _solve_reduced(case: Case, *, as_json: bool) -> None:
@@ -115,15 +119,16 @@ def resistance(
         require_format(output)
     if drag is not None:
         require_writable(drag)
-    case = load_resolved(case_file, overrides, "resistance")
+    case = load_with_flow(case_file, overrides, "resistance")
     if not case.bodies:
         raise InputError("bodies: there are none; a resistance matrix needs at least one [[bodies]]")
-    from fsi.stokes.resistance import case_resistance, resistance_with_error
+    from fsi.models import flow_solvers
 
     model = None if drag is None else reduced_model(case)
-    solved = resistance_with_error(case)
+    solve = flow_solvers(case)
+    solved = solve.resistance_with_errors(case)
     found, half = solved.resistance, halved(solved.case)
-    truncation = None if half is None else difference(found.R, case_resistance(half).R, found.modes.scale)
+    truncation = None if half is None else difference(found.R, solve.resistance(half).R, found.modes.scale)
     data = resistance_json(case.name, found, solved.errors, truncation)
     if output is not None:
         parallel.on_root(lambda: write_resistance(output, data))
@@ -164,7 +169,7 @@ def mesh(
 
         if step is not None:
             raise InputError(f"--step {step}: a case has no steps; give a run folder")
-        case = load_resolved(source, overrides, "mesh")
+        case = load_meshed(source, overrides)
         require_suffix(output)
         write_mesh(StokesModel(case).mesh(case.configuration()), output, case.names)
         message = f"wrote {output}"

@@ -43,6 +43,24 @@ class StressErrors:
 
 
 @dataclass(frozen=True, slots=True)
+class DeviatorErrors:
+    """Estimated errors of a mean stress without pressure, absolute.
+
+    Attributes:
+        shear: of its component xy.
+        normal_stress_difference: of N_1.
+    """
+
+    shear: float
+    normal_stress_difference: float
+
+    @property
+    def columns(self) -> Mapping[str, float]:
+        """Of steps.csv."""
+        return {"err_stress_xy": self.shear, "err_N_1": self.normal_stress_difference}
+
+
+@dataclass(frozen=True, slots=True)
 class ErrorEstimate:
     """Estimated errors, absolute.
 
@@ -52,6 +70,7 @@ class ErrorEstimate:
         dissipation: of `2 mu int e:e`, not a number where that is infinite.
         apparent_viscosity: of that of a periodic flow, not a number without a strain rate.
         stress: of a periodic flow.
+        deviator: of the stress of a periodic flow without pressure.
     """
 
     U: Array
@@ -59,6 +78,7 @@ class ErrorEstimate:
     dissipation: float = 0.0
     apparent_viscosity: float | None = None
     stress: StressErrors | None = None
+    deviator: DeviatorErrors | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +102,8 @@ class StepErrors:
         columns["err_dissipation"] = self.errors.dissipation
         if self.errors.apparent_viscosity is not None:
             columns["err_apparent_viscosity"] = self.errors.apparent_viscosity
-        return columns if self.errors.stress is None else {**columns, **self.errors.stress.columns}
+        stress = self.errors.stress or self.errors.deviator
+        return columns if stress is None else {**columns, **stress.columns}
 
     @property
     def body_columns(self) -> Mapping[str, Array]:

@@ -1,14 +1,14 @@
 """Motion of the bodies in time, landing on the times that matter.
 
 `Stepper` chooses its steps by the error and by the gaps, `FixedStepper` takes given ones, `RefiningStepper`
-makes steps again on finer meshes until their estimated error is below `discretisation.tolerance`.
+makes steps again with a finer model until their estimated error is below `discretisation.tolerance`.
 """
 
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -178,18 +178,26 @@ TRIES = 4
 
 @runtime_checkable
 class Refinable(Model, Protocol):
-    """A model whose meshes can be made finer."""
+    """A model that can be made finer.
+
+    Attributes:
+        tolerance_key: the key of the case to which it is refined.
+        remedy: what else helps where that is not reached, after "raise it".
+    """
+
+    tolerance_key: ClassVar[str]
+    remedy: ClassVar[str]
 
     def errors(self, q: Configuration, t: float, instant: Instant) -> StepErrors:
         """The estimated errors of an instant that this model gave."""
 
     def refine(self, q: Configuration, t: float, instant: Instant) -> None:
-        """Use meshes from now on that lower the error of this instant well below the tolerance."""
+        """Be so fine from now on that the error of this instant is well below the tolerance."""
 
 
 @dataclass(frozen=True, slots=True)
 class RefiningStepper:
-    """A stepper that makes a step again, with a finer mesh, when the error at its end is too large.
+    """A stepper that makes a step again, with a finer model, when the error at its end is too large.
 
     stepper: makes the steps, with `refinable` as its model; tolerance: of the largest error over the largest
     result.
@@ -232,7 +240,7 @@ class RefiningStepper:
             self.refinable.refine(q, t, step.instant)
         gap, size = nearest_gaps(q, self.container.at(t)).smallest(), apart(error, self.tolerance)
         raise SolveError(
-            f"discretisation.tolerance = {self.tolerance!r}: missed at t = {t:.9g}, where the error is "
-            f"{size} on the finest mesh that was tried, and the smallest gap {gap:.3g}; "
-            "raise it, or discretisation.degree (at most 4), or end the run before"
+            f"{self.refinable.tolerance_key} = {self.tolerance!r}: missed at t = {t:.9g}, where the error is "
+            f"{size} with the finest that was tried, and the smallest gap {gap:.3g}; raise it"
+            f"{self.refinable.remedy}, or end the run before"
         )

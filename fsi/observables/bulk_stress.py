@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 
 from fsi.bodies.configuration import Array
-from fsi.integration.errors import StressErrors
+from fsi.integration.errors import DeviatorErrors, StressErrors
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +68,46 @@ class BulkStress:
         """Columns of bodies.csv."""
         S = self.stresslets
         return {"S_xx": S[:, 0, 0], "S_xy": S[:, 0, 1], "S_yy": S[:, 1, 1]}
+
+
+@dataclass(frozen=True, slots=True)
+class DeviatoricStress:
+    """The deviator of the mean stress over a periodic domain.
+
+    Attributes:
+        mean: Sigma', symmetric without trace, (2, 2); None in a channel.
+        apparent_viscosity: over that of the fluid, None without a mean strain rate.
+    """
+
+    mean: Array | None
+    apparent_viscosity: float | None
+
+    @property
+    def shear(self) -> float:
+        """Sigma_xy; not a number in a channel."""
+        return nan if self.mean is None else float(self.mean[0, 1])
+
+    @property
+    def normal_stress_difference(self) -> float:
+        """N_1 = Sigma_xx - Sigma_yy, in which no pressure counts; not a number in a channel."""
+        return nan if self.mean is None else 2.0 * float(self.mean[0, 0])
+
+    def errors(self, other: Self, factor: float, rounding: float) -> DeviatorErrors | None:
+        """The factor times the differences from another, at least that part of the largest for rounding."""
+        if self.mean is None:
+            return None
+        least = rounding * float(np.abs(self.mean).max(initial=0.0))
+        shear = factor * abs(self.shear - other.shear)
+        between = factor * abs(self.normal_stress_difference - other.normal_stress_difference)
+        return DeviatorErrors(max(shear, least), max(between, least))
+
+    @property
+    def record(self) -> Mapping[str, float]:
+        """Columns of steps.csv; the apparent viscosity is not a number at instants without a strain rate."""
+        mu = nan if self.apparent_viscosity is None else self.apparent_viscosity
+        if self.mean is None:
+            return {"apparent_viscosity": mu}
+        return {"apparent_viscosity": mu, "stress_xy": self.shear, "N_1": self.normal_stress_difference}
 
 
 def area_fraction(radii: Array, area: float) -> float:

@@ -91,7 +91,7 @@ def halved(case: Case) -> Case | None:
     return half
 
 
-def truncation(case: Case, whole: SolvedFlow, half: SolvedFlow) -> dict[str, float]:
+def truncation(case: Case, whole: Results, half: Results) -> dict[str, float]:
     """How much the results change when the radius R of the container is halved.
 
     The effect of R decays like R^-1 (a net force in a ball) or faster, so the error at R is at most this

@@ -117,11 +117,15 @@ def print_solution(
     console.print(_bodies_table(case, solution, errors))
     if solution.bulk is not None and errors.stress is not None:
         console.print(_stress_table(solution.bulk, errors, errors.stress))
-    changes = (truncated or {}).items()
-    halved = {f"truncation: change of {name} when the radius is halved": value for name, value in changes}
-    console.print(checks_table("check, relative", solution.checks | halved))
+    console.print(checks_table("check, relative", solution.checks | truncation_checks(truncated)))
     console.print(_cost(case, solution, errors))
     print_mesh_instead(console, solution.mesh_instead)
+
+
+def truncation_checks(truncated: Truncation) -> dict[str, float]:
+    """The changes of the results in a container of half the radius, as rows of checks."""
+    changes = (truncated or {}).items()
+    return {f"truncation: change of {name} when the radius is halved": value for name, value in changes}
 
 
 def bodies_table(

@@ -9,7 +9,7 @@ tried all together.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import ceil
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -140,6 +140,9 @@ class RefinedModel:
 
     They never get coarser again.
     """
+
+    tolerance_key: ClassVar[str] = "discretisation.tolerance"
+    remedy: ClassVar[str] = f", or discretisation.degree (at most {HIGHEST_DEGREE})"
 
     def __init__(self, case: Case) -> None:
         self.resolved = StokesModel(case)

@@ -17,8 +17,8 @@ from mpi4py import MPI
 
 from fsi.bodies.configuration import Configuration, Motion
 from fsi.case.case import Case
+from fsi.case.checks.determined import require_still
 from fsi.case.walls import Velocity
-from fsi.errors import InputError
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.containers import Container
 from fsi.observables import resistance as matrix
@@ -85,7 +85,7 @@ def _between_resting_walls(case: Case) -> Case:
 def _resistance(case: Case, model: StokesModel, mesh: Mesher, degree: int) -> Resistance:
     """With elements of this degree on a mesh in the units of the model."""
     container, q, clock = case.container(), case.configuration(), Clock()
-    _require_still(case, container)
+    require_still(case)
     fluid = mesh(q)
     clock.lap("mesh")
     problem = held_at_rest(fluid, container, q, case.fluid.viscosity, case.wall_pressure())
@@ -93,18 +93,6 @@ def _resistance(case: Case, model: StokesModel, mesh: Mesher, degree: int) -> Re
     with explained(problem, case.names, shift=False):
         found = solve_resistance(model.units.scaled(problem), case.names, options, clock)
     return model.units.user_resistance(found, _modes_of(problem, case.names))
-
-
-def _require_still(case: Case, container: Container) -> None:
-    """F = R U alone: no mean flow, and no mean pressure gradient that would be a result too."""
-    if len(container.periods) == container.dimension:
-        raise InputError(
-            'domain.shape = "cell": without walls bodies alone do not determine the flow, so it has no '
-            'resistance matrix; give a box with periodic = ["x"]'
-        )
-    if (net_flux := case.domain.mean_drive().net_flux) is not None:
-        why = "a resistance matrix is that at a mean pressure gradient of zero"
-        raise InputError(f"domain.net_flux = {net_flux!r}: {why}; drop it")
 
 
 def held_at_rest(

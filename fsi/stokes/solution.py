@@ -58,6 +58,10 @@ class StokesSolution(SolvedFlow):
                 values[outside] = values_at(self.flow, x[outside] - e) + e @ jump.T
         return values[:, :-1], values[:, -1]
 
+    def velocity(self, x: Array) -> Array:
+        """u (n, d) at points x (n, d), as `evaluate`."""
+        return self.evaluate(x)[0]
+
     @property
     def record(self) -> Mapping[str, float]:
         """The model's columns of steps.csv, at every instant the same: sizes, checks, then CPU seconds."""

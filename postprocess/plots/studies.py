@@ -25,6 +25,7 @@ _FLOOR = 1e-14  # where a true error of zero is drawn
 # Colours that the colour-blind tell apart, and lines that grey print does.
 _STYLES = {
     "resolved": ("#0072b2", "-"),
+    "pores": ("#cc79a7", ":"),
     "reduced": ("#d55e00", "--"),
     "gluey": ("black", "-"),
     "macroscopic": ("#009e73", "--"),

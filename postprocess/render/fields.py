@@ -173,6 +173,11 @@ class RenderedField:
     in_space: bool = True
 
     @property
+    def of_pressure(self) -> bool:
+        """Whether only a fluid with a pressure has it."""
+        return not {"pressure", "traction"}.isdisjoint(self.needs)
+
+    @property
     def colour_map(self) -> Colormap:
         """The map of that name."""
         import numpy as np
@@ -194,6 +199,13 @@ def register_field(field: RenderedField) -> None:
 def field_names(in_space: bool = False) -> list[str]:
     """What can be chosen; on a plane in space not all of it."""
     return [name for name, field in _FIELDS.items() if field.in_space or not in_space]
+
+
+def require_pressure(field: RenderedField, model: str) -> None:
+    """Raise InputError where a model without pressure is asked for a field that needs one."""
+    if field.of_pressure:
+        known = ", ".join(name for name, each in _FIELDS.items() if not each.of_pressure)
+        raise InputError(f'--field {field.name}: model = "{model}" has no pressure; give one of {known}')
 
 
 def rendered_field(name: str, in_space: bool = False) -> RenderedField:

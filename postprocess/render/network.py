@@ -1,7 +1,8 @@
-"""Pictures of runs that have no flow, reduced and gluey: bodies, and their contacts as lines between them."""
+"""Bodies, and lines between them: the contacts of runs that have no flow, the necks between pores."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import ClassVar, override
 
 import numpy as np
 import pyvista as pv
@@ -11,14 +12,14 @@ from matplotlib.colors import ListedColormap, Normalize
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.errors import InputError
+from fsi.meshes.geometry.lattice import Lattice
 from fsi.postprocess.render.canvas import Picture, new_panel, new_spatial_panel
 from fsi.postprocess.render.fields import Span
 from fsi.postprocess.render.picture import Artist, Framed, compose
-from fsi.postprocess.render.view import Choice, View, around_all
+from fsi.postprocess.render.view import Choice, View, around_all, around_period
 from fsi.postprocess.run.run import Run, counted, nodes
 
-BODIES, CONTACTS = "bodies", "contacts"
-DEFAULTS = ("force", "gamma")  # whichever of them the run has
+BODIES, CONTACTS, NECKS = "bodies", "contacts", "necks"
 _FLOOR = 0.9  # of half a window, below its middle: no wall is shown above it
 _LARGE = 0.15  # radius over half the window from which on lines do not widen with the bodies
 _WIDEST, _THINNEST = 0.5, 0.02  # of a line, over the median radius
@@ -42,30 +43,41 @@ class ContactNetwork:
 
 
 class NetworkArtist(Artist):
-    """Draws bodies and contacts, with the same widths for the same values."""
+    """Draws bodies and contacts, with the same widths for the same values.
+
+    Attributes:
+        lines: the series of files with the lines.
+        defaults: what is shown of the lines, the first that the run has.
+    """
 
     series = BODIES
+    lines: ClassVar[str] = CONTACTS
+    defaults: ClassVar[tuple[str, ...]] = ("force", "gamma")
 
     def __init__(self, run: Run, choice: Choice) -> None:
         """Raises InputError: there is no such field, or a gap is asked for."""
         super().__init__(run, choice)
         if choice.gap is not None:
             raise InputError(f"--gap {choice.gap}: there is no flow in this run to look at; drop it")
-        known = [*run.mesh(None, CONTACTS).cell_data]
+        known = [*run.mesh(None, self.lines).cell_data]
         if choice.field is not None and choice.field not in known:
             raise InputError(f"--field {choice.field}: give one of {', '.join(known)}")
-        self.field = choice.field or next(name for name in DEFAULTS if name in known)
+        self.field = choice.field or next(name for name in self.defaults if name in known)
 
     def pictures(self, steps: Sequence[int]) -> Iterator[Picture]:
         """A picture of each step."""
         networks = [self._read(step) for step in steps]
-        centres = np.stack([network.q.centres for network in networks])
-        view = self._above_floor(around_all(centres, networks[0].q.radii))
+        view = self._window(steps, networks)
         shades = _shades(np.concatenate([network.values for network in networks]), self.choice.span)
         draw = self._plane if self.run.case.dimension == 2 else self._space
         for step, network in zip(steps, networks, strict=True):
-            framed = Framed(draw(network, view, shades), "contacts", view.half, self.field, shades)
+            framed = Framed(draw(network, view, shades), self.lines, view.half, self.field, shades)
             yield compose(self.title(step), [framed])
+
+    def _window(self, steps: Sequence[int], networks: Sequence[ContactNetwork]) -> View:  # noqa: ARG002
+        """On all bodies at all steps."""
+        centres = np.stack([network.q.centres for network in networks])
+        return self._above_floor(around_all(centres, networks[0].q.radii))
 
     def _above_floor(self, view: View) -> View:
         """The window, raised until it shows less of a wall below the bodies."""
@@ -78,13 +90,16 @@ class NetworkArtist(Artist):
 
     def _read(self, step: int) -> ContactNetwork:
         """Bodies and contacts of a step; a step without contacts has no values."""
-        bodies, contacts = self.run.mesh(step, BODIES), self.run.mesh(step, CONTACTS)
-        centres = np.asarray(bodies.points[:, : self.run.case.dimension], dtype=float)
-        q = Configuration.unturned(centres, np.asarray(bodies["radius"], dtype=float))
+        q, contacts = self._bodies(step), self.run.mesh(step, self.lines)
         if not contacts.n_cells:
             return ContactNetwork(q, np.empty((0, 2, 3)), np.empty(0))
         ends = np.asarray(contacts.points[nodes(contacts)], dtype=float)
         return ContactNetwork(q, ends, np.asarray(contacts.cell_data[self.field]))
+
+    def _bodies(self, step: int) -> Configuration:
+        bodies = self.run.mesh(step, BODIES)
+        centres = np.asarray(bodies.points[:, : self.run.case.dimension], dtype=float)
+        return Configuration.unturned(centres, np.asarray(bodies["radius"], dtype=float))
 
     def _plane(self, network: ContactNetwork, view: View, shades: ScalarMappable) -> Picture:
         """Discs, and bars between their centres, the wider the larger the value."""
@@ -103,6 +118,36 @@ class NetworkArtist(Artist):
         if len(network.values):
             space.tubes(network.ends, 0.5 * _widths(network, view, shades), network.values, shades)
         return space.image()
+
+
+class NeckArtist(NetworkArtist):
+    """Draws the necks between pores, by default as wide as what is dissipated in them: chains stand out."""
+
+    series = NECKS
+    lines = NECKS
+    defaults = ("dissipation",)
+
+    @override
+    def _window(self, steps: Sequence[int], networks: Sequence[ContactNetwork]) -> View:
+        """On one period, where there is one."""
+        container = self.run.container(steps[0])
+        return around_period(container) if len(container.periods) else super()._window(steps, networks)
+
+    @override
+    def _bodies(self, step: int) -> Configuration:
+        return self.run.configuration(step)
+
+    @override
+    def _read(self, step: int) -> ContactNetwork:
+        """With all images next to one period."""
+        one, lattice = super()._read(step), Lattice(self.run.container(step).periods)
+        if not lattice.dimension:
+            return one
+        e, home = lattice.shift(lattice.near()), lattice.wrapped(one.q.centres)
+        centres = (home + e[:, None]).reshape(-1, 2)
+        q = Configuration(centres, np.tile(one.q.angles, len(e)), np.tile(one.q.radii, len(e)))
+        ends = (one.ends + np.pad(e, ((0, 0), (0, 1)))[:, None, None]).reshape(-1, 2, 3)
+        return ContactNetwork(q, ends, np.tile(one.values, len(e)))
 
 
 def _shades(values: Array, span: Span | None) -> ScalarMappable:

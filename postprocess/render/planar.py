@@ -9,7 +9,7 @@ from matplotlib.cm import ScalarMappable
 from fsi.errors import InputError
 from fsi.postprocess.render.canvas import INK, Panel, Picture, new_panel
 from fsi.postprocess.render.curved_cells import edges, rims
-from fsi.postprocess.render.fields import RenderedField, Span, rendered_field
+from fsi.postprocess.render.fields import RenderedField, Span, rendered_field, require_pressure
 from fsi.postprocess.render.picture import FlowArtist, Framed, compose
 from fsi.postprocess.render.scenes import Scene, gap_at, in_window, scene, window_on
 from fsi.postprocess.render.view import Choice, View
@@ -26,12 +26,16 @@ class PlanarArtist(FlowArtist):
     def __init__(self, run: Run, choice: Choice) -> None:
         """Raises InputError: there is no such field or gap."""
         super().__init__(run, choice)
-        panels = [("speed", False), ("mesh", True)]
+        near = "mesh" if run.case.level.meshed else "dissipation"
+        panels = [("speed", False), (near, True)]
         if choice.gap is not None:
-            panels = [(choice.field or "mesh", True)]
+            panels = [(choice.field or near, True)]
         elif choice.field is not None or not run.case.bodies:
             panels = [(choice.field or "speed", False)]
         self.panels = [(rendered_field(name), close) for name, close in panels]
+        for field, _ in self.panels:
+            if not run.case.level.pressure:
+                require_pressure(field, run.case.model)
         # The last of each is kept: its colours are wanted before its picture.
         self._mesh = lru_cache(maxsize=1)(run.mesh)
         self._scenes = lru_cache(maxsize=1)(self._read)

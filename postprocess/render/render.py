@@ -1,10 +1,11 @@
 """Pictures and animations of a run of any model."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from fsi.errors import InputError
 from fsi.files import require_suffix
-from fsi.postprocess.render.network import NetworkArtist
+from fsi.postprocess.render.network import NECKS, NeckArtist, NetworkArtist
 from fsi.postprocess.render.picture import MOVIES, STILLS, Artist, write_pictures
 from fsi.postprocess.render.planar import PlanarArtist
 from fsi.postprocess.render.profile import ProfileArtist
@@ -15,6 +16,8 @@ from fsi.postprocess.run.run import Run
 
 def artist(run: Run, choice: Choice) -> Artist:
     """Who draws this run. Raises InputError: it has not what is chosen."""
+    if choice.field == NECKS and run.has(NECKS):
+        return NeckArtist(run, replace(choice, field=None))
     if run.series != "fluid":
         return NetworkArtist(run, choice) if run.series == "bodies" else ProfileArtist(run, choice)
     return SpatialArtist(run, choice) if run.case.geometry == "spatial" else PlanarArtist(run, choice)

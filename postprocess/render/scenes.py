@@ -47,7 +47,7 @@ class Scene:
 
     def surface(self, field: RenderedField, size: int) -> pv.PolyData:
         """Triangles small enough for so many pixels, with the data `value`, and `psi` for streamlines."""
-        if field.streamlines:
+        if field.streamlines and "psi" not in self.fluid.point_data:
             u = self.fluid["velocity"]
             w = self.fluid["r"][:, None] * u if self.axisymmetric else u
             self.fluid["psi"] = stream_function(self.fluid, w)
@@ -133,7 +133,8 @@ def scene(run: Run, step: int, fluid: pv.UnstructuredGrid, view: View, tractions
 def tiled(grid: pv.UnstructuredGrid, container: Container, view: View) -> pv.UnstructuredGrid:
     """The cells of all images of the fluid, or of surfaces, that meet the window, in one grid.
 
-    Their velocities differ by the mean flow, their pressures by that of the mean gradient along a channel.
+    Their velocities and stream functions differ by those of the mean flow, their pressures by that of the
+    mean gradient along a channel.
     """
     lattice = Lattice(container.periods)
     low, high = np.array(grid.bounds[:4]).reshape(2, 2).T
@@ -148,9 +149,19 @@ def tiled(grid: pv.UnstructuredGrid, container: Container, view: View) -> pv.Uns
                 copy["velocity"][:, :2] += container.mean_velocity(e)
             if rise:
                 copy["pressure"] += rise * m[0]
+            if "psi" in copy.point_data:
+                x = np.asarray(copy.points)[:, :2]
+                copy["psi"] += mean_stream_function(container, x) - mean_stream_function(container, x - e)
             copies.append(copy)
     together = pv.merge(copies, merge_points=False)
     return together.clean(tolerance=_SAME_PLACE * view.half, remove_unused_points=False)
+
+
+def mean_stream_function(container: Container, x: Array) -> Array:
+    """That of the mean flow E x at points (n, 2), `E_xx x y + (E_xy y^2 - E_yx x^2) / 2`, (n,)."""
+    E = container.mean_gradient
+    psi: Array = E[0, 0] * x[:, 0] * x[:, 1] + 0.5 * (E[0, 1] * x[:, 1] ** 2 - E[1, 0] * x[:, 0] ** 2)
+    return psi
 
 
 def _rise(grid: pv.UnstructuredGrid, e: Array) -> float:

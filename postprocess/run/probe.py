@@ -31,9 +31,9 @@ def probe(run: Run, points: Array, step: int | None = None) -> pd.DataFrame:
     """Velocity, pressure, vorticity and strain rate at points (n, d), a row for each, at a step.
 
     Columns x, y (with an axis r, z; in space x, y, z), `where` ("fluid", the name of the body that holds the
-    point, or "outside"), u_x, u_y ..., p, vorticity (in space vorticity_x ...), strain_rate; NaN where there
-    is no fluid. For their signs see `fsi.observables.bulk_stress`. A point up to 1e-4 of a cell beyond
-    the fluid's boundary counts as on it.
+    point, or "outside"), u_x, u_y ..., p (in a model with pressure), vorticity (in space vorticity_x ...),
+    strain_rate; NaN where there is no fluid. For their signs see `fsi.observables.bulk_stress`. A point up to
+    1e-4 of a cell beyond the fluid's boundary counts as on it.
 
     Raises InputError: the run has no fields of that step.
     """
@@ -58,14 +58,16 @@ def _values(
     x, u = fluid.points[cells][..., :d], fluid["velocity"][cells][..., :d]
     cell, X = locate(x, points, _TOLERANCE)
     inside = cell >= 0
-    x, u, p = x[cell[inside]], u[cell[inside]], fluid["pressure"][cells[cell[inside]]]
+    x, u, at = x[cell[inside]], u[cell[inside]], cells[cell[inside]]
     phi, dphi = tabulate(order_of(cells.shape[1], d), X[inside])
     G = gradient(x, u, dphi)
     velocity = np.einsum("pn,pnc->pc", phi, u)
     hoop = hoop_rate(points[inside, 0], velocity[:, 0], G) if run.case.axisymmetric else 0.0
     curl = vorticity(G)
     curls = {"vorticity": curl} if d == 2 else {f"vorticity_{c}": curl[:, k] for k, c in enumerate(letters)}
-    values = {f"u_{c}": velocity[:, k] for k, c in enumerate(letters)} | {"p": np.sum(phi * p, axis=1)}
+    values = {f"u_{c}": velocity[:, k] for k, c in enumerate(letters)}
+    if "pressure" in fluid.point_data:
+        values["p"] = np.sum(phi * fluid["pressure"][at], axis=1)
     return inside, values | curls | {"strain_rate": strain_rate(G, hoop)}
 
 

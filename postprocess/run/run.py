@@ -55,7 +55,7 @@ def open_run(path: Path | str) -> Run:
 
 
 # By series: what is known at its nodes.
-_POINT_DATA = {"fluid": ("velocity", "pressure"), "surface": ("traction",)}
+_POINT_DATA = {"fluid": ("velocity",), "surface": ("traction",)}
 
 
 @dataclass(frozen=True)
@@ -117,6 +117,10 @@ class Run:
         times = {_step(entry): entry.t for entry in self._entries(series)}
         return pd.Series(times, name="t", dtype=float).rename_axis("step")
 
+    def has(self, series: str) -> bool:
+        """Whether it has written any files of that series."""
+        return bool(self._entries(series))
+
     def mesh(self, step: int | None = None, series: str = "fluid") -> pv.UnstructuredGrid:
         """The fields of a step (default: the last that has any), all ranks' parts in one grid.
 
@@ -128,7 +132,10 @@ class Run:
         """
         step = self.step(step, series)
         files = [self.path / entry.file for entry in self._entries(series) if _step(entry) == step]
-        grids = [read_grid(file, _POINT_DATA.get(series, ())) for file in files]
+        known = _POINT_DATA.get(series, ())
+        if series == "fluid" and self.case.level.pressure:
+            known = (*known, "pressure")
+        grids = [read_grid(file, known) for file in files]
         return _joined(grids)
 
     def step(self, step: int | None = None, series: str = "fluid") -> int:

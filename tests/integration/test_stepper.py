@@ -277,6 +277,9 @@ def test_the_model_sees_no_gap_that_has_lost_more_than_it_may() -> None:
 class Stubborn(DiscsBesidePlane):
     """Its error is just above the tolerance from t = 1 on, however fine the mesh."""
 
+    tolerance_key: ClassVar[str] = "discretisation.tolerance"
+    remedy: ClassVar[str] = ", or discretisation.degree (at most 4)"
+
     def errors(self, q: Configuration, t: float, instant: Instant) -> StepErrors:
         known = super().errors(q, t, instant)
         return replace(known, relative={"velocity": 1.404e-4 if t >= 1.0 else 0.0})
@@ -295,7 +298,7 @@ def test_a_step_that_no_mesh_makes_accurate_says_where_and_by_how_much() -> None
     with pytest.raises(SolveError) as missed:
         run(RefiningStepper(replace(stepper, model=stubborn), stubborn, 1.4e-4), case.configuration())
     assert str(missed.value) == (
-        "discretisation.tolerance = 0.00014: missed at t = 1, where the error is 0.0001404 on the finest "
-        "mesh that was tried, and the smallest gap 0.9; raise it, or discretisation.degree (at most 4), or "
+        "discretisation.tolerance = 0.00014: missed at t = 1, where the error is 0.0001404 with the finest "
+        "that was tried, and the smallest gap 0.9; raise it, or discretisation.degree (at most 4), or "
         "end the run before"
     )

@@ -21,6 +21,19 @@ def require_determined_at_rest(case: Case) -> None:
         )
 
 
+def require_still(case: Case) -> None:
+    """Raise InputError where F = R U is not all: a mean flow, or a pressure gradient that is a result too."""
+    container = case.container()
+    if len(container.periods) == container.dimension:
+        raise InputError(
+            'domain.shape = "cell": without walls bodies alone do not determine the flow, so it has no '
+            'resistance matrix; give a box with periodic = ["x"]'
+        )
+    if (net_flux := case.domain.mean_drive().net_flux) is not None:
+        why = "a resistance matrix is that at a mean pressure gradient of zero"
+        raise InputError(f"domain.net_flux = {net_flux!r}: {why}; drop it")
+
+
 def _rank(case: Case, stopped: Iterator[Array]) -> int:
     forms = np.array(list(stopped)).reshape(-1, len(case.modes))[:, case.modes]
     return int(np.linalg.matrix_rank(forms)) if forms.size else 0

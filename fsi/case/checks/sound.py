@@ -11,6 +11,7 @@ from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
 from fsi.case.checks.determined import check_determined, check_flux
 from fsi.case.checks.levels import check_gluey, check_macroscopic, check_reduced
+from fsi.case.checks.pores import check_pores
 from fsi.case.checks.time import check_time
 from fsi.case.section import refusal, toml_text
 from fsi.case.series import Component, is_zero
@@ -41,7 +42,12 @@ def check_case(case: Case) -> None:
 
 
 # What else a level wants.
-_OF_LEVEL = {"reduced": check_reduced, "gluey": check_gluey, "macroscopic": check_macroscopic}
+_OF_LEVEL = {
+    "pores": check_pores,
+    "reduced": check_reduced,
+    "gluey": check_gluey,
+    "macroscopic": check_macroscopic,
+}
 
 
 def _check_fluid(case: Case) -> None:

@@ -1,0 +1,61 @@
+"""A case of the model of pores at time 0 with its error bars, with as many modes as its tolerance needs."""
+
+from dataclasses import dataclass
+
+from fsi.case.case import Case
+from fsi.case.checks.determined import require_determined_at_rest
+from fsi.errors import SolveError, apart
+from fsi.integration.errors import ErrorEstimate
+from fsi.observables.bars import DrivenBodies
+from fsi.pores.bars import finer
+from fsi.pores.instant import PoreInstant
+from fsi.pores.model import PoreModel
+
+
+@dataclass(frozen=True, slots=True)
+class SolvedPores:
+    """The flow of a case with its estimated errors.
+
+    Attributes:
+        case: with the modes that were used.
+        solution: the flow.
+        errors: absolute.
+    """
+
+    case: Case
+    solution: PoreInstant
+    errors: ErrorEstimate
+
+
+def solve_with_errors(case: Case) -> SolvedPores:
+    """The flow of a case at time 0, without inertia; modes are added until its tolerance is reached.
+
+    Raises InputError: only inertia determines the motion; SolveError: no pores, a violated identity, or the
+    tolerance is not reached.
+    """
+    require_determined_at_rest(case)
+    q = case.configuration()
+    bodies, model = DrivenBodies(case, q, 0.0, case.motion_at(q, 0.0)), PoreModel(case)
+    modes: int | None = model.modes
+    while modes is not None:
+        solution = model.driven(bodies, modes)
+        errors = model.errors_of(bodies, solution, modes)
+        largest = max(errors.relative.values(), default=0.0)
+        if case.tolerance is None or largest <= case.tolerance:
+            return SolvedPores(with_modes(case, modes), solution, errors.errors)
+        modes = finer(modes)
+    raise missed(case, largest)
+
+
+def missed(case: Case, error: float) -> SolveError:
+    """The error of a tolerance that is not reached with the most modes."""
+    tolerance = case.pores.tolerance or 0.0
+    return SolveError(
+        f"pores.tolerance = {tolerance!r}: with the most modes the estimated error is "
+        f'{apart(error, tolerance)}; raise it, or give model = "resolved"'
+    )
+
+
+def with_modes(case: Case, modes: int) -> Case:
+    """The case with so many modes."""
+    return case.model_copy(update={"pores": case.pores.model_copy(update={"modes": modes})})

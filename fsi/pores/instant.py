@@ -1,0 +1,138 @@
+"""One solved instant of the model of pores: what tables, files and reports take from it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import isnan
+from pathlib import Path
+
+from fsi.bodies.configuration import Array
+from fsi.errors import SolveError, apart
+from fsi.observables.bars import DrivenBodies
+from fsi.observables.bulk_stress import DeviatoricStress
+from fsi.parallel import on_root
+from fsi.pores.fields import FlowFields
+from fsi.pores.necks import Necks, necks_of
+from fsi.pores.solve import PoreFlow
+from fsi.pores.stress import (
+    VISCOSITY_CHECKS,
+    deviatoric_stress,
+    is_force_free,
+    viscosity_checks,
+)
+from fsi.pores.vtu import write_flow, write_necks
+
+# Of each relative defect; a flow beyond it is refused. Most cancels where discs stand in columns: 2e-8.
+BOUND = 1e-6
+
+
+@dataclass(frozen=True)
+class PoreInstant:
+    """The flow in the pores between bodies at one instant.
+
+    Attributes:
+        bodies: where they are and what drives them.
+        modes: of an edge.
+        flow: the solution.
+        seconds: CPU seconds of this process by phase.
+    """
+
+    bodies: DrivenBodies = field(repr=False)
+    modes: int
+    flow: PoreFlow = field(repr=False)
+    seconds: dict[str, float]
+
+    @property
+    def U(self) -> Array:
+        """Velocities, (N, 3)."""
+        return self.flow.U
+
+    @property
+    def F(self) -> Array:
+        """External loads, those that hold bodies too, (N, 3)."""
+        return self.flow.F
+
+    @property
+    def dissipation(self) -> float:
+        """`2 mu int e:e`."""
+        return self.flow.dissipation
+
+    @cached_property
+    def deviator(self) -> DeviatoricStress | None:
+        """The mean stress of a periodic flow, less its trace."""
+        return deviatoric_stress(self.bodies, self.flow)
+
+    @property
+    def apparent_viscosity(self) -> float | None:
+        """Over the viscosity of the fluid, of a periodic flow with a mean strain rate."""
+        return None if self.deviator is None else self.deviator.apparent_viscosity
+
+    @property
+    def force_free(self) -> bool:
+        """Whether walls or mean flow alone do work: then dissipation and viscosity are upper bounds."""
+        return is_force_free(self.bodies, self.flow)
+
+    @cached_property
+    def checks(self) -> dict[str, float]:
+        """The relative defects of the identities."""
+        if self.deviator is None:
+            return dict(self.flow.checks)
+        return self.flow.checks | viscosity_checks(self.bodies, self.flow, self.deviator)
+
+    def require_sound(self) -> None:
+        """Raise SolveError for the first identity that is violated."""
+        for name, defect in self.checks.items():
+            if defect > BOUND or (isnan(defect) and name not in VISCOSITY_CHECKS):
+                raise SolveError(
+                    f'model = "pores" at t = {self.bodies.t:.9g}: {name} is violated by '
+                    f"{apart(defect, BOUND)}, more than {BOUND:g}; widen the narrowest gaps, or give fewer "
+                    "pores.modes"
+                )
+
+    @property
+    def dofs(self) -> int:
+        """Unknowns."""
+        return self.flow.system.unknowns
+
+    @property
+    def pores(self) -> int:
+        """Their number."""
+        return len(self.flow.system.pores)
+
+    @property
+    def mesh_instead(self) -> str:
+        """Nothing: there is no mesh."""
+        return ""
+
+    @cached_property
+    def necks(self) -> Necks:
+        """Those between bodies, and bodies and walls."""
+        return necks_of(self.flow)
+
+    @property
+    def record(self) -> Mapping[str, float]:
+        """Columns of steps.csv: sizes, checks, then CPU seconds."""
+        record: dict[str, float] = {"dofs": self.dofs, "pores": self.pores, "modes": self.modes}
+        record["dissipation"] = self.dissipation
+        if self.deviator is not None:
+            record |= self.deviator.record
+        return record | self.checks | {f"cpu_{phase}": spent for phase, spent in self.seconds.items()}
+
+    @cached_property
+    def fields(self) -> FlowFields:
+        """Stream function and velocity at points."""
+        return FlowFields(self.flow)
+
+    def velocity(self, x: Array) -> Array:
+        """u (n, 2) at points x (n, 2); NaN outside the fluid."""
+        return self.fields.at(x).u
+
+    def write(self, folder: Path, step: int) -> dict[str, list[str]]:
+        """Write "fluid", the flow in curved cells, and "necks", lines between bodies."""
+        return on_root(lambda: self._write(folder, step))
+
+    def _write(self, folder: Path, step: int) -> dict[str, list[str]]:
+        fluid, necks = f"fluid_{step:06d}.vtu", f"necks_{step:06d}.vtu"
+        write_flow(self.bodies, self.fields, folder / fluid)
+        write_necks(self.bodies, self.necks, folder / necks)
+        return {"fluid": [fluid], "necks": [necks]}

@@ -1,0 +1,86 @@
+"""The necks between bodies, and bodies and walls: what is dissipated in them, what flows through them.
+
+The fluid of a neck is the two strips along it, on both sides of the shortest segment between two surfaces,
+out to the inscribed circles of its pores (`fsi.pores.quadrature`). Necks to fluid discs are left out: these
+are no bodies.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsi.bodies.configuration import Array
+from fsi.pores.assembly import Batch
+from fsi.pores.forms import with_bubbles
+from fsi.pores.jets import strain, value
+from fsi.pores.quadrature import Rule, pore_points
+from fsi.pores.solve import PoreFlow
+from fsi.pores.trial import trial_functions
+
+# Hardly off the feet of a neck.
+_FEET = np.array([[1e-9, 1.0 - 1e-9], [1.0, 1.0]])
+_MIDDLE = np.array([[1e-9], [1.0]])
+
+
+@dataclass(frozen=True, slots=True)
+class Necks:
+    """K necks.
+
+    Attributes:
+        sides: positions in the bodies followed by the walls, (K, 2); the first is a body.
+        image: of the second side, in periods, seen from the first, (K, 2).
+        gap: their lengths, (K,).
+        dissipation: of the fluid in them, (K,).
+        flux: psi on the second side less psi on the first, what flows to the right of the way from the first
+            to the second, (K,).
+    """
+
+    sides: NDArray[np.int64]
+    image: NDArray[np.int64]
+    gap: Array
+    dissipation: Array
+    flux: Array
+
+
+def necks_of(flow: PoreFlow) -> Necks:
+    """The necks of a flow between bodies, and bodies and walls."""
+    system = flow.system
+    pores, surfaces = system.pores, system.pores.surfaces
+    dissipation, flux = np.zeros(len(pores.necks)), np.zeros(len(pores.necks))
+    for batch in system.assembly.batches:
+        shapes = system.shapes.of(batch.pore)
+        numbers = with_bubbles(shapes, batch.rule, batch.orders, flow.numbers(batch))
+        lost, through = _of_strips(flow, batch, numbers), _fluxes(flow, batch, numbers)
+        neck = pores.sides[batch.pore]
+        there = neck >= 0
+        np.add.at(dissipation, neck[there], lost[there])
+        flux[neck[there]] = (shapes.turn * through)[there]
+    kept = ~surfaces.fluid[pores.necks].any(axis=1)
+    sides = np.where(pores.necks < system.bodies, pores.necks, pores.necks - surfaces.discs + system.bodies)
+    return Necks(sides[kept], pores.neck_image[kept], pores.neck_gap[kept], dissipation[kept], flux[kept])
+
+
+def _of_strips(flow: PoreFlow, batch: Batch, numbers: Array) -> Array:
+    """What is dissipated in the strips along the sides of pores, (n, 3)."""
+    shapes = flow.system.shapes.of(batch.pore)
+    points = pore_points(shapes, batch.rule)
+    rates, one = np.zeros((2, *points.weight.shape)), np.empty((2, *points.weight.shape))
+    for x, function in zip(numbers.T, trial_functions(shapes, points, batch.orders), strict=True):
+        strain(function, one)
+        rates += x[:, None] * one
+    density = flow.system.viscosity * np.sum(rates**2, axis=0) * points.weight
+    size = batch.rule.along.shape[1] * batch.rule.across.shape[1]
+    strips: Array = density[:, : 3 * size].reshape(-1, 3, size).sum(axis=2)
+    return strips
+
+
+def _fluxes(flow: PoreFlow, batch: Batch, numbers: Array) -> Array:
+    """psi at the second foot of each side of pores less psi at the first, (n, 3)."""
+    shapes = flow.system.shapes.of(batch.pore)
+    points = pore_points(shapes, Rule(_MIDDLE, _FEET, _MIDDLE))
+    psi = np.zeros(points.weight.shape)
+    for x, function in zip(numbers.T, trial_functions(shapes, points, batch.orders), strict=True):
+        psi += x[:, None] * value(function).f[0]
+    first, second = psi[:, :6].reshape(-1, 3, 2).transpose(2, 0, 1)
+    return np.asarray(second - first)

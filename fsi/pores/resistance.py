@@ -1,0 +1,103 @@
+"""The resistance matrix of all bodies in the model of pores, by one factorisation of K.
+
+With walls at rest and all other numbers free, the load of mode i at a unit motion of mode j is
+
+    R = K_bb - K_bf K_ff^-1 K_fb,
+
+b the velocities of bodies, f all numbers that are free. At given velocities the dissipation U^T R U is an
+upper bound.
+"""
+
+from dataclasses import dataclass
+from time import process_time
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import splu
+
+from fsi.bodies.configuration import Array
+from fsi.case.case import Case
+from fsi.case.checks.determined import require_still
+from fsi.errors import SolveError
+from fsi.observables import resistance as matrix
+from fsi.observables.bars import DrivenBodies
+from fsi.observables.resistance import Resistance, ResistanceErrors
+from fsi.pores.accuracy import missed, with_modes
+from fsi.pores.bars import bar_factor, finer, reference_modes
+from fsi.pores.model import make_system
+from fsi.pores.system import PoreSystem
+from fsi.pores.trial import RIGID
+
+
+@dataclass(frozen=True, slots=True)
+class PoreResistance:
+    """R of a case with its estimated errors.
+
+    Attributes:
+        case: with the modes that were used.
+        resistance: the matrix.
+        errors: of its entries.
+    """
+
+    case: Case
+    resistance: Resistance
+    errors: ResistanceErrors
+
+
+def resistance_with_error(case: Case) -> PoreResistance:
+    """R with its estimated errors; modes are added until its tolerance is reached.
+
+    Raises InputError: bodies alone determine no flow; SolveError: no pores, or the tolerance is not reached.
+    """
+    modes: int | None = case.pores.modes
+    while modes is not None:
+        chosen, other = with_modes(case, modes), with_modes(case, reference_modes(modes))
+        found = case_resistance(chosen)
+        errors = matrix.estimated_errors(found, [(bar_factor(modes), case_resistance(other))])
+        if case.tolerance is None or errors.largest <= case.tolerance:
+            return PoreResistance(chosen, found, errors)
+        modes = finer(modes)
+    raise missed(case, errors.largest)
+
+
+def case_resistance(case: Case) -> Resistance:
+    """R of the bodies of a case at time 0, between its walls at rest. Raises as `resistance_with_error`.
+
+    Along a periodic channel the mean pressure gradient is zero.
+    """
+    require_still(case)
+    began, q = process_time(), case.configuration()
+    system = make_system(DrivenBodies(case, q, 0.0, case.motion(0.0)), case.pores.modes)
+    assembled = process_time()
+    columns, residual = _schur_complement(system)
+    seconds = {"assemble": assembled - began, "solve": process_time() - assembled}
+    labels = matrix.all_modes(case.names, q.radii, system.viscosity, 2)
+    R, asymmetry = matrix.symmetrised(columns, labels.scale)
+    eigenvalues = matrix.positive_eigenvalues(R, labels.scale, resting=True)
+    checks = {"residual": residual, "reciprocity": asymmetry}
+    size = (system.unknowns, len(system.pores))
+    return Resistance(labels, R, matrix.inverse(R), eigenvalues, checks, *size, seconds)
+
+
+def _schur_complement(system: PoreSystem) -> tuple[Array, float]:
+    """R as computed, (3 N, 3 N), and the largest relative residual of its columns."""
+    K, first = system.viscosity * system.assembly.K, system.assembly.numbering.surface
+    discs, surfaces = system.pores.surfaces.discs, len(system.pores.surfaces)
+    free = np.ones(system.unknowns, dtype=bool)
+    body = (first[: system.bodies, None] + np.arange(3)).ravel()
+    walls = first[discs:surfaces, None] + np.arange(RIGID)
+    free[body] = free[walls.ravel()] = False
+    if len(walls) == 2:
+        free[walls[1, 3]] = True  # the flux through a channel is a result
+    f = np.flatnonzero(free)
+    scale = sp.diags(1.0 / np.sqrt(K.diagonal()[f]))
+    A, B = (scale @ K[f][:, f] @ scale).tocsc(), (scale @ K[f][:, body]).toarray()
+    try:
+        options = {"SymmetricMode": True}
+        factors = splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+    except RuntimeError as error:
+        raise SolveError(f"pores: the dissipation is not positive ({error}); do bodies overlap?") from None
+    X = factors.solve(B)
+    X += factors.solve(B - A @ X)
+    residual = np.abs(B - A @ X).max(axis=0) / np.abs(B).max(axis=0)
+    return K[body][:, body].toarray() - B.T @ X, float(residual.max(initial=0.0))

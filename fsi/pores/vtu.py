@@ -1,0 +1,113 @@
+"""The files of ParaView of the model of pores: the flow in curved cells, and necks as lines.
+
+Each patch of a pore is cut into Lagrange triangles of order 4 whose nodes carry velocity, stream function,
+vorticity and strain rate: a strip into two; a triangle, a strip that ends in a corner and a quarter of a
+fluid disc are one. Where patches meet each has nodes of its own. In a periodic domain each patch stands where
+its middle is in one period.
+"""
+
+from pathlib import Path
+
+import meshio
+import numpy as np
+from numpy.typing import NDArray
+
+from fsi.bodies.configuration import Array
+from fsi.errors import SolveError
+from fsi.files import appearing
+from fsi.meshes.cells.lagrange import lattice
+from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.lattice import Lattice
+from fsi.observables.bars import DrivenBodies
+from fsi.observables.bulk_stress import strain_rate, vorticity
+from fsi.pores.fields import FlowFields, PoreMesh
+from fsi.pores.necks import Necks
+from fsi.pores.solve import stream
+from fsi.run_folder.paraview import in_space, write_lines
+
+ORDER = 4
+_SIDE = ORDER + 1
+_PATCH = _SIDE**2  # points of a patch, row by row
+
+
+def write_flow(bodies: DrivenBodies, fields: FlowFields, path: Path) -> None:
+    """Write the flow. Raises SolveError: the disk refuses."""
+    mesh = fields.mesh(ORDER)
+    x, u, psi = _in_one_period(mesh, bodies.case.container().at(bodies.t))
+    G = mesh.field.gradient
+    known = np.column_stack([x, u, psi, vorticity(G), strain_rate(G)]).reshape(-1, _PATCH, 7)
+    pore = mesh.pore[::_PATCH]
+    ends = _ends_in_a_point(fields.flow.system.pores.sides, pore)
+    nodes, cells = _cells(known, ends)
+    values = {"velocity": in_space(nodes[:, 2:4]), "psi": nodes[:, 4], "vorticity": nodes[:, 5]}
+    grid = meshio.Mesh(
+        in_space(nodes[:, :2]),
+        [("VTK_LAGRANGE_TRIANGLE", cells)],
+        values | {"strain_rate": nodes[:, 6]},
+        {"pore": [np.concatenate([pore[~ends], pore[~ends], pore[ends]])]},
+    )
+    try:
+        with appearing(path) as partial:
+            meshio.write(partial, grid, file_format="vtu")
+    except OSError as error:
+        remedy = "make room, or drop output.fields, and go on with fsi resume"
+        raise SolveError(f"cannot write {path}: {error.strerror}; {remedy}") from error
+
+
+def _ends_in_a_point(sides: NDArray[np.int64], pore: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Whether the first row of each patch is one point; patches of pores (P,): three strips, a triangle."""
+    part = np.arange(len(pore)) % 4
+    corner = sides[pore, np.minimum(part, 2)] < 0
+    return np.asarray((pore < 0) | (part == 3) | corner)
+
+
+def _cells(known: Array, ends: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int64]]:
+    """What is known at the nodes of cells, (n, .), and the nodes of each, in the order of VTK, (cells, 15).
+
+    known: at the points of patches, (P, 25, .); ends: of which the first row is one point.
+    """
+    steps = np.array(lattice(ORDER))
+    row, column = steps.sum(axis=1), steps[:, 1]
+    halves = _SIDE * row + column, _SIDE * column + row
+    whole = _resampling(row, column) @ known[ends]
+    nodes = np.concatenate([part.reshape(-1, known.shape[2]) for part in (known[~ends], whole)])
+    count = np.count_nonzero(~ends)
+    starts = _PATCH * np.arange(count)[:, None]
+    of_whole = _PATCH * count + np.arange(whole.shape[0] * len(steps)).reshape(-1, len(steps))
+    return nodes, np.concatenate([starts + halves[0], starts + halves[1], of_whole])
+
+
+def _resampling(row: NDArray[np.int64], column: NDArray[np.int64]) -> Array:
+    """Values of the polynomial along a row of a patch where the triangle has its nodes, (15, 25)."""
+    t = np.linspace(0.0, 1.0, _SIDE)
+    at = column / np.maximum(row, 1)
+    weights = np.zeros((len(row), _SIDE, _SIDE))
+    for k in range(_SIDE):
+        others = np.delete(t, k)
+        weights[np.arange(len(row)), row, k] = np.prod((at[:, None] - others) / (t[k] - others), axis=1)
+    return weights.reshape(len(row), _PATCH)
+
+
+def _in_one_period(mesh: PoreMesh, container: Container) -> tuple[Array, Array, Array]:
+    """Points, velocities and psi of a mesh of whose patches each stands near one period."""
+    lattice = Lattice(container.periods)
+    if lattice.dimension == 0:
+        return mesh.points, mesh.field.u, mesh.field.psi
+    middle = mesh.points.reshape(-1, _PATCH, 2).mean(axis=1)
+    e = np.repeat(lattice.wrapped(middle) - middle, _PATCH, axis=0)
+    x, E = mesh.points + e, container.mean_gradient
+    return x, mesh.field.u + e @ E.T, mesh.field.psi + stream(E, x) - stream(E, mesh.points)
+
+
+def write_necks(bodies: DrivenBodies, necks: Necks, path: Path) -> None:
+    """Lines from centre to centre, or to the wall; gap, what is dissipated, and what flows through."""
+    q, container = bodies.q, bodies.case.container().at(bodies.t)
+    lattice, i, j = Lattice(container.periods), necks.sides[:, 0], necks.sides[:, 1]
+    start = lattice.wrapped(q.centres[i]) if lattice.dimension else q.centres[i]
+    wall, image = j >= len(q), lattice.shift(necks.image[:, : lattice.dimension])
+    towards = q.centres[np.where(wall, i, j)] + image - q.centres[i]
+    at = i[wall], j[wall] - len(q)
+    towards[wall] = -container.distances(q.centres)[at][:, None] * container.normals(q.centres)[at]
+    values = {"gap": necks.gap, "dissipation": necks.dissipation, "flux": necks.flux}
+    sides = {"first": i.astype(float), "second": j.astype(float)}
+    write_lines(path, start, start + towards, values | sides)

@@ -1,0 +1,218 @@
+"""The model of pores of a case: resolved flows, exact numbers, bars, loads, inertia, tolerance."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fsi.bodies.configuration import Inertia, Motion
+from fsi.case.case import Case
+from fsi.case.load import load_case, parse_case
+from fsi.errors import InputError, SolveError
+from fsi.models import make_model
+from fsi.observables.bars import DrivenBodies
+from fsi.pores.accuracy import solve_with_errors
+from fsi.pores.bars import bar_factor, finer, reference_modes
+from fsi.pores.instant import BOUND, PoreInstant
+from fsi.pores.model import PoreModel
+from fsi.pores.resistance import case_resistance, resistance_with_error
+
+ROOT = Path(__file__).parents[2]
+COUETTE = ROOT / "cases" / "pores" / "couette_N10.toml"
+REFERENCE = json.loads((ROOT / "tests" / "reference" / "couette_N10.json").read_text())
+# Of the same ten discs: two codes agree to 1e-9.
+VISCOSITY = 8.298079598524666
+
+
+def small(**sections: Any) -> Case:
+    """Two discs in a channel at rest."""
+    bodies = [
+        {"name": "one", "radius": 1.0, "position": [1.6, 1.5]},
+        {"name": "other", "radius": 0.7, "position": [3.9, 2.9]},
+    ]
+    data = {
+        "name": "small",
+        "model": "pores",
+        "fluid": {"viscosity": 2.0},
+        "domain": {"lower": [0.0, 0.0], "upper": [5.0, 4.0], "periodic": ["x"]},
+        "bodies": bodies,
+    }
+    return parse_case(data | sections)
+
+
+def at_start(case: Case, modes: int | None = None, motion: Motion | None = None) -> PoreInstant:
+    q, model = case.configuration(), PoreModel(case)
+    driven = DrivenBodies(case, q, 0.0, motion or case.motion_at(q, 0.0))
+    return model.driven(driven, model.modes if modes is None else modes)
+
+
+@pytest.mark.parametrize(("modes", "excess"), [(1, 8e-3), (4, 3e-4), (10, 2e-6)])
+def test_ten_discs_in_shear_have_the_viscosity_of_two_other_codes_from_above(
+    modes: int, excess: float
+) -> None:
+    """Measured: 6.0e-3, 1.8e-4, 1.1e-6 above; elements without the modes of necks would be 1.2e-2 off."""
+    found = at_start(load_case(COUETTE), modes)
+    assert found.apparent_viscosity is not None
+    assert 0.0 < found.apparent_viscosity / VISCOSITY - 1.0 < excess
+
+
+def test_the_shipped_case_has_its_expected_numbers() -> None:
+    case = load_case(COUETTE)
+    found = solve_with_errors(case).solution
+    value = {row.quantity: row for row in case.expected}
+    assert found.apparent_viscosity == pytest.approx(value["apparent viscosity"].value, rel=1e-4)
+    assert found.U[8, 0] == pytest.approx(value["disc 9.velocity.x"].value, rel=1e-4)
+
+
+@pytest.mark.parametrize("modes", [1, 4])
+def test_bars_hold_the_true_errors_and_are_not_far_larger(modes: int) -> None:
+    case = load_case(COUETTE, [f"pores.modes={modes}"])
+    solved = solve_with_errors(case)
+    mu, bar = solved.solution.apparent_viscosity, solved.errors.apparent_viscosity
+    assert mu is not None
+    assert bar is not None
+    assert 1.0 < bar / (mu - VISCOSITY) < 2.0
+    exact = at_start(case, 16).U
+    off = np.abs(solved.solution.U - exact)
+    assert np.all(off <= solved.errors.U)
+    assert solved.errors.U.max() < 3.0 * off.max()
+
+
+def test_the_modes_that_tell_the_error_are_others() -> None:
+    every = [0, 1, 2, 4, 6, 8, 10, 12, 16]
+    assert [finer(modes) for modes in every] == [*every[1:], None]
+    assert all(reference_modes(modes) > modes for modes in every[:-1])
+    assert (reference_modes(16), bar_factor(16), bar_factor(1)) == (12, 1.0, 1.5)
+
+
+def test_loads_of_a_solution_are_those_that_were_given() -> None:
+    """Forces and torques on free bodies, and a prescribed one beside a free one."""
+    bodies = [
+        {"name": "one", "radius": 1.0, "position": [1.6, 1.5], "force": [1.0, -2.0], "torque": 0.5},
+        {"name": "other", "radius": 0.7, "position": [3.9, 2.9], "velocity": [0.3, "free"]},
+    ]
+    case = small(bodies=bodies)
+    found = at_start(case)
+    assert found.F[0] == pytest.approx([1.0, -2.0, 0.5], abs=1e-9)
+    assert found.U[1, 0] == 0.3
+    assert found.F[1, 1:] == pytest.approx([0.0, 0.0], abs=1e-9)
+    assert abs(found.F[1, 0]) > 0.1
+    power = float(np.sum(found.F * found.U))
+    assert found.dissipation == pytest.approx(power, rel=1e-9)
+
+
+def test_gravity_of_the_case_acts() -> None:
+    force = {"kind": "gravity", "acceleration": [0.0, -3.0], "density_difference": 2.0}
+    found = at_start(small(forces=[force]))
+    weights = -6.0 * np.pi * np.array([1.0, 0.49])
+    assert found.F[:, 1] == pytest.approx(weights, rel=1e-9)
+    assert np.all(found.U[:, 1] < 0.0)
+
+
+def test_inertia_takes_over_what_the_fluid_does_not() -> None:
+    """Of the load F - D (U - U0); with D large against the fluid U is U0."""
+    case = small()
+    q, U0 = case.configuration(), np.array([[0.1, -0.2, 0.3], [0.0, 0.4, -0.1]])
+    light = PoreModel(case)(q, 0.0, Inertia(np.full((2, 3), 3.0), U0))
+    assert pytest.approx(-3.0 * (light.U - U0), abs=1e-9) == light.F
+    heavy = PoreModel(case)(q, 0.0, Inertia(np.full((2, 3), 1e8), U0))
+    assert pytest.approx(U0, abs=1e-5) == heavy.U
+
+
+def test_columns_of_the_resistance_are_the_loads_of_unit_motions() -> None:
+    """Each by a solve of its own, of held bodies."""
+    case = small(pores={"modes": 2})
+    found = case_resistance(case)
+    for j in range(6):
+        U = np.eye(6)[j].reshape(2, 3)
+        motion = Motion(np.ones((2, 3), dtype=bool), U, np.zeros((2, 3)))
+        loads = at_start(case, 2, motion).F.ravel()
+        assert found.R[:, j] == pytest.approx(loads, abs=1e-9 * np.abs(loads).max())
+    assert found.mobility is not None
+    assert found.mobility @ found.R == pytest.approx(np.eye(6), abs=1e-10)
+    assert max(found.checks.values()) < 1e-11
+
+
+def test_the_resistance_has_bars_and_is_an_upper_bound() -> None:
+    """U^T R U falls with more modes, for every U: the difference of two matrices is positive."""
+    coarse = resistance_with_error(small(pores={"modes": 1}))
+    fine = case_resistance(small(pores={"modes": 8}))
+    least = np.linalg.eigvalsh(coarse.resistance.R - fine.R).min()
+    assert least > -1e-8 * fine.R.max()
+    assert np.all(np.abs(coarse.resistance.R - fine.R) <= coarse.errors.R)
+
+
+def test_no_resistance_without_walls_or_with_a_given_flux() -> None:
+    cell = {"shape": "cell", "vectors": [[5.0, 0.0], [0.0, 4.5]]}
+    with pytest.raises(InputError, match="so it has no resistance matrix"):
+        case_resistance(small(domain=cell))
+    flux = {"lower": [0.0, 0.0], "upper": [5.0, 4.0], "periodic": ["x"], "net_flux": 1.0}
+    with pytest.raises(InputError, match=r"domain\.net_flux = 1\.0: .*drop it"):
+        case_resistance(small(domain=flux))
+
+
+def test_a_tolerance_adds_modes_until_the_bar_is_below_it() -> None:
+    loose = solve_with_errors(load_case(COUETTE, ["pores.tolerance=0.02"]))
+    tight = solve_with_errors(load_case(COUETTE, ["pores.modes=1", "pores.tolerance=1e-3"]))
+    assert (loose.case.pores.modes, tight.case.pores.modes) == (10, 4)
+    assert tight.errors.apparent_viscosity is not None
+    assert tight.errors.apparent_viscosity < 1e-3 * VISCOSITY
+
+
+def test_a_tolerance_out_of_reach_is_said_to_be() -> None:
+    with pytest.raises(
+        SolveError, match=r"pores\.tolerance = 1e-12: with the most modes the estimated error"
+    ):
+        solve_with_errors(
+            small(
+                pores={"modes": 12, "tolerance": 1e-12},
+                bodies=[
+                    {"name": "one", "radius": 1.0, "position": [1.6, 1.5], "force": [1.0, 0.0]},
+                ],
+            )
+        )
+
+
+def test_the_stress_of_a_cell_is_that_of_the_dissipation() -> None:
+    """The two ways to the viscosity are sums over other numbers: the power of the sides, and x^T K x."""
+    domain = {"shape": "cell", "vectors": [[5.0, 0.0], [1.0, 4.0]], "shear": 1.0}
+    found = at_start(small(domain=domain))
+    assert found.checks["stress"] < 1e-9
+    assert found.deviator is not None
+    assert found.apparent_viscosity == pytest.approx(found.deviator.shear / 2.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("flow", [{"shear": 1.0}, {"extension": 0.5}])
+def test_forces_between_bodies_carry_stress(flow: dict[str, float]) -> None:
+    """Sigma differs from that of the resolved flow by less than the bar, with a repulsion too."""
+    law = {
+        "kind": "repulsion",
+        "law": "power",
+        "strength": 3.0,
+        "length": 0.5,
+        "exponent": 2.0,
+        "cutoff": 2.0,
+    }
+    domain = {"shape": "cell", "vectors": [[5.0, 0.0], [1.0, 4.0]]} | flow
+    case = small(domain=domain, forces=[law], pores={"modes": 8})
+    solved = solve_with_errors(case)
+    resolved = make_model(parse_case(case.as_data() | {"model": "resolved"}))(case.configuration(), 0.0)
+    bulk, ours, bars = resolved.bulk, solved.solution.deviator, solved.errors.deviator  # type: ignore[attr-defined]
+    assert ours is not None
+    assert bars is not None
+    assert bulk.forces.any()
+    assert ours.shear == pytest.approx(bulk.mean[0, 1], abs=bars.shear + 1e-5)
+    N_1 = bulk.normal_stress_difference
+    assert ours.normal_stress_difference == pytest.approx(N_1, abs=bars.normal_stress_difference + 1e-5)
+    assert pytest.approx(resolved.U, abs=1e-4) == solved.solution.U
+
+
+def test_a_violated_identity_is_refused() -> None:
+    found = at_start(small())
+    found.flow.checks["power"] = 2.0 * BOUND
+    with pytest.raises(SolveError, match="power is violated by 2e-06, more than 1e-06; widen"):
+        PoreInstant(found.bodies, found.modes, found.flow, {}).require_sound()
