@@ -33,7 +33,7 @@ from fsi.reduced.first_integral import FirstIntegral, backward_euler_step
 from fsi.reduced.model import ReducedInstant, ReducedModel
 from fsi.reduced.network import gradient, own_mobility
 from fsi.reduced.pairs import Pairs, find_pairs, of_keys, own_speed, turning
-from fsi.reduced.stress import lubrication_stress
+from fsi.reduced.stress import lubrication_stress, stresslets
 from fsi.reduced.system import SolvedSystem, Surroundings, identities, require, solve_system
 
 
@@ -228,7 +228,8 @@ class DistanceModel(ReducedModel):
         F = ambient.zeta * (U - ambient.background)
         F[:, :d] += (G.T @ memory.force).reshape(-1, d)
         stored = {"log10_stored_gap": float(memory.x.min(initial=np.inf) / np.log(10.0))}
-        viscosity = self.case.fluid.viscosity
-        stress = lubrication_stress(ambient.enclosure, pairs, memory.force, q.radii, viscosity)
+        stress = lubrication_stress(
+            ambient.enclosure, stresslets(pairs, memory.force, q.radii), self.case.fluid.viscosity
+        )
         columns = {**record, **({} if stress is None else stress.record), **stored}
         return ReducedInstant(q, U, F, pairs, memory.x, memory.force, gamma, columns, stress)

@@ -20,7 +20,13 @@ from fsi.reduced.enclosure import drag, make_enclosure
 from fsi.reduced.gap_laws import make_laws, make_tangential_laws
 from fsi.reduced.network import gradient, resistance_matrix
 from fsi.reduced.pairs import Pairs, find_pairs
-from fsi.reduced.stress import LubricationStress, bulk_stress, dissipation_of_strain, lubrication_stress
+from fsi.reduced.stress import (
+    LubricationStress,
+    bulk_stress,
+    dissipation_of_strain,
+    lubrication_stress,
+    stresslets,
+)
 from fsi.reduced.system import Surroundings, identities, require, solve_system
 from fsi.reduced.tangential import TangentialRows, tangential_rows
 from fsi.run_folder.paraview import in_space, write_lines, write_points
@@ -125,7 +131,9 @@ class ReducedModel:
         solved = solve_system(ambient, pairs, kappa, inertia, slip)
         checks = identities(solved.network, q, solved.U, solved.alone, solved.force) | solved.balances()
         viscosity = self.case.fluid.viscosity
-        stress = lubrication_stress(ambient.enclosure, pairs, solved.force, q.radii, viscosity, slip)
+        stress = lubrication_stress(
+            ambient.enclosure, stresslets(pairs, solved.force, q.radii, slip), viscosity
+        )
         columns, bulk, lost = {} if stress is None else dict(stress.record), None, solved.dissipation
         if stress is not None and slip is not None:
             forces = self.case.interaction_moment(q, t)

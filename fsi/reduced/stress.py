@@ -70,21 +70,11 @@ class LubricationStress:
         return {f"lubrication_S_{name}": self.stresslets[:, *at] for name, at in _COMPONENTS.items()}
 
 
-def lubrication_stress(
-    enclosure: Enclosure,
-    pairs: Pairs,
-    force: Array,
-    radii: Array,
-    viscosity: float,
-    slip: TangentialRows | None = None,
-) -> LubricationStress | None:
-    """Sigma_L in a periodic domain, else None; force (R,): of gaps, positive where they open, and of slip."""
+def lubrication_stress(enclosure: Enclosure, stresslets: Array, viscosity: float) -> LubricationStress | None:
+    """Sigma_L of the stresslets S_i, (N, 2, 2), in a periodic domain; else None."""
     if not len(enclosure.container.periods):
         return None
-    E, P = enclosure.strain_rate, len(pairs)
-    stresslets = _stresslets(pairs, force[:P], radii)
-    if slip is not None:
-        stresslets = stresslets + _of_slip(pairs, slip, force[P:], radii)
+    E = enclosure.strain_rate
     stress = LubricationStress(stresslets, enclosure.container.volume, None)
     rate = float(np.sum(E**2))
     if rate == 0.0:
@@ -134,8 +124,15 @@ def _arms(pairs: Pairs, radii: Array) -> tuple[Array, Array]:
     return radii[pairs.i] + middle, other
 
 
-def _stresslets(pairs: Pairs, force: Array, radii: Array) -> Array:
-    """S_i of the gaps, (N, d, d)."""
+def stresslets(pairs: Pairs, force: Array, radii: Array, slip: TangentialRows | None = None) -> Array:
+    """S_i, (N, d, d), of forces (R,): of gaps, positive where they open, then of what slides and rolls."""
+    P = len(pairs)
+    of_gaps = _of_gaps(pairs, force[:P], radii)
+    return of_gaps if slip is None else of_gaps + _of_slip(pairs, slip, force[P:], radii)
+
+
+def _of_gaps(pairs: Pairs, force: Array, radii: Array) -> Array:
+    """Of the gaps alone, (N, d, d)."""
     between, N = ~pairs.is_wall, len(radii)
     i, j = pairs.i, pairs.j[between]
     arm, other = _arms(pairs, radii)

@@ -77,25 +77,25 @@ def tangential_rows(
         kappa["rotation"] = kappa["rotation"] / pairs.radius**2
     factors = _factors(pairs, radii, kappa)
     parts = [
-        _rows(pairs, len(radii), enclosure, tangent, factor, kappa[mode])
+        _rows(pairs, len(radii), enclosure, tangent, factor)
         for tangent in _tangents(pairs.n)
-        for mode, factor in factors.items()
+        for factor in factors
     ]
     return _stacked(parts)
 
 
 @dataclass(frozen=True, slots=True)
 class _Factors:
-    """Of V, omega_i.m and omega_j.m in a rate, and what is left of its resistance; all (P,)."""
+    """Of V, omega_i.m and omega_j.m in a rate, and what resists it; all (P,)."""
 
     across: Array
     turn: Array
     turn_other: Array
-    part: Array
+    resistance: Array
 
 
-def _factors(pairs: Pairs, radii: Array, kappa: Mapping[Mode, Array]) -> dict[Mode, _Factors]:
-    """Of both rates, as far as there are laws."""
+def _factors(pairs: Pairs, radii: Array, kappa: Mapping[Mode, Array]) -> list[_Factors]:
+    """Of both rates, as far as there are laws; kappa of each, that of rotation over a_r^2."""
     wall = pairs.is_wall
     a, b = radii[pairs.i], radii[np.where(wall, pairs.i, pairs.j)]
     d, a_r = a + b + pairs.gap, pairs.radius
@@ -104,19 +104,16 @@ def _factors(pairs: Pairs, radii: Array, kappa: Mapping[Mode, Array]) -> dict[Mo
     K = np.where(wall, pairs.curvature, 0.0)
     c = _COUPLING[pairs.n.shape[1]] if len(kappa) == 2 else 0.0
     q = _ratio(kappa) if c else np.zeros_like(a)
-    one, none = np.ones_like(a), np.zeros_like(a)
-    along = 1.0 - (a + pairs.gap) * K + c * q * a * K
-    slide = _Factors(
-        np.where(wall, along, one), np.where(wall, -c * q * a, -arm), np.where(wall, none, -arm_other), one
-    )
-    roll = _Factors(
-        np.where(wall, -a * K, a_r * g),
-        np.where(wall, a, a_r * (1.0 - g * arm)),
-        np.where(wall, none, -a_r * (1.0 + g * arm_other)),
-        np.where(wall, 1.0 - c**2, one),
-    )
-    both: dict[Mode, _Factors] = {"shear": slide, "rotation": roll}
-    return {mode: factors for mode, factors in both.items() if mode in kappa}
+    along, found = 1.0 - (a + pairs.gap) * K + c * q * a * K, []
+    if "shear" in kappa:
+        across, turn = np.where(wall, along, 1.0), np.where(wall, -c * q * a, -arm)
+        found.append(_Factors(across, turn, np.where(wall, 0.0, -arm_other), kappa["shear"]))
+    if "rotation" in kappa:
+        across, turn = np.where(wall, -a * K, a_r * g), np.where(wall, a, a_r * (1.0 - g * arm))
+        turn_other = np.where(wall, 0.0, -a_r * (1.0 + g * arm_other))
+        part = np.where(wall, 1.0 - c**2, 1.0)
+        found.append(_Factors(across, turn, turn_other, part * kappa["rotation"]))
+    return found
 
 
 def _ratio(kappa: Mapping[Mode, Array]) -> Array:
@@ -137,7 +134,7 @@ def _tangents(n: Array) -> list[Array]:
 
 
 def _rows(
-    pairs: Pairs, bodies: int, enclosure: Enclosure, tangent: Array, factors: _Factors, kappa: Array
+    pairs: Pairs, bodies: int, enclosure: Enclosure, tangent: Array, factors: _Factors
 ) -> TangentialRows:
     """One row of each pair, along one tangent."""
     P, d = pairs.n.shape
@@ -158,7 +155,7 @@ def _rows(
     velocity[walls] = enclosure.wall_velocity[pairs.j[walls] - bodies]
     own = np.einsum("pk,pk->p", along, velocity)
     return TangentialRows(
-        G, own, factors.part * kappa, ~pairs.is_wall, np.arange(P), tangent, factors.across, factors.turn
+        G, own, factors.resistance, ~pairs.is_wall, np.arange(P), tangent, factors.across, factors.turn
     )
 
 
