@@ -19,7 +19,7 @@ from fsi.pores.regions import PoreShapes
 from fsi.pores.trial import Orders, trial_functions
 
 # A bubble that others span to this part of its own dissipation is left out.
-_DEPENDENT = 1e-12
+_DEPENDENT = 1e-10
 
 
 class Forms(NamedTuple):

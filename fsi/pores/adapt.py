@@ -1,0 +1,118 @@
+"""Modes pore by pore: necks of pores whose flow changes most with more modes get them (a p-method).
+
+The functions are hierarchical, so the flow with fewer modes is one of those with more, and the excess of its
+dissipation over the finer flow is a sum over pores,
+
+    D_coarse - D_fine >= sum_e d_e^T K_e d_e,   d = x_fine - x_coarse.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fsi.bodies.configuration import Array
+from fsi.errors import SolveError
+from fsi.pores.assembly import Index
+from fsi.pores.solve import PoreFlow, PoreLoading, solve_pores
+from fsi.pores.system import PoreSystem
+
+REFINED = {0: 4, 1: 4, 2: 6, 4: 8, 6: 10, 8: 12, 10: 16, 12: 16}
+"""Modes with which the error of how many is found: a step at which the error falls at least fivefold.
+
+Necks with the most modes, 16, keep them.
+"""
+
+# The share of the excess whose pores are refined.
+_SHARE = 0.9
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """The same problem with some modes and with more.
+
+    Attributes:
+        coarse: the flow whose error is wanted.
+        fine: that with which it is compared.
+    """
+
+    coarse: PoreFlow
+    fine: PoreFlow
+
+    @property
+    def excess(self) -> Array:
+        """d_e^T K_e d_e of each pore, (E,), of viscosity mu."""
+        system = self.fine.system
+        d = self.fine.x - padded(self.coarse, system)
+        excess = np.zeros(len(system.pores.vertices))
+        for batch in system.assembly.batches:
+            of_pore = d[batch.unknown]
+            excess[batch.pore] = np.einsum("ei,eij,ej->e", of_pore, batch.forms.K, of_pore)
+        return system.viscosity * excess
+
+    @property
+    def error(self) -> float:
+        """The largest of the relative differences of the dissipation, velocities, and loads that hold."""
+        coarse, fine, held = self.coarse, self.fine, self.coarse.loading.motion.held
+        parts = [_apart(np.array([coarse.dissipation]), np.array([fine.dissipation]))]
+        parts += [_apart(coarse.U, fine.U), _apart(coarse.F[held], fine.F[held])]
+        return max(parts)
+
+
+def padded(coarse: PoreFlow, finer: PoreSystem) -> Array:
+    """The numbers of a flow among those of a system of the same pores with more modes."""
+    few, many = coarse.system.assembly.numbering, finer.assembly.numbering
+    x = np.zeros(many.unknowns)
+    for first, of_more in ((few.surface, many.surface), (few.neck, many.neck)):
+        size = np.diff(first)
+        place = np.arange(first[0], first[-1]) - np.repeat(first[:-1], size)
+        x[np.repeat(of_more[:-1], size) + place] = coarse.x[first[0] : first[-1]]
+    return x
+
+
+def compare(system: PoreSystem, loading: PoreLoading) -> Pair:
+    """A flow and that with the next numbers of modes. Raises SolveError."""
+    more = _next(system.assembly.numbering.modes)
+    finer = PoreSystem.of(system.bodies, system.pores, more, system.viscosity)
+    return Pair(solve_pores(system, loading), solve_pores(finer, loading))
+
+
+def adapt(system: PoreSystem, loading: PoreLoading, tolerance: float) -> Pair:
+    """The flow with as many modes, pore by pore, as bring its error below a tolerance.
+
+    Raises SolveError: the most modes there are do not reach it.
+    """
+    modes = system.assembly.numbering.modes
+    while np.any(_next(modes) > modes):
+        pair = compare(system, loading)
+        if pair.error <= tolerance:
+            return pair
+        modes = np.where(_marked(pair, system), _next(modes), modes)
+        system = PoreSystem.of(system.bodies, system.pores, modes, system.viscosity)
+    raise SolveError(
+        f"pores: the most modes there are do not bring the error below the tolerance {tolerance:g}; raise it"
+    )
+
+
+def _next(modes: Index) -> Index:
+    """The next numbers of modes; the most there are stay."""
+    return np.array([REFINED.get(k, k) for k in range(int(modes.max(initial=0)) + 1)])[modes]
+
+
+def _marked(pair: Pair, system: PoreSystem) -> Index:
+    """Which necks bound the fewest pores that hold most of the excess, (K,)."""
+    excess = pair.excess
+    order = np.argsort(-excess)
+    held = np.cumsum(excess[order])
+    chosen = order[: int(np.searchsorted(held, _SHARE * held[-1])) + 1]
+    sides = system.pores.sides[chosen]
+    marked = np.zeros(len(system.pores.necks), bool)
+    marked[sides[sides >= 0]] = True
+    return marked
+
+
+def _apart(value: Array, reference: Array) -> float:
+    """The largest difference over the largest value."""
+    largest = float(np.abs(reference).max(initial=0.0))
+    return float(np.abs(value - reference).max(initial=0.0)) / largest if largest else 0.0
