@@ -17,10 +17,13 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Configuration, Inertia, Motion
 from fsi.case.case import Case
 from fsi.case.checks.determined import require_determined_at_rest
+from fsi.case.checks.work import bytes_of, finer_by
 from fsi.errors import SolveError, apart
 from fsi.integration.errors import ErrorEstimate, StepErrors
 from fsi.integration.state import Instant
+from fsi.machine import memory, size
 from fsi.observables.bars import motion_of
+from fsi.stokes.comparisons import comparisons
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution
 
@@ -72,13 +75,16 @@ def refined(case: Case, q: Configuration, t: float, motion: Motion, tolerance: f
 
 
 def refine[T: Refinement](case: Case, solved: Callable[[Case], T], tolerance: float) -> T:
-    """What `solved` gives with sizes that bring its error below the tolerance; SolveError if none do."""
+    """What `solved` gives with sizes that bring its error below the tolerance; SolveError if none do.
+
+    Sizes that this machine has no memory for are not tried.
+    """
     best = solved(case)
     for _ in range(ROUNDS):
         if best.error <= tolerance or best.dofs > MOST_UNKNOWNS or case.domain.mesh is not None:
             break
         better = _better(best, solved)
-        if better.error >= best.error:
+        if better is None or better.error >= best.error:
             break
         best = better
     if best.error > tolerance:
@@ -94,14 +100,30 @@ def _solved(case: Case, q: Configuration, t: float, motion: Motion) -> Solved:
     return Solved(case, largest, solution.dofs, solution, estimated.errors)
 
 
-def _better[T: Refinement](best: T, solved: Callable[[Case], T]) -> T:
-    """The best of the meshes one step finer; all three sizes at once where no single one helps."""
-    trials = [solved(_finer(best.case, (size,))) for size in SIZES]
-    tried = zip(SIZES, trials, strict=True)
-    helpful = tuple(size for size, trial in tried if trial.error < HELPS * best.error)
-    if len(helpful) != 1:
-        trials.append(solved(_finer(best.case, helpful or SIZES)))
-    return min(trials, key=lambda trial: trial.error)
+def _better[T: Refinement](best: T, solved: Callable[[Case], T]) -> T | None:
+    """The best of the meshes one step finer; all three sizes at once where no single one helps.
+
+    None where this machine has room for none of them.
+    """
+    singles = {name: _finer(best.case, (name,)) for name in SIZES}
+    trials = {name: solved(finer) for name, finer in singles.items() if _has_room(best, finer)}
+    helpful = tuple(name for name, trial in trials.items() if trial.error < HELPS * best.error)
+    together = _finer(best.case, helpful or SIZES)
+    found = list(trials.values())
+    if len(helpful) != 1 and _has_room(best, together):
+        found.append(solved(together))
+    return min(found, key=lambda trial: trial.error, default=None)
+
+
+def _has_room(best: Refinement, finer: Case) -> bool:
+    """Whether a finer mesh, with the flows that it is compared with, fits into the memory of this machine."""
+    return _bytes_of(best, finer) <= memory()
+
+
+def _bytes_of(best: Refinement, finer: Case) -> float:
+    """What the largest solve for a finer mesh will need; its unknowns follow from those of the one before."""
+    degree = max(finer.discretisation.degree, *(other.degree for other in comparisons(finer)))
+    return bytes_of(finer, best.dofs * finer_by(best.case, _of_sizes(finer, {"degree": degree})))
 
 
 def _finer(case: Case, sizes: tuple[str, ...]) -> Case:
@@ -130,7 +152,10 @@ def _missed(best: Refinement, tolerance: float) -> SolveError:
     limit = "a finer mesh does not lower it enough"
     if best.dofs > MOST_UNKNOWNS:
         limit = f"{best.dofs} unknowns are the most that is tried"
-    sizes = ", ".join(f"{size} = {getattr(used, size):.4g}" for size in SIZES)
+    elif not _has_room(best, finer := _finer(best.case, SIZES)):
+        need = size(_bytes_of(best, finer))
+        limit = f"a finer mesh needs some {need} of memory, this machine has {size(memory())}"
+    sizes = ", ".join(f"{name} = {getattr(used, name):.4g}" for name in SIZES)
     remedy = "raise it" if used.degree == HIGHEST_DEGREE else f"raise it, or degree above {used.degree}"
     return SolveError(f"{here} came down to {error}, with {sizes}, and {limit}; {remedy}")
 

@@ -3,9 +3,12 @@
 One picture is written as PNG, many as MP4 or GIF, each to a temporary name that is then renamed.
 """
 
+import subprocess
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -27,6 +30,7 @@ from fsi.postprocess.run.run import Run
 
 STILLS, MOVIES = (".png",), (".mp4", ".gif")
 _PER_SECOND = 8
+_QUALITY = "10"  # of H.264, 0 without losses to 51
 
 _INCHES = 5.0  # a panel
 _BAR, _ABOVE, _BELOW, _GAP = 0.2, 0.14, 0.08, 0.03  # room around a panel, in panels
@@ -169,19 +173,27 @@ def _write_png(pictures: Iterable[Picture], path: Path) -> None:
 
 
 def _write_mp4(pictures: Iterable[Picture], path: Path) -> None:
-    """H.264, which browsers and slides show; it wants even sizes."""
+    """H.264, which browsers and slides show; it wants even sizes. Raises OSError with ffmpeg's last words."""
     import imageio_ffmpeg
 
     frames = (np.ascontiguousarray(f[: len(f) // 2 * 2, : f.shape[1] // 2 * 2]) for f in pictures)
     first = next(frames)
-    size, quiet = (first.shape[1], first.shape[0]), {"macro_block_size": 2, "ffmpeg_log_level": "error"}
-    coded = {"fps": _PER_SECOND, "codec": "libx264", "quality": 8}
-    writer = imageio_ffmpeg.write_frames(str(path), size, **coded, **quiet)
-    writer.send(None)
-    writer.send(first)
-    for picture in frames:
-        writer.send(picture)
-    writer.close()
+    size, rate = f"{first.shape[1]}x{first.shape[0]}", str(_PER_SECOND)
+    raw = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", size, "-r", rate, "-i", "-")
+    coded = ("-an", "-vcodec", "libx264", "-pix_fmt", "yuv420p", "-crf", _QUALITY, "-v", "error", "-xerror")
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", *raw, *coded, str(path)]
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
+    ) as ffmpeg:
+        assert ffmpeg.stdin is not None
+        assert ffmpeg.stderr is not None
+        with suppress(BrokenPipeError), ffmpeg.stdin as pipe:
+            for picture in chain((first,), frames):
+                pipe.write(picture.data)
+        said = [line for line in ffmpeg.stderr.read().decode(errors="replace").splitlines() if line.strip()]
+    if ffmpeg.returncode:
+        said = said or ["ffmpeg could not write all of it, perhaps for want of room"]
+        raise OSError(said[-1].rpartition("] ")[2])
 
 
 def _write_gif(pictures: Iterable[Picture], path: Path) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from fsi.case.case import Case
+from fsi.case.checks.work import bytes_of
 from fsi.case.load import load_case, parse_case
 from fsi.errors import SolveError
 from fsi.integration.errors import ErrorEstimate
@@ -19,6 +20,7 @@ from fsi.lubrication import exact, spheres
 from fsi.meshes.files.write import write_mesh
 from fsi.observables.truncation import flow_scales, relative_change
 from fsi.runs import resume, run
+from fsi.stokes import adapt
 from fsi.stokes.adapt import RefinedModel, solve_with_errors
 from fsi.stokes.model import StokesModel
 from tests.stokes.test_periodic import THREE_IN_A_CELL
@@ -74,6 +76,42 @@ def test_velocities_that_vanish_by_symmetry_do_not_miss_a_tolerance() -> None:
     solved = solve_with_errors(case)
     assert solved.error <= 1e-3
     assert np.all(np.abs(solved.solution.U[0, [0, 2]]) <= 10.0 * solved.errors.U[0, [0, 2]])
+
+
+@pytest.mark.parametrize(("room", "tried"), [(1.0, 1), (1.12, 2)])
+def test_a_mesh_that_memory_has_no_room_for_is_not_tried(
+    room: float, tried: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The refusal says how near the last one came, and so which tolerance can be had.
+
+    room: over what the first flow with one degree more needs, (16 + 9/2) / (9 + 4/2) times the unknowns; more
+    cells around the disc ask for 1.11 times that, a slower growth for 1.13, more in the gap for 1.98.
+    """
+    sizes = ["cells_per_circle=24", "growth=0.5", "tolerance=1e-9"]
+    case = load_case(CASES / "disc_in_box.toml", [f"discretisation.{size}" for size in sizes])
+    rough, solves = solve_with_errors(without_tolerance(case)), list[Case]()
+    monkeypatch.setattr("fsi.stokes.adapt.memory", lambda: room * 20.5 / 11.0 * bytes_of(case, rough.dofs))
+    monkeypatch.setattr("fsi.stokes.adapt.ROUNDS", 1)
+    solved = adapt._solved
+
+    def counted(case: Case, *given: Any) -> adapt.Solved:
+        solves.append(case)
+        return solved(case, *given)
+
+    monkeypatch.setattr("fsi.stokes.adapt._solved", counted)
+    with pytest.raises(SolveError, match=r"and a finer mesh needs some .* of memory") as refused:
+        solve_with_errors(case)
+    assert len(solves) == tried
+    reached = float(str(refused.value).split("came down to ")[1].split(",")[0])
+    sizes[-1] = f"tolerance={1.1 * reached!r}"
+    again = load_case(CASES / "disc_in_box.toml", [f"discretisation.{size}" for size in sizes])
+    assert solve_with_errors(again).error <= 1.1 * reached
+
+
+def without_tolerance(case: Case) -> Case:
+    return case.model_copy(
+        update={"discretisation": case.discretisation.model_copy(update={"tolerance": None})}
+    )
 
 
 def test_a_mesh_of_the_user_is_not_refined(tmp_path: Path) -> None:

@@ -83,7 +83,7 @@ def _check_mesh(case: Case, gaps: Gaps) -> float:
     """The unknowns of a resolved case."""
     given = case.discretisation
     n = _unknowns(case, gaps, given)
-    need = n * _BYTES[case.dimension]
+    need = bytes_of(case, n)
     if need / _SURE <= memory():
         return n
     usual = Discretisation.model_validate({}, context=CaseContext(case.geometry, len(case.bodies)))
@@ -101,6 +101,17 @@ def _check_mesh(case: Case, gaps: Gaps) -> float:
         f"{what}: a mesh with {n:.2g} unknowns needs some {size(need)} of memory, this machine has "
         f"{size(memory())}; {remedy}"
     )
+
+
+def bytes_of(case: Case, unknowns: float) -> float:
+    """What a solve takes of memory."""
+    return unknowns * _BYTES[case.dimension]
+
+
+def finer_by(case: Case, finer: Case) -> float:
+    """How many times as many unknowns a case has with other sizes."""
+    gaps = find_gaps(case.configuration(), case.container())
+    return _unknowns(finer, gaps, finer.discretisation) / _unknowns(case, gaps, case.discretisation)
 
 
 def _unknowns(case: Case, gaps: Gaps, sizes: Discretisation) -> float:

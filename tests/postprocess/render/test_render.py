@@ -1,5 +1,7 @@
 """What a picture shows, and how its absence is explained."""
 
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -171,3 +173,33 @@ def test_output_must_be_a_picture_in_a_folder(run: Path, name: str) -> None:
 def test_an_animation_shows_all_steps(run: Path) -> None:
     with pytest.raises(InputError, match=r"shows all steps; give a \.png file for one step"):
         render_run(fsi.open_run(run), run / "all.mp4", Choice(), 2)
+
+
+WITHOUT_ROOM = """
+import resource, signal, sys
+from pathlib import Path
+import numpy as np
+from fsi.errors import InputError
+from fsi.postprocess.render.picture import write_pictures
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+noise = np.random.default_rng(0)
+pictures = (noise.integers(0, 255, (240, 320, 3), dtype=np.uint8) for _ in range(20))
+try:
+    write_pictures(pictures, Path(sys.argv[1]))
+except InputError as error:
+    print(error)
+"""
+
+
+@pytest.mark.parametrize("suffix", [".png", ".gif", ".mp4"])
+def test_what_has_no_room_leaves_no_half_file(tmp_path: Path, suffix: str) -> None:
+    """One line, and what was there before; half an animation of ffmpeg's was taken for a whole one."""
+    output = tmp_path / f"all{suffix}"
+    output.write_text("old")
+    command = [sys.executable, "-c", WITHOUT_ROOM, str(output)]
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    assert done.stdout.startswith(f"output = {output}: ")
+    assert done.stdout.count("\n") == 1
+    assert done.stderr == ""
+    assert [(path, path.read_text()) for path in tmp_path.iterdir()] == [(output, "old")]
