@@ -75,7 +75,12 @@ def calibrated_drag(
     slope = (mobility(1.001 * drag) - mobility(0.999 * drag)) / (0.002 * drag)
     found = {"case": source.name, "name": case.name, "bodies": len(q), "mean_mobility": target}
     here, now = launch(), datetime.now(UTC).isoformat(timespec="seconds")
-    found |= {"computed": now, "command": here["command"], "git": here["git"] or "", "packages": here["packages"]}
+    found |= {
+        "computed": now,
+        "command": here["command"],
+        "git": here["git"] or "",
+        "packages": here["packages"],
+    }
     return DragFile(
         drag=drag,
         error=error / abs(slope),
