@@ -30,7 +30,7 @@ from fsi.errors import SolveError
 from fsi.integration.errors import ErrorEstimate
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.containers import Container, FluidDomain
+from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.geometry.curves import WallCurve
 from fsi.meshes.spatial.grading import COARSEST
 from fsi.stokes.adapt import solve_with_errors

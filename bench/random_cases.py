@@ -15,7 +15,8 @@ from fsi.bodies.configuration import Array, Configuration
 from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
 from fsi.case.load import parse_case
-from fsi.meshes.geometry.containers import Box, Container, HalfPlane, Round
+from fsi.meshes.geometry.container import Container
+from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.geometry.lattice import Cell
 
 # Gaps over the smaller radius, equal in the logarithm.

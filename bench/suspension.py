@@ -22,7 +22,8 @@ from bench.scaling import JSON_HELP, Scaling
 from bench.step import PHASES, forget_peak, peak_memory
 from fsi.bodies.configuration import Array, Configuration, Motion
 from fsi.meshes.build import FluidMesh, build
-from fsi.meshes.geometry.containers import Box, FluidDomain
+from fsi.meshes.geometry.container import FluidDomain
+from fsi.meshes.geometry.containers import Box
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.problem import Boundary, StokesProblem

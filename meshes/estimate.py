@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsi.meshes.geometry.containers import Array, Container
+from fsi.meshes.geometry.container import Array, Container
 from fsi.meshes.planar.sizing import SHORTEST, Resolution
 from fsi.meshes.spatial.sizing import in_gap
 

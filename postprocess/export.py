@@ -14,7 +14,7 @@ from fsi.bodies.configuration import Array
 from fsi.errors import InputError
 from fsi.files import replace
 from fsi.meshes.cells.lagrange import order_of
-from fsi.meshes.geometry.containers import FluidDomain
+from fsi.meshes.geometry.container import FluidDomain
 from fsi.postprocess.run.run import Run, along_curves, nodes, open_run, small_triangles
 from fsi.run_folder.paraview import Entry, collection
 

@@ -12,7 +12,7 @@ import numpy as np
 from fsi.bodies.configuration import Configuration
 from fsi.meshes.build import FluidMesh, shared
 from fsi.meshes.cells.curved import curve
-from fsi.meshes.geometry.containers import Container, FluidDomain
+from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.sizing import Curve, Resolution
 from fsi.meshes.planar.triangulate import StraightCells, triangulate

@@ -16,7 +16,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.bodies.gaps import Gaps, find_gaps
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 
 
 @dataclass(frozen=True, slots=True)

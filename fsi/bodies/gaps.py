@@ -11,7 +11,7 @@ import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Integers, Lattice
 
 _WIDER = 1.0 + 1e-12  # so that rounding leaves out no pair at the very end of a reach

@@ -7,7 +7,7 @@ import numpy as np
 from fsi.bodies.configuration import Array
 from fsi.case.walls import WallVelocity
 from fsi.errors import InputError
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 
 # Of the fastest wall: velocities nearer than this are the same.
 _SAME = 1e-12

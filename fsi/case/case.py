@@ -37,7 +37,7 @@ from fsi.case.series import kinks, value_at
 from fsi.case.walls import WallVelocity
 from fsi.errors import InputError
 from fsi.levels import LEVELS, ModelLevel
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 
 type ModelName = Literal["resolved", "pores", "reduced", "gluey", "macroscopic"]
 MODELS: tuple[str, ...] = get_args(ModelName.__value__)

@@ -19,7 +19,7 @@ from fsi.case.section import (
     told,
 )
 from fsi.case.walls import Velocity, Wall
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 
 
 class MeanDrive(NamedTuple):

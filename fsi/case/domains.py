@@ -18,7 +18,8 @@ from fsi.case.section import (
     toml_text,
 )
 from fsi.errors import InputError
-from fsi.meshes.geometry.containers import Box, Container, HalfPlane, Round, Unbounded
+from fsi.meshes.geometry.container import Container, Unbounded
+from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.geometry.lattice import Cell
 
 

@@ -14,7 +14,7 @@ from fsi.bodies.forces import Bulk, ForceLaw
 from fsi.case.section import Positive, Registered, Registry, toml_text
 from fsi.case.series import Series, Table, is_zero, value_at
 from fsi.errors import InputError
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 
 _KINDS = '"gravity", "attraction" or "repulsion"'
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.bodies.gaps import neighbours
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
 
 SPINS = {1: 0, 2: 1, 3: 3}

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.bodies.gaps import Gaps, find_gaps
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 
 # What is predicted from the present velocity aims below the limit, so that the stages, whose
 # velocities differ a little, seldom exceed it; with the stretch of Schedule.landing it stays below 1.

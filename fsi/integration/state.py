@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Inertia
 from fsi.integration.errors import StepErrors
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 
 # A step that ends this close to a stop is stretched to land on it; `limiter.SAFETY` allows for it.
 STRETCH = 1.1

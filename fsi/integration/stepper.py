@@ -19,7 +19,7 @@ from fsi.errors import SolveError, apart
 from fsi.integration.errors import StepErrors
 from fsi.integration.gap_limiter import Approach, GapRefusedError, greatest_approach, limited_step
 from fsi.integration.state import Advance, Instant, Model, Schedule, Scheme, State, Step
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 
 # Step controller of Hairer, Norsett & Wanner, Solving ODEs I, section II.4.
 SAFETY = 0.9

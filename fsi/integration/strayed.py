@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import PLACES, Array, Configuration
 from fsi.bodies.gaps import nearest_gaps
 from fsi.integration.state import Model, Step
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 
 # Of the smallest gap or radius, by which velocities are differenced: far above what a new mesh changes.
 SMALL = 0.02

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Configuration
 from fsi.errors import InputError
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 
 Array = NDArray[np.float64]
 Bodies = NDArray[np.int64]

@@ -16,7 +16,7 @@ from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
 from fsi.files import appearing
 from fsi.meshes.cells.lagrange import lattice
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.observables.bars import DrivenBodies
 from fsi.observables.bulk_stress import strain_rate, vorticity

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array
 from fsi.case.background_flow import background
 from fsi.case.case import Case
-from fsi.meshes.geometry.containers import Container, lengths
+from fsi.meshes.geometry.container import Container, lengths
 
 # The rotation of the flow u = E x is the antisymmetric part of E: d = 2 has the mode omega, d = 3 three of
 # them.

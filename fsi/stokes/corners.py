@@ -13,7 +13,7 @@ A force on a body between the walls is finite with both: meshes are graded towar
 import numpy as np
 
 from fsi.bodies.configuration import Array
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 from fsi.stokes.problem import Boundary
 
 SAME = 1e-12  # velocities that differ by this part of the largest are one

@@ -15,7 +15,7 @@ from fsi.integration.state import Results
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.errors import MeshError
 from fsi.meshes.files.read import read_mesh
-from fsi.meshes.geometry.containers import Container, FluidDomain
+from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.spatial.grading import COARSEST

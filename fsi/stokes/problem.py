@@ -7,7 +7,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
 from fsi.meshes.build import FluidMesh
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 
 type Field = Callable[[Array], Array]
 

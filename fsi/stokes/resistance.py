@@ -20,7 +20,7 @@ from fsi.case.case import Case
 from fsi.case.checks.determined import require_still
 from fsi.case.walls import Velocity
 from fsi.meshes.build import FluidMesh
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 from fsi.observables import resistance as matrix
 from fsi.observables.resistance import Modes, Resistance, ResistanceErrors
 from fsi.stokes.adapt import Refinement, refine

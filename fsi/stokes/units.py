@@ -30,7 +30,7 @@ from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
 from fsi.bodies.gaps import narrowest_gap
 from fsi.case.case import Case
 from fsi.meshes.build import FluidMesh
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.curves import rescaled
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.resistance import Modes, Resistance

@@ -21,7 +21,7 @@ import numpy as np
 
 from fsi.errors import apart
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.containers import Array
+from fsi.meshes.geometry.container import Array
 from fsi.meshes.planar.sizing import Curve
 from fsi.meshes.planar.triangulate import Indices, StraightCells, side_keys
 

@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.meshes.geometry.containers import Array
+from fsi.meshes.geometry.container import Array
 
 Indices = NDArray[np.int64]
 

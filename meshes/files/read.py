@@ -21,7 +21,7 @@ from fsi.meshes.cells.curved import CurvedCells, curve, reference_points
 from fsi.meshes.cells.lagrange import order_of
 from fsi.meshes.errors import MeshFileError, at
 from fsi.meshes.files.write import LINES, TRIANGLES, VTK_SIMPLICES, gmsh_order, vtk_order
-from fsi.meshes.geometry.containers import Array, FluidDomain
+from fsi.meshes.geometry.container import Array, FluidDomain
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.planar.sizing import Curve
 from fsi.meshes.planar.triangulate import Indices, StraightCells, boundary_sides, clockwise

@@ -22,7 +22,7 @@ from fsi.meshes.build import FluidMesh
 from fsi.meshes.cells.curved import CurvedCells, barycentric, reference_points
 from fsi.meshes.cells.lagrange import lattice, lattice_in_space
 from fsi.meshes.errors import MeshFileError
-from fsi.meshes.geometry.containers import Array
+from fsi.meshes.geometry.container import Array
 from fsi.meshes.planar.triangulate import Indices, places_of, side_keys
 
 VTK_CELLS = {1: CellType.interval, 2: CellType.triangle, 3: CellType.tetrahedron}

@@ -16,7 +16,7 @@ import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.containers import Array, WithoutWalls
+from fsi.meshes.geometry.container import Array, WithoutWalls
 from fsi.meshes.geometry.curves import WallCurve, rescaled
 
 Integers = NDArray[np.int64]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsi.meshes.geometry.containers import Array, Container
+from fsi.meshes.geometry.container import Array, Container
 from fsi.meshes.geometry.curves import Sphere, WallCurve, stretched
 
 

@@ -30,7 +30,7 @@ from petsc4py import PETSc
 
 from fsi.meshes.build import FluidMesh, columns_of_masters, coordinate_element, matching_nodes
 from fsi.meshes.cells.curved import SIMPLEX, determinant, scaled_jacobian
-from fsi.meshes.geometry.containers import Array
+from fsi.meshes.geometry.container import Array
 from fsi.meshes.moving.slip import CurvedBoundaryCells, Extension, Slip, along, linear_weights, turned
 
 # A moved cell may differ from its base by this ratio of stretches at most, and keeps this scaled Jacobian.

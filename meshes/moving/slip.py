@@ -27,7 +27,7 @@ from petsc4py import PETSc
 
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.cells.curved import barycentric, reference_points
-from fsi.meshes.geometry.containers import Array
+from fsi.meshes.geometry.container import Array
 from fsi.meshes.geometry.lattice import Lattice
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.meshes.errors import MeshError, TouchingError
-from fsi.meshes.geometry.containers import Array, FluidDomain
+from fsi.meshes.geometry.container import Array, FluidDomain
 from fsi.meshes.geometry.curves import segment
 from fsi.meshes.planar.cut import NeighbourLinks, cut
 from fsi.meshes.planar.rings import arcs, half_ring, rings

@@ -23,7 +23,7 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.containers import Array
+from fsi.meshes.geometry.container import Array
 from fsi.meshes.geometry.lattice import Integers, positive
 from fsi.meshes.planar.sizing import Surfaces
 

@@ -17,7 +17,7 @@ from math import asinh, ceil, sqrt
 import numpy as np
 import scipy  # its modules load when they are used
 
-from fsi.meshes.geometry.containers import Array, Container
+from fsi.meshes.geometry.container import Array, Container
 from fsi.meshes.geometry.curves import WallCurve
 
 FINEST = 0.04  # element size along the narrowest gaps, over sqrt(a d)

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsi.meshes.geometry.containers import HERE, Array, FluidDomain
+from fsi.meshes.geometry.container import HERE, Array, FluidDomain
 
 GROWTH = 2.0
 DEPTH = 6

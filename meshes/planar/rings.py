@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.meshes.errors import TouchingError
-from fsi.meshes.geometry.containers import Array
+from fsi.meshes.geometry.container import Array
 from fsi.meshes.planar.facing import FacedGap, on_circle
 from fsi.meshes.planar.sizing import SHORTEST, Curve, Surfaces
 from fsi.meshes.planar.spread import Indices, resolve_all, spread

@@ -36,7 +36,7 @@ from typing import Literal
 import numpy as np
 import scipy  # its modules load when they are used
 
-from fsi.meshes.geometry.containers import Array, Container, FluidDomain
+from fsi.meshes.geometry.container import Array, Container, FluidDomain
 from fsi.meshes.geometry.curves import WallCurve
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.planar.facing import FINEST, LONGEST, FacedGap, foot_on, on_wall

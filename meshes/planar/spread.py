@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.containers import Array
+from fsi.meshes.geometry.container import Array
 
 MOST_HALVINGS = 60
 SAME_PLACE = 1e-3  # of the distance between places

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.containers import Array
+from fsi.meshes.geometry.container import Array
 from fsi.meshes.planar.grading import Grading
 from fsi.meshes.planar.sizing import Curve
 

@@ -23,7 +23,7 @@ import basix
 import numpy as np
 
 from fsi.meshes.cells.curved import CurvedCells, along_side, barycentric, reference_points
-from fsi.meshes.geometry.containers import Array
+from fsi.meshes.geometry.container import Array
 from fsi.meshes.geometry.curves import Sphere
 from fsi.meshes.planar.triangulate import Indices, StraightCells, places_of
 

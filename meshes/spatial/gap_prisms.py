@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.spatial import Delaunay
 
-from fsi.meshes.geometry.containers import Array, FluidDomain, lengths
+from fsi.meshes.geometry.container import Array, FluidDomain, lengths
 from fsi.meshes.planar.spread import equidistribute
 from fsi.meshes.planar.triangulate import Indices
 from fsi.meshes.spatial.sizing import Spacing

@@ -11,7 +11,7 @@ some 13 L / (GROWTH g h_edge) cells, in proportion to 1 / h_edge where a corner 
 is no deeper than what keeps the error of the edge beside those of gaps and bodies.
 """
 
-from fsi.meshes.geometry.containers import HERE, FluidDomain
+from fsi.meshes.geometry.container import HERE, FluidDomain
 from fsi.meshes.planar.grading import GROWTH
 
 COARSEST = 0.5

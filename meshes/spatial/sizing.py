@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fsi.meshes.errors import TouchingError
-from fsi.meshes.geometry.containers import Array, FluidDomain, lengths
+from fsi.meshes.geometry.container import Array, FluidDomain, lengths
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.spatial.grading import edge_sizes
 

@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 
 from fsi.meshes.cells.curved import CurvedCells
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.containers import Array, FluidDomain, lengths
+from fsi.meshes.geometry.container import Array, FluidDomain, lengths
 from fsi.meshes.geometry.curves import Sphere, rescaled
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import Indices, StraightCells, gmsh_model, require_boundary

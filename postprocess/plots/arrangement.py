@@ -17,7 +17,7 @@ from fsi.arrangements.arrangement import Arrangement, Array, SimulationCell
 from fsi.bodies.configuration import Configuration
 from fsi.case.case import Case
 from fsi.errors import InputError
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.postprocess.plots.figure import ORANGE, saved_figure
 

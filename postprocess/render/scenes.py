@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Integers, Lattice
 from fsi.postprocess.render.curved_cells import cells_within, mirrored, refine, stream_function
 from fsi.postprocess.render.fields import RenderedField

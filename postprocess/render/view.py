@@ -8,7 +8,7 @@ import numpy as np
 import pyvista as pv
 
 from fsi.bodies.configuration import Array
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 from fsi.postprocess.render.fields import Span
 from fsi.postprocess.run.gaps import SurfaceGap
 

@@ -7,7 +7,7 @@ import numpy as np
 from fsi.bodies.configuration import Array, Configuration
 from fsi.bodies.gaps import nearest_gaps
 from fsi.errors import InputError
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
 
 

@@ -30,7 +30,7 @@ from fsi.errors import InputError
 from fsi.files import json_of
 from fsi.gluey.system import room
 from fsi.meshes.cells.lagrange import lattice
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 from fsi.postprocess.run.grids import read_grid
 from fsi.postprocess.run.tables import read_table
 from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps, neighbours, pair_gaps
-from fsi.meshes.geometry.containers import Box, Container
+from fsi.meshes.geometry.container import Container
+from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.lattice import Cell
 
 type Found = list[tuple[int, int, float, float, float]]

@@ -19,7 +19,7 @@ from fsi.case.force_laws import ForceSection, register_force
 from fsi.case.load import parse_case
 from fsi.case.section import Geometry
 from fsi.errors import InputError
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.curves import WallCurve, segment
 from fsi.reduced.model import ReducedModel
 from fsi.stokes.model import StokesModel

@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from fsi.bodies.configuration import Array, Configuration
 from fsi.bodies.gaps import Gaps, find_gaps
 from fsi.integration.gap_limiter import greatest_approach, limited_step
-from fsi.meshes.geometry.containers import Box, Container, HalfPlane
+from fsi.meshes.geometry.container import Container
+from fsi.meshes.geometry.containers import Box, HalfPlane
 from fsi.meshes.geometry.lattice import Cell
 
 BOX = Box((-10.0, -10.0), (10.0, 10.0))

@@ -11,7 +11,8 @@ import ufl
 from dolfinx import fem
 
 from fsi.meshes.build import FluidMesh, build
-from fsi.meshes.geometry.containers import Array, Box, Container, FluidDomain, HalfPlane
+from fsi.meshes.geometry.container import Array, Container, FluidDomain
+from fsi.meshes.geometry.containers import Box, HalfPlane
 from fsi.meshes.planar.sizing import Resolution
 
 CUBE = Box((-2.0, -2.0, -2.0), (2.0, 2.0, 2.0))

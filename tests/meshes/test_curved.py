@@ -6,7 +6,7 @@ import pytest
 
 from fsi.bodies.configuration import Array
 from fsi.meshes.cells.curved import EDGES, CurvedCells, curve, reference_points
-from fsi.meshes.geometry.containers import FluidDomain
+from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import triangulate

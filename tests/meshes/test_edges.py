@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fsi.meshes.build import build
-from fsi.meshes.geometry.containers import Array, FluidDomain
+from fsi.meshes.geometry.container import Array, FluidDomain
 from fsi.meshes.planar.sizing import Resolution
 from tests.meshes.spheres import CUBE, cells
 

@@ -6,7 +6,8 @@ from numpy.testing import assert_allclose
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.meshes.build import build
-from fsi.meshes.geometry.containers import Box, FluidDomain, HalfPlane, Round
+from fsi.meshes.geometry.container import FluidDomain
+from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.geometry.lattice import Cell, Lattice
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.facing import FINEST, SAME_FROM, FacedGap

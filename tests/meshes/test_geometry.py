@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fsi.meshes.geometry.containers import Array, Box, Container, HalfPlane, Round
+from fsi.meshes.geometry.container import Array, Container
+from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.geometry.lattice import Cell
 
 IN_PLANE: list[Container] = [

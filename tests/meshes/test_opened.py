@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 import fsi.meshes.planar.boundary
 from fsi.meshes.cells.curved import curve, scaled_jacobian
 from fsi.meshes.errors import MeshError, TouchingError
-from fsi.meshes.geometry.containers import Array, Box, Container, FluidDomain
+from fsi.meshes.geometry.container import Array, Container, FluidDomain
+from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.lattice import Cell, Lattice, matching_points, reduced
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.cut import NeighbourLinks, neighbours

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.meshes.geometry.containers import Container, FluidDomain
+from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.sizing import Curve, Resolution, Surfaces
 from tests.flows import BOX, HALF_PLANE, disc_over_plane, discs

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from fsi.meshes.build import build
-from fsi.meshes.geometry.containers import Array, Box, Container, FluidDomain
+from fsi.meshes.geometry.container import Array, Container, FluidDomain
+from fsi.meshes.geometry.containers import Box
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.moving.slip import turned
 from fsi.meshes.planar.sizing import Resolution

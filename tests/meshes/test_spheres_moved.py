@@ -14,7 +14,8 @@ import pyvista
 from fsi.meshes.cells.curved import determinant, reference_points, scaled_jacobian
 from fsi.meshes.files.read import recover
 from fsi.meshes.files.write import gather, write_mesh
-from fsi.meshes.geometry.containers import Box, FluidDomain, HalfPlane, Round
+from fsi.meshes.geometry.container import FluidDomain
+from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.geometry.curves import Sphere
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.triangulate import StraightCells, gmsh_model

@@ -7,7 +7,8 @@ import pytest
 
 from fsi.bodies.configuration import Configuration
 from fsi.errors import InputError
-from fsi.meshes.geometry.containers import Box, Container, HalfPlane, Round, Unbounded
+from fsi.meshes.geometry.container import Container, Unbounded
+from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.geometry.lattice import Cell
 from fsi.pores.surfaces import CONTAINER, DISC, WALL, surfaces_of
 

@@ -11,7 +11,7 @@ from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.meshes.errors import MeshFileError
 from fsi.meshes.files.read import read_mesh
-from fsi.meshes.geometry.containers import FluidDomain
+from fsi.meshes.geometry.container import FluidDomain
 from fsi.postprocess.export import write_step_mesh
 from fsi.postprocess.run.run import Run, open_run
 from fsi.runs import run as run_case

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.meshes.geometry.containers import Box, Container, HalfPlane, Round
+from fsi.meshes.geometry.container import Container
+from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.geometry.lattice import reduced
 from fsi.reduced.enclosure import Enclosure
 from fsi.reduced.network import gradient

@@ -16,7 +16,7 @@ from fsi.case.case import Case
 from fsi.case.load import load_case
 from fsi.errors import RefusedError, SolveError, apart
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.containers import FluidDomain
+from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.planar.sizing import Resolution
 from fsi.report.console import standard_output
 from fsi.report.solution import print_solution

@@ -16,7 +16,8 @@ from fsi.bodies.configuration import Array, Configuration
 from fsi.case.load import parse_case
 from fsi.lubrication import exact
 from fsi.meshes.build import FluidMesh
-from fsi.meshes.geometry.containers import Box, Container, Round
+from fsi.meshes.geometry.container import Container
+from fsi.meshes.geometry.containers import Box, Round
 from fsi.meshes.planar.sizing import Resolution
 from fsi.observables.resistance import Resistance, difference
 from fsi.stokes.problem import Boundary, StokesProblem

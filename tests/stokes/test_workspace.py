@@ -15,7 +15,8 @@ from numpy.testing import assert_allclose
 
 from fsi.bodies.configuration import Configuration, Motion
 from fsi.meshes.build import FluidMesh, build
-from fsi.meshes.geometry.containers import Box, Container, FluidDomain
+from fsi.meshes.geometry.container import Container, FluidDomain
+from fsi.meshes.geometry.containers import Box
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.problem import Boundary, StokesProblem

@@ -16,7 +16,7 @@ from fsi.case.checks.time import check_time
 from fsi.case.section import refusal, toml_text
 from fsi.case.series import Component, is_zero
 from fsi.errors import InputError
-from fsi.meshes.geometry.containers import Container
+from fsi.meshes.geometry.container import Container
 
 # A gap is touching when it is no larger than what rounding makes of coordinates of this size.
 _ROUNDING = 8.0 * float(np.finfo(float).eps)

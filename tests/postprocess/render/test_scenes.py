@@ -7,7 +7,8 @@ import pytest
 import pyvista as pv
 
 from fsi.bodies.configuration import Configuration
-from fsi.meshes.geometry.containers import Box, Container
+from fsi.meshes.geometry.container import Container
+from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.lattice import Cell
 from fsi.postprocess.render.scenes import images, tiled
 from fsi.postprocess.render.view import around_period

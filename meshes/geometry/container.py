@@ -1,0 +1,256 @@
+"""What a container of fluid and bodies must answer, as plain NumPy geometry.
+
+A container answers for itself all that others ask of it: its walls by name, how far a point lies from each,
+what they look like, its periods. It knows nothing of meshes or physics. Lengths are in the user's unit;
+points are arrays of shape (n, 2), in space (n, 3) with z upwards.
+
+An axisymmetric container is a meridian half-plane: points are (r, z) with r >= 0, and the side r = 0 is the
+axis, which is no wall.
+
+One more shape in the plane is one more class beside those of `containers`: `walls`, `distances`, `normals`,
+`size`, `volume` and `outline` are all that it must say. A section of the case file makes it
+(`fsi.case.domains`).
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from itertools import combinations
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsi.meshes.errors import MeshError
+from fsi.meshes.geometry.curves import Sphere, WallCurve
+
+Array = NDArray[np.float64]
+
+HERE = 1e-9  # in sizes of a container: places that near are one
+_LARGEST_IN_BOX = 0.25  # largest element in space, over the size of a container with plane walls
+
+
+class Container(ABC):
+    """What encloses the fluid; a value, equal to others with the same numbers.
+
+    Methods with a body here suit most shapes; a shape says what is different with it.
+    """
+
+    __slots__ = ()
+
+    @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space: the number of coordinates of a point."""
+        return 2
+
+    @property
+    def axisymmetric(self) -> bool:
+        """True where points are (r, z)."""
+        return False
+
+    @property
+    @abstractmethod
+    def walls(self) -> tuple[str, ...]:
+        """Names of the walls, in the order of every array over walls."""
+
+    @abstractmethod
+    def distances(self, x: Array) -> Array:
+        """Distance of each point (n, dimension) to each wall, shape (n, walls); positive inside."""
+
+    @abstractmethod
+    def normals(self, x: Array) -> Array:
+        """Gradients of the distances: unit normals of the walls, into the fluid, (n, walls, dimension)."""
+
+    @abstractmethod
+    def size(self) -> float:
+        """A length that no distance inside exceeds."""
+
+    @property
+    @abstractmethod
+    def volume(self) -> float:
+        """Of fluid and bodies together: an area in the plane and in the meridional plane."""
+
+    def outline(self) -> tuple[WallCurve, ...]:
+        """The walls in the plane, wall by wall; together with an axis they go once around the container."""
+        raise MeshError("no domain of this shape is meshed in the plane")
+
+    def meetings(self) -> dict[tuple[int, int], Array]:
+        """The pairs of walls that meet, and where, (n, dimension): corners, in space ends of edges."""
+        ends = [(curve.wall, end) for curve in self.outline() for end in curve.ends]
+        near, found = HERE * self.size(), dict[tuple[int, int], list[Array]]()
+        for (one, x), (other, y) in combinations(ends, 2):
+            if one != other and np.hypot(*(x - y)) <= near:
+                found.setdefault((min(one, other), max(one, other)), []).append(x)
+        return {pair: np.array(corners) for pair, corners in found.items()}
+
+    @property
+    def corner_axes(self) -> tuple[int, ...]:
+        """For each wall the axis of its normal at its corners: that velocity component is its own there."""
+        ends = {curve.wall: curve.ends for curve in self.outline()}
+        return tuple(int(np.abs(self.normals(ends[k])[0, k]).argmax()) for k in range(len(self.walls)))
+
+    @property
+    def faces(self) -> Mapping[str, tuple[int, float]]:
+        """Of a box, the axis across each wall and where the wall stands on it; empty elsewhere."""
+        return {}
+
+    @property
+    def spheres(self) -> tuple[Sphere | None, ...]:
+        """The circle or sphere that each wall follows, seen from inside; None for a plane wall."""
+        return (None,) * len(self.walls)
+
+    @property
+    def far_walls(self) -> tuple[str, ...]:
+        """Those that stand for infinity: no gap to them is ever narrow."""
+        return ()
+
+    def wall_fluxes(self) -> Array:
+        """Integrals over each wall of n and h n_x, (walls, d + 1).
+
+        n is the unit normal out of the fluid, h the last coordinate; with an axis they are integrals over
+        surfaces of revolution. So they are the fluxes of unit velocities and of a unit shear flow.
+        """
+        rows = np.zeros((len(self.walls), 3))
+        for curve in self.outline():
+            (x0, y0), (x1, y1) = curve.ends
+            rows[curve.wall] += y1 - y0, x0 - x1, 0.5 * (y1**2 - y0**2)
+        return rows
+
+    def axis(self) -> tuple[float, float]:
+        """Lowest and highest z of an axisymmetric container on its axis."""
+        on_axis = [float(z) for curve in self.outline() for r, z in curve.ends if r == 0.0]
+        return min(on_axis), max(on_axis)
+
+    @property
+    def boundary_names(self) -> tuple[str, ...]:
+        """Names of the walls, and last `axis` or `cut` where there is one, in the order of their tags.
+
+        The tags follow the bodies'. The cut is where a periodic domain was opened for meshing.
+        """
+        if self.axisymmetric:
+            return (*self.walls, "axis")
+        return (*self.walls, "cut") if len(self.periods) else self.walls
+
+    def boundary_distances(self, x: Array) -> Array:
+        """Distance of each point (n, dimension) to each wall, and last to the axis if there is one."""
+        to_walls = self.distances(x)
+        return np.column_stack([to_walls, x[:, 0]]) if self.axisymmetric else to_walls
+
+    @property
+    def periods(self) -> Array:
+        """Vectors that carry the domain onto itself, as rows, shape (k, d)."""
+        return np.empty((0, self.dimension))
+
+    @property
+    def image_reach(self) -> float:
+        """The gap up to which bodies and images are looked for, at all times; infinite without periods."""
+        return np.inf
+
+    @property
+    def mean_gradient(self) -> Array:
+        """E of the mean flow u = E x, rows of (dV_i / dx_j), shape (d, d): zero but in a cell."""
+        return np.zeros((self.dimension, self.dimension))
+
+    def mean_velocity(self, x: Array) -> Array:
+        """The mean flow E x at points or between images, (n, d)."""
+        velocity: Array = x @ self.mean_gradient.T
+        return velocity
+
+    def at(self, t: float) -> Container:  # noqa: ARG002
+        """The container at time t; only a sheared cell changes."""
+        return self
+
+    def carried(self, e: Array, duration: float) -> Array:  # noqa: ARG002
+        """What vectors e (n, d) between images become after some time."""
+        return e
+
+    @property
+    def middle(self) -> Array:
+        """The middle of the box around it, or of what a cell's vectors span from the origin, (d,)."""
+        return np.zeros(self.dimension)
+
+    def scaled(self, factor: float) -> Container:
+        """The container with all lengths times the factor, to 15 digits where its numbers are known."""
+        from fsi.meshes.geometry.stretched import Stretched  # which is one itself
+
+        return self if factor == 1.0 else Stretched(self, factor)
+
+    def seen_from(self, origin: Array) -> Container | None:  # noqa: ARG002
+        """The container in coordinates with this origin, (d,); None where its shape stands at its own."""
+        return None
+
+    # What meshing in space asks besides.
+
+    def solid(self, kernel: Any) -> int:  # noqa: ARG002
+        """The inside as a solid of gmsh's kernel (`gmsh.model.occ`), without bodies: its number."""
+        raise MeshError("no domain of this shape is meshed in space")
+
+    def distance_formulas(self) -> list[str]:
+        """The distance to each wall as a formula in x, y, z."""
+        raise NotImplementedError
+
+    def largest_element(self, cells_per_circle: int) -> float:
+        """What no tetrahedron exceeds: on a round wall as on a body, elsewhere a part of the size."""
+        radii = [sphere.radius for sphere in self.spheres if sphere is not None]
+        if not radii:
+            return _LARGEST_IN_BOX * self.size()
+        return float(np.pi * (2.0 * max(radii)) / cells_per_circle)
+
+
+def lengths(x: Array) -> Array:
+    """Euclidean length of each vector, shape (n, dimension) -> (n,)."""
+    length: Array = np.hypot.reduce(x, axis=1)
+    return length
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FluidDomain:
+    """Omega_F, a container without the bodies in it: what is meshed.
+
+    Attributes:
+        container: what encloses the fluid.
+        centres: q_i, of a periodic container any images, (N, d).
+        radii: a_i, (N,).
+        corners: where a planar mesh is graded towards corners of the container, (n, 2).
+        edges: the pairs of walls towards whose common edge a mesh in space is graded.
+    """
+
+    container: Container
+    centres: Array
+    radii: Array
+    corners: Array = field(default_factory=lambda: np.empty((0, 2)))
+    edges: tuple[tuple[int, int], ...] = ()
+
+
+class WithoutWalls(Container):
+    """What has no walls."""
+
+    __slots__ = ()
+    walls: ClassVar[tuple[str, ...]] = ()
+
+    def distances(self, x: Array) -> Array:
+        """There are none: shape (n, 0)."""
+        return np.empty((len(x), 0))
+
+    def normals(self, x: Array) -> Array:
+        """There are none: shape (n, 0, dimension)."""
+        return np.empty((len(x), 0, self.dimension))
+
+
+@dataclass(frozen=True, slots=True)
+class Unbounded(WithoutWalls):
+    """All of the plane or space, without walls: nothing there is meshed."""
+
+    axisymmetric: bool = False
+    dimension: int = 2
+
+    def size(self) -> float:
+        """Without a bound."""
+        return np.inf
+
+    @property
+    def volume(self) -> float:
+        """Without a bound."""
+        return np.inf
