@@ -86,7 +86,7 @@ def write_step_mesh(run: Path, step: int | None, output: Path) -> int:
     """Write the mesh of a run at a step (default: the last with fields), with its tags; gives the step.
 
     Raises:
-        InputError: the run has no fields of that step.
+        InputError: the run has no fields of that step, or no mesh.
         MeshFileError: the suffix is unknown, or a file cannot be read or written.
     """
     from fsi.meshes.files.read import recover
@@ -95,6 +95,8 @@ def write_step_mesh(run: Path, step: int | None, output: Path) -> int:
     require_suffix(output)
     read = open_run(run)
     step = read.step(step)
+    if not read.case.level.meshed:
+        raise InputError(f'model = "{read.case.model}": only the resolved level has a mesh')
     q, container = read.configuration(step), read.container(step)
     parts = sorted((run / "fields").glob(f"fluid_{step:06d}*.vtu"))
     cells = recover(parts, FluidDomain(container, q.centres, q.radii))

@@ -53,9 +53,10 @@ class Resistance:
         eigenvalues: of R made dimensionless, increasing, (n,).
         checks: worst relative defects of all columns; `reciprocity` is the asymmetry of R as computed.
         dofs: unknowns (u, p).
-        cells: their number.
+        cells: the number of `pieces`.
         seconds: CPU seconds of this process by phase.
         mesh_instead: the size that was taken as those of the case gave no valid mesh, "" where they did.
+        pieces: what the fluid is cut into, of which there are so many as `cells` says.
     """
 
     modes: Modes
@@ -67,6 +68,7 @@ class Resistance:
     cells: int
     seconds: dict[str, float]
     mesh_instead: str = ""
+    pieces: str = "cells"
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,8 @@ from fsi.pores.assembly import Batch
 from fsi.pores.forms import with_bubbles
 from fsi.pores.jets import strain, value
 from fsi.pores.quadrature import Rule, pore_points
-from fsi.pores.solve import PoreFlow
+from fsi.pores.regions import NEXT, OTHER
+from fsi.pores.solve import PoreFlow, stream
 from fsi.pores.trial import trial_functions
 
 # Hardly off the feet of a neck.
@@ -55,7 +56,7 @@ def necks_of(flow: PoreFlow) -> Necks:
         neck = pores.sides[batch.pore]
         there = neck >= 0
         np.add.at(dissipation, neck[there], lost[there])
-        flux[neck[there]] = (shapes.turn * through)[there]
+        flux[neck[there]] = through[there]
     kept = ~surfaces.fluid[pores.necks].any(axis=1)
     sides = np.where(pores.necks < system.bodies, pores.necks, pores.necks - surfaces.discs + system.bodies)
     return Necks(sides[kept], pores.neck_image[kept], pores.neck_gap[kept], dissipation[kept], flux[kept])
@@ -76,11 +77,21 @@ def _of_strips(flow: PoreFlow, batch: Batch, numbers: Array) -> Array:
 
 
 def _fluxes(flow: PoreFlow, batch: Batch, numbers: Array) -> Array:
-    """psi at the second foot of each side of pores less psi at the first, (n, 3)."""
-    shapes = flow.system.shapes.of(batch.pore)
+    """psi at the second foot of the neck on each side of pores less psi at the first, (n, 3).
+
+    As the neck is seen from its first surface in its base place: images move with the mean flow.
+    """
+    system, G = flow.system, flow.loading.gradient
+    shapes = system.shapes.of(batch.pore)
     points = pore_points(shapes, Rule(_MIDDLE, _FEET, _MIDDLE))
     psi = np.zeros(points.weight.shape)
     for x, function in zip(numbers.T, trial_functions(shapes, points, batch.orders), strict=True):
         psi += x[:, None] * value(function).f[0]
-    first, second = psi[:, :6].reshape(-1, 3, 2).transpose(2, 0, 1)
-    return np.asarray(second - first)
+    rise = np.diff(psi[:, :6].reshape(-1, 3, 2))[..., 0]
+    periods = np.zeros((2, 2))
+    periods[: len(system.pores.surfaces.periods)] = system.pores.surfaces.periods
+    first = np.where(shapes.turn > 0.0, NEXT, OTHER)
+    image = np.take_along_axis(system.pores.image[batch.pore], first[..., None], axis=1)
+    e = (image @ periods)[:, :, None]
+    carried = np.diff(stream(G, shapes.foot) - stream(G, shapes.foot - e))[..., 0]
+    return np.asarray(shapes.turn * (rise - carried))

@@ -76,7 +76,8 @@ def case_resistance(case: Case) -> Resistance:
     eigenvalues = matrix.positive_eigenvalues(R, labels.scale, resting=True)
     checks = {"residual": residual, "reciprocity": asymmetry}
     size = (system.unknowns, len(system.pores))
-    return Resistance(labels, R, matrix.inverse(R), eigenvalues, checks, *size, seconds)
+    mobility = matrix.inverse(R)
+    return Resistance(labels, R, mobility, eigenvalues, checks, *size, seconds, pieces="pores")
 
 
 def _schur_complement(system: PoreSystem) -> tuple[Array, float]:

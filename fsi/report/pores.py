@@ -86,7 +86,8 @@ def print_solution(
 
     caption = "forces and torques per unit length, rotation counterclockwise"
     console.print(bodies_table(case, ("velocity", "±", "force of the fluid", "±"), numbers, caption))
-    console.print(_necks_table(case, found))
+    if len(found.necks.gap):
+        console.print(_necks_table(case, found))
     for line in _stress_lines(found, errors):
         console.print(Text(line))
     console.print(checks_table("check, relative", found.checks | truncation_checks(truncated)))

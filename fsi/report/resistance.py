@@ -72,7 +72,8 @@ def print_resistance(
         console.print(Text(f"no mobility: R is singular: {WHY_SINGULAR}"))
     console.print(_checks(resistance, errors.largest, truncation))
     seconds = sum(resistance.seconds.values())
-    console.print(Text(f"{resistance.cells} cells, {resistance.dofs} unknowns, {seconds:.2f} CPU s"))
+    size = f"{resistance.cells} {resistance.pieces}, {resistance.dofs} unknowns"
+    console.print(Text(f"{size}, {seconds:.2f} CPU s"))
     print_mesh_instead(console, resistance.mesh_instead)
 
 

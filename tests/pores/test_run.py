@@ -1,0 +1,243 @@
+"""Runs of the model of pores: tables, files, resumption, ranks, and every command that reads them."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import fsi
+from fsi.case.case import Case
+from fsi.case.load import parse_case
+from fsi.errors import InputError
+from fsi.integration.state import StepRecord
+from fsi.pores.instant import PoreInstant
+from fsi.postprocess.render import canvas
+from fsi.postprocess.report import write_report
+from fsi.postprocess.run.probe import probe
+from fsi.postprocess.run.run import Run, nodes, open_run
+from fsi.runs import resume, run
+from tests.commands import fsi_command
+from tests.pictures import NO_PICTURES
+from tests.small_run import contents
+
+MPIEXEC = Path(sys.executable).with_name("mpiexec")
+needs_mpi = pytest.mark.skipif(not MPIEXEC.exists(), reason="no mpiexec beside this Python")
+
+DATA: dict[str, Any] = {
+    "name": "sheared",
+    "model": "pores",
+    "fluid": {"viscosity": 1.0},
+    "domain": {"shape": "cell", "vectors": [[5.0, 0.0], [0.0, 4.0]], "shear": 1.0},
+    "bodies": [
+        {"name": "one", "radius": 1.0, "position": [1.6, 1.5]},
+        {"name": "other", "radius": 0.7, "position": [3.3, 2.2]},
+    ],
+    "time": {"end": 0.2, "tolerance": 1e-3},
+    "output": {"interval": 0.1},
+}
+BOX = {"lower": [0.0, 0.0], "upper": [5.0, 4.5]}
+PULLED = [
+    {"name": "one", "radius": 1.0, "position": [1.6, 1.5], "force": [1.0, 0.5]},
+    {"name": "other", "radius": 0.7, "position": [3.8, 2.9]},
+]
+
+
+def case_of(**sections: Any) -> Case:
+    return parse_case(DATA | sections)
+
+
+@pytest.fixture(scope="module")
+def sheared(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    """In a cell, with error bars."""
+    folder = tmp_path_factory.mktemp("pores") / "run"
+    run(case_of(output={"interval": 0.1, "error_estimates": True}), folder)
+    return open_run(folder)
+
+
+class KilledError(Exception):
+    """In place of a signal."""
+
+
+@pytest.mark.parametrize(
+    "sections", [{}, {"pores": {"modes": 0, "tolerance": 0.02}}], ids=["one", "tolerance"]
+)
+def test_a_resumed_run_is_the_unbroken_one_bit_by_bit(sections: dict[str, Any], tmp_path: Path) -> None:
+    case = case_of(**sections)
+    outcome = run(case, tmp_path / "whole")
+
+    def stop(record: StepRecord) -> None:
+        if record.step == outcome.state.step // 2:
+            raise KilledError
+
+    with pytest.raises(KilledError):
+        run(case, tmp_path / "broken", stop)
+    assert resume(tmp_path / "broken").steps > 0
+    assert contents(tmp_path / "broken") == contents(tmp_path / "whole")
+    if sections:
+        assert open_run(tmp_path / "whole").steps["modes"].iloc[0] > 0
+
+
+def test_the_tables_have_the_columns_of_the_resolved_model(sheared: Run) -> None:
+    steps, bodies = set(sheared.steps), set(sheared.bodies)
+    assert {"dofs", "dissipation", "apparent_viscosity", "stress_xy", "N_1", "power", "residual"} <= steps
+    assert {"err_U", "err_apparent_viscosity", "err_stress_xy", "err_N_1", "err_smallest_gap"} <= steps
+    assert {"x", "V_x", "F_x", "T", "err_V_x", "err_x"} <= bodies
+    assert not {"stress_xx", "stress_yy"} & steps  # there is no pressure
+
+
+def test_the_field_files_hold_the_flow_of_the_solution(sheared: Run) -> None:
+    """Interpolated in curved cells of order 4, to 2e-3 of the speed."""
+    solution = fsi.solve(sheared.case)
+    fluid = sheared.mesh(0)
+    middle = np.asarray(fluid.points)[nodes(fluid)[::7, 3:]].mean(axis=1)[:, :2]
+    u = solution.velocity(middle)
+    table = probe(sheared, middle, 0)
+    known = (table["where"] == "fluid").to_numpy() & np.isfinite(u[:, 0])
+    assert known.mean() > 0.9
+    found = table.loc[known, ["u_x", "u_y"]].to_numpy()
+    assert np.abs(found - u[known]).max() < 2e-3 * np.abs(u[known]).max()
+    assert "p" not in table
+
+
+def test_psi_is_that_of_the_velocity(sheared: Run) -> None:
+    """u = (psi_y, -psi_x): its differences along the sides of cells are the fluxes across them."""
+    fluid = sheared.mesh(0)
+    x, cells = np.asarray(fluid.points)[:, :2], nodes(fluid)
+    side = cells[:, [0, 3, 4, 5, 1]]  # an edge with five nodes: Boole's rule
+    weights = np.array([7.0, 32.0, 12.0, 32.0, 7.0]) / 90.0
+    along = np.polynomial.polynomial.polyvander(np.linspace(0.0, 1.0, 5), 4)
+    slope = np.linalg.solve(along, x[side].transpose(1, 0, 2).reshape(5, -1))
+    d = (np.arange(1, 5)[:, None] * slope[1:]).T @ along[:, :4].T
+    dx, dy = d.reshape(len(side), 2, 5).transpose(1, 0, 2)
+    u = fluid["velocity"][side]
+    flux = (u[..., 0] * dy - u[..., 1] * dx) @ weights
+    rise = fluid["psi"][side[:, -1]] - fluid["psi"][side[:, 0]]
+    assert np.abs(rise - flux).max() < 1e-3 * np.ptp(fluid["psi"])
+
+
+def test_necks_are_lines_between_bodies_with_what_is_dissipated_in_them(tmp_path: Path) -> None:
+    run(case_of(domain=BOX, bodies=PULLED, time={"end": 0.01}), tmp_path / "run")
+    box = open_run(tmp_path / "run")
+    lines = box.mesh(0, "necks")
+    ends = np.asarray(lines.points)[nodes(lines)][..., :2]
+    length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    radii = np.append(box.configuration(0).radii, np.zeros(4))
+    i, j = (lines.cell_data[name].astype(int) for name in ("first", "second"))
+    gaps = lines.cell_data["gap"]
+    assert length - radii[i] - radii[j] == pytest.approx(gaps, abs=1e-12)
+    assert np.all(lines.cell_data["dissipation"] > 0.0)
+    assert lines.cell_data["dissipation"].sum() < box.steps["dissipation"].iloc[0]
+    assert {"flux", "gap", "dissipation"} <= set(lines.cell_data)
+    assert any(j >= 2)  # to walls
+
+
+def test_fluxes_through_the_necks_of_an_array_add_up_to_the_mean_flow() -> None:
+    """One disc in a sheared square cell of side L: psi of the mean flow u = (y, 0) is y^2 / 2.
+
+    Between the centres of the disc and of its image above flows L^2 / 2. In the disc the velocity is
+    -omega y, in its image L - omega (y - L), so that both carry L a together, and the neck the rest.
+    """
+    bodies, L = [{"name": "one", "radius": 1.0, "position": [0.0, 0.0]}], 2.6
+    domain = {"shape": "cell", "vectors": [[L, 0.0], [0.0, L]], "shear": 1.0}
+    instant = fsi.solve(case_of(domain=domain, bodies=bodies, time=None)).instant
+    assert isinstance(instant, PoreInstant)
+    necks = instant.necks
+    upright, level = ((necks.image == image).all(axis=1) for image in ([0, 1], [1, 0]))
+    assert (upright.sum(), level.sum()) == (1, 1)
+    assert necks.flux[upright] == pytest.approx([0.5 * L**2 - L], abs=1e-6)
+    assert necks.flux[level] == pytest.approx([0.0], abs=1e-6)
+
+
+@needs_mpi
+def test_two_ranks_write_what_one_writes(tmp_path: Path) -> None:
+    """Root alone writes; every rank computes the same."""
+    case = case_of(time={"end": 0.05, "tolerance": 1e-2}, output={})
+    run(case, tmp_path / "one")
+    (tmp_path / "case.toml").write_text(case.as_toml())
+    command = [str(MPIEXEC), "-n", "2", sys.executable, "-m", "fsi", "run", str(tmp_path / "case.toml")]
+    environment = os.environ | {"OMP_NUM_THREADS": "1"}
+    done = subprocess.run(
+        [*command, "-o", str(tmp_path / "two")], env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert contents(tmp_path / "two") == contents(tmp_path / "one")
+
+
+def test_what_needs_a_pressure_or_a_mesh_is_refused_by_name(
+    sheared: Run, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    solution = fsi.solve(case_of())
+    with pytest.raises(InputError, match=r'model = "pores": has no pressure; use Solution\.velocity'):
+        solution.evaluate([[0.0, 0.0]])
+    file = tmp_path / "case.toml"
+    file.write_text(case_of(time=None).as_toml())
+    for arguments, words in (
+        (
+            ("render", sheared.path, "--field", "pressure"),
+            'model = "pores" has no pressure; give one of speed',
+        ),
+        (("render", sheared.path, "--field", "traction"), "has no pressure"),
+        (("render", sheared.path, "--field", "mesh"), "has no pressure"),
+        (("mesh", file, "-o", tmp_path / "a.msh"), "only the resolved level has a mesh"),
+        (("mesh", sheared.path, "-o", tmp_path / "a.msh"), "only the resolved level has a mesh"),
+        (("resistance", file), "so it has no resistance matrix"),
+    ):
+        assert fsi_command(*arguments) == 2, arguments
+        assert words in capfd.readouterr().err, arguments
+    assert not (tmp_path / "a.msh").exists()
+
+
+def test_solve_prints_bodies_necks_and_that_the_viscosity_is_an_upper_bound(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "case.toml"
+    file.write_text(case_of(time=None).as_toml())
+    assert fsi_command("solve", file) == 0
+    text = capsys.readouterr().out
+    assert "an upper bound" in text
+    assert "necks that dissipate most" in text
+    assert fsi_command("solve", file, "--json") == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["upper_bound"] is True
+    assert data["apparent_viscosity_error"] > 0.0
+    assert data["necks"][0]["dissipation"] == max(neck["dissipation"] for neck in data["necks"])
+    assert data["pores"]["modes"] == 1
+    assert [body["name"] for body in data["bodies"]] == ["one", "other"]
+
+
+def test_loaded_bodies_have_no_upper_bound(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "case.toml"
+    file.write_text(case_of(time=None, bodies=PULLED).as_toml())
+    assert fsi_command("solve", file, "--json") == 0
+    assert json.loads(capsys.readouterr().out)["upper_bound"] is False
+
+
+def test_chains_plots_and_reports_read_such_runs(
+    sheared: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(canvas, "_DRAW", "raise SystemExit(1)")  # pictures by OpenGL take seconds
+    assert fsi_command("analyse", "chains", sheared.path) == 0
+    assert fsi_command("plot", sheared.path, "-o", tmp_path / "history.png") == 0
+    write_report(sheared, tmp_path / "report.html")
+    words = (tmp_path / "report.html").read_text()
+    assert "pores model" in words
+    assert "VIOLATED" not in words
+    assert "viscosity by stress = viscosity by dissipation" in words
+
+
+@pytest.mark.parametrize("field", ["speed", "dissipation", "necks"])
+def test_pictures(field: str, sheared: Run, tmp_path: Path) -> None:
+    try:
+        canvas.require_opengl()
+    except InputError as error:
+        pytest.skip(f"{NO_PICTURES}: {error}")
+    picture = tmp_path / "picture.png"
+    assert fsi_command("render", sheared.path, "--field", field, "--size", 150, "-o", picture) == 0
+    assert picture.stat().st_size > 1000
