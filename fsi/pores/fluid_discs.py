@@ -14,16 +14,16 @@ from numpy.typing import NDArray
 
 from fsi.errors import SolveError
 from fsi.pores.compiled import compiled
-from fsi.pores.links import Links, corner, moved, step
+from fsi.pores.links import Corner, Links, across, corner, moved, step
 from fsi.pores.power import locate
-from fsi.pores.shape import distance, from_neck, inscribed
+from fsi.pores.shape import clearance, distance, from_neck, inscribed, neck
 from fsi.pores.start import surrounding, widest_view
 from fsi.pores.surfaces import CONTAINER, DISC, Array, Bodies, Shapes, Surfaces
-from fsi.pores.topology import clearances, linked
+from fsi.pores.topology import linked, numbered, with_more_discs
 
 _ROUNDS = 60
 _MOST = 200  # pores that one circle reaches into
-_IN_THE_WAY = 0.1  # of an inscribed circle is enough for a fluid disc where a body lies across a neck
+_TRIALS = 20  # circles beside a body that lies across a neck
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,14 +53,40 @@ def with_fluid_discs(surfaces: Surfaces, wide: Wide = Wide()) -> Surfaces:
     """
     surfaces = _surrounded(surfaces, wide.share)
     for _ in range(_ROUNDS):
-        links = linked(surfaces)
-        shapes = surfaces.shapes()
-        circles = inscribed_circles(shapes, links)
-        free = separate(shapes, links, circles, _wanted(surfaces, links, circles, wide))
-        if len(free) == 0:
+        more = _filled(surfaces, wide)
+        if more is surfaces:
             return surfaces
-        surfaces = surfaces.with_fluid(free[:, :2], wide.share * free[:, 2])
+        surfaces = more
     raise SolveError("no end of fluid discs; do bodies overlap?")
+
+
+def _filled(surfaces: Surfaces, wide: Wide) -> Surfaces:
+    """With fluid discs until no pore is wide, of pores in which the new discs are put one after the other.
+
+    While bodies lie across necks such pores may hide one from a new disc, which is then taken out.
+    """
+    links = linked(surfaces)
+    apart = _apart(surfaces, links)
+    if not apart.all():
+        surfaces = surfaces.only(apart)
+        links = linked(surfaces)
+    for _ in range(_ROUNDS):
+        circles, crossed = circles_in_pores(surfaces.shapes(), links)
+        least = np.where(crossed, 0.0, _wide_from(surfaces, links, wide))
+        pores, radius = separate(surfaces.shapes(), links, circles, least)
+        if len(pores) == 0:
+            break
+        surfaces = surfaces.with_fluid(circles[pores, :2], wide.share * radius)
+        links = with_more_discs(surfaces, links, pores)
+    return surfaces
+
+
+def _apart(surfaces: Surfaces, links: Links) -> NDArray[np.bool_]:
+    """All surfaces but fluid discs that overlap another, (B,)."""
+    pores = numbered(surfaces, links)
+    apart = np.ones(len(surfaces), bool)
+    apart[pores.necks[pores.neck_gap <= 0.0]] = False
+    return apart | ~surfaces.fluid
 
 
 def _surrounded(surfaces: Surfaces, share: float) -> Surfaces:
@@ -79,53 +105,77 @@ def _surrounded(surfaces: Surfaces, share: float) -> Surfaces:
     return surfaces
 
 
-def _wanted(surfaces: Surfaces, links: Links, circles: Array, wide: Wide) -> Array:
-    """The least radius of a circle in each pore for which a fluid disc is wanted, (T,)."""
+def _wide_from(surfaces: Surfaces, links: Links, wide: Wide) -> Array:
+    """The inscribed radius from which each pore is wide, (T,)."""
     radius, bound = surfaces.radius[links.body], surfaces.kind[links.body] != DISC
     body = np.where(bound | surfaces.fluid[links.body], np.inf, radius).min(axis=1)
     mean = np.where(bound, 0.0, radius).sum(axis=1) / (~bound).sum(axis=1)
     beside = np.where(bound.any(axis=1), wide.wall, wide.least)
     limit: Array = np.where(np.isfinite(body), beside * body, wide.empty * mean)
-    return np.where(_crossed(surfaces, links), _IN_THE_WAY * circles[:, 2], limit)
-
-
-def _crossed(surfaces: Surfaces, links: Links) -> NDArray[np.bool_]:
-    """The pores with a body across one of their necks, and their neighbours."""
-    bad = clearances(surfaces.shapes(), links) <= 0.0
-    twin = links.twin.reshape(-1, 3)
-    neighbours: NDArray[np.bool_] = bad | (bad[twin // 3] & (twin >= 0)).any(axis=1)
-    return neighbours
+    return limit
 
 
 @compiled
-def inscribed_circles(shapes: Shapes, links: Links) -> Array:
-    """Centre and radius of the circle in each pore, next to its bodies there, nan for none, (T, 3)."""
-    circles = np.empty((len(links.body), 3))
+def circles_in_pores(shapes: Shapes, links: Links) -> tuple[Array, NDArray[np.bool_]]:
+    """Centre and radius of the circle in each pore, next to its bodies there, nan for none, (T, 3).
+
+    Where a body lies across the opposite neck, (T,), it is one beyond that neck.
+    """
+    circles, crossed = np.empty((len(links.body), 3)), np.zeros(len(links.body), np.bool_)
     for t in range(len(links.body)):
         a, b, c = corner(shapes, links, t, 0), corner(shapes, links, t, 1), corner(shapes, links, t, 2)
         circles[t, 0], circles[t, 1], circles[t, 2] = inscribed(shapes, a, b, c)
-    return circles
+        for _ in range(3):
+            a, b, c = b, c, a
+            if clearance(shapes, c, a, b) <= 0.0:
+                crossed[t] = True
+                circles[t, 0], circles[t, 1], circles[t, 2] = _beyond_neck(shapes, links, t, (a, b, c))
+    return circles, crossed
 
 
 @compiled
-def separate(shapes: Shapes, links: Links, circles: Array, wanted: Array) -> Array:
-    """Circles cut back to the fluid, above the radii wanted, none in a pore of a larger one, (n, 3)."""
+def _beyond_neck(
+    shapes: Shapes, links: Links, t: int, corners: tuple[Corner, Corner, Corner]
+) -> tuple[float, float, float]:
+    """The largest of some circles beside disc c on the normal of the neck ab of pore t, free of bodies."""
+    a, b, c = corners
+    ex, ey = neck(shapes, a, b)
+    length, r = np.hypot(ex, ey), shapes.radius[c[0]]
+    x, y, rho = 0.0, 0.0, 0.0
+    for i in range(_TRIALS):
+        away = r * 2.0 ** (0.5 * i - 5.0)
+        u, v = c[1] + (r + away) * ey / length, c[2] - (r + away) * ex / length
+        free = _covered(shapes, links, t, np.array([u, v, away]))[1]
+        if free > rho:
+            x, y, rho = u, v, free
+    return x, y, rho
+
+
+@compiled
+def separate(shapes: Shapes, links: Links, circles: Array, least: Array) -> tuple[Bodies, Array]:
+    """The pores of circles that share no pore with a larger one, and their radii in the fluid, (n,) both.
+
+    Circles are cut back to the fluid; only those above the least radii count.
+    """
     taken = np.zeros(len(links.body), np.bool_)
-    free = np.empty((len(circles), 3))
-    candidates = np.flatnonzero(circles[:, 2] > wanted)
+    chosen, free = np.empty(len(circles), np.int64), np.empty(len(circles))
+    candidates = np.flatnonzero(circles[:, 2] > least)
     n = 0
     for t in candidates[np.argsort(-circles[candidates, 2], kind="mergesort")]:
         pores, rho = _covered(shapes, links, t, circles[t])
-        if rho > wanted[t] and not np.any(taken[pores]):
+        if rho > least[t] and not np.any(taken[pores]):
             taken[pores] = True
-            free[n, 0], free[n, 1], free[n, 2] = circles[t, 0], circles[t, 1], rho
+            chosen[n], free[n] = t, rho
             n += 1
-    return free[:n]
+    return chosen[:n], free[:n]
 
 
 @compiled
 def _covered(shapes: Shapes, links: Links, t: int, circle: Array) -> tuple[Bodies, float]:
-    """The pores that a circle near pore t reaches into, and its radius cut back to what is free of bodies."""
+    """The pores that a circle near pore t may reach into, and its radius cut back to what is free of bodies.
+
+    A body may reach across necks, so that pores beyond those of the circle are looked at too.
+    """
     x, y, rho = circle[0], circle[1], circle[2]
     found = np.zeros((_MOST, 3), np.int64)  # a pore, and by how many periods the circle is translated there
     found[0] = locate(shapes, links, t, (0, x, y))
@@ -135,9 +185,12 @@ def _covered(shapes: Shapes, links: Links, t: int, circle: Array) -> tuple[Bodie
         _, u, v = moved(shapes, (0, x, y), at[0], at[1])
         done += 1
         for k in range(3):
-            a, b = corner(shapes, links, p, (k + 1) % 3), corner(shapes, links, p, (k + 2) % 3)
-            rho = min(rho, distance(shapes, u, v, a))
-            if links.twin[3 * p + k] < 0 or n == _MOST or from_neck(shapes, u, v, a, b) > rho:
+            rho = min(rho, distance(shapes, u, v, corner(shapes, links, p, k)))
+            if links.twin[3 * p + k] < 0:
+                continue
+            _, a, b, d = across(shapes, links, p, k)
+            rho = min(rho, distance(shapes, u, v, d))
+            if n == _MOST or (done > 1 and from_neck(shapes, u, v, a, b) > rho):
                 continue
             dm, dn = step(shapes, links, p, k)
             new = (links.twin[3 * p + k] // 3, at[0] + dm, at[1] + dn)

@@ -134,13 +134,17 @@ def locate(shapes: Shapes, links: Links, t: int, x: Corner) -> tuple[int, int, i
 
 
 @compiled
-def insert(shapes: Shapes, links: Links, T: int, discs: Bodies) -> None:
-    """Put discs, rows (surface, its image), into the first T pores, two more for each."""
-    t, before, behind = 0, 0, 0  # the pore where a walk begins, and by how many periods pores lie off there
+def insert(shapes: Shapes, links: Links, T: int, discs: Bodies, near: Bodies) -> None:
+    """Put discs into the first T pores, two more for each, and flip sides around them.
+
+    The discs are rows (surface, its image); `near` has a pore near each, in whose place the image is, or -1
+    for that of the disc before.
+    """
+    t, before, behind = 0, 0, 0  # a pore, and by how many periods that before lay off its disc's image
     queue = np.zeros((2, 3 * len(links.body)), np.int64)
-    queue[0, : 3 * T] = np.arange(3 * T)
-    _settle(shapes, links, queue, 3 * T)
     for i in range(len(discs)):
+        if near[i] >= 0:
+            t, before, behind = near[i], 0, 0
         disc, p, q = discs[i, 0], discs[i, 1] + before, discs[i, 2] + behind
         t, m, n = locate(shapes, links, t, placed(shapes, disc, p, q))
         before, behind = before + m, behind + n

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fsi.pores.compiled import compiled
 from fsi.pores.links import Corner, Links, across, cross, flip, turn
@@ -63,18 +64,27 @@ def conflict(shapes: Shapes, a: Corner, b: Corner, c: Corner, d: Corner) -> floa
 
 
 @compiled
-def from_neck(shapes: Shapes, x: float, y: float, a: Corner, b: Corner) -> float:
-    """Distance of a point from the side ab: from centre to centre, or to the foot on a wall or container."""
+def neck(shapes: Shapes, a: Corner, b: Corner) -> tuple[float, float]:
+    """The vector along the neck from a to b: between centres, or between a centre and its foot."""
+    sign = 1.0
     if shapes.kind[a[0]] != DISC:
-        a, b = b, a
-    ex, ey = b[1] - a[1], b[2] - a[2]
+        a, b, sign = b, a, -1.0
+    x, y = b[1] - a[1], b[2] - a[2]
     if shapes.kind[b[0]] == WALL:
         n = shapes.normal[b[0]]
-        h = ex * n[0] + ey * n[1]
-        ex, ey = h * n[0], h * n[1]
-    elif shapes.kind[b[0]] == CONTAINER:
-        stretch = 1.0 + shapes.radius[b[0]] / np.hypot(ex, ey)  # the radius is negative
-        ex, ey = stretch * ex, stretch * ey
+        h = x * n[0] + y * n[1]
+        return sign * h * n[0], sign * h * n[1]
+    if shapes.kind[b[0]] == CONTAINER:
+        sign += sign * shapes.radius[b[0]] / np.hypot(x, y)  # the radius is negative
+    return sign * x, sign * y
+
+
+@compiled
+def from_neck(shapes: Shapes, x: float, y: float, a: Corner, b: Corner) -> float:
+    """Distance of a point from the neck ab and what prolongs it to centres."""
+    if shapes.kind[a[0]] != DISC:
+        a, b = b, a
+    ex, ey = neck(shapes, a, b)
     u, v = x - a[1], y - a[2]
     along = min(max((u * ex + v * ey) / (ex * ex + ey * ey), 0.0), 1.0)
     return float(np.hypot(u - along * ex, v - along * ey))
@@ -102,24 +112,23 @@ def _urgency(shapes: Shapes, links: Links, t: int, k: int) -> float:
     It asks for one where a body is too near to a neck, or in the inscribed circle of its neighbour.
     """
     c, a, b, d = across(shapes, links, t, k)
+    before = min(narrowest(shapes, c, a, b), narrowest(shapes, d, b, a))
+    worst = min(conflict(shapes, c, a, b, d), conflict(shapes, d, b, a, c))
+    if before >= CLEAR and worst >= -_EQUAL:
+        return np.inf
     if turn(shapes, c, a, d) <= 0.0 or turn(shapes, d, b, c) <= 0.0:
         return np.inf
-    before = min(narrowest(shapes, c, a, b), narrowest(shapes, d, b, a))
     after = min(narrowest(shapes, c, a, d), narrowest(shapes, d, b, c))
     if before < CLEAR and after > before:
         return before - CLEAR
-    if after < min(CLEAR, before):
-        return np.inf
-    worst = min(conflict(shapes, c, a, b, d), conflict(shapes, d, b, a, c))
     best = min(conflict(shapes, c, a, d, b), conflict(shapes, d, b, c, a))
-    return 1.0 + worst if worst < -_EQUAL and best > worst else np.inf
+    return 1.0 + worst if after >= min(CLEAR, before) and min(best, -_EQUAL) > worst else np.inf
 
 
 @compiled
-def improve(shapes: Shapes, links: Links) -> None:
-    """Flip sides, those that ask for it most first, until none asks for it."""
-    T = len(links.body)
-    last = np.full(T, -1)  # the round in which a pore was flipped
+def improve(shapes: Shapes, links: Links, new: NDArray[np.bool_]) -> None:
+    """Flip sides of new pores, and of those that come of it, that ask for it most first, until none asks."""
+    last = np.where(new, -1, -2)  # the round in which a pore was flipped
     for count in range(_ROUNDS):
         sides, urgency = _pending(shapes, links, last, count - 1)
         if len(sides) == 0:

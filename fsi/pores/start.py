@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.errors import SolveError
+from fsi.meshes.geometry.lattice import reduced
 from fsi.pores.links import OPEN, Links
 from fsi.pores.surfaces import CONTAINER, DISC, Array, Bodies, Surfaces
 
@@ -53,10 +54,15 @@ type First = tuple[list[list[int]], list[list[tuple[int, int]]], list[list[int]]
 
 
 def _in_cell(disc: int, periods: Array) -> First:
-    """Two triangles of a disc and its images."""
-    i, j = ((1, 0), (0, 1)) if np.linalg.det(periods) > 0.0 else ((0, 1), (1, 0))
-    image = [[(0, 0), i, (1, 1)], [(0, 0), (1, 1), j]]
-    return [[disc] * 3] * 2, image, [[4, 5, 3], [2, 0, 1]]
+    """Two triangles of a disc and its images, by the shortest periods i and j, at 90 degrees or more."""
+    i, j = reduced(periods)
+    if i @ j > 0.0:
+        j = -j
+    if i[0] * j[1] - i[1] * j[0] < 0.0:
+        i, j = j, i
+    m, n = np.rint(np.array([i, j]) @ np.linalg.inv(periods)).astype(int)
+    origin, one, other, both = (0, 0), (m[0], m[1]), (n[0], n[1]), (m[0] + n[0], m[1] + n[1])
+    return [[disc] * 3] * 2, [[origin, one, both], [origin, both, other]], [[4, 5, 3], [2, 0, 1]]
 
 
 def _in_channel(disc: int, walls: Bodies, surfaces: Surfaces) -> First:

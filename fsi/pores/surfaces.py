@@ -85,6 +85,11 @@ class Surfaces:
             self.periods,
         )
 
+    def only(self, some: NDArray[np.bool_]) -> Surfaces:
+        """Some of them, (B,)."""
+        parts = (self.kind[some], self.centre[some], self.radius[some], self.normal[some], self.fluid[some])
+        return Surfaces(*parts, self.periods)
+
 
 def surfaces_of(q: Configuration, container: Container) -> Surfaces:
     """The discs of a configuration and the walls of its container.

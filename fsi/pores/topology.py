@@ -86,9 +86,26 @@ def linked(surfaces: Surfaces) -> Links:
     if len(discs) == 0:
         raise SolveError("no pores without discs; fluid discs would do")
     links, rest = first_pores(surfaces, discs[:, 0])
-    insert(shapes, links, len(links.body) - 2 * len(rest), discs[np.isin(discs[:, 0], rest)])
-    improve(shapes, links)
+    to_come = discs[np.isin(discs[:, 0], rest)]
+    insert(shapes, links, len(links.body) - 2 * len(rest), to_come, np.full(len(to_come), -1))
+    improve(shapes, links, np.ones(len(links.body), bool))
     return links
+
+
+def with_more_discs(surfaces: Surfaces, links: Links, near: Bodies) -> Links:
+    """The pores once the last discs of `surfaces` are put into these, each near a pore of these, (n,)."""
+    n, T = len(near), len(links.body)
+    first = surfaces.discs - n
+    room = (2 * n, 2 * n, 6 * n)
+    more = Links(
+        *(np.concatenate([a, np.zeros((k, *a.shape[1:]), a.dtype)]) for a, k in zip(links, room, strict=True))
+    )
+    more.body[:T] += np.where(links.body >= first, n, 0)
+    before, shapes = more.body.copy(), surfaces.shapes()
+    discs = np.column_stack([np.arange(first, first + n), np.zeros((n, 2), np.int64)])
+    insert(shapes, more, T, discs, near)
+    improve(shapes, more, (more.body != before).any(axis=1))
+    return more
 
 
 def numbered(surfaces: Surfaces, links: Links) -> Pores:
