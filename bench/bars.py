@@ -23,7 +23,8 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from bench.random_cases import KINDS, random_case
+from bench.random_cases import random_case
+from bench.random_walls import KINDS
 from fsi.bodies.configuration import Array, Configuration
 from fsi.case.case import Case
 from fsi.errors import SolveError

@@ -27,6 +27,7 @@ from rich.table import Table
 
 import fsi
 import fsi.parallel as parallel
+from bench.small_cases import CHANNEL, HELD_BALL, ONE_DISC, TWO_DISCS
 from fsi.cli.main import main as fsi_command
 from fsi.errors import SolveError
 
@@ -45,73 +46,10 @@ LOCAL = {
 }  # fmt: skip
 LIBRARIES = {"mpi4py", "petsc4py", "dolfinx"}
 
-SIZES = """
-[discretisation]
-degree = 2
-cells_per_circle = 10
-cells_per_gap = 0.5
-growth = 1.0
-"""
-ONE_DISC = f"""
-name = "discs"
-[fluid]
-viscosity = 1.0
-[domain]
-lower = [-4.0, 0.0]
-upper = [4.0, 6.0]
-[[bodies]]
-name = "free"
-radius = 1.0
-position = [-1.5, 1.5]
-force = [0.0, -1.0]
-{SIZES}"""
-TWO_DISCS = f"""
-{ONE_DISC}
-[[bodies]]
-name = "held"
-radius = 1.0
-position = [1.5, 1.5]
-velocity = [0.0, 0.0]
-"""
-CHANNEL = f"""
-name = "channel"
-[fluid]
-viscosity = 1.0
-[domain]
-periodic = ["x"]
-lower = [0.0, -2.6]
-upper = [5.0, 2.6]
-net_flux = 1.0
-walls.top = [1.0, 0.0]
-[[bodies]]
-name = "disc"
-radius = 1.0
-position = [0.4, -1.3]
-{SIZES}"""
-SPHERE = """
-name = "sphere"
-geometry = "spatial"
-[fluid]
-viscosity = 1.0
-[domain]
-lower = [-3.0, -3.0, 0.0]
-upper = [3.0, 3.0, 6.0]
-[[bodies]]
-name = "sphere"
-radius = 1.0
-position = [0.0, 0.0, 2.0]
-velocity = [0.0, 0.0, -1.0]
-[discretisation]
-degree = 2
-cells_per_circle = 6
-cells_per_gap = 0.5
-growth = 1.0
-solver = "iterative"
-"""
 TIME = "[time]\nend = 0.1\nfirst_step = 0.05\ntolerance = 1e-2\n[output]\ninterval = 0.05\n"
 CALIBRATION = "[calibration]\npair = ['free', 'bottom']\nrange = [0.2, 0.5]\nsamples = 6\nheld_out = 0\n"
 CASES = {
-    "discs": TWO_DISCS, "channel": CHANNEL, "sphere": SPHERE, "moving": TWO_DISCS + TIME,
+    "discs": TWO_DISCS, "channel": CHANNEL, "sphere": HELD_BALL, "moving": TWO_DISCS + TIME,
     "calibrated": ONE_DISC + CALIBRATION, "flowing": CHANNEL + TIME,
 }  # fmt: skip
 COMMANDS = {

@@ -28,106 +28,9 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from bench.small_cases import CALIBRATED, FALLING_BALL, FALLING_DISC, TWO_REDUCED
+
 ROOT = Path(__file__).parents[1]
-PLANAR = """
-name = "disc in a box"
-[fluid]
-viscosity = 1.0
-[domain]
-lower = [-3.0, 0.0]
-upper = [3.0, 5.0]
-[[bodies]]
-name = "disc"
-radius = 1.0
-position = [-0.5, 2.5]
-force = [0.0, -20.0]
-[discretisation]
-degree = 2
-cells_per_circle = 10
-cells_per_gap = 0.5
-growth = 1.0
-[time]
-end = 0.4
-first_step = 0.05
-tolerance = 1e-2
-remesh = "when-needed"
-[output]
-interval = 0.1
-"""
-SPATIAL = """
-name = "sphere in a box"
-geometry = "spatial"
-[fluid]
-viscosity = 1.0
-[domain]
-lower = [-3.0, -3.0, 0.0]
-upper = [3.0, 3.0, 6.0]
-[[bodies]]
-name = "sphere"
-radius = 1.0
-position = [0.0, 0.0, 2.0]
-force = [0.0, 0.0, -2.0]
-[discretisation]
-degree = 2
-cells_per_circle = 6
-cells_per_gap = 0.5
-growth = 1.0
-[time]
-end = 0.2
-first_step = 0.05
-tolerance = 1e-1
-remesh = "when-needed"
-[output]
-interval = 0.1
-"""
-CALIBRATION = """
-name = "disc towards a plane"
-[fluid]
-viscosity = 1.0
-[domain]
-shape = "half-plane"
-radius = 100.0
-[[bodies]]
-name = "disc"
-radius = 1.0
-position = [0.0, 2.0]
-[discretisation]
-degree = 2
-cells_per_circle = 10
-growth = 1.0
-[calibration]
-pair = ["disc", "plane"]
-range = [0.1, 1.0]
-samples = 6
-held_out = 0
-"""
-REDUCED = """
-name = "reduced"
-model = "reduced"
-[fluid]
-viscosity = 1.0
-[domain]
-lower = [-4.0, 0.0]
-upper = [4.0, 8.0]
-[[bodies]]
-name = "low"
-radius = 1.0
-position = [0.0, 2.0]
-force = [0.0, -10.0]
-[[bodies]]
-name = "high"
-radius = 1.0
-position = [0.5, 5.0]
-force = [0.0, -20.0]
-[reduced]
-law = "exact"
-drag = 12.0
-[time]
-end = 1.0
-tolerance = 1e-5
-[output]
-interval = 0.05
-"""
 GLUEY = "cases/gluey/two_discs.toml --set output.interval=0.25 --set time.step=0.05"
 MACROSCOPIC = "cases/macroscopic/bulk.toml --set output.interval=0.25 --set time.step=0.02"
 RANKS = "planar run on two ranks"
@@ -143,14 +46,14 @@ class Scenario:
 
 
 SCENARIOS = {
-    "planar run": Scenario("run case.toml", PLANAR),
-    "spatial run": Scenario("run case.toml", SPATIAL),
-    "reduced run": Scenario("run case.toml", REDUCED),
+    "planar run": Scenario("run case.toml", FALLING_DISC),
+    "spatial run": Scenario("run case.toml", FALLING_BALL),
+    "reduced run": Scenario("run case.toml", TWO_REDUCED),
     "gluey run": Scenario(f"run {ROOT / GLUEY}"),
     "macroscopic run": Scenario(f"run {ROOT / MACROSCOPIC}"),
-    "calibration": Scenario("calibrate case.toml --workers 1", CALIBRATION),
-    "calibration by two processes": Scenario("calibrate case.toml --workers 2", CALIBRATION),
-    RANKS: Scenario("run case.toml", PLANAR, 2),
+    "calibration": Scenario("calibrate case.toml --workers 1", CALIBRATED),
+    "calibration by two processes": Scenario("calibrate case.toml --workers 2", CALIBRATED),
+    RANKS: Scenario("run case.toml", FALLING_DISC, 2),
 }
 
 

@@ -8,13 +8,13 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
+from fsi.case.complaints import explain
 from fsi.case.section import (
     Name,
     NotNegative,
     Positive,
     Section,
     all_components,
-    explain,
     require_components,
     told,
     toml_text,

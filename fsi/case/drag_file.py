@@ -16,7 +16,8 @@ from typing import Any
 import tomli_w
 from pydantic import Field, ValidationError
 
-from fsi.case.section import NotNegative, Positive, Section, explain, toml_data
+from fsi.case.complaints import explain
+from fsi.case.section import NotNegative, Positive, Section, toml_data
 from fsi.errors import InputError
 from fsi.files import replace
 from fsi.lubrication.expansions import Shape

@@ -29,7 +29,8 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from fsi.bodies.configuration import Array
-from fsi.case.section import Positive, Section, explain, toml_data, tuples
+from fsi.case.complaints import explain
+from fsi.case.section import Positive, Section, toml_data, tuples
 from fsi.errors import InputError
 from fsi.files import replace
 from fsi.lubrication.expansions import EXPONENTS, Mode, Shape

@@ -16,7 +16,8 @@ from fsi.case.body import Body, with_grids
 from fsi.case.body_file import with_bodies
 from fsi.case.case import MODELS, Case
 from fsi.case.checks.sound import check_case
-from fsi.case.section import CaseContext, Geometry, explain, toml_data, toml_text, tuples
+from fsi.case.complaints import explain
+from fsi.case.section import CaseContext, Geometry, toml_data, toml_text, tuples
 from fsi.errors import InputError
 from fsi.files import plain
 

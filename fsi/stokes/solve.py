@@ -14,8 +14,9 @@ from fsi.bodies.configuration import Array
 from fsi.meshes.build import FluidMesh
 from fsi.stokes import fields
 from fsi.stokes.corners import jumps
-from fsi.stokes.discretisation.constraints import dof_layout, facets_with, locate, rigid_modes, wall_offset
+from fsi.stokes.discretisation.constraints import dof_layout, rigid_modes, wall_offset
 from fsi.stokes.discretisation.forms import Forms
+from fsi.stokes.discretisation.nodes import facets_with, locate
 from fsi.stokes.identities import identities, require
 from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution

@@ -15,10 +15,9 @@ from hypothesis import strategies as st
 from fsi.bodies.configuration import Array, Configuration
 from fsi.case.case import Case
 from fsi.errors import SolveError
-from fsi.integration.errors import StepErrors
 from fsi.integration.schemes import BogackiShampine
 from fsi.integration.state import Advance, Instant, Model, Schedule, State, Step, Trial
-from fsi.integration.stepper import RefiningStepper, Stepper
+from fsi.integration.stepper import Stepper
 from fsi.lubrication.exact import settling_time
 from fsi.meshes.geometry.containers import Box, HalfPlane
 from fsi.models import make_stepper
@@ -272,33 +271,3 @@ def test_the_model_sees_no_gap_that_has_lost_more_than_it_may() -> None:
         gap = state.q.centres[0, 1] - 1.0
         state = stepper.advance(state).state
         assert min(seen[before:]) >= 0.8 * gap * (1.0 - 1e-12)
-
-
-class Stubborn(DiscsBesidePlane):
-    """Its error is just above the tolerance from t = 1 on, however fine the mesh."""
-
-    tolerance_key: ClassVar[str] = "discretisation.tolerance"
-    remedy: ClassVar[str] = ", or discretisation.degree (at most 4)"
-
-    def errors(self, q: Configuration, t: float, instant: Instant) -> StepErrors:
-        known = super().errors(q, t, instant)
-        return replace(known, relative={"velocity": 1.404e-4 if t >= 1.0 else 0.0})
-
-    def refine(self, q: Configuration, t: float, instant: Instant) -> None:
-        pass
-
-
-def test_a_step_that_no_mesh_makes_accurate_says_where_and_by_how_much() -> None:
-    """The disc goes down at the speed 0.1, from a gap of 1."""
-    moves = {"velocity": [0.0, -0.1], "angular_velocity": 0.0}
-    case = plane_case([{"name": "disc", "radius": 1.0, "position": [0.0, 2.0], **moves}], 1.0)
-    stepper = make_stepper(case, DiscsBesidePlane(case))
-    stubborn = Stubborn(case)
-    assert isinstance(stepper, Stepper)
-    with pytest.raises(SolveError) as missed:
-        run(RefiningStepper(replace(stepper, model=stubborn), stubborn, 1.4e-4), case.configuration())
-    assert str(missed.value) == (
-        "discretisation.tolerance = 0.00014: missed at t = 1, where the error is 0.0001404 with the finest "
-        "that was tried, and the smallest gap 0.9; raise it, or discretisation.degree (at most 4), or "
-        "end the run before"
-    )

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from bench.bars import holds, measured, reference, values
-from bench.random_cases import KINDS, random_case
+from bench.random_cases import random_case
+from bench.random_walls import KINDS
 from fsi.case.load import parse_case
 from fsi.stokes.comparisons import Comparison, comparisons
 

@@ -29,8 +29,9 @@ from petsc4py import PETSc
 import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.bodies.gaps import narrowest_gap
-from fsi.stokes.discretisation.constraints import BoundaryNodes, DofLayout, RigidModes
+from fsi.stokes.discretisation.constraints import DofLayout, RigidModes
 from fsi.stokes.discretisation.forms import Form, Forms
+from fsi.stokes.discretisation.nodes import BoundaryNodes
 from fsi.stokes.problem import StokesProblem
 from fsi.stokes.solvers.extended import ExtendedMatrix
 from fsi.stokes.solvers.fgmres import Coarse, Iteration, SchurBlocks, transfer

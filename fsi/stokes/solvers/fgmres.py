@@ -37,8 +37,9 @@ from petsc4py import PETSc
 import fsi.parallel as parallel
 from fsi.bodies.configuration import Array, rigid_motion
 from fsi.errors import SolveError, apart
-from fsi.stokes.discretisation.constraints import Prolongation, dof_layout, locate, rigid_modes
+from fsi.stokes.discretisation.constraints import Prolongation, dof_layout, rigid_modes
 from fsi.stokes.discretisation.forms import Forms
+from fsi.stokes.discretisation.nodes import locate
 from fsi.stokes.problem import StokesProblem
 
 

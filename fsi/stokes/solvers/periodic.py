@@ -25,8 +25,9 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Configuration, Motion
 from fsi.meshes.build import FluidMesh, matching_nodes
 from fsi.meshes.geometry.lattice import matching_points
-from fsi.stokes.discretisation.constraints import DofLayout, facets_with
+from fsi.stokes.discretisation.constraints import DofLayout
 from fsi.stokes.discretisation.forms import Forms
+from fsi.stokes.discretisation.nodes import facets_with
 from fsi.stokes.problem import StokesProblem, channel_walls
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, nodal_vector
 

@@ -1,0 +1,66 @@
+"""How a mistake in a case file becomes one line for the user: key, value, what is wrong, what to do."""
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from fsi.case.section import Section, sections_in, toml_text
+
+_COMPLAINTS = {
+    "literal_error": "not one of the choices",
+    "model_type": "not a section",
+    "dict_type": "not a section",
+    "string_pattern_mismatch": "not of that form",
+}
+_CONSEQUENCES = ("default_factory_not_called",)  # of another mistake in the same section
+
+
+def explain(error: ValidationError, root: type[Section]) -> str:
+    """The first mistake as `key = value: what is wrong; what to do`, and how many others there are."""
+    found = [mistake for mistake in error.errors(include_url=False) if mistake["type"] not in _CONSEQUENCES]
+    # An old file has many mistakes, and its old keys explain the others.
+    found.sort(key=lambda mistake: mistake["type"] != "renamed_key")
+    others = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
+    return _explain_one(found[0], root) + others
+
+
+def _explain_one(mistake: ErrorDetails, root: type[Section]) -> str:
+    path, given = mistake["loc"], mistake["input"]
+    if mistake["type"] == "renamed_key":
+        key, now = mistake["ctx"]["key"], mistake["ctx"]["now"]
+        return f"{dotted((*path, key))} = {toml_text(given[key])}: an old key; {now}"
+    if mistake["type"] == "unknown_key":
+        key = mistake["ctx"]["key"]
+        nearest = dotted((*path, mistake["ctx"]["nearest"]))
+        return f"{dotted((*path, key))} = {toml_text(given[key])}: unknown key; use {nearest} or drop it"
+    remedy = f"give {_meaning(path, root)}"
+    if mistake["type"] == "missing":
+        return f"{dotted(path)}: missing; {remedy}"
+    return f"{dotted(path)} = {toml_text(given)}: {_complaint(mistake)}; {remedy}"
+
+
+def _complaint(mistake: ErrorDetails) -> str:
+    """Pydantic's words in those of a case file."""
+    if mistake["type"] in _COMPLAINTS:
+        return _COMPLAINTS[mistake["type"]]
+    complaint = mistake["msg"].removeprefix("Value error, ").replace("valid tuple", "list")
+    for subject in ("Input should", "Tuple should", "String should"):
+        complaint = complaint.replace(subject, "must")
+    return complaint
+
+
+def dotted(path: tuple[int | str, ...]) -> str:
+    """The key as `--set` takes it: `bodies.0.radius`."""
+    return ".".join(str(part) for part in path if not str(part).startswith("<")) or "case"
+
+
+def _meaning(path: tuple[int | str, ...], root: type[Section]) -> str:
+    """What the schema says that the key at `path` means: the description of the last field on the way."""
+    candidates: list[type[Section]] = [root]
+    meaning = "a value that is allowed there"
+    for part in path:
+        for section in candidates:
+            if str(part) in section.model_fields:
+                meaning = section.describe(str(part)) or meaning
+                candidates = list(sections_in(section.model_fields[str(part)].annotation))
+                break
+    return meaning
