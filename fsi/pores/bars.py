@@ -9,20 +9,20 @@ error.
 """
 
 from fsi.case.sections import EDGE_MODES
+from fsi.pores.adapt import REFINED
 
 SAFETY = 1.5
-# Modes: those of the other solve.
-_OTHERS = {0: 4, 1: 4, 2: 4, 4: 8, 6: 10, 8: 12, 10: 16, 12: 16, 16: 12}
+_MOST = EDGE_MODES[-1]
 
 
 def reference_modes(modes: int) -> int:
     """The modes of the other solve."""
-    return _OTHERS[modes]
+    return REFINED.get(modes, EDGE_MODES[-2])
 
 
 def bar_factor(modes: int) -> float:
     """What makes the difference from it a bound of the error."""
-    return SAFETY if _OTHERS[modes] > modes else 1.0
+    return SAFETY if modes < _MOST else 1.0
 
 
 def finer(modes: int) -> int | None:

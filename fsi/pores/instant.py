@@ -32,15 +32,18 @@ class PoreInstant:
 
     Attributes:
         bodies: where they are and what drives them.
-        modes: of an edge.
         flow: the solution.
         seconds: CPU seconds of this process by phase.
     """
 
     bodies: DrivenBodies = field(repr=False)
-    modes: int
     flow: PoreFlow = field(repr=False)
     seconds: dict[str, float]
+
+    @property
+    def modes(self) -> int:
+        """The most that an edge has."""
+        return int(self.flow.system.assembly.numbering.modes.max(initial=0))
 
     @property
     def U(self) -> Array:

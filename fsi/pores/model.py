@@ -46,7 +46,7 @@ class PoreModel:
         assembled = process_time()
         flow = solve_pores(system, loading_of(bodies, inertia))
         seconds = {"assemble": assembled - began, "solve": process_time() - assembled}
-        instant = PoreInstant(bodies, modes, flow, seconds)
+        instant = PoreInstant(bodies, flow, seconds)
         instant.require_sound()
         return instant
 

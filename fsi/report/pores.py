@@ -34,7 +34,7 @@ def solution_json(
         "dissipation": float(found.dissipation),
         "dissipation_error": float(errors.dissipation),
         "checks": {name: float(value) for name, value in found.checks.items()},
-        "pores": case.pores.model_dump(exclude_none=True) | {"count": found.pores},
+        "pores": case.pores.model_dump(exclude_none=True) | {"count": found.pores, "most_modes": found.modes},
         "dofs": found.dofs,
         "necks": _necks(case, found, len(found.necks.gap)),
         "seconds": float(sum(found.seconds.values())),
@@ -94,8 +94,8 @@ def print_solution(
     phases = ", ".join(f"{phase} {spent:.2f}" for phase, spent in found.seconds.items())
     console.print(
         Text(
-            f"{found.modes} modes an edge; dissipation {found.dissipation:.8g} ± {errors.dissipation:.0e}; "
-            f"{found.pores} pores, {found.dofs} unknowns, {found.dofs / len(found.U):.1f} a body, "
+            f"dissipation {found.dissipation:.8g} ± {errors.dissipation:.0e}; "
+            f"at most {found.modes} modes an edge, {found.pores} pores, {found.dofs} unknowns, {found.dofs / len(found.U):.1f} a body, "
             f"{sum(found.seconds.values()):.2f} CPU s ({phases})"
         )
     )

@@ -82,7 +82,7 @@ def test_bars_hold_the_true_errors_and_are_not_far_larger(modes: int) -> None:
     assert solved.errors.U.max() < 3.0 * off.max()
 
 
-def test_the_modes_that_tell_the_error_are_others() -> None:
+def test_other_modes_tell_the_error() -> None:
     every = [0, 1, 2, 4, 6, 8, 10, 12, 16]
     assert [finer(modes) for modes in every] == [*every[1:], None]
     assert all(reference_modes(modes) > modes for modes in every[:-1])
@@ -155,26 +155,23 @@ def test_no_resistance_without_walls_or_with_a_given_flux() -> None:
         case_resistance(small(domain=flux))
 
 
-def test_a_tolerance_adds_modes_until_the_bar_is_below_it() -> None:
-    loose = solve_with_errors(load_case(COUETTE, ["pores.tolerance=0.02"]))
-    tight = solve_with_errors(load_case(COUETTE, ["pores.modes=1", "pores.tolerance=1e-3"]))
-    assert (loose.case.pores.modes, tight.case.pores.modes) == (10, 4)
+def test_a_tolerance_adds_modes_pore_by_pore_until_the_bars_are_below_it() -> None:
+    """One mode has a bar of 9e-3; four modes everywhere, with one of 3e-4, take 54 unknowns a disc."""
+    loose = solve_with_errors(load_case(COUETTE, ["pores.modes=1", "pores.tolerance=0.02"]))
+    tight = solve_with_errors(load_case(COUETTE, ["pores.modes=1", "pores.tolerance=2e-3"]))
+    assert loose.solution.modes == 1
     assert tight.errors.apparent_viscosity is not None
-    assert tight.errors.apparent_viscosity < 1e-3 * VISCOSITY
+    assert tight.errors.apparent_viscosity < 2e-3 * VISCOSITY
+    assert loose.solution.dofs < tight.solution.dofs < 540
+    assert tight.solution.apparent_viscosity is not None
+    assert 0.0 < tight.solution.apparent_viscosity / VISCOSITY - 1.0 < 2e-3
 
 
 def test_a_tolerance_out_of_reach_is_said_to_be() -> None:
-    with pytest.raises(
-        SolveError, match=r"pores\.tolerance = 1e-12: with the most modes the estimated error"
-    ):
-        solve_with_errors(
-            small(
-                pores={"modes": 12, "tolerance": 1e-12},
-                bodies=[
-                    {"name": "one", "radius": 1.0, "position": [1.6, 1.5], "force": [1.0, 0.0]},
-                ],
-            )
-        )
+    one = {"name": "one", "radius": 1.0, "position": [1.6, 1.5], "force": [1.0, 0.0]}
+    case = small(pores={"modes": 12, "tolerance": 1e-12}, bodies=[one])
+    with pytest.raises(SolveError, match=r"pores\.tolerance = 1e-12: .*the most modes .*; raise it"):
+        solve_with_errors(case)
 
 
 def test_the_stress_of_a_cell_is_that_of_the_dissipation() -> None:
@@ -186,7 +183,7 @@ def test_the_stress_of_a_cell_is_that_of_the_dissipation() -> None:
     assert found.apparent_viscosity == pytest.approx(found.deviator.shear / 2.0, rel=1e-12)
 
 
-@pytest.mark.parametrize("flow", [{"shear": 1.0}, {"extension": 0.5}])
+@pytest.mark.parametrize("flow", [pytest.param({"shear": 1.0}, marks=pytest.mark.slow), {"extension": 0.5}])
 def test_forces_between_bodies_carry_stress(flow: dict[str, float]) -> None:
     """Sigma differs from that of the resolved flow by less than the bar, with a repulsion too."""
     law = {
@@ -215,4 +212,4 @@ def test_a_violated_identity_is_refused() -> None:
     found = at_start(small())
     found.flow.checks["power"] = 2.0 * BOUND
     with pytest.raises(SolveError, match="power is violated by 2e-06, more than 1e-06; widen"):
-        PoreInstant(found.bodies, found.modes, found.flow, {}).require_sound()
+        PoreInstant(found.bodies, found.flow, {}).require_sound()

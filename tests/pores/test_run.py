@@ -232,7 +232,10 @@ def test_chains_plots_and_reports_read_such_runs(
     assert "viscosity by stress = viscosity by dissipation" in words
 
 
-@pytest.mark.parametrize("field", ["speed", "dissipation", "necks"])
+@pytest.mark.parametrize(
+    "field",
+    [*(pytest.param(name, marks=pytest.mark.slow) for name in ("speed", "dissipation")), "necks"],
+)
 def test_pictures(field: str, sheared: Run, tmp_path: Path) -> None:
     try:
         canvas.require_opengl()
