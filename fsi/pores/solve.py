@@ -117,11 +117,15 @@ def solve_pores(system: PoreSystem, loading: PoreLoading) -> PoreFlow:
     x[free], residual = _solve(A, rhs[free])
     U = x[body]
     reactions = K @ x + images
-    F = reactions[body]
+    # What free bodies are given, and what the others are held by.
+    inertia = D[body] * (U - loading.inertia.U0) if loading.inertia else np.zeros_like(U)
+    F = np.where(loading.motion.held, reactions[body] + inertia, loading.motion.F)
     walls = system.assembly.numbering.surface[system.pores.surfaces.discs : -1, None] + np.arange(3)
     dissipation = float(x @ (K @ x) + 2.0 * images @ x + mean_power)
     flow = PoreFlow(system, loading, x, U, F, reactions[walls], dissipation, {})
-    flow.checks.update(residual=residual, power=_power(flow, reactions, images, mean_power))
+    flow.checks.update(
+        residual=residual, power=_power(flow, F - inertia, reactions, float(images @ x) + mean_power)
+    )
     flow.checks.update(_translations(system, reactions))
     return flow
 
@@ -219,15 +223,12 @@ def _solve(A: sp.csr_matrix, b: Array) -> tuple[Array, float]:
     return scale @ y, defect / (float(np.abs(right).max(initial=0.0)) + _TINY)
 
 
-def _power(flow: PoreFlow, reactions: Array, images: Array, mean_power: float) -> float:
-    """Power of loads, walls and mean flow less the dissipation, over the sum of their sizes."""
-    system, loading, x = flow.system, flow.loading, flow.x
-    bodies = flow.F * flow.U
-    walls = flow.wall_forces * loading.walls
-    mean = float(images @ x) + mean_power
-    driven = 0.0
+def _power(flow: PoreFlow, on_fluid: Array, reactions: Array, mean: float) -> float:
+    """Power of bodies, walls and mean flow on the fluid less the dissipation, over their sizes."""
+    loading, x = flow.loading, flow.x
+    bodies, walls, driven = on_fluid * flow.U, flow.wall_forces * loading.walls, 0.0
     if len(loading.walls) == 2:
-        top = int(system.assembly.numbering.surface[-1]) - 1
+        top = int(flow.system.assembly.numbering.surface[-1]) - 1
         driven = float(reactions[top] * x[top])
     total = float(bodies.sum() + walls.sum()) + mean + driven
     sizes = float(np.abs(bodies).sum() + np.abs(walls).sum()) + abs(mean) + abs(driven)
