@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bench.bars import holds, measured, reference, values
+from bench.bars import Reference, holds, measured, reference, values
 from bench.random_cases import random_case
 from bench.random_walls import KINDS
 from fsi.case.load import parse_case
 from fsi.stokes.comparisons import Comparison, comparisons
+from fsi.stokes.resistance import _resistance, resistance_with_error
 
 # Data without jumps: the bar is 1.5 times an estimate that is 0.9 to 1.1 times the error.
 SMOOTH = (
@@ -103,3 +104,19 @@ def test_bars_of_many_cases() -> None:
     found, refused = measured(kinds, 3 * len(kinds), SEED)
     assert len(refused) <= len(kinds) // 4
     assert holds(found, kinds)
+
+
+@pytest.mark.parametrize("kind", ["box, walls at rest", "half-plane", "cylinder", "round container"])
+def test_bars_of_resistances_of_several_bodies_hold(kind: str) -> None:
+    """Every entry of R and of the mobility, against elements of degree 5 on a mesh twice as fine."""
+    case = random_case(kind, SEED)
+    assert len(case.bodies) > 1
+    solved, finer = resistance_with_error(case), Reference(case)
+    exact = _resistance(case, finer, finer.scaled_mesh, 5)
+    entries, errors = solved.resistance, solved.errors
+    assert entries.mobility is not None
+    assert exact.mobility is not None
+    assert errors.mobility is not None
+    of_mobility = (entries.mobility - exact.mobility) / errors.mobility
+    ratios = np.abs(np.stack([(entries.R - exact.R) / errors.R, of_mobility]))
+    assert 0.5 < ratios.max() <= 1.0
