@@ -13,10 +13,11 @@ from fsi.bodies.configuration import Array
 from fsi.pores.assembly import Batch, Index
 from fsi.pores.forms import with_bubbles
 from fsi.pores.inner import inner_flow
-from fsi.pores.jets import value
+from fsi.pores.pore_data import pore_data
 from fsi.pores.quadrature import Points, Rule, distances, pore_points
 from fsi.pores.regions import PoreShapes, cross
 from fsi.pores.solve import PoreFlow, stream
+from fsi.pores.steps import values
 from fsi.pores.system import PoreSystem
 from fsi.pores.trial import numbers_of, trial_functions
 
@@ -84,7 +85,7 @@ class FlowFields:
                 shapes, x = self._shapes.of(pore[here]), place[here, None]
                 there = Points(x, np.ones(x.shape[:2]), distances(shapes, x))
                 local = numbers[np.searchsorted(batch.pore, pore[here])]
-                jet[:, here] = _sum(shapes, there, batch, local)[:, :, 0]
+                jet[:, here] = stream_function(shapes, there, batch, local)[:, :, 0]
         place = self._in_fluid_discs(jet, np.flatnonzero(pore < 0), points, place)
         return FluidField.of(_carried(jet, place, points, self.flow.loading.gradient))
 
@@ -121,7 +122,7 @@ class FlowFields:
         for batch, numbers in zip(self.flow.system.assembly.batches, self._numbers, strict=True):
             shapes = self._shapes.of(batch.pore)
             there = pore_points(shapes, rule)
-            jets.append(_sum(shapes, there, batch, numbers).reshape(6, -1))
+            jets.append(stream_function(shapes, there, batch, numbers).reshape(6, -1))
             points.append(there.x.reshape(-1, 2))
             pores.append(np.repeat(batch.pore, there.x.shape[1]))
         r, disc = self._quarters(cells)
@@ -195,12 +196,10 @@ def _carried(jet: Array, place: Array, points: Array, gradient: Array) -> Array:
     return jet
 
 
-def _sum(shapes: PoreShapes, points: Points, batch: Batch, numbers: Array) -> Array:
+def stream_function(shapes: PoreShapes, points: Points, batch: Batch, numbers: Array) -> Array:
     """psi with its derivatives, (6, n, Q), from the numbers of all functions, (n, m)."""
-    psi = np.zeros((6, *points.weight.shape))
-    for x, function in zip(numbers.T, trial_functions(shapes, points, batch.orders), strict=True):
-        psi += x[:, None] * value(function).f
-    return psi
+    jets = values(trial_functions(batch.orders), pore_data(shapes), points)
+    return np.asarray(np.einsum("em,emkq->keq", numbers, jets))
 
 
 def _even(cells: int) -> Rule:

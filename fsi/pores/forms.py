@@ -13,13 +13,14 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.pores.compiled import compiled
-from fsi.pores.jets import strain
+from fsi.pores.pore_data import pore_data
 from fsi.pores.quadrature import Points, Rule, pore_points
 from fsi.pores.regions import PoreShapes
+from fsi.pores.steps import strain_rates
 from fsi.pores.trial import Orders, trial_functions
 
-# A bubble that others span to this part of its own dissipation is left out.
-_DEPENDENT = 1e-10
+# A bubble that others span to this part of its own dissipation, as rounding leaves it, is left out.
+_DEPENDENT = 1e-14
 
 
 class Forms(NamedTuple):
@@ -54,48 +55,77 @@ def with_bubbles(shapes: PoreShapes, rule: Rule, orders: Orders, x: Array) -> Ar
 
 def _strain_rates(shapes: PoreShapes, points: Points, orders: Orders) -> tuple[Array, Array]:
     """Strain rates times roots of weights, of shared functions and of bubbles, (n, ., 2 Q)."""
-    n, Q = points.weight.shape
-    C = np.empty((orders.total, 2, n, Q))
-    for row, function in zip(C, trial_functions(shapes, points, orders), strict=True):
-        strain(function, row)
-    C *= np.sqrt(np.abs(points.weight))
-    rows = C.transpose(2, 0, 1, 3).reshape(n, orders.total, 2 * Q)
+    rates = strain_rates(trial_functions(orders), pore_data(shapes), points)
+    rows = rates.reshape(*rates.shape[:2], -1)
     return rows[:, : orders.shared], rows[:, orders.shared :]
 
 
 def least_bubbles(S: Array, B: Array) -> Array:
     """X of the least |S - X^T B|^2, (n, bubbles, shared), of strain rates in rows, (n, ., 2 Q)."""
+    own = np.sqrt(np.einsum("ebq,ebq->eb", B, B))[..., None]
+    own[own == 0.0] = 1.0  # at the corner of a box
     G, X = B @ B.transpose(0, 2, 1), B @ S.transpose(0, 2, 1)
+    G /= own * own.transpose(0, 2, 1)
+    X /= own
     _solve(G, X, _DEPENDENT)
+    X /= own
     return X
 
 
 @compiled
 def _solve(G: Array, X: Array, dependent: float) -> None:
-    """X <- G^-1 X in place by L D L^T, (n, b, b) and (n, b, s); dependent rows have no part in it."""
+    """X <- G^-1 X in place by L D L^T, (n, b, b) and (n, b, s), G of unit diagonal.
+
+    The largest pivot goes first: else, where bubbles nearly depend on each other, small pivots would spread
+    their rounding errors. What is left of dependent ones has no part in it.
+    """
     m, s = X.shape[1], X.shape[2]
-    for e in range(G.shape[0]):
-        own = np.empty(m)
-        for i in range(m):
-            own[i] = G[e, i, i]
+    order = np.empty(m, np.int64)
+    for e in range(len(G)):
+        A, Y = G[e], X[e]
+        rank = m
         for k in range(m):
-            pivot = G[e, k, k]
-            if pivot <= dependent * own[k]:
-                G[e, k, k] = 0.0
-                continue
+            p = k
             for i in range(k + 1, m):
-                factor = G[e, i, k] / pivot
-                for j in range(k + 1, i + 1):
-                    G[e, i, j] -= factor * G[e, j, k]
+                if A[i, i] > A[p, p]:
+                    p = i
+            if A[p, p] <= dependent:
+                rank = k
+                break
+            order[k] = p
+            _swap(A, Y, k, p)
+            for i in range(k + 1, m):
+                factor = A[k, i] / A[k, k]
+                for j in range(i, m):
+                    A[i, j] -= factor * A[k, j]
                 for c in range(s):
-                    X[e, i, c] -= factor * X[e, k, c]
-        for k in range(m - 1, -1, -1):
-            pivot = G[e, k, k]
+                    Y[i, c] -= factor * Y[k, c]
+        for i in range(rank, m):
             for c in range(s):
-                X[e, k, c] = 0.0 if pivot == 0.0 else X[e, k, c] / pivot
-            if pivot == 0.0:
-                continue
-            for i in range(k + 1, m):
-                factor = G[e, i, k] / pivot
+                Y[i, c] = 0.0
+        for k in range(rank - 1, -1, -1):
+            for c in range(s):
+                Y[k, c] /= A[k, k]
+            for i in range(k + 1, rank):
+                factor = A[k, i] / A[k, k]
                 for c in range(s):
-                    X[e, k, c] -= factor * X[e, i, c]
+                    Y[k, c] -= factor * Y[i, c]
+        for k in range(rank - 1, -1, -1):
+            for c in range(s):
+                Y[k, c], Y[order[k], c] = Y[order[k], c], Y[k, c]
+
+
+@compiled
+def _swap(A: Array, Y: Array, k: int, p: int) -> None:
+    """Swap numbers k < p in what is left of A, the upper triangle, and the rows of Y."""
+    if k == p:
+        return
+    A[k, k], A[p, p] = A[p, p], A[k, k]
+    for j in range(k + 1, p):
+        A[k, j], A[j, p] = A[j, p], A[k, j]
+    for j in range(p + 1, len(A)):
+        A[k, j], A[p, j] = A[p, j], A[k, j]
+    for j in range(k):  # of rows that are done
+        A[j, k], A[j, p] = A[j, p], A[j, k]
+    for c in range(Y.shape[1]):
+        Y[k, c], Y[p, c] = Y[p, c], Y[k, c]

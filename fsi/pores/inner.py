@@ -7,7 +7,6 @@ z^m, |z|^2 z^(m-2) for m = 4 ... M.
 import numpy as np
 
 from fsi.bodies.configuration import Array
-from fsi.pores.jets import Jet
 
 
 def inner_powers(order: int) -> list[tuple[int, int]]:
@@ -34,20 +33,26 @@ def inner_flow(r: Array, a: Array, numbers: Array, order: int) -> Array:
     """psi and its derivatives, (6, n), at r (n, 2) from centres of discs a (n,) with numbers (n, .)."""
     z = (r[:, 0] + 1j * r[:, 1]) / a
     U, V, omega, c = numbers[:, :4].T
-    square = Jet(
-        np.stack([np.abs(z) ** 2, 2 * z.real / a, 2 * z.imag / a, 2 / a**2, 0 * a, 2 / a**2])[:, None]
-    )
-    turned = square.plus(-1.0).scaled(-0.5 * omega * a**2)
-    psi = turned.f + Jet.linear((c + U * r[:, 1] - V * r[:, 0])[None], -V, U).f
+    zero = np.zeros_like(a)
+    square = np.stack([np.abs(z) ** 2, 2 * z.real / a, 2 * z.imag / a, 2 / a**2, zero, 2 / a**2])
+    psi = -0.5 * omega * a**2 * (square - np.eye(6)[:, :1])
+    psi += np.stack([c + U * r[:, 1] - V * r[:, 0], -V, U, zero, zero, zero])
     for (m, k), re, im in zip(inner_powers(order), numbers.T[4::2], numbers.T[5::2], strict=True):
         f = _harmonic(z, a, m, re - 1j * im)
-        psi += (f * square).f if k else f.f
-    return np.asarray(psi[:, 0])
+        psi += _product(f, square) if k else f
+    return np.asarray(psi)
 
 
-def _harmonic(z: Array, a: Array, m: int, factor: Array) -> Jet:
-    """Re(factor z^m)."""
+def _product(f: Array, g: Array) -> Array:
+    """By Leibniz' rule, (6, n)."""
+    first = [f[0] * g[0], f[1] * g[0] + f[0] * g[1], f[2] * g[0] + f[0] * g[2]]
+    cross = (f[1] * g[1] * 2.0, f[1] * g[2] + f[2] * g[1], f[2] * g[2] * 2.0)
+    return np.stack(first + [f[k] * g[0] + cross[k - 3] + f[0] * g[k] for k in (3, 4, 5)])
+
+
+def _harmonic(z: Array, a: Array, m: int, factor: Array) -> Array:
+    """Re(factor z^m) with its derivatives, (6, n)."""
     zero, first = factor * z**m, factor * m * z ** (m - 1) / a
     second = factor * m * (m - 1) * z ** max(m - 2, 0) / a**2
     parts = (zero, first, 1j * first, second, 1j * second, -second)
-    return Jet(np.stack([part.real for part in parts])[:, None])
+    return np.stack([part.real for part in parts])

@@ -1,123 +1,201 @@
-"""Functions of the plane with their first and second derivatives, at Q points of each of n pores.
+"""Functions of the plane with their first and second derivatives, written as formulas.
 
-Products follow Leibniz' rule, so that trial functions are written as in a textbook and their strain rates are
-exact.
+Products follow Leibniz' rule, so that trial functions are written as in a textbook and their strain rates
+are exact. A formula is written down once, as a list of steps, each of which makes one function of others;
+compiled loops then take the steps for a few points of a pore at a time, which stay in the processor's cache.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array
-from fsi.pores.compiled import compiled
+LINEAR, ANY = 3, 6  # how many of f, f_x, f_y, f_xx, f_xy, f_yy need not vanish
+(
+    DISTANCE,
+    AFFINE,
+    HALF_SQUARE,
+    PRODUCT,
+    RECIPROCAL,
+    SUM,
+    SHIFTED,
+    SCALED,
+    TERM,
+) = range(9)
 
 
+class Step(NamedTuple):
+    """One function made of others: its number, that of `first` and `second` or of a datum, and two numbers.
+
+    Attributes:
+        kind: DISTANCE ... TERM; see `fsi.pores.steps.take_steps`.
+        out: the function that is made; of a TERM the trial function that it belongs to.
+        first, second: functions; of those made of data the vertex, and the first column of the pore's data.
+        alpha, beta: factors.
+    """
+
+    kind: int
+    out: int
+    first: int
+    second: int
+    alpha: float
+    beta: float
+
+
+@dataclass(slots=True)
+class Formulas:
+    """Steps that have been written down.
+
+    Attributes:
+        steps: in their order.
+        degree: LINEAR or ANY, of each function.
+    """
+
+    steps: list[Step] = field(default_factory=list)
+    degree: list[int] = field(default_factory=list)
+
+    def made(self, kind: int, first: int, second: int, degree: int, factors: tuple[float, float]) -> int:
+        """The number of a new function."""
+        out = len(self.degree)
+        self.steps.append(Step(kind, out, first, second, *factors))
+        self.degree.append(degree)
+        return out
+
+    def distance(self, v: int, column: int) -> Jet:
+        """The distance to surface v; data: centre, normal, sign, 1 for walls and 0 else."""
+        return Jet(self, self.made(DISTANCE, v, column, ANY, (0.0, 0.0)))
+
+    def affine(self, column: int) -> Jet:
+        """c + g . (x - o); data: o, g, c."""
+        return Jet(self, self.made(AFFINE, 0, column, LINEAR, (0.0, 0.0)))
+
+    def half_square(self, v: int, column: int) -> Jet:
+        """(|x - c|^2 - a^2) / 2 by the distance d to the circle, d (|x - c| + a) / 2; data: c, sign, a."""
+        return Jet(self, self.made(HALF_SQUARE, v, column, ANY, (0.0, 0.0)))
+
+
+@dataclass(frozen=True, slots=True)
 class Jet:
-    """f, f_x, f_y, f_xx, f_xy, f_yy at points, (6, n, Q); numbers may be given for each pore, (n, 1)."""
+    """A function with its derivatives, `factor` times the one of that number."""
 
-    __slots__ = ("f",)
+    formulas: Formulas
+    number: int
+    factor: float = 1.0
 
-    def __init__(self, f: Array) -> None:
-        self.f = f
+    @property
+    def degree(self) -> int:
+        """LINEAR or ANY."""
+        return self.formulas.degree[self.number]
 
-    @classmethod
-    def linear(cls, value: Array, gx: Array | float, gy: Array | float) -> Jet:
-        """A linear function of given values (n, Q) and gradient, (n, 1) or a number."""
-        f = np.zeros((6, *value.shape))
-        f[0], f[1], f[2] = value, gx, gy
-        return cls(f)
+    def _made(self, kind: int, other: Jet, degree: int, factors: tuple[float, float]) -> Jet:
+        return Jet(self.formulas, self.formulas.made(kind, self.number, other.number, degree, factors))
 
     def __add__(self, other: Jet) -> Jet:
-        return Jet(self.f + other.f)
+        return self._made(SUM, other, max(self.degree, other.degree), (self.factor, other.factor))
 
     def __sub__(self, other: Jet) -> Jet:
-        return Jet(self.f - other.f)
+        return self + other.scaled(-1.0)
 
     def __mul__(self, other: Jet) -> Jet:
-        out = np.empty_like(self.f)
-        _multiply(self.f.reshape(6, -1), other.f.reshape(6, -1), out.reshape(6, -1))
-        return Jet(out)
+        if other.degree > self.degree:
+            return other * self
+        product = self._made(PRODUCT, other, ANY, (1.0, 0.0))
+        return product.scaled(self.factor * other.factor)
 
-    def scaled(self, factor: Array | float) -> Jet:
-        """A multiple by a number, of each pore (n, 1) or of all."""
-        return Jet(self.f * factor)
+    def scaled(self, factor: float) -> Jet:
+        """A multiple by a number."""
+        return Jet(self.formulas, self.number, self.factor * factor)
+
+    def by(self, column: int) -> Jet:
+        """A multiple by a datum of each pore."""
+        number = self.formulas.made(SCALED, self.number, column, self.degree, (self.factor, 0.0))
+        return Jet(self.formulas, number)
 
     def plus(self, number: float) -> Jet:
         """This and a constant."""
-        f = self.f.copy()
-        f[0] += number
-        return Jet(f)
+        return self._made(SHIFTED, self, self.degree, (self.factor, number))
 
     def reciprocal(self) -> Jet:
         """1 / f."""
-        out = np.empty_like(self.f)
-        _reciprocal(self.f.reshape(6, -1), out.reshape(6, -1))
-        return Jet(out)
+        return self._made(RECIPROCAL, self, ANY, (1.0, 0.0)).scaled(1.0 / self.factor)
 
     def legendre(self, number: int) -> list[Jet]:
         """P_0(f), P_1(f), ... of |f| <= 1, by (k + 1) P_k+1 = (2 k + 1) f P_k - k P_k-1."""
-        one = np.zeros_like(self.f)
-        one[0] = 1.0
-        P = [Jet(one), self]
+        P = [self.scaled(0.0).plus(1.0), self]
         for k in range(1, number - 1):
-            P.append(Jet(((2 * k + 1) * (self * P[k]).f - k * P[k - 1].f) / (k + 1)))
+            P.append((self * P[k]).scaled((2 * k + 1) / (k + 1)) - P[k - 1].scaled(k / (k + 1)))
         return P[:number]
 
 
-type Sum = Sequence[tuple[Jet, Jet | None]]
+type Product = tuple[Jet, Jet | None]
+type Sum = Sequence[Product]
 """A function as a sum of products of two; None stands for 1."""
 
 
-def strain(function: Sum, out: Array) -> None:
-    """2 psi_xy and psi_yy - psi_xx, the two numbers of the strain rate, into out, (2, n, Q)."""
-    out[:] = 0.0
-    for f, g in function:
-        if g is None:
-            out[0] += 2.0 * f.f[4]
-            out[1] += f.f[5] - f.f[3]
-        else:
-            _add_strain(f.f, g.f, out)
+class Program(NamedTuple):
+    """The steps to some functions, for compiled loops: each in a place that is free again after its last use.
+
+    Attributes:
+        code: kind, out, first, second, degree of the first, and of the second, (steps, 6).
+        factor: alpha and beta, (steps, 2).
+        places: how many functions are kept at once.
+        functions: how many there are.
+    """
+
+    code: NDArray[np.int64]
+    factor: NDArray[np.float64]
+    places: int
+    functions: int
 
 
-def value(function: Sum) -> Jet:
-    """The function with its derivatives."""
-    terms = [f.f if g is None else (f * g).f for f, g in function]
-    return Jet(np.sum(terms, axis=0))
+def program(formulas: Formulas, functions: Iterable[Sum]) -> Program:
+    """The steps to functions that are sums of products."""
+    steps, seen, number = list[Step](), 0, 0
+    for number, function in enumerate(functions, 1):  # each is written down when its turn comes
+        steps += formulas.steps[seen:]
+        seen = len(formulas.steps)
+        for f, g in function:
+            second, factor = (-1, f.factor) if g is None else (g.number, f.factor * g.factor)
+            if second >= 0 and formulas.degree[second] > f.degree:
+                f, second = Jet(formulas, second), f.number
+            steps.append(Step(TERM, number - 1, f.number, second, factor, 0.0))
+    return _placed(steps, formulas.degree, number)
 
 
-@compiled
-def _multiply(f: Array, g: Array, out: Array) -> None:
-    for q in range(f.shape[1]):
-        a, b = f[0, q], g[0, q]
-        ax, ay, bx, by = f[1, q], f[2, q], g[1, q], g[2, q]
-        out[0, q] = a * b
-        out[1, q] = ax * b + a * bx
-        out[2, q] = ay * b + a * by
-        out[3, q] = f[3, q] * b + 2.0 * ax * bx + a * g[3, q]
-        out[4, q] = f[4, q] * b + ax * by + ay * bx + a * g[4, q]
-        out[5, q] = f[5, q] * b + 2.0 * ay * by + a * g[5, q]
+def _sources(step: Step) -> tuple[int, ...]:
+    """The functions that a step is made of."""
+    if step.kind in (DISTANCE, AFFINE, HALF_SQUARE):
+        return ()
+    if step.kind in (SCALED, SHIFTED, RECIPROCAL) or step.second < 0:
+        return (step.first,)
+    return step.first, step.second
 
 
-@compiled
-def _add_strain(f: Array, g: Array, out: Array) -> None:
-    for e in range(f.shape[1]):
-        for q in range(f.shape[2]):
-            a, b = f[0, e, q], g[0, e, q]
-            ax, ay, bx, by = f[1, e, q], f[2, e, q], g[1, e, q], g[2, e, q]
-            out[0, e, q] += 2.0 * (f[4, e, q] * b + ax * by + ay * bx + a * g[4, e, q])
-            yy = f[5, e, q] * b + 2.0 * ay * by + a * g[5, e, q]
-            out[1, e, q] += yy - (f[3, e, q] * b + 2.0 * ax * bx + a * g[3, e, q])
-
-
-@compiled
-def _reciprocal(f: Array, out: Array) -> None:
-    for q in range(f.shape[1]):
-        v = 1.0 / f[0, q]
-        d, dd = -v * v, 2.0 * v * v * v
-        fx, fy = f[1, q], f[2, q]
-        out[0, q], out[1, q], out[2, q] = v, d * fx, d * fy
-        out[3, q] = d * f[3, q] + dd * fx * fx
-        out[4, q] = d * f[4, q] + dd * fx * fy
-        out[5, q] = d * f[5, q] + dd * fy * fy
+def _placed(steps: list[Step], degree: list[int], functions: int) -> Program:
+    """Steps with places in place of numbers; those without use are left out."""
+    needed, kept = set[int](), list[tuple[Step, set[int]]]()
+    for step in reversed(steps):
+        if step.kind == TERM or step.out in needed:
+            last = {source for source in _sources(step) if source not in needed}
+            needed.update(last)
+            kept.append((step, last))
+    place, free, places, code = dict[int, int](), list[int](), 0, list[list[int]]()
+    for step, last in reversed(kept):
+        sources = _sources(step)
+        first = place[step.first] if sources else step.first
+        second = place[step.second] if len(sources) == 2 else step.second
+        out = step.out
+        if step.kind != TERM:
+            if not free:
+                free.append(places)
+                places += 1
+            out = place[step.out] = free.pop()
+        degrees = [degree[source] for source in sources] + [0, 0]
+        code.append([step.kind, out, first, second, *degrees[:2]])
+        free.extend(place[source] for source in last)
+    factor = [[step.alpha, step.beta] for step, _ in reversed(kept)]
+    return Program(np.array(code, np.int64), np.array(factor), places, functions)

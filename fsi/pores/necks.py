@@ -12,11 +12,13 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.pores.assembly import Batch
+from fsi.pores.fields import stream_function
 from fsi.pores.forms import with_bubbles
-from fsi.pores.jets import strain, value
+from fsi.pores.pore_data import pore_data
 from fsi.pores.quadrature import Rule, pore_points
 from fsi.pores.regions import NEXT, OTHER
 from fsi.pores.solve import PoreFlow, stream
+from fsi.pores.steps import strain_rates
 from fsi.pores.trial import trial_functions
 
 # Hardly off the feet of a neck.
@@ -66,11 +68,8 @@ def _of_strips(flow: PoreFlow, batch: Batch, numbers: Array) -> Array:
     """What is dissipated in the strips along the sides of pores, (n, 3)."""
     shapes = flow.system.shapes.of(batch.pore)
     points = pore_points(shapes, batch.rule)
-    rates, one = np.zeros((2, *points.weight.shape)), np.empty((2, *points.weight.shape))
-    for x, function in zip(numbers.T, trial_functions(shapes, points, batch.orders), strict=True):
-        strain(function, one)
-        rates += x[:, None] * one
-    density = flow.system.viscosity * np.sum(rates**2, axis=0) * points.weight
+    rates = strain_rates(trial_functions(batch.orders), pore_data(shapes), points)
+    density = flow.system.viscosity * np.sum(np.einsum("em,emkq->ekq", numbers, rates) ** 2, axis=1)
     size = batch.rule.along.shape[1] * batch.rule.across.shape[1]
     strips: Array = density[:, : 3 * size].reshape(-1, 3, size).sum(axis=2)
     return strips
@@ -84,9 +83,7 @@ def _fluxes(flow: PoreFlow, batch: Batch, numbers: Array) -> Array:
     system, G = flow.system, flow.loading.gradient
     shapes = system.shapes.of(batch.pore)
     points = pore_points(shapes, Rule(_MIDDLE, _FEET, _MIDDLE))
-    psi = np.zeros(points.weight.shape)
-    for x, function in zip(numbers.T, trial_functions(shapes, points, batch.orders), strict=True):
-        psi += x[:, None] * value(function).f[0]
+    psi = stream_function(shapes, points, batch, numbers)[0]
     rise = np.diff(psi[:, :6].reshape(-1, 3, 2))[..., 0]
     periods = np.zeros((2, 2))
     periods[: len(system.pores.surfaces.periods)] = system.pores.surfaces.periods

@@ -26,14 +26,12 @@ are analytic in the pore, and bubbles vanish to second order exactly on its boun
 """
 
 from collections.abc import Iterator
+from functools import cache
 from typing import NamedTuple
 
-import numpy as np
-
-from fsi.pores.jets import Jet, Sum
-from fsi.pores.quadrature import Points
-from fsi.pores.regions import NEXT, OTHER, PoreShapes
-from fsi.pores.surfaces import CONTAINER, WALL
+from fsi.pores.jets import Formulas, Jet, Program, Sum, program
+from fsi.pores.pore_data import column
+from fsi.pores.regions import NEXT, OTHER
 
 RIGID = 4  # U_x, U_y, omega, c
 CUBIC = 3  # the least order of fluid discs
@@ -91,23 +89,29 @@ def numbers_of(order: int) -> int:
     return 4 * order - 2 if order else RIGID
 
 
-def trial_functions(shapes: PoreShapes, points: Points, orders: Orders) -> Iterator[Sum]:
-    """All trial functions of pores of the same orders: of surfaces, of sides, bubbles."""
-    weights = weights_at(shapes, points)
+@cache
+def trial_functions(orders: Orders) -> Program:
+    """All trial functions of pores of these orders: of surfaces, of sides, bubbles."""
+    formulas = Formulas()
+    return program(formulas, _functions(formulas, orders))
+
+
+def _functions(formulas: Formulas, orders: Orders) -> Iterator[Sum]:
+    weights = _weights(formulas)
     for v in range(3):
-        yield from _surface(shapes, v, points, orders, weights)
+        yield from _surface(formulas, v, orders, weights)
     for v in range(3):
-        yield from _modes(shapes, v, orders.modes[v], weights)
-    yield from _bubbles(shapes, points, orders.bubbles, weights)
+        yield from _modes(v, orders.modes[v], weights)
+    yield from _bubbles(formulas, orders.bubbles, weights)
     for v in range(3):
         yield from _neck_bubbles(v, orders.neck_bubbles, weights)
 
 
-def weights_at(shapes: PoreShapes, points: Points) -> Weights:
-    """The weights of pores at points and what is made of them."""
-    d = [_distance(shapes, v, points) for v in range(3)]
-    lines = [_line(shapes, v, points) for v in range(3)]
-    squares = [e * e for e, _ in lines]
+def _weights(formulas: Formulas) -> Weights:
+    """The weights and what is made of them."""
+    d = [formulas.distance(v, column("distance", v)) for v in range(3)]
+    lines = [formulas.affine(column("line", v)) for v in range(3)]
+    squares = [e * e for e in lines]
     q = []
     for v, i, j in zip(range(3), NEXT, OTHER, strict=True):
         s = squares[v] * (squares[v] + squares[i] * squares[j]).reciprocal()
@@ -116,67 +120,34 @@ def weights_at(shapes: PoreShapes, points: Points) -> Weights:
     weight = [q[v] * total for v in range(3)]
     square = [w * w for w in weight]
     bubble = weight[0] * weight[1] * weight[2]
-    twice = bubble.scaled(2.0)
-    blend = [square[v] * weight[v].scaled(-2.0).plus(3.0) + twice for v in range(3)]
+    blend = [square[v] * weight[v].scaled(-2.0).plus(3.0) + bubble.scaled(2.0) for v in range(3)]
     pair = [square[i] * square[j] for i, j in zip(NEXT, OTHER, strict=True)]
-    wide = [pair[v] * (d[NEXT[v]] + d[OTHER[v]]) for v in range(3)]
+    wide = [(pair[v] * (d[NEXT[v]] + d[OTHER[v]])).scaled(2.0) for v in range(3)]
     slope = []
     for i, j in zip(NEXT, OTHER, strict=True):
         # Side j leads away from vertex v, side i towards it.
-        n, m = shapes.direction[:, j].T[..., None], shapes.direction[:, i].T[..., None]
-        x, y = (wide[i].scaled(2.0 * m[k]) - wide[j].scaled(2.0 * n[k]) for k in range(2))
+        x, y = (
+            wide[i].by(column("direction", i) + k) - wide[j].by(column("direction", j) + k) for k in (0, 1)
+        )
         slope.append((x, y))
-    return Weights(weight, blend, slope, pair, [across for _, across in lines], bubble)
+    across = [formulas.affine(column("across", v)) for v in range(3)]
+    return Weights(weight, blend, slope, pair, across, bubble)
 
 
-def _distance(shapes: PoreShapes, v: int, points: Points) -> Jet:
-    """d_v."""
-    r = np.moveaxis(points.x, -1, 0) - shapes.centre[:, v].T[..., None]
-    wall = (shapes.kind[:, v] == WALL)[:, None]
-    sign = np.where(shapes.kind[:, v] == CONTAINER, -1.0, 1.0)[:, None]
-    length = np.where(wall, 1.0, np.hypot(r[0], r[1]))
-    n = np.where(wall, shapes.normal[:, v].T[..., None], sign * r / length)
-    bend = np.where(wall, 0.0, sign / length)
-    second = (bend * n[1] ** 2, -bend * n[0] * n[1], bend * n[0] ** 2)
-    return Jet(np.stack([points.distance[v], n[0], n[1], *second]))
-
-
-def _line(shapes: PoreShapes, v: int, points: Points) -> tuple[Jet, Jet]:
-    """e_v and e_v / D. At a corner of two walls nothing has to vanish: 1 and 0."""
-    n, foot = shapes.direction[:, v].T[..., None], shapes.foot[:, v, 0].T[..., None]
-    corner = shapes.gap[:, v, None] <= 0.0
-    touch = shapes.touch[:, v].T[..., None]
-    height = np.where(corner, 1.0, n[0] * (touch[1] - foot[1]) - n[1] * (touch[0] - foot[0]))
-    e = n[0] * (points.x[..., 1] - foot[1]) - n[1] * (points.x[..., 0] - foot[0])
-    line = Jet.linear(np.where(corner, 1.0, e / height), -n[1] / height, n[0] / height)
-    D = np.where(corner, 1.0, shapes.reach[:, v, None])
-    return line, Jet.linear(e / D, -n[1] / D, n[0] / D)
-
-
-def _surface(shapes: PoreShapes, v: int, points: Points, orders: Orders, weights: Weights) -> Iterator[Sum]:
+def _surface(formulas: Formulas, v: int, orders: Orders, weights: Weights) -> Iterator[Sum]:
     """The functions of the numbers of surface v."""
-    r = points.x - shapes.centre[:, v, None]
-    dx, dy = Jet.linear(r[..., 0], 1.0, 0.0), Jet.linear(r[..., 1], 0.0, 1.0)
     blend, (slope_x, slope_y) = weights.blend[v], weights.slope[v]
-    s = points.x - shapes.reference[:, v, None]
-    yield [(blend, Jet.linear(s[..., 1], 0.0, 1.0)), (slope_y, None)]
-    yield [(blend, Jet.linear(-s[..., 0], -1.0, 0.0)), (slope_x.scaled(-1.0), None)]
-    # -(|x|^2 - a^2) / 2 by d (|x| + a): beside the circle it keeps its digits.
-    half = dx * dx + dy * dy
-    half.f *= -0.5
-    sign = np.where(shapes.kind[:, v] == CONTAINER, -1.0, 1.0)[:, None]
-    a, length = shapes.radius[:, v, None], np.hypot(r[..., 0], r[..., 1])
-    half.f[0] = -0.5 * sign * points.distance[v] * (length + a)
-    turn = np.where((shapes.kind[:, v] == WALL)[:, None], 0.0, 1.0)  # walls do not turn
-    yield [
-        (blend, half.scaled(turn)),
-        (slope_x, dx.scaled(-turn)),
-        (slope_y, dy.scaled(-turn)),
-    ]
+    yield [(blend, formulas.affine(column("up", v))), (slope_y, None)]
+    yield [(blend, formulas.affine(column("along", v)).scaled(-1.0)), (slope_x.scaled(-1.0), None)]
+    turn = [formulas.affine(column(f"turn {axis}", v)).scaled(-1.0) for axis in "xy"]
+    half = formulas.half_square(v, column("half square", v)).scaled(-1.0)
+    yield [(blend, half), (slope_x, turn[0]), (slope_y, turn[1])]
     yield [(blend, None)]
     if orders.fluid[v]:
-        for f, fx, fy in _fluid(dx.scaled(1.0 / a), dy.scaled(1.0 / a), orders.fluid[v]):
-            yield [(blend, f), (slope_x, fx.scaled(1.0 / a)), (slope_y, fy.scaled(1.0 / a))]
+        x, y = (formulas.affine(column(f"{axis} / a", v)) for axis in "xy")
+        slope_x, slope_y = (slope.by(column("1 / a", v)) for slope in (slope_x, slope_y))
+        for f, fx, fy in _fluid(x, y, orders.fluid[v]):
+            yield [(blend, f), (slope_x, fx), (slope_y, fy)]
 
 
 def _fluid(x: Jet, y: Jet, order: int) -> Iterator[tuple[Jet, Jet, Jet]]:
@@ -187,27 +158,24 @@ def _fluid(x: Jet, y: Jet, order: int) -> Iterator[tuple[Jet, Jet, Jet]]:
 
         A w^m + B |z|^2 w^m,  w = 1 / conj(z);   A + B = 1,  2 B - m = slope.
     """
-    one = np.zeros_like(x.f)
-    one[0] = 1.0
     square = x * x + y * y
     inverse = square.reciprocal()
-    z = _powers(x, y, Jet(one), CUBIC)
+    z = _powers(x, y, CUBIC)
     for m in (2, 3):
         for part in range(2):
             yield z[m][part], z[m - 1][part].scaled(m), z[m - 1][1 - part].scaled(m * (2 * part - 1))
-    for part in range(2):
-        f = z[1][part]
-        fx, fy = (square, Jet(0.0 * one)) if part == 0 else (Jet(0.0 * one), square)
-        yield square * f, fx + (x * f).scaled(2.0), fy + (y * f).scaled(2.0)
-    w = _powers(x * inverse, y * inverse, Jet(one), order + 1)
+    for part, f in enumerate((x, y)):
+        fx, fy = (x * f).scaled(2.0), (y * f).scaled(2.0)
+        yield square * f, fx + square if part == 0 else fx, fy if part == 0 else fy + square
+    w = _powers(x * inverse, y * inverse, order + 1)
     for m in range(4, order + 1):
         for k, slope in ((m, m), (m - 2, m)):
             B = 0.5 * (slope + k)
+            weight = square.scaled(B).plus(1.0 - B)
             for part in range(2):
                 # d w^k / dx = -k w^(k+1), d w^k / dy = i k w^(k+1)
                 f, gx = w[k][part], w[k + 1][part].scaled(-k)
                 gy = w[k + 1][1 - part].scaled(-k if part == 0 else k)
-                weight = square.scaled(B).plus(1.0 - B)
                 yield (
                     weight * f,
                     weight * gx + (x * f).scaled(2.0 * B),
@@ -215,35 +183,31 @@ def _fluid(x: Jet, y: Jet, order: int) -> Iterator[tuple[Jet, Jet, Jet]]:
                 )
 
 
-def _powers(x: Jet, y: Jet, one: Jet, order: int) -> list[tuple[Jet, Jet]]:
-    """Re and Im of (x + i y)^m, m = 0 ... order."""
-    powers = [(one, one.scaled(0.0))]
-    for _ in range(order):
-        re, im = powers[-1]
-        powers.append((re * x - im * y, re * y + im * x))
+def _powers(x: Jet, y: Jet, order: int) -> dict[int, tuple[Jet, Jet]]:
+    """Re and Im of (x + i y)^m, m = 1 ... order."""
+    powers = {1: (x, y)}
+    for m in range(1, order):
+        re, im = powers[m]
+        powers[m + 1] = (re * x - im * y, re * y + im * x)
     return powers
 
 
-def _modes(shapes: PoreShapes, v: int, number: int, weights: Weights) -> Iterator[Sum]:
+def _modes(v: int, number: int, weights: Weights) -> Iterator[Sum]:
     """The modes of side v: P_0, e P_0, P_1, e P_1, P_2, e P_2 ...
 
     They belong to the neck: seen against its direction both l_j - l_i and e change their signs.
     """
-    turn = shapes.turn[:, v, None]
-    P = (weights.vertex[OTHER[v]] - weights.vertex[NEXT[v]]).scaled(turn).legendre(number // 2 + 2)
-    e = weights.across[v].scaled(turn)
+    turn = column("turn", v)
+    P = (weights.vertex[OTHER[v]] - weights.vertex[NEXT[v]]).by(turn).legendre(number // 2 + 2)
+    e = weights.across[v].by(turn)
     for k in range(number):
         odd, degree = (k % 2, k // 2)
         yield [(weights.pair[v], e * P[degree] if odd else P[degree])]
 
 
-def _bubbles(shapes: PoreShapes, points: Points, degree: int, weights: Weights) -> Iterator[Sum]:
+def _bubbles(formulas: Formulas, degree: int, weights: Weights) -> Iterator[Sum]:
     """l_1 l_2 l_3 P_i(x) P_j(y), i + j <= degree, in coordinates that are 1 at the farthest arc."""
-    middle = shapes.touch.mean(axis=1)[:, None]
-    size = np.linalg.norm(shapes.touch - middle, axis=2).max(axis=1)[:, None]
-    r = points.x - middle
-    x = Jet.linear(r[..., 0] / size, 1.0 / size, 0.0).legendre(degree + 1)
-    y = Jet.linear(r[..., 1] / size, 0.0, 1.0 / size).legendre(degree + 1)
+    x, y = (formulas.affine(column(f"{axis} / size")).legendre(degree + 1) for axis in "xy")
     for i in range(degree + 1):
         f = weights.bubble * x[i]
         for j in range(degree + 1 - i):
@@ -252,8 +216,6 @@ def _bubbles(shapes: PoreShapes, points: Points, degree: int, weights: Weights) 
 
 def _neck_bubbles(v: int, number: int, weights: Weights) -> Iterator[Sum]:
     """l_i^2 l_j^2 e^2 P_c(2 e - 1) P_d(l_j - l_i) of side v."""
-    if number == 0:
-        return
     e = weights.across[v]
     base = weights.pair[v] * (e * e)
     along = e.scaled(2.0).plus(-1.0).legendre(number)
