@@ -73,7 +73,9 @@ def _filled(surfaces: Surfaces, wide: Wide) -> Surfaces:
     for _ in range(_ROUNDS):
         circles, crossed = circles_in_pores(surfaces.shapes(), links)
         least = np.where(crossed, 0.0, _wide_from(surfaces, links, wide))
-        pores, radius = separate(surfaces.shapes(), links, circles, least)
+        wanted = np.flatnonzero(circles[:, 2] > least)
+        wanted = wanted[np.argsort(-circles[wanted, 2], kind="stable")]
+        pores, radius = separate(surfaces.shapes(), links, wanted, np.column_stack([circles, least]))
         if len(pores) == 0:
             break
         surfaces = surfaces.with_fluid(circles[pores, :2], wide.share * radius)
@@ -145,38 +147,43 @@ def _beyond_neck(
     for i in range(_TRIALS):
         away = r * 2.0 ** (0.5 * i - 5.0)
         u, v = c[1] + (r + away) * ey / length, c[2] - (r + away) * ex / length
-        free = _covered(shapes, links, t, np.array([u, v, away]))[1]
+        free = _covered(shapes, links, t, (u, v, away))[1]
         if free > rho:
             x, y, rho = u, v, free
     return x, y, rho
 
 
 @compiled
-def separate(shapes: Shapes, links: Links, circles: Array, least: Array) -> tuple[Bodies, Array]:
-    """The pores of circles that share no pore with a larger one, and their radii in the fluid, (n,) both.
+def separate(shapes: Shapes, links: Links, wanted: Bodies, circles: Array) -> tuple[Bodies, Array]:
+    """Of the wanted pores' circles those that share no pore with one before: pores and radii, (n,) both.
 
-    Circles are cut back to the fluid; only those above the least radii count.
+    The circles, rows x, y, radius, least radius, (T, 4), are cut back to the fluid, if that leaves the least.
     """
     taken = np.zeros(len(links.body), np.bool_)
-    chosen, free = np.empty(len(circles), np.int64), np.empty(len(circles))
-    candidates = np.flatnonzero(circles[:, 2] > least)
+    chosen, free = np.empty(len(wanted), np.int64), np.empty(len(wanted))
     n = 0
-    for t in candidates[np.argsort(-circles[candidates, 2], kind="mergesort")]:
-        pores, rho = _covered(shapes, links, t, circles[t])
-        if rho > least[t] and not np.any(taken[pores]):
-            taken[pores] = True
+    for t in wanted:
+        pores, rho = _covered(shapes, links, t, (circles[t, 0], circles[t, 1], circles[t, 2]))
+        shared = False
+        for p in pores:
+            shared = shared or taken[p]
+        if rho > circles[t, 3] and not shared:
+            for p in pores:
+                taken[p] = True
             chosen[n], free[n] = t, rho
             n += 1
     return chosen[:n], free[:n]
 
 
 @compiled
-def _covered(shapes: Shapes, links: Links, t: int, circle: Array) -> tuple[Bodies, float]:
+def _covered(
+    shapes: Shapes, links: Links, t: int, circle: tuple[float, float, float]
+) -> tuple[Bodies, float]:
     """The pores that a circle near pore t may reach into, and its radius cut back to what is free of bodies.
 
     A body may reach across necks, so that pores beyond those of the circle are looked at too.
     """
-    x, y, rho = circle[0], circle[1], circle[2]
+    x, y, rho = circle
     found = np.zeros((_MOST, 3), np.int64)  # a pore, and by how many periods the circle is translated there
     found[0] = locate(shapes, links, t, (0, x, y))
     n, done = 1, 0

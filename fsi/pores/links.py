@@ -70,11 +70,11 @@ def turn(shapes: Shapes, a: Corner, b: Corner, c: Corner) -> float:
         if shapes.kind[a[0]] != DISC or (shapes.kind[b[0]] != DISC and shapes.kind[c[0]] == DISC):
             a, b, c = b, c, a
     if shapes.kind[b[0]] != DISC:
-        m, n = shapes.normal[b[0]], shapes.normal[c[0]]
-        return cross(m[0], m[1], n[0], n[1])
+        n = shapes.normal
+        return cross(n[b[0], 0], n[b[0], 1], n[c[0], 0], n[c[0], 1])
     if shapes.kind[c[0]] == WALL:
-        n = shapes.normal[c[0]]
-        return cross(n[0], n[1], b[1] - a[1], b[2] - a[2])
+        m, n = shapes.normal[c[0], 0], shapes.normal[c[0], 1]
+        return cross(m, n, b[1] - a[1], b[2] - a[2])
     if shapes.kind[c[0]] == CONTAINER:
         return cross(b[1] - c[1], b[2] - c[2], a[1] - c[1], a[2] - c[2])
     return cross(b[1] - a[1], b[2] - a[2], c[1] - a[1], c[2] - a[2])
@@ -100,8 +100,8 @@ def step(shapes: Shapes, links: Links, t: int, k: int) -> tuple[int, int]:
     i, j = (k + 1) % 3, (h % 3 + 2) % 3  # the same corner of both
     if shapes.kind[links.body[t, i]] != DISC:
         i, j = (k + 2) % 3, (h % 3 + 1) % 3
-    ours, theirs = links.image[t, i], links.image[h // 3, j]
-    return theirs[0] - ours[0], theirs[1] - ours[1]
+    u, image = h // 3, links.image
+    return image[u, j, 0] - image[t, i, 0], image[u, j, 1] - image[t, i, 1]
 
 
 @compiled

@@ -44,8 +44,7 @@ def beyond(shapes: Shapes, a: Corner, b: Corner, c: Corner, d: Corner) -> bool:
         return x * hx + y * hy > p * area
     x, y = x + area * (a[1] - d[1]), y + area * (a[2] - d[2])
     if shapes.kind[d[0]] == WALL:
-        n = shapes.normal[d[0]]
-        return bool(x * n[0] + y * n[1] < 0.0)
+        return bool(x * shapes.normal[d[0], 0] + y * shapes.normal[d[0], 1] < 0.0)
     return bool(x * x + y * y > (shapes.radius[d[0]] * area) ** 2)
 
 
@@ -84,7 +83,7 @@ def _settle(shapes: Shapes, links: Links, queue: Bodies, waiting: int) -> None:
 
     A side that cannot be flipped waits until one of its two pores is another.
     """
-    number, queued = queue
+    number, queued = queue[0], queue[1]
     head, room, left = 0, len(number), 20 * len(number) + 1000
     for i in range(waiting):
         queued[number[i]] = 1

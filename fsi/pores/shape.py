@@ -19,8 +19,8 @@ def distance(shapes: Shapes, x: float, y: float, a: Corner) -> float:
     """Of the point (x, y) from a surface, positive in the fluid."""
     kind, r = shapes.kind[a[0]], shapes.radius[a[0]]
     if kind == WALL:
-        n = shapes.normal[a[0]]
-        return float((x - a[1]) * n[0] + (y - a[2]) * n[1])
+        normal = shapes.normal
+        return float((x - a[1]) * normal[a[0], 0] + (y - a[2]) * normal[a[0], 1])
     length = float(np.hypot(x - a[1], y - a[2]))
     return float(-r - length if kind == CONTAINER else length - r)
 
@@ -30,8 +30,8 @@ def _tangent(shapes: Shapes, a: Corner, b: Corner) -> tuple[float, float, float,
     """e, p, f: centres a + y of circles of radius rho that touch disc a and b have e.y = p + f rho."""
     x, y, r, s = b[1] - a[1], b[2] - a[2], shapes.radius[a[0]], shapes.radius[b[0]]
     if shapes.kind[b[0]] == WALL:
-        n = shapes.normal[b[0]]
-        return n[0], n[1], x * n[0] + y * n[1], 1.0
+        m, n = shapes.normal[b[0], 0], shapes.normal[b[0], 1]
+        return m, n, x * m + y * n, 1.0
     return x, y, 0.5 * (x * x + y * y - s * s + r * r), r - s
 
 
@@ -71,9 +71,9 @@ def neck(shapes: Shapes, a: Corner, b: Corner) -> tuple[float, float]:
         a, b, sign = b, a, -1.0
     x, y = b[1] - a[1], b[2] - a[2]
     if shapes.kind[b[0]] == WALL:
-        n = shapes.normal[b[0]]
-        h = x * n[0] + y * n[1]
-        return sign * h * n[0], sign * h * n[1]
+        m, n = shapes.normal[b[0], 0], shapes.normal[b[0], 1]
+        h = x * m + y * n
+        return sign * h * m, sign * h * n
     if shapes.kind[b[0]] == CONTAINER:
         sign += sign * shapes.radius[b[0]] / np.hypot(x, y)  # the radius is negative
     return sign * x, sign * y
@@ -125,7 +125,6 @@ def _urgency(shapes: Shapes, links: Links, t: int, k: int) -> float:
     return 1.0 + worst if after >= min(CLEAR, before) and min(best, -_EQUAL) > worst else np.inf
 
 
-@compiled
 def improve(shapes: Shapes, links: Links, new: NDArray[np.bool_]) -> None:
     """Flip sides of new pores, and of those that come of it, that ask for it most first, until none asks."""
     last = np.where(new, -1, -2)  # the round in which a pore was flipped
@@ -133,11 +132,18 @@ def improve(shapes: Shapes, links: Links, new: NDArray[np.bool_]) -> None:
         sides, urgency = _pending(shapes, links, last, count - 1)
         if len(sides) == 0:
             return
-        for h in sides[np.argsort(urgency, kind="mergesort")]:
-            t, u = h // 3, links.twin[h] // 3
-            if last[t] < count and last[u] < count:
-                flip(shapes, links, t, h % 3)
-                last[t] = last[u] = count
+        _flip_apart(shapes, links, sides[np.argsort(urgency, kind="stable")], last)
+
+
+@compiled
+def _flip_apart(shapes: Shapes, links: Links, sides: Bodies, last: Bodies) -> None:
+    """Flip those of these sides whose pores were not flipped for one before."""
+    count = last.max() + 1
+    for h in sides:
+        t, u = h // 3, links.twin[h] // 3
+        if last[t] < count and last[u] < count:
+            flip(shapes, links, t, h % 3)
+            last[t] = last[u] = count
 
 
 @compiled
