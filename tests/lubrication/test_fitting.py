@@ -82,6 +82,16 @@ def test_the_intervals_are_not_wide_for_nothing() -> None:
         assert 0.5 < fit.intervals[0] / fit.coefficients[0] / 1.96e-4 < 1.3
 
 
+def test_later_terms_are_believed_to_be_of_the_size_of_the_first() -> None:
+    """Samples known to a tenth tell nothing of the last term: its deviation stays that of its prior, |c1|."""
+    s, terms = np.geomspace(1e-3, 0.1, 6), basis("spheres", "squeeze")
+    K = exact_resistance("spheres", "squeeze", s, inf)
+    fit = fit_series(s, K, 0.1 * K, terms)
+    first = abs(K[0] / terms[0].value(s[:1])[0])
+    deviations = np.sqrt(np.diag(fit.covariance))[fit.free :]
+    assert 0.9 < deviations.max() / first <= 1.0 + 1e-12
+
+
 def weighted(phi: Array, bars: Array, widths: Array) -> Array:
     """(phi^T C^-1 phi + prior)^-1 with C = diag(b^2) + b b^T, by plain inverses."""
     C = np.diag(bars**2) + np.outer(bars, bars)
