@@ -95,7 +95,8 @@ def print_solution(
     console.print(
         Text(
             f"dissipation {found.dissipation:.8g} ± {errors.dissipation:.0e}; "
-            f"at most {found.modes} modes an edge, {found.pores} pores, {found.dofs} unknowns, {found.dofs / len(found.U):.1f} a body, "
+            f"at most {found.modes} modes an edge, {found.pores} pores, {found.dofs} unknowns, "
+            f"{found.dofs / len(found.U):.1f} a body, "
             f"{sum(found.seconds.values()):.2f} CPU s ({phases})"
         )
     )

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from fsi.case.checks.work import check_work
 from fsi.case.load import parse_case
 from fsi.errors import InputError
 
@@ -93,3 +94,11 @@ def test_the_tolerance_of_a_case_is_that_of_its_level() -> None:
     sections = {"pores": {"tolerance": 0.01}, "discretisation": {"tolerance": 0.1}}
     assert parse_case(changed(**sections)).tolerance == 0.01
     assert parse_case(changed(**sections, model="resolved")).tolerance == 0.1
+
+
+def test_a_gap_narrower_than_digits_reach_is_refused() -> None:
+    """Below 1e-8 radii a gap is a difference of places that rounding leaves no digits of."""
+    near = {"name": "one", "radius": 1.0, "position": [2.0, 1.000000001]}
+    case = parse_case(changed(bodies=[near]))
+    with pytest.raises(InputError, match=r"the gap between 'one' and 'bottom' is 1e-09"):
+        check_work(case)

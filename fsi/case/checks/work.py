@@ -43,13 +43,11 @@ def check_work(case: Case) -> str | None:
 
     Raises InputError, one line with key, value, estimate and remedy: it is more than this machine holds.
     """
-    resolved = case.model == "resolved" and case.domain.mesh is None
-    if resolved:
+    resolved = case.level.meshed and case.domain.mesh is None
+    if resolved or (case.level.flow and not case.level.meshed):
         gaps = find_gaps(case.configuration(), case.container())
         _check_gaps(case, gaps)
-        count = _check_mesh(case, gaps)
-    else:
-        count = _check_bodies(case)
+    count = _check_mesh(case, gaps) if resolved else _check_bodies(case)
     steps = _check_steps(case, count if resolved else 0.0)
     _check_studies(case)
     minutes = max(steps, 1.0) * count * (_SECONDS[case.dimension] if resolved else _BODY_SECONDS) / 60.0
