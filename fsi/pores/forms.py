@@ -62,9 +62,9 @@ def _strain_rates(shapes: PoreShapes, points: Points, orders: Orders) -> tuple[A
 
 def least_bubbles(S: Array, B: Array) -> Array:
     """X of the least |S - X^T B|^2, (n, bubbles, shared), of strain rates in rows, (n, ., 2 Q)."""
-    own = np.sqrt(np.einsum("ebq,ebq->eb", B, B))[..., None]
-    own[own == 0.0] = 1.0  # at the corner of a box
     G, X = B @ B.transpose(0, 2, 1), B @ S.transpose(0, 2, 1)
+    own = np.sqrt(np.einsum("ebb->eb", G))[..., None]
+    own[own == 0.0] = 1.0  # at the corner of a box
     G /= own * own.transpose(0, 2, 1)
     X /= own
     _solve(G, X, _DEPENDENT)

@@ -7,6 +7,7 @@ of touching span the triangle. All is smooth in each part, so that Gauss points 
 distances to both surfaces of a strip are formed without cancellation, whatever the gap.
 """
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -43,6 +44,7 @@ def rule(along: int, across: int, inside: int) -> Rule:
     return Rule(*(_gauss(n) for n in (along, across, inside)))
 
 
+@cache
 def _gauss(n: int) -> Array:
     x, w = np.polynomial.legendre.leggauss(n)
     return np.stack([(x + 1.0) / 2.0, w / 2.0])

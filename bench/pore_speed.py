@@ -1,0 +1,93 @@
+"""What a step between pores costs, by phase: `OMP_NUM_THREADS=1 python bench/pore_speed.py 50 200 1800`.
+
+Discs at area fraction 0.4 between sliding walls, those of tests/reference/couette_N50.json and
+couette_N200.json; more are 200 n^2, copies of the latter side by side in n rows.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from time import process_time
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from bench.step import forget_peak, peak_memory
+from fsi.bodies.configuration import Array, Motion
+from fsi.pores.solve import PoreLoading, solve_pores
+from fsi.pores.surfaces import DISC, WALL, Surfaces
+from fsi.pores.system import PoreSystem
+
+REFERENCE = Path(__file__).parents[1] / "tests" / "reference"
+PHASES = ("pores", "forms", "solve")
+WARM = 3
+EXAMPLE = """columns: which step (the first takes machine code from its cache, or makes it), CPU seconds
+for the pores (triangulation, fluid discs), for their forms with assembly, for the solve, and their sum;
+of warm steps the cheapest of three. MB: the peak of the resident memory.
+"""
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, epilog=EXAMPLE, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("discs", type=int, nargs="+", help="50, or 200 n^2")
+    parser.add_argument("--modes", type=int, nargs="+", default=[1, 4], help="of each neck")
+    wanted = parser.parse_args(arguments)
+    table = Table("discs", "modes", "step", "unknowns", *PHASES, "CPU s", "MB")
+    for discs in wanted.discs:
+        for modes in wanted.modes:
+            forget_peak()
+            first = timed(discs, modes)
+            warm = min((timed(discs, modes) for _ in range(WARM)), key=lambda seconds: sum(seconds[1:]))
+            for step, (unknowns, *seconds) in (("first", first), ("warm", warm)):
+                times = [f"{value:.3f}" for value in (*seconds, sum(seconds))]
+                row = [str(discs), str(modes), step, f"{unknowns:.0f}", *times]
+                table.add_row(*row, f"{peak_memory():.0f}")
+    Console().print(table)
+
+
+def timed(discs: int, modes: int) -> tuple[float, ...]:
+    """Unknowns, and CPU seconds of the phases of one step."""
+    surfaces, height = suspension(discs)
+    system = PoreSystem.make(surfaces, modes, 1.0)
+    nothing = np.zeros((discs, 3))
+    walls = np.array([[-0.5 * height, 0.0, 0.0], [0.5 * height, 0.0, 0.0]])
+    began = process_time()
+    solve_pores(system, PoreLoading(Motion(nothing.astype(bool), nothing, nothing), walls, np.zeros((2, 2))))
+    seconds = system.seconds["cpu_pores"], system.seconds["cpu_forms"], process_time() - began
+    return float(system.unknowns), *seconds
+
+
+def suspension(discs: int) -> tuple[Surfaces, float]:
+    """Discs between walls, and their distance."""
+    copies = round((discs / 200) ** 0.5) if discs > 200 else 1
+    if discs > 200 and discs != 200 * copies**2:
+        raise SystemExit(f"pore_speed.py: {discs} discs: give 50, or 200 n^2, e.g. {200 * copies**2}")
+    data = json.loads((REFERENCE / f"couette_N{min(discs, 200)}.json").read_text())
+    centres, length, height = np.array(data["centers"]), data["L"], data["H"]
+    steps = [[i * length, j * height] for i in range(copies) for j in range(copies)]
+    return channel(np.concatenate([centres + step for step in steps]), copies * length, copies * height)
+
+
+def channel(centres: Array, length: float, height: float) -> tuple[Surfaces, float]:
+    """Discs of radius 1 between walls at y = 0 and y = height, which comes with them."""
+    N = len(centres)
+    surfaces = Surfaces(
+        np.array([DISC] * N + [WALL] * 2, np.int8),
+        np.vstack([centres, [[0.0, 0.0], [0.0, height]]]),
+        np.append(np.ones(N), [0.0, 0.0]),
+        np.vstack([np.zeros((N, 2)), [[0.0, 1.0], [0.0, -1.0]]]),
+        np.zeros(N + 2, bool),
+        np.array([[length, 0.0]]),
+    )
+    return surfaces, height
+
+
+if __name__ == "__main__":
+    main()
