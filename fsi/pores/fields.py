@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import product
+from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,13 +15,14 @@ from fsi.pores.assembly import Batch, Index
 from fsi.pores.forms import with_bubbles
 from fsi.pores.inner import inner_flow
 from fsi.pores.pore_data import pore_data
-from fsi.pores.quadrature import Points, Rule, distances, pore_points
+from fsi.pores.quadrature import Points, Rule, distances, gathering, pore_points
 from fsi.pores.regions import PoreShapes, cross
 from fsi.pores.solve import PoreFlow, stream
 from fsi.pores.steps import values
 from fsi.pores.system import PoreSystem
 from fsi.pores.trial import numbers_of, trial_functions
 
+_PATCHES = 0.75  # of a strip, for each unit of T by which points gather in it
 _CANDIDATES = 8  # pores near a point, of which one holds it
 
 
@@ -48,18 +50,20 @@ class FluidField:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PoreMesh:
-    """Pores as patches of quadrilaterals with points of their own; some are triangles with a double point.
+    """Pores as patches of (order + 1)^2 points, row by row, each with points of its own.
 
     Attributes:
         points: (n, 2), where the pores lie, not brought back into one period.
-        cells: (c, 4), of points.
-        pore: of each point, -1 in fluid discs, (n,).
+        pore: of each patch, -1 in fluid discs, (P,).
+        ends: whether its first row is one point: of triangles, fluid discs, corners, (P,).
+        corner: whether that point is a corner of two walls, (P,).
         field: at the points.
     """
 
     points: Array
-    cells: Index
     pore: Index
+    ends: NDArray[np.bool_]
+    corner: NDArray[np.bool_]
     field: FluidField
 
 
@@ -116,23 +120,30 @@ class FlowFields:
             psi[:, here] = inner_flow(r[here], radius[disc[here]], self.flow.x[numbers], int(order))
         return psi
 
-    def mesh(self, cells: int = 4) -> PoreMesh:
-        """A picture of the flow: each strip, triangle, and quarter of a fluid disc in cells x cells."""
-        rule, jets, points, pores = _even(cells), [], [], []
-        for batch, numbers in zip(self.flow.system.assembly.batches, self._numbers, strict=True):
+    def mesh(self, order: int) -> PoreMesh:
+        """A picture of the flow: strips, in as many patches as their gaps ask for, triangles, fluid discs."""
+        system, jets, points, pores = self.flow.system, [], [], []
+        narrowest = max(float(gathering(self._shapes, v).max(initial=0.0)) for v in range(3))
+        pieces = max(1, ceil(_PATCHES * narrowest))
+        for batch, numbers in zip(system.assembly.batches, self._numbers, strict=True):
             shapes = self._shapes.of(batch.pore)
-            there = pore_points(shapes, rule)
+            there = pore_points(shapes, _even(order, pieces))
             jets.append(stream_function(shapes, there, batch, numbers).reshape(6, -1))
             points.append(there.x.reshape(-1, 2))
-            pores.append(np.repeat(batch.pore, there.x.shape[1]))
-        r, disc = self._quarters(cells)
-        jets.append(self._inner(disc, r))
-        points.append(self.flow.system.pores.surfaces.centre[disc] + r)
-        pores.append(np.full(len(disc), -1))
+            pores.append(np.repeat(batch.pore, 3 * pieces + 1))
         pore = np.concatenate(pores)
-        patches = np.arange(len(pore) // (cells + 1) ** 2) * (cells + 1) ** 2
-        quadrilaterals = (patches[:, None, None] + _grid(cells)).reshape(-1, 4)
-        return PoreMesh(np.concatenate(points), quadrilaterals, pore, FluidField.of(np.concatenate(jets, 1)))
+        ends, corner = _first_rows(system.pores.sides[pore[:: 3 * pieces + 1]], pieces)
+        r, disc = self._quarters(order)
+        jets.append(self._inner(disc, r))
+        points.append(system.pores.surfaces.centre[disc] + r)
+        quarters = len(disc) // (order + 1) ** 2
+        return PoreMesh(
+            np.concatenate(points),
+            np.concatenate([pore, np.full(quarters, -1)]),
+            np.concatenate([ends, np.ones(quarters, bool)]),
+            np.concatenate([corner, np.zeros(quarters, bool)]),
+            FluidField.of(np.concatenate(jets, axis=1)),
+        )
 
     def _quarters(self, cells: int) -> tuple[Array, Index]:
         """Points of quarters of fluid discs, from their centres, (n, 2), and the discs, (n,)."""
@@ -202,15 +213,18 @@ def stream_function(shapes: PoreShapes, points: Points, batch: Batch, numbers: A
     return np.asarray(np.einsum("em,emkq->keq", numbers, jets))
 
 
-def _even(cells: int) -> Rule:
+def _even(order: int, pieces: int) -> Rule:
     """Evenly spread points, hardly off the corners, where distances to two walls vanish."""
-    t = np.linspace(1e-7, 1.0 - 1e-7, cells + 1)
+    t = np.linspace(1e-7, 1.0 - 1e-7, order + 1)
+    along = np.concatenate([(k + t) / pieces for k in range(pieces)])
     even = np.stack([t, np.ones_like(t)])
-    return Rule(even, even, even)
+    return Rule(np.stack([along, np.ones_like(along)]), even, even)
 
 
-def _grid(cells: int) -> Index:
-    """Cells of a grid of (cells + 1)^2 points, (cells^2, 4)."""
-    corner = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()
-    cells_of: Index = corner[:, None] + np.array([0, 1, cells + 2, cells + 1])
-    return cells_of
+def _first_rows(sides: Index, pieces: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Which patches begin in one point, and in a corner; of pores with sides (E, 3), 3 pieces + 1 of each."""
+    corner = np.zeros((len(sides), 3 * pieces + 1), bool)
+    corner[:, : 3 * pieces : pieces] = sides < 0
+    ends = corner.copy()
+    ends[:, -1] = True
+    return ends.ravel(), corner.ravel()

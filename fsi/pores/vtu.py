@@ -36,10 +36,8 @@ def write_flow(bodies: DrivenBodies, fields: FlowFields, path: Path) -> None:
     x, u, psi = _in_one_period(mesh, bodies.case.container().at(bodies.t))
     G = mesh.field.gradient
     known = np.column_stack([x, u, psi, vorticity(G), strain_rate(G)]).reshape(-1, _PATCH, 7)
-    pore = mesh.pore[::_PATCH]
-    ends = _ends_in_a_point(fields.flow.system.pores.sides, pore)
-    corner = ends & (pore >= 0) & (np.arange(len(pore)) % 4 < 3)
-    known[corner, :_SIDE, 5:] = 0.0  # fluid rests in a corner, where derivatives are quotients of zeros
+    pore, ends = mesh.pore, mesh.ends
+    known[mesh.corner, :_SIDE, 5:] = 0.0  # fluid rests in a corner, where derivatives are quotients of zeros
     nodes, cells = _cells(known, ends)
     values = {"velocity": in_space(nodes[:, 2:4]), "psi": nodes[:, 4], "vorticity": nodes[:, 5]}
     grid = meshio.Mesh(
@@ -54,13 +52,6 @@ def write_flow(bodies: DrivenBodies, fields: FlowFields, path: Path) -> None:
     except OSError as error:
         remedy = "make room, or drop output.fields, and go on with fsi resume"
         raise SolveError(f"cannot write {path}: {error.strerror}; {remedy}") from error
-
-
-def _ends_in_a_point(sides: NDArray[np.int64], pore: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Whether the first row of each patch is one point; patches of pores (P,): three strips, a triangle."""
-    part = np.arange(len(pore)) % 4
-    corner = sides[pore, np.minimum(part, 2)] < 0
-    return np.asarray((pore < 0) | (part == 3) | corner)
 
 
 def _cells(known: Array, ends: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int64]]:
