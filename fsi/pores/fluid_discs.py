@@ -40,7 +40,7 @@ class Wide:
     1.00 (for a share of 0.55), in a corner one of 0.65: with a lesser `empty` there would be no end of them.
     """
 
-    least: float = 0.8
+    least: float = 0.65
     wall: float = 0.6
     empty: float = 1.2
     share: float = 0.55

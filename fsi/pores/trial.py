@@ -101,7 +101,7 @@ def _functions(formulas: Formulas, orders: Orders) -> Iterator[Sum]:
     for v in range(3):
         yield from _surface(formulas, v, orders, weights)
     for v in range(3):
-        yield from _modes(v, orders.modes[v], weights)
+        yield from _modes(v, orders, weights)
     yield from _bubbles(formulas, orders.bubbles, weights)
     for v in range(3):
         yield from _neck_bubbles(v, orders.neck_bubbles, weights)
@@ -192,16 +192,18 @@ def _powers(x: Jet, y: Jet, order: int) -> dict[int, tuple[Jet, Jet]]:
     return powers
 
 
-def _modes(v: int, number: int, weights: Weights) -> Iterator[Sum]:
-    """The modes of side v: P_0, e P_0, P_1, e P_1, P_2, e P_2 ...
+def _modes(v: int, orders: Orders, weights: Weights) -> Iterator[Sum]:
+    """The modes of side v: P_0, e P_0, P_1, e P_1, P_2, e P_2 ...; beside a fluid disc P_1 is the second.
 
     They belong to the neck: seen against its direction both l_j - l_i and e change their signs.
     """
-    turn = column("turn", v)
+    number, turn = orders.modes[v], column("turn", v)
     P = (weights.vertex[OTHER[v]] - weights.vertex[NEXT[v]]).by(turn).legendre(number // 2 + 2)
     e = weights.across[v].by(turn)
-    for k in range(number):
-        odd, degree = (k % 2, k // 2)
+    order = [(k % 2, k // 2) for k in range(max(number, 3))]
+    if orders.fluid[NEXT[v]] or orders.fluid[OTHER[v]]:
+        order[1], order[2] = order[2], order[1]
+    for odd, degree in order[:number]:
         yield [(weights.pair[v], e * P[degree] if odd else P[degree])]
 
 

@@ -55,7 +55,7 @@ def test_a_deviation_is_relative_to_the_flow_less_the_mean_flow(cases: list[Meas
 
 
 @pytest.mark.parametrize("lattice", LATTICES)
-@pytest.mark.parametrize("c", FRACTIONS[2::2])
+@pytest.mark.parametrize("c", FRACTIONS[::2])
 def test_arrays_converge(lattice: str, c: float) -> None:
     """Two modes against sixteen, drag and both viscosities."""
     modes, bound = TWO

@@ -81,7 +81,7 @@ def test_few_discs_in_a_round_container(angles: list[float]) -> None:
     """One, two opposite ones, four at right angles about the centre, and one in the middle."""
     centres = np.array([[0.0, 0.0], *([6.0 * np.cos(a), 6.0 * np.sin(a)] for a in angles)])
     surfaces = with_fluid_discs(in_container(centres, np.ones(len(centres)), 10.0))
-    assert np.count_nonzero(surfaces.fluid) < 40
+    assert np.count_nonzero(surfaces.fluid) < 60
     require_tiling(triangulate(surfaces))
 
 
