@@ -167,7 +167,12 @@ def launch(folder: Path, plan: dict[str, Any]) -> End:
     moment.unlink(missing_ok=True)
     with (folder / "stderr").open("w+") as stderr:
         running = subprocess.Popen(
-            command, cwd=folder, stdout=subprocess.DEVNULL, stderr=stderr, start_new_session=True
+            command,
+            cwd=folder,
+            env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[1])},
+            stdout=subprocess.DEVNULL,
+            stderr=stderr,
+            start_new_session=True,
         )
         while running.poll() is None:
             time.sleep(0.05)

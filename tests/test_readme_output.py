@@ -106,6 +106,7 @@ QUICK = (
     "fsi check cases/two_discs.toml",
     "fsi solve cases/disc_in_box.toml",
     "fsi resistance cases/disc_in_box.toml -o R.npz",
+    "fsi solve cases/pores/couette_N10.toml",
     "fsi pack random --number 40 --gap 0.02 --seed 1 -o random.json",
 )
 SLOW = {

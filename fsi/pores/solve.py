@@ -55,7 +55,7 @@ class PoreFlow:
         loading: what drives it.
         x: all numbers, those of the images of surfaces less the mean flow, (n,).
         U: velocities of bodies, (N, 3).
-        F: external loads on them, those that hold them too, (N, 3).
+        F: loads on them less their inertia, those that hold them too, (N, 3): minus those of the fluid.
         wall_forces: on the walls, as F, (W, 3).
         dissipation: in the fluid, mu x^T K x with the mean flow.
         checks: relative defects: residual, power, momentum.
@@ -117,15 +117,13 @@ def solve_pores(system: PoreSystem, loading: PoreLoading) -> PoreFlow:
     x[free], residual = _solve(A, rhs[free])
     U = x[body]
     reactions = K @ x + images
-    # What free bodies are given, and what the others are held by.
+    # On free modes what they are given, less what inertia takes; what holds the others is found.
     inertia = D[body] * (U - loading.inertia.U0) if loading.inertia else np.zeros_like(U)
-    F = np.where(loading.motion.held, reactions[body] + inertia, loading.motion.F)
+    F = np.where(loading.motion.held, reactions[body], loading.motion.F - inertia)
     walls = system.assembly.numbering.surface[system.pores.surfaces.discs : -1, None] + np.arange(3)
     dissipation = float(x @ (K @ x) + 2.0 * images @ x + mean_power)
     flow = PoreFlow(system, loading, x, U, F, reactions[walls], dissipation, {})
-    flow.checks.update(
-        residual=residual, power=_power(flow, F - inertia, reactions, float(images @ x) + mean_power)
-    )
+    flow.checks.update(residual=residual, power=_power(flow, reactions, float(images @ x) + mean_power))
     flow.checks.update(_translations(system, reactions))
     return flow
 
@@ -223,10 +221,10 @@ def _solve(A: sp.csr_matrix, b: Array) -> tuple[Array, float]:
     return scale @ y, defect / (float(np.abs(right).max(initial=0.0)) + _TINY)
 
 
-def _power(flow: PoreFlow, on_fluid: Array, reactions: Array, mean: float) -> float:
+def _power(flow: PoreFlow, reactions: Array, mean: float) -> float:
     """Power of bodies, walls and mean flow on the fluid less the dissipation, over their sizes."""
     loading, x = flow.loading, flow.x
-    bodies, walls, driven = on_fluid * flow.U, flow.wall_forces * loading.walls, 0.0
+    bodies, walls, driven = flow.F * flow.U, flow.wall_forces * loading.walls, 0.0
     if len(loading.walls) == 2:
         top = int(flow.system.assembly.numbering.surface[-1]) - 1
         driven = float(reactions[top] * x[top])

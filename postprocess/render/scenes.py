@@ -62,8 +62,8 @@ class Scene:
     def samples(self, field: RenderedField) -> tuple[Array, Array]:
         """Values of a field in the window, or anywhere if it shows none, and the area that each stands for.
 
-        They are the means in cells, as if their sides were straight; where all values count, or on bodies,
-        they are those at the nodes, with equal weights.
+        They are those at the nodes of cells, each for its part of a cell as if its sides were straight; where
+        all values count, or on bodies, each node counts once.
         """
         grid = self.bodies if field.on_bodies else self.fluid
         if grid is None:
@@ -74,7 +74,8 @@ class Scene:
             cells = nodes(grid)
             a, b, c = x[cells[:, :3].T, :2]
             weight = 0.5 * np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
-            x, value = (a + b + c) / 3.0, value[cells].mean(axis=1)
+            weight = np.repeat(weight / cells.shape[1], cells.shape[1])
+            x, value = x[cells.ravel()], value[cells.ravel()]
         seen = in_window(x)
         return value[seen], weight[seen]
 

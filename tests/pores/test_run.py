@@ -66,7 +66,7 @@ class KilledError(Exception):
 
 
 @pytest.mark.parametrize(
-    "sections", [{}, {"pores": {"modes": 0, "tolerance": 0.02}}], ids=["one", "tolerance"]
+    "sections", [{}, {"pores": {"modes": 0, "tolerance": 0.01}}], ids=["one", "tolerance"]
 )
 def test_a_resumed_run_is_the_unbroken_one_bit_by_bit(sections: dict[str, Any], tmp_path: Path) -> None:
     case = case_of(**sections)
