@@ -22,6 +22,7 @@ from fsi.postprocess.run.gaps import SurfaceGap, gap_between, narrowest_gap
 from fsi.postprocess.run.run import Run, nodes
 
 _SIDE = 12.0  # of the triangles that stand for a cell, in pixels; the colours between are linear
+_OF_ORDER_4 = 15  # nodes of a cell
 _SAME_PLACE = 1e-9  # of the window: nodes of two copies that are one
 
 
@@ -62,8 +63,9 @@ class Scene:
     def samples(self, field: RenderedField) -> tuple[Array, Array]:
         """Values of a field in the window, or anywhere if it shows none, and the area that each stands for.
 
-        They are those at the nodes of cells, each for its part of a cell as if its sides were straight; where
-        all values count, or on bodies, each node counts once.
+        They are the means in cells, as if their sides were straight; where all values count, or on bodies,
+        they are those at the nodes, with equal weights. The nodes of cells of order 4 and more, which are few
+        and large, stand for parts of them.
         """
         grid = self.bodies if field.on_bodies else self.fluid
         if grid is None:
@@ -74,8 +76,11 @@ class Scene:
             cells = nodes(grid)
             a, b, c = x[cells[:, :3].T, :2]
             weight = 0.5 * np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
-            weight = np.repeat(weight / cells.shape[1], cells.shape[1])
-            x, value = x[cells.ravel()], value[cells.ravel()]
+            if cells.shape[1] >= _OF_ORDER_4:
+                weight = np.repeat(weight / cells.shape[1], cells.shape[1])
+                x, value = x[cells.ravel()], value[cells.ravel()]
+            else:
+                x, value = (a + b + c) / 3.0, value[cells].mean(axis=1)
         seen = in_window(x)
         return value[seen], weight[seen]
 
