@@ -130,9 +130,9 @@ class FlowFields:
             there = pore_points(shapes, _even(order, pieces))
             jets.append(stream_function(shapes, there, batch, numbers).reshape(6, -1))
             points.append(there.x.reshape(-1, 2))
-            pores.append(np.repeat(batch.pore, 3 * pieces + 1))
+            pores.append(np.repeat(batch.pore, 3 * pieces + 3))
         pore = np.concatenate(pores)
-        ends, corner = _first_rows(system.pores.sides[pore[:: 3 * pieces + 1]], pieces)
+        ends, corner = _first_rows(system.pores.sides[pore[:: 3 * pieces + 3]], pieces)
         r, disc = self._quarters(order)
         jets.append(self._inner(disc, r))
         points.append(system.pores.surfaces.centre[disc] + r)
@@ -222,9 +222,9 @@ def _even(order: int, pieces: int) -> Rule:
 
 
 def _first_rows(sides: Index, pieces: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Which patches begin in one point, and in a corner; of pores with sides (E, 3), 3 pieces + 1 of each."""
-    corner = np.zeros((len(sides), 3 * pieces + 1), bool)
+    """Which patches begin in one point, and in a corner; of pores with sides (E, 3), 3 pieces + 3 of each."""
+    corner = np.zeros((len(sides), 3 * pieces + 3), bool)
     corner[:, : 3 * pieces : pieces] = sides < 0
     ends = corner.copy()
-    ends[:, -1] = True
+    ends[:, -3:] = True
     return ends.ravel(), corner.ravel()

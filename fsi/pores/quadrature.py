@@ -52,7 +52,7 @@ def _gauss(n: int) -> Array:
 
 def pore_points(shapes: PoreShapes, rule: Rule) -> Points:
     """The points of pores."""
-    parts = [_strip(shapes, v, rule) for v in range(3)] + [_triangle(shapes, rule)]
+    parts = [part(shapes, v, rule) for part in (_strip, _triangle) for v in range(3)]
     x, weight, distance = (np.concatenate(part, axis=-1) for part in zip(*parts, strict=True))
     return Points(np.moveaxis(x, 0, -1), weight, distance)
 
@@ -83,14 +83,17 @@ def _strip(shapes: PoreShapes, v: int, rule: Rule) -> tuple[Array, Array, Array]
     return x.reshape(2, n, -1), weight.reshape(n, -1), distance.reshape(3, n, -1)
 
 
-def _triangle(shapes: PoreShapes, rule: Rule) -> tuple[Array, Array, Array]:
-    """x, weights and distances of the triangles between points of touching, by collapsed Gauss points."""
+def _triangle(shapes: PoreShapes, v: int, rule: Rule) -> tuple[Array, Array, Array]:
+    """x, weights and distances of the third of the triangle between points of touching along side v.
+
+    Points gather at its middle, so that no vertex of a pore is before another.
+    """
     (u, du), A = rule.inside, np.moveaxis(shapes.touch, 0, -1)  # (3, 2, n)
-    b1, b2 = np.outer(u, 1.0 - u).ravel(), np.outer(u, u).ravel()
-    first, second = (A[1] - A[0])[..., None], (A[2] - A[0])[..., None]
-    x = A[0][..., None] + b1 * first + b2 * second
+    middle = A.mean(axis=0)[..., None]
+    first, second = A[NEXT[v]][..., None] - middle, A[OTHER[v]][..., None] - middle
+    x = middle + np.outer(u, 1.0 - u).ravel() * first + np.outer(u, u).ravel() * second
     weight = cross(first, second) * np.outer(u * du, du).ravel()
-    return x, weight, np.stack([_distance(shapes, v, x) for v in range(3)])
+    return x, weight, np.stack([_distance(shapes, k, x) for k in range(3)])
 
 
 def gathering(shapes: PoreShapes, v: int) -> Array:

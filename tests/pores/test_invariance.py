@@ -35,13 +35,12 @@ def strained(surfaces: Surfaces, gradient: Array = G, viscosity: float = 1.0) ->
 
 
 def require_same(found: PoreFlow, expected: PoreFlow, U: Array) -> None:
-    """The same dissipation, and these velocities, to what quadrature leaves.
+    """The same dissipation, and these velocities, to what rounding between narrow necks leaves.
 
-    Its points depend on which corner of a pore comes first: 3e-6 of the dissipation with two modes, whose
-    error is 1e-3.
+    Points of quadrature that began in another corner of a pore would change them by 3e-6 and 4e-5.
     """
-    assert found.dissipation == pytest.approx(expected.dissipation, rel=3e-5)
-    assert pytest.approx(U, abs=1e-4 * np.abs(U).max()) == found.U
+    assert found.dissipation == pytest.approx(expected.dissipation, rel=1e-6)
+    assert pytest.approx(U, abs=1e-5 * np.abs(U).max()) == found.U
 
 
 @given(SEEDS, NUMBERS, st.tuples(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0)))
@@ -78,12 +77,12 @@ def test_bodies_may_come_in_any_order(seed: int, n: int) -> None:
 @given(SEEDS, NUMBERS)
 @few
 def test_units_do_not_matter(seed: int, n: int) -> None:
-    """Lengths in micrometres, viscosity in nPa s: D = mu G^2 L^2."""
+    """Lengths in micrometres, viscosity in nPa s: D = mu G^2 L^2, to rounding between narrow necks (1e-7)."""
     one, unit, mu = packing(seed, n), 1e-6, 1e9
     small = replace(one, centre=unit * one.centre, radius=unit * one.radius, periods=unit * one.periods)
     flow, scaled = strained(one), strained(small, viscosity=mu)
-    assert scaled.dissipation == pytest.approx(mu * unit**2 * flow.dissipation, rel=1e-8)
-    assert pytest.approx(flow.U * [unit, unit, 1.0], rel=1e-6, abs=1e-9 * unit) == scaled.U
+    assert scaled.dissipation == pytest.approx(mu * unit**2 * flow.dissipation, rel=1e-6)
+    assert pytest.approx(flow.U * [unit, unit, 1.0], rel=1e-5, abs=1e-8 * unit) == scaled.U
 
 
 @given(SEEDS, st.integers(1, 4))
