@@ -19,7 +19,7 @@ from rich.table import Table
 from bench.step import forget_peak, peak_memory
 from fsi.bodies.configuration import Array, Motion
 from fsi.pores.solve import PoreLoading, solve_pores
-from fsi.pores.surfaces import DISC, WALL, Surfaces
+from fsi.pores.surfaces import DISC, WALL, BoundingSurfaces
 from fsi.pores.system import PoreSystem
 
 REFERENCE = Path(__file__).parents[1] / "tests" / "reference"
@@ -64,7 +64,7 @@ def timed(discs: int, modes: int) -> tuple[float, ...]:
     return float(system.unknowns), *seconds
 
 
-def suspension(discs: int) -> tuple[Surfaces, float]:
+def suspension(discs: int) -> tuple[BoundingSurfaces, float]:
     """Discs between walls, and their distance."""
     copies = round((discs / 200) ** 0.5) if discs > 200 else 1
     if discs > 200 and discs != 200 * copies**2:
@@ -75,10 +75,10 @@ def suspension(discs: int) -> tuple[Surfaces, float]:
     return channel(np.concatenate([centres + step for step in steps]), copies * length, copies * height)
 
 
-def channel(centres: Array, length: float, height: float) -> tuple[Surfaces, float]:
+def channel(centres: Array, length: float, height: float) -> tuple[BoundingSurfaces, float]:
     """Discs of radius 1 between walls at y = 0 and y = height, which comes with them."""
     N = len(centres)
-    surfaces = Surfaces(
+    surfaces = BoundingSurfaces(
         np.array([DISC] * N + [WALL] * 2, np.int8),
         np.vstack([centres, [[0.0, 0.0], [0.0, height]]]),
         np.append(np.ones(N), [0.0, 0.0]),

@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.pores.surfaces import CONTAINER, DISC, WALL, Surfaces
+from fsi.pores.surfaces import CONTAINER, DISC, WALL, BoundingSurfaces
 from fsi.pores.topology import Pores
 
 Array = NDArray[np.float64]
 
 
-def between(centres: Array, radii: Array, points: Array, normals: Array, periods: Array) -> Surfaces:
+def between(centres: Array, radii: Array, points: Array, normals: Array, periods: Array) -> BoundingSurfaces:
     """Discs and plane walls."""
     n, walls = len(radii), len(points)
-    return Surfaces(
+    return BoundingSurfaces(
         np.repeat([DISC, WALL], [n, walls]).astype(np.int8),
         np.vstack([centres, points]),
         np.concatenate([radii, np.zeros(walls)]),
@@ -24,31 +24,31 @@ def between(centres: Array, radii: Array, points: Array, normals: Array, periods
     )
 
 
-def in_cell(centres: Array, radii: Array, vectors: Array) -> Surfaces:
+def in_cell(centres: Array, radii: Array, vectors: Array) -> BoundingSurfaces:
     return between(centres, radii, np.empty((0, 2)), np.empty((0, 2)), vectors)
 
 
-def in_channel(centres: Array, radii: Array, length: float, height: float) -> Surfaces:
+def in_channel(centres: Array, radii: Array, length: float, height: float) -> BoundingSurfaces:
     points, normals = np.array([[0.0, 0.0], [0.0, height]]), np.array([[0.0, 1.0], [0.0, -1.0]])
     return between(centres, radii, points, normals, np.array([[length, 0.0]]))
 
 
-def in_box(centres: Array, radii: Array, length: float, height: float) -> Surfaces:
+def in_box(centres: Array, radii: Array, length: float, height: float) -> BoundingSurfaces:
     points = np.array([[0.0, 0.0], [length, 0.0], [0.0, 0.0], [0.0, height]])
     normals = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
     return between(centres, radii, points, normals, np.empty((0, 2)))
 
 
-def in_square(centres: Array, radii: Array, walls: int) -> Surfaces:
+def in_square(centres: Array, radii: Array, walls: int) -> BoundingSurfaces:
     """Of side 1 with 0, 2 or 4 walls."""
     if walls == 4:
         return in_box(centres, radii, 1.0, 1.0)
     return in_channel(centres, radii, 1.0, 1.0) if walls else in_cell(centres, radii, np.eye(2))
 
 
-def in_container(centres: Array, radii: Array, radius: float) -> Surfaces:
+def in_container(centres: Array, radii: Array, radius: float) -> BoundingSurfaces:
     n = len(radii)
-    return Surfaces(
+    return BoundingSurfaces(
         np.append(np.full(n, DISC), CONTAINER).astype(np.int8),
         np.vstack([centres, [[0.0, 0.0]]]),
         np.append(radii, radius),
@@ -102,7 +102,7 @@ def feet(pores: Pores) -> tuple[Array, Array]:
     return ends[0], ends[1]
 
 
-def corner_point(surfaces: Surfaces, v: int, w: int) -> Array:
+def corner_point(surfaces: BoundingSurfaces, v: int, w: int) -> Array:
     """Where two walls meet."""
     n = surfaces.normal[[v, w]]
     return np.linalg.solve(n, (n * surfaces.centre[[v, w]]).sum(axis=1))
@@ -134,7 +134,7 @@ def areas(pores: Pores) -> Array:
     return total
 
 
-def area_inside(surfaces: Surfaces) -> float:
+def area_inside(surfaces: BoundingSurfaces) -> float:
     """Of fluid and discs together: in a cell, channel, round container or upright box."""
     V, bounds = surfaces.periods, slice(surfaces.discs, None)
     if len(V) == 2:

@@ -29,7 +29,7 @@ _SHARE = 0.9
 
 
 @dataclass(frozen=True, slots=True)
-class Pair:
+class ComparedFlows:
     """The same problem with some modes and with more.
 
     Attributes:
@@ -71,14 +71,14 @@ def padded(coarse: PoreFlow, finer: PoreSystem) -> Array:
     return x
 
 
-def compare(system: PoreSystem, loading: PoreLoading) -> Pair:
+def compare(system: PoreSystem, loading: PoreLoading) -> ComparedFlows:
     """A flow and that with the next numbers of modes. Raises SolveError."""
     more = _next(system.assembly.numbering.modes)
     finer = PoreSystem.of(system.bodies, system.pores, more, system.viscosity)
-    return Pair(solve_pores(system, loading), solve_pores(finer, loading))
+    return ComparedFlows(solve_pores(system, loading), solve_pores(finer, loading))
 
 
-def adapt(system: PoreSystem, loading: PoreLoading, tolerance: float) -> Pair:
+def adapt(system: PoreSystem, loading: PoreLoading, tolerance: float) -> ComparedFlows:
     """The flow with as many modes, pore by pore, as bring its error below a tolerance.
 
     Raises SolveError: the most modes there are do not reach it.
@@ -100,7 +100,7 @@ def _next(modes: Index) -> Index:
     return np.array([REFINED.get(k, k) for k in range(int(modes.max(initial=0)) + 1)])[modes]
 
 
-def _marked(pair: Pair, system: PoreSystem) -> Index:
+def _marked(pair: ComparedFlows, system: PoreSystem) -> Index:
     """Which necks bound the fewest pores that hold most of the excess, (K,)."""
     excess = pair.excess
     order = np.argsort(-excess)

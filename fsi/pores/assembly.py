@@ -7,7 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from fsi.pores.forms import Forms, pore_forms
+from fsi.pores.forms import PoreForms, pore_forms
 from fsi.pores.inner import inner_form
 from fsi.pores.levels import LEVELS, level_of
 from fsi.pores.quadrature import Rule, gathering
@@ -62,7 +62,7 @@ class Batch:
     unknown: Index
     orders: Orders
     rule: Rule
-    forms: Forms
+    forms: PoreForms
 
 
 @dataclass(frozen=True, slots=True)

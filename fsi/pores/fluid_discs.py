@@ -18,7 +18,7 @@ from fsi.pores.links import Corner, Links, across, corner, moved, step
 from fsi.pores.power import locate
 from fsi.pores.shape import clearance, distance, from_neck, inscribed, neck
 from fsi.pores.start import surrounding, widest_view
-from fsi.pores.surfaces import CONTAINER, DISC, Array, Bodies, Shapes, Surfaces
+from fsi.pores.surfaces import CONTAINER, DISC, Array, Bodies, BoundingSurfaces, Shapes
 from fsi.pores.topology import linked, numbered, with_more_discs
 
 _ROUNDS = 60
@@ -46,7 +46,7 @@ class Wide:
     share: float = 0.55
 
 
-def with_fluid_discs(surfaces: Surfaces, wide: Wide = Wide()) -> Surfaces:
+def with_fluid_discs(surfaces: BoundingSurfaces, wide: Wide = Wide()) -> BoundingSurfaces:
     """These surfaces and fluid discs in all wide pores, and where bodies lie across necks.
 
     Raises SolveError where there is no end of it, because bodies overlap.
@@ -60,7 +60,7 @@ def with_fluid_discs(surfaces: Surfaces, wide: Wide = Wide()) -> Surfaces:
     raise SolveError("no end of fluid discs; do bodies overlap?")
 
 
-def _filled(surfaces: Surfaces, wide: Wide) -> Surfaces:
+def _filled(surfaces: BoundingSurfaces, wide: Wide) -> BoundingSurfaces:
     """With fluid discs until no pore is wide, of pores in which the new discs are put one after the other.
 
     While bodies lie across necks such pores may hide one from a new disc, which is then taken out.
@@ -83,7 +83,7 @@ def _filled(surfaces: Surfaces, wide: Wide) -> Surfaces:
     return surfaces
 
 
-def _apart(surfaces: Surfaces, links: Links) -> NDArray[np.bool_]:
+def _apart(surfaces: BoundingSurfaces, links: Links) -> NDArray[np.bool_]:
     """All surfaces but fluid discs that overlap another, (B,)."""
     pores = numbered(surfaces, links)
     apart = np.ones(len(surfaces), bool)
@@ -91,7 +91,7 @@ def _apart(surfaces: Surfaces, links: Links) -> NDArray[np.bool_]:
     return apart | ~surfaces.fluid
 
 
-def _surrounded(surfaces: Surfaces, share: float) -> Surfaces:
+def _surrounded(surfaces: BoundingSurfaces, share: float) -> BoundingSurfaces:
     """With fluid discs around the centre of a container, where pores can start."""
     if not np.any(surfaces.kind == CONTAINER):
         return surfaces
@@ -107,7 +107,7 @@ def _surrounded(surfaces: Surfaces, share: float) -> Surfaces:
     return surfaces
 
 
-def _wide_from(surfaces: Surfaces, links: Links, wide: Wide) -> Array:
+def _wide_from(surfaces: BoundingSurfaces, links: Links, wide: Wide) -> Array:
     """The inscribed radius from which each pore is wide, (T,)."""
     radius, bound = surfaces.radius[links.body], surfaces.kind[links.body] != DISC
     body = np.where(bound | surfaces.fluid[links.body], np.inf, radius).min(axis=1)

@@ -23,7 +23,7 @@ from fsi.pores.trial import Orders, trial_functions
 _DEPENDENT = 1e-14
 
 
-class Forms(NamedTuple):
+class PoreForms(NamedTuple):
     """Of n pores.
 
     Attributes:
@@ -37,13 +37,13 @@ class Forms(NamedTuple):
     least: Array
 
 
-def pore_forms(shapes: PoreShapes, rule: Rule, orders: Orders) -> Forms:
+def pore_forms(shapes: PoreShapes, rule: Rule, orders: Orders) -> PoreForms:
     """The forms of pores of the same orders."""
     points = pore_points(shapes, rule)
     S, B = _strain_rates(shapes, points, orders)
     # Whatever X is, this is the dissipation of flows: positive, an upper bound, off by X's error squared.
     S = S - least_bubbles(S, B).transpose(0, 2, 1) @ B
-    return Forms(S @ S.transpose(0, 2, 1), points.weight.sum(axis=1), points.weight.min(axis=1))
+    return PoreForms(S @ S.transpose(0, 2, 1), points.weight.sum(axis=1), points.weight.min(axis=1))
 
 
 def with_bubbles(shapes: PoreShapes, rule: Rule, orders: Orders, x: Array) -> Array:

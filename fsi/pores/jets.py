@@ -28,7 +28,7 @@ LINEAR, ANY = 3, 6  # how many of f, f_x, f_y, f_xx, f_xy, f_yy need not vanish
 ) = range(9)
 
 
-class Step(NamedTuple):
+class JetStep(NamedTuple):
     """One function made of others: its number, that of `first` and `second` or of a datum, and two numbers.
 
     Attributes:
@@ -55,13 +55,13 @@ class Formulas:
         degree: LINEAR or ANY, of each function.
     """
 
-    steps: list[Step] = field(default_factory=list)
+    steps: list[JetStep] = field(default_factory=list)
     degree: list[int] = field(default_factory=list)
 
     def made(self, kind: int, first: int, second: int, degree: int, factors: tuple[float, float]) -> int:
         """The number of a new function."""
         out = len(self.degree)
-        self.steps.append(Step(kind, out, first, second, *factors))
+        self.steps.append(JetStep(kind, out, first, second, *factors))
         self.degree.append(degree)
         return out
 
@@ -136,7 +136,7 @@ type Sum = Sequence[Product]
 """A function as a sum of products of two; None stands for 1."""
 
 
-class Program(NamedTuple):
+class JetProgram(NamedTuple):
     """The steps to some functions, for compiled loops: each in a place that is free again after its last use.
 
     Attributes:
@@ -152,9 +152,9 @@ class Program(NamedTuple):
     functions: int
 
 
-def program(formulas: Formulas, functions: Iterable[Sum]) -> Program:
+def program(formulas: Formulas, functions: Iterable[Sum]) -> JetProgram:
     """The steps to functions that are sums of products."""
-    steps, seen, number = list[Step](), 0, 0
+    steps, seen, number = list[JetStep](), 0, 0
     for number, function in enumerate(functions, 1):  # each is written down when its turn comes
         steps += formulas.steps[seen:]
         seen = len(formulas.steps)
@@ -162,11 +162,11 @@ def program(formulas: Formulas, functions: Iterable[Sum]) -> Program:
             second, factor = (-1, f.factor) if g is None else (g.number, f.factor * g.factor)
             if second >= 0 and formulas.degree[second] > f.degree:
                 f, second = Jet(formulas, second), f.number
-            steps.append(Step(TERM, number - 1, f.number, second, factor, 0.0))
+            steps.append(JetStep(TERM, number - 1, f.number, second, factor, 0.0))
     return _placed(steps, formulas.degree, number)
 
 
-def _sources(step: Step) -> tuple[int, ...]:
+def _sources(step: JetStep) -> tuple[int, ...]:
     """The functions that a step is made of."""
     if step.kind in (DISTANCE, AFFINE, HALF_SQUARE):
         return ()
@@ -175,9 +175,9 @@ def _sources(step: Step) -> tuple[int, ...]:
     return step.first, step.second
 
 
-def _placed(steps: list[Step], degree: list[int], functions: int) -> Program:
+def _placed(steps: list[JetStep], degree: list[int], functions: int) -> JetProgram:
     """Steps with places in place of numbers; those without use are left out."""
-    needed, kept = set[int](), list[tuple[Step, set[int]]]()
+    needed, kept = set[int](), list[tuple[JetStep, set[int]]]()
     for step in reversed(steps):
         if step.kind == TERM or step.out in needed:
             last = {source for source in _sources(step) if source not in needed}
@@ -198,4 +198,4 @@ def _placed(steps: list[Step], degree: list[int], functions: int) -> Program:
         code.append([step.kind, out, first, second, *degrees[:2]])
         free.extend(place[source] for source in last)
     factor = [[step.alpha, step.beta] for step, _ in reversed(kept)]
-    return Program(np.array(code, np.int64), np.array(factor), places, functions)
+    return JetProgram(np.array(code, np.int64), np.array(factor), places, functions)

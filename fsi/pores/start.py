@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 from fsi.errors import SolveError
 from fsi.meshes.geometry.lattice import reduced
 from fsi.pores.links import OPEN, Links
-from fsi.pores.surfaces import CONTAINER, DISC, Array, Bodies, Surfaces
+from fsi.pores.surfaces import CONTAINER, DISC, Array, Bodies, BoundingSurfaces
 
 _HALF_TURN = 0.95 * np.pi  # angle between neighbours around the centre of a container
 _IN_THE_MIDDLE = 1e-6  # over the radius of a container: a disc that near to its centre lies in no direction
 
 
-def first_pores(surfaces: Surfaces, order: Bodies) -> tuple[Links, Bodies]:
+def first_pores(surfaces: BoundingSurfaces, order: Bodies) -> tuple[Links, Bodies]:
     """The first pores, with room for all, and the discs that are still to come, of those in this order.
 
     Raises SolveError where the discs of a round container do not surround its centre.
@@ -65,7 +65,7 @@ def _in_cell(disc: int, periods: Array) -> First:
     return [[disc] * 3] * 2, [[origin, one, both], [origin, both, other]], [[4, 5, 3], [2, 0, 1]]
 
 
-def _in_channel(disc: int, walls: Bodies, surfaces: Surfaces) -> First:
+def _in_channel(disc: int, walls: Bodies, surfaces: BoundingSurfaces) -> First:
     """Two pores between a disc, its image and a wall."""
     (e,), body, image = surfaces.periods, [], []
     for wall in walls:
@@ -91,7 +91,7 @@ def _in_container(discs: Bodies, container: int) -> First:
     return body, [[(0, 0)] * 3] * 4, [[8, 11, 5], [10, 6, 2], [4, 9, 0], [7, 3, 1]]
 
 
-def surrounding(surfaces: Surfaces, order: Bodies) -> Bodies | None:
+def surrounding(surfaces: BoundingSurfaces, order: Bodies) -> Bodies | None:
     """Three discs around the centre of the container, anticlockwise, of those in this order, or None."""
     angle, length, beside = _places_around(surfaces, order)
     for first in np.argsort(-length, kind="stable"):
@@ -104,7 +104,7 @@ def surrounding(surfaces: Surfaces, order: Bodies) -> Bodies | None:
     return None
 
 
-def _places_around(surfaces: Surfaces, order: Bodies) -> tuple[Array, Array, NDArray[np.bool_]]:
+def _places_around(surfaces: BoundingSurfaces, order: Bodies) -> tuple[Array, Array, NDArray[np.bool_]]:
     """Angles and distances of discs around the centre of a container, and whether they are beside it."""
     container = surfaces.kind == CONTAINER
     e = surfaces.centre[order] - surfaces.centre[container]
@@ -112,7 +112,7 @@ def _places_around(surfaces: Surfaces, order: Bodies) -> tuple[Array, Array, NDA
     return np.arctan2(e[:, 1], e[:, 0]), length, length > _IN_THE_MIDDLE * surfaces.radius[container]
 
 
-def widest_view(surfaces: Surfaces) -> float:
+def widest_view(surfaces: BoundingSurfaces) -> float:
     """The middle of the widest angle, seen from the centre of a container, with no disc in it."""
     angle, _, beside = _places_around(surfaces, np.arange(surfaces.discs))
     angle = np.sort(angle[beside])
@@ -123,7 +123,7 @@ def widest_view(surfaces: Surfaces) -> float:
     return float(angle[widest] + 0.5 * width[widest])
 
 
-def order_of_insertion(surfaces: Surfaces) -> Bodies:
+def order_of_insertion(surfaces: BoundingSurfaces) -> Bodies:
     """All discs, rows (surface, its image in the cell), in ever larger rounds, each along a winding path.
 
     Rounds keep pores round while they are few, and the path keeps walks short (Amenta, Choi and Rote 2003,

@@ -6,7 +6,18 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.pores.compiled import compiled
-from fsi.pores.jets import AFFINE, ANY, DISTANCE, HALF_SQUARE, PRODUCT, RECIPROCAL, SCALED, SUM, TERM, Program
+from fsi.pores.jets import (
+    AFFINE,
+    ANY,
+    DISTANCE,
+    HALF_SQUARE,
+    PRODUCT,
+    RECIPROCAL,
+    SCALED,
+    SUM,
+    TERM,
+    JetProgram,
+)
 from fsi.pores.quadrature import Points
 
 _AT_ONCE = 96  # points
@@ -28,17 +39,17 @@ class Pore(NamedTuple):
     root: Array
 
 
-def strain_rates(program: Program, data: Array, points: Points) -> Array:
+def strain_rates(program: JetProgram, data: Array, points: Points) -> Array:
     """2 psi_xy and psi_yy - psi_xx times roots of weights, (n, functions, 2, Q); data of pores, (n, .)."""
     return _taken(program, data, points, 2)
 
 
-def values(program: Program, data: Array, points: Points) -> Array:
+def values(program: JetProgram, data: Array, points: Points) -> Array:
     """The functions with their derivatives, (n, functions, 6, Q)."""
     return _taken(program, data, points, ANY)
 
 
-def _taken(program: Program, data: Array, points: Points, components: int) -> Array:
+def _taken(program: JetProgram, data: Array, points: Points, components: int) -> Array:
     n, Q = points.weight.shape
     out = np.zeros((n, program.functions, components, Q))
     root = np.sqrt(np.abs(points.weight))
@@ -48,14 +59,14 @@ def _taken(program: Program, data: Array, points: Points, components: int) -> Ar
 
 
 @compiled
-def _take_steps(program: Program, pores: Pore, jets: Array, out: Array) -> None:
+def _take_steps(program: JetProgram, pores: Pore, jets: Array, out: Array) -> None:
     """All steps at all points of all pores; jets (places, 6, .) is where they work."""
     room, Q, code = jets.shape[2], pores.x.shape[1], program.code
     for e in range(len(pores.data)):
         data = pores.data[e]
         for q in range(0, Q, room):
             n = min(room, Q - q)
-            x, root = pores.x[e][q:], pores.root[e][q:]
+            x, root = pores.x[e][q:], pores.root[e][q : q + n]
             for s in range(len(code)):
                 kind, o, i, j = code[s, 0], code[s, 1], code[s, 2], code[s, 3]
                 alpha, beta = program.factor[s, 0], program.factor[s, 1]
@@ -66,15 +77,11 @@ def _take_steps(program: Program, pores: Pore, jets: Array, out: Array) -> None:
                         _product_with_linear(n, jets[i], jets[j], jets[o])
                 elif kind == TERM and out.shape[2] == 2:
                     if j < 0:
-                        _strain(n, alpha, jets[i], root, out[e, o, 0][q:], out[e, o, 1][q:])
+                        _strain(alpha, jets[i], root, out[e, o, :, q:])
                     elif code[s, 5] == ANY:
-                        _strain_of_product(
-                            n, alpha, jets[i], jets[j], root, out[e, o, 0][q:], out[e, o, 1][q:]
-                        )
+                        _strain_of_product(alpha, jets[i], jets[j], root, out[e, o, :, q:])
                     else:
-                        _strain_with_linear(
-                            n, alpha, jets[i], jets[j], root, out[e, o, 0][q:], out[e, o, 1][q:]
-                        )
+                        _strain_with_linear(alpha, jets[i], jets[j], root, out[e, o, :, q:])
                 elif kind == TERM:
                     if j >= 0:
                         _product(n, jets[i], jets[j], jets[-1])
@@ -83,7 +90,7 @@ def _take_steps(program: Program, pores: Pore, jets: Array, out: Array) -> None:
                         for w in range(n):
                             out[e, o, k, q + w] += alpha * jets[i, k, w]
                 elif kind == SUM:
-                    _sum(n, alpha, jets[i], beta, jets[j], jets[o])
+                    _sum(n, program.factor[s], jets[i], jets[j], jets[o])
                 elif kind == RECIPROCAL:
                     _reciprocal(n, jets[i], jets[o])
                 elif kind == DISTANCE:
@@ -126,39 +133,35 @@ def _product_with_linear(n: int, f: Array, g: Array, out: Array) -> None:
 
 
 @compiled
-def _strain(n: int, alpha: float, f: Array, root: Array, shear: Array, stretch: Array) -> None:
-    for w in range(n):
-        shear[w] += alpha * root[w] * 2.0 * f[4, w]
-        stretch[w] += alpha * root[w] * (f[5, w] - f[3, w])
+def _strain(alpha: float, f: Array, root: Array, out: Array) -> None:
+    for w in range(len(root)):
+        out[0, w] += alpha * root[w] * 2.0 * f[4, w]
+        out[1, w] += alpha * root[w] * (f[5, w] - f[3, w])
 
 
 @compiled
-def _strain_of_product(
-    n: int, alpha: float, f: Array, g: Array, root: Array, shear: Array, stretch: Array
-) -> None:
-    for w in range(n):
+def _strain_of_product(alpha: float, f: Array, g: Array, root: Array, out: Array) -> None:
+    for w in range(len(root)):
         a, ax, ay, b, bx, by = f[0, w], f[1, w], f[2, w], g[0, w], g[1, w], g[2, w]
         factor = alpha * root[w]
-        shear[w] += factor * 2.0 * (f[4, w] * b + ax * by + ay * bx + a * g[4, w])
-        stretch[w] += factor * ((f[5, w] - f[3, w]) * b + 2.0 * (ay * by - ax * bx) + a * (g[5, w] - g[3, w]))
+        out[0, w] += factor * 2.0 * (f[4, w] * b + ax * by + ay * bx + a * g[4, w])
+        out[1, w] += factor * ((f[5, w] - f[3, w]) * b + 2.0 * (ay * by - ax * bx) + a * (g[5, w] - g[3, w]))
 
 
 @compiled
-def _strain_with_linear(
-    n: int, alpha: float, f: Array, g: Array, root: Array, shear: Array, stretch: Array
-) -> None:
-    for w in range(n):
+def _strain_with_linear(alpha: float, f: Array, g: Array, root: Array, out: Array) -> None:
+    for w in range(len(root)):
         ax, ay, b, bx, by = f[1, w], f[2, w], g[0, w], g[1, w], g[2, w]
         factor = alpha * root[w]
-        shear[w] += factor * 2.0 * (f[4, w] * b + ax * by + ay * bx)
-        stretch[w] += factor * ((f[5, w] - f[3, w]) * b + 2.0 * (ay * by - ax * bx))
+        out[0, w] += factor * 2.0 * (f[4, w] * b + ax * by + ay * bx)
+        out[1, w] += factor * ((f[5, w] - f[3, w]) * b + 2.0 * (ay * by - ax * bx))
 
 
 @compiled
-def _sum(n: int, alpha: float, f: Array, beta: float, g: Array, out: Array) -> None:
+def _sum(n: int, factor: Array, f: Array, g: Array, out: Array) -> None:
     for k in range(6):
         for w in range(n):
-            out[k, w] = alpha * f[k, w] + beta * g[k, w]
+            out[k, w] = factor[0] * f[k, w] + factor[1] * g[k, w]
 
 
 @compiled

@@ -33,7 +33,7 @@ class Shapes(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Surfaces:
+class BoundingSurfaces:
     """What bounds the fluid, B surfaces: first discs, then fluid discs, then walls or a container.
 
     Attributes:
@@ -73,10 +73,10 @@ class Surfaces:
         periods[: len(self.periods)] = self.periods
         return Shapes(self.kind, self.centre, radius, self.normal, periods)
 
-    def with_fluid(self, centre: Array, radius: Array) -> Surfaces:
+    def with_fluid(self, centre: Array, radius: Array) -> BoundingSurfaces:
         """These and more fluid discs, centres (n, 2) and radii (n,), behind those that there are."""
         n, at = len(radius), np.full(len(radius), self.discs)
-        return Surfaces(
+        return BoundingSurfaces(
             np.insert(self.kind, at, DISC),
             np.insert(self.centre, at, centre, axis=0),
             np.insert(self.radius, at, radius),
@@ -85,13 +85,13 @@ class Surfaces:
             self.periods,
         )
 
-    def only(self, some: NDArray[np.bool_]) -> Surfaces:
+    def only(self, some: NDArray[np.bool_]) -> BoundingSurfaces:
         """Some of them, (B,)."""
         parts = (self.kind[some], self.centre[some], self.radius[some], self.normal[some], self.fluid[some])
-        return Surfaces(*parts, self.periods)
+        return BoundingSurfaces(*parts, self.periods)
 
 
-def surfaces_of(q: Configuration, container: Container) -> Surfaces:
+def surfaces_of(q: Configuration, container: Container) -> BoundingSurfaces:
     """The discs of a configuration and the walls of its container.
 
     Raises InputError where pores are not made for such a container.
@@ -107,7 +107,7 @@ def surfaces_of(q: Configuration, container: Container) -> Surfaces:
         centre.append(middle - distance * n if sphere is None else np.atleast_2d(sphere.centre))
         normal.append(n[None] if flat else np.zeros((1, 2)))
         radius.append(np.array([0.0 if sphere is None else sphere.radius]))
-    return Surfaces(
+    return BoundingSurfaces(
         np.array(kind, np.int8),
         np.concatenate(centre),
         np.concatenate(radius),

@@ -12,7 +12,7 @@ from fsi.errors import SolveError
 from fsi.pores.assembly import Assembly, Index, assemble
 from fsi.pores.fluid_discs import with_fluid_discs
 from fsi.pores.regions import PoreShapes, shapes_of
-from fsi.pores.surfaces import DISC, Surfaces
+from fsi.pores.surfaces import DISC, BoundingSurfaces
 from fsi.pores.topology import Pores, triangulate
 
 
@@ -37,7 +37,7 @@ class PoreSystem:
     seconds: dict[str, float] = field(default_factory=dict)
 
     @classmethod
-    def make(cls, surfaces: Surfaces, modes: int, viscosity: float) -> PoreSystem:
+    def make(cls, surfaces: BoundingSurfaces, modes: int, viscosity: float) -> PoreSystem:
         """With the same number of modes for each neck. Raises SolveError: no pores fill the fluid."""
         began = process_time()
         bodies = int(np.count_nonzero(surfaces.kind == DISC))

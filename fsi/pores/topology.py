@@ -30,7 +30,7 @@ from fsi.pores.links import Links, corner, turn
 from fsi.pores.power import insert
 from fsi.pores.shape import improve, narrowest
 from fsi.pores.start import first_pores, order_of_insertion
-from fsi.pores.surfaces import CONTAINER, DISC, WALL, Array, Bodies, Shapes, Surfaces
+from fsi.pores.surfaces import CONTAINER, DISC, WALL, Array, Bodies, BoundingSurfaces, Shapes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,7 +51,7 @@ class Pores:
             the corner of a box, (E, 3).
     """
 
-    surfaces: Surfaces
+    surfaces: BoundingSurfaces
     necks: Bodies
     neck_image: Bodies
     neck_gap: Array
@@ -64,7 +64,7 @@ class Pores:
         return len(self.vertices)
 
 
-def triangulate(surfaces: Surfaces) -> Pores:
+def triangulate(surfaces: BoundingSurfaces) -> Pores:
     """The pores between surfaces.
 
     They depend on the places of the discs alone, and on their order only where two choices are equal.
@@ -100,7 +100,7 @@ def begun_alike(pores: Pores) -> Pores:
     )
 
 
-def linked(surfaces: Surfaces) -> Links:
+def linked(surfaces: BoundingSurfaces) -> Links:
     """The pores and how they hang together: the power triangulation, improved."""
     discs, shapes = order_of_insertion(surfaces), surfaces.shapes()
     if len(discs) == 0:
@@ -112,7 +112,7 @@ def linked(surfaces: Surfaces) -> Links:
     return links
 
 
-def with_more_discs(surfaces: Surfaces, links: Links, near: Bodies) -> Links:
+def with_more_discs(surfaces: BoundingSurfaces, links: Links, near: Bodies) -> Links:
     """The pores once the last discs of `surfaces` are put into these, each near a pore of these, (n,)."""
     n, T = len(near), len(links.body)
     first = surfaces.discs - n
@@ -128,7 +128,7 @@ def with_more_discs(surfaces: Surfaces, links: Links, near: Bodies) -> Links:
     return more
 
 
-def numbered(surfaces: Surfaces, links: Links) -> Pores:
+def numbered(surfaces: BoundingSurfaces, links: Links) -> Pores:
     """The necks by number, and each pore seen from its first disc."""
     body, image, kind = links.body, links.image, surfaces.kind
     kept = np.flatnonzero(np.arange(len(links.twin)) < links.twin)
@@ -150,7 +150,7 @@ def numbered(surfaces: Surfaces, links: Links) -> Pores:
     )
 
 
-def lengths_of_necks(surfaces: Surfaces, necks: Bodies, image: Bodies) -> Array:
+def lengths_of_necks(surfaces: BoundingSurfaces, necks: Bodies, image: Bodies) -> Array:
     """The distance of two surfaces, (K,), negative where they overlap."""
     i, j = necks.T
     shapes = surfaces.shapes()
@@ -163,7 +163,7 @@ def lengths_of_necks(surfaces: Surfaces, necks: Bodies, image: Bodies) -> Array:
     return gap
 
 
-def _named(surfaces: Surfaces, body: int) -> str:
+def _named(surfaces: BoundingSurfaces, body: int) -> str:
     """A surface, by its number among its kind, from 0 on."""
     if surfaces.kind[body] != DISC:
         return f"wall {body - surfaces.discs}"
@@ -180,7 +180,7 @@ def _require_gaps(pores: Pores) -> None:
         raise SolveError(f"no pores: {i} touches or overlaps {j}")
 
 
-def _require_clear_necks(surfaces: Surfaces, links: Links) -> None:
+def _require_clear_necks(surfaces: BoundingSurfaces, links: Links) -> None:
     """No body lies across a neck."""
     clear = clearances(surfaces.shapes(), links)
     worst = int(np.argmin(clear))

@@ -29,7 +29,7 @@ from collections.abc import Iterator
 from functools import cache
 from typing import NamedTuple
 
-from fsi.pores.jets import Formulas, Jet, Program, Sum, program
+from fsi.pores.jets import Formulas, Jet, JetProgram, Sum, program
 from fsi.pores.pore_data import column
 from fsi.pores.regions import NEXT, OTHER
 
@@ -90,7 +90,7 @@ def numbers_of(order: int) -> int:
 
 
 @cache
-def trial_functions(orders: Orders) -> Program:
+def trial_functions(orders: Orders) -> JetProgram:
     """All trial functions of pores of these orders: of surfaces, of sides, bubbles."""
     formulas = Formulas()
     return program(formulas, _functions(formulas, orders))

@@ -13,7 +13,7 @@ from fsi.pores.pore_data import pore_data
 from fsi.pores.quadrature import Points, pore_points
 from fsi.pores.solve import PoreLoading, solve_pores
 from fsi.pores.steps import strain_rates, values
-from fsi.pores.surfaces import Surfaces
+from fsi.pores.surfaces import BoundingSurfaces
 from fsi.pores.system import PoreSystem
 from fsi.pores.trial import trial_functions
 from tests.pore_surfaces import (
@@ -30,7 +30,7 @@ from tests.pore_surfaces import (
 )
 
 
-def packing(seed: int) -> Surfaces:
+def packing(seed: int) -> BoundingSurfaces:
     rng = np.random.default_rng(seed)
     centres = np.array([[x, y] for x in (1.3, 3.8, 6.2) for y in (1.2, 3.6, 5.9)]) + 0.1 * rng.random((9, 2))
     return channel(centres, 1.0 + 0.1 * rng.random(9), 7.4, 7.2)

@@ -8,13 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fsi.pores.fluid_discs import Wide, circles_in_pores, with_fluid_discs
-from fsi.pores.surfaces import DISC, Surfaces
+from fsi.pores.surfaces import DISC, BoundingSurfaces
 from fsi.pores.topology import linked, triangulate
 from tests.packings import in_box, in_cell, in_channel, in_container, in_square, scattered
 from tests.pores.test_topology import require_tiling
 
 
-def require_narrow(surfaces: Surfaces) -> None:
+def require_narrow(surfaces: BoundingSurfaces) -> None:
     """No inscribed circle beside a body is larger than `Wide` says but where bodies reach into it."""
     links, wide = linked(surfaces), Wide()
     circles, crossed = circles_in_pores(surfaces.shapes(), links)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from fsi.bodies.configuration import Array
 from fsi.pores.solve import PoreFlow, PoreLoading, solve_pores
-from fsi.pores.surfaces import Surfaces
+from fsi.pores.surfaces import BoundingSurfaces
 from fsi.pores.system import PoreSystem
 from tests.packings import in_cell, in_channel, scattered
 from tests.pore_surfaces import free, resistance, sheared
@@ -22,13 +22,13 @@ SEEDS, NUMBERS = st.integers(0, 10**6), st.integers(2, 5)
 few = settings(max_examples=3, deadline=None, derandomize=True, phases=[Phase.generate])
 
 
-def packing(seed: int, n: int) -> Surfaces:
+def packing(seed: int, n: int) -> BoundingSurfaces:
     """Discs in a skew cell."""
     centres, radii = scattered(seed, n, 0.5, walls=True)
     return in_cell(centres, radii, SKEW)
 
 
-def strained(surfaces: Surfaces, gradient: Array = G, viscosity: float = 1.0) -> PoreFlow:
+def strained(surfaces: BoundingSurfaces, gradient: Array = G, viscosity: float = 1.0) -> PoreFlow:
     """Free bodies in a mean flow."""
     system = PoreSystem.make(surfaces, 2, viscosity)
     return solve_pores(system, PoreLoading(free(system.bodies), np.zeros((0, 3)), gradient))
