@@ -12,18 +12,16 @@ from dataclasses import dataclass
 from time import process_time
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.linalg import splu
 
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.checks.determined import require_still
-from fsi.errors import SolveError
 from fsi.observables import resistance as matrix
 from fsi.observables.bars import DrivenBodies
 from fsi.observables.resistance import Resistance, ResistanceErrors
 from fsi.pores.accuracy import missed, with_modes
 from fsi.pores.bars import bar_factor, finer, reference_modes
+from fsi.pores.definite import solve_definite
 from fsi.pores.model import make_system
 from fsi.pores.system import PoreSystem
 from fsi.pores.trial import RIGID
@@ -91,14 +89,6 @@ def _schur_complement(system: PoreSystem) -> tuple[Array, float]:
     if len(walls) == 2:
         free[walls[1, 3]] = True  # the flux through a channel is a result
     f = np.flatnonzero(free)
-    scale = sp.diags(1.0 / np.sqrt(K.diagonal()[f]))
-    A, B = (scale @ K[f][:, f] @ scale).tocsc(), (scale @ K[f][:, body]).toarray()
-    try:
-        options = {"SymmetricMode": True}
-        factors = splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
-    except RuntimeError as error:
-        raise SolveError(f"pores: the dissipation is not positive ({error}); do bodies overlap?") from None
-    X = factors.solve(B)
-    X += factors.solve(B - A @ X)
-    residual = np.abs(B - A @ X).max(axis=0) / np.abs(B).max(axis=0)
-    return K[body][:, body].toarray() - B.T @ X, float(residual.max(initial=0.0))
+    B = K[f][:, body].toarray()
+    X, residual = solve_definite(K[f][:, f], B)
+    return K[body][:, body].toarray() - B.T @ X, residual

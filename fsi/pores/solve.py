@@ -14,11 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.linalg import splu
 
 from fsi.bodies.configuration import Array, Inertia, Motion
-from fsi.errors import SolveError
 from fsi.pores.assembly import Batch
+from fsi.pores.definite import solve_definite
 from fsi.pores.system import PoreSystem
 from fsi.pores.trial import RIGID
 
@@ -114,7 +113,7 @@ def solve_pores(system: PoreSystem, loading: PoreLoading) -> PoreFlow:
     free = np.flatnonzero(~held)
     rhs = b - images - K @ x
     A = (K + sp.diags(D))[free][:, free]
-    x[free], residual = _solve(A, rhs[free])
+    x[free], residual = solve_definite(A, rhs[free])
     U = x[body]
     reactions = K @ x + images
     # On free modes what they are given, less what inertia takes; what holds the others is found.
@@ -201,24 +200,6 @@ def _loads(system: PoreSystem, loading: PoreLoading) -> Array:
         top = first[len(system.pores.surfaces) - 1] + 3
         b[top] = -loading.pressure_gradient * length * _flux_sign(system)
     return b
-
-
-def _solve(A: sp.csr_matrix, b: Array) -> tuple[Array, float]:
-    """x and the relative residual of A x = b, A symmetric positive definite. Raises SolveError."""
-    diagonal = A.diagonal()
-    if not np.all(diagonal > 0.0):
-        raise SolveError("pores: the motion is not determined: a free body meets no fluid")
-    scale = sp.diags(1.0 / np.sqrt(diagonal))
-    scaled, right = (scale @ A @ scale).tocsc(), scale @ b
-    try:
-        options = {"SymmetricMode": True}
-        factors = splu(scaled, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
-    except RuntimeError as error:
-        raise SolveError(f"pores: the dissipation is not positive ({error}): do bodies overlap?") from None
-    y = factors.solve(right)
-    y += factors.solve(right - scaled @ y)
-    defect = float(np.abs(right - scaled @ y).max(initial=0.0))
-    return scale @ y, defect / (float(np.abs(right).max(initial=0.0)) + _TINY)
 
 
 def _power(flow: PoreFlow, reactions: Array, mean: float) -> float:
