@@ -12,6 +12,12 @@ from fsi.bodies.configuration import LOADS, MODES, Array
 NAMES = {len(MODES[d]): (*MODES[d], *LOADS[d]) for d in MODES}
 
 
+def components(name: str, T: Array, pressure: bool) -> dict[str, Array]:
+    """Components of stresses T (..., 2, 2) by name; xx and yy count where the model has a pressure."""
+    known = {"xx": T[..., 0, 0], "xy": T[..., 0, 1], "yy": T[..., 1, 1]}
+    return {f"{name}_{ij}": known[ij] for ij in (known if pressure else ("xy",))}
+
+
 @dataclass(frozen=True, slots=True)
 class StressErrors:
     """Estimated errors of the stress of a periodic flow, absolute.
@@ -21,43 +27,29 @@ class StressErrors:
         mean: of the mean stress, (2, 2).
         stresslets: of each body's, (N, 2, 2).
         normal_stress_difference: of N_1.
+        pressure: as of the stress.
     """
 
     fluid: Array
     mean: Array
     stresslets: Array
     normal_stress_difference: float
+    pressure: bool = True
 
     @property
     def columns(self) -> Mapping[str, float]:
         """Of steps.csv."""
-        (xx, xy), (_, yy) = self.mean.tolist()
-        of_mean = {"err_stress_xx": xx, "err_stress_xy": xy, "err_stress_yy": yy}
-        return {**of_mean, "err_N_1": self.normal_stress_difference}
+        of_mean = components("err_stress", self.mean, self.pressure)
+        return {name: float(part) for name, part in of_mean.items()} | {
+            "err_N_1": self.normal_stress_difference
+        }
 
     @property
     def body_columns(self) -> Mapping[str, Array]:
         """Of bodies.csv, (N,) each."""
         S = self.stresslets
-        return {"err_S_xx": S[:, 0, 0], "err_S_xy": S[:, 0, 1], "err_S_yy": S[:, 1, 1]}
-
-
-@dataclass(frozen=True, slots=True)
-class DeviatorErrors:
-    """Estimated errors of a mean stress without pressure, absolute.
-
-    Attributes:
-        shear: of its component xy.
-        normal_stress_difference: of N_1.
-    """
-
-    shear: float
-    normal_stress_difference: float
-
-    @property
-    def columns(self) -> Mapping[str, float]:
-        """Of steps.csv."""
-        return {"err_stress_xy": self.shear, "err_N_1": self.normal_stress_difference}
+        between = {} if self.pressure else {"err_S_N_1": S[:, 0, 0] + S[:, 1, 1]}
+        return {**components("err_S", S, self.pressure), **between}
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +62,6 @@ class ErrorEstimate:
         dissipation: of `2 mu int e:e`, not a number where that is infinite.
         apparent_viscosity: of that of a periodic flow, not a number without a strain rate.
         stress: of a periodic flow.
-        deviator: of the stress of a periodic flow without pressure.
     """
 
     U: Array
@@ -78,7 +69,6 @@ class ErrorEstimate:
     dissipation: float = 0.0
     apparent_viscosity: float | None = None
     stress: StressErrors | None = None
-    deviator: DeviatorErrors | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +92,7 @@ class StepErrors:
         columns["err_dissipation"] = self.errors.dissipation
         if self.errors.apparent_viscosity is not None:
             columns["err_apparent_viscosity"] = self.errors.apparent_viscosity
-        stress = self.errors.stress or self.errors.deviator
+        stress = self.errors.stress
         return columns if stress is None else {**columns, **stress.columns}
 
     @property

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Motion
 from fsi.case.case import Case
-from fsi.integration.errors import DeviatorErrors, ErrorEstimate, StepErrors, StressErrors
+from fsi.integration.errors import ErrorEstimate, StepErrors, StressErrors
 from fsi.integration.state import Results
-from fsi.observables.bulk_stress import BulkStress, DeviatoricStress
+from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.resistance import KNOWN_TO
 from fsi.observables.truncation import flow_scales, relative_change
 
@@ -80,8 +80,7 @@ def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> St
     off = [each.factor * abs(lost - getattr(each.results, "dissipation", nan)) for each in others]
     dissipation = max(sum(off), ROUNDING * lost)  # nan of an infinite one
     viscosity = _of_viscosity(results, other, factor)
-    stress, deviator = _of_stress(results, other, factor), _of_deviator(results, other, factor)
-    errors = ErrorEstimate(U, F, dissipation, viscosity, stress, deviator)
+    errors = ErrorEstimate(U, F, dissipation, viscosity, _of_stress(results, other, factor))
     relative = relative_change(results, errors, motion.held, q.arms, flow_scales(case, bodies.t))
     mu = getattr(results, "apparent_viscosity", None)
     if mu is not None and viscosity is not None:
@@ -92,7 +91,7 @@ def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> St
 
 def _of_viscosity(results: Results, other: Results, factor: float) -> float | None:
     """The same for the apparent viscosity of a periodic flow, not a number at instants without one."""
-    if getattr(other, "bulk", None) is None and getattr(other, "deviator", None) is None:
+    if getattr(other, "bulk", None) is None:
         return None
     mu, mu_other = (getattr(each, "apparent_viscosity", None) for each in (results, other))
     return nan if mu is None or mu_other is None else max(factor * abs(mu - mu_other), ROUNDING * abs(mu))
@@ -103,10 +102,3 @@ def _of_stress(results: Results, other: Results, factor: float) -> StressErrors 
     bulk: BulkStress | None = getattr(results, "bulk", None)
     of_other: BulkStress | None = getattr(other, "bulk", None)
     return None if bulk is None or of_other is None else bulk.errors(of_other, factor, ROUNDING)
-
-
-def _of_deviator(results: Results, other: Results, factor: float) -> DeviatorErrors | None:
-    """The same for the stress of a periodic flow without pressure."""
-    stress: DeviatoricStress | None = getattr(results, "deviator", None)
-    of_other: DeviatoricStress | None = getattr(other, "deviator", None)
-    return None if stress is None or of_other is None else stress.errors(of_other, factor, ROUNDING)

@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 
 from fsi.bodies.configuration import Array
-from fsi.integration.errors import DeviatorErrors, StressErrors
+from fsi.integration.errors import StressErrors, components
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +25,7 @@ class BulkStress:
             on which F acts (Batchelor 1977, J. Fluid Mech. 83:97).
         area: |Omega|.
         apparent_viscosity: over that of the fluid, None without a mean strain rate.
+        pressure: whether the model has one; else all parts are deviators, symmetric without trace.
     """
 
     fluid: Array
@@ -32,6 +33,7 @@ class BulkStress:
     forces: Array
     area: float
     apparent_viscosity: float | None
+    pressure: bool = True
 
     @property
     def mean(self) -> Array:
@@ -53,61 +55,22 @@ class BulkStress:
         fluid, mean = bound(self.fluid, other.fluid), bound(self.mean, other.mean)
         of_bodies = bound(self.stresslets, other.stresslets)
         between = factor * abs(self.normal_stress_difference - other.normal_stress_difference)
-        return StressErrors(fluid, mean, of_bodies, max(between, rounding * float(np.abs(self.mean).max())))
+        N_1 = max(between, rounding * float(np.abs(self.mean).max()))
+        return StressErrors(fluid, mean, of_bodies, N_1, self.pressure)
 
     @property
     def record(self) -> Mapping[str, float]:
         """Columns of steps.csv; the apparent viscosity is not a number at instants without a strain rate."""
         mu = nan if self.apparent_viscosity is None else self.apparent_viscosity
-        (xx, xy), (_, yy) = self.mean.tolist()
-        stress = {"stress_xx": xx, "stress_xy": xy, "stress_yy": yy}
+        stress = {name: float(part) for name, part in components("stress", self.mean, self.pressure).items()}
         return {"apparent_viscosity": mu, **stress, "N_1": self.normal_stress_difference}
 
     @property
     def body_columns(self) -> Mapping[str, Array]:
-        """Columns of bodies.csv."""
+        """Columns of bodies.csv; without a pressure the difference of the normal ones, S_N_1, is known."""
         S = self.stresslets
-        return {"S_xx": S[:, 0, 0], "S_xy": S[:, 0, 1], "S_yy": S[:, 1, 1]}
-
-
-@dataclass(frozen=True, slots=True)
-class DeviatoricStress:
-    """The deviator of the mean stress over a periodic domain.
-
-    Attributes:
-        mean: Sigma', symmetric without trace, (2, 2); None in a channel.
-        apparent_viscosity: over that of the fluid, None without a mean strain rate.
-    """
-
-    mean: Array | None
-    apparent_viscosity: float | None
-
-    @property
-    def shear(self) -> float:
-        """Sigma_xy; not a number in a channel."""
-        return nan if self.mean is None else float(self.mean[0, 1])
-
-    @property
-    def normal_stress_difference(self) -> float:
-        """N_1 = Sigma_xx - Sigma_yy, in which no pressure counts; not a number in a channel."""
-        return nan if self.mean is None else 2.0 * float(self.mean[0, 0])
-
-    def errors(self, other: Self, factor: float, rounding: float) -> DeviatorErrors | None:
-        """The factor times the differences from another, at least that part of the largest for rounding."""
-        if self.mean is None:
-            return None
-        least = rounding * float(np.abs(self.mean).max(initial=0.0))
-        shear = factor * abs(self.shear - other.shear)
-        between = factor * abs(self.normal_stress_difference - other.normal_stress_difference)
-        return DeviatorErrors(max(shear, least), max(between, least))
-
-    @property
-    def record(self) -> Mapping[str, float]:
-        """Columns of steps.csv; the apparent viscosity is not a number at instants without a strain rate."""
-        mu = nan if self.apparent_viscosity is None else self.apparent_viscosity
-        if self.mean is None:
-            return {"apparent_viscosity": mu}
-        return {"apparent_viscosity": mu, "stress_xy": self.shear, "N_1": self.normal_stress_difference}
+        between = {} if self.pressure else {"S_N_1": S[:, 0, 0] - S[:, 1, 1]}
+        return {**components("S", S, self.pressure), **between}
 
 
 def area_fraction(radii: Array, area: float) -> float:

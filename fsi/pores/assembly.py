@@ -12,8 +12,9 @@ from fsi.pores.inner import inner_form
 from fsi.pores.levels import LEVELS, level_of
 from fsi.pores.quadrature import Rule, gathering
 from fsi.pores.regions import PoreShapes
+from fsi.pores.surfaces import DISC
 from fsi.pores.topology import Pores
-from fsi.pores.trial import RIGID, Orders, numbers_of
+from fsi.pores.trial import RIGID, STRAINED, Orders, numbers_of
 
 type Index = NDArray[np.int64]
 
@@ -26,9 +27,9 @@ class Numbering:
     """Where the unknowns of surfaces and necks stand.
 
     Attributes:
-        surface: first unknown of each surface, (B + 1,): U_x, U_y, omega, c, those of fluid discs.
+        surface: first unknown of each surface, (B + 1,): U_x, U_y, omega, c, those of its order.
         neck: first unknown of each neck, and their end, (K + 1,).
-        order: of fluid discs, 0 of other surfaces, (B,).
+        order: as in `Orders.fluid`: of fluid discs, of bodies where there is a mean stress STRAINED, (B,).
     """
 
     surface: Index
@@ -84,7 +85,9 @@ def number(pores: Pores, modes: Index) -> Numbering:
     """The unknowns when necks have these numbers of modes, (K,)."""
     most = np.zeros(len(pores.surfaces), np.int64)
     np.maximum.at(most, pores.necks, modes[:, None])
-    order = np.where(pores.surfaces.fluid, _tabulated(lambda k: LEVELS[level_of(k)].fluid, most), 0)
+    surfaces = pores.surfaces
+    of_bodies = np.where((surfaces.kind == DISC) & (len(surfaces.periods) > 0), STRAINED, 0)
+    order = np.where(surfaces.fluid, _tabulated(lambda k: LEVELS[level_of(k)].fluid, most), of_bodies)
     surface = np.concatenate([[0], np.cumsum(_tabulated(numbers_of, order))]).astype(np.int64)
     neck = surface[-1] + np.concatenate([[0], np.cumsum(modes)]).astype(np.int64)
     return Numbering(surface, neck, order)

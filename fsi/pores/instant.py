@@ -9,14 +9,14 @@ from pathlib import Path
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError, apart
 from fsi.observables.bars import DrivenBodies
-from fsi.observables.bulk_stress import DeviatoricStress
+from fsi.observables.bulk_stress import BulkStress
 from fsi.parallel import on_root
 from fsi.pores.fields import FlowFields
 from fsi.pores.necks import Necks, necks_of
 from fsi.pores.solve import PoreFlow
 from fsi.pores.stress import (
     VISCOSITY_CHECKS,
-    deviatoric_stress,
+    bulk_stress,
     is_force_free,
     viscosity_checks,
 )
@@ -61,14 +61,14 @@ class PoreInstant:
         return self.flow.dissipation
 
     @cached_property
-    def deviator(self) -> DeviatoricStress | None:
-        """The mean stress of a periodic flow, less its trace."""
-        return deviatoric_stress(self.bodies, self.flow)
+    def bulk(self) -> BulkStress | None:
+        """The mean stress of a periodic flow and its parts, less their traces."""
+        return bulk_stress(self.bodies, self.flow)
 
     @property
     def apparent_viscosity(self) -> float | None:
         """Over the viscosity of the fluid, of a periodic flow with a mean strain rate."""
-        return None if self.deviator is None else self.deviator.apparent_viscosity
+        return None if self.bulk is None else self.bulk.apparent_viscosity
 
     @property
     def force_free(self) -> bool:
@@ -78,9 +78,9 @@ class PoreInstant:
     @cached_property
     def checks(self) -> dict[str, float]:
         """The relative defects of the identities."""
-        if self.deviator is None:
+        if self.bulk is None:
             return dict(self.flow.checks)
-        return self.flow.checks | viscosity_checks(self.bodies, self.flow, self.deviator)
+        return self.flow.checks | viscosity_checks(self.bodies, self.flow, self.bulk)
 
     def require_sound(self) -> None:
         """Raise SolveError for the first identity that is violated."""
@@ -117,9 +117,14 @@ class PoreInstant:
         """Columns of steps.csv: sizes, checks, then CPU seconds."""
         record: dict[str, float] = {"dofs": self.dofs, "pores": self.pores, "modes": self.modes}
         record["dissipation"] = self.dissipation
-        if self.deviator is not None:
-            record |= self.deviator.record
+        if self.bulk is not None:
+            record |= self.bulk.record
         return record | self.checks | {f"cpu_{phase}": spent for phase, spent in self.seconds.items()}
+
+    @property
+    def body_columns(self) -> Mapping[str, Array]:
+        """Columns of bodies.csv: stresslets."""
+        return {} if self.bulk is None else self.bulk.body_columns
 
     @cached_property
     def fields(self) -> FlowFields:

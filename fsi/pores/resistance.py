@@ -85,7 +85,7 @@ def _schur_complement(system: PoreSystem) -> tuple[Array, float]:
     free = np.ones(system.unknowns, dtype=bool)
     body = (first[: system.bodies, None] + np.arange(3)).ravel()
     walls = first[discs:surfaces, None] + np.arange(RIGID)
-    free[body] = free[walls.ravel()] = False
+    free[body] = free[system.strains] = free[walls.ravel()] = False
     if len(walls) == 2:
         free[walls[1, 3]] = True  # the flux through a channel is a result
     f = np.flatnonzero(free)

@@ -55,7 +55,7 @@ class PoreFlow:
         x: all numbers, those of the images of surfaces less the mean flow, (n,).
         U: velocities of bodies, (N, 3).
         F: loads on them less their inertia, those that hold them too, (N, 3): minus those of the fluid.
-        wall_forces: on the walls, as F, (W, 3).
+        reactions: mu K x with the mean flow, (n,): the power that a unit of each number takes.
         dissipation: in the fluid, mu x^T K x with the mean flow.
         checks: relative defects: residual, power, momentum.
     """
@@ -65,30 +65,41 @@ class PoreFlow:
     x: Array
     U: Array
     F: Array
-    wall_forces: Array
+    reactions: Array
     dissipation: float
     checks: dict[str, float]
+
+    @property
+    def wall_forces(self) -> Array:
+        """On the walls, as F, (W, 3)."""
+        system = self.system
+        first = system.assembly.numbering.surface[system.pores.surfaces.discs : -1]
+        return np.asarray(self.reactions[first[:, None] + np.arange(3)])
+
+    @property
+    def stresslets(self) -> Array:
+        """Of the bodies of a periodic flow, less their traces, (N, 2, 2).
+
+        To strain the surface of body i alone by E' takes the power -S_i : E'; psi = Re z^2 and Im z^2,
+        z = (r_x + i r_y) / a, have E' = -(2 / a^2) [[0, 1], [1, 0]] and (2 / a^2) diag(1, -1).
+        """
+        bodies = np.arange(self.system.bodies)
+        power = self.reactions[self.system.strains] * self.system.pores.surfaces.radius[bodies, None] ** 2
+        xy, xx = 0.25 * power[:, 0], -0.25 * power[:, 1]
+        return np.stack([xx, xy, xy, -xx], axis=1).reshape(-1, 2, 2)
 
     def numbers(self, batch: Batch) -> Array:
         """Of all functions of the pores of a batch, with the mean flow of their images, (n, m)."""
         found: Array = self.x[batch.unknown] + mean_flow(self.system, batch, self.loading.gradient)
         return found
 
-    def mean_stress(self) -> Array:
-        """Mean stress in a periodic cell less its mean pressure, (2, 2), symmetric, traceless.
-
-        The power of a mean gradient G' is Sigma : G' |cell|, G' = diag(1, -1) and [[0, 1], [1, 0]].
-        """
-        system = self.system
-        area = abs(float(np.linalg.det(system.pores.surfaces.periods)))
-        power = []
-        for test in (np.diag([1.0, -1.0]), np.array([[0.0, 1.0], [1.0, 0.0]])):
-            total = 0.0
-            for batch in system.assembly.batches:
-                q = mean_flow(system, batch, test)
-                total += float(np.einsum("ei,eij,ej->", q, batch.forms.K, self.numbers(batch)))
-            power.append(0.5 * system.viscosity * total / area)
-        return np.array([[power[0], power[1]], [power[1], -power[0]]])
+    def power_of_mean(self, gradient: Array) -> float:
+        """That of a mean gradient, by which the periods and all images change: |cell| Sigma_sides : G."""
+        system, total = self.system, 0.0
+        for batch in system.assembly.batches:
+            q = mean_flow(system, batch, gradient)
+            total += float(np.einsum("ei,eij,ej->", q, batch.forms.K, self.numbers(batch)))
+        return system.viscosity * total
 
     def dissipation_of_pores(self) -> Array:
         """Of each pore, (E,); fluid discs have theirs besides."""
@@ -119,11 +130,10 @@ def solve_pores(system: PoreSystem, loading: PoreLoading) -> PoreFlow:
     # On free modes what they are given, less what inertia takes; what holds the others is found.
     inertia = D[body] * (U - loading.inertia.U0) if loading.inertia else np.zeros_like(U)
     F = np.where(loading.motion.held, reactions[body], loading.motion.F - inertia)
-    walls = system.assembly.numbering.surface[system.pores.surfaces.discs : -1, None] + np.arange(3)
     dissipation = float(x @ (K @ x) + 2.0 * images @ x + mean_power)
-    flow = PoreFlow(system, loading, x, U, F, reactions[walls], dissipation, {})
-    flow.checks.update(residual=residual, power=_power(flow, reactions, float(images @ x) + mean_power))
-    flow.checks.update(_translations(system, reactions))
+    flow = PoreFlow(system, loading, x, U, F, reactions, dissipation, {})
+    flow.checks.update(residual=residual, power=_power(flow, float(images @ x) + mean_power))
+    flow.checks.update(_translations(flow))
     return flow
 
 
@@ -170,7 +180,7 @@ def _prescribed(system: PoreSystem, loading: PoreLoading) -> tuple[Array, NDArra
     first, surfaces, motion = system.assembly.numbering.surface, system.pores.surfaces, loading.motion
     x, held = np.zeros(system.unknowns), np.zeros(system.unknowns, bool)
     body = first[: system.bodies, None] + np.arange(3)
-    x[body], held[body] = motion.U, motion.held
+    x[body], held[body], held[system.strains] = motion.U, motion.held, True
     bounds = first[surfaces.discs : len(surfaces)]
     walls = bounds[:, None] + np.arange(RIGID)
     held[walls] = True
@@ -202,20 +212,21 @@ def _loads(system: PoreSystem, loading: PoreLoading) -> Array:
     return b
 
 
-def _power(flow: PoreFlow, reactions: Array, mean: float) -> float:
+def _power(flow: PoreFlow, mean: float) -> float:
     """Power of bodies, walls and mean flow on the fluid less the dissipation, over their sizes."""
     loading, x = flow.loading, flow.x
     bodies, walls, driven = flow.F * flow.U, flow.wall_forces * loading.walls, 0.0
     if len(loading.walls) == 2:
         top = int(flow.system.assembly.numbering.surface[-1]) - 1
-        driven = float(reactions[top] * x[top])
+        driven = float(flow.reactions[top] * x[top])
     total = float(bodies.sum() + walls.sum()) + mean + driven
     sizes = float(np.abs(bodies).sum() + np.abs(walls).sum()) + abs(mean) + abs(driven)
     return abs(total - flow.dissipation) / (sizes + abs(flow.dissipation) + _TINY)
 
 
-def _translations(system: PoreSystem, reactions: Array) -> dict[str, float]:
+def _translations(flow: PoreFlow) -> dict[str, float]:
     """The largest net force of the fluid on all that bounds it: a translation of all costs nothing."""
+    system, reactions = flow.system, flow.reactions
     surfaces, first = system.pores.surfaces, system.assembly.numbering.surface[:-1]
     sums = []
     for axis in range(2):

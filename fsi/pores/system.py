@@ -14,6 +14,7 @@ from fsi.pores.fluid_discs import with_fluid_discs
 from fsi.pores.regions import PoreShapes, shapes_of
 from fsi.pores.surfaces import DISC, BoundingSurfaces
 from fsi.pores.topology import Pores, triangulate
+from fsi.pores.trial import RIGID
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,6 +60,13 @@ class PoreSystem:
     def unknowns(self) -> int:
         """All numbers, the prescribed ones too."""
         return self.assembly.numbering.unknowns
+
+    @property
+    def strains(self) -> Index:
+        """The numbers that strain the surfaces of bodies, always 0, (N, 2); (N, 0) without a mean stress."""
+        first, end = self.assembly.numbering.surface, self.assembly.numbering.surface[1:]
+        size = int(np.max(end[: self.bodies] - first[: self.bodies], initial=RIGID)) - RIGID
+        return np.asarray(first[: self.bodies, None] + RIGID + np.arange(size))
 
     @property
     def reference(self) -> Array:

@@ -34,6 +34,7 @@ from fsi.pores.pore_data import column
 from fsi.pores.regions import NEXT, OTHER
 
 RIGID = 4  # U_x, U_y, omega, c
+STRAINED = 2  # the order of bodies whose stresslets are wanted: z^2 is a strain rate
 CUBIC = 3  # the least order of fluid discs
 
 
@@ -42,8 +43,9 @@ class Orders(NamedTuple):
 
     Attributes:
         modes: of each of the three sides.
-        fluid: order M of the vertices that are discs of fluid, at least 3: psi is a biharmonic polynomial of
-            4 M - 2 numbers there; 0 of others.
+        fluid: order M of the vertices that are discs of fluid, at least CUBIC: psi is a biharmonic
+            polynomial of 4 M - 2 numbers there; STRAINED, with Re and Im of z^2, of bodies that are tested by
+            a strain rate, 0 of others.
         bubbles: the degree of p(x, y).
         neck_bubbles: degrees + 1 of p(e, l_j - l_i) along and across each neck; 0 for none.
     """
@@ -161,10 +163,10 @@ def _fluid(x: Jet, y: Jet, order: int) -> Iterator[tuple[Jet, Jet, Jet]]:
     square = x * x + y * y
     inverse = square.reciprocal()
     z = _powers(x, y, CUBIC)
-    for m in (2, 3):
+    for m in range(2, min(order, CUBIC) + 1):
         for part in range(2):
             yield z[m][part], z[m - 1][part].scaled(m), z[m - 1][1 - part].scaled(m * (2 * part - 1))
-    for part, f in enumerate((x, y)):
+    for part, f in enumerate((x, y) if order >= CUBIC else ()):
         fx, fy = (x * f).scaled(2.0), (y * f).scaled(2.0)
         yield square * f, fx + square if part == 0 else fx, fy if part == 0 else fy + square
     w = _powers(x * inverse, y * inverse, order + 1)
@@ -201,7 +203,7 @@ def _modes(v: int, orders: Orders, weights: Weights) -> Iterator[Sum]:
     P = (weights.vertex[OTHER[v]] - weights.vertex[NEXT[v]]).by(turn).legendre(number // 2 + 2)
     e = weights.across[v].by(turn)
     order = [(k % 2, k // 2) for k in range(max(number, 3))]
-    if orders.fluid[NEXT[v]] or orders.fluid[OTHER[v]]:
+    if max(orders.fluid[NEXT[v]], orders.fluid[OTHER[v]]) >= CUBIC:
         order[1], order[2] = order[2], order[1]
     for odd, degree in order[:number]:
         yield [(weights.pair[v], e * P[degree] if odd else P[degree])]

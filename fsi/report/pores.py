@@ -28,6 +28,9 @@ def solution_json(
     for body, U, F in zip(bodies, errors.U, errors.F, strict=True):
         body |= {"velocity_error": U[:2].tolist(), "angular_velocity_error": turning(U[2:])}
         body |= {"force_error": F[:2].tolist(), "torque_error": turning(F[2:])}
+    if found.bulk is not None and errors.stress is not None:
+        for body, S, error in zip(bodies, found.bulk.stresslets, errors.stress.stresslets, strict=True):
+            body |= {"stresslet": S.tolist(), "stresslet_error": error.tolist()}
     data: dict[str, Any] = {
         "name": case.name,
         "bodies": bodies,
@@ -50,11 +53,11 @@ def _stress(found: PoreInstant, errors: ErrorEstimate) -> dict[str, Any]:
         data["apparent_viscosity"] = found.apparent_viscosity
         data["apparent_viscosity_error"] = errors.apparent_viscosity
         data["upper_bound"] = found.force_free
-    if found.deviator is None or errors.deviator is None:  # in a channel only the viscosity is known
+    if found.bulk is None or errors.stress is None:
         return data
-    bars = errors.deviator.columns
-    data |= {"mean_shear_stress": found.deviator.shear, "mean_shear_stress_error": bars["err_stress_xy"]}
-    data["normal_stress_difference"] = found.deviator.normal_stress_difference
+    shear, bars = float(found.bulk.mean[0, 1]), errors.stress.columns
+    data |= {"mean_shear_stress": shear, "mean_shear_stress_error": bars["err_stress_xy"]}
+    data["normal_stress_difference"] = found.bulk.normal_stress_difference
     return data | {"normal_stress_difference_error": bars["err_N_1"]}
 
 
@@ -107,9 +110,9 @@ def _stress_lines(found: PoreInstant, errors: ErrorEstimate) -> Iterator[str]:
     if found.apparent_viscosity is not None:
         bound = ", an upper bound" if found.force_free else ""
         yield f"apparent viscosity {found.apparent_viscosity:.8g} ± {errors.apparent_viscosity:.0e}{bound}"
-    if found.deviator is not None and errors.deviator is not None:
-        bars, N_1 = errors.deviator.columns, found.deviator.normal_stress_difference
-        shear = f"mean stress xy {found.deviator.shear:.8g} ± {bars['err_stress_xy']:.0e}"
+    if found.bulk is not None and errors.stress is not None:
+        bars, N_1 = errors.stress.columns, found.bulk.normal_stress_difference
+        shear = f"mean stress xy {found.bulk.mean[0, 1]:.8g} ± {bars['err_stress_xy']:.0e}"
         yield f"{shear}, N_1 {N_1:.8g} ± {bars['err_N_1']:.0e}; there is no pressure in this model"
 
 

@@ -1,0 +1,88 @@
+"""Stresslets, mean stress and N_1 of pores: those of the resolved flow, and three ways to one viscosity."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fsi.bodies.configuration import Array
+from fsi.case.case import Case
+from fsi.case.load import parse_case
+from fsi.models import make_model
+from fsi.observables.bulk_stress import BulkStress
+from fsi.pores.accuracy import SolvedPores, solve_with_errors
+
+BODIES = [
+    {"name": "one", "radius": 1.0, "position": [1.6, 1.5]},
+    {"name": "other", "radius": 0.7, "position": [3.9, 2.9]},
+]
+CHANNEL = {
+    "lower": [0.0, 0.0],
+    "upper": [5.0, 4.0],
+    "periodic": ["x"],
+    "walls": {"top": [3.5, 0.0], "bottom": [-0.5, 0.0]},
+}
+CELL = {"shape": "cell", "vectors": [[5.0, 0.0], [1.0, 4.0]], "shear": 1.0}
+FALLING = [{"kind": "gravity", "acceleration": [0.4, -0.7], "density_difference": 1.0}]
+
+
+def case_of(**sections: Any) -> Case:
+    data = {"name": "two", "model": "pores", "fluid": {"viscosity": 2.0}, "bodies": BODIES}
+    return parse_case(data | {"pores": {"modes": 6}} | sections)
+
+
+def resolved_stress(case: Case) -> BulkStress:
+    """Elements of degree 4: their errors are below 2e-5 here."""
+    data = case.as_data() | {"model": "resolved", "discretisation": {"degree": 4}}
+    bulk: BulkStress = make_model(parse_case(data))(case.configuration(), 0.0).bulk  # type: ignore[attr-defined]
+    return bulk
+
+
+def deviator(T: Array) -> Array:
+    """T less its trace, (..., 2, 2)."""
+    return T - 0.5 * np.trace(T, axis1=-2, axis2=-1)[..., None, None] * np.eye(2)
+
+
+def stress_of(solved: SolvedPores) -> BulkStress:
+    assert solved.solution.bulk is not None
+    return solved.solution.bulk
+
+
+@pytest.mark.parametrize(
+    "sections",
+    [
+        {"domain": CHANNEL},
+        pytest.param({"domain": CHANNEL, "forces": FALLING}, marks=pytest.mark.slow),
+        {"domain": CELL, "forces": FALLING},
+    ],
+    ids=["channel", "loads in a channel", "loads in a cell"],
+)
+def test_stresslets_and_mean_stress_are_those_of_the_resolved_flow(sections: dict[str, Any]) -> None:
+    """Within the bars, and these are below a thousandth of the largest."""
+    case = case_of(**sections)
+    solved, bulk = solve_with_errors(case), resolved_stress(case)
+    ours, bars = stress_of(solved), solved.errors.stress
+    assert bars is not None
+    S, largest = deviator(bulk.stresslets), float(np.abs(bulk.stresslets).max())
+    assert np.all(np.abs(ours.stresslets - S) <= bars.stresslets + 2e-5)
+    assert bars.stresslets.max() < 1e-3 * largest
+    assert np.all(np.abs(ours.mean - deviator(bulk.mean)) <= bars.mean + 2e-5)
+    N_1 = bulk.normal_stress_difference
+    assert abs(N_1) > 0.01
+    assert ours.normal_stress_difference == pytest.approx(N_1, abs=bars.normal_stress_difference + 2e-5)
+
+
+@pytest.mark.parametrize("domain", [CHANNEL, CELL], ids=["channel", "cell"])
+@pytest.mark.parametrize("modes", [0, 4])
+def test_three_ways_lead_to_one_viscosity(domain: dict[str, Any], modes: int) -> None:
+    """Forces on walls or power of the sides, dissipation, and the stresslets with the part of the fluid.
+
+    That part is 2 mu E but for errors of quadrature: of fluid of viscosity 2 at rate 1 it is 2.
+    """
+    solved = solve_with_errors(case_of(domain=domain, pores={"modes": modes}))
+    found, bulk = solved.solution, stress_of(solved)
+    assert found.checks["stress"] < 1e-9
+    assert found.apparent_viscosity == pytest.approx(bulk.mean[0, 1] / 2.0, rel=1e-9)
+    assert bulk.fluid == pytest.approx(np.array([[0.0, 2.0], [2.0, 0.0]]), abs=2e-2)
