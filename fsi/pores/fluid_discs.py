@@ -12,13 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.errors import SolveError
 from fsi.pores.compiled import compiled
 from fsi.pores.links import Corner, Links, across, corner, moved, step
 from fsi.pores.power import locate
 from fsi.pores.shape import clearance, distance, from_neck, inscribed, neck
 from fsi.pores.start import surrounding, widest_view
-from fsi.pores.surfaces import CONTAINER, DISC, Array, Bodies, BoundingSurfaces, Shapes
+from fsi.pores.surfaces import CONTAINER, DISC, Array, Bodies, BoundingSurfaces, NoPoresError, Shapes
 from fsi.pores.topology import linked, numbered, with_more_discs
 
 _ROUNDS = 60
@@ -49,7 +48,7 @@ class Wide:
 def with_fluid_discs(surfaces: BoundingSurfaces, wide: Wide = Wide()) -> BoundingSurfaces:
     """These surfaces and fluid discs in all wide pores, and where bodies lie across necks.
 
-    Raises SolveError where there is no end of it, because bodies overlap.
+    Raises NoPoresError where there is no end of it, because bodies overlap.
     """
     surfaces = _surrounded(surfaces, wide.share)
     for _ in range(_ROUNDS):
@@ -57,7 +56,7 @@ def with_fluid_discs(surfaces: BoundingSurfaces, wide: Wide = Wide()) -> Boundin
         if more is surfaces:
             return surfaces
         surfaces = more
-    raise SolveError("no end of fluid discs; do bodies overlap?")
+    raise NoPoresError("there is no end of circles of fluid between the bodies")
 
 
 def _filled(surfaces: BoundingSurfaces, wide: Wide) -> BoundingSurfaces:

@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Inertia
 from fsi.case.case import Case
+from fsi.errors import SolveError
 from fsi.integration.errors import StepErrors
 from fsi.integration.state import Instant
 from fsi.observables.bars import Compared, DrivenBodies, motion_of, step_errors
 from fsi.pores.bars import bar_factor, finer, reference_modes
 from fsi.pores.instant import PoreInstant
 from fsi.pores.solve import PoreLoading, solve_pores
-from fsi.pores.surfaces import surfaces_of
+from fsi.pores.surfaces import NoPoresError, surfaces_of
 from fsi.pores.system import PoreSystem
 
 
@@ -76,9 +77,16 @@ class PoreModel:
 
 
 def make_system(bodies: DrivenBodies, modes: int) -> PoreSystem:
-    """Pores and their matrix. Raises SolveError."""
-    container = bodies.case.container().at(bodies.t)
-    return PoreSystem.make(surfaces_of(bodies.q, container), modes, bodies.case.fluid.viscosity)
+    """Pores and their matrix. Raises SolveError: no pores there, with the names of bodies and walls."""
+    case, container = bodies.case, bodies.case.container().at(bodies.t)
+    try:
+        return PoreSystem.make(surfaces_of(bodies.q, container), modes, case.fluid.viscosity)
+    except NoPoresError as error:
+        problem = error.between([*case.names, *(f"wall {name}" for name in container.walls)])
+        raise SolveError(
+            f'model = "pores" at t = {bodies.t:.9g}: no pores are found, as {problem}; give other places '
+            '(bodies.position) or a narrower domain, or model = "resolved"'
+        ) from None
 
 
 def loading_of(bodies: DrivenBodies, inertia: Inertia | None = None) -> PoreLoading:

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.errors import SolveError
 from fsi.meshes.geometry.lattice import reduced
 from fsi.pores.links import OPEN, Links
-from fsi.pores.surfaces import CONTAINER, DISC, Array, Bodies, BoundingSurfaces
+from fsi.pores.surfaces import CONTAINER, DISC, Array, Bodies, BoundingSurfaces, NoPoresError
 
 _HALF_TURN = 0.95 * np.pi  # angle between neighbours around the centre of a container
 _IN_THE_MIDDLE = 1e-6  # over the radius of a container: a disc that near to its centre lies in no direction
@@ -17,15 +16,13 @@ _IN_THE_MIDDLE = 1e-6  # over the radius of a container: a disc that near to its
 def first_pores(surfaces: BoundingSurfaces, order: Bodies) -> tuple[Links, Bodies]:
     """The first pores, with room for all, and the discs that are still to come, of those in this order.
 
-    Raises SolveError where the discs of a round container do not surround its centre.
+    Raises NoPoresError where the discs of a round container do not surround its centre.
     """
     bounds = np.flatnonzero(surfaces.kind != DISC)
     if np.any(surfaces.kind == CONTAINER):
         around = surrounding(surfaces, order)
         if around is None:
-            raise SolveError(
-                "no pores: the discs do not surround the centre of the container; fluid discs would"
-            )
+            raise NoPoresError("the discs do not surround the centre of the container")
         first = around
         body, image, twin = _in_container(first, int(bounds[0]))
     elif len(bounds) == 0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -9,13 +10,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Configuration
-from fsi.errors import InputError
+from fsi.errors import InputError, SolveError
 from fsi.meshes.geometry.container import Container
 
 Array = NDArray[np.float64]
 Bodies = NDArray[np.int64]
 
 DISC, WALL, CONTAINER = 0, 1, 2
+
+
+class NoPoresError(SolveError):
+    """No pores fill the fluid between some surfaces; whoever knows the case says their names."""
+
+    def __init__(self, problem: str, *sides: int) -> None:
+        """A problem, with {} in place of its sides, which are as by `BoundingSurfaces.side`."""
+        self.problem, self.sides = problem, sides
+        super().__init__(self.between([]))
+
+    def between(self, names: Sequence[str]) -> str:
+        """The problem, with the names of bodies and then of walls; without these by numbers."""
+        known = dict(enumerate(names)) | {-1: "circles of fluid"}
+        called = list(dict.fromkeys(known.get(k, f"surface {k}") for k in self.sides))
+        return self.problem.format(" and ".join([", ".join(called[:-1]), *called[-1:]][len(called) < 2 :]))
 
 
 class Shapes(NamedTuple):
@@ -65,6 +81,13 @@ class BoundingSurfaces:
     def bounds(self) -> int:
         """Number of walls and containers."""
         return len(self) - self.discs
+
+    def side(self, surface: int) -> int:
+        """A surface as a position in the bodies followed by walls; -1 of a circle of fluid."""
+        bodies = self.discs - int(np.count_nonzero(self.fluid))
+        if self.fluid[surface]:
+            return -1
+        return int(surface) if surface < bodies else int(surface) - self.discs + bodies
 
     def shapes(self) -> Shapes:
         """What compiled loops see of them."""

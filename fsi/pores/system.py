@@ -8,11 +8,10 @@ from time import process_time
 import numpy as np
 
 from fsi.bodies.configuration import Array
-from fsi.errors import SolveError
 from fsi.pores.assembly import Assembly, Index, assemble
 from fsi.pores.fluid_discs import with_fluid_discs
 from fsi.pores.regions import PoreShapes, shapes_of
-from fsi.pores.surfaces import DISC, BoundingSurfaces
+from fsi.pores.surfaces import DISC, BoundingSurfaces, NoPoresError
 from fsi.pores.topology import Pores, triangulate
 from fsi.pores.trial import RIGID
 
@@ -39,7 +38,7 @@ class PoreSystem:
 
     @classmethod
     def make(cls, surfaces: BoundingSurfaces, modes: int, viscosity: float) -> PoreSystem:
-        """With the same number of modes for each neck. Raises SolveError: no pores fill the fluid."""
+        """With the same number of modes for each neck. Raises NoPoresError: no pores fill the fluid."""
         began = process_time()
         bodies = int(np.count_nonzero(surfaces.kind == DISC))
         pores = triangulate(with_fluid_discs(surfaces))
@@ -50,7 +49,7 @@ class PoreSystem:
 
     @classmethod
     def of(cls, bodies: int, pores: Pores, modes: Index, viscosity: float) -> PoreSystem:
-        """With numbers of modes for the necks, (K,). Raises SolveError."""
+        """With numbers of modes for the necks, (K,). Raises NoPoresError."""
         shapes = shapes_of(pores)
         assembly = assemble(pores, shapes, modes)
         _require_regions(pores, assembly)
@@ -87,9 +86,9 @@ class PoreSystem:
 
 
 def _require_regions(pores: Pores, assembly: Assembly) -> None:
-    """Raise SolveError where strips or triangle of a pore overlap."""
+    """Raise NoPoresError where strips or triangle of a pore overlap."""
     for batch in assembly.batches:
         bad = batch.pore[batch.forms.least <= 0.0]
         if len(bad):
-            names = ", ".join(str(b + 1) for b in pores.vertices[bad[0]])
-            raise SolveError(f"pores: the fluid between surfaces {names} is no pore; report this arrangement")
+            sides = map(pores.surfaces.side, pores.vertices[bad[0]])
+            raise NoPoresError("the fluid between {} is no pore", *sides)

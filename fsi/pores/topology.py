@@ -24,13 +24,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fsi.errors import SolveError
 from fsi.pores.compiled import compiled
 from fsi.pores.links import Links, corner, turn
 from fsi.pores.power import insert
 from fsi.pores.shape import improve, narrowest
 from fsi.pores.start import first_pores, order_of_insertion
-from fsi.pores.surfaces import CONTAINER, DISC, WALL, Array, Bodies, BoundingSurfaces, Shapes
+from fsi.pores.surfaces import (
+    CONTAINER,
+    DISC,
+    WALL,
+    Array,
+    Bodies,
+    BoundingSurfaces,
+    NoPoresError,
+    Shapes,
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,7 +77,7 @@ def triangulate(surfaces: BoundingSurfaces) -> Pores:
 
     They depend on the places of the discs alone, and on their order only where two choices are equal.
 
-    Raises SolveError where bodies overlap, or where a body lies across a neck that cannot be flipped; both
+    Raises NoPoresError where bodies overlap, or where a body lies across a neck that cannot be flipped; both
     name the bodies. Fluid discs help against the latter, and where discs do not surround the centre of a
     round container.
     """
@@ -104,7 +112,7 @@ def linked(surfaces: BoundingSurfaces) -> Links:
     """The pores and how they hang together: the power triangulation, improved."""
     discs, shapes = order_of_insertion(surfaces), surfaces.shapes()
     if len(discs) == 0:
-        raise SolveError("no pores without discs; fluid discs would do")
+        raise NoPoresError("there is no disc")
     links, rest = first_pores(surfaces, discs[:, 0])
     to_come = discs[np.isin(discs[:, 0], rest)]
     insert(shapes, links, len(links.body) - 2 * len(rest), to_come, np.full(len(to_come), -1))
@@ -163,21 +171,12 @@ def lengths_of_necks(surfaces: BoundingSurfaces, necks: Bodies, image: Bodies) -
     return gap
 
 
-def _named(surfaces: BoundingSurfaces, body: int) -> str:
-    """A surface, by its number among its kind, from 0 on."""
-    if surfaces.kind[body] != DISC:
-        return f"wall {body - surfaces.discs}"
-    if surfaces.fluid[body]:
-        return f"fluid disc {np.count_nonzero(surfaces.fluid[:body])}"
-    return f"body {body}"
-
-
 def _require_gaps(pores: Pores) -> None:
     """No two surfaces touch."""
     narrowest_neck = int(np.argmin(pores.neck_gap))
     if not pores.neck_gap[narrowest_neck] > 0.0:
-        i, j = (_named(pores.surfaces, int(body)) for body in pores.necks[narrowest_neck])
-        raise SolveError(f"no pores: {i} touches or overlaps {j}")
+        sides = map(pores.surfaces.side, pores.necks[narrowest_neck])
+        raise NoPoresError("{} touch or overlap", *sides)
 
 
 def _require_clear_necks(surfaces: BoundingSurfaces, links: Links) -> None:
@@ -185,10 +184,8 @@ def _require_clear_necks(surfaces: BoundingSurfaces, links: Links) -> None:
     clear = clearances(surfaces.shapes(), links)
     worst = int(np.argmin(clear))
     if not clear[worst] > 0.0:
-        names = ", ".join(_named(surfaces, int(body)) for body in links.body[worst])
-        raise SolveError(
-            f"no pores: one of {names} lies across the neck between the others; a fluid disc would help"
-        )
+        sides = map(surfaces.side, links.body[worst])
+        raise NoPoresError("one of {} lies across the neck between the others", *sides)
 
 
 @compiled

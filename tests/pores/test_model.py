@@ -20,6 +20,7 @@ from fsi.pores.bars import bar_factor, finer, reference_modes
 from fsi.pores.instant import BOUND, PoreInstant
 from fsi.pores.model import PoreModel
 from fsi.pores.resistance import case_resistance, resistance_with_error
+from fsi.pores.surfaces import NoPoresError
 
 ROOT = Path(__file__).parents[2]
 COUETTE = ROOT / "cases" / "pores" / "couette_N10.toml"
@@ -213,3 +214,29 @@ def test_a_violated_identity_is_refused() -> None:
     found.flow.checks["power"] = 2.0 * BOUND
     with pytest.raises(SolveError, match="power is violated by 2e-06, more than 1e-06; widen"):
         PoreInstant(found.bodies, found.flow, {}).require_sound()
+
+
+def test_where_no_pores_are_found_the_bodies_and_walls_are_named() -> None:
+    """Of discs that overlap, which a case would refuse, and in a box too wide for circles of fluid."""
+    case = small()
+    touching = case.configuration().moved(np.array([[0.0, 0.0, 0.0], [-0.9, -1.0, 0.0]]))
+    bodies = DrivenBodies(case, touching, 0.5, case.motion_at(touching, 0.0))
+    with pytest.raises(
+        SolveError, match=r'model = "pores" at t = 0.5: .*, as one and other touch or overlap; '
+    ):
+        PoreModel(case).driven(bodies, 1)
+    wide = small(domain={"lower": [-1e3, -1e3], "upper": [1e3, 1e3]})
+    with pytest.raises(
+        SolveError, match=r"as the fluid between circles of fluid is no pore; .* narrower domain"
+    ):
+        at_start(wide)
+
+
+def test_sides_of_a_problem_have_their_names() -> None:
+    error = NoPoresError("one of {} is wrong", 0, 2, -1)
+    assert str(error) == "one of surface 0, surface 2 and circles of fluid is wrong"
+    assert (
+        error.between(["disc", "ball", "wall top"]) == "one of disc, wall top and circles of fluid is wrong"
+    )
+    assert NoPoresError("{} is", 1).between(["a", "b"]) == "b is"
+    assert str(NoPoresError("there is no disc")) == "there is no disc"

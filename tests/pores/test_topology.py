@@ -95,12 +95,12 @@ def test_narrow_gaps_are_necks() -> None:
 
 
 def test_bodies_that_overlap_are_named() -> None:
-    with pytest.raises(SolveError, match="body 0 touches or overlaps body 1"):
+    with pytest.raises(SolveError, match="surface 0 and surface 1 touch or overlap"):
         triangulate(in_cell(np.array([[0.2, 0.2], [0.4, 0.3]]), np.full(2, 0.15), np.eye(2)))
 
 
 def test_a_body_across_a_neck_is_named() -> None:
     """Of 300 such packings of four discs the one whose pores cannot be flipped free of bodies."""
     centres, radii = scattered(134, 4, 0.3)
-    with pytest.raises(SolveError, match="one of body 1, body 3, body 0 lies across the neck"):
+    with pytest.raises(SolveError, match="one of surface 1, surface 3 and surface 0 lies across the neck"):
         triangulate(in_cell(centres, radii, np.eye(2)))
