@@ -98,8 +98,7 @@ def stepped(case: Case, model: Model) -> SteppedEvolution:
     """The motion of a case with a model that gives velocities at an instant."""
     estimated = case.output.error_estimates or case.tolerance is not None
     q, first = case.configuration(), case.timing.first_step
-    # A body with mass has a velocity of its own that strays too.
-    strayed = Strayed() if case.output.error_estimates and case.masses() is None else None
+    strayed = Strayed(case.masses(), case.motion_at) if case.output.error_estimates else None
     return SteppedEvolution(make_stepper(case, model), case.names, q, first, estimated, strayed)
 
 

@@ -78,12 +78,18 @@ class StepErrors:
     Attributes:
         errors: absolute.
         relative: as by `relative_change`, with "viscosity" besides.
-        delta: of U with their sign, exact less computed, (N, M); None where only their size is known.
+        signs: of those of U and of F, exact less computed, (2, N, M); None where only their size is known.
     """
 
     errors: ErrorEstimate
     relative: Mapping[str, float]
-    delta: Array | None = None
+    signs: Array | None = None
+
+    @property
+    def signed(self) -> Array:
+        """Those of U and of F with their signs, (2, N, M)."""
+        sizes = np.stack([self.errors.U, self.errors.F])
+        return sizes if self.signs is None else np.copysign(sizes, self.signs)
 
     @property
     def columns(self) -> Mapping[str, float]:

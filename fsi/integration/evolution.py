@@ -109,9 +109,8 @@ class SteppedEvolution:
         of_bodies = {**getattr(instant, "body_columns", {}), **(errors.body_columns if errors else {})}
         q, U, F, container = state.q, instant.U, instant.F, self.stepper.container
         if self.strayed and errors:
-            delta = errors.errors.U if errors.delta is None else errors.delta
-            self.strayed.follow(step, delta, self.stepper.model, container)
-            columns["err_smallest_gap"] = self.strayed.gap_error(q, container.at(state.t))
+            self.strayed.follow(step, errors, self.stepper.model, container)
+            columns |= self.strayed.columns(state, container)
             of_bodies |= self.strayed.body_columns(q)
         gap = nearest_gaps(q, container.at(state.t)).smallest()
         record = StepRecord(state.step, state.t, step.h, gap, step.rejected, q, U, F, columns, of_bodies)

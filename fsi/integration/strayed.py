@@ -1,35 +1,44 @@
 """How far the bodies of a run have strayed from the exact motion: the bars of positions, gaps and times.
 
-The velocities of a run miss by delta, that of the elements, and each step ends at a distance eps of its own
-from where its velocities lead. To first order the distance e of the exact motion from that of the run obeys
+The velocities of a run miss by delta, and the loads of bodies with mass by phi, both of the elements. Each
+step ends at distances eps in place and eta in velocity of its own from where the motion leads. To first order
+the distances e and d of the exact places and velocities from those of the run obey
 
-    e' = J e + delta,   J = dU/dq,        e -> e + eps at the end of a step,
+    e' = d,    m d' = -(dF/dq e + dF/dU d) - phi,       e -> e + eps,  d -> d + eta  at the end of a step,
 
-for each of the two causes, stepped by the trapezoidal rule with a predictor; J e is a difference of
-velocities, for one solve more of each. So errors decay where bodies approach a wall and grow where they part,
-and what moves together strays together. delta has the sign of the estimate. eps, that of the member of lower
-order, takes in each component the sign that lengthens e. As the two causes may have any signs to each other,
-the bar of a position is the sum of both |e|.
+with the load F(q, U) that a motion takes, and without mass d = J e + delta, J = dU/dq. They do so for each of
+the two causes. Places are stepped by the trapezoidal rule with a predictor, velocities by implicit Euler,
+which is one solve of each cause: near places, with `Inertia` of near velocities; its difference from the
+velocities of the run is d. So errors decay where bodies approach a wall and grow where they part, and what
+moves together strays together. delta and phi have the sign of the estimate. eps is that of the member of
+lower order; eta is how far the change of the velocity is from that of the trapezoidal rule, whose own error
+is twice that of the scheme. Both take in each component the sign that lengthens e. As the two causes may
+have any signs to each other, the bar of a position is the sum of both |e|.
 
 A gap s strays by |grad s . e|, and the time at which the run has it by that over the rate s'.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from math import inf
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import PLACES, Array, Configuration
+from fsi.bodies.configuration import PLACES, Array, Configuration, Inertia, Motion
 from fsi.bodies.gaps import nearest_gaps
-from fsi.integration.state import Model, Step
+from fsi.integration.errors import StepErrors
+from fsi.integration.state import Model, State, Step
 from fsi.meshes.geometry.container import Container
 
 # Of the smallest gap or radius, by which velocities are differenced: far above what a new mesh changes.
 SMALL = 0.02
-# At the loosest tolerance, 1e-2, the error of a step of a settling disc was 1.3 times the estimate.
-STEP_SAFETY = 2.0
+# At the loosest tolerance, 1e-2, a step of a disc beside a plane erred by up to 2.2 times the estimate.
+STEP_SAFETY = 2.5
+# Their signs are chosen: where one carries the other along, they may cancel in the estimate alone. So each is
+# known to this part of the largest.
+HIDDEN = 0.1
 SMALLER = 1e-3  # the same for gaps, which are exact
 
 
@@ -39,67 +48,111 @@ def _none() -> Array:
 
 @dataclass(slots=True)
 class Strayed:
-    """The distances e by their cause, elements and steps, and what the next step needs; zero at the start.
+    """The distances by their cause, elements and steps, and what the next step needs; zero at the start.
 
     Attributes:
-        e: of the exact motion from that of the run, (2, N, M).
-        rate: J e, (2, N, M).
-        delta: of the exact velocities from those of the run, and zero for the steps, (2, N, M).
+        masses: m or I of each mode, 0 without inertia, (N, M); None where no body has any.
+        motion_at: what holds and drives the bodies.
+        e: of the exact places from those of the run, (2, N, M).
+        d: of the exact velocities from those of the run, (2, N, M).
+        run: velocities and accelerations of the run at the last step, of modes without mass 0, (2, N, M).
     """
 
+    masses: Array | None
+    motion_at: Callable[[Configuration, float], Motion]
     e: Array = field(default_factory=_none)
-    rate: Array = field(default_factory=_none)
-    delta: Array = field(default_factory=_none)
+    d: Array = field(default_factory=_none)
+    run: Array = field(default_factory=_none)
 
-    def follow(self, step: Step, delta: Array, model: Model, container: Container) -> None:
-        """Take a step, at whose end velocities miss by delta (N, M); two solves, collective."""
-        h, delta = step.h, np.stack([delta, np.zeros_like(delta)])
+    def follow(self, step: Step, errors: StepErrors, model: Model, container: Container) -> None:
+        """Take a step, at whose end velocities and loads miss by `errors`; two solves, collective."""
+        h, (delta, phi) = step.h, errors.signed
+        run = self._run(step)
         if h == 0.0:
-            self.e, self.rate, self.delta = np.zeros_like(delta), np.zeros_like(delta), delta
+            self.e, self.d, self.run = np.zeros((2, *delta.shape)), _of_elements(delta), run
             return
-        missed = 0.5 * h * (self.delta + delta)
-        if step.error is not None:
-            eps = STEP_SAFETY * step.error
-            missed[1] = np.copysign(eps, np.where(self.e[1] == 0.0, eps, self.e[1]))
-        rate = np.stack([_carried(step, e, model, container) for e in self.e + h * self.rate + missed])
-        self.e = self.e + 0.5 * h * (self.rate + rate) + missed
-        self.rate, self.delta = rate, delta
+        eps, eta = self._missed(step, run)
+        self.run = run
+        near = self.e + h * self.d + eps
+        pushed = self.d + eta - _of_elements(h * self._accelerated(phi))
+        carried = [self._carried(step, *one, model, container) for one in zip(near, pushed, strict=True)]
+        d = np.stack(carried) + _of_elements(delta)
+        self.e, self.d = self.e + 0.5 * h * (self.d + d) + eps, d
 
-    def gap_error(self, q: Configuration, container: Container) -> float:
-        """How far the smallest gap has strayed."""
-        return sum(_gap_change(q, e, container) for e in self.e)
+    def _run(self, step: Step) -> Array:
+        """What `run` shall be at the end of a step."""
+        motion = self.motion_at(step.state.q, step.state.t)
+        a = self._accelerated(np.where(motion.held, 0.0, motion.F - step.instant.F))
+        return np.stack([step.state.U, a])
+
+    def _accelerated(self, load: Array) -> Array:
+        """The acceleration by a load, 0 without mass."""
+        if self.masses is None:
+            return np.zeros_like(load)
+        return np.divide(load, self.masses, out=np.zeros_like(load), where=self.masses > 0.0)
+
+    def _missed(self, step: Step, run: Array) -> tuple[Array, Array]:
+        """eps and eta of a step, by cause, (2, N, M) each."""
+        (U, a), (U_end, a_end) = self.run, run
+        eta = U_end - U - 0.5 * step.h * (a + a_end)
+        massive = np.zeros_like(U) if self.masses is None else self.masses
+        missed = np.stack([np.zeros_like(U) if step.error is None else step.error, eta * (massive > 0.0)])
+        signs = np.where(self.e[1] == 0.0, missed, self.e[1])
+        eps, eta = STEP_SAFETY * np.copysign(missed, signs)
+        return _of_steps(eps), _of_steps(eta)
+
+    def _carried(self, step: Step, e: Array, d: Array, model: Model, container: Container) -> Array:
+        """What the distances d become over a step that ends at the distances e, (N, M)."""
+        q, t, U = step.state.q, step.state.t, step.state.U
+        scale = SMALL * _scale(q, e, container.at(t)) or float(d.any())
+        if scale == 0.0:
+            return np.zeros_like(e)
+        inertia = None
+        if self.masses is not None:
+            inertia = Inertia(self.masses / step.h, U - step.h * self.run[1] + scale * d)
+        near: Array = model(q.moved(scale * e), t, inertia).U
+        return np.asarray((near - U) / scale)
+
+    def columns(self, state: State, container: Container) -> Mapping[str, float]:
+        """Of steps.csv: how far the smallest gap has strayed, and the time at which the run has it."""
+        q, now = state.q, container.at(state.t)
+        error = sum(abs(_gap_rate(q, e, now, lambda _: now)) for e in self.e)
+        rate = abs(_gap_rate(q, state.U, now, lambda after: container.at(state.t + after)))
+        return {"err_smallest_gap": error, "err_t": error / rate if rate > 0.0 else inf}
 
     def body_columns(self, q: Configuration) -> Mapping[str, Array]:
         """Of bodies.csv: the errors of positions and angles, absolute, (N,) each."""
-        errors = np.abs(self.e).sum(axis=0).T
-        return {f"err_{name}": error for name, error in zip(PLACES[q.dimension], errors, strict=True)}
+        of_elements, of_steps = np.abs(self.e)
+        hidden = HIDDEN * (q.arms * of_steps).max(initial=0.0) / q.arms
+        errors = of_elements + np.where(of_steps > 0.0, np.maximum(of_steps, hidden), 0.0)
+        return {f"err_{name}": error for name, error in zip(PLACES[q.dimension], errors.T, strict=True)}
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """What must be restored, by name."""
-        return {"strayed": np.stack([self.e, self.rate, self.delta])}
+        return {"strayed": np.stack([self.e, self.d, self.run])}
 
     def restore(self, memory: Mapping[str, NDArray[Any]]) -> None:
         """Take back what `memory` gave."""
-        self.e, self.rate, self.delta = memory["strayed"]
+        self.e, self.d, self.run = memory["strayed"]
 
 
-def _carried(step: Step, e: Array, model: Model, container: Container) -> Array:
-    """J e at the end of a step, (N, M)."""
-    q, t = step.state.q, step.state.t
-    scale = SMALL * _scale(q, e, container.at(t))
-    if scale == 0.0:
-        return np.zeros_like(e)
-    U: Array = model(q.moved(scale * e), t).U
-    return np.asarray((U - step.state.U) / scale)
+def _of_elements(values: Array) -> Array:
+    """By cause: that of the elements alone."""
+    return np.stack([values, np.zeros_like(values)])
 
 
-def _gap_change(q: Configuration, e: Array, container: Container) -> float:
-    """|grad s . e| of the smallest gap s."""
-    scale = SMALLER * _scale(q, e, container)
-    if scale == 0.0:
+def _of_steps(values: Array) -> Array:
+    """By cause: that of the steps alone."""
+    return np.stack([np.zeros_like(values), values])
+
+
+def _gap_rate(q: Configuration, U: Array, now: Container, later: Callable[[float], Container]) -> float:
+    """s' of the smallest gap s of bodies that move with U, in a container that will be another one later."""
+    duration = SMALLER * _scale(q, U, now)
+    if duration == 0.0:
         return 0.0
-    gap = nearest_gaps(q, container).smallest()
-    return abs(nearest_gaps(q.moved(scale * e), container).smallest() - gap) / scale
+    after = nearest_gaps(q.moved(duration * U), later(duration)).smallest()
+    return float(after - nearest_gaps(q, now).smallest()) / duration
 
 
 def _scale(q: Configuration, e: Array, container: Container) -> float:

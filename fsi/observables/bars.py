@@ -85,8 +85,12 @@ def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> St
     mu = getattr(results, "apparent_viscosity", None)
     if mu is not None and viscosity is not None:
         relative["viscosity"] = viscosity / abs(mu)
-    away = np.sum([each.factor * (each.results.U - results.U) for each in others], axis=0)
-    return StepErrors(errors, relative, np.copysign(U, away))
+    away = [each.factor * np.subtract(_motion(each.results), _motion(results)) for each in others]
+    return StepErrors(errors, relative, np.sum(away, axis=0))
+
+
+def _motion(results: Results) -> tuple[Array, Array]:
+    return results.U, results.F
 
 
 def _of_viscosity(results: Results, other: Results, factor: float) -> float | None:

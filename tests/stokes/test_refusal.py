@@ -10,6 +10,7 @@ import pytest
 
 import fsi.meshes.build
 from bench.gaps import CASES
+from bench.random_cases import random_case
 from fsi.calibration.pair import pair_of
 from fsi.calibration.sampling import resolved_sample
 from fsi.case.case import Case
@@ -93,6 +94,13 @@ def test_a_mesh_that_is_refused_is_made_again(gap: float, capsys: pytest.Capture
     said = "the sizes of the case gave no valid mesh; taken: discretisation.growth = 0.5"
     assert said in capsys.readouterr().out
     assert StokesModel(coarse(gap, 0.5)).scaled_mesh(case.configuration()).instead == ""
+
+
+def test_a_coarse_mesh_around_a_lone_sphere_is_made_until_it_is_valid() -> None:
+    """Six elements around it, of order 3: 8, 10 and 12 turn over too, with finer gaps or without."""
+    case = random_case("space", 8)
+    found = StokesModel(case).scaled_mesh(case.configuration(), order=3)
+    assert found.instead == "discretisation.cells_per_circle = 15"
 
 
 def test_a_mesh_that_is_made_again_is_said_of_resistances_runs_and_samples(
