@@ -33,10 +33,12 @@ def chains(
     step: Annotated[int | None, option("Which step.", "the one that dissipates most")] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Find the chains of close discs that resist at a step: what lubrication costs in them.
+    """Find the chains of close discs that resist at a step: what the flow costs in them.
 
-    A chain is of discs linked by gaps below a tenth of the mean radius. Of each: what lubrication dissipates
-    in it and, in a sheared suspension, the part of the apparent viscosity that its forces carry along it.
+    A chain is of discs linked by gaps below a tenth of the mean radius. Of each: what is dissipated in it, in
+    runs of pores in the fluid of its necks, else by lubrication along lines of centres; and in a sheared
+    suspension the part of the apparent viscosity that lubrication forces carry along it. In a channel the
+    chain from wall to wall is told besides, that whose least link dissipates most.
     """
     from fsi.postprocess.analysis.chains import chains_data, chains_table, read_chains
     from fsi.postprocess.plots.analyses import plot_chains

@@ -1,27 +1,16 @@
-"""Which chains of discs resist at a step of a run: links of close discs, and what lubrication costs in them.
+"""Which chains of discs resist at a step of a run: what the flow dissipates between close discs.
 
 A rise of the apparent viscosity is traced to its makers: chains of discs linked by gaps below a tenth of the
-mean radius, what lubrication dissipates in them, and in a sheared suspension the part of the apparent
-viscosity that its forces carry along them.
+mean radius, what is dissipated in them (`fsi.postprocess.analysis.links` says how), and in a sheared
+suspension the part of the apparent viscosity that lubrication forces carry along them.
 
-In each close pair, of radii a_i and a_j or of a disc and a wall (a_j infinite), lubrication dissipates
-
-    kappa(d) (G.u)^2,   kappa = 3 sqrt2 pi mu (a/d)^(3/2),   a = a_i a_j / (a_i + a_j),   G.u = d'
-
-d being the gap, d' its rate; for equal discs kappa = (3 pi/2) mu (a_i/d)^(3/2). It is the leading term for
-motion along the line of centres: an estimate.
-
-Bodies that are free hardly approach; what a close pair costs a sheared suspension is rather the stress that
-its force -kappa d' n carries from the one to the other, r n apart. Of the apparent viscosity it is the part
-
-    kappa d' r n.E.n / (2 mu E:E |Omega|)
-
-with E the mean strain rate and |Omega| the area: positive where the pair is pressed together along the
-compression or held together along the extension of the flow.
+A channel is sheared through the chains that reach from wall to wall. Of all such paths of links the chain is
+that whose least link dissipates most; it lies in the tree of all links that dissipate most.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import isfinite
 from typing import Any
 
@@ -29,51 +18,20 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.table import Table
 from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.bodies.forces import separations
-from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
 from fsi.errors import InputError
-from fsi.lubrication.exact import plane_lubrication
+from fsi.postprocess.analysis.links import NECKS, Links, find_links, in_necks
 from fsi.postprocess.analysis.strain import strain_rate
 from fsi.postprocess.run.run import Run
 from fsi.report.console import table
 
+type Indices = NDArray[np.integer[Any]]
+
 CLOSE = 0.1  # gaps below this many mean radii make a link
 _ROWS = 12
-
-
-@dataclass(frozen=True, slots=True)
-class LubricationLinks:
-    """Close pairs, of bodies and then of bodies and walls, L in all.
-
-    Attributes:
-        ends: the two sides as positions in the bodies followed by the walls, shape (L, 2).
-        vectors: from the second centre to the first, or from the wall to the centre, shape (L, 2).
-        gaps: d, shape (L,).
-        rates: d' = G.u, shape (L,).
-        tension: kappa(d) d', what lubrication pulls together with, shape (L,).
-        dissipation: kappa(d) d'^2, shape (L,).
-    """
-
-    ends: NDArray[np.intp]
-    vectors: Array
-    gaps: Array
-    rates: Array
-    tension: Array
-    dissipation: Array
-
-    def viscosities(self, E: Array, viscosity: float, area: float) -> Array:
-        """The part of the apparent viscosity that each link carries, (L,).
-
-        E: the mean strain rate, (2, 2); area: of fluid and bodies together.
-        """
-        along = np.einsum("li,ij,lj->l", self.vectors, E, self.vectors)  # r^2 n.E.n
-        dissipated = 2.0 * viscosity * float(np.sum(E**2)) * area
-        parts: Array = self.tension * along / np.linalg.norm(self.vectors, axis=1) / dissipated
-        return parts
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +41,7 @@ class Chain:
     Attributes:
         bodies: their positions in the list of the case.
         walls: those that they touch, by position.
-        links: positions in LubricationLinks.
+        links: positions in Links.
         smallest_gap: of its links.
         dissipation: of its links.
     """
@@ -108,16 +66,20 @@ class Chains:
         chains: that which dissipates most first.
         dissipation: that of the whole flow, infinite where velocities of walls jump.
         shares: of the links in the apparent viscosity, (L,), None where there is none.
+        across: that from wall to wall of a channel, bodies and links in their order; None where none closes.
+        measured: whether the flow says what links dissipate; else lubrication does.
     """
 
     case: Case
     step: int
     t: float
     q: Configuration
-    links: LubricationLinks
+    links: Links
     chains: tuple[Chain, ...]
     dissipation: float
     shares: Array | None
+    across: Chain | None
+    measured: bool
 
     def share(self, links: Sequence[int]) -> float | None:
         """Of those links in the apparent viscosity, None where there is none."""
@@ -135,56 +97,39 @@ def read_chains(run: Run, step: int | None = None, close: float = CLOSE) -> Chai
     if case.geometry != "planar":
         raise InputError(f'geometry = "{case.geometry}": the lubrication law of discs needs "planar"')
     if "dissipation" not in steps:
-        raise InputError(f"{run.path / 'steps.csv'}: no column dissipation; give a run of the resolved model")
-    written = steps["step"]
-    if step is not None and step not in written:
-        known = f"the run has the steps {written[0]:g} to {written[-1]:g}"
-        raise InputError(f"step = {step}: {known}; give one of them")
-    row = int(np.argmax(steps["dissipation"] if step is None else written == step))
-    step, t = int(written[row]), float(steps["t"][row])
+        raise InputError(
+            f"{run.path / 'steps.csv'}: no column dissipation; give a run of a model with a flow"
+        )
+    row = _row_of(run, steps, step)
+    step, t = int(steps["step"][row]), float(steps["t"][row])
     q = run.configuration(step)
     V = run.bodies.loc[run.bodies["step"] == step, ["V_x", "V_y"]].to_numpy()
     links = find_links(case, q, V, t, close * float(q.radii.mean()))
+    measured = run.has(NECKS)
+    if measured:
+        links = replace(links, dissipation=in_necks(run, step, links, float(q.radii.mean())))
     E, shares = strain_rate(case, t), None
     if E is not None and "apparent_viscosity" in steps and np.isfinite(steps["apparent_viscosity"][row]):
         viscosities = links.viscosities(E, case.fluid.viscosity, case.container().volume)
         shares = viscosities / steps["apparent_viscosity"][row]
     chains, dissipation = find_chains(links, len(q)), float(steps["dissipation"][row])
-    return Chains(case, step, t, q, links, chains, dissipation, shares)
+    across = wall_to_wall(links, len(q)) if len(case.container().walls) == 2 else None
+    return Chains(case, step, t, q, links, chains, dissipation, shares, across, measured)
 
 
-def find_links(case: Case, q: Configuration, V: Array, t: float, reach: float) -> LubricationLinks:
-    """The links of discs at q that move with V (N, 2) at time t, with gaps up to `reach`.
-
-    An image of a body moves with the body and with the mean flow, `V_j + E away`.
-    """
-    container = case.container().at(t)
-    gaps = find_gaps(q, container, reach)
-    (i, j), a = gaps.pairs.T, q.radii
-    between = separations(q, gaps)
-    unit = between / np.linalg.norm(between, axis=1, keepdims=True)
-    body, wall = np.nonzero(gaps.wall_gaps <= reach)
-    normal = container.normals(q.centres)[body, wall]
-    d = np.concatenate([gaps.pair_gaps, gaps.wall_gaps[body, wall]])
-    of_pairs = np.sum(unit * (V[i] - V[j] - container.mean_velocity(gaps.away)), axis=1)
-    of_walls = np.sum(normal * (V[body] - _wall_velocities(case, t)[wall]), axis=1)
-    rates = np.concatenate([of_pairs, of_walls])
-    reduced = np.concatenate([a[i] * a[j] / (a[i] + a[j]), a[body]])
-    kappa = plane_lubrication(d, reduced, case.fluid.viscosity)
-    to_wall = normal * (gaps.wall_gaps[body, wall] + a[body])[:, None]
-    ends = np.concatenate([gaps.pairs, np.column_stack([body, len(q) + wall])])
-    vectors = np.concatenate([between, to_wall])
-    return LubricationLinks(ends, vectors, d, rates, kappa * rates, kappa * rates**2)
+def _row_of(run: Run, steps: dict[str, Array], step: int | None) -> int:
+    """The row of a step, or of that which dissipates most, of those with necks where the run has any."""
+    written = steps["step"]
+    if step is None:
+        known = np.isin(written, run.times_of(NECKS).index) | (not run.has(NECKS))
+        return int(np.argmax(np.where(known, steps["dissipation"], -np.inf)))
+    if step not in written:
+        ends = f"the run has the steps {written[0]:g} to {written[-1]:g}"
+        raise InputError(f"step = {step}: {ends}; give one of them")
+    return int(np.argmax(written == step))
 
 
-def _wall_velocities(case: Case, t: float) -> Array:
-    """Of each wall, (walls, 2); a shear flow on it is left out, as only what is normal counts."""
-    moving, rest = case.wall_velocity(t), np.zeros(2)
-    velocities = [moving[wall].velocity if wall in moving else rest for wall in case.container().walls]
-    return np.array(velocities).reshape(-1, 2)
-
-
-def find_chains(links: LubricationLinks, bodies: int) -> tuple[Chain, ...]:
+def find_chains(links: Links, bodies: int) -> tuple[Chain, ...]:
     """The components of the graph of links, lone bodies left out; walls do not join what they touch."""
     i, j = links.ends.T
     inner = j < bodies
@@ -195,31 +140,59 @@ def find_chains(links: LubricationLinks, bodies: int) -> tuple[Chain, ...]:
         members, linked = np.flatnonzero(label == k), np.flatnonzero(label[i] == k)
         if linked.size:
             walls = np.unique(j[linked][j[linked] >= bodies] - bodies)
-            numbers = tuple(members.tolist()), tuple(walls.tolist()), tuple(linked.tolist())
-            gap, dissipation = float(links.gaps[linked].min()), float(links.dissipation[linked].sum())
-            chains.append(Chain(*numbers, gap, dissipation))
+            chains.append(_chain(links, members, walls, linked))
     return tuple(sorted(chains, key=lambda chain: -chain.dissipation))
+
+
+def wall_to_wall(links: Links, bodies: int) -> Chain | None:
+    """The path of links between two walls whose least link dissipates most; None where there is none."""
+    order = np.argsort(-links.dissipation, kind="stable")
+    ends = links.ends[order]
+    # Of several links between the same two the first, which dissipates most, counts.
+    _, first = np.unique(ends, axis=0, return_index=True)
+    size = bodies + 2
+    rank = coo_array((first + 1.0, tuple(ends[first].T)), shape=(size, size))
+    tree = minimum_spanning_tree(rank.tocsr())
+    _, before = breadth_first_order(tree, bodies, directed=False)
+    path = [bodies + 1]
+    while path[-1] != bodies:
+        if before[path[-1]] < 0:
+            return None
+        path.append(int(before[path[-1]]))
+    way = [order[int(tree[i, j] + tree[j, i]) - 1] for i, j in pairwise(path)]
+    return _chain(links, np.array(path[-2:0:-1]), np.arange(2), np.array(way[::-1]))
+
+
+def _chain(links: Links, members: Indices, walls: Indices, linked: Indices) -> Chain:
+    numbers = tuple(members.tolist()), tuple(walls.tolist()), tuple(linked.tolist())
+    return Chain(*numbers, float(links.gaps[linked].min()), float(links.dissipation[linked].sum()))
 
 
 def chains_table(chains: Chains) -> Table:
     """The chains that dissipate most, closed by the sum over all."""
-    walls = chains.case.container().walls
-    headings = ["discs", "walls", "smallest gap", "lubrication", "of the dissipation"]
-    headings += [] if chains.shares is None else ["of the viscosity"]
+    headings = ["discs", "walls", "smallest gap", "in necks" if chains.measured else "lubrication"]
+    headings += ["of the dissipation"] + ([] if chains.shares is None else ["of the viscosity"])
     listed = table((), headings, title=f"chains at step {chains.step}, t = {chains.t:.6g}")
     listed.add_column("who")
     for chain in chains.chains[:_ROWS]:
-        names = [chains.case.names[k] for k in chain.bodies]
-        touched, gap = ", ".join(walls[k] for k in chain.walls), f"{chain.smallest_gap:.3g}"
-        who = ", ".join(names[:4]) + (", ..." if len(names) > 4 else "")
-        costs = _costs(chains, chain.dissipation, chain.links)
-        listed.add_row(str(len(chain.bodies)), touched, gap, *costs, who)
+        listed.add_row(*_row(chains, chain, 4))
+    if chains.across is not None:
+        listed.add_section()
+        listed.add_row(*_row(chains, chains.across, len(chains.q)))
     listed.add_section()
     discs = sum(len(chain.bodies) for chain in chains.chains)
     total = sum(chain.dissipation for chain in chains.chains)
     every = range(len(chains.links.gaps))
     listed.add_row(str(discs), "", "", *_costs(chains, total, every), "together")
     return listed
+
+
+def _row(chains: Chains, chain: Chain, shown: int) -> list[str]:
+    """A chain, with the names of as many bodies."""
+    walls, names = chains.case.container().walls, [chains.case.names[k] for k in chain.bodies]
+    touched, gap = ", ".join(walls[k] for k in chain.walls), f"{chain.smallest_gap:.3g}"
+    who = ", ".join(names[:shown]) + (", ..." if len(names) > shown else "")
+    return [str(len(names)), touched, gap, *_costs(chains, chain.dissipation, chain.links), who]
 
 
 def _costs(chains: Chains, dissipation: float, links: Sequence[int]) -> list[str]:
@@ -231,16 +204,18 @@ def _costs(chains: Chains, dissipation: float, links: Sequence[int]) -> list[str
 
 def chains_data(chains: Chains) -> dict[str, Any]:
     """All chains, by the names of what they link."""
-    names, walls = chains.case.names, chains.case.container().walls
-    each = [
-        {
-            "bodies": [names[k] for k in chain.bodies],
-            "walls": [walls[k] for k in chain.walls],
-            "smallest_gap": chain.smallest_gap,
-            "dissipation": chain.dissipation,
-            "of_the_viscosity": chains.share(chain.links),
-        }
-        for chain in chains.chains
-    ]
     dissipation = chains.dissipation if isfinite(chains.dissipation) else None
-    return {"step": chains.step, "t": chains.t, "dissipation": dissipation, "chains": each}
+    data = {"step": chains.step, "t": chains.t, "dissipation": dissipation, "measured": chains.measured}
+    across = None if chains.across is None else _data(chains, chains.across)
+    return data | {"chains": [_data(chains, chain) for chain in chains.chains], "wall_to_wall": across}
+
+
+def _data(chains: Chains, chain: Chain) -> dict[str, Any]:
+    names, walls = chains.case.names, chains.case.container().walls
+    return {
+        "bodies": [names[k] for k in chain.bodies],
+        "walls": [walls[k] for k in chain.walls],
+        "smallest_gap": chain.smallest_gap,
+        "dissipation": chain.dissipation,
+        "of_the_viscosity": chains.share(chain.links),
+    }

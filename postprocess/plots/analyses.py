@@ -23,6 +23,7 @@ def plot_chains(chains: Chains, path: Path) -> None:
     norm = mpl.colors.LogNorm(1e-4, max(1e-3, float(share.max(initial=0.0))))
     widths = 1.0 + 1.2 * np.clip(np.log10(share / 1e-4), 0.0, None)
     what = "dissipation in this gap" if chains.shares is None else "apparent viscosity that this gap carries"
+    by = "" if chains.measured and chains.shares is None else ", by lubrication"
     with saved_figure(path, (8.0, 8.0), font=10.0, dpi=130) as figure:
         axes, centres = draw_case(figure, chains.case, chains.q, chains.t)
         first = centres[links.ends[:, 0]]
@@ -33,7 +34,7 @@ def plot_chains(chains: Chains, path: Path) -> None:
         style = {"cmap": "inferno_r", "norm": norm, "linewidths": widths, "zorder": 3}
         drawn = LineCollection(list(np.concatenate(ends)), array=share, **style)
         axes.add_collection(drawn)
-        figure.colorbar(drawn, ax=axes, shrink=0.7, label=f"part of the {what}, by lubrication")
+        figure.colorbar(drawn, ax=axes, shrink=0.7, label=f"part of the {what}{by}")
         title = f"step {chains.step}, t = {chains.t:.5g}: gaps below {CLOSE:g} radii"
         axes.set_title(title, loc="center", fontsize=10)
 

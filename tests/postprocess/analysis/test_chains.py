@@ -10,12 +10,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fsi.case.load import parse_case
+import fsi
+from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
-from fsi.postprocess.analysis.chains import read_chains
+from fsi.postprocess.analysis.chains import chains_data, read_chains, wall_to_wall
+from fsi.postprocess.analysis.links import Links, find_links
 from fsi.postprocess.run.run import open_run
 from tests.commands import fsi_command
 
+CASES = Path(__file__).parents[3] / "cases"
 HEADER = "step,t,body,x,y,angle,V_x,V_y,omega,F_x,F_y,T\n"
 # A chain from wall to wall (a, b, c), a pair (d, e) and a lone disc; V_y closes or opens gaps.
 DISCS: list[tuple[str, float, float, float, float]] = [
@@ -160,3 +163,47 @@ def test_what_a_chain_carries_of_the_apparent_viscosity(tmp_path: Path) -> None:
     assert found.chains[0].dissipation == pytest.approx(found.dissipation, rel=1e-6)
     assert fsi_command("analyse", "chains", tmp_path, "--step", 0) == 0
     assert read_chains(open_run(tmp_path), 1).shares is None
+
+
+def links_of(*each: tuple[int, int, float]) -> Links:
+    """Links between sides that dissipate so much."""
+    n = len(each)
+    ends, lost = np.array([link[:2] for link in each]), np.array([link[2] for link in each])
+    return Links(ends, np.zeros((n, 2)), 0.1 * np.arange(1, n + 1), np.zeros(n), np.zeros(n), lost)
+
+
+def test_the_chain_from_wall_to_wall_is_that_whose_least_link_dissipates_most() -> None:
+    """Walls are 4 and 5. By 0 and 1 the least is 2, by 2 and 3 it is 1; 0 and 1 have two links."""
+    links = links_of(
+        (0, 4, 9.0), (0, 1, 0.5), (0, 1, 2.0), (1, 5, 3.0), (2, 4, 9.0), (2, 3, 1.0), (3, 5, 50.0)
+    )
+    chain = wall_to_wall(links, 4)
+    assert chain is not None
+    assert (chain.bodies, chain.walls, chain.links) == ((0, 1), (0, 1), (0, 2, 3))
+    assert (chain.dissipation, chain.smallest_gap) == pytest.approx((14.0, 0.1))
+    assert wall_to_wall(links_of((0, 4, 1.0), (1, 5, 1.0), (1, 1, 7.0)), 2 + 2) is None
+
+
+def test_a_run_of_pores_says_what_its_necks_dissipate(tmp_path: Path) -> None:
+    """Ten sheared discs: five of them close a chain that takes two fifths of the power, from wall to wall.
+
+    By lubrication along lines of centres all twelve links together would take 4 %: they roll and slide.
+    """
+    case = load_case(CASES / "pores" / "couette_N10.toml", ["pores.modes=1", "time.end=1e-6"])
+    fsi.run(case, tmp_path / "run")
+    found = read_chains(open_run(tmp_path / "run"), 0)
+    necks = fsi.solve(case).instant.necks
+    of_pair = {
+        tuple(sides): lost for sides, lost in zip(necks.sides.tolist(), necks.dissipation, strict=True)
+    }
+    pairs = [tuple(sorted(ends)) for ends in found.links.ends.tolist()]
+    assert found.links.dissipation == pytest.approx([of_pair[pair] for pair in pairs], rel=1e-9)
+    chain = found.across
+    assert chain is not None
+    assert [found.case.names[k] for k in chain.bodies] == ["disc 5", "disc 1", "disc 8", "disc 7", "disc 9"]
+    assert chain.dissipation / found.dissipation == pytest.approx(0.41, abs=0.01)  # regression
+    assert found.measured
+    V = fsi.solve(case).instant.U[:, :2]
+    estimated = find_links(case, found.q, V, 0.0, 0.1).dissipation.sum()
+    assert estimated / found.dissipation == pytest.approx(0.04, abs=0.01)  # regression
+    assert chains_data(found)["wall_to_wall"]["walls"] == ["bottom", "top"]

@@ -1,0 +1,111 @@
+"""Links of close discs, and what the fluid dissipates in each: by lubrication, or in the necks of pores.
+
+In each close pair, of radii a_i and a_j or of a disc and a wall (a_j infinite), lubrication dissipates
+
+    kappa(d) (G.u)^2,   kappa = 3 sqrt2 pi mu (a/d)^(3/2),   a = a_i a_j / (a_i + a_j),   G.u = d'
+
+d being the gap, d' its rate; for equal discs kappa = (3 pi/2) mu (a_i/d)^(3/2). It is the leading term for
+motion along the line of centres: an estimate. Runs of pores have measured what is dissipated in the fluid of
+each neck, by sliding, rolling and flux too.
+
+Bodies that are free hardly approach; what a close pair costs a sheared suspension is rather the stress that
+its force -kappa d' n carries from the one to the other, r n apart. Of the apparent viscosity it is the part
+
+    kappa d' r n.E.n / (2 mu E:E |Omega|)
+
+with E the mean strain rate and |Omega| the area: positive where the pair is pressed together along the
+compression or held together along the extension of the flow.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from fsi.bodies.configuration import Array, Configuration
+from fsi.bodies.forces import separations
+from fsi.bodies.gaps import find_gaps
+from fsi.case.case import Case
+from fsi.lubrication.exact import plane_lubrication
+from fsi.postprocess.run.run import Run, nodes
+
+NECKS = "necks"  # the series of a run of pores
+_SAME = 1e-6  # of a radius: a link and a neck between the same places
+
+
+@dataclass(frozen=True, slots=True)
+class Links:
+    """Close pairs, of bodies and then of bodies and walls, L in all.
+
+    Attributes:
+        ends: the two sides as positions in the bodies followed by the walls, shape (L, 2).
+        vectors: from the second centre to the first, or from the wall to the centre, shape (L, 2).
+        gaps: d, shape (L,).
+        rates: d' = G.u, shape (L,).
+        tension: kappa(d) d', what lubrication pulls together with, shape (L,).
+        dissipation: kappa(d) d'^2, or what the run has measured, shape (L,).
+    """
+
+    ends: NDArray[np.intp]
+    vectors: Array
+    gaps: Array
+    rates: Array
+    tension: Array
+    dissipation: Array
+
+    def viscosities(self, E: Array, viscosity: float, area: float) -> Array:
+        """The part of the apparent viscosity that each link carries, (L,).
+
+        E: the mean strain rate, (2, 2); area: of fluid and bodies together.
+        """
+        along = np.einsum("li,ij,lj->l", self.vectors, E, self.vectors)  # r^2 n.E.n
+        dissipated = 2.0 * viscosity * float(np.sum(E**2)) * area
+        parts: Array = self.tension * along / np.linalg.norm(self.vectors, axis=1) / dissipated
+        return parts
+
+
+def find_links(case: Case, q: Configuration, V: Array, t: float, reach: float) -> Links:
+    """The links of discs at q that move with V (N, 2) at time t, with gaps up to `reach`.
+
+    An image of a body moves with the body and with the mean flow, `V_j + E away`.
+    """
+    container = case.container().at(t)
+    gaps = find_gaps(q, container, reach)
+    (i, j), a = gaps.pairs.T, q.radii
+    between = separations(q, gaps)
+    unit = between / np.linalg.norm(between, axis=1, keepdims=True)
+    body, wall = np.nonzero(gaps.wall_gaps <= reach)
+    normal = container.normals(q.centres)[body, wall]
+    d = np.concatenate([gaps.pair_gaps, gaps.wall_gaps[body, wall]])
+    of_pairs = np.sum(unit * (V[i] - V[j] - container.mean_velocity(gaps.away)), axis=1)
+    of_walls = np.sum(normal * (V[body] - _wall_velocities(case, t)[wall]), axis=1)
+    rates = np.concatenate([of_pairs, of_walls])
+    reduced = np.concatenate([a[i] * a[j] / (a[i] + a[j]), a[body]])
+    kappa = plane_lubrication(d, reduced, case.fluid.viscosity)
+    to_wall = normal * (gaps.wall_gaps[body, wall] + a[body])[:, None]
+    ends = np.concatenate([gaps.pairs, np.column_stack([body, len(q) + wall])])
+    vectors = np.concatenate([between, to_wall])
+    return Links(ends, vectors, d, rates, kappa * rates, kappa * rates**2)
+
+
+def _wall_velocities(case: Case, t: float) -> Array:
+    """Of each wall, (walls, 2); a shear flow on it is left out, as only what is normal counts."""
+    moving, rest = case.wall_velocity(t), np.zeros(2)
+    velocities = [moving[wall].velocity if wall in moving else rest for wall in case.container().walls]
+    return np.array(velocities).reshape(-1, 2)
+
+
+def in_necks(run: Run, step: int, links: Links, size: float) -> Array:
+    """What is dissipated in the necks of links, (L,); 0 where another body stands between. Raises InputError.
+
+    size: some radius.
+    """
+    necks = run.mesh(step, NECKS)
+    if not necks.n_cells:
+        return np.zeros(len(links.gaps))
+    start, end = np.asarray(necks.points, float)[nodes(necks)][..., :2].swapaxes(0, 1)
+    i, j, lost = (necks.cell_data[name] for name in ("first", "second", "dissipation"))
+    places = [np.column_stack([i, j, (start - end) / size]), np.column_stack([j, i, (end - start) / size])]
+    away, nearest = cKDTree(np.concatenate(places)).query(np.column_stack([links.ends, links.vectors / size]))
+    return np.where(away < _SAME, np.tile(lost, 2)[nearest], 0.0)
