@@ -86,7 +86,7 @@ def neighbours(surfaces: Surfaces, reach: float) -> NeighbourLinks:
     step = centres[second] + lattice.shift(shift) - centres[first]
     gap = np.hypot(*step.T) - radii[first] - radii[second]
     between = NeighbourLinks(first, second, shift, step, gap)[gap <= reach]
-    return _joined(between, _to_walls(surfaces))
+    return joined(between, _to_walls(surfaces))
 
 
 def _to_walls(surfaces: Surfaces) -> NeighbourLinks:
@@ -105,13 +105,14 @@ def _to_walls(surfaces: Surfaces) -> NeighbourLinks:
     return NeighbourLinks(first, second, shift, step, gap)
 
 
-def _joined(one: NeighbourLinks, other: NeighbourLinks) -> NeighbourLinks:
+def joined(*parts: NeighbourLinks) -> NeighbourLinks:
+    """All links of the parts."""
     names = [field.name for field in fields(NeighbourLinks)]
-    return NeighbourLinks(*(np.concatenate([getattr(one, name), getattr(other, name)]) for name in names))
+    return NeighbourLinks(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
 
 @dataclass(frozen=True, slots=True)
-class _Tree:
+class Tree:
     """Shortest ways from one node to all.
 
     Attributes:
@@ -133,7 +134,7 @@ class _Tree:
         return links
 
 
-def _tree(links: NeighbourLinks, root: int, nodes: int) -> _Tree:
+def shortest_tree(links: NeighbourLinks, root: int, nodes: int) -> Tree:
     """The shortest ways from `root` with the squares of the gaps as lengths."""
     low, high = np.minimum(links.first, links.second), np.maximum(links.first, links.second)
     order = np.lexsort((links.gap, low * nodes + high))
@@ -149,13 +150,13 @@ def _tree(links: NeighbourLinks, root: int, nodes: int) -> _Tree:
     before = parent[reached]
     of_way = np.minimum(reached, before) * nodes + np.maximum(reached, before)
     link[reached] = [of_pair[key] for key in of_way.tolist()]
-    return _Tree(length, link, parent.astype(np.int64))
+    return Tree(length, link, parent.astype(np.int64))
 
 
 def _from_wall_to_wall(links: NeighbourLinks, bodies: int) -> tuple[Indices, float]:
     """The shortest chain of links from the bottom to the top, and its length (infinite without any)."""
     bottom, top = bodies, bodies + 1
-    tree = _tree(links, bottom, bodies + 2)
+    tree = shortest_tree(links, bottom, bodies + 2)
     return np.array(tree.way(top)), float(tree.length[top])
 
 
@@ -165,7 +166,7 @@ def _two_loops(links: NeighbourLinks, bodies: int) -> tuple[Indices, float]:
     They are the two shortest of those that a tree of shortest ways and one more link close, with independent
     translations (Erickson and Whittlesey 2005, Proc. SODA 16:1038).
     """
-    tree = _tree(links, 0, bodies)
+    tree = shortest_tree(links, 0, bodies)
     place = np.zeros((bodies, 2), dtype=np.int64)
     for node in np.argsort(tree.length, kind="stable")[1:]:
         link, parent = tree.link[node], tree.parent[node]

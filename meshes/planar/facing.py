@@ -36,11 +36,6 @@ class FacedGap:
     radius: float
     curvature: float
 
-    @property
-    def is_narrow(self) -> bool:
-        """Whether nodes face each other there."""
-        return 0.0 < self.width < NARROW * self.radius
-
     def places(self, cells_per_gap: float) -> Array:
         """The distances xi_k from the narrowest place, from zero on, (n + 1,)."""
         w = sqrt(2.0 * self.width / self.curvature)

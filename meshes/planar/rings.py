@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from fsi.meshes.errors import TouchingError
 from fsi.meshes.geometry.container import Array
-from fsi.meshes.planar.facing import FacedGap, on_circle
+from fsi.meshes.planar.facing import NARROW, FacedGap, on_circle
 from fsi.meshes.planar.sizing import SHORTEST, Curve, Surfaces
 from fsi.meshes.planar.spread import Indices, resolve_all, spread
 
@@ -24,7 +24,7 @@ def rings(surfaces: Surfaces, bodies: Sequence[int]) -> list[Curve]:
 
     Raises MeshError where a body touches another or a wall.
     """
-    near = [_neighbourhood(surfaces, i) for i in bodies]
+    near = _neighbourhoods(surfaces, bodies)
     turns = np.array([(body.narrowest, body.narrowest + 2.0 * np.pi) for body in near]).reshape(-1, 2)
     chains = zip(bodies, _on_arcs(surfaces, near, turns), strict=True)
     return [Curve(i + 1, x[:-1], True, surfaces.centres[i], opening[:-1]) for i, (x, opening) in chains]
@@ -40,7 +40,7 @@ def half_ring(surfaces: Surfaces, i: int) -> Curve:
 
 def arcs(surfaces: Surfaces, bodies: Sequence[int], angles: Array) -> list[Curve]:
     """The nodes on bodies between two angles each, start < end, (n, 2)."""
-    near = [_neighbourhood(surfaces, i) for i in bodies]
+    near = _neighbourhoods(surfaces, bodies)
     chains = zip(bodies, _on_arcs(surfaces, near, angles), strict=True)
     return [Curve(i + 1, x, False, surfaces.centres[i], opening) for i, (x, opening) in chains]
 
@@ -68,33 +68,45 @@ class Neighbourhood:
     facing: list[tuple[FacedGap, float]]
 
 
-def _neighbourhood(surfaces: Surfaces, i: int) -> Neighbourhood:
-    """What is near body i. Raises MeshError where it touches."""
-    centre, radius, radii = surfaces.centres[i], float(surfaces.radii[i]), surfaces.radii
-    resolution = surfaces.resolution
+def _neighbourhoods(surfaces: Surfaces, bodies: Sequence[int]) -> list[Neighbourhood]:
+    """What is near each of these bodies. Raises MeshError where one touches another or a wall."""
+    if len(bodies) == 0:
+        return []
+    container, chosen = surfaces.container, list(bodies)
+    centres, radii = surfaces.centres[chosen], surfaces.radii[chosen]
     # Where h_gap reaches h_body: farther surfaces do not change the size of the elements.
-    reach = resolution.cells_per_gap * 2.0 * np.pi * radius / resolution.cells_per_circle / SHORTEST
-    near = np.asarray(surfaces.tree.query_ball_point(centre, radius + radii.max() + reach), dtype=np.intp)
-    gaps = np.hypot(*(surfaces.centres[near] - centre).T) - radii[near] - radius
-    near, gaps = near[(near != i) & (gaps < reach)], gaps[(near != i) & (gaps < reach)]
-    wall_gaps = surfaces.container.distances(centre[None])[0] - radius
-    walls = wall_gaps < reach
-    gaps = np.concatenate([gaps, wall_gaps[walls]])
+    reach = surfaces.resolution.cells_per_gap * surfaces.resolution.on_body(radii) / SHORTEST
+    near = surfaces.tree.query_ball_point(centres, radii + surfaces.radii.max() + reach, return_sorted=True)
+    walls = zip(container.distances(centres) - radii[:, None], container.normals(centres), strict=True)
+    each = zip(bodies, near, reach.tolist(), walls, strict=True)
+    return [_neighbourhood(surfaces, *about) for about in each]
+
+
+def _neighbourhood(
+    surfaces: Surfaces, i: int, near: list[int], reach: float, to_walls: tuple[Array, Array]
+) -> Neighbourhood:
+    """What lies within a reach of body i, of the bodies near it and the walls, by their gaps and normals."""
+    centre, radius, (wall_gaps, normals) = surfaces.centres[i], float(surfaces.radii[i]), to_walls
+    others = np.array([other for other in near if other != i], dtype=np.intp)
+    off = surfaces.centres[others] - centre
+    gaps = np.hypot(off[:, 0], off[:, 1]) - surfaces.radii[others] - radius
+    is_near, walls = gaps < reach, wall_gaps < reach
+    centres, radii = surfaces.centres[others[is_near]], surfaces.radii[others[is_near]]
+    gaps = np.concatenate([gaps[is_near], wall_gaps[walls]])
     if gaps.min(initial=np.inf) <= 0.0:
         raise TouchingError("the disc at {} touches a disc or wall; move it", centre)
     # 0 - n, not -n: minus zero would turn an angle of pi into -pi.
-    to_walls = 0.0 - surfaces.container.normals(centre[None])[0]
-    towards = np.concatenate([surfaces.centres[near] - centre, to_walls[walls]])
+    towards = np.concatenate([off[is_near], (0.0 - normals)[walls]])
     angles = np.arctan2(towards[:, 1], towards[:, 0])
     narrowest = float(angles[np.argmin(gaps)]) if len(gaps) else 0.0
-    smallest = min(radius, float(radii[near].min(initial=np.inf)))
-    of_walls = [surfaces.curvature(wall) for wall in np.flatnonzero(walls).tolist()]
-    curvatures = [*(1.0 / radii[near]), *of_walls]
-    beside = np.append(np.minimum(radii[near], radius), np.full(walls.sum(), radius))
-    every = zip(gaps, beside, curvatures, angles, strict=True)
-    facing = [(FacedGap(float(q), float(a), 1.0 / radius + k), float(angle)) for q, a, k, angle in every]
-    facing = [(gap, angle) for gap, angle in facing if gap.is_narrow]
-    return Neighbourhood(i, surfaces.centres[near], radii[near], walls, smallest, narrowest, facing)
+    smallest = min(radius, float(radii.min(initial=np.inf)))
+    curvatures = [*(1.0 / radii), *(surfaces.curvature(wall) for wall in np.flatnonzero(walls).tolist())]
+    beside = np.append(np.minimum(radii, radius), np.full(walls.sum(), radius))
+    facing = [
+        (FacedGap(float(gaps[k]), float(beside[k]), 1.0 / radius + float(curvatures[k])), float(angles[k]))
+        for k in np.flatnonzero(gaps < NARROW * beside)
+    ]
+    return Neighbourhood(i, centres, radii, walls, smallest, narrowest, facing)
 
 
 def _fixed(body: Neighbourhood, radius: float, start: float, end: float, cells: float) -> Iterator[Array]:
@@ -137,15 +149,16 @@ def _on_arcs(surfaces: Surfaces, near: Sequence[Neighbourhood], angles: Array) -
         of_gap: Array = np.minimum(resolution.across(distance(place(s, k), k), smallest[k]), h_body[k])
         return of_gap
 
-    pieces = []
     s, h, curve = resolve_all(size, angles * radii[:, None], resolution.cells_per_circle)
     first = np.searchsorted(curve, np.arange(len(near) + 1))
+    placed = []
     for k, (start, end) in enumerate(angles):
         part = slice(first[k], first[k + 1])
         fixed = _fixed(near[k], float(radii[k]), start, end, resolution.cells_per_gap)
-        placed = spread(s[part], h[part], fixed, 8.0 * (end - start) / (2.0 * np.pi))
-        of = np.full(len(placed), k)
-        x = place(placed, of)
-        half = 0.5 * resolution.opened(distance(x, of), smallest[k])
-        pieces.append((x, half[:, None] * (centres[k] - x) / radii[k]))
-    return pieces
+        placed.append(spread(s[part], h[part], fixed, 8.0 * (end - start) / (2.0 * np.pi)))
+    of = np.repeat(np.arange(len(near)), [len(places) for places in placed])
+    x = place(np.concatenate(placed), of)
+    half = 0.5 * resolution.opened(distance(x, of), smallest[of])
+    opening = half[:, None] * (centres[of] - x) / radii[of][:, None]
+    after = np.cumsum([len(places) for places in placed])[:-1]
+    return list(zip(np.split(x, after), np.split(opening, after), strict=True))

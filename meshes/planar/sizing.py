@@ -39,13 +39,14 @@ import scipy  # its modules load when they are used
 from fsi.meshes.geometry.container import Array, Container, FluidDomain
 from fsi.meshes.geometry.curves import WallCurve
 from fsi.meshes.geometry.lattice import Lattice
-from fsi.meshes.planar.facing import FINEST, LONGEST, FacedGap, foot_on, on_wall
+from fsi.meshes.planar.facing import FINEST, LONGEST, NARROW, FacedGap, foot_on, on_wall
 from fsi.meshes.planar.grading import Grading
 from fsi.meshes.planar.spread import Indices, equidistribute, resolve_all, spread
 
 LENGTH, SHORTEST = 0.11, 0.3
 NEIGHBOURS = 16
 PIECES = 64  # of a wall, to begin with
+INSIDE = 0  # the tag of lines that bound pieces of the fluid only
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,11 +92,12 @@ class Curve:
     """One piece of the boundary as a chain of nodes.
 
     Attributes:
-        tag: of its facets.
+        tag: of its facets, INSIDE where it is no boundary.
         nodes: in order, (n, 2); those of a closed curve do not repeat the first.
         closed: whether the last node is joined to the first.
         centre: of the circle that the curve follows, None for a straight piece.
         opening: how far nodes are moved into the solid while gmsh works, (n, 2); None on lines in the fluid.
+        pieces: of the fluid that it bounds; gmsh fills one after the other.
     """
 
     tag: int
@@ -103,6 +105,7 @@ class Curve:
     closed: bool = False
     centre: Array | None = None
     opening: Array | None = None
+    pieces: tuple[int, ...] = (0,)
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,10 +157,10 @@ class Surfaces:
             nearest[point] = (np.hypot(*(x[point] - self.centres).T) - self.radii).min()
         return nearest
 
-    def sizes(self, x: Array, gap: float | None = None) -> Array:
-        """Element size at points (n, 2) off the bodies, in a gap of that width or else by their distance."""
+    def sizes(self, x: Array, gap: Array | None = None) -> Array:
+        """Element size at points (n, 2) off the bodies, in gaps of these widths or else by their distance."""
         if self.bodies == 0:
-            return np.full(len(x), np.inf if gap is None else 0.1 * gap)
+            return np.full(len(x), np.inf) if gap is None else 0.1 * gap
         d = self.to_bodies(x)
         in_gap = self.resolution.across(d if gap is None else gap, float(self.radii.min()))
         h_body = self.resolution.on_body(self.radii.max())
@@ -183,24 +186,29 @@ class Surfaces:
         container, x = self.container, curve.at(s)
         centres = self.centres + (x[0] - self.lattice.wrapped(x[:1]))
         gaps, curvature = container.distances(centres)[:, curve.wall] - self.radii, self.curvature(curve.wall)
-        for width, a, centre in zip(gaps.tolist(), self.radii.tolist(), centres, strict=True):
-            gap = FacedGap(width, a, 1.0 / a + curvature)
-            if gap.is_narrow:
-                nearest = int(np.argmin(np.hypot(*(x - centre).T)))
-                low, high = s[max(nearest - 1, 0)], s[min(nearest + 1, len(s) - 1)]
-                foot = foot_on(curve, container, centre, 2.0 * low - high, 2.0 * high - low)
-                if foot is not None:
-                    yield on_wall(curve, container, foot, gap.places(self.resolution.cells_per_gap))
+        for k in np.flatnonzero((gaps > 0.0) & (gaps < NARROW * self.radii)):
+            centre, a = centres[k], float(self.radii[k])
+            gap = FacedGap(float(gaps[k]), a, 1.0 / a + curvature)
+            nearest = int(np.argmin(np.hypot(*(x - centre).T)))
+            low, high = s[max(nearest - 1, 0)], s[min(nearest + 1, len(s) - 1)]
+            foot = foot_on(curve, container, centre, 2.0 * low - high, 2.0 * high - low)
+            if foot is not None:
+                yield on_wall(curve, container, foot, gap.places(self.resolution.cells_per_gap))
 
     def curvature(self, wall: int) -> float:
         """Of a wall, negative where the fluid lies inside of it."""
         sphere = self.container.spheres[wall]
         return 0.0 if sphere is None else -1.0 / sphere.radius
 
-    def line(self, at: Callable[[Array], Array], start: float, end: float, pieces: int) -> Array:
-        """Places s of the nodes on a line `at(s)` through the fluid from surface to surface."""
-        ends = np.array([[start, end]])
-        s, h, _ = resolve_all(lambda s, _: self.sizes(at(s), end - start), ends, pieces)
-        s = equidistribute(s, 1.0 / h, least=1)
-        s[[0, -1]] = start, end
-        return s
+    def lines(self, at: Callable[[Array, Indices], Array], ends: Array, pieces: int) -> list[Array]:
+        """Places s of nodes on lines `at(s, k)` through the fluid from surface to surface; ends (n, 2)."""
+        if len(ends) == 0:
+            return []
+        length = ends[:, 1] - ends[:, 0]
+        s, h, k = resolve_all(lambda s, k: self.sizes(at(s, k), length[k]), ends, pieces)
+        first = np.searchsorted(k, np.arange(1, len(ends)))
+        each = zip(np.split(s, first), np.split(h, first), strict=True)
+        placed = [equidistribute(s, 1.0 / h, least=1) for s, h in each]
+        for places, interval in zip(placed, ends, strict=True):
+            places[[0, -1]] = interval
+        return placed

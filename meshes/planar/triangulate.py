@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.container import Array
 from fsi.meshes.planar.grading import Grading
-from fsi.meshes.planar.sizing import Curve
+from fsi.meshes.planar.sizing import INSIDE, Curve
 
 BODIES, REST = 1, 2  # the curves that gmsh gets
 FINEST_SHIFT = 1e-12
@@ -143,18 +143,37 @@ def triangulate(curves: Sequence[Curve], far: FarSize | None = None) -> Straight
     `far` bounds the size far from the bodies. Raises MeshError where gmsh fails, or loses a boundary edge.
     """
     nodes, chains = chain(curves)
-    edges = np.concatenate([np.column_stack([c[:-1], c[1:]]) for c in chains])
-    tags = np.concatenate([np.full(len(c) - 1, curve.tag) for c, curve in zip(chains, curves, strict=True)])
+    moved = nodes + _opening(nodes, chains, curves)
+    vertices, triangles, bodies = [nodes], list[Indices](), 0 if far is None else far.bodies
+    for piece in sorted({piece for curve in curves for piece in curve.pieces}):
+        edges, tags = _edges(chains, curves, [piece in curve.pieces for curve in curves])
+        used, corners = np.unique(edges, return_inverse=True)
+        on_body = (tags > INSIDE) & (tags <= bodies)
+        x, cells = _fill(moved[used], corners.reshape(-1, 2), on_body, far)
+        number = np.append(used, sum(map(len, vertices)) + np.arange(len(x) - len(used)))
+        vertices.append(x[len(used) :])
+        triangles.append(number[cells])
+    edges, tags = _edges(chains, curves, [curve.tag != INSIDE for curve in curves])
+    straight = StraightCells(np.concatenate(vertices), np.concatenate(triangles), edges, tags)
+    require_boundary(straight.cells, edges)
+    return straight
+
+
+def _edges(chains: Sequence[Indices], curves: Sequence[Curve], chosen: list[bool]) -> tuple[Indices, Indices]:
+    """The edges (n, 2) of the chosen chains and the tags of their curves."""
+    every = [(c, curve.tag) for c, curve, is_one in zip(chains, curves, chosen, strict=True) if is_one]
+    edges = np.concatenate([np.column_stack([c[:-1], c[1:]]) for c, _ in every])
+    return edges, np.repeat([tag for _, tag in every], [len(c) - 1 for c, _ in every])
+
+
+def _fill(x: Array, edges: Indices, on_body: NDArray[np.bool_], far: FarSize | None) -> tuple[Array, Indices]:
+    """gmsh's triangles in the piece that the edges between nodes x bound; its vertices begin with these."""
     with gmsh_model():
-        bodies = 0 if far is None else far.bodies
-        _add_boundary(nodes + _opening(nodes, chains, curves), edges, tags <= bodies)
+        _add_boundary(x, edges, on_body)
         if far is not None:
             far.apply()
         gmsh.model.mesh.generate(2)
-        vertices, triangles = _read_triangles()
-    require_boundary(triangles, edges)
-    vertices[: len(nodes)] = nodes
-    return StraightCells(vertices, triangles, edges, tags)
+        return _read_triangles()
 
 
 def _opening(nodes: Array, chains: Sequence[Indices], curves: Sequence[Curve]) -> Array:

@@ -8,7 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-import fsi.meshes.planar.boundary
 from fsi.meshes.cells.curved import curve, scaled_jacobian
 from fsi.meshes.errors import MeshError, TouchingError
 from fsi.meshes.geometry.container import Array, Container, FluidDomain
@@ -81,6 +80,24 @@ def test_random_discs(seed: int, walls: bool) -> None:
         check(container, centres, radii)
 
 
+@settings(max_examples=20)
+@given(st.integers(0, 10**6))
+def test_channels_in_strips(seed: int) -> None:
+    """Each piece is filled by itself, and they fit together: `triangulate` requires it."""
+    random = np.random.default_rng(seed)
+    channel, centres = Box((0.0, 0.0), (20.0, 8.0), periodic=("x",)), np.empty((0, 2))
+    for x in random.uniform((0.0, 0.51), (20.0, 7.49), (400, 2)):
+        apart = x - centres - np.array([20.0, 0.0]) * np.rint((x - centres)[:, :1] / 20.0)
+        if np.hypot(*apart.T).min(initial=9.0) > 1.001:
+            centres = np.vstack([centres, x])
+    radii = np.full(len(centres), 0.5)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("fsi.meshes.planar.strips.BODIES", 10)
+        curves = boundary(FluidDomain(channel, centres, radii), COARSE)
+        assert len({piece for curve in curves for piece in curve.pieces}) > 1
+        check(channel, centres, radii)
+
+
 def test_without_periods_each_point_is_its_only_image() -> None:
     x, no_lattice = np.array([[1.0, -2.0, 3.0]]), Lattice(np.empty((0, 3)))
     assert no_lattice.near().shape == (1, 0)
@@ -129,13 +146,13 @@ def two_rings(surfaces: Surfaces) -> NeighbourLinks:
     return links[np.array([np.flatnonzero(own & (links.first == i))[0] for i in range(2)])]
 
 
-@pytest.mark.parametrize(("name", "broken"), [("_inside", in_no_image), ("cut", two_rings)])
+@pytest.mark.parametrize(("name", "broken"), [("faces._inside", in_no_image), ("opened.cut", two_rings)])
 def test_a_cell_that_cannot_be_opened_names_its_narrowest_gap(
     name: str, broken: object, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The big disc is 1 from its own image."""
     check(BIG_AND_TINY.container, BIG_AND_TINY.centres, BIG_AND_TINY.radii)
-    monkeypatch.setattr(fsi.meshes.planar.boundary, name, broken)
+    monkeypatch.setattr(f"fsi.meshes.planar.{name}", broken)
     words = r"cannot be opened; its narrowest gap, of the disc at \(4.5, 4\), is 1: widen it$"
     with pytest.raises(MeshError, match=words):
         boundary(BIG_AND_TINY, COARSE)

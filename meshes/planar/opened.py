@@ -1,0 +1,104 @@
+"""What bounds the pieces of a periodic domain: arcs, walls and links around each, whole bodies in it.
+
+The two sides of a link on the cut get the same nodes, at places that differ by a vector of the lattice. So
+the nodes of the two sides match, and each lies on the cut at most twice: where loops cross, there is a body.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from fsi.meshes.errors import TouchingError
+from fsi.meshes.geometry.container import Array
+from fsi.meshes.geometry.curves import segment
+from fsi.meshes.planar.cut import cut
+from fsi.meshes.planar.faces import Faces, HalfLinks
+from fsi.meshes.planar.rings import arcs, rings
+from fsi.meshes.planar.sizing import INSIDE, Curve, Surfaces
+from fsi.meshes.planar.spread import Indices
+from fsi.meshes.planar.strips import divided
+
+LINK_PIECES = 16  # of a link, to begin with
+
+
+def opened(surfaces: Surfaces) -> list[Curve]:
+    """Whole bodies, then what bounds the pieces: arcs, walls, links. Raises MeshError where bodies touch."""
+    links = cut(surfaces)
+    if links.gap.min(initial=np.inf) <= 0.0:
+        nearest = int(links.gap.argmin())
+        place = surfaces.centres[int(links.first[nearest])]
+        raise TouchingError("the disc at {} touches a disc or wall, or overlaps it; move it", place)
+    faces = Faces.of(HalfLinks(divided(links, surfaces), surfaces))
+    on_links = {stretch.node for face in faces.faces for stretch in face}
+    whole = [i for i in range(surfaces.bodies) if i not in on_links]
+    shifts, pieces = faces.shifts(whole)
+    holes = zip(rings(surfaces, whole), shifts, pieces.tolist(), strict=True)
+    return [replace(_moved(hole, shift), pieces=(piece,)) for hole, shift, piece in holes] + _outer(faces)
+
+
+def _outer(faces: Faces) -> list[Curve]:
+    """The links, then for each piece its arcs and walls, which begin and end exactly where links do."""
+    of_halves, stretches = _link_curves(faces), _stretch_curves(faces)
+    every = [of_halves[half] for half in of_halves if half < faces.halves.count or not faces.is_inside(half)]
+    for k, face in enumerate(faces.faces):
+        for stretch, before in zip(face, [face[-1], *face[:-1]], strict=True):
+            every.append(replace(next(stretches), pieces=(k,)))
+            every[-1].nodes[0] = of_halves[before.half].nodes[-1]
+            every[-1].nodes[-1] = of_halves[stretch.half].nodes[0]
+    return every
+
+
+def _link_curves(faces: Faces) -> dict[int, Curve]:
+    """The nodes of each half; those inside have the same ones in both directions."""
+    halves, curves = faces.halves, dict[int, Curve]()
+    for link, away in enumerate(_on_links(halves)):
+        back = halves.twin(link)
+        curves[link], curves[back] = _half_curve(faces, link, away), _half_curve(faces, back, away[::-1])
+        if faces.is_inside(link):
+            both = replace(curves[link], tag=INSIDE, pieces=(faces.face_of[link], faces.face_of[back]))
+            curves[link], curves[back] = both, replace(both, nodes=both.nodes[::-1])
+    return curves
+
+
+def _half_curve(faces: Faces, half: int, away: Array) -> Curve:
+    """One side of a link on the cut, its nodes by how far they are away from a surface it joins."""
+    halves, step = faces.halves, faces.halves.step[half]
+    along, s = step / np.hypot(*step), np.abs(away - away[0])
+    tag = halves.surfaces.bodies + len(halves.surfaces.container.walls) + 1
+    nodes = faces.places[half] + (halves.radii[halves.origin[half]] + s)[:, None] * along
+    return Curve(tag, nodes, pieces=(faces.face_of[half],))
+
+
+def _stretch_curves(faces: Faces) -> Iterator[Curve]:
+    """For each stretch of each piece its arc or part of a wall."""
+    surfaces, every = faces.halves.surfaces, [stretch for face in faces.faces for stretch in face]
+    on_bodies = [stretch for stretch in every if stretch.node < surfaces.bodies]
+    angles = np.array([(stretch.end, stretch.start) for stretch in on_bodies]).reshape(-1, 2)
+    pieces = iter(arcs(surfaces, [stretch.node for stretch in on_bodies], angles))
+    for stretch in every:
+        if stretch.node < surfaces.bodies:
+            arc = _moved(next(pieces), stretch.centre - surfaces.centres[stretch.node])
+            opening = None if arc.opening is None else arc.opening[::-1]
+            yield replace(arc, nodes=arc.nodes[::-1], opening=opening)
+        else:
+            yield surfaces.wall(segment(stretch.node - surfaces.bodies, stretch.centre, stretch.leaves))
+
+
+def _on_links(halves: HalfLinks) -> list[Array]:
+    """Distances of the nodes of each link from the surface of its first node, from 0 to the gap."""
+    links, surfaces = halves.links, halves.surfaces
+    n, walls = surfaces.bodies, np.zeros((2, 2))  # where a link begins that has no body
+    begin, radius = np.vstack([surfaces.centres[:n], walls])[links.first], halves.radii[links.first]
+    along = links.step / np.hypot(links.step[:, 0], links.step[:, 1])[:, None]
+
+    def at(s: Array, k: Indices) -> Array:
+        x: Array = begin[k] + (radius[k] + s)[:, None] * along[k]
+        return x
+
+    return surfaces.lines(at, np.column_stack([np.zeros(len(links)), links.gap]), LINK_PIECES)
+
+
+def _moved(curve: Curve, shift: Array) -> Curve:
+    centre = None if curve.centre is None else curve.centre + shift
+    return replace(curve, nodes=curve.nodes + shift, centre=centre)
