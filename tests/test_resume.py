@@ -66,6 +66,17 @@ def test_what_comes_after_the_last_commit_is_cut_off(unbroken: Path, tmp_path: P
     assert len(launches(folder)) == 2
 
 
+@pytest.mark.parametrize("step", [1, 2, 7])
+def test_a_scheme_of_several_steps_goes_on_as_if_it_had_not_been_broken_off(
+    step: int, tmp_path: Path
+) -> None:
+    adams = small_case(time={"end": 1.0, "tolerance": 1e-6, "first_step": 0.5, "scheme": "adams"})
+    start(adams, tmp_path / "unbroken")
+    break_off(tmp_path / "run", adams, step)
+    assert resume(tmp_path / "run", make=by(make_model)).steps > 0
+    assert contents(tmp_path / "run") == contents(tmp_path / "unbroken")
+
+
 def test_lost_rows_are_noticed(tmp_path: Path) -> None:
     break_off(tmp_path / "run", small_case(), step=4)
     (tmp_path / "run" / "bodies.csv").write_text("step\n")

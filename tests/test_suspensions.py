@@ -1,13 +1,17 @@
 """The four suspensions of cases/suspensions: one area fraction, one smallest gap, four arrangements."""
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from fsi.arrangements.arrangement import Arrangement, SimulationCell
 from fsi.case.body_file import read_bodies
 from fsi.case.load import load_case
+from fsi.integration.schemes import scheme_for
+from fsi.models import make_model, make_stepper
 
 FOLDER = Path(__file__).parents[1] / "cases" / "suspensions"
 NAMES = ("rows", "random", "oblique_chains", "columns")
@@ -29,6 +33,21 @@ def test_their_bodies(name: str) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_they_are_cases(name: str) -> None:
     assert len(load_case(FOLDER / f"{name}.toml").bodies) == 40
+
+
+def test_the_history_repeats_that_of_three_solves_a_step_on_a_finer_mesh() -> None:
+    """Its first tenth, to what its mesh errs by."""
+    known = json.loads((Path(__file__).parent / "reference" / "suspension_history.json").read_text())
+    viscosity = CubicSpline(known["strain"], known["apparent_viscosity"])
+    case = load_case(FOLDER / "history.toml", ["time.end=0.1"])
+    assert case.time is not None
+    assert scheme_for(case.time.scheme, inertia=False).name == "adams"
+    stepper = make_stepper(case, make_model(case))
+    step = stepper.start(case.configuration())
+    while step.state.t < 0.1:
+        found = step.instant.record["apparent_viscosity"]
+        assert found == pytest.approx(float(viscosity(step.state.t)), rel=1e-3)
+        step = stepper.advance(step.state)
 
 
 def test_the_history_is_a_case() -> None:

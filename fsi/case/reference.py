@@ -35,7 +35,8 @@ class SectionKeys:
 
 # Keys whose choices stand in registries, which grow by what is registered.
 _CHOICES: Mapping[str, Iterable[str]] = {
-    "time.scheme": SCHEMES, "reduced.law": LAWS, "reduced.wall_law": LAWS,
+    "time.scheme": [f"{kind.name} of order {kind.order}" for kind in SCHEMES.values()],
+    "reduced.law": LAWS, "reduced.wall_law": LAWS,
     "reduced.shear_law": [name for name, law in LAWS.items() if "shear" in law.modes],
     "reduced.rotation_law": [name for name, law in LAWS.items() if "rotation" in law.modes],
 }  # fmt: skip

@@ -11,6 +11,7 @@ from typing import ClassVar, Literal, Protocol, cast
 import numpy as np
 
 from fsi.bodies.configuration import Array, Configuration, Inertia
+from fsi.integration.adams import Adams
 from fsi.integration.state import Instant, Model, Scheme, State, Trial
 from fsi.levels import VISCOUS
 
@@ -36,6 +37,7 @@ class SchemeKind:
 
     Attributes:
         name: what `time.scheme` calls it.
+        order: the power of the step with which its error goes to zero.
         make: the scheme for given bodies.
         inertia: "none" of bodies, "some" (those with masses have it) or "all".
         fixed: true where steps have the length `time.step`, false where the stepper chooses.
@@ -43,6 +45,7 @@ class SchemeKind:
     """
 
     name: str
+    order: int
     make: Callable[[Beginning], Scheme]
     inertia: Literal["none", "some", "all"]
     fixed: bool
@@ -54,6 +57,7 @@ SCHEMES: dict[str, SchemeKind] = {}
 
 def register_scheme[T: Callable[[Beginning], Scheme]](
     name: str,
+    order: int,
     inertia: Literal["none", "some", "all"] = "none",
     *,
     fixed: bool = False,
@@ -62,7 +66,7 @@ def register_scheme[T: Callable[[Beginning], Scheme]](
     """Put a scheme into the registry: a class, or a function, that makes it from a `Beginning`."""
 
     def register(make: T) -> T:
-        SCHEMES[name] = SchemeKind(name, make, inertia, fixed, models)
+        SCHEMES[name] = SchemeKind(name, order, make, inertia, fixed, models)
         return make
 
     return register
@@ -77,7 +81,7 @@ GAMMA = 1.0 - 1.0 / math.sqrt(2.0)
 DELTA = 1.0 - 1.0 / (2.0 * GAMMA)
 
 
-@register_scheme("ascher-ruuth-spiteri", "some")
+@register_scheme("ascher-ruuth-spiteri", 2, "some")
 @dataclass(frozen=True, slots=True)
 class AscherRuuthSpiteri:
     """`q' = U, m U' = F_ext(t) - F(q, U)`: the implicit-explicit Runge-Kutta scheme ARS(2,2,2).
@@ -145,7 +149,8 @@ class BogackiShampine:
         return Trial(q_end, instant, h * (-5 / 72 * U1 + 1 / 12 * U2 + 1 / 9 * U3 - 1 / 8 * instant.U))
 
 
-register_scheme("bogacki-shampine")(lambda _: BogackiShampine())
+register_scheme("bogacki-shampine", 3)(lambda _: BogackiShampine())
+register_scheme("adams", 4)(lambda _: Adams())
 
 
 class MarchingModel(Model, Protocol):
@@ -158,8 +163,8 @@ class MarchingModel(Model, Protocol):
         """One step from `state` to `t_end`: where it ends, and the instant there."""
 
 
-@register_scheme("distance", "all", fixed=True, models=("reduced",))
-@register_scheme("backward-euler", "all", fixed=True, models=("reduced",))
+@register_scheme("distance", 1, "all", fixed=True, models=("reduced",))
+@register_scheme("backward-euler", 1, "all", fixed=True, models=("reduced",))
 @dataclass(frozen=True, slots=True)
 class DistanceScheme:
     """Steps of given length, of order 1: nothing is rejected, since stored gaps stay positive."""

@@ -53,6 +53,10 @@ class Schedule:
             return True
         return self._same(t, round(t / self.interval) * self.interval)
 
+    def is_knot(self, t: float) -> bool:
+        """True where the data have a kink."""
+        return any(self._same(t, knot) for knot in self.knots)
+
     def _outputs_after(self, t: float) -> list[float]:
         """The next multiples of the interval, among them the first after t whatever the rounding."""
         if self.interval is None:
@@ -128,11 +132,35 @@ class Model(Protocol):
         """Take back what `state` gave."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Past:
+    """What a scheme of several steps keeps of those before.
+
+    Attributes:
+        t: their times, the latest first, (K,).
+        U: the velocities then, (K, N, M).
+        correction: of where the last one ended, (N, M).
+    """
+
+    t: Array
+    U: Array
+    correction: Array
+
+    def forgotten(self) -> Past:
+        """Without velocities, after a kink of the data: those before do not foretell what comes."""
+        return Past(self.t[:0], self.U[:0], self.correction)
+
+
 @dataclass(frozen=True, slots=True)
 class State:
     """All that the next step depends on.
 
-    t: time; step: its number; U: velocities at (q, t), shape (N, M); h: the next step to try.
+    Attributes:
+        t: time.
+        step: its number.
+        U: velocities at (q, t), shape (N, M).
+        h: the next step to try.
+        past: None of a scheme of one step, and at the start.
     """
 
     t: float
@@ -140,19 +168,28 @@ class State:
     q: Configuration
     U: Array
     h: float
+    past: Past | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """One step of a scheme: where it ends, the instant there, estimated error of the displacement (N, M)."""
+    """One step of a scheme.
+
+    Attributes:
+        q: where it ends.
+        instant: there.
+        error: of its displacement, as estimated, (N, M).
+        past: what the scheme wants to have at the next step.
+    """
 
     q: Configuration
     instant: Instant
     error: Array
+    past: Past | None = None
 
 
 class Scheme(Protocol):
-    """A one-step method; error_order: the power of the step with which its estimated error goes to zero."""
+    """A method for a step; error_order: the power of the step with which its estimated error goes to zero."""
 
     error_order: ClassVar[int]
 

@@ -24,6 +24,7 @@ from fsi.meshes.geometry.container import Container
 # Step controller of Hairer, Norsett & Wanner, Solving ODEs I, section II.4.
 SAFETY = 0.9
 LARGEST_GROWTH = 2.0
+LEAST_CUT, DEEPEST_CUT = 0.5, 0.1  # of a step that is tried again
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +79,7 @@ class Stepper:
         return Step(State(0.0, 0, q, instant.U, h), instant, 0.0, 0)
 
     def advance(self, state: State) -> Step:
-        """One accepted step; a rejected one is halved. Raises SolveError below `smallest_step`."""
+        """One accepted step; a rejected one is cut. Raises SolveError below `smallest_step`."""
         h, rejected = state.h, 0
         while True:
             h, approach = limited_step(state.q, self.container.at(state.t), state.U, h, self.gap_loss)
@@ -89,17 +90,20 @@ class Stepper:
             try:
                 trial = self.scheme.step(model, state, t_end)
                 error = self._norm(state.q, state.t, trial.error)
+                factor = self._factor(error)
             except GapRefusedError as refusal:
-                approach, error = refusal.approach, math.inf
+                approach, error, factor = refusal.approach, math.inf, LEAST_CUT
             if error <= 1.0:
                 break
             rejected += 1
-            h = 0.5 * (t_end - state.t)
+            h = max(DEEPEST_CUT, min(factor, LEAST_CUT)) * (t_end - state.t)
             if h < self.smallest_step:
                 raise self._blocked(state, approach)
         used = t_end - state.t
-        q, instant = trial.q, trial.instant
-        new = State(t_end, state.step + 1, q, instant.U, self._next_step(h, used, error, rejected))
+        q, instant, past = trial.q, trial.instant, trial.past
+        if past is not None and self.schedule.is_knot(t_end):
+            past = past.forgotten()
+        new = State(t_end, state.step + 1, q, instant.U, self._next_step(h, used, factor, rejected), past)
         return Step(new, instant, used, rejected, trial.error)
 
     def _norm(self, q: Configuration, t: float, displacement: Array) -> float:
@@ -132,10 +136,13 @@ class Stepper:
         tolerated = self.tolerance ** (1.0 / self.scheme.error_order)
         return min(self.schedule.end, tolerated / speed) if speed > 0.0 else self.schedule.end
 
-    def _next_step(self, h: float, used: float, error: float, rejected: int) -> float:
+    def _factor(self, error: float) -> float:
+        """By which a step of that error could be longer, its error a little below what is tolerated."""
+        return SAFETY * error ** (-1.0 / self.scheme.error_order) if error > 0.0 else LARGEST_GROWTH
+
+    def _next_step(self, h: float, used: float, factor: float, rejected: int) -> float:
         """The next step to try, after one of length `used` that was proposed as h."""
-        growth = SAFETY * error ** (-1.0 / self.scheme.error_order) if error > 0.0 else LARGEST_GROWTH
-        growth = min(growth, 1.0 if rejected else LARGEST_GROWTH)
+        growth = min(factor, 1.0 if rejected else LARGEST_GROWTH)
         # A step cut short to land on a time says nothing against the longer one that was proposed.
         return max(used * growth, h) if growth == LARGEST_GROWTH else used * growth
 
@@ -168,7 +175,7 @@ class FixedStepper:
         """One step. Raises SolveError."""
         t_end = self.schedule.landing(state.t, self.h)
         trial = self.scheme.step(self.model, state, t_end)
-        new = State(t_end, state.step + 1, trial.q, trial.instant.U, self.h)
+        new = State(t_end, state.step + 1, trial.q, trial.instant.U, self.h, trial.past)
         return Step(new, trial.instant, t_end - state.t, 0)
 
 

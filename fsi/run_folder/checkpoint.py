@@ -3,7 +3,7 @@
 import io
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Configuration
 from fsi.files import content, replace
-from fsi.integration.state import State
+from fsi.integration.state import Past, State
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +34,8 @@ def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
     state = checkpoint.state
     arrays: dict[str, Any] = {"t": state.t, "step": state.step, "h": state.h, "U": state.U}
     arrays |= {"centres": state.q.centres, "angles": state.q.angles, "radii": state.q.radii}
+    if state.past is not None:
+        arrays |= {f"past/{field.name}": getattr(state.past, field.name) for field in fields(Past)}
     for group in ("model", "lengths", "entries"):
         arrays |= {f"{group}/{key}": value for key, value in getattr(checkpoint, group).items()}
     packed = io.BytesIO()
@@ -65,8 +67,9 @@ def _checkpoint(arrays: Mapping[str, NDArray[Any]]) -> Checkpoint:
     q = Configuration(arrays["centres"], arrays["angles"], arrays["radii"])
     if len({len(part) for part in (q.centres, q.angles, q.radii, arrays["U"])}) > 1:
         raise ValueError("its arrays are of different numbers of bodies")
+    past = Past(**group("past")) if group("past") else None
     return Checkpoint(
-        State(float(arrays["t"]), int(arrays["step"]), q, arrays["U"], float(arrays["h"])),
+        State(float(arrays["t"]), int(arrays["step"]), q, arrays["U"], float(arrays["h"]), past),
         group("model"),
         {name: int(value) for name, value in group("lengths").items()},
         {name: int(value) for name, value in group("entries").items()},

@@ -14,7 +14,7 @@ from fsi.case.case import Case
 from fsi.case.sections import TIME_AT_GAP, Expected, gap_of
 from fsi.errors import InputError, SolveError, ValidationError
 from fsi.integration.errors import ErrorEstimate
-from fsi.integration.schemes import BogackiShampine
+from fsi.integration.schemes import scheme_for
 from fsi.lubrication.exact_results import EXACT
 from fsi.meshes.errors import MeshError
 from fsi.observables.truncation import halved
@@ -131,7 +131,8 @@ def _instant(case: Case) -> list[Computed]:
 def _history(case: Case, folder: Path) -> list[Computed]:
     """Times at gaps, from two runs, whose difference is the error of the time steps."""
     assert case.time is not None
-    tolerance = STRETCH**BogackiShampine.error_order * case.time.tolerance
+    order = scheme_for(case.time.scheme, inertia=case.masses() is not None).order
+    tolerance = STRETCH**order * case.time.tolerance
     steps = {"tolerance": tolerance, "gap_loss": STRETCH * case.time.gap_loss}
     coarser, fine = case.time.model_copy(update=steps), _run(case, folder)
     rough = _run(case.model_copy(update={"time": coarser}), folder.with_name(f"{folder.name}-coarser"))

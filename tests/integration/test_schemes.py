@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from fsi.bodies.configuration import Array, Configuration, Inertia
+from fsi.integration.adams import Adams
 from fsi.integration.errors import ErrorEstimate, StepErrors
 from fsi.integration.schemes import SCHEMES, AscherRuuthSpiteri, Beginning, BogackiShampine, register_scheme
-from fsi.integration.state import Instant, Model, Scheme, State, Trial
+from fsi.integration.state import Instant, Model, Past, Scheme, State, Trial
 from fsi.lubrication.exact import settling_time
 from fsi.models import make_stepper
 from tests.exact_model import DiscsBesidePlane, ExactInstant, settling_case
@@ -82,6 +83,50 @@ def test_bogacki_shampine_has_order_three_and_its_estimate_too() -> None:
     assert slope(estimates) == pytest.approx(3.0, abs=0.1)
 
 
+def unequal_steps(number: int) -> State:
+    """The state of the spiral at t = 2 after long and short steps in turn, the past of it exact."""
+    h = 2.0 / number
+    before = -h * np.array([0.7, 2.0])
+    U = np.array([spiral_exact(t)[1] for t in before])
+    q, U_0 = spiral_exact(0.0)
+    state = State(0.0, 0, q, U_0, h, Past(before, U, np.zeros_like(U_0)))
+    for k in range(number):
+        t_end = state.t + (1.3 if k % 2 else 0.7) * h
+        trial = Adams().step(Field(spiral), state, t_end)
+        state = State(t_end, k + 1, trial.q, trial.instant.U, h, trial.past)
+    return state
+
+
+def spiral_exact(t: float) -> tuple[Configuration, Array]:
+    """z = 2 e^{it} - e^{(i - 1/2) t} solves it with z(0) = 1; where it is, and its velocity."""
+    z = 2 * np.exp(1j * t) - np.exp((1j - 0.5) * t)
+    q = Configuration(np.array([[z.real, z.imag]]), np.array([math.sin(t)]), np.ones(1))
+    return q, spiral(q, t)
+
+
+def test_adams_has_the_order_of_the_registry_with_unequal_steps_and_its_correction_is_its_error() -> None:
+    errors, corrected = [], []
+    for number in (20, 40, 80):
+        end, (exact, _) = unequal_steps(number), spiral_exact(2.0)
+        assert end.t == pytest.approx(2.0, rel=1e-12)
+        assert end.past is not None
+        errors.append(float(np.linalg.norm(end.q.centres - exact.centres)))
+        ahead = end.q.moved(end.past.correction)
+        corrected.append(float(np.linalg.norm(ahead.centres - exact.centres)))
+    assert slope(errors) == pytest.approx(SCHEMES["adams"].order, abs=0.15)
+    assert slope(corrected) == pytest.approx(SCHEMES["adams"].order, abs=0.15)
+    assert corrected[-1] < errors[-1]
+
+
+def test_adams_begins_with_a_trapezium() -> None:
+    """With no velocity before: p = q + h U_0 is where it solves; it goes on from q + (U_0 + U_1) h / 2."""
+    q, U_0 = spiral_exact(0.0)
+    trial = Adams().step(Field(spiral), State(0.0, 0, q, U_0, 0.1), 0.1)
+    U_1 = spiral(q.moved(0.1 * U_0), 0.1)
+    assert trial.q.centres == pytest.approx(q.moved(0.1 * U_0).centres, rel=1e-14)
+    assert trial.error == pytest.approx(0.05 * (U_1 - U_0), rel=1e-13)
+
+
 def test_inertia_has_order_two_with_the_resistance_of_the_film() -> None:
     """The force depends on time too, which tells whether each stage takes it at its own."""
     force = {"times": [0.0, 2.0], "values": [-5.0, -50.0]}
@@ -121,7 +166,7 @@ def test_a_scheme_from_outside_is_chosen_by_its_name(monkeypatch: pytest.MonkeyP
     """One class under a decorator: the midpoint rule, of order 2 in the field of a disc over a plane."""
     monkeypatch.setitem(SCHEMES, "midpoint", SCHEMES["bogacki-shampine"])  # so that it goes again
 
-    @register_scheme("midpoint", fixed=True)
+    @register_scheme("midpoint", 2, fixed=True)
     class Midpoint:
         error_order: ClassVar[int] = 3
 

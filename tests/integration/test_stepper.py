@@ -85,23 +85,55 @@ def test_with_inertia_bodies_start_at_rest_and_held_and_massless_ones_move_at_on
     assert start.instant.F[0, 1] == pytest.approx(0.0, abs=1e-7)
 
 
+@pytest.mark.parametrize("scheme", ["bogacki-shampine", "adams"])
 @pytest.mark.parametrize(("tolerance", "rtol"), [(1e-4, 3e-4), (1e-6, 3e-6)])
 @pytest.mark.parametrize("s", [0.1, 0.01])
-def test_settling_times(s: float, tolerance: float, rtol: float) -> None:
+def test_settling_times(s: float, tolerance: float, rtol: float, scheme: str) -> None:
     """The gap is s at the reference's time; its error, turned into one of time, is a few tolerances."""
     tau = SETTLING["disc"]["tau"][str(s)]
-    end = run_case(settling_case(tau, tolerance=tolerance))[-1].state
+    end = run_case(settling_case(tau, tolerance=tolerance, scheme=scheme))[-1].state
     assert end.t == tau
     assert (end.q.centres[0, 1] - 1.0 - s) / end.U[0, 1] == pytest.approx(0.0, abs=rtol * tau)
 
 
-def test_settling_never_touches() -> None:
-    steps = run_case(settling_case(213.0))
+@pytest.mark.parametrize("scheme", ["bogacki-shampine", "adams"])
+def test_settling_never_touches(scheme: str) -> None:
+    steps = run_case(settling_case(213.0, scheme=scheme))
     gap = gaps(steps)
     assert np.all(np.diff(gap) < 0.0)
     assert np.all(gap[1:] >= 0.8 * gap[:-1])
     assert gap[-1] < 1e-4
     assert settling_time(gap[-1], 1.0, 1.0, 1.0, -4 * math.pi) == pytest.approx(213.0, rel=3e-4)
+
+
+def test_adams_takes_one_solve_a_step_and_is_as_accurate_with_fewer() -> None:
+    """Solves and error of the time at the end, of a disc that settles to a gap of 1e-4."""
+    solves, late = {}, {}
+    for scheme in ("bogacki-shampine", "adams"):
+        case = settling_case(213.0, scheme=scheme)
+        model = DiscsBesidePlane(case)
+        steps = run(make_stepper(case, model), case.configuration())
+        gap = float(gaps(steps)[-1])
+        solves[scheme] = model.calls
+        late[scheme] = abs(settling_time(gap, 1.0, 1.0, 1.0, -4 * math.pi) - 213.0)
+        tries = len(steps) + sum(step.rejected for step in steps)
+    assert solves["adams"] <= tries
+    assert solves["adams"] < 0.6 * solves["bogacki-shampine"]
+    assert late["adams"] < late["bogacki-shampine"]
+
+
+@pytest.mark.parametrize("gap_loss", [0.02, 0.05])
+def test_adams_stays_accurate_where_gaps_cut_its_steps(gap_loss: float) -> None:
+    """The gaps bound all steps: half as long ones leave less than an eighth of the error."""
+    tau = SETTLING["disc"]["tau"]["0.01"]
+    late = []
+    for loss in (gap_loss, gap_loss / 2):
+        steps = run_case(settling_case(tau, tolerance=0.5, gap_loss=loss, scheme="adams", first_step=1e-3))
+        gap = gaps(steps)
+        assert np.all(gap[1:] >= (1.0 - loss) * gap[:-1])
+        late.append(abs(gap[-1] - 0.01) / 0.01)
+    assert late[1] < late[0] / 8
+    assert late[0] < 1e-4
 
 
 def test_long_steps_are_rejected_before_the_model_sees_an_overlap() -> None:
@@ -129,10 +161,11 @@ def test_steps_land_on_the_kinks_of_the_data_and_on_the_end() -> None:
     assert {0.0, 0.3, 0.7, 1.0} <= set(times)
 
 
-def test_the_integral_of_a_table_is_exact() -> None:
-    """Between kinks the torque is linear in time, so that the pair integrates it exactly."""
+@pytest.mark.parametrize("scheme", ["bogacki-shampine", "adams"])
+def test_the_integral_of_a_table_is_exact(scheme: str) -> None:
+    """Between kinks the torque is linear in time, so that both integrate it exactly."""
     table = {"times": [0.0, 0.3, 0.7], "values": [0.0, 1.0, -1.0]}
-    case = settling_case(1.0, body={"force": [0.0, 0.0], "torque": table})
+    case = settling_case(1.0, scheme=scheme, body={"force": [0.0, 0.0], "torque": table})
     end = run_case(case)[-1].state
     R = DiscsBesidePlane(case).resistance(end.q)[0, 2]
     assert end.q.angles[0] == pytest.approx((0.15 + 0.0 - 0.3) / R, rel=1e-13)
@@ -204,10 +237,17 @@ class Estimated:
 
 @pytest.mark.parametrize(
     ("errors", "h"),
-    [((1.0 / 8.0,), 1.8), ((0.729,), 1.0), ((1e-9,), 2.0), ((8.0, 1e-9), 0.5), ((8.0, 1.0), 0.45)],
+    [
+        ((1.0 / 8.0,), 1.8),
+        ((0.729,), 1.0),
+        ((1e-9,), 2.0),
+        ((2.0, 1e-9), 0.5),
+        ((8.0, 1.0), 0.405),
+        ((1e6, 1e-9), 0.1),
+    ],
 )
 def test_the_next_step_is_that_of_a_third_order_estimate(errors: tuple[float, ...], h: float) -> None:
-    """0.9 error^(-1/3), at most 2, and after a rejection, which halves the step, at most 1."""
+    """0.9 error^(-1/3), at most 2; after a rejection, which cuts the step to a half or less, at most 1."""
     stepper = replace(in_a_large_box(drift), scheme=Estimated(*errors))
     start = stepper.start(Configuration(np.zeros((1, 2)), np.zeros(1), np.ones(1)), first_step=1.0)
     step = stepper.advance(start.state)

@@ -82,9 +82,11 @@ def exactly(start: float, force: tuple[float, float], mass: float | None) -> Cub
     return CubicHermiteSpline(times, [places(one) for one in run], velocities)
 
 
-def ratios(motion: tuple[Any, ...], part: float, tolerance: float) -> tuple[Array, Array]:
+def ratios(
+    motion: tuple[Any, ...], part: float, tolerance: float, scheme: str | None = None
+) -> tuple[Array, Array]:
     """Error over bar of x, y, angle and the gap at all steps, (steps, 4); whether bars of times hold."""
-    exact, case = exactly(*motion), disc(*motion, tolerance=tolerance)
+    exact, case = exactly(*motion), disc(*motion, tolerance=tolerance, scheme=scheme)
     found, in_time = [], []
     for one in moments(stepped(case, Inexact(case, part=part)))[1:]:
         t, bars, of_step = one.state.t, one.record.body_columns, one.record.columns
@@ -97,21 +99,21 @@ def ratios(motion: tuple[Any, ...], part: float, tolerance: float) -> tuple[Arra
     return np.array(found), np.array(in_time)
 
 
-@pytest.mark.parametrize("mass", MASSES)
+@pytest.mark.parametrize(("scheme", "mass"), [*((None, mass) for mass in MASSES), ("adams", None)])
 @pytest.mark.parametrize("motion", [SETTLES, IS_PULLED_AWAY], ids=["settles", "is pulled away"])
 @pytest.mark.parametrize(("part", "tolerance"), [(1e-3, 1e-5), (1e-4, 1e-2), (0.0, 1e-3)])
 def test_bars_of_places_gaps_and_times_hold(
-    motion: tuple[Any, ...], mass: float | None, part: float, tolerance: float
+    motion: tuple[Any, ...], scheme: str | None, mass: float | None, part: float, tolerance: float
 ) -> None:
     """At all steps, with mass and without; of the elements, of both, of the steps alone.
 
     Without J e the bar of the angle in the last one that settles is 4 times too short.
     """
-    found, in_time = ratios((*motion, mass), part, tolerance)
+    found, in_time = ratios((*motion, mass), part, tolerance, scheme)
     assert found.max() < 1.0
     assert in_time.all()
     # Bars of the elements alone are about as long as the errors, but for mass, where steps may err too.
-    assert np.median(found) > (0.5 if part == 1e-3 and mass is None else 0.05)
+    assert np.median(found) > (0.5 if part == 1e-3 and mass is None else 0.04)
 
 
 @pytest.mark.parametrize("mass", [None, 0.1])
