@@ -82,7 +82,7 @@ def _schur_complement(system: PoreSystem) -> tuple[Array, float]:
     """R as computed, (3 N, 3 N), and the largest relative residual of its columns."""
     K, first = system.viscosity * system.assembly.K, system.assembly.numbering.surface
     discs, surfaces = system.pores.surfaces.discs, len(system.pores.surfaces)
-    free = np.ones(system.unknowns, dtype=bool)
+    free = np.ones(system.size, dtype=bool)
     body = (first[: system.bodies, None] + np.arange(3)).ravel()
     walls = first[discs:surfaces, None] + np.arange(RIGID)
     free[body] = free[system.strains] = free[walls.ravel()] = False

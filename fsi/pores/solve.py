@@ -112,7 +112,7 @@ class PoreFlow:
 
 def solve_pores(system: PoreSystem, loading: PoreLoading) -> PoreFlow:
     """The flow that a loading drives. Raises SolveError: bodies overlap, or the motion is not determined."""
-    mu, n, N = system.viscosity, system.unknowns, system.bodies
+    mu, n, N = system.viscosity, system.size, system.bodies
     K = mu * system.assembly.K
     body = system.assembly.numbering.surface[:N, None] + np.arange(3)
     x, held = _prescribed(system, loading)
@@ -165,7 +165,7 @@ def stream(G: Array, x: Array) -> Array:
 
 def _of_mean_flow(system: PoreSystem, gradient: Array) -> tuple[Array, float]:
     """mu K q for the mean flow q of the images, (n,), and mu q^T K q."""
-    images, power = np.zeros(system.unknowns), 0.0
+    images, power = np.zeros(system.size), 0.0
     if np.any(gradient):
         for batch in system.assembly.batches:
             q = mean_flow(system, batch, gradient)
@@ -178,7 +178,7 @@ def _of_mean_flow(system: PoreSystem, gradient: Array) -> tuple[Array, float]:
 def _prescribed(system: PoreSystem, loading: PoreLoading) -> tuple[Array, NDArray[np.bool_]]:
     """Numbers that are given, (n,), 0 elsewhere, and which."""
     first, surfaces, motion = system.assembly.numbering.surface, system.pores.surfaces, loading.motion
-    x, held = np.zeros(system.unknowns), np.zeros(system.unknowns, bool)
+    x, held = np.zeros(system.size), np.zeros(system.unknowns, bool)
     body = first[: system.bodies, None] + np.arange(3)
     x[body], held[body], held[system.strains] = motion.U, motion.held, True
     bounds = first[surfaces.discs : len(surfaces)]
@@ -202,7 +202,7 @@ def _flux_sign(system: PoreSystem) -> float:
 
 def _loads(system: PoreSystem, loading: PoreLoading) -> Array:
     """What has power on each number: loads on free modes, the pressure gradient on the flux."""
-    b, first = np.zeros(system.unknowns), system.assembly.numbering.surface
+    b, first = np.zeros(system.size), system.assembly.numbering.surface
     body = first[: system.bodies, None] + np.arange(3)
     b[body] = np.where(loading.motion.held, 0.0, loading.motion.F)
     if loading.pressure_gradient:
@@ -230,7 +230,7 @@ def _translations(flow: PoreFlow) -> dict[str, float]:
     surfaces, first = system.pores.surfaces, system.assembly.numbering.surface[:-1]
     sums = []
     for axis in range(2):
-        t = np.zeros(system.unknowns)
+        t = np.zeros(system.size)
         t[first + axis] = 1.0
         t[first + 3] = (system.reference[:, 1], -system.reference[:, 0])[axis]
         if len(surfaces.periods) and np.any(np.abs(surfaces.periods[:, 1 - axis]) > 0.0):

@@ -68,7 +68,7 @@ def _power_of(flow: PoreFlow, G: Array) -> float:
     """int 2 mu e : G over the fluid, of the numbers of u = G x that take power."""
     system, surfaces = flow.system, flow.system.pores.surfaces
     N, first = system.bodies, system.assembly.numbering.surface[:-1]
-    t, E, a = np.zeros(system.unknowns), 0.5 * (G + G.T), surfaces.radius[: system.bodies]
+    t, E, a = np.zeros(system.size), 0.5 * (G + G.T), surfaces.radius[: system.bodies]
     t[first[:, None] + np.arange(2)] = surfaces.centre @ G.T
     t[first[:N] + 2] = 0.5 * (G[1, 0] - G[0, 1])
     t[system.strains] = 0.5 * a[:, None] ** 2 * np.array([-E[0, 1], E[0, 0]])

@@ -56,9 +56,14 @@ class PoreSystem:
         return cls(bodies, pores, shapes, assembly, viscosity)
 
     @property
-    def unknowns(self) -> int:
-        """All numbers, the prescribed ones too."""
+    def size(self) -> int:
+        """How many numbers there are."""
         return self.assembly.numbering.unknowns
+
+    @property
+    def unknowns(self) -> int:
+        """All numbers but those that strain bodies, the prescribed ones too."""
+        return self.size - self.strains.size
 
     @property
     def strains(self) -> Index:

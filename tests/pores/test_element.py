@@ -99,7 +99,7 @@ def test_bubbles_that_nearly_depend_on_each_other_are_eliminated_all_the_same() 
 def test_a_rigid_motion_of_everything_costs_nothing(modes: int) -> None:
     """Translation of walls and discs along the channel: 1e-12 of the dissipation of one disc alone."""
     system = PoreSystem.make(packing(1), modes, 1.0)
-    x = np.zeros(system.unknowns)
+    x = np.zeros(system.size)
     first = system.assembly.numbering.surface[:-1]
     x[first], x[first + 3] = 1.0, system.reference[:, 1]
     K = system.assembly.K
@@ -122,7 +122,7 @@ def test_velocity_and_stream_function_are_continuous_across_necks() -> None:
     second derivatives jump there, so that a discontinuous velocity (order 1) stands out."""
     system = PoreSystem.make(packing(2), 4, 1.0)
     flow = sheared(system, 7.2)
-    x = np.random.default_rng(3).standard_normal(system.unknowns)
+    x = np.random.default_rng(3).standard_normal(system.size)
     walls = system.assembly.numbering.surface[-3:-1]
     x[walls + 1] = x[walls + 2] = 0.0  # walls slide along themselves only
     fields = FlowFields(type(flow)(system, flow.loading, x, flow.U, flow.F, flow.reactions, 0.0, {}))
