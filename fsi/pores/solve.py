@@ -178,7 +178,7 @@ def _of_mean_flow(system: PoreSystem, gradient: Array) -> tuple[Array, float]:
 def _prescribed(system: PoreSystem, loading: PoreLoading) -> tuple[Array, NDArray[np.bool_]]:
     """Numbers that are given, (n,), 0 elsewhere, and which."""
     first, surfaces, motion = system.assembly.numbering.surface, system.pores.surfaces, loading.motion
-    x, held = np.zeros(system.size), np.zeros(system.unknowns, bool)
+    x, held = np.zeros(system.size), np.zeros(system.size, bool)
     body = first[: system.bodies, None] + np.arange(3)
     x[body], held[body], held[system.strains] = motion.U, motion.held, True
     bounds = first[surfaces.discs : len(surfaces)]
