@@ -1,17 +1,15 @@
 """A case of the model of pores at time 0 with its error bars, with as many modes as its tolerance needs."""
 
 from dataclasses import dataclass
-from time import process_time
 
 from fsi.case.case import Case
 from fsi.case.checks.determined import require_determined_at_rest
 from fsi.errors import SolveError, apart
 from fsi.integration.errors import ErrorEstimate
-from fsi.observables.bars import Compared, DrivenBodies, step_errors
-from fsi.pores.adapt import adapt
-from fsi.pores.bars import SAFETY
+from fsi.observables.bars import DrivenBodies
+from fsi.pores.fineness import Fineness
 from fsi.pores.instant import PoreInstant
-from fsi.pores.model import PoreModel, loading_of, make_system
+from fsi.pores.model import adapted, driven, errors_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,32 +34,14 @@ def solve_with_errors(case: Case) -> SolvedPores:
     tolerance is not reached.
     """
     require_determined_at_rest(case)
-    q = case.configuration()
-    bodies, model = DrivenBodies(case, q, 0.0, case.motion_at(q, 0.0)), PoreModel(case)
+    q, fineness = case.configuration(), Fineness.even(case.pores.modes)
+    bodies = DrivenBodies(case, q, 0.0, case.motion_at(q, 0.0))
     if case.tolerance is not None:
-        return _adapted(bodies, case.tolerance)
-    solution = model.driven(bodies, model.modes)
-    return SolvedPores(case, solution, model.errors_of(bodies, solution, model.modes).errors)
-
-
-def _adapted(bodies: DrivenBodies, tolerance: float) -> SolvedPores:
-    """The flow with all errors, over the largest result of their kind, below the tolerance."""
-    case, loading, aim = bodies.case, loading_of(bodies), tolerance / SAFETY
-    system = make_system(bodies, case.pores.modes)
-    while True:
-        began = process_time()
-        try:
-            pair = adapt(system, loading, aim)
-        except SolveError as error:
-            raise SolveError(f"pores.tolerance = {tolerance!r}: {error}") from error
-        seconds = {"solve": process_time() - began}
-        solution, finer = (PoreInstant(bodies, flow, seconds) for flow in (pair.coarse, pair.fine))
-        solution.require_sound()
-        errors = step_errors(bodies, solution, Compared(finer, SAFETY))
-        largest = max(errors.relative.values(), default=0.0)
-        if largest <= tolerance:
-            return SolvedPores(case, solution, errors.errors)
-        system, aim = pair.coarse.system, 0.5 * aim * tolerance / largest
+        found, estimated = adapted(bodies, case.tolerance, fineness)
+    else:
+        found = driven(bodies, fineness)
+        estimated = errors_of(bodies, found)
+    return SolvedPores(case, found, estimated.errors)
 
 
 def missed(case: Case, error: float) -> SolveError:

@@ -71,10 +71,14 @@ def padded(coarse: PoreFlow, finer: PoreSystem) -> Array:
     return x
 
 
+def more(modes: Index) -> Index:
+    """The next numbers of modes; the most there are stay."""
+    return np.array([REFINED.get(k, k) for k in range(int(modes.max(initial=0)) + 1)])[modes]
+
+
 def compare(system: PoreSystem, loading: PoreLoading) -> ComparedFlows:
     """A flow and that with the next numbers of modes. Raises SolveError."""
-    more = _next(system.assembly.numbering.modes)
-    finer = PoreSystem.of(system.bodies, system.pores, more, system.viscosity)
+    finer = system.with_modes(more(system.assembly.numbering.modes))
     return ComparedFlows(solve_pores(system, loading), solve_pores(finer, loading))
 
 
@@ -84,20 +88,15 @@ def adapt(system: PoreSystem, loading: PoreLoading, tolerance: float) -> Compare
     Raises SolveError: the most modes there are do not reach it.
     """
     modes = system.assembly.numbering.modes
-    while np.any(_next(modes) > modes):
+    while np.any(more(modes) > modes):
         pair = compare(system, loading)
         if pair.error <= tolerance:
             return pair
-        modes = np.where(_marked(pair, system), _next(modes), modes)
-        system = PoreSystem.of(system.bodies, system.pores, modes, system.viscosity)
+        modes = np.where(_marked(pair, system), more(modes), modes)
+        system = system.with_modes(modes)
     raise SolveError(
         f"pores: the most modes there are do not bring the error below the tolerance {tolerance:g}; raise it"
     )
-
-
-def _next(modes: Index) -> Index:
-    """The next numbers of modes; the most there are stay."""
-    return np.array([REFINED.get(k, k) for k in range(int(modes.max(initial=0)) + 1)])[modes]
 
 
 def _marked(pair: ComparedFlows, system: PoreSystem) -> Index:

@@ -8,8 +8,11 @@ alone it would be up to 10 times: many come in pairs. With the most modes the di
 error.
 """
 
+import numpy as np
+
 from fsi.case.sections import EDGE_MODES
-from fsi.pores.adapt import REFINED
+from fsi.pores.adapt import REFINED, more
+from fsi.pores.system import PoreSystem
 
 SAFETY = 1.5
 _MOST = EDGE_MODES[-1]
@@ -23,6 +26,15 @@ def reference_modes(modes: int) -> int:
 def bar_factor(modes: int) -> float:
     """What makes the difference from it a bound of the error."""
     return SAFETY if modes < _MOST else 1.0
+
+
+def reference_system(system: PoreSystem) -> tuple[PoreSystem, float]:
+    """The same pores with other modes, and what makes the difference from their flow a bound of the error."""
+    modes = system.assembly.numbering.modes
+    others = more(modes)
+    if np.any(others > modes):
+        return system.with_modes(others), SAFETY
+    return system.with_modes(np.full_like(modes, EDGE_MODES[-2])), 1.0
 
 
 def finer(modes: int) -> int | None:

@@ -1,12 +1,12 @@
 """The model of pores of a case: configuration and time in, velocities of the bodies out.
 
 Every instant has its own pores and its own matrix, so that nothing need be remembered but, with
-`pores.tolerance`, how many modes an edge has by now. All ranks compute the same.
+`pores.tolerance`, how many modes necks have by now, and where. All ranks compute the same.
 """
 
 from collections.abc import Mapping
 from time import process_time
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +17,18 @@ from fsi.errors import SolveError
 from fsi.integration.errors import StepErrors
 from fsi.integration.state import Instant
 from fsi.observables.bars import Compared, DrivenBodies, motion_of, step_errors
-from fsi.pores.bars import bar_factor, finer, reference_modes
+from fsi.pores.adapt import adapt
+from fsi.pores.bars import SAFETY, reference_system
+from fsi.pores.fineness import Fineness
+from fsi.pores.fluid_discs import with_fluid_discs
 from fsi.pores.instant import PoreInstant
 from fsi.pores.solve import PoreLoading, solve_pores
 from fsi.pores.surfaces import NoPoresError, surfaces_of
 from fsi.pores.system import PoreSystem
+from fsi.pores.topology import triangulate
+
+# In a run bodies move on: a tolerance that is just reached would be missed in the next step.
+MARGIN = 0.5
 
 
 class PoreModel:
@@ -33,54 +40,96 @@ class PoreModel:
     def __init__(self, case: Case) -> None:
         """A model of the case, with its modes; nothing is computed yet."""
         self.case = case
-        self.modes: int = case.pores.modes
+        self.fineness = Fineness.even(case.pores.modes)
         self._known: tuple[Instant, StepErrors] | None = None
 
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> PoreInstant:
         """The flow at q and t. Raises SolveError: no pores there, or a violated identity."""
-        return self.driven(DrivenBodies(self.case, q, t, self.case.motion_at(q, t)), self.modes, inertia)
-
-    def driven(self, bodies: DrivenBodies, modes: int, inertia: Inertia | None = None) -> PoreInstant:
-        """The flow around bodies that are driven in another way, with so many modes; raises as a call."""
-        began = process_time()
-        system = make_system(bodies, modes)
-        assembled = process_time()
-        flow = solve_pores(system, loading_of(bodies, inertia))
-        seconds = {"assemble": assembled - began, "solve": process_time() - assembled}
-        instant = PoreInstant(bodies, flow, seconds)
-        instant.require_sound()
-        return instant
+        return driven(DrivenBodies(self.case, q, t, self.case.motion_at(q, t)), self.fineness, inertia)
 
     def errors(self, q: Configuration, t: float, instant: Instant) -> StepErrors:
         """The estimated errors of an instant of this model; estimated once, by one solve with other modes."""
         if self._known is None or self._known[0] is not instant:
             bodies = DrivenBodies(self.case, q, t, motion_of(self.case, q, t, instant))
-            self._known = instant, self.errors_of(bodies, instant, self.modes)
+            self._known = instant, errors_of(bodies, _own(instant))
         return self._known[1]
 
-    def errors_of(self, bodies: DrivenBodies, instant: Instant, modes: int) -> StepErrors:
-        """The estimated errors of an instant with so many modes."""
-        other = self.driven(bodies, reference_modes(modes))
-        return step_errors(bodies, instant, Compared(other, bar_factor(modes)))
-
-    def refine(self, q: Configuration, t: float, instant: Instant) -> None:  # noqa: ARG002
-        """Take the next number of modes from now on; with the most there are, nothing changes."""
-        self.modes = finer(self.modes) or self.modes
+    def refine(self, q: Configuration, t: float, instant: Instant) -> None:
+        """Have more modes from now on, where they matter for an error well below the tolerance at q and t."""
+        bodies = DrivenBodies(self.case, q, t, motion_of(self.case, q, t, instant))
+        tolerance = MARGIN * (self.case.pores.tolerance or 1.0)
+        found, _ = adapted(bodies, tolerance, Fineness.of(_own(instant).flow.system))
+        self.fineness = Fineness.of(found.flow.system)
 
     def state(self) -> dict[str, NDArray[Any]]:
-        """The modes in use."""
-        return {"modes": np.array(self.modes)}
+        """The modes in use, and where."""
+        return {"modes": self.fineness.modes, "places": self.fineness.places}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Take back what `state` gave."""
-        self.modes = int(state["modes"])
+        self.fineness = Fineness(state["places"], state["modes"])
 
 
-def make_system(bodies: DrivenBodies, modes: int) -> PoreSystem:
+def _own(instant: Instant) -> PoreInstant:
+    """An instant that this model gave."""
+    return cast(PoreInstant, instant)
+
+
+def driven(bodies: DrivenBodies, fineness: Fineness, inertia: Inertia | None = None) -> PoreInstant:
+    """The flow around bodies with modes by place. Raises SolveError: no pores, or a violated identity."""
+    began = process_time()
+    system = make_system(bodies, fineness)
+    return _solved(bodies, system, inertia, process_time() - began)
+
+
+def errors_of(bodies: DrivenBodies, instant: PoreInstant) -> StepErrors:
+    """The estimated errors of an instant, by one solve with other modes. Raises SolveError."""
+    began = process_time()
+    system, factor = reference_system(instant.flow.system)
+    other = _solved(bodies, system, None, process_time() - began)
+    return step_errors(bodies, instant, Compared(other, factor))
+
+
+def adapted(bodies: DrivenBodies, tolerance: float, fineness: Fineness) -> tuple[PoreInstant, StepErrors]:
+    """The flow with all errors, over the largest result of their kind, below the tolerance, and these.
+
+    Modes are added to a fineness pore by pore. Raises SolveError: the most modes there are do not do.
+    """
+    loading, aim, system = loading_of(bodies), tolerance / SAFETY, make_system(bodies, fineness)
+    while True:
+        began = process_time()
+        try:
+            pair = adapt(system, loading, aim)
+        except SolveError as error:
+            raise SolveError(f"pores.tolerance = {bodies.case.pores.tolerance!r}: {error}") from error
+        seconds = {"solve": process_time() - began}
+        found, finer = (PoreInstant(bodies, flow, seconds) for flow in (pair.coarse, pair.fine))
+        found.require_sound()
+        errors = step_errors(bodies, found, Compared(finer, SAFETY))
+        largest = max(errors.relative.values(), default=0.0)
+        if largest <= tolerance:
+            return found, errors
+        system, aim = pair.coarse.system, 0.5 * aim * tolerance / largest
+
+
+def _solved(
+    bodies: DrivenBodies, system: PoreSystem, inertia: Inertia | None, assembled: float
+) -> PoreInstant:
+    """The sound flow of a system that was assembled in so many seconds."""
+    began = process_time()
+    flow = solve_pores(system, loading_of(bodies, inertia))
+    instant = PoreInstant(bodies, flow, {"assemble": assembled, "solve": process_time() - began})
+    instant.require_sound()
+    return instant
+
+
+def make_system(bodies: DrivenBodies, fineness: Fineness) -> PoreSystem:
     """Pores and their matrix. Raises SolveError: no pores there, with the names of bodies and walls."""
     case, container = bodies.case, bodies.case.container().at(bodies.t)
+    surfaces = surfaces_of(bodies.q, container)
     try:
-        return PoreSystem.make(surfaces_of(bodies.q, container), modes, case.fluid.viscosity)
+        pores = triangulate(with_fluid_discs(surfaces))
+        return PoreSystem.of(len(bodies.q), pores, fineness.at(pores), case.fluid.viscosity)
     except NoPoresError as error:
         problem = error.between([*case.names, *(f"wall {name}" for name in container.walls)])
         raise SolveError(

@@ -22,6 +22,7 @@ from fsi.observables.resistance import Resistance, ResistanceErrors
 from fsi.pores.accuracy import missed, with_modes
 from fsi.pores.bars import bar_factor, finer, reference_modes
 from fsi.pores.definite import solve_definite
+from fsi.pores.fineness import Fineness
 from fsi.pores.model import make_system
 from fsi.pores.system import PoreSystem
 from fsi.pores.trial import RIGID
@@ -65,7 +66,8 @@ def case_resistance(case: Case) -> Resistance:
     """
     require_still(case)
     began, q = process_time(), case.configuration()
-    system = make_system(DrivenBodies(case, q, 0.0, case.motion(0.0)), case.pores.modes)
+    bodies = DrivenBodies(case, q, 0.0, case.motion(0.0))
+    system = make_system(bodies, Fineness.even(case.pores.modes))
     assembled = process_time()
     columns, residual = _schur_complement(system)
     seconds = {"assemble": assembled - began, "solve": process_time() - assembled}

@@ -55,6 +55,10 @@ class PoreSystem:
         _require_regions(pores, assembly)
         return cls(bodies, pores, shapes, assembly, viscosity)
 
+    def with_modes(self, modes: Index) -> PoreSystem:
+        """The same pores with other numbers of modes, (K,). Raises NoPoresError."""
+        return PoreSystem.of(self.bodies, self.pores, modes, self.viscosity)
+
     @property
     def size(self) -> int:
         """How many numbers there are."""

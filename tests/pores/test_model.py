@@ -17,8 +17,9 @@ from fsi.models import make_model
 from fsi.observables.bars import DrivenBodies
 from fsi.pores.accuracy import solve_with_errors
 from fsi.pores.bars import bar_factor, finer, reference_modes
+from fsi.pores.fineness import Fineness
 from fsi.pores.instant import BOUND, PoreInstant
-from fsi.pores.model import PoreModel
+from fsi.pores.model import PoreModel, driven
 from fsi.pores.resistance import case_resistance, resistance_with_error
 from fsi.pores.surfaces import NoPoresError
 
@@ -46,9 +47,9 @@ def small(**sections: Any) -> Case:
 
 
 def at_start(case: Case, modes: int | None = None, motion: Motion | None = None) -> PoreInstant:
-    q, model = case.configuration(), PoreModel(case)
-    driven = DrivenBodies(case, q, 0.0, motion or case.motion_at(q, 0.0))
-    return model.driven(driven, model.modes if modes is None else modes)
+    q = case.configuration()
+    bodies = DrivenBodies(case, q, 0.0, motion or case.motion_at(q, 0.0))
+    return driven(bodies, Fineness.even(case.pores.modes if modes is None else modes))
 
 
 @pytest.mark.parametrize(("modes", "excess"), [(1, 8e-3), (4, 3e-4), (10, 2e-6)])
@@ -224,7 +225,7 @@ def test_where_no_pores_are_found_the_bodies_and_walls_are_named() -> None:
     with pytest.raises(
         SolveError, match=r'model = "pores" at t = 0.5: .*, as one and other touch or overlap; '
     ):
-        PoreModel(case).driven(bodies, 1)
+        driven(bodies, Fineness.even(1))
     wide = small(domain={"lower": [-1e3, -1e3], "upper": [1e3, 1e3]})
     with pytest.raises(
         SolveError, match=r"as the fluid between circles of fluid is no pore; .* narrower domain"
