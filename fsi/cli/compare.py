@@ -34,6 +34,7 @@ def compare(
 
     First at time 0, of all levels that give velocities at an instant: apparent viscosity, velocities less
     the mean flow, spins, and rates of the narrowest gaps; a case without [time] is compared there alone.
+    Then over time: smallest gaps, and apparent viscosities where two levels have them, in one picture.
     What is in the folder already is not run again. Of the reduced level against the resolved one the rates of
     the gaps are compared too, at the same configurations.
     """
@@ -81,14 +82,22 @@ def _compare(
 def _compare_runs(cases: "dict[str, Case]", folder: Path, *, quiet: bool) -> dict[str, Any]:
     """The runs in a folder: what is printed unless it is quiet, and drawn."""
     from fsi.comparison.motion import History, compare_rates, comparison_json, rates_json, trajectories
+    from fsi.comparison.viscosity import viscosities_json, viscosity_histories
     from fsi.postprocess.plots.studies import plot_comparison, plot_levels
     from fsi.postprocess.run.run import open_run
-    from fsi.report.studies import print_rates, print_trajectories
+    from fsi.report.studies import print_rates, print_trajectories, print_viscosities
 
-    tables = {level: open_run(folder / level).columns("bodies") for level in cases}
-    histories = {level: History.of_table(case, tables[level]) for level, case in cases.items()}
+    runs = {level: open_run(folder / level) for level in cases}
+    histories = {
+        level: History.of_table(case, runs[level].columns("bodies")) for level, case in cases.items()
+    }
     paths = trajectories(cases, histories)
     data, picture = comparison_json(paths), folder / "comparison.png"
+    viscosities = viscosity_histories({level: run.columns("steps") for level, run in runs.items()})
+    if viscosities is not None:
+        data |= viscosities_json(viscosities)
+        if not quiet:
+            print_viscosities(standard_output(), next(iter(cases.values())), viscosities)
     if set(cases) == {"resolved", "reduced"}:
         reduced = cases["reduced"]
         rates = compare_rates(reduced, histories["resolved"], histories["reduced"])
@@ -97,7 +106,7 @@ def _compare_runs(cases: "dict[str, Case]", folder: Path, *, quiet: bool) -> dic
         if not quiet:
             print_rates(standard_output(), reduced, rates)
     else:
-        plot_levels(paths.t, paths.smallest, picture)
+        plot_levels(paths, viscosities, picture)
         if not quiet:
             print_trajectories(standard_output(), next(iter(cases.values())), paths)
     return data

@@ -12,6 +12,7 @@ from fsi.calibration.result import CalibrationResult
 from fsi.case.case import Case
 from fsi.comparison.instants import LevelAtInstant
 from fsi.comparison.motion import LIMITS, PART, RateComparison, Trajectories
+from fsi.comparison.viscosity import AGREE, ViscosityHistories
 from fsi.gluey.limit_study import Study
 from fsi.lubrication.expansions import EXPONENTS
 from fsi.report.console import table
@@ -32,6 +33,20 @@ def print_trajectories(console: Console, case: Case, paths: Trajectories) -> Non
         touch = f"delta_eps = {paths.smallest['resolved'].min():.1e}: surfaces rougher than this touch"
         memory = "the gluey model, which remembers the push in a film, makes no sense for them"
         console.print(f"{touch}, and {memory} (give gluey.roughness)", highlight=False)
+
+
+def print_viscosities(console: Console, case: Case, found: ViscosityHistories) -> None:
+    """The apparent viscosity at some times, the largest differences, and until when the levels agree."""
+    first = next(iter(found.mu))
+    caption = f"off: the largest difference from {first}; until: the time up to which it is below {AGREE:.0%}"
+    title = f"{case.name}: apparent viscosity"
+    shown = table((), ("t", *found.mu), title=title, title_justify="left", caption=caption)
+    for k in np.linspace(0, len(found.t) - 1, 13).astype(int):
+        shown.add_row(f"{found.t[k]:g}", *(f"{mu[k]:.6g}" for mu in found.mu.values()))
+    shown.add_section()
+    shown.add_row("off", *(f"{np.abs(off).max():.2%}" for off in found.differences.values()))
+    shown.add_row("until", *(f"{t:.4g}" for t in found.agree_until.values()))
+    console.print(shown)
 
 
 def print_instants(console: Console, case: Case, found: Mapping[str, LevelAtInstant]) -> None:

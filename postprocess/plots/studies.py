@@ -4,16 +4,15 @@ Of a comparison gaps over time at several levels, and the error of gap rates ove
 resolved forces on the exact curve and asymptotes, all errors below.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from fsi.bodies.configuration import Array
-from fsi.comparison.motion import LIMITS, RateComparison
+from fsi.comparison.motion import LIMITS, RateComparison, Trajectories
+from fsi.comparison.viscosity import ViscosityHistories
 from fsi.lubrication.expansions import expansion
 from fsi.lubrication.spheres import normal_resistance
 from fsi.postprocess.plots.figure import BLUE, COLOURS, GREY, ORANGE, saved_figure
@@ -63,20 +62,26 @@ def _draw_rate_errors(axes: Axes, comparison: RateComparison) -> None:
     axes.set(xlabel="gap D", ylabel="|error of D'| / |D'|", title="rate of a gap, at the same configuration")
 
 
-def plot_levels(t: Array, gaps: Mapping[str, Array], path: Path) -> None:
-    """Draw the smallest gap of each level, shape (T,), at times t."""
-    figure = Figure(figsize=(10.0, 4.0), layout="constrained")
-    left, right = figure.subplots(1, 2)
-    for level, gap in gaps.items():
-        colour, style = _STYLES[level]
-        left.plot(t, gap, style, color=colour, label=level)
-        right.semilogy(t, np.where(gap > 0.0, gap, np.nan), style, color=colour, label=level)
-    left.set(xlabel="time", ylabel="smallest gap")
-    right.set(xlabel="time", ylabel="smallest gap (none where surfaces touch)")
-    left.legend(frameon=False)
-    for axes in (left, right):
-        axes.spines[["top", "right"]].set_visible(False)
-    figure.savefig(path, dpi=150)
+def plot_levels(paths: Trajectories, viscosities: ViscosityHistories | None, path: Path) -> None:
+    """Draw the smallest gap of each level, and their apparent viscosities over each other, into a PNG file.
+
+    Raises InputError where it cannot be written.
+    """
+    panels = 2 if viscosities is None else 3
+    with saved_figure(path, (5.0 * panels, 4.0)) as figure:
+        axes = figure.subplots(1, panels)
+        for level, gap in paths.smallest.items():
+            colour, style = _STYLES[level]
+            axes[0].plot(paths.t, gap, style, color=colour, label=level)
+            axes[1].semilogy(paths.t, np.where(gap > 0.0, gap, np.nan), style, color=colour)
+        axes[0].set(xlabel="time", ylabel="smallest gap")
+        axes[1].set(xlabel="time", ylabel="smallest gap (none where surfaces touch)")
+        if viscosities is not None:
+            for level, mu in viscosities.mu.items():
+                colour, style = _STYLES[level]
+                axes[2].plot(viscosities.t, mu, style, color=colour)
+            axes[2].set(xlabel="time", ylabel="apparent viscosity")
+        axes[0].legend()
 
 
 def plot_rows(rows: Sequence[Row], path: Path) -> None:
