@@ -43,9 +43,9 @@ WARM, REPEATS = 2, 5
 EXAMPLE = """example:
   OMP_NUM_THREADS=1 python bench/suspension.py 50 200
 
-columns: mesh (gmsh, or the move), setup (spaces, constraints), assemble (M), solve (P^T M P, MUMPS), checks
-(identities, stresses), and their sum; CPU seconds of the cheapest of some warm steps, so that
-the other work of the machine counts little, but its clock does. Error: of the apparent viscosity, relative.
+columns: mesh (gmsh, or the move), setup (spaces, constraints), assemble (rigid modes), solve (P^T M P and its
+factors), checks (identities, stresses), and their sum; CPU seconds of the cheapest of some warm steps, so
+that the other work of the machine counts little, but its clock does. Error: of the apparent viscosity, relative.
 MB: the peak of the resident memory. All five sizes take some two minutes and 4 GB.
 """
 

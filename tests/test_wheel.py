@@ -35,7 +35,8 @@ def test_the_wheel_has_every_module_and_case_and_nothing_else(tmp_path: Path) ->
         held = {name for name in archive.namelist() if ".dist-info/" not in name}
         about = [name for name in archive.namelist() if name.endswith("entry_points.txt")]
         assert b"fsi = fsi.cli.main:main" in archive.read(about[0])
-    wanted = {path.relative_to(source).as_posix() for path in (source / "fsi").rglob("*.py*")}
+    own = (path for kind in ("*.py*", "*.[ch]") for path in (source / "fsi").rglob(kind))
+    wanted = {path.relative_to(source).as_posix() for path in own}
     for room in ("meshes", "postprocess", "cases"):  # links in fsi, so that no generic name is installed
         files = (path for path in (source / room).rglob("*") if path.is_file())
         wanted |= {f"fsi/{path.relative_to(source).as_posix()}" for path in files}

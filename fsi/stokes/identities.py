@@ -22,7 +22,7 @@ from fsi.bodies.configuration import Array
 from fsi.errors import RefusedError, apart
 from fsi.observables.truncation import BOUND
 from fsi.stokes.corners import distance, jumps
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, mode_equations, multiply
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, mode_equations, nodal_vector
 
 ROUNDING_FLOOR = 1e-6
 
@@ -76,7 +76,7 @@ def identities(system: StokesSystem, nodal: NodalSolution, F: Array, dissipation
     floor = _floor(system, u_u, all_u, b_b)
     scale = dissipation
     if w is not None:
-        dissipation, scale = _finite_power(system, nodal, tested)
+        dissipation, scale = _finite_power(system, tested)
     sizes = (scale, all_forces, all_moments, system.forms.integrate("speed on boundary"))
     scales = Scales(*map(max, sizes, astuple(floor)))
     power = float((nodal.U * F).sum()) + power_of_walls_and_loads
@@ -105,9 +105,9 @@ def _away_from_jumps(system: StokesSystem) -> Array | None:
     return w
 
 
-def _finite_power(system: StokesSystem, nodal: NodalSolution, tested: Array) -> tuple[float, float]:
+def _finite_power(system: StokesSystem, tested: Array) -> tuple[float, float]:
     """`int 2 mu e(u) : e(v) - p div v` for the nodal values v tested, and the sum of |parts|; collective."""
-    stress = multiply(system.M, nodal.x)[: len(tested)]
+    stress = nodal_vector(system.forms.bind("stress"))
     parts = np.array([tested @ stress, np.abs(tested * stress).sum()])
     power, scale = system.layout.comm.allreduce(parts)
     return float(power), float(scale)

@@ -13,7 +13,6 @@ from functools import partial
 from itertools import batched
 
 import numpy as np
-from mpi4py import MPI
 
 from fsi.bodies.configuration import Configuration, Motion
 from fsi.case.case import Case
@@ -30,7 +29,7 @@ from fsi.stokes.model import StokesModel
 from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem
 from fsi.stokes.refusal import explained
 from fsi.stokes.solve import DEFAULT, Clock, assembled
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, factorised, multiply
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, factorised
 
 AXIAL_MODE = 1
 # Right-hand sides solved at once: more are hardly faster, and each takes as much memory as the unknowns.
@@ -149,10 +148,6 @@ def _modes_of(problem: StokesProblem, names: Sequence[str]) -> Modes:
 def _defects(system: StokesSystem, nodal: NodalSolution) -> dict[str, float]:
     """What one unit motion violates of the identities, but for the balance of free modes: there are none."""
     system.forms.fill(nodal.x)
-    u = nodal.x.copy()
-    u[system.layout.velocities :] = 0.0
-    # u^T A u is int 2 mu e : e, from the matrix at hand.
-    dissipation = float(system.layout.comm.allreduce(u @ multiply(system.M, u), op=MPI.SUM))
-    defects = identities(system, nodal, nodal.load, dissipation)
+    defects = identities(system, nodal, nodal.load, system.forms.integrate("dissipation"))
     del defects["balance"]
     return defects

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
+from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -16,7 +17,7 @@ from fsi.stokes import fields
 from fsi.stokes.corners import jumps
 from fsi.stokes.discretisation.constraints import dof_layout, rigid_modes, wall_offset
 from fsi.stokes.discretisation.forms import Forms
-from fsi.stokes.discretisation.nodes import facets_with, locate
+from fsi.stokes.discretisation.nodes import facets_with, inner_nodes, locate
 from fsi.stokes.identities import identities, require
 from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
@@ -88,7 +89,8 @@ def assembled(
         pin = _pinned_pressure(fluid, forms, weights) if closed and not iterative else None
         pressure_nodes = forms.Q.dofmap.index_map.size_local
         layout = dof_layout(fluid, nodes, boundary.velocities, pressure_nodes, pin)
-        layout = tied(layout, fluid, forms, nodes.with_ghosts)
+        cells = workspace.cells(condensed=options.formulation == "eliminated" and not iterative)
+        layout = replace(tied(layout, fluid, forms, nodes.with_ghosts), inner=cells.inner_here)
         at_walls = {wall: u(nodes.x[nodes.wall_nodes[wall]]) for wall, u in boundary.velocities.items()}
         corner_axes = dict(zip(container.walls, container.corner_axes, strict=True))
         g = wall_offset(layout, nodes, at_walls, corner_axes)
@@ -96,8 +98,10 @@ def assembled(
         clock.lap("setup")
         mass = pressure_mass(forms) if iterative else None
         coarse = coarse_velocities(problem, forms) if iterative else None
-        rigid, M = rigid_modes(layout, nodes, problem.q, fluid.lattice), workspace.stokes_matrix()
-        system = StokesSystem(problem, forms, nodes, layout, M, rigid, b, g, weights, mass, coarse, workspace)
+        rigid = rigid_modes(layout, nodes, problem.q, fluid.lattice)
+        system = StokesSystem(
+            problem, forms, nodes, layout, cells, rigid, b, g, weights, mass, coarse, workspace
+        )
         clock.lap("assemble")
         try:
             with parallel.together():
@@ -121,9 +125,11 @@ def _pinned_pressure(fluid: FluidMesh, forms: Forms, weights: Array) -> int | No
     """Local number of the pressure node to pin, on its owner: the one with the largest weight |int q|.
 
     A node inside a gap would lose 7 digits: its divergence row is the smallest of all. One on the cut of a
-    periodic domain would have an image that is not pinned.
+    periodic domain would have an image that is not pinned. One within a cell is no unknown of the sum.
     """
     weights = np.abs(weights)
+    cells = forms.Q.dofmap.list[: fluid.mesh.topology.index_map(fluid.dimension).size_local]
+    weights[cells[:, inner_nodes(forms.Q)]] = 0.0
     if fluid.lattice.dimension:
         on_cut = fem.locate_dofs_topological(forms.Q, 1, fluid.facet_tags.find(fluid.cut_tag))
         weights[on_cut[on_cut < len(weights)]] = 0.0
@@ -157,8 +163,6 @@ def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clo
     here = np.array([system.weights @ nodal.x[system.layout.velocities :], system.weights.sum()])
     of_p, area = system.layout.comm.allreduce(here)
     mean_pressure = float(of_p / area)
-    if not problem.boundary.pressures:
-        forms.p.x.array[:] -= mean_pressure
     F, dissipation = nodal.load, forms.integrate("dissipation")
     checks, bulk = identities(system, nodal, F, dissipation), None
     if problem.periodic:
@@ -166,6 +170,8 @@ def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clo
         if is_force_free(system):
             checks |= viscosity_checks(problem, bulk, dissipation)
     require(checks)
+    if not problem.boundary.pressures:
+        forms.p.x.array[:] -= mean_pressure
     walls = problem.container.walls
     jumping = tuple((walls[k], walls[m]) for k, m in jumps(problem.container, problem.boundary))
     surface = fields.surfaces(system, nodal.reaction[: system.layout.velocities])

@@ -22,8 +22,8 @@ from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.problem import Boundary, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import solve
-from fsi.stokes.solvers import workspace as kept
-from fsi.stokes.solvers.mumps import Factorisation
+from fsi.stokes.solvers import reduced as kept
+from fsi.stokes.solvers.mumps import Factorisation, Operator
 from fsi.stokes.solvers.workspace import Workspace
 from tests.flows import at_rest, discs, free, held
 
@@ -94,9 +94,9 @@ def test_what_fits_is_kept_and_what_does_not_begins_anew(monkeypatch: pytest.Mon
     """MUMPS analyses once for a mesh and its free modes, and again for others."""
     analysed = []
 
-    def counted(matrix: object, **options: bool) -> Factorisation:
+    def counted(matrix: object, operator: Operator, **options: bool) -> Factorisation:
         analysed.append(matrix)
-        return Factorisation(matrix, **options)
+        return Factorisation(matrix, operator, **options)
 
     monkeypatch.setattr(kept, "Factorisation", counted)
     drawn = replace(LOADS, held=held((1.0, 0.0, 0.0), (0.0, 0.0, 0.0)).held)

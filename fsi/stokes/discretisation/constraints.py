@@ -47,6 +47,7 @@ class DofLayout:
         slave: rows whose unknowns are those of other rows, at their images.
         master: these other rows, global numbers.
         away: how far each slave lies from its master, (slaves, d).
+        inner: rows that are eliminated within cells.
     """
 
     comm: MPI.Intracomm
@@ -61,6 +62,7 @@ class DofLayout:
     slave: Index = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     master: Index = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     away: Array = field(default_factory=lambda: np.empty((0, 2)))
+    inner: Index = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
     @property
     def rows(self) -> int:
@@ -74,9 +76,9 @@ class DofLayout:
 
     @property
     def free(self) -> NDArray[np.bool_]:
-        """Which rows are unknowns themselves: neither given, nor on a body, nor images of others, (rows,)."""
+        """Which rows are unknowns of y: neither given, nor on a body, nor images, nor inner, (rows,)."""
         free = np.ones(self.rows, dtype=bool)
-        free[self.constrained] = False
+        free[self.constrained] = free[self.inner] = False
         return free
 
     @property
@@ -164,41 +166,54 @@ class Prolongation:
 
     With `eliminate_bodies` false, the nodes on bodies stay unknowns and P has no modes: this is the space of
     the multiplier form.
+
+    Attributes:
+        columns: of the entries of each row of this rank, (rows, w), NO_COLUMN where there is none.
+        weights: of these entries, (rows, w).
+        constrained: rows that are no unknowns themselves, in the order of the layout.
+        here: columns that this rank owns.
+        matrix: P itself.
     """
 
     def __init__(
         self, layout: DofLayout, rigid: RigidModes, unknown: NDArray[np.bool_], eliminate_bodies: bool = True
     ) -> None:
         """Make P. unknown: which of all modes stand in y, bool (M N,)."""
-        free = layout.free
-        columns = np.full(layout.modes, NO_COLUMN, dtype=np.int64)
-        if not eliminate_bodies:
+        free, constrained = layout.free, [layout.fixed, layout.slave]
+        if eliminate_bodies:
+            constrained.append(layout.on_body)
+        else:
             free[layout.on_body] = True
-            free[np.concatenate([layout.fixed, layout.slave])] = False
+            free[np.concatenate(constrained)] = False
+        self.constrained = np.concatenate(constrained)
         free_here = int(free.sum())
         first = layout.comm.exscan(free_here) or 0
+        mode_columns = np.full(layout.modes, NO_COLUMN, dtype=np.int64)
         if eliminate_bodies:
             # Rank 0 owns the modes: they come after its free unknowns.
             root_free = layout.comm.bcast(free_here)
-            columns[unknown] = root_free + np.arange(unknown.sum())
+            mode_columns[unknown] = root_free + np.arange(unknown.sum())
             first += int(unknown.sum()) if layout.comm.rank > 0 else 0
-        columns_here = free_here + (int((columns != NO_COLUMN).sum()) if layout.comm.rank == 0 else 0)
+        self.here = free_here + (int((mode_columns != NO_COLUMN).sum()) if layout.comm.rank == 0 else 0)
         rows = np.flatnonzero(free)
-        unit = first + np.arange(free_here)
+        self.columns = np.full((layout.rows, rigid.modes.shape[1]), NO_COLUMN)
+        self.columns[rows, 0] = first + np.arange(free_here)
         first_row = layout.comm.exscan(layout.rows) or 0
-        known, of_master = columns_of_masters(layout.comm, layout.master, first_row + rows, unit)
-        rows, unit = np.concatenate([rows, layout.slave[known]]), np.concatenate([unit, of_master])
-        mode_row, mode, value = rigid.entries()
-        self._used, self._ones = columns[mode] != NO_COLUMN, np.ones(len(rows))
-        all_rows = np.concatenate([rows, mode_row[self._used]])
-        all_columns = np.concatenate([unit, columns[mode[self._used]]])
-        values = np.concatenate([self._ones, value[self._used]])
-        self.matrix = _matrix(layout, (columns_here, None), all_rows, all_columns[:, None], values[:, None])
+        known, of_master = columns_of_masters(
+            layout.comm, layout.master, first_row + rows, self.columns[rows, 0]
+        )
+        self.columns[layout.slave[known], 0] = of_master
+        self.weights = np.ones(self.columns.shape)
+        if eliminate_bodies:
+            self.columns[rigid.rows] = mode_columns[rigid.modes]
+        self._rigid_rows = rigid.rows if eliminate_bodies else rigid.rows[:0]
+        self.weights[self._rigid_rows] = rigid.values[: len(self._rigid_rows)]
+        self.matrix = _matrix(layout, (self.here, None), np.arange(layout.rows), self.columns, self.weights)
 
     def update(self, rigid: RigidModes) -> None:
         """P with other values of the same rigid modes, in place."""
-        _, _, value = rigid.entries()
-        self.matrix.setValuesCOO(np.concatenate([self._ones, value[self._used]]))
+        self.weights[self._rigid_rows] = rigid.values[: len(self._rigid_rows)]
+        self.matrix.setValuesCOO(self.weights.ravel())
 
 
 def wall_offset(

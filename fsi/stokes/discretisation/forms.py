@@ -30,11 +30,11 @@ CELL = fem.IntegralType.cell
 FACET = fem.IntegralType.exterior_facet
 EVERYWHERE = -1
 MARKED = 1
-CURVED, STRAIGHT = 1, 2
+CURVED, STRAIGHT = KINDS = 1, 2
 EQUISPACED = basix.LagrangeVariant.equispaced
 SIMPLEX = {2: "triangle", 3: "tetrahedron"}
 
-MATRICES = ("a", "b", "b^T")
+MATRICES = ("a", "b")
 BENT = 1e-12  # distance of a node from its place in a straight cell, in sizes of the cell
 
 type Expr = ufl.core.expr.Expr
@@ -100,13 +100,13 @@ class Compiled:
         forms: by name.
         arguments: of each form its test and trial spaces, a letter each, "V" or "Q".
         coefficients: the functions u, f and p of a known flow.
-        constants: mu, and a zero.
+        viscosity: mu.
     """
 
     forms: dict[str, fem.forms.CompiledForm]
     arguments: dict[str, str]
     coefficients: dict[str, ufl.Coefficient]
-    constants: dict[str, ufl.Constant]
+    viscosity: ufl.Constant
 
 
 @cache
@@ -128,7 +128,7 @@ def compile_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -
     u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
     p, q = ufl.TrialFunction(Q), ufl.TestFunction(Q)
     u_h, f_h, p_h = ufl.Coefficient(V), ufl.Coefficient(V), ufl.Coefficient(Q)
-    mu, zero = (ufl.Constant(omega) for _ in range(2))
+    mu = ufl.Constant(omega)
     n = ufl.FacetNormal(omega)
     space = Coordinates(omega, axisymmetric)
     of_normal = (dimension - 1) * (order - 1)
@@ -141,16 +141,13 @@ def compile_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -
     on_straight = {"quadrature_degree": curved_degree if axisymmetric else 2 * (degree - 1)}
     dX = ufl.dx(CURVED, domain=omega, metadata=quadrature)
     dX += ufl.dx(STRAIGHT, domain=omega, metadata=on_straight)
-    nothing = ufl.dx(omega, metadata={"quadrature_degree": 0})
     e_u, e_v, e_h = space.strain_rate(u), space.strain_rate(v), space.strain_rate(u_h)
     forms = {
         "a": ("VV", 2 * mu * ufl.inner(e_u, e_v) * w * dX),
         "b": ("QV", -q * space.div(u) * w * dX),
-        "b^T": ("VQ", -p * space.div(v) * w * dX),
-        # Zero, but it stores the diagonal of the pressure block: without it MUMPS fails on several ranks.
-        "zero": ("QQ", zero * p * q * w * nothing),
         "pressure mass": ("QQ", p * q / mu * w * dx),
         "load": ("V", ufl.inner(f_h, v) * w * dx),
+        "stress": ("V", (2 * mu * ufl.inner(e_h, e_v) - p_h * space.div(v)) * w * dX),
         "pressure weights": ("Q", q * w * dx),
         "dissipation": ("", 2 * mu * ufl.inner(e_h, e_h) * w * dx),
         "flux": ("", ufl.inner(u_h, n) * w * ds),
@@ -160,7 +157,7 @@ def compile_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -
     }
     compiled = {name: compile_form(form) for name, (_, form) in forms.items()}
     spaces = {name: letters for name, (letters, _) in forms.items()}
-    return Compiled(compiled, spaces, {"u": u_h, "f": f_h, "p": p_h}, {"mu": mu, "zero": zero})
+    return Compiled(compiled, spaces, {"u": u_h, "f": f_h, "p": p_h}, mu)
 
 
 class Forms:
@@ -169,6 +166,7 @@ class Forms:
     Attributes:
         mesh: which it is.
         axisymmetric: whether its points are (r, z).
+        viscosity: mu.
         V, Q: velocity and pressure spaces.
         u, p, f: the functions that stand in the forms of a known flow.
     """
@@ -177,18 +175,17 @@ class Forms:
         """Bind the forms to a mesh; degree of the velocity, at least the order of the cells."""
         self._compiled = compile_forms(fluid.order, degree, fluid.dimension, fluid.container.axisymmetric)
         self.mesh = fluid.mesh
-        self._degree, self._viscosity = degree, viscosity
+        self._degree, self.viscosity = degree, viscosity
         self.axisymmetric = fluid.container.axisymmetric
         self._curved, self._straight = _cells(fluid)
         self.V = fem.functionspace(fluid.mesh, velocity_element(degree, fluid.dimension))
         self.Q = fem.functionspace(fluid.mesh, pressure_element(degree, fluid.dimension))
         self.u, self.f, self.p = fem.Function(self.V), fem.Function(self.V), fem.Function(self.Q)
-        constants = {"mu": fem.Constant(fluid.mesh, viscosity), "zero": fem.Constant(fluid.mesh, 0.0)}
-        self._constants = {self._compiled.constants[name]: value for name, value in constants.items()}
+        self._constants = {self._compiled.viscosity: fem.Constant(fluid.mesh, viscosity)}
 
     def fit(self, fluid: FluidMesh, degree: int, viscosity: float) -> bool:
         """Whether these are the forms of that mesh, which may have moved, with these parameters."""
-        return self.mesh is fluid.mesh and (self._degree, self._viscosity) == (degree, viscosity)
+        return self.mesh is fluid.mesh and (self._degree, self.viscosity) == (degree, viscosity)
 
     def fill(self, x: Array) -> None:
         """Set u and p to nodal values, this rank's rows; collective."""
@@ -220,13 +217,27 @@ class Forms:
         elif name in ("flux", "speed on boundary"):
             facets = exterior_facet_indices(topology)
             subdomains[FACET] = [(EVERYWHERE, fem.compute_integration_domains(FACET, topology, facets))]
-        elif name in MATRICES:
+        elif name in (*MATRICES, "stress"):
             subdomains[CELL] = [(CURVED, self._curved), (STRAIGHT, self._straight)]
         else:
             cells = np.arange(topology.index_map(topology.dim).size_local, dtype=np.int32)
             subdomains[CELL] = [(EVERYWHERE, cells)]
         functions = {f: getattr(self, letter) for letter, f in compiled.coefficients.items()}
         return fem.create_form(form, spaces, self.mesh, subdomains, functions, self._constants)
+
+    def kernels(self, name: str) -> NDArray[np.uint64]:
+        """The addresses of what tabulates a matrix on single cells of each kind."""
+        compiled = self._compiled.forms[name]
+        form, ffi = compiled.ufcx_form, compiled.module.ffi
+        tabulates = {form.form_integral_ids[k]: form.form_integrals[k] for k in range(len(KINDS))}
+        functions = [tabulates[kind].tabulate_tensor_float64 for kind in KINDS]
+        return np.array([int(ffi.cast("uintptr_t", function)) for function in functions], dtype=np.uint64)
+
+    def kinds(self) -> NDArray[np.int8]:
+        """The kind of each cell of this rank, its place in KINDS."""
+        kinds = np.zeros(len(self._curved) + len(self._straight), dtype=np.int8)
+        kinds[self._straight] = KINDS.index(STRAIGHT)
+        return kinds
 
     def integrate(self, name: str) -> float:
         """Value of a form without arguments, over all ranks."""

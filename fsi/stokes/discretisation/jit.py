@@ -6,13 +6,20 @@ therefore looked at before the first is used, and what is broken is removed and 
 can be no cache, a folder is used that lasts as long as the process.
 """
 
+import hashlib
+import importlib.util
+import io
 import re
 import struct
+import sysconfig
 import tempfile
 import time
+from contextlib import redirect_stdout
 from functools import cache
 from pathlib import Path
+from typing import Any
 
+import cffi
 import dolfinx.jit
 import ufl
 from dolfinx import fem
@@ -25,7 +32,8 @@ _STALE = re.compile(r"remove (\S+\.c)\)")
 
 # FFCx's own, and leave to reorder sums, which saves a quarter of the time of A; no machine's own code:
 # machines may share a cache.
-FLAGS = ["-O2", "-g0", "-fno-math-errno", "-fno-signed-zeros", "-fno-trapping-math", "-fassociative-math"]
+FLAGS = ["-O3", "-g0", "-fno-math-errno", "-fno-signed-zeros", "-fno-trapping-math", "-fassociative-math"]
+UNROLLED = ["-freciprocal-math"]  # of loops over small matrices
 
 _READY = ".c.cached"
 _ELF, _HEADER = b"\x7fELF\x02\x01", 64  # of a library of 64 bits on Linux
@@ -42,6 +50,31 @@ def compile_form(form: ufl.Form) -> fem.forms.CompiledForm:
             raise
         parallel.on_root(lambda: _remove(source))
         return _compile(form)
+
+
+def compile_c(declarations: Path, source: Path) -> Any:
+    """A module with `ffi` and the functions `lib` of a C source of this package; collective."""
+    text = "\n".join(["#include <stdint.h>", declarations.read_text(), source.read_text()])
+    key = hashlib.sha256("".join([text, cffi.__version__, *FLAGS]).encode()).hexdigest()[:16]
+    name = f"fsi_{source.stem}_{key}"
+    library = _folder() / f"{name}{sysconfig.get_config_var('EXT_SUFFIX')}"
+
+    def build() -> None:
+        if not library.is_file() or not is_whole(library):
+            compiler = cffi.FFI()
+            compiler.cdef(declarations.read_text())
+            compiler.set_source(name, text, extra_compile_args=[*FLAGS, *UNROLLED])
+            # Beside the library, so that it is there as a whole or not at all, whoever else makes it.
+            with tempfile.TemporaryDirectory(dir=library.parent) as folder, redirect_stdout(io.StringIO()):
+                Path(compiler.compile(tmpdir=folder)).replace(library)
+
+    parallel.on_root(build)
+    found = importlib.util.spec_from_file_location(name, library)
+    assert found is not None
+    assert found.loader is not None
+    module = importlib.util.module_from_spec(found)
+    found.loader.exec_module(module)
+    return module
 
 
 def _blocked_by(error: Exception) -> Path | None:

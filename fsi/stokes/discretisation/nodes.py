@@ -61,6 +61,12 @@ def locate(fluid: FluidMesh, V: FunctionSpace) -> BoundaryNodes:
     return BoundaryNodes(body_nodes, body_tag[body_nodes] - 1, walls, axis, x, V.dofmap.index_map.size_local)
 
 
+def inner_nodes(space: FunctionSpace) -> NDArray[np.int64]:
+    """Which nodes of each cell belong to no other."""
+    element = space.element.basix_element
+    return np.array(element.entity_dofs[space.mesh.topology.dim][0], dtype=np.int64)
+
+
 def _nodes_with(fluid: FluidMesh, V: FunctionSpace, tag: int) -> Nodes:
     facets = facets_with(fluid, tag, tag)
     marks = np.ones(len(facets), dtype=np.int32)

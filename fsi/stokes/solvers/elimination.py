@@ -29,14 +29,16 @@ from petsc4py import PETSc
 import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.bodies.gaps import narrowest_gap
+from fsi.stokes.discretisation.cells import StokesCells
 from fsi.stokes.discretisation.constraints import DofLayout, RigidModes
 from fsi.stokes.discretisation.forms import Form, Forms
 from fsi.stokes.discretisation.nodes import BoundaryNodes
 from fsi.stokes.problem import StokesProblem
-from fsi.stokes.solvers.extended import ExtendedMatrix
+from fsi.stokes.solvers.extended import multiply, multiply_transpose
 from fsi.stokes.solvers.fgmres import Coarse, Iteration, SchurBlocks, transfer
 from fsi.stokes.solvers.mumps import Factorisation
-from fsi.stokes.solvers.workspace import Elimination, Workspace
+from fsi.stokes.solvers.reduced import Elimination
+from fsi.stokes.solvers.workspace import Workspace
 
 NARROW = 1e-5  # of a radius: such gaps are solved in extended precision
 
@@ -50,21 +52,21 @@ class StokesSystem:
         forms: bound to the mesh.
         nodes: the velocity nodes on bodies and walls.
         layout: how the rows of x = (u, p) are shared out.
-        M: Stokes matrix of all unknowns; the workspace's.
+        cells: the Stokes matrices of all cells; the workspace's.
         rigid: rigid modes at the nodes on bodies.
         b: loads, this rank's rows.
         g: given wall velocities, this rank's rows.
         weights: int q over the fluid for each of this rank's rows of p.
         mass: mass matrix of the pressure / mu for the iterative solver, None for the direct one.
         coarse: velocities of degree 1 for the iterative solver, None for the direct one.
-        workspace: whose M is, and that keeps the factors.
+        workspace: whose cells these are, and that keeps the factors.
     """
 
     problem: StokesProblem
     forms: Forms
     nodes: BoundaryNodes
     layout: DofLayout
-    M: PETSc.Mat
+    cells: StokesCells
     rigid: RigidModes
     b: Array
     g: Array
@@ -115,34 +117,6 @@ def nodal_vector(form: Form) -> Array:
     return np.asarray(vector.array[: vector.index_map.size_local * vector.block_size].copy())
 
 
-def multiply(matrix: PETSc.Mat, values: Array) -> Array:
-    """This rank's rows of a matrix times a vector given by this rank's values, in their precision."""
-    if values.dtype == np.longdouble:
-        return ExtendedMatrix(matrix).times(values)
-    x, y = matrix.createVecs()
-    x.array[:] = values
-    matrix.mult(x, y)
-    return _taken(y, x)
-
-
-def multiply_transpose(matrix: PETSc.Mat, values: Array) -> Array:
-    """The same with the matrix transposed."""
-    if values.dtype == np.longdouble:
-        return ExtendedMatrix(matrix).transpose_times(values)
-    x, y = matrix.createVecs()
-    y.array[:] = values
-    matrix.multTranspose(y, x)
-    return _taken(x, y)
-
-
-def _taken(vector: PETSc.Vec, used: PETSc.Vec) -> Array:
-    """The values of a vector; both are destroyed."""
-    values: Array = vector.array.copy()
-    vector.destroy()
-    used.destroy()
-    return values
-
-
 def load_of(system: StokesSystem, nodal: Array) -> Array:
     """(F, T) = rigid^T lambda of a nodal reaction, (N, M), on all ranks."""
     load = system.layout.comm.bcast(multiply_transpose(system.rigid.matrix, nodal))
@@ -179,14 +153,9 @@ def factorised(system: StokesSystem) -> Iterator[Callable[[Array], Iterator[Noda
     solution is not small.
     """
     unknown = system.unknown_modes
-    elimination = system.workspace.elimination(system.M, system.layout, system.rigid, unknown)
-    reduced = elimination.reduced
-    first_mode = reduced.getLocalSize()[0] - system.modes_here
     D, _ = mode_equations(system)
-    first_row = reduced.getOwnershipRange()[0] + first_mode
-    for row, value in enumerate(D[unknown][: system.modes_here], first_row):
-        reduced.setValue(row, row, value, PETSc.InsertMode.ADD_VALUES)
-    reduced.assemble()
+    elimination = system.workspace.elimination(system.layout, system.rigid, unknown, D)
+    reduced, first_mode = elimination.reduced, elimination.first_mode
     if system.mass is None or system.coarse is None:
         factors = elimination.factors(lasting=system.workspace.lasting)
         factors.extended = _is_narrow(system.problem)
@@ -233,22 +202,24 @@ def _respond(
 ) -> Iterator[NodalSolution]:
     """The solutions with velocities held_U (k, N, M) of the held modes, zero on the free ones."""
     free, unknown, modes_here = ~system.problem.motion.held, system.unknown_modes, system.modes_here
-    P, M, rows = elimination.P, elimination.constrained, system.layout.constrained
+    M, first_mode = elimination.constrained, elimination.first_mode
     g = [system.g + body_velocity(system, U) for U in held_U]
     # M is symmetric.
-    loads = [system.b - multiply_transpose(M, offset[rows]) for offset in g]
-    rhs = np.column_stack([multiply_transpose(P, load) for load in loads])
-    first_mode = len(rhs) - modes_here
-    rhs[first_mode:] += mode_equations(system)[1][unknown][:modes_here, None]
+    precision = np.longdouble if _is_narrow(system.problem) else np.float64
+    loads = np.column_stack([system.b - M.transpose_times(offset.astype(precision)) for offset in g])
+    rhs = elimination.restricted(loads)
+    of_modes = rhs[first_mode : first_mode + modes_here]
+    of_modes += mode_equations(system)[1][unknown][:modes_here, None]
     # Held modes that stand in y all the same are zero there: g has what they do.
-    rhs[first_mode:][~free.ravel()[unknown][:modes_here]] = 0.0
+    of_modes[~free.ravel()[unknown][:modes_here]] = 0.0
     solutions, residuals = solver.solve(rhs)
     for U, offset, y, residual in zip(held_U, g, solutions.T, residuals, strict=True):
-        x = multiply(P, y) + offset
+        x = elimination.prolonged(y[:, None])[:, 0] + offset
         moved = U.copy()
-        moved[free] = system.layout.comm.bcast(y[first_mode:])[free.ravel()[unknown]]
+        of_modes = y[first_mode : first_mode + modes_here]
+        moved[free] = system.layout.comm.bcast(of_modes)[free.ravel()[unknown]]
         reaction = np.zeros_like(x)
-        reaction[rows] = multiply(M, x) - system.b[rows]
+        reaction[M.rows] = M.times(x) - system.b[M.rows]
         load = load_of(system, reaction)
         x, reaction = x.astype(float, copy=False), reaction.astype(float, copy=False)
         yield NodalSolution(x, reaction, load, moved, float(residual), solver.iterations)

@@ -13,6 +13,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from fsi.bodies.configuration import Array
+
 type Extended = NDArray[Any]  # of longdouble
 
 
@@ -38,3 +40,31 @@ class ExtendedMatrix:
         rank = self._comm.rank
         product: Extended = np.sum(parts, axis=0)[self._first[rank] : self._first[rank + 1]]
         return product
+
+
+def multiply(matrix: PETSc.Mat, values: Array) -> Array:
+    """This rank's rows of a matrix times a vector given by this rank's values, in their precision."""
+    if values.dtype == np.longdouble:
+        return ExtendedMatrix(matrix).times(values)
+    x, y = matrix.createVecs()
+    x.array[:] = values
+    matrix.mult(x, y)
+    return _taken(y, x)
+
+
+def multiply_transpose(matrix: PETSc.Mat, values: Array) -> Array:
+    """The same with the matrix transposed."""
+    if values.dtype == np.longdouble:
+        return ExtendedMatrix(matrix).transpose_times(values)
+    x, y = matrix.createVecs()
+    y.array[:] = values
+    matrix.multTranspose(y, x)
+    return _taken(x, y)
+
+
+def _taken(vector: PETSc.Vec, used: PETSc.Vec) -> Array:
+    """The values of a vector; both are destroyed."""
+    values: Array = vector.array.copy()
+    vector.destroy()
+    used.destroy()
+    return values

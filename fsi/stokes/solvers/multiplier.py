@@ -18,16 +18,19 @@ from petsc4py import PETSc
 from fsi.bodies.configuration import Array
 from fsi.stokes.discretisation.constraints import Index, Prolongation
 from fsi.stokes.solvers import elimination
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, multiply, multiply_transpose
+from fsi.stokes.solvers.assembly import CellSum
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem
+from fsi.stokes.solvers.extended import multiply, multiply_transpose
 from fsi.stokes.solvers.mumps import Factorisation
-from fsi.stokes.solvers.workspace import galerkin
 
 
 def solve_multiplier(system: StokesSystem) -> NodalSolution:
     """Solve the saddle-point system. Raises SolveError: it is singular, or its residual is not small."""
     layout, held = system.layout, system.problem.motion.held
-    S = Prolongation(layout, system.rigid, np.zeros_like(system.unknown_modes), eliminate_bodies=False).matrix
-    flow = galerkin(system.M, S)
+    none = np.zeros_like(system.unknown_modes)
+    prolongation = Prolongation(layout, system.rigid, none, eliminate_bodies=False)
+    cells = CellSum(system.cells, prolongation)
+    S, flow, M, b = prolongation.matrix, cells.matrix, cells.constrained, system.b
     # Rows of each rank: its unknowns (u, p), its multipliers, and on rank 0 the free modes.
     flow_rows, multiplier_rows = flow.getLocalSize()[0], len(layout.on_body)
     free = np.flatnonzero(~held.ravel())
@@ -53,7 +56,7 @@ def solve_multiplier(system: StokesSystem) -> NodalSolution:
     matrix.setPreallocationCOO(rows.astype(PETSc.IntType), columns.astype(PETSc.IntType))
     matrix.setValuesCOO(values)
 
-    loads = multiply_transpose(S, system.b - multiply(system.M, system.g))
+    loads = multiply_transpose(S, b - M.transpose_times(system.g))
     no_slip = -elimination.body_velocity(system, system.problem.motion.U)[layout.on_body]
     rhs = np.concatenate([loads, no_slip, load[:mode_rows]])
     with Factorisation(matrix) as factors:
@@ -62,8 +65,7 @@ def solve_multiplier(system: StokesSystem) -> NodalSolution:
     reaction = np.zeros(layout.rows)
     reaction[layout.on_body] = solution[flow_rows : flow_rows + multiplier_rows]
     # The multipliers do not hold M x - b on the rows of walls and of slaves.
-    fixed = np.concatenate([layout.fixed, layout.slave])
-    reaction[fixed] = (multiply(system.M, x) - system.b)[fixed]
+    reaction[M.rows] = M.times(x) - b[M.rows]
     U = system.problem.motion.U.copy()
     U.ravel()[free] = layout.comm.bcast(solution[flow_rows + multiplier_rows :].copy())
     for used in (S, flow, matrix):

@@ -11,7 +11,9 @@ precision alone leaves 1e-8 in it, whatever the solver does, while forces are ri
 at first and 5e-15 after one refinement in working precision (Skeel 1980, Math. Comp. 35:817).
 """
 
+from collections.abc import Callable
 from contextlib import AbstractContextManager
+from typing import Protocol
 
 import numpy as np
 from mpi4py import MPI
@@ -21,7 +23,6 @@ import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.errors import RefusedError, SolveError, apart
 from fsi.meshes.moving.slip import unfactorised
-from fsi.stokes.solvers.extended import ExtendedMatrix
 from fsi.stokes.solvers.refinement import correction
 
 # ICNTL(7). Nested dissection (PORD) saves a fifth of a large factorisation, but takes as much longer to order
@@ -35,8 +36,22 @@ SINGULAR = (-6, -10)
 REFINE_ABOVE = 1e-12
 REFINE_EXTENDED_ABOVE = 1e-18
 REFUSE_ABOVE = 1e-9
-CYCLES = 4
+CYCLES, WORTHWHILE = 4, 0.5
 LEFT = "left without anything that holds it"
+
+type Solve = Callable[[Array], Array]
+
+
+class Operator(Protocol):
+    """What a factorised matrix stands for, on this rank's rows of some columns; collective."""
+
+    def times(self, x: Array) -> Array:
+        """Its product, in the precision of x."""
+        ...
+
+    def solved(self, b: Array, solve: Solve) -> Array:
+        """Its solutions up to rounding, by those of the matrix."""
+        ...
 
 
 class Factorisation(AbstractContextManager["Factorisation"]):
@@ -46,8 +61,13 @@ class Factorisation(AbstractContextManager["Factorisation"]):
     defaults on Stokes matrices. The matrix must store its whole diagonal.
     """
 
-    def __init__(self, matrix: PETSc.Mat, *, lasting: bool = False) -> None:
-        """Factorise, as `update`; lasting: it will be done again many times with other values."""
+    def __init__(self, matrix: PETSc.Mat, operator: Operator | None = None, *, lasting: bool = False) -> None:
+        """Factorise, as `update`.
+
+        operator: what the solutions and residuals are of; None: the matrix itself, in double precision.
+        lasting: it will be done again many times with other values.
+        """
+        self._operator = operator
         self.matrix, self.iterations, self.extended = matrix, 0, False
         matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         self._ordering = NESTED_DISSECTION if lasting and matrix.size[0] > LARGE else MINIMUM_DEGREE
@@ -80,27 +100,24 @@ class Factorisation(AbstractContextManager["Factorisation"]):
         block of some tens costs a tenth of as many single ones. With `extended` x is of extended precision.
         Raises SolveError: a residual is not below 1e-9.
         """
+        exact, b = b, b.astype(float, copy=False)
         x = self._apply(b)
         residual = b - self._multiply(x)
         relative = self._measured(residual, x, b)
         if REFINE_ABOVE < relative.max() < np.inf:
             x += self._apply(residual)
             relative = self._measured(b - self._multiply(x), x, b)
-        exact: ExtendedMatrix | None = None
         if self.extended:
-            exact, x, b = ExtendedMatrix(self.matrix), x.astype(np.longdouble), b.astype(np.longdouble)
+            x, b = x.astype(np.longdouble), exact.astype(np.longdouble)
         for k in np.flatnonzero((self.extended | (relative > REFINE_ABOVE)) & (relative < np.inf)):
-            x[:, k], relative[k] = self._mended(x[:, k], b[:, k], exact)
+            x[:, k], relative[k] = self._mended(x[:, k], b[:, k])
         if not relative.max() < REFUSE_ABOVE:
             size = f"{apart(relative.max(), REFUSE_ABOVE)}, more than {REFUSE_ABOVE:g}"
             raise RefusedError(f"the linear solve left a relative residual of {size}")
         return x, relative
 
-    def _mended(self, x: Array, b: Array, exact: ExtendedMatrix | None) -> tuple[Array, float]:
-        """A solution (rows,) that one refinement has not brought to rounding, and its residual.
-
-        exact: the matrix in extended precision, if x and b are.
-        """
+    def _mended(self, x: Array, b: Array) -> tuple[Array, float]:
+        """A solution (rows,) that one refinement has not brought to rounding, and its residual."""
 
         def apply(residual: Array) -> Array:
             return self._apply(residual[:, None])[:, 0]
@@ -108,18 +125,18 @@ class Factorisation(AbstractContextManager["Factorisation"]):
         def multiply(x: Array) -> Array:
             return self._multiply(x[:, None])[:, 0]
 
-        product = multiply if exact is None else exact.times
-        best, least, enough = x, np.inf, REFINE_ABOVE if exact is None else REFINE_EXTENDED_ABOVE
-        residual = b - product(x)
+        best, least, enough = x, np.inf, REFINE_EXTENDED_ABOVE if self.extended else REFINE_ABOVE
+        residual = b - multiply(x)
         for _ in range(CYCLES):
             d = apply(residual.astype(float, copy=False))
             x = x + correction(lambda z: apply(multiply(z)), d, self._total)
-            residual = b - product(x)
+            residual = b - multiply(x)
             relative = float(self._measured(residual[:, None], x[:, None], b[:, None])[0])
             if not relative < least:
                 break
+            gained = relative < WORTHWHILE * least
             best, least = x, relative
-            if least <= enough:
+            if least <= enough or not gained:
                 break
         return best, least
 
@@ -129,6 +146,9 @@ class Factorisation(AbstractContextManager["Factorisation"]):
 
     def _apply(self, b: Array) -> Array:
         """The factors' solution of M x = b, not refined."""
+        return self._solve(b) if self._operator is None else self._operator.solved(b, self._solve)
+
+    def _solve(self, b: Array) -> Array:
         right, x = self._dense(b), self._dense(np.zeros_like(b))
         pc = self._ksp.getPC()
         factor = pc.getFactorMatrix()
@@ -136,6 +156,8 @@ class Factorisation(AbstractContextManager["Factorisation"]):
         return self._taken(x, right, factor, pc)
 
     def _multiply(self, x: Array) -> Array:
+        if self._operator is not None:
+            return self._operator.times(x)
         right = self._dense(x)
         return self._taken(self.matrix.matMult(right), right)
 

@@ -1,0 +1,167 @@
+"""P^T M P, straight from the matrices of single cells: M over all rows is never made.
+
+With the rows T of P on a cell and its matrix S without inner unknowns (see `cells`),
+
+    P^T M P = sum over cells of T^T S T,
+
+where T picks unknowns, but for rows on bodies. Which entries of the sum each entry of a cell goes to is found
+once for a mesh and its constraints, and kept while the mesh is moved. On several ranks each adds up its own
+cells, and what entries on other ranks get from them is sent there. The rows of M that are constrained, from
+which reactions come, are kept apart.
+"""
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from fsi.bodies.configuration import Array
+from fsi.stokes.discretisation.cells import Numbers, StokesCells, loops, pointer
+from fsi.stokes.discretisation.constraints import NO_COLUMN, Index, Prolongation
+
+# Unknowns of a cell beyond its outer rows: each of four vertices may bring six modes in place of three rows.
+MORE = 12
+
+
+class ConstrainedRows:
+    """The rows of M that are no unknowns; they have as many entries as the cells have there."""
+
+    def __init__(self, cells: StokesCells, rows: Index) -> None:
+        """Collective. rows: this rank's that are constrained."""
+        self._shared, self.rows = cells.shared, rows
+        own = np.zeros(len(self._shared.own), dtype=bool)
+        own[rows] = True
+        constrained = self._shared.with_ghosts(own)
+        cell, local = np.nonzero(constrained[cells.outer])
+        row = cells.outer[cell, local]
+        order = np.argsort(row, kind="stable")
+        cell, local = cell[order], local[order]
+        self.places: Numbers = np.full(cells.outer.shape, -1, dtype=np.int32)
+        self.places[cell, local] = np.arange(len(cell))
+        count, width = np.bincount(row, minlength=self._shared.size), cells.rows.shape[1]
+        indptr = np.concatenate([[0], np.cumsum(width * count)])
+        indices = cells.rows[cell].ravel()
+        shape = (self._shared.size, self._shared.size)
+        self._matrix = sp.csr_matrix((np.empty(len(indices)), indices, indptr), shape)
+
+    @property
+    def values(self) -> Array:
+        """All entries, cell after cell, in the order of `places`."""
+        values: Array = self._matrix.data
+        return values
+
+    def times(self, x: Array) -> Array:
+        """M x on the constrained rows, in the precision of x; collective."""
+        product = self._matrix.astype(x.dtype, copy=False) @ self._shared.with_ghosts(x)
+        return self._shared.summed(product)[self.rows]
+
+    def transpose_times(self, g: Array) -> Array:
+        """M^T g on all rows of this rank for a g that is zero elsewhere; collective."""
+        return self._shared.summed(self._matrix.T @ self._shared.with_ghosts(g))
+
+
+class CellSum:
+    """P^T M P of the cells of a mesh, in place while that is moved, and the constrained rows of M.
+
+    Attributes:
+        matrix: P^T M P; all of its diagonal is stored.
+        constrained: the other rows.
+    """
+
+    def __init__(self, cells: StokesCells, P: Prolongation) -> None:
+        """Find the pattern, and fill it; collective."""
+        self._cells, self._P = cells, P
+        self.constrained = ConstrainedRows(cells, P.constrained)
+        columns = cells.shared.with_ghosts(P.columns)
+        self._numbered(columns)
+        self._listed(columns)
+        self._patterned()
+        self._values = np.zeros(len(self._indices))
+        self.matrix = self._created()
+        self.fill()
+
+    def _numbered(self, columns: Index) -> None:
+        """The unknowns that this rank's cells meet get numbers from 0 on; alone all are their own numbers."""
+        comm = self._P.matrix.comm
+        met = np.zeros(self._P.matrix.size[1] + 1, dtype=bool)
+        met[columns.ravel()] = True
+        met[NO_COLUMN] = False
+        self._unknowns = np.flatnonzero(met) if comm.size > 1 else np.arange(len(met) - 1)
+        number = np.full(len(met), NO_COLUMN, dtype=np.int32)
+        number[self._unknowns] = np.arange(len(self._unknowns))
+        self._columns: Numbers = number[columns]
+
+    def _listed(self, columns: Index) -> None:
+        """The unknowns of each cell."""
+        cells, width = self._cells, columns.shape[1]
+        count, outer = cells.outer.shape
+        most = outer + MORE
+        self._start, self._list = np.empty(count + 1, np.int32), np.empty(count * most, np.int32)
+        self._slots = np.empty((count, outer, width), dtype=np.int16)
+        self._plain = np.empty(count, dtype=np.int8)
+        self._weights = cells.shared.with_ghosts(self._P.weights)
+        arrays: tuple[NDArray[Any], ...] = (
+            cells.rows, self._columns, self._weights, self._start, self._list, self._slots, self._plain,
+        )  # fmt: skip
+        sizes = (count, cells.rows.shape[1], outer, width)
+        self._most = loops().lib.list_unknowns(*sizes, *map(pointer, arrays))
+        self._list = self._list[: self._start[-1]].copy()
+
+    def _patterned(self) -> None:
+        """The columns of each row, and where each entry of each cell goes."""
+        unknowns, shared = len(self._unknowns), self._cells.shared
+        of_pressure = self._columns[shared.pressures :, 0]
+        pressure = np.zeros(unknowns, dtype=np.int8)
+        pressure[of_pressure[of_pressure >= 0]] = 1
+        first, mark, count = (np.empty(unknowns + k, dtype=np.int32) for k in (1, 0, 0))
+        place, cell = np.empty_like(self._list), np.empty_like(self._list)
+        lib, ffi = loops().lib, loops().ffi
+        lists = (self._start, self._list, first, place, cell)
+        lib.list_meetings(len(self._start) - 1, unknowns, *map(pointer, lists))
+        names = ("start", "list", "first", "place", "cell", "pressure")
+        arrays: tuple[NDArray[Any], ...] = (*lists, pressure)
+        held = {name: pointer(array) for name, array in zip(names, arrays, strict=True)}
+        sizes = {"unknowns": unknowns, "coupled": int(self._cells.inner > 0)}
+        meetings = ffi.new("Meetings *", sizes | held)
+        lib.count_entries(meetings, pointer(mark), pointer(count))
+        self._indptr = np.concatenate([[0], np.cumsum(count)]).astype(PETSc.IntType)
+        self._indices = np.empty(self._indptr[-1], dtype=PETSc.IntType)
+        ends = self._indptr[:-1].copy()
+        lib.list_entries(meetings, pointer(mark), pointer(ends), pointer(self._indices))
+        sizes_of_cells = np.diff(self._start).astype(np.int64) ** 2
+        self._first = np.concatenate([[0], np.cumsum(sizes_of_cells)])
+        self._positions = np.empty(self._first[-1], dtype=np.int32)
+        pattern = (self._indptr, self._indices, self._first, mark, self._positions)
+        lib.find_positions(meetings, *map(pointer, pattern))
+
+    def _created(self) -> PETSc.Mat:
+        """The matrix of this pattern; on one rank its values are these."""
+        comm, unknowns = self._P.matrix.comm, self._unknowns
+        if comm.size == 1:
+            csr = (self._indptr, self._indices, self._values)
+            return PETSc.Mat().createAIJWithArrays((len(unknowns), len(unknowns)), csr, comm=comm)
+        rows = np.repeat(unknowns, np.diff(self._indptr)).astype(PETSc.IntType)
+        matrix = PETSc.Mat().createAIJ(size=((self._P.here, None), (self._P.here, None)), comm=comm)
+        matrix.setPreallocationCOO(rows, unknowns[self._indices].astype(PETSc.IntType))
+        return matrix
+
+    def fill(self) -> None:
+        """Add up all cells with the mesh and the P of now; collective."""
+        self._weights[:] = self._cells.shared.with_ghosts(self._P.weights)
+        self._values[:] = 0.0
+        arrays: dict[str, NDArray[Any]] = {
+            "rows": self._cells.rows, "weights": self._weights, "start": self._start, "slots": self._slots,
+            "plain": self._plain, "first": self._first, "positions": self._positions,
+            "kept": self.constrained.places,
+        }  # fmt: skip
+        held: dict[str, Any] = {name: pointer(array) for name, array in arrays.items()}
+        sizes = {"width": self._slots.shape[2], "most": self._most}
+        sum_ = loops().ffi.new("Sum *", sizes | held)
+        self._cells.add(sum_, self._values, self.constrained.values)
+        if self.matrix.comm.size == 1:
+            self.matrix.stateIncrease()
+        else:
+            self.matrix.setValuesCOO(self._values)
+        self.matrix.assemble()

@@ -1,0 +1,123 @@
+"""The reduced system P^T M P Y = b of the unknowns Y = (y, z), z those within single cells.
+
+The direct solver factorises only what is left of y when z is eliminated (see `cells`). What is left of the
+pressures is their jumps times a mobility, where a level of 1e10 would have to cancel: shut in by gaps of 1e-4
+radii, so much of it is lost to rounding that the flow is wrong. So residuals are those of the whole system,
+cell by cell, in which pressures meet velocities alone, and the factors only have to come near.
+"""
+
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from fsi.bodies.configuration import Array
+from fsi.stokes.discretisation.cells import StokesCells
+from fsi.stokes.discretisation.constraints import DofLayout, Prolongation, RigidModes
+from fsi.stokes.solvers.assembly import CellSum
+from fsi.stokes.solvers.extended import ExtendedMatrix, multiply, multiply_transpose
+from fsi.stokes.solvers.mumps import Factorisation, Solve
+
+
+class Elimination:
+    """P, the reduced system and its factors, of a `layout` with its `unknown` modes; D on their diagonal.
+
+    Attributes:
+        layout, unknown: what it is of.
+        first_mode: where the modes stand in Y on rank 0, after all others in y.
+        reduced: the matrix of y, without z where that is eliminated.
+        constrained: the other rows of M.
+    """
+
+    def __init__(
+        self, cells: StokesCells, layout: DofLayout, rigid: RigidModes, unknown: NDArray[np.bool_], D: Array
+    ) -> None:
+        """Make P and the matrix; the factors are made when they are wanted. D: of all modes, (M N,)."""
+        self.layout, self.unknown, self._cells = layout, unknown, cells
+        self._prolongation = Prolongation(layout, rigid, unknown)
+        self._sum = CellSum(cells, self._prolongation)
+        self._P, self.reduced, self.constrained = (
+            self._prolongation.matrix,
+            self._sum.matrix,
+            self._sum.constrained,
+        )
+        self.first_mode = self._prolongation.here - self._modes_here
+        self._factors: Factorisation | None = None
+        self._exact: ExtendedMatrix | None = None
+        self._add(D)
+
+    @property
+    def _modes_here(self) -> int:
+        return int(self.unknown.sum()) if self.layout.comm.rank == 0 else 0
+
+    def _add(self, D: Array) -> None:
+        """Put D on the diagonal."""
+        self._D = D[self.unknown][: self._modes_here]
+        first_row = self.reduced.getOwnershipRange()[0] + self.first_mode
+        for row, value in enumerate(self._D, first_row):
+            self.reduced.setValue(row, row, value, PETSc.InsertMode.ADD_VALUES)
+        self.reduced.assemble()
+
+    def update(self, rigid: RigidModes, D: Array) -> None:
+        """The same for the mesh and the rigid modes of now, in place."""
+        self._exact = None
+        self._prolongation.update(rigid)
+        self._sum.fill()
+        self._add(D)
+
+    @property
+    def _exact_P(self) -> ExtendedMatrix:
+        """P in extended precision."""
+        self._exact = self._exact or ExtendedMatrix(self._P)
+        return self._exact
+
+    def prolonged(self, Y: Array) -> Array:
+        """P Y, (rows, k), for some columns Y, in their precision."""
+        here = self._prolongation.here
+        product = self._exact_P.times if Y.dtype == np.longdouble else partial(multiply, self._P)
+        x = np.column_stack([product(y) for y in Y[:here].T])
+        x[self.layout.inner] = Y[here:]
+        return x
+
+    def restricted(self, loads: Array) -> Array:
+        """P^T of some columns (rows, k), in their precision."""
+        is_extended = loads.dtype == np.longdouble
+        product = self._exact_P.transpose_times if is_extended else partial(multiply_transpose, self._P)
+        y = np.column_stack([product(load) for load in loads.T])
+        return np.vstack([y, loads[self.layout.inner]])
+
+    def times(self, Y: Array) -> Array:
+        """P^T M P Y with D, for some columns Y, in their precision."""
+        product = self.restricted(self._cells.times(self.prolonged(Y)))
+        modes = slice(self.first_mode, self._prolongation.here)
+        product[modes] += self._D[:, None] * Y[modes]
+        return product
+
+    def solved(self, b: Array, solve: Solve) -> Array:
+        """Y for some columns b by the solution y of the reduced matrix."""
+        if not self._cells.inner:
+            return solve(b)
+        here, inner = self._prolongation.here, self.layout.inner
+        loads = np.zeros((self.layout.rows, b.shape[1]))
+        loads[inner] = b[here:]
+        loads = np.column_stack([self._cells.reduced(load) for load in loads.T])
+        y = solve(b[:here] + self.restricted(loads)[:here])
+        x = self.prolonged(np.vstack([y, b[here:]]))
+        every = [self._cells.recovered(*pair)[inner] for pair in zip(x.T, loads.T, strict=True)]
+        return np.vstack([y, np.column_stack(every)])
+
+    def factors(self, *, lasting: bool) -> Factorisation:
+        """The factors of `reduced` as it is now, as `Factorisation`. Raises SolveError: it is singular."""
+        if self._factors is None:
+            self._factors = Factorisation(self.reduced, self, lasting=lasting)
+        else:
+            self._factors.update()
+        return self._factors
+
+    def destroy(self) -> None:
+        """Free the matrices."""
+        if self._factors is not None:
+            self._factors.destroy()
+        self.reduced.destroy()
+        self._P.destroy()

@@ -1,0 +1,73 @@
+"""Sums of cells without their inner unknowns against matrices that DOLFINx assembles and NumPy reduces."""
+
+from __future__ import annotations
+
+import fsi.meshes.backend  # noqa: F401
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from dolfinx.fem.petsc import assemble_matrix
+from numpy.testing import assert_allclose
+
+from fsi.bodies.configuration import Array, Configuration
+from fsi.meshes.geometry.container import Container
+from fsi.meshes.geometry.containers import Box, HalfPlane
+from fsi.meshes.planar.sizing import Resolution
+from fsi.stokes.discretisation.forms import Forms
+from fsi.stokes.problem import SolverOptions
+from fsi.stokes.resistance import held_at_rest
+from fsi.stokes.solve import Clock, assembled
+from fsi.stokes.solvers.elimination import StokesSystem
+from fsi.stokes.solvers.reduced import Elimination
+from tests.flows import discs, mesh
+
+COARSE = Resolution(0.3, 10, 1.0)
+# Two discs about the cut of a channel with slaves, and a sphere on an axis, both with all modes unknown.
+DISCS = (Box((0.0, -2.6), (5.0, 2.6), periodic=("x",)), discs([(0.4, -1.3), (2.1, 0.2)], [1.0, 0.8]))
+SPHERE = (HalfPlane(6.0, axisymmetric=True), discs([(0.0, 1.5)], [1.0]))
+
+
+def full_matrix(forms: Forms) -> sp.csr_matrix:
+    """M = [A B^T; B 0] as DOLFINx assembles it."""
+    A, B = (assemble_matrix(forms.bind(name)) for name in ("a", "b"))
+    parts = []
+    for matrix in (A, B):
+        matrix.assemble()
+        indptr, column, value = matrix.getValuesCSR()
+        parts.append(sp.csr_matrix((value, column, indptr), matrix.size))
+    return sp.block_array([[parts[0], parts[1].T], [parts[1], None]], format="csr")
+
+
+def reduced(system: StokesSystem, elimination: Elimination) -> tuple[Array, int]:
+    """P^T M P of Y = (y, z), dense, column by column of P; and the size of y."""
+    y = elimination.reduced.size[0]
+    P = elimination.prolonged(np.eye(y + len(system.layout.inner)))
+    K: Array = P.T @ (full_matrix(system.forms) @ P)
+    return K, y
+
+
+@pytest.mark.parametrize("degree", [2, 3, 4])
+@pytest.mark.parametrize("flow", [DISCS, SPHERE], ids=["discs", "sphere"])
+def test_the_sum_of_cells_is_the_reduced_matrix_without_inner_unknowns(
+    flow: tuple[Container, Configuration], degree: int
+) -> None:
+    container, q = flow
+    problem = held_at_rest(mesh(container, q, COARSE, degree), container, q)
+    with assembled(problem, SolverOptions(degree), Clock()) as system:
+        axial = np.arange(system.layout.modes) % 3 == 1
+        unknown = axial if system.layout.axisymmetric else np.ones(system.layout.modes, dtype=bool)
+        D = np.linspace(1.0, 2.0, system.layout.modes)
+        elimination = system.workspace.elimination(system.layout, system.rigid, unknown, D)
+        K, y = reduced(system, elimination)
+        modes = slice(elimination.first_mode, y)
+        K[modes, modes] += np.diag(D[unknown])
+        outer, inner = slice(0, y), slice(y, len(K))
+        S = K[outer, outer] - K[outer, inner] @ np.linalg.solve(K[inner, inner], K[inner, outer])
+        dense = elimination.reduced.convert("dense").getDenseArray()
+        assert_allclose(dense, S, rtol=0, atol=1e-11 * np.abs(S).max())
+        b = np.random.default_rng(0).standard_normal((len(K), 2))
+        assert_allclose(elimination.times(b), K @ b, rtol=0, atol=1e-11 * np.abs(K).max())
+        solved = elimination.solved(b, lambda right: np.linalg.solve(S, right))
+        assert_allclose(K @ solved, b, rtol=0, atol=1e-8 * np.abs(b).max())
+        assert elimination.times(b.astype(np.longdouble)).dtype == np.longdouble
