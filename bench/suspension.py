@@ -45,8 +45,8 @@ EXAMPLE = """example:
 
 columns: mesh (gmsh, or the move), setup (spaces, constraints), assemble (rigid modes), solve (P^T M P and its
 factors), checks (identities, stresses), and their sum; CPU seconds of the cheapest of some warm steps, so
-that the other work of the machine counts little, but its clock does. Error: of the apparent viscosity, relative.
-MB: the peak of the resident memory. All five sizes take some two minutes and 4 GB.
+that the other work of the machine counts little, but its clock does. Error: of the apparent viscosity,
+relative. MB: the peak of the resident memory. All five sizes take some two minutes and 4 GB.
 """
 
 
