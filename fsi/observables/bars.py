@@ -62,35 +62,42 @@ class Compared:
 
 def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> StepErrors:
     """Estimated errors of results from one or more others, the first with all that these have."""
-    case, q, motion = bodies.case, bodies.q, bodies.motion
-    other, factor, arms = others[0].results, others[0].factor, q.arms
-
-    def bound(values: Array, compared: list[Array], arm: Array, computed: NDArray[np.bool_]) -> Array:
-        counts, error = computed & case.modes, np.zeros_like(arm)
-        for each, reference in zip(others, compared, strict=True):
-            difference = each.factor * np.abs(values - reference)
-            largest = np.where(counts, difference / arm, 0.0).max(initial=0.0)
-            error += np.maximum(difference, arm * each.chance * largest)
-        rounding = ROUNDING * np.abs(values / arm).max(initial=0.0)
-        return np.where(counts, np.maximum(error, arm * rounding), 0.0)
-
-    U = bound(results.U, [each.results.U for each in others], 1.0 / arms, ~motion.held)
-    F = bound(results.F, [each.results.F for each in others], arms, motion.held)
+    case, motion, arms = bodies.case, bodies.motion, bodies.q.arms
+    other, factor, scales = others[0].results, others[0].factor, flow_scales(case, bodies.t)
+    speed, force = scales.largest(results, arms)
+    units = np.stack([speed / arms, force * arms])
+    computed = np.stack([~motion.held, motion.held]) & case.modes
+    error = ROUNDING * units + sum(_bound(each, results, computed, units) for each in others)
+    U, F = np.where(computed, error, 0.0)
     lost = getattr(results, "dissipation", nan)
     off = [each.factor * abs(lost - getattr(each.results, "dissipation", nan)) for each in others]
     dissipation = max(sum(off), ROUNDING * lost)  # nan of an infinite one
     viscosity = _of_viscosity(results, other, factor)
     errors = ErrorEstimate(U, F, dissipation, viscosity, _of_stress(results, other, factor))
-    relative = relative_change(results, errors, motion.held, q.arms, flow_scales(case, bodies.t))
+    relative = relative_change(results, errors, motion.held, arms, scales)
     mu = getattr(results, "apparent_viscosity", None)
     if mu is not None and viscosity is not None:
         relative["viscosity"] = viscosity / abs(mu)
-    away = [each.factor * np.subtract(_motion(each.results), _motion(results)) for each in others]
+    away = [each.factor * (_motion(each.results) - _motion(results)) for each in others]
     return StepErrors(errors, relative, np.sum(away, axis=0))
 
 
-def _motion(results: Results) -> tuple[Array, Array]:
-    return results.U, results.F
+def _motion(results: Results) -> Array:
+    """U and F, (2, N, M)."""
+    return np.stack([results.U, results.F])
+
+
+def _bound(other: Compared, results: Results, computed: NDArray[np.bool_], units: Array) -> Array:
+    """What one other says of the errors of U and F, (2, N, M).
+
+    In their units, the largest velocity and load, each is known to a part of the largest difference of both:
+    a velocity that is small by chance beside others and beside what loads miss has by chance a small one.
+    """
+    difference = other.factor * np.abs(_motion(other.results) - _motion(results))
+    counts = computed & (units > 0.0)
+    largest = np.divide(difference, units, out=np.zeros_like(units), where=counts).max(initial=0.0)
+    bound: Array = np.maximum(difference, other.chance * largest * units)
+    return bound
 
 
 def _of_viscosity(results: Results, other: Results, factor: float) -> float | None:

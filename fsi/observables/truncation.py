@@ -111,6 +111,11 @@ class FlowScales:
     velocity: float
     resistance: float
 
+    def largest(self, results: Results, arm: Array) -> tuple[float, float]:
+        """The largest velocity and load, of all modes and what drives them; arm: as for `relative_change`."""
+        speed = max(float(np.abs(results.U * arm).max(initial=0.0)), self.velocity)
+        return speed, max(float(np.abs(results.F / arm).max(initial=0.0)), self.resistance * speed)
+
 
 def flow_scales(case: Case, t: float) -> FlowScales:
     """What walls and mean flow do at time t; a wall shears at its speed over the size of the container."""
@@ -136,10 +141,8 @@ def relative_change(
     the flow is the least that a change counts over. arm: 1 for translations, the radius for rotations, (N,
     M).
     """
-    F, V = results.F / arm, results.U * arm
-    speed = max(float(np.abs(V).max(initial=0.0)), scales.velocity)
-    force = max(float(np.abs(F).max(initial=0.0)), scales.resistance * speed)
-    relative = {}
+    F, V, relative = results.F / arm, results.U * arm, {}
+    speed, force = scales.largest(results, arm)
     for name, of_kind, values, changed, scale in (
         ("force", held, F, change.F / arm, force),
         ("velocity", ~held, V, change.U * arm, speed),

@@ -17,15 +17,16 @@ Degree 2, which has none below, takes one more.
 
 Where the data of walls jump at a corner (see `corners`), two degrees on one mesh miss the same there, and
 their difference does not tell it. Planar meshes are graded towards such corners, so that the order comes
-back, and the other problem is then solved on another mesh: one with `growth` over FINER, which is graded more
-finely and deeper (see `fsi.meshes.planar.grading`). So is the one beside a user's own mesh, which is not
-graded. The difference is 0.97 to 1.05 times the error of the first again.
+back, and the other problem is then solved on another mesh: one with `growth` over FINER = 2, which is graded
+more finely and deeper (see `fsi.meshes.planar.grading`). So is the one beside a user's own mesh, which is not
+graded. The difference is 0.97 to 1.05 times the error of the first again. On coarse meshes it is 1 - FINER^-p
+of what corners alone miss, p = 2.74, whatever the degree: with FINER = 1.5 that is what SAFETY allows.
 
 In space cells beside such an edge are graded likewise (see `fsi.meshes.spatial.grading`), and what they miss
 goes with their size like h^p, p = 2.74 where velocities jump and 1.19 between an open wall and a solid one,
 whatever the degree. That error and the one of gaps and bodies may cancel, in one flow and not in the next, so
 that each has a flow of its own: one of another degree, as above, and one of the same degree with `growth`
-over FINER, whose difference is 1 - FINER^-p of the error of the edges. The bar is the sum of both.
+over FINER = 1.5, whose difference is 1 - FINER^-p of the error of the edges. The bar is the sum of both.
 
 Bars see the mesh and the elements; they do not see how far a container of finite radius is from an infinite
 one (`fsi.observables.truncation` does), nor how a user's own curved mesh differs from its circles.
@@ -40,7 +41,7 @@ from fsi.stokes.walls import boundary_of, wall_kinks
 
 SAFETY = 1.5
 FEWER = 0.15
-FINER = 1.5
+FINER = {2: 2.0, 3: 1.5}
 # How the error of a force goes with h beside edges of a box in space.
 JUMP_ORDER, OPEN_ORDER = 2.74, 1.19
 # Two meshes in space have other cells everywhere: the flow misses there by chance.
@@ -68,10 +69,10 @@ class Comparison:
 def comparisons(case: Case) -> tuple[Comparison, ...]:
     """The flows with which that of a case is compared; the bars of each add up."""
     degree, (other, factor) = case.discretisation.degree, _other_degree(case)
-    orders = _edge_orders(case)
+    orders, finer = _edge_orders(case), FINER[case.dimension]
     if case.dimension == 2:
-        return (Comparison(other, FINER if orders else 1.0, factor),)
-    of_edges = (Comparison(degree, FINER, SAFETY / (1.0 - FINER**-p), CHANCE) for p in sorted(orders)[:1])
+        return (Comparison(other, finer if orders else 1.0, factor),)
+    of_edges = (Comparison(degree, finer, SAFETY / (1.0 - finer**-p), CHANCE) for p in sorted(orders)[:1])
     return (Comparison(other, 1.0, factor), *of_edges)
 
 

@@ -116,6 +116,14 @@ def test_square_arrays_touch_at_pi_over_4(cell: str) -> None:
         kinds.square_array(Wanted(16, pi / 4 + 1e-4, 0.0, cell=cell, rows=4))
 
 
+def test_chains_stand_half_their_distance_from_the_walls() -> None:
+    """Upright ones, of three touching discs of area fraction 0.2: pi 3 = 0.2 (2 + c) (6 + c)."""
+    stood = kinds.oblique_chains(Wanted(12, 0.2, 0.0, cell="channel", rows=2, length=3, angle=90.0))
+    room = -4.0 + sqrt(4.0 + 15.0 * pi)
+    assert stood.smallest_wall_gap() == pytest.approx(0.5 * room, rel=1e-12)
+    assert np.unique(stood.centres[:, 0].round(9)) == pytest.approx((2.0 + room) * np.array([0.5, 1.5]))
+
+
 def test_hexagonal_arrays_touch_at_pi_over_two_sqrt3() -> None:
     full = kinds.hexagonal_array(Wanted(16, pi / (2 * sqrt(3)), 0.0, cell="periodic", rows=4))
     assert full.smallest_gap() == pytest.approx(0.0, abs=1e-12)
