@@ -10,9 +10,12 @@ import pytest
 from bench.bars import Reference, holds, measured, reference, values
 from bench.random_cases import random_case
 from bench.random_walls import KINDS
+from fsi.bodies.configuration import Configuration, Motion
 from fsi.case.load import parse_case
+from fsi.observables.bars import Compared, DrivenBodies, step_errors
 from fsi.stokes.comparisons import Comparison, comparisons
 from fsi.stokes.resistance import _resistance, resistance_with_error
+from tests.exact_model import ExactInstant
 
 # Data without jumps: the bar is 1.5 times an estimate that is 0.9 to 1.1 times the error.
 SMOOTH = (
@@ -77,6 +80,25 @@ def test_in_the_plane_one_degree_more_is_the_error(degree: int, walls: dict[str,
         }
     )  # fmt: skip
     assert comparisons(case) == (Comparison(degree + 1, finer, 1.5),)
+
+
+def test_bars_hold_of_what_is_small_by_chance() -> None:
+    """A velocity of 0.04 beside one of 1, one of 0.01 under a lid of 1.8: off by 2.4 and 1.2 bars before."""
+    for kind, seed in (("half-plane", 7), ("cylinder", 11)):
+        assert all(value.inside for value in values(kind, seed))
+
+
+def test_a_velocity_is_known_to_a_part_of_what_loads_miss() -> None:
+    """Held at speed 2 under a load 4 that misses 0.4, a tenth: 0.03 of a tenth of 2 are 0.006."""
+    case = random_case("half-plane", 7)
+    held, none = np.array([[True, False, True]]), np.zeros((1, 3))
+    q, U = Configuration.unturned(np.array([[0.0, 3.0]]), np.ones(1)), np.array([[2.0, 0.1, 0.0]])
+    missed = np.array([[0.4, 0.0, 0.0]])
+    computed, other = (ExactInstant(U, np.array([[4.0, 0.0, 0.0]]) + off) for off in (0.0, missed))
+    bodies = DrivenBodies(case, q, 0.0, Motion(held, none, none))
+    errors = step_errors(bodies, computed, Compared(other, 1.0)).errors
+    assert errors.U[0, 1] == pytest.approx(0.03 * 0.1 * 2.0)
+    assert errors.F[0] == pytest.approx([0.4, 0.0, 0.03 * 0.1 * 4.0])
 
 
 @pytest.mark.slow
