@@ -18,6 +18,8 @@ from fsi.pores.trial import RIGID, STRAINED, Orders, numbers_of
 
 type Index = NDArray[np.int64]
 
+# What peaks in necks asks for a higher order on the circles of bodies than a wide pore does; and the highest.
+_MOST = 16
 # As many points as keep what one function of a batch needs in the processor's cache.
 _POINTS = 4000
 
@@ -88,6 +90,7 @@ def number(pores: Pores, modes: Index) -> Numbering:
     surfaces = pores.surfaces
     of_bodies = np.where((surfaces.kind == DISC) & (len(surfaces.periods) > 0), STRAINED, 0)
     order = np.where(surfaces.fluid, _tabulated(lambda k: LEVELS[level_of(k)].fluid, most), of_bodies)
+    order[: surfaces.hollow] = np.minimum(2 * order[: surfaces.hollow], _MOST)
     surface = np.concatenate([[0], np.cumsum(_tabulated(numbers_of, order))]).astype(np.int64)
     neck = surface[-1] + np.concatenate([[0], np.cumsum(modes)]).astype(np.int64)
     return Numbering(surface, neck, order)
@@ -152,6 +155,7 @@ def _fluid_form(pores: Pores, numbering: Numbering) -> sp.csr_matrix:
     K = sp.csr_matrix((n, n))
     for order in np.unique(numbering.order[pores.surfaces.fluid]):
         fluid = np.flatnonzero(numbering.order == order)
+        fluid = fluid[fluid >= pores.surfaces.hollow]
         own = inner_form(int(order))
         at = numbering.surface[fluid, None] + RIGID + np.arange(len(own))
         values = own / pores.surfaces.radius[fluid, None, None] ** 2

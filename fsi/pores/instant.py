@@ -11,6 +11,8 @@ from fsi.errors import SolveError, apart
 from fsi.observables.bars import DrivenBodies
 from fsi.observables.bulk_stress import BulkStress
 from fsi.parallel import on_root
+from fsi.pores.bars import reference_system
+from fsi.pores.complement import least_viscosity
 from fsi.pores.fields import FlowFields
 from fsi.pores.necks import Necks, necks_of
 from fsi.pores.solve import PoreFlow
@@ -18,6 +20,7 @@ from fsi.pores.stress import (
     VISCOSITY_CHECKS,
     bulk_stress,
     is_force_free,
+    mean_strain_rate,
     viscosity_checks,
 )
 from fsi.pores.vtu import write_flow, write_necks
@@ -74,6 +77,14 @@ class PoreInstant:
     def force_free(self) -> bool:
         """Whether walls or mean flow alone do work: then dissipation and viscosity are upper bounds."""
         return is_force_free(self.bodies, self.flow)
+
+    @cached_property
+    def lower_bound(self) -> float | None:
+        """Of the apparent viscosity, in a cell and of bodies without loads; one solve with more modes."""
+        E = mean_strain_rate(self.bodies, self.flow.loading.walls)
+        if self.apparent_viscosity is None or self.flow.loading.walls.size or not self.force_free:
+            return None
+        return least_viscosity(reference_system(self.flow.system)[0], E)
 
     @cached_property
     def checks(self) -> dict[str, float]:

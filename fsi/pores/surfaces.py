@@ -59,6 +59,7 @@ class BoundingSurfaces:
         normal: of walls, unit, into the fluid; 0 for circles, (B, 2).
         fluid: whether it is a circle of fluid rather than a body, (B,).
         periods: vectors that carry all onto itself, rows, (P, 2), P = 0, 1, 2.
+        hollow: how many discs, the first, have nothing inside: circles where psi is free (`complement`).
     """
 
     kind: NDArray[np.int8]
@@ -67,6 +68,7 @@ class BoundingSurfaces:
     normal: Array
     fluid: NDArray[np.bool_]
     periods: Array
+    hollow: int = 0
 
     def __len__(self) -> int:
         """Number of surfaces B."""

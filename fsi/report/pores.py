@@ -53,6 +53,7 @@ def _stress(found: PoreInstant, errors: ErrorEstimate) -> dict[str, Any]:
         data["apparent_viscosity"] = found.apparent_viscosity
         data["apparent_viscosity_error"] = errors.apparent_viscosity
         data["upper_bound"] = found.force_free
+        data["lower_bound"] = found.lower_bound
     if found.bulk is None or errors.stress is None:
         return data
     shear, bars = float(found.bulk.mean[0, 1]), errors.stress.columns
@@ -109,6 +110,8 @@ def _stress_lines(found: PoreInstant, errors: ErrorEstimate) -> Iterator[str]:
     """Viscosity and stress of a periodic flow, and what they bound."""
     if found.apparent_viscosity is not None:
         bound = ", an upper bound" if found.force_free else ""
+        if found.lower_bound is not None:
+            bound += f"; at least {found.lower_bound:.8g}, by stresses in equilibrium"
         yield f"apparent viscosity {found.apparent_viscosity:.8g} ± {errors.apparent_viscosity:.0e}{bound}"
     if found.bulk is not None and errors.stress is not None:
         bars, N_1 = errors.stress.columns, found.bulk.normal_stress_difference
