@@ -48,6 +48,7 @@ LARGEST = 2_000_000_000  # bytes of a file
 RUNS = {
     "resolved": ("settling_disc.toml", "resolved", 2.0),
     "spheres": ("settling_spheres.toml", "resolved", 0.1),
+    "pores": ("pores/sheared_cell.toml", "pores", 0.05),
     "reduced": ("compare_settling.toml", "reduced", 0.5),
     "channel": ("compare_channel.toml", "reduced", 0.1),
     "gluey": ("gluey/two_discs.toml", "gluey", 6.0),
@@ -190,6 +191,8 @@ def load_libraries() -> None:
     """All that commands import when they run; none of it may start threads or a display yet."""
     import fsi.api
     import fsi.gluey.limit_study
+    import fsi.pores.accuracy
+    import fsi.pores.resistance
     import fsi.postprocess.export
     import fsi.postprocess.plots.histories
     import fsi.postprocess.render.render

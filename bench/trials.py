@@ -20,7 +20,9 @@ CASES = Path(__file__).parents[1] / "cases"
 COARSE = {"degree": 2, "cells_per_gap": 0.5, "cells_per_circle": 12, "growth": 0.5}
 SHORTER = 0.02  # of the time of a shipped case
 SOUND = 0.25  # how often a case has no fault
-ANY = ("resolved", "reduced", "gluey", "macroscopic")
+ANY = ("resolved", "pores", "reduced", "gluey", "macroscopic")
+# Levels for which the cases of others serve too.
+SERVING = {"reduced": ("resolved",), "pores": ("pores", "resolved")}
 
 type Random = random.Random
 type Arguments = list[str]
@@ -29,10 +31,10 @@ type Trial = Callable[[Random, Place], Arguments]
 
 
 def shipped(model: str) -> list[Path]:
-    """The case files of a model; resolved ones in the plane serve as reduced ones too."""
+    """The case files of a model, or of those that serve."""
     files = [path for path in sorted(CASES.rglob("*.toml")) if path.parent.name != "laws"]
-    asked = "resolved" if model == "reduced" else model
-    return [path for path in files if tomllib.loads(path.read_text()).get("model", "resolved") == asked]
+    asked = SERVING.get(model, (model,))
+    return [path for path in files if tomllib.loads(path.read_text()).get("model", "resolved") in asked]
 
 
 def coarse(path: Path, model: str) -> dict[str, Any]:
@@ -44,6 +46,8 @@ def coarse(path: Path, model: str) -> dict[str, Any]:
         data["discretisation"]["cells_per_circle"] = 6
     if model == "reduced":
         data["reduced"] = {"drag": 10.0, "cutoff": 1.0} | data.get("reduced", {})
+    if model == "pores":
+        data["pores"] = {"modes": 0}
     if "time" in data:
         data["time"]["end"] *= SHORTER
     if "calibration" in data:
@@ -183,8 +187,8 @@ def _plot_scaling(rng: Random, place: Place) -> Arguments:
 
 
 _OF_RENDER: Options = {
-    "--size": (200, 300), "--field": ("speed", "pressure", "t"), "--step": (0, 1), "--time": (0.0, 1.0),
-    "--gap": ("0,plane", "0,1"), "--range": ("0,1", "1,0", "0,1e300"),
+    "--size": (200, 300), "--field": ("speed", "pressure", "necks", "t"), "--step": (0, 1),
+    "--time": (0.0, 1.0), "--gap": ("0,plane", "0,1"), "--range": ("0,1", "1,0", "0,1e300"),
 }  # fmt: skip
 _OF_PLOT: Options = {"--gap": ("0,plane", "0,1", "disc,plane"), "--output": ("a.svg", "a.x")}
 _OF_REVOLVE: Options = {"--degrees": (90, 360), "--sectors": (3, 8)}
@@ -194,12 +198,13 @@ TRIALS: dict[str, tuple[float, Trial]] = {
     "check": (34.0, of_case("check", *ANY)),
     "keys": (1.0, _keys),
     "mesh": (5.0, _mesh),
-    "solve": (5.0, of_case("solve", "resolved", "reduced", "reduced", "gluey")),
-    "solve --json": (3.0, of_case("solve", "resolved", "reduced", also=["--json"])),
+    "solve": (5.0, of_case("solve", "resolved", "pores", "pores", "reduced", "reduced", "gluey")),
+    "solve --json": (3.0, of_case("solve", "resolved", "pores", "reduced", also=["--json"])),
     "run": (9.0, of_case("run", "reduced", "gluey", "gluey", "macroscopic", "macroscopic", out="run")),
     "run resolved": (1.0, of_case("run", "resolved", out="run")),
+    "run pores": (2.0, of_case("run", "pores", out="run")),
     "resume": (9.0, of_run("resume")),
-    "resistance": (2.0, of_case("resistance", "resolved", out="R.json")),
+    "resistance": (2.0, of_case("resistance", "resolved", "pores", out="R.json")),
     "calibrate": (1.0, of_case("calibrate", "resolved", out="law", also=_ALONE)),
     "compare": (1.5, of_case("compare", "gluey", "macroscopic", "reduced", out="both", also=_LEVELS)),
     "limit": (4.0, of_case("limit", "gluey", "resolved", out="limit.png")),
@@ -218,7 +223,10 @@ TRIALS: dict[str, tuple[float, Trial]] = {
 
 
 # Of these, those that need no run folder.
-OF_CASES = ("check", "keys", "solve", "solve --json", "run", "run resolved", "resistance", "limit", "pack")
+OF_CASES = (
+    *("check", "keys", "solve", "solve --json", "run", "run resolved", "run pores"),
+    *("resistance", "limit", "pack"),
+)
 
 
 def trial_of(seed: int, place: Place, only: Sequence[str] = ()) -> tuple[str, Arguments]:

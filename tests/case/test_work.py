@@ -86,6 +86,19 @@ def test_what_takes_long_is_said_beforehand() -> None:
     assert "1.8e+07 steps" in warning  # 18 / 1e-6
 
 
+def test_pores_take_time_and_memory_by_their_modes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fifty discs with eight modes: 0.011 s a disc and step; one: a third of 1.6e5 bytes a disc."""
+    file, often = CASES / "pores/history.toml", ["output.interval=1e-3"]
+    assert check_work(load_case(file, often)) is None
+    assert check_work(load_case(file, [*often, "pores.modes=8"])) == (
+        "50 bodies, 3e+03 steps: some 28 minutes or more"
+    )
+    (tmp_path / "memory.max").write_text("2000000\n")
+    monkeypatch.setattr("fsi.machine._LIMITS", (str(tmp_path / "memory.max"),))
+    with pytest.raises(InputError, match=r"bodies: 50, with pores.modes = 1, .* 2.67 MB .* give fewer"):
+        check_work(load_case(file))
+
+
 def test_half_a_radius_that_leaves_no_room_for_a_mesh_is_left_out() -> None:
     case = load_case(CASES / "validation/concentric_sphere.toml", ["domain.radius=2.0000002"])
     assert halved(case) is None

@@ -125,6 +125,16 @@ def test_inertia_takes_over_what_the_fluid_does_not() -> None:
     assert pytest.approx(U0, abs=1e-5) == heavy.U
 
 
+@pytest.mark.parametrize("drive", [{"pressure_gradient": -1.0}, {"net_flux": 2.0}])
+def test_what_drives_a_channel_carries_discs_as_in_the_resolved_flow(drive: dict[str, float]) -> None:
+    channel = {"lower": [0.0, 0.0], "upper": [5.0, 4.0], "periodic": ["x"]} | drive
+    case = small(domain=channel, pores={"modes": 6})
+    found = solve_with_errors(case)
+    resolved = make_model(parse_case(case.as_data() | {"model": "resolved"}))(case.configuration(), 0.0)
+    assert np.all(found.solution.U[:, 0] > 0.1)
+    assert np.all(np.abs(found.solution.U - resolved.U) < found.errors.U + 1e-4 * resolved.U.max())
+
+
 def test_columns_of_the_resistance_are_the_loads_of_unit_motions() -> None:
     """Each by a solve of its own, of held bodies."""
     case = small(pores={"modes": 2})

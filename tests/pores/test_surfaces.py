@@ -31,6 +31,12 @@ def test_a_channel_has_two_walls_and_a_cell_none() -> None:
     assert (cell.bounds, cell.periods.shape) == (0, (2, 2))
 
 
+def test_sides_are_bodies_followed_by_walls_and_circles_of_fluid_have_none() -> None:
+    surfaces = surfaces_of(Q, Box((0.0, 0.0), (4.0, 5.0), periodic=("x",)))
+    more = surfaces.with_fluid(np.array([[3.0, 4.0]]), np.array([0.2]))
+    assert [more.side(k) for k in range(4)] == [0, -1, 1, 2]
+
+
 def test_a_round_container_is_one_circle() -> None:
     surfaces = surfaces_of(Q, Round(7.0))
     assert (surfaces.kind.tolist(), surfaces.radius.tolist()) == ([DISC, CONTAINER], [0.5, 7.0])

@@ -5,11 +5,13 @@ velocities of degree k and pressures of degree k - 1,
 
     n = cells (k^2 + (k - 1)^2 / 2),   in space   1.15 cells (k^3 / 2 + (k - 1)^3 / 6),
 
-where the factor is for what lies on the boundary; of the other levels the bodies or parcels are counted.
+where the factor is for what lies on the boundary; of the other levels the bodies or parcels are counted, of
+pores at area fraction 0.5, where wide pores are few.
 Steps are at least end / step where their length is given, and end / interval of output. These numbers are
 good to a factor 3, so that a case is refused only where a third of them is too much.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +34,8 @@ _SURE = 3.0  # what an estimate may be off by
 _BYTES, _SECONDS = {2: 4.5e3, 3: 12e3}, {2: 14e-6, 3: 90e-6}
 # Of the other levels, for each body or parcel: bytes, and seconds of a step.
 _BODY_BYTES, _BODY_SECONDS = 20e3, 2e-5
+# Of pores, bytes and seconds of a step for each body, with so many modes.
+_MODES, _PORE_BYTES, _PORE_SECONDS = (1, 4, 8, 16), (1.6e5, 3.7e5, 7.6e5, 2e6), (2e-3, 4.4e-3, 1.1e-2, 7e-2)
 _ROW, _BODY_ROW, _FIELD = 200.0, 150.0, 40.0  # bytes of a step, of a body in it, of an unknown in a file
 _SAMPLE = 4096.0  # bytes of a sample's file
 _LIMIT_STEP = 400.0  # bytes of a step of the slides' scheme
@@ -50,7 +54,8 @@ def check_work(case: Case) -> str | None:
     count = _check_mesh(case, gaps) if resolved else _check_bodies(case)
     steps = _check_steps(case, count if resolved else 0.0)
     _check_studies(case)
-    minutes = max(steps, 1.0) * count * (_SECONDS[case.dimension] if resolved else _BODY_SECONDS) / 60.0
+    each = _SECONDS[case.dimension] if resolved else _of_body(case, _PORE_SECONDS, _BODY_SECONDS)
+    minutes = max(steps, 1.0) * count * each / 60.0
     if minutes < _LONG:
         return None
     what = f"{count:.2g} {'unknowns' if resolved else 'bodies'}" + (f", {steps:.2g} steps" if steps else "")
@@ -138,8 +143,15 @@ def _check_bodies(case: Case) -> float:
         key, count = f"macroscopic.parcels = {case.macroscopic.parcels}", float(case.macroscopic.parcels)
     else:
         key, count = f"bodies: {len(case.bodies)}", float(len(case.bodies))
-    require_memory(key, count * _BODY_BYTES / _SURE, "give fewer")
+    if case.model == "pores":
+        key += f", with pores.modes = {case.pores.modes}"
+    require_memory(key, count * _of_body(case, _PORE_BYTES, _BODY_BYTES) / _SURE, "give fewer")
     return count
+
+
+def _of_body(case: Case, of_pores: Sequence[float], of_others: float) -> float:
+    """What a body or parcel takes: bytes, or seconds of a step."""
+    return float(np.interp(case.pores.modes, _MODES, of_pores)) if case.model == "pores" else of_others
 
 
 def _check_steps(case: Case, unknowns: float) -> float:
