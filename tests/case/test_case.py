@@ -182,15 +182,24 @@ def test_a_folder_is_no_case_file(tmp_path: Path) -> None:
         load_case(tmp_path)
 
 
-@pytest.mark.parametrize(("number", "sizes"), [(20, (1.0, 48, 0.2)), (21, (0.5, 24, 0.5))])
-def test_more_than_twenty_bodies_have_a_coarser_mesh_by_default(
-    number: int, sizes: tuple[float, int, float]
+SIZES = ("degree", "cells_per_gap", "cells_per_circle", "growth", "interior")
+
+
+@pytest.mark.parametrize(
+    ("number", "sizes", "others"),
+    [
+        (20, (3, 1.0, 48, 0.2, "graded"), (3, 1.0, 48, 0.1, "graded")),
+        (21, (4, 0.3, 20, 0.3, "sparse"), (3, 0.5, 24, 0.1, "graded")),
+    ],
+)
+def test_more_than_twenty_bodies_have_quartic_elements_unless_a_size_is_named(
+    number: int, sizes: tuple[object, ...], others: tuple[object, ...]
 ) -> None:
     bodies = [{"name": f"disc{i}", "radius": 0.01, "position": [0.1 * i - 1.5, 3.0]} for i in range(number)]
     found = parse_case(changed("bodies", bodies)).discretisation
-    assert (found.cells_per_gap, found.cells_per_circle, found.growth) == sizes
+    assert tuple(getattr(found, name) for name in SIZES) == sizes
     finer = parse_case(changed("bodies", bodies) | {"discretisation": {"growth": 0.1}}).discretisation
-    assert (finer.cells_per_gap, finer.growth) == (sizes[0], 0.1)
+    assert tuple(getattr(finer, name) for name in SIZES) == others
 
 
 def test_the_velocity_at_the_beginning_is_the_prescribed_one_where_there_is_one() -> None:
