@@ -6,14 +6,15 @@ import pytest
 
 from fsi.case.load import load_case
 from fsi.models import make_model
+from fsi.observables.quantities import computed
 from fsi.observables.truncation import halved, truncation
 from fsi.reduced.model import ReducedInstant
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution
-from fsi.validation.rows import computed, reference
+from fsi.validation.rows import reference
 
 CASES = Path(__file__).parents[1] / "cases"
-FILES = sorted(CASES.glob("*.toml"))
+FILES = sorted([*CASES.glob("*.toml"), *CASES.glob("slides/*.toml")])
 AT_ONE_INSTANT = {path: case for path in FILES if (case := load_case(path)).time is None}
 
 

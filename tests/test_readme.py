@@ -36,6 +36,11 @@ def test_the_example_of_four_levels_is_a_case_at_each() -> None:
         assert parse_case(tomllib.loads(examples[2]) | {"model": model}).model == model
 
 
+def test_the_example_of_an_arrangement_is_a_case() -> None:
+    examples = re.findall(r"```toml\n(.*?)```", (ROOT / "docs" / "case-file.md").read_text(), re.DOTALL)
+    assert len(parse_case(tomllib.loads(examples[3])).bodies) == 20
+
+
 def test_the_page_of_the_case_file_is_what_the_schema_says() -> None:
     """Complete: every key of every section has its line, with a meaning."""
     page = (ROOT / "docs" / "case-file.md").read_text().partition("<!-- generated -->")[2]

@@ -6,12 +6,14 @@ any other body: `separation` is the vector to the nearest image.
 
 from dataclasses import dataclass
 from math import pi
+from typing import Any
 
 import numpy as np
+import scipy  # its modules load when they are used
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import cKDTree
 
 Array = NDArray[np.float64]
+BODY_BYTES = 20e3  # measured at 20 000 bodies at random
 # For each kind of cell whether it is periodic along the flow, and across it.
 CELLS = {"channel": (True, False), "periodic": (True, True), "box": (False, False)}
 
@@ -103,7 +105,7 @@ class SimulationCell:
 
     def near_pairs(self, x: Array, reach: float) -> NDArray[np.intp]:
         """Pairs (i, j), i < j, of points (n, d) no further apart than `reach`, sorted, shape (P, 2)."""
-        tree = cKDTree(self.wrapped(x), boxsize=np.where(self.periodic, self.sides, 0.0))
+        tree = scipy.spatial.cKDTree(self.wrapped(x), boxsize=np.where(self.periodic, self.sides, 0.0))
         pairs = np.sort(tree.query_pairs(reach, output_type="ndarray").astype(np.intp), axis=1)
         order = np.lexsort((pairs[:, 1], pairs[:, 0]))
         return np.asarray(pairs[order])
@@ -121,6 +123,15 @@ class Arrangement:
     cell: SimulationCell
     centres: Array
     radii: Array
+
+    def bodies(self) -> tuple[dict[str, Any], ...]:
+        """Each as an entry of [[bodies]], called disc0001 or sphere0001 and on."""
+        name = {2: "disc", 3: "sphere"}[self.cell.dimension]
+        both = zip(self.radii.tolist(), self.centres.tolist(), strict=True)
+        return tuple(
+            {"name": f"{name}{number:04d}", "radius": a, "position": tuple(centre)}
+            for number, (a, centre) in enumerate(both, 1)
+        )
 
     def fraction(self) -> float:
         """The area fraction phi (volume fraction in space)."""

@@ -196,11 +196,10 @@ def arrange(kind: str, wanted: Wanted) -> Arrangement:
 def write_arrangement(arrangement: Arrangement, path: Path, described: Mapping[str, Any]) -> None:
     """Write a file that `bodies_from` reads, with what describes it. Raises InputError."""
     cell = arrangement.cell
-    axes, name = "xyz"[: cell.dimension], {2: "disc", 3: "sphere"}[cell.dimension]
-    radii_and_centres = zip(arrangement.radii.tolist(), arrangement.centres.tolist(), strict=True)
+    axes = "xyz"[: cell.dimension]
     bodies = [
-        {"name": f"{name}{number:04d}", "radius": a, **dict(zip(axes, centre, strict=True))}
-        for number, (a, centre) in enumerate(radii_and_centres, 1)
+        {"name": body["name"], "radius": body["radius"], **dict(zip(axes, body["position"], strict=True))}
+        for body in arrangement.bodies()
     ]
     periodic = [axis for axis, is_so in zip(axes, cell.periodic, strict=True) if is_so]
     head = {**described, "lower": [0.0] * len(axes), "upper": list(cell.sides), "periodic": periodic}

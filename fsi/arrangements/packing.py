@@ -17,8 +17,8 @@ as its reverse.
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # its modules load when they are used
 from numpy.typing import NDArray
-from scipy.optimize import brentq, minimize
 
 from fsi.arrangements.arrangement import Arrangement, Array, SimulationCell, Wanted, volumes
 from fsi.errors import InputError
@@ -77,7 +77,7 @@ def largest_fraction(radii: Array, periodic: tuple[bool, ...], aspect: float, ga
         fits = bool(np.all(np.array(cell.sides) > 2.0 * radii.max() + gap + gap * ~np.array(periodic)))
         return grown / float(np.prod(room)) - LIMITS[d] if fits else 1.0
 
-    return float(brentq(excess, 1e-9, 1.0, xtol=1e-12))
+    return float(scipy.optimize.brentq(excess, 1e-9, 1.0, xtol=1e-12))
 
 
 def _without_overlaps(cell: SimulationCell, radii: Array, gap: float, x: Array) -> Array | None:
@@ -92,7 +92,9 @@ def _without_overlaps(cell: SimulationCell, radii: Array, gap: float, x: Array) 
             raise StopIteration
 
     options = {"maxiter": _ITERATIONS, "maxfun": 2 * _ITERATIONS, "ftol": 0.0, "gtol": 0.0, "maxcor": 20}
-    best = minimize(energy, x.ravel(), jac=True, method="L-BFGS-B", callback=stop_when_apart, options=options)
+    best = scipy.optimize.minimize(
+        energy, x.ravel(), jac=True, method="L-BFGS-B", callback=stop_when_apart, options=options
+    )
     moved = best.x.reshape(x.shape)
     return cell.wrapped(moved) if _smallest_excess(cell, radii, gap, moved) >= 0.0 else None
 

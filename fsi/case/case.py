@@ -79,13 +79,15 @@ class Case(Section):
     'a section [domain] of shape "box", "half-plane" or "round"'
     bodies: tuple[Body, ...] = ()
     """one section [[bodies]] for each body"""
-    # The next three are None in a sound case: what they give is in `bodies`, so that a case stands alone.
+    # The next four are None in a sound case: what they give is in `bodies`, so that a case stands alone.
     bodies_from: str | None = None
     """the path of a .json or .csv file of bodies, seen from the case file's folder"""
     body_defaults: dict[str, Any] | None = None
     """a section [body_defaults] with keys of [[bodies]] for all that lack them"""
     grids: None = None
     """one section [[grids]] for rows of like bodies"""
+    arrangement: None = None
+    """a section [arrangement] with kind, number and area_fraction, for bodies as by `fsi pack`"""
     forces: tuple[Force, ...] = ()
     """one section [[forces]] for gravity and each law of force between bodies"""
     discretisation: Discretisation

@@ -4,14 +4,18 @@
 the key, its value and the remedy.
 """
 
+import os
 import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
+from copy import deepcopy
 from pathlib import Path
 from typing import Any, get_args
 
+import tomli_w
 from pydantic import ValidationError
 
+from fsi.case.arranged import with_arrangement
 from fsi.case.body import Body, with_grids
 from fsi.case.body_file import with_bodies
 from fsi.case.case import MODELS, Case
@@ -19,7 +23,7 @@ from fsi.case.checks.sound import check_case
 from fsi.case.complaints import explain
 from fsi.case.section import CaseContext, Geometry, toml_data, toml_text, tuples
 from fsi.errors import InputError
-from fsi.files import plain
+from fsi.files import plain, write_whole
 
 
 def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
@@ -27,7 +31,11 @@ def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
 
     Raises InputError: the file cannot be read or the case is not sound; nothing has been written.
     """
-    path = Path(path)
+    return parse_case(case_data(Path(path), overrides))
+
+
+def case_data(path: Path, overrides: Sequence[str]) -> dict[str, Any]:
+    """What stands in a case file, changed, its paths absolute. Raises InputError."""
     data = read_toml(path)
     if not data:
         raise InputError(f"{path}: the case is empty; give at least name, [fluid] and [domain]")
@@ -38,7 +46,17 @@ def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
         data[section][key] = str((path.parent / value).resolve())
     if isinstance(data.get("bodies_from"), str):
         data["bodies_from"] = str((path.parent / data["bodies_from"]).resolve())
-    return parse_case(data)
+    return data
+
+
+def saved_data(data: Mapping[str, Any], path: Path) -> None:
+    """Write a case file with these data, its paths seen from its folder. Raises InputError."""
+    seen = deepcopy(dict(data))
+    for section, key, value in _paths(data):
+        seen[section][key] = os.path.relpath(value, path.parent)
+    if "bodies_from" in data:
+        seen["bodies_from"] = os.path.relpath(data["bodies_from"], path.parent)
+    write_whole(path, tomli_w.dumps(seen))
 
 
 def parse_case(data: Mapping[str, Any]) -> Case:
@@ -46,7 +64,8 @@ def parse_case(data: Mapping[str, Any]) -> Case:
     geometry = data.get("geometry", "planar")
     if geometry not in get_args(Geometry.__value__):
         geometry = "planar"  # the schema says what is wrong
-    listed = with_bodies(with_grids(data, CaseContext(geometry)), tuple(Body.model_fields))
+    members = with_grids(with_arrangement(data), CaseContext(geometry))
+    listed = with_bodies(members, tuple(Body.model_fields))
     bodies = listed.get("bodies", ())
     context = CaseContext(geometry, len(bodies) if isinstance(bodies, tuple | list) else 0)
     try:

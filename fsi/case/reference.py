@@ -8,6 +8,7 @@ from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
+from fsi.case.arranged import Arranged
 from fsi.case.body import Grid
 from fsi.case.case import Case
 from fsi.case.section import Section, sections_in, toml_text
@@ -40,8 +41,8 @@ _CHOICES: Mapping[str, Iterable[str]] = {
     "reduced.shear_law": [name for name, law in LAWS.items() if "shear" in law.modes],
     "reduced.rotation_law": [name for name, law in LAWS.items() if "rotation" in law.modes],
 }  # fmt: skip
-# Where the schema has none: a grid is told apart from bodies when a case is read.
-_INSTEAD = {"grids": Grid}
+# Where the schema has none: bodies are made of them when a case is read.
+_INSTEAD: Mapping[str, type[Section]] = {"grids": Grid, "arrangement": Arranged}
 
 
 def sections_of_case() -> list[SectionKeys]:
@@ -73,7 +74,7 @@ def _walk(section: type[Section], path: str, title: str, seen: set[type[Section]
         in_it = [_INSTEAD[name]] if name in _INSTEAD else list(dict.fromkeys(sections_in(field.annotation)))
         meaning = section.describe(name) or ""
         keys.append(Key(name, _meaning(here, meaning), _default(field, meaning)))
-        brackets = f"[[{here}]]" if name in _INSTEAD or _is_list(field.annotation) else f"[{here}]"
+        brackets = f"[[{here}]]" if name == "grids" or _is_list(field.annotation) else f"[{here}]"
         inner += [(each, here, f"`{brackets}`{_kind(each)}") for each in in_it]
     yield SectionKeys(title, inspect.getdoc(section) or "", tuple(keys))
     for each, here, its_title in inner:

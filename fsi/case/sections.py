@@ -192,7 +192,7 @@ APPARENT_VISCOSITY = "apparent viscosity"
 DISSIPATION = "dissipation"
 TIME_AT_GAP = "time at gap "
 _COMPONENT = r"(velocity|force|position|angular_velocity|torque)\.[xyrz]|angular_velocity|torque"
-_QUANTITY = rf"^({DISSIPATION}|{APPARENT_VISCOSITY}|{TIME_AT_GAP}[\d.e-]+|[\w -]+\.({_COMPONENT}))$"
+QUANTITY = rf"^({DISSIPATION}|{APPARENT_VISCOSITY}|{TIME_AT_GAP}[\d.e-]+|[\w -]+\.({_COMPONENT}))$"
 
 
 def gap_of(quantity: str) -> float:
@@ -209,7 +209,7 @@ class Expected(Section):
     """
 
     quantity: str = Field(
-        pattern=_QUANTITY,
+        pattern=QUANTITY,
         description='"dissipation", "apparent viscosity", "BODY.force.x" (velocity, position; y), '
         '"BODY.torque", "time at gap 0.1"',
     )

@@ -21,6 +21,7 @@ from fsi.cli import (
     render,
     report,
     run,
+    search,
     solve,
 )
 from fsi.cli.missing import explain
@@ -55,6 +56,7 @@ app.command(epilog=report.REVOLVE_EXAMPLE)(report.revolve)
 app.add_typer(analyse.analyse, name="analyse")
 app.command(epilog=compare.LIMIT_EXAMPLE)(compare.limit)
 app.command(epilog=solve.RESISTANCE_EXAMPLE)(solve.resistance)
+app.command(epilog=search.EXAMPLE)(search.search)
 app.command(epilog=calibrate.VALIDATE_EXAMPLE)(calibrate.validate)
 app.command(epilog=calibrate.EXAMPLE)(calibrate.calibrate)
 app.command(epilog=compare.EXAMPLE)(compare.compare)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 import fsi.parallel as parallel
+from fsi.arrangements.arrangement import BODY_BYTES
+from fsi.arrangements.names import CellKind, Kind, Sizes
+from fsi.arrangements.request import wanted
 from fsi.cli.arguments import option, output_to, require_writable, warn
 from fsi.errors import InputError
 from fsi.machine import require_memory
@@ -17,13 +20,8 @@ if TYPE_CHECKING:
 
 EXAMPLE = "Example: fsi pack random --number 50 --area-fraction 0.4 --gap 0.02 --seed 1 -o random.json"
 
-Kind = Literal["random", "square", "hexagonal", "rows", "chains", "columns"]
-CellKind = Literal["channel", "periodic", "box"]
-Sizes = Literal["equal", "bidisperse", "lognormal"]
-
-_BODY_BYTES, _BODY_SECONDS = 20e3, 1.4e-3  # measured at 20 000 bodies at random
+_BODY_SECONDS = 1.4e-3  # measured at 20 000 bodies at random
 _MANY = 100_000  # from which on it is said how long it takes
-_SPREADS = {"equal": 0.0, "bidisperse": 1.4, "lognormal": 0.2}  # unless it is given
 
 
 def pack(
@@ -72,52 +70,20 @@ def pack(
     drawn = picture or output.with_suffix(".png")
     for path in (output, drawn):
         require_writable(path)
-    require_memory(f"--number {number}", _BODY_BYTES * number, "give fewer")
+    require_memory(f"--number {number}", BODY_BYTES * number, "give fewer")
     if kind == "random" and number > _MANY:
         warn(f"{number} bodies at random: some {_BODY_SECONDS * number / 60.0:.0f} minutes")
     smallest = 0.02 * radius if gap is None else gap
     common = {"number": number, "fraction": area_fraction, "radius": radius, "gap": smallest, "cell": cell}
     options = {"seed": seed, "aspect": aspect, "sizes": sizes, "spread": spread, "dimension": dimension,
                "rows": rows, "length": length, "angle": angle}  # fmt: skip
-    wanted = _wanted(kind, common, {name: value for name, value in options.items() if value is not None})
-    parallel.on_root(lambda: _make(kind, wanted, output, drawn))
+    given = {key: value for key, value in options.items() if value is not None}
+    asked = wanted(kind, common, given, _spelled)
+    parallel.on_root(lambda: _make(kind, asked, output, drawn))
 
 
-def _wanted(kind: Kind, common: dict[str, Any], options: dict[str, Any]) -> Wanted:
-    """All values, checked; options are those that were given. Raises InputError."""
-    from fsi.arrangements.arrangement import Wanted
-    from fsi.arrangements.kinds import KINDS
-
-    for name, value in options.items():
-        if name not in KINDS[kind].options:
-            takes = ", ".join(f"--{known}" for known in KINDS[kind].options)
-            raise InputError(f"--{name} {value}: {kind} has no such option; drop it ({kind} takes {takes})")
-    sizes = options.get("sizes", "equal")
-    if "spread" in options and sizes == "equal":
-        raise InputError(
-            f"--spread {options['spread']:g}: the radii are equal; give --sizes bidisperse or lognormal"
-        )
-    filled = {"spread": _SPREADS[sizes]} | _shape(kind, common["number"]) | options
-    wanted = Wanted(**common, **filled)
-    for name, value, least in (
-        ("area-fraction", wanted.fraction, 0.0), ("radius", wanted.radius, 0.0), ("gap", wanted.gap, 0.0),
-        ("aspect", wanted.aspect, 0.0), ("spread", wanted.spread, 1.0 if sizes == "bidisperse" else 0.0),
-    ):  # fmt: skip
-        if not least <= value < float("inf") or (value == 0.0 and name not in ("gap", "spread")):
-            raise InputError(f"--{name} {value:g}: out of range; give a number above {least:g}")
-    if wanted.fraction >= 1.0:
-        raise InputError(
-            f"--area-fraction {wanted.fraction:g}: bodies cannot fill all; give a number below 1"
-        )
-    return wanted
-
-
-def _shape(kind: Kind, number: int) -> dict[str, Any]:
-    """Rows, length and angle where they are not given."""
-    if kind == "chains":
-        return {"rows": 1, "length": 4, "angle": 135.0}
-    middle = min((k for k in range(1, number + 1) if number % k == 0), key=lambda k: abs(k - number**0.5))
-    return {"rows": middle, "length": middle, "angle": 90.0}
+def _spelled(name: str, value: Any) -> str:
+    return f"--{name.replace('_', '-')} {value}"
 
 
 def _make(kind: Kind, wanted: Wanted, output: Path, drawn: Path) -> None:

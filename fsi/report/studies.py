@@ -16,6 +16,7 @@ from fsi.comparison.viscosity import AGREE, ViscosityHistories
 from fsi.gluey.limit_study import Study
 from fsi.lubrication.expansions import EXPONENTS
 from fsi.report.console import table
+from fsi.studies.search import Trial
 from fsi.validation.rows import Record, Row, sphere_records
 
 
@@ -61,6 +62,18 @@ def print_instants(console: Console, case: Case, found: Mapping[str, LevelAtInst
         others = ("" if x is None else f"{100.0 * x:.3g}" for x in (row.velocities, row.spins, row.gap_rates))
         shown.add_row(level, mu, viscosity, *others, f"{row.seconds:.2g}")
     console.print(shown)
+
+
+def print_search(console: Console, key: str, quantity: str, trials: Sequence[Trial]) -> None:
+    """All trials, by the value of the key; the one that was found is the last."""
+    rows = [
+        (f"{trial.value:.12g}", f"{trial.quantity:.8g}", "" if trial.error is None else f"{trial.error:.0e}")
+        for trial in sorted(trials, key=lambda trial: trial.value)
+    ]
+    console.print(table((), (key, quantity, "±"), rows))
+    last = trials[-1]
+    bar = "" if last.error is None else f" ± {last.error:.0e}"
+    console.print(f"{key} = {last.value!r}: {quantity} {last.quantity:.8g}{bar}", highlight=False)
 
 
 def print_rates(console: Console, case: Case, found: RateComparison) -> None:

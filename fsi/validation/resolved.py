@@ -17,12 +17,13 @@ from fsi.integration.errors import ErrorEstimate
 from fsi.integration.schemes import scheme_for
 from fsi.lubrication.exact_results import EXACT
 from fsi.meshes.errors import MeshError
+from fsi.observables.quantities import computed
 from fsi.observables.truncation import halved
 from fsi.run_folder.folder import STEPS
 from fsi.runs import run
 from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.model import StokesModel
-from fsi.validation.rows import Row, chosen_cases, computed, reference, swept, write_rows
+from fsi.validation.rows import Row, chosen_cases, reference, swept, write_rows
 
 
 def validate_cases(

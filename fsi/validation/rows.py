@@ -14,12 +14,12 @@ from fsi.case.case import Case
 from fsi.case.checks.expected import check_expected
 from fsi.case.load import load_case, override, parse_case
 from fsi.case.section import nearest_word, toml_text
-from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, TIME_AT_GAP, Expected, gap_of
+from fsi.case.sections import TIME_AT_GAP, Expected, gap_of
 from fsi.errors import InputError
-from fsi.integration.state import Measured
 from fsi.lubrication.exact_results import EXACT, ExactProblem
 from fsi.lubrication.expansions import expansion
 from fsi.lubrication.spheres import normal_resistance
+from fsi.observables.quantities import component
 
 EXACT_DIGITS = 1e-13  # relative error of the functions in `fsi.lubrication`
 
@@ -47,16 +47,6 @@ def exact_value(case: Case, name: str, quantity: str) -> float:
         0.0 if far is None else far.shear, body, mode, gap,
     )  # fmt: skip
     return EXACT[name].value(problem)
-
-
-def component(case: Case, quantity: str) -> tuple[int, int]:
-    """The body and its mode in a quantity like `disc.force.y`, `ball.force.z` or `disc.torque`."""
-    name, kind, *axis = quantity.split(".")
-    body = case.names.index(name)
-    if case.dimension == 2:
-        return body, {"x": 0, "r": 0, "y": 1, "z": 1}[axis[0]] if axis else 2
-    turning = 3 if kind in ("angular_velocity", "torque") else 0
-    return body, turning + "xyz".index(axis[0])
 
 
 SPHERE = "sphere_wall_normal"
@@ -174,17 +164,6 @@ def _require_comparable(path: Path, case: Case) -> None:
             raise InputError(f"{here}: is that of a run; add a section [time] with its end")
         if case.time is None and row.quantity.split(".")[1:2] == ["position"]:
             raise InputError(f"{here}: a position is given at time 0; expect a velocity or a force")
-
-
-def computed(case: Case, results: Measured, quantity: str) -> float:
-    """The value of `disc.force.y`, by the fluid on the body, `disc.velocity.x`, `dissipation`, ..."""
-    if quantity == DISSIPATION:
-        return results.dissipation
-    if quantity == APPARENT_VISCOSITY:
-        return float("nan") if results.apparent_viscosity is None else results.apparent_viscosity
-    body, mode = component(case, quantity)
-    values = results.U if quantity.split(".")[1] in ("velocity", "angular_velocity") else -results.F
-    return float(values[body, mode])
 
 
 def sphere_records(rows: Sequence[Row]) -> list[Record]:

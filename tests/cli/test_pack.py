@@ -50,7 +50,7 @@ def test_what_it_prints_is_the_domain(
 @pytest.mark.parametrize(
     ("options", "parts"),
     [
-        ({"kind": "square", "seed": 3}, ["--seed 3", "square has no such option", "--rows"]),
+        ({"kind": "square", "seed": 3}, ["--seed 3", "square has no such option", "takes rows"]),
         ({"kind": "rows", "aspect": 2.0}, ["--aspect 2.0", "rows has no such option"]),
         ({"area_fraction": 0.9}, ["area fraction = 0.9", "largest possible is 0.7"]),
         ({"area_fraction": 1.0}, ["--area-fraction 1", "below 1"]),

@@ -1,7 +1,7 @@
 """What the rows [[expected]] of a case must satisfy: bodies and components that it has, fitting results."""
 
 from fsi.case.case import Case
-from fsi.case.section import nearest_word, refusal, toml_text
+from fsi.case.section import nearest_word, toml_text
 from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, Expected
 from fsi.errors import InputError
 from fsi.lubrication.exact_results import EXACT, Fitting
@@ -16,16 +16,21 @@ def check_expected(case: Case) -> None:
     For `fsi check` and `fsi validate`: whoever solves a case with a change, `--set bodies=[]`, needs no rows.
     """
     for i, row in enumerate(case.expected):
-        if "." in row.quantity and not row.quantity.startswith("time"):
-            _check_component(case, row, f"expected.{i}.quantity = {toml_text(row.quantity)}")
-        elif row.quantity == APPARENT_VISCOSITY and not len(case.container().periods):
-            raise refusal(f"expected.{i}.quantity", row.quantity, "is that of a periodic domain; drop it")
+        check_quantity(case, row.quantity, f"expected.{i}.quantity = {toml_text(row.quantity)}")
         if row.exact is not None:
             _check_exact(case, row, EXACT[row.exact].fitting, f"expected.{i}.exact = {toml_text(row.exact)}")
 
 
-def _check_component(case: Case, row: Expected, here: str) -> None:
-    body, kind, *axis = row.quantity.split(".")
+def check_quantity(case: Case, quantity: str, here: str) -> None:
+    """Raise InputError if the case cannot give that quantity; here: the key and value of the user."""
+    if "." in quantity and not quantity.startswith("time"):
+        _check_component(case, quantity, here)
+    elif quantity == APPARENT_VISCOSITY and not len(case.container().periods):
+        raise InputError(f"{here}: is that of a periodic domain; drop it")
+
+
+def _check_component(case: Case, quantity: str, here: str) -> None:
+    body, kind, *axis = quantity.split(".")
     if body not in case.names:
         nearest = f"the nearest is {nearest_word(body, case.names)!r}" if case.names else "there are none"
         raise InputError(f"{here}: there is no such body; {nearest}")

@@ -1,0 +1,56 @@
+"""What is asked of an arrangement, checked: the options of its kind, numbers within their ranges."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from fsi.arrangements.arrangement import Wanted
+from fsi.arrangements.kinds import KINDS
+from fsi.arrangements.names import Kind
+from fsi.errors import InputError
+
+type Spelling = Callable[[str, Any], str]
+
+_SPREADS = {"equal": 0.0, "bidisperse": 1.4, "lognormal": 0.2}  # unless it is given
+
+
+def wanted(kind: Kind, common: Mapping[str, Any], options: Mapping[str, Any], spelled: Spelling) -> Wanted:
+    """All values, checked, and what holds for those that are not given.
+
+    Args:
+        kind: of the arrangement.
+        common: number, fraction, radius, gap, cell.
+        options: those of the kind that were given.
+        spelled: how the user writes the option of a name with a value.
+
+    Raises InputError: the kind has no such option, or a number is out of range.
+    """
+    for name, value in options.items():
+        if name not in KINDS[kind].options:
+            takes = ", ".join(KINDS[kind].options)
+            raise InputError(
+                f"{spelled(name, value)}: {kind} has no such option; drop it ({kind} takes {takes})"
+            )
+    sizes = options.get("sizes", "equal")
+    if "spread" in options and sizes == "equal":
+        given, remedy = (spelled(*each) for each in (("spread", options["spread"]), ("sizes", "bidisperse")))
+        raise InputError(f"{given}: the radii are equal; give {remedy} or lognormal")
+    filled = {"spread": _SPREADS[sizes]} | _shape(kind, common["number"]) | dict(options)
+    asked = Wanted(**common, **filled)
+    for name, value, least in (
+        ("area_fraction", asked.fraction, 0.0), ("radius", asked.radius, 0.0), ("gap", asked.gap, 0.0),
+        ("aspect", asked.aspect, 0.0), ("spread", asked.spread, 1.0 if sizes == "bidisperse" else 0.0),
+    ):  # fmt: skip
+        if not least <= value < float("inf") or (value == 0.0 and name not in ("gap", "spread")):
+            raise InputError(f"{spelled(name, value)}: out of range; give a number above {least:g}")
+    if asked.fraction >= 1.0:
+        given = spelled("area_fraction", asked.fraction)
+        raise InputError(f"{given}: bodies cannot fill all; give a number below 1")
+    return asked
+
+
+def _shape(kind: Kind, number: int) -> dict[str, Any]:
+    """Rows, length and angle where they are not given."""
+    if kind == "chains":
+        return {"rows": 1, "length": 4, "angle": 135.0}
+    middle = min((k for k in range(1, number + 1) if number % k == 0), key=lambda k: abs(k - number**0.5))
+    return {"rows": middle, "length": middle, "angle": 90.0}

@@ -1,0 +1,123 @@
+"""`fsi search`: the value of a key for which a quantity of a case has a given value."""
+
+from __future__ import annotations
+
+import json
+import re
+from copy import deepcopy
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+import fsi.parallel as parallel
+from fsi.cli.arguments import AsJson, CaseFile, Overrides, option, output_to, require_writable
+from fsi.errors import InputError, SolveError
+from fsi.report.console import standard_output
+
+if TYPE_CHECKING:
+    from fsi.case.case import Case
+    from fsi.studies.search import Trial
+
+EXAMPLE = (
+    'Example: fsi search cases/slides/columns.toml --quantity "apparent viscosity" --target 6.54 '
+    "--vary arrangement.angle=93.0,96.0"
+)
+
+
+def search(
+    case_file: CaseFile,
+    quantity: Annotated[str, option("What shall have the target: one that [[expected]] rows have.")],
+    target: Annotated[str, option("The value that it shall have, to the digits that are given.")],
+    vary: Annotated[
+        str,
+        option("A key and its interval; whole numbers are tried one by one.", metavar="KEY=LOW,HIGH"),
+    ],
+    output: Annotated[Path | None, output_to("A case file (TOML) with the value that is found.")] = None,
+    as_json: AsJson = False,
+    overrides: Overrides = None,
+) -> None:
+    """Find a case in which a quantity has a given value, by changing one key.
+
+    The target is reached where the quantity differs from it by no more than half a unit of its last digit:
+    2.45 takes 2.445 to 2.455. One that is out of reach is refused, with the range that was reached.
+    """
+    from fsi.case.load import case_data, saved_data
+    from fsi.report.progress import counting
+    from fsi.report.studies import print_search
+    from fsi.studies.search import Search, most_trials
+
+    if output is not None:
+        require_writable(output)
+    key, low, high = _interval(vary)
+    value, tolerance = _digits(target)
+    data = parallel.on_root(lambda: case_data(case_file, overrides or ()))
+    wanted = Search(key, low, high, value, tolerance, lambda x: _trial(data, key, x, quantity))
+    with counting("trials") as show:
+        for _ in wanted.trying():
+            show(len(wanted.trials), most_trials(low, high))
+    found = wanted.found()
+    if output is not None:
+        changed = _changed(data, key, found.value)
+        parallel.on_root(lambda: saved_data(changed, output))
+    if not parallel.is_root():
+        return
+    trials = [[trial.value, trial.quantity] for trial in wanted.trials]
+    if as_json:
+        known = {"key": key, "value": found.value, "quantity": found.quantity, "error": found.error}
+        typer.echo(json.dumps(known | {"trials": trials}))
+    else:
+        print_search(standard_output(), key, quantity, wanted.trials)
+        typer.echo("" if output is None else f"wrote {output}")
+
+
+def _interval(text: str) -> tuple[str, float, float]:
+    """The key and both ends; both whole numbers, or both not. Raises InputError."""
+    key, _, ends = (part.strip() for part in text.partition("="))
+    words = ends.split(",")
+    try:
+        numbers = [int(w) for w in words] if all(map(_is_whole, words)) else [float(w) for w in words]
+    except ValueError:
+        numbers = []
+    if not key or len(numbers) != 2 or not numbers[0] < numbers[1] < float("inf"):
+        raise InputError(f"--vary {text}: no key and interval; write KEY=LOW,HIGH, LOW below HIGH")
+    return key, numbers[0], numbers[1]
+
+
+def _is_whole(word: str) -> bool:
+    return re.fullmatch(r"\s*\d+\s*", word) is not None
+
+
+def _digits(text: str) -> tuple[float, float]:
+    """A number and half a unit of the last digit that it is written with. Raises InputError."""
+    if not re.fullmatch(r"-?\d+(\.\d*)?([eE][-+]?\d+)?", text):
+        raise InputError(f"--target {text}: not a number; give one with as many digits as it shall have")
+    mantissa, _, exponent = text.lower().partition("e")
+    decimals = len(mantissa.partition(".")[2])
+    return float(text), 0.5 * 10.0 ** (int(exponent or 0) - decimals)
+
+
+def _changed(data: dict[str, Any], key: str, value: float) -> dict[str, Any]:
+    """The data of the case with that value of the key."""
+    from fsi.case.load import override
+
+    changed = deepcopy(data)
+    override(changed, f"{key}={value!r}")
+    return changed
+
+
+def _trial(data: dict[str, Any], key: str, value: float, quantity: str) -> Trial:
+    """The quantity of the case with that value of the key; collective."""
+    from fsi.case.load import parse_case
+    from fsi.studies.search import require_quantity, trial_of
+
+    def changed() -> Case:
+        case = parse_case(_changed(data, key, value))
+        require_quantity(case, quantity)
+        return case
+
+    try:
+        return trial_of(parallel.on_root(changed), value, quantity)
+    except (InputError, SolveError) as error:
+        said = str(error)
+        raise type(error)(said if said.startswith(key) else f"{key} = {value!r}: {said}") from error

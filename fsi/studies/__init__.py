@@ -1,0 +1,1 @@
+"""Studies that solve one case for many values of a key."""

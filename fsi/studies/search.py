@@ -1,0 +1,133 @@
+"""For which value of a key a quantity of a case has a given value: `fsi search`.
+
+Whole numbers (seeds, counts) are tried one by one. Between two numbers the quantity is first looked at in
+ever smaller parts of the interval until two neighbours have the target between them, then Brent's method
+closes in on it (Brent 1973, Algorithms for Minimization without Derivatives, chapter 4).
+"""
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+import scipy  # its modules load when they are used
+
+from fsi.case.case import Case
+from fsi.case.checks.expected import check_quantity
+from fsi.case.sections import QUANTITY, TIME_AT_GAP, Expected
+from fsi.errors import InputError
+from fsi.models import flow_solvers, require_instant
+from fsi.observables.quantities import computed
+from fsi.reduced.model import ReducedModel
+
+PARTS = 16  # of an interval, at most, to find two neighbours with the target between them
+XTOL = 1e-12  # of the interval: where the quantity jumps over the target
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """A value of the key, the quantity there, and its error bar where it has one."""
+
+    value: float
+    quantity: float
+    error: float | None = None
+
+
+@dataclass(frozen=True)
+class Search:
+    """What is looked for, and what has been tried.
+
+    Attributes:
+        key: of the case.
+        low, high: its interval; whole numbers where both are.
+        target: the value that the quantity shall have.
+        tolerance: by how much it may differ.
+        evaluate: the quantity of the case for a value of the key, collective.
+        trials: in their order.
+    """
+
+    key: str
+    low: float
+    high: float
+    target: float
+    tolerance: float
+    evaluate: Callable[[float], Trial]
+    trials: list[Trial] = field(default_factory=list)
+
+    def trying(self) -> Iterator[Trial]:
+        """Trial after trial, until one has the target or none is left."""
+        whole = isinstance(self.low, int) and isinstance(self.high, int)
+        for trial in self._one_by_one() if whole else self._between():
+            yield trial
+            if self._hits(trial):
+                return
+
+    def found(self) -> Trial:
+        """The last trial. Raises InputError: it has not the target; the message has the range."""
+        if self._hits(self.trials[-1]):
+            return self.trials[-1]
+        quantities = [trial.quantity for trial in self.trials]
+        raise InputError(
+            f"--target {self.target:g}: not reached for {self.key} from {self.low:g} to {self.high:g}, where "
+            f"the quantity goes from {min(quantities):.6g} to {max(quantities):.6g} in {len(quantities)} "
+            "trials; give a target between them or another interval"
+        )
+
+    def _hits(self, trial: Trial) -> bool:
+        return abs(trial.quantity - self.target) <= self.tolerance
+
+    def _try(self, value: float) -> Trial:
+        self.trials.append(self.evaluate(value))
+        return self.trials[-1]
+
+    def _one_by_one(self) -> Iterator[Trial]:
+        return (self._try(value) for value in range(int(self.low), int(self.high) + 1))
+
+    def _between(self) -> Iterator[Trial]:
+        """Ends, halves, quarters, and on; once the target lies between neighbours, towards it."""
+        parts = 1
+        while parts <= PARTS:
+            tried = {trial.value for trial in self.trials}
+            for value in np.linspace(self.low, self.high, parts + 1).tolist():
+                if value not in tried:
+                    yield self._try(value)
+            for one, other in pairwise(sorted(self.trials, key=lambda trial: trial.value)):
+                if (one.quantity - self.target) * (other.quantity - self.target) < 0.0:
+                    yield self._closed_in(one, other)
+                    return
+            parts *= 2
+
+    def _closed_in(self, one: Trial, other: Trial) -> Trial:
+        """The last trial of Brent's method between two."""
+        known = {one.value: one, other.value: other}
+
+        def off(value: float) -> float:
+            trial = known[value] if value in known else self._try(value)
+            return 0.0 if self._hits(trial) else trial.quantity - self.target
+
+        scipy.optimize.brentq(off, one.value, other.value, xtol=XTOL * (self.high - self.low))
+        return self.trials[-1]
+
+
+def most_trials(low: float, high: float) -> int:
+    """How many there may be: all whole numbers, or those of the parts; towards the target some more."""
+    return int(high - low) + 1 if isinstance(low, int) else PARTS + 1
+
+
+def trial_of(case: Case, value: float, quantity: str) -> Trial:
+    """The quantity of a case at time 0, without inertia, the same on all ranks; collective."""
+    if not case.level.flow:
+        require_instant(case)
+        return Trial(value, computed(case, ReducedModel(case)(case.configuration(), 0.0), quantity))
+    solved = flow_solvers(case).solve(case)
+    number, error = (computed(case, of, quantity) for of in (solved.solution, solved.errors))
+    return Trial(value, number, abs(error))
+
+
+def require_quantity(case: Case, quantity: str) -> None:
+    """Raise InputError if there is no such quantity, or none at one instant of that case."""
+    here = f"--quantity {quantity}"
+    if not re.fullmatch(QUANTITY, quantity) or quantity.startswith(TIME_AT_GAP) or ".position." in quantity:
+        raise InputError(f"{here}: no such number at an instant; give {Expected.describe('quantity')}")
+    check_quantity(case, quantity, here)

@@ -1,0 +1,74 @@
+"""`[arrangement]` in a case: the bodies of `fsi pack`, and the domain that they fill."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fsi.case.load import load_case, parse_case
+from fsi.cli.pack import pack
+from fsi.errors import InputError
+
+GIVEN: dict[str, Any] = {"kind": "random", "number": 12, "area_fraction": 0.4, "seed": 5}
+CASE: dict[str, Any] = {
+    "name": "arranged",
+    "fluid": {"viscosity": 1.0},
+    "domain": {"walls": {"top": [1.0, 0.0]}},
+}
+
+
+def test_the_bodies_are_those_of_pack(tmp_path: Path) -> None:
+    """And the domain is the box of the file, which a case of these bodies must have."""
+    pack("random", output=tmp_path / "discs.json", number=12, seed=5)
+    here = parse_case(CASE | {"arrangement": GIVEN})
+    box = [f"{key} = {list(getattr(here.domain, key))}" for key in ("lower", "upper", "periodic")]
+    text = ['name = "packed"', 'bodies_from = "discs.json"', "fluid.viscosity = 1.0", "[domain]", *box]
+    (tmp_path / "case.toml").write_text("\n".join(text).replace("'", '"'))
+    packed = load_case(tmp_path / "case.toml")
+    np.testing.assert_array_equal(here.configuration().centres, packed.configuration().centres)
+    assert here.names == packed.names
+    assert np.sum(np.pi * here.configuration().radii ** 2) / here.container().volume == pytest.approx(0.4)
+
+
+def test_a_cell_has_its_mean_flow() -> None:
+    case = parse_case(CASE | {"domain": {"shear": 1.0}, "arrangement": GIVEN | {"cell": "periodic"}})
+    assert (case.domain.shape, len(case.bodies)) == ("cell", 12)
+    assert len(case.container().periods) == 2
+
+
+def test_defaults_hold_for_arranged_bodies() -> None:
+    case = parse_case(CASE | {"arrangement": GIVEN, "body_defaults": {"angle": 0.5}})
+    assert {body.angle for body in case.bodies} == {0.5}
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (
+            {"arrangement": GIVEN | {"angle": 3.0}},
+            r"arrangement.angle = 3.0: random has no such option",
+        ),
+        (
+            {"arrangement": GIVEN | {"kind": "heap"}},
+            r'arrangement.kind = "heap": not one of the choices',
+        ),
+        ({"arrangement": {"kind": "square"}}, r"arrangement.number: missing; give how many bodies"),
+        (
+            {"arrangement": GIVEN | {"area_fraction": 1.2}},
+            r"area_fraction = 1.2: bodies cannot fill all",
+        ),
+        ({"arrangement": GIVEN | {"area_fraction": 0.95}}, r"^arrangement: "),
+        ({"arrangement": GIVEN, "bodies": []}, r"bodies: the bodies are those of \[arrangement\]; drop one"),
+        (
+            {"arrangement": GIVEN, "domain": {"lower": [0.0, 0.0]}},
+            r"domain.lower = .*makes the domain; drop",
+        ),
+        ({"arrangement": GIVEN | {"number": 10**12}}, r"arrangement.number = 1000000000000, .*give fewer"),
+    ],
+)
+def test_mistakes_name_their_key(changes: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        parse_case(CASE | changes)

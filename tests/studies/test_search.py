@@ -1,0 +1,114 @@
+"""`fsi search`: values of keys for which a quantity has a given value."""
+
+from __future__ import annotations
+
+import json
+import math
+import runpy
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from fsi.case.load import load_case
+from fsi.errors import InputError
+from fsi.studies.search import PARTS, Search, Trial, require_quantity, trial_of
+from tests.commands import fsi_command
+
+ROOT = Path(__file__).parents[2]
+CASES = ROOT / "cases"
+ROWS = CASES / "slides" / "rows.toml"
+QUANTITY = ["--quantity", "apparent viscosity"]
+
+
+def search(f: Callable[[float], float], low: float, high: float, target: float, tolerance: float) -> Search:
+    return Search("key", low, high, target, tolerance, lambda x: Trial(x, f(x)))
+
+
+def test_a_root_is_closed_in_on() -> None:
+    """x^3 = 0.3 at the cube root."""
+    wanted = search(lambda x: x**3, 0.0, 1.0, 0.3, 1e-9)
+    assert list(wanted.trying())[-1] == wanted.found()
+    assert wanted.found().value == pytest.approx(0.3 ** (1.0 / 3.0), rel=1e-8)
+    assert len(wanted.trials) < 15
+
+
+def test_a_quantity_that_is_equal_at_both_ends_is_looked_at_between() -> None:
+    """sin has 0.9 twice on (0, pi); at both ends, and in the middle of halves, it lies on one side."""
+    wanted = search(math.sin, 0.0, math.pi, 0.9, 1e-6)
+    list(wanted.trying())
+    assert math.sin(wanted.found().value) == pytest.approx(0.9, abs=1e-6)
+
+
+def test_whole_numbers_are_tried_one_by_one() -> None:
+    wanted = search(lambda x: (7 * x) % 10, 1, 9, 6.0, 0.4)
+    list(wanted.trying())
+    assert (wanted.found().value, len(wanted.trials)) == (8, 8)
+
+
+def test_out_of_reach_is_refused_with_the_range() -> None:
+    wanted = search(lambda x: 1.0 + x * x, -1.0, 2.0, 7.0, 1e-3)
+    assert len(list(wanted.trying())) == PARTS + 1
+    with pytest.raises(
+        InputError, match=r"not reached for key from -1 to 2, .* goes from 1.* to 5 in 17 trials"
+    ):
+        wanted.found()
+
+
+def test_a_jump_over_the_target_does_not_reach_it() -> None:
+    wanted = search(lambda x: 0.0 if x < 0.3 else 1.0, 0.0, 1.0, 0.5, 0.1)
+    list(wanted.trying())
+    with pytest.raises(InputError, match="not reached"):
+        wanted.found()
+
+
+def test_a_quantity_is_that_of_expected_rows() -> None:
+    case = load_case(CASES / "pores" / "couette_N10.toml")
+    trial = trial_of(case, 0.0, "disc 1.velocity.x")
+    assert trial.quantity == pytest.approx(-0.0376208681, rel=2e-2)  # couette_N10.json; one mode errs so much
+    assert trial.error is not None
+    for wrong in ("viscosity", "time at gap 0.1", "disc 1.position.x", "disc 99.velocity.x"):
+        with pytest.raises(InputError, match=f"--quantity {wrong}: .*(give|nearest)"):
+            require_quantity(case, wrong)
+
+
+def test_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The case that it writes has the value; 6.54 of the slides, with pores."""
+    found = tmp_path / "found.toml"
+    columns = [CASES / "slides" / "columns.toml", "--set", "model=pores", *QUANTITY, "--json", "-o", found]
+    code = fsi_command("search", *columns, "--target", "6.54", "--vary", "arrangement.angle=93.0,96.0")
+    assert code == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["quantity"] == pytest.approx(6.54, abs=5e-3)
+    assert trial_of(load_case(found), 0.0, QUANTITY[1]).quantity == pytest.approx(data["quantity"], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("vary", "target", "words"),
+    [
+        ("arrangement.gap=0.02", "2", "--vary arrangement.gap=0.02: no key and interval"),
+        ("arrangement.gap=0.3,0.02", "2", "LOW below HIGH"),
+        ("arrangement.gap=0.02,0.1", "two", "--target two: not a number"),
+        ("arrangement.gape=0.02,0.1", "2", "arrangement.gape = 0.02: unknown key; use gap"),
+        ("arrangement.angle=60.0,90.0", "2", "arrangement.angle = 60.0: rows has no such option; drop it"),
+    ],
+)
+def test_mistakes_are_one_line(vary: str, target: str, words: str, capfd: pytest.CaptureFixture[str]) -> None:
+    code = fsi_command("search", ROWS, *QUANTITY, "--target", target, "--vary", vary)
+    said = capfd.readouterr()
+    assert (code, said.out) == (2, "")
+    assert words in said.err
+    assert said.err.count("\n") == 1
+
+
+def test_the_four_viscosities_of_the_slides(tmp_path: Path) -> None:
+    """By pores of one mode, within 2 %; `tests/test_cases.py` has the resolved ones."""
+    example = runpy.run_path(str(ROOT / "docs" / "examples" / "four_viscosities.py"))
+    found = example["solutions"]("pores")
+    for name, solution in found.items():
+        case = solution.case
+        discs = sum(math.pi * body.radius**2 for body in case.bodies)
+        assert discs / case.container().volume == pytest.approx(0.3351, rel=1e-12)
+        assert solution.apparent_viscosity == pytest.approx(example["SLIDES"][name], rel=2e-2)
+    example["draw"](found, tmp_path / "four.png")
+    assert (tmp_path / "four.png").read_bytes().startswith(b"\x89PNG")
