@@ -1,6 +1,5 @@
 """Every word that ranks exchange outside the linear algebra; serial where mpi4py is absent."""
 
-import importlib.util
 import os
 import sys
 import time
@@ -11,22 +10,17 @@ from types import TracebackType
 from typing import Any, NoReturn
 from zlib import crc32
 
-import fsi.meshes.backend  # noqa: F401  (loads MPI in the right order)
-
 import numpy as np
+
+from fsi.meshes.mpi import MPI  # before NumPy
 
 type Words = Callable[[BaseException], tuple[str, int]]
 
 PATIENCE = 5.0  # seconds that a rank which fails waits for the others to fail with it
 TO_BE_HEARD = 1.0  # seconds that a launcher may need to pass on the last words before it ends
 
-_comm: Any = None
-_alarm: Any = None  # its own communicator, so that an alarm meets no other message
-if importlib.util.find_spec("mpi4py") is not None:
-    from mpi4py import MPI
-
-    _comm = MPI.COMM_WORLD
-    _alarm = _comm.Dup()
+_comm: Any = None if MPI is None else MPI.COMM_WORLD
+_alarm: Any = None if MPI is None else _comm.Dup()  # its own, so that an alarm meets no other message
 
 
 def rank() -> int:

@@ -1,17 +1,13 @@
-"""The one place that knows how dolfinx got here: import it before dolfinx, gmsh, petsc4py and mpi4py.
+"""The one place that knows how dolfinx got here: import it before dolfinx, gmsh and petsc4py.
 
-The PyPI wheel `dolfinx-solver-real` must be imported first, so that MPI is loaded before every
-compiled module; conda-forge's `fenics-dolfinx` needs nothing.
+The PyPI wheel `dolfinx-solver-real` must be imported before what it brings, and looks through all installed
+packages for a PETSc that would shadow its own; conda-forge's `fenics-dolfinx` needs nothing. So only what
+meshes or solves pays for it.
 """
 
 import importlib.util
-import os
 
-# Hosts that expose RDMA devices which they will not open make MPI print errors or stop.
-os.environ.setdefault("UCX_TLS", "self,sm,tcp")
-# Without /sys (bare containers) MPI's transports and hwloc complain on stderr, and work all the same.
-os.environ.setdefault("UCX_LOG_LEVEL", "fatal")
-os.environ.setdefault("HWLOC_HIDE_ERRORS", "2")
+import fsi.meshes.mpi  # noqa: F401  before every compiled module
 
 if importlib.util.find_spec("dolfinx_solver") is not None:
     importlib.import_module("dolfinx_solver")

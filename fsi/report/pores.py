@@ -3,8 +3,10 @@
 A force is the one that the FLUID exerts on the body, `-F`, as in `fsi.report.solution`.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.console import Console
@@ -13,9 +15,13 @@ from rich.text import Text
 
 from fsi.case.case import Case
 from fsi.integration.errors import ErrorEstimate
-from fsi.pores.instant import PoreInstant
 from fsi.report.console import checks_table, table
 from fsi.report.solution import Truncation, bodies_json, bodies_table, truncation_checks, turning
+
+if TYPE_CHECKING:
+    from fsi.pores.instant import (
+        PoreInstant,  # whose loops are compiled, which takes as long to load as a solve
+    )
 
 _NECKS = 10  # that are listed
 

@@ -22,7 +22,6 @@ from dolfinx import fem, la
 from dolfinx.common import IndexMap
 from mpi4py import MPI
 from numpy.typing import NDArray
-from scipy.sparse.linalg import spsolve
 from scipy.spatial import cKDTree
 
 import fsi.parallel as parallel
@@ -183,7 +182,7 @@ def traction(surface: Surface) -> Array:
     mass = sp.csc_matrix((masses.ravel(), (rows, columns)))
     reaction = np.zeros((mass.shape[0], d))
     np.add.at(reaction, place, surface.reaction)
-    t: Array = spsolve(mass, reaction).reshape(-1, d)
+    t: Array = sp.linalg.spsolve(mass, reaction).reshape(-1, d)
     return t[place]
 
 

@@ -10,8 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.spatial import Delaunay
+import scipy  # its modules load when they are used
 
 from fsi.meshes.geometry.container import Array, FluidDomain, lengths
 from fsi.meshes.planar.spread import equidistribute
@@ -143,7 +142,7 @@ def _layer(gap: NarrowGap, spacing: Spacing, widest: float) -> GapPrisms | None:
     def excess(rho: float) -> float:
         return float(gap.width(rho) - spacing.in_gap(gap.width(rho), gap.smallest))
 
-    rho = widest if excess(widest) < 0.0 else float(brentq(excess, 0.0, widest, rtol=1e-6))
+    rho = widest if excess(widest) < 0.0 else float(scipy.optimize.brentq(excess, 0.0, widest, rtol=1e-6))
     size = float(spacing.in_gap(gap.width(rho), gap.smallest))
     if rho < size:
         return None
@@ -166,7 +165,7 @@ def pattern(layer: GapPrisms, spacing: Spacing) -> tuple[Array, Indices]:
         angle = 2.0 * np.pi * (np.arange(count) + turn) / count
         rows.append(rho * np.column_stack([np.cos(angle), np.sin(angle)]))
     y = np.concatenate(rows)
-    return y, Delaunay(y).simplices.astype(np.int64)
+    return y, scipy.spatial.Delaunay(y).simplices.astype(np.int64)
 
 
 def split_prisms(triangles: Indices, below: Indices, above: Indices, backwards: Indices) -> Indices:

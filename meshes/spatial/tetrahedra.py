@@ -13,8 +13,7 @@ import fsi.meshes.backend  # noqa: F401
 
 import gmsh
 import numpy as np
-from scipy.spatial import cKDTree
-from scipy.spatial.transform import Rotation
+import scipy  # its modules load when they are used
 
 from fsi.meshes.cells.curved import CurvedCells
 from fsi.meshes.errors import MeshError
@@ -165,7 +164,7 @@ def _with_prisms(cells: StraightCells, layer: GapPrisms, spacing: Spacing) -> St
     inner, n = len(y) - layer.on_edge, len(cells.vertices)
     places = [layer.gap.places(y, side) for side in range(2)]
     on_side = np.unique(cells.facets[cells.tags == 0])
-    tree = cKDTree(cells.vertices[on_side])
+    tree = scipy.spatial.cKDTree(cells.vertices[on_side])
     places_of, vertices = [], [cells.vertices]
     for side in range(2):
         distance, on_edge = tree.query(places[side][inner:])
@@ -236,6 +235,6 @@ def _caps(tag: int, radius: float, layers: Sequence[GapPrisms]) -> tuple[Array, 
 
 def _clearance(turn: Turn, axes: Array, widths: Array) -> float:
     """The smallest angle between the turned seam and an edge, negative where the seam crosses it."""
-    seam = Rotation.from_rotvec(turn.angle * turn.axis).apply(SEAM)
+    seam = scipy.spatial.transform.Rotation.from_rotvec(turn.angle * turn.axis).apply(SEAM)
     away = np.arccos(np.clip(axes @ seam.T, -1.0, 1.0)).min(axis=1)
     return float((away - widths).min(initial=np.inf))

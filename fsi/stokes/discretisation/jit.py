@@ -103,8 +103,8 @@ def sound_cache(folder: Path) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
-        for source in folder.glob("*.c"):
-            if _is_broken(source):
+        for source, libraries in _entries(folder).items():
+            if _is_broken(source, libraries):
                 _remove(source)
     except OSError:
         return Path(_own_folder().name)
@@ -117,11 +117,21 @@ def _own_folder() -> tempfile.TemporaryDirectory[str]:
     return tempfile.TemporaryDirectory(prefix="fsi-forms-")
 
 
-def _is_broken(source: Path) -> bool:
+def _entries(folder: Path) -> dict[Path, list[Path]]:
+    """The sources of a cache and the libraries of each, by one look at a folder of perhaps thousands."""
+    files = list(folder.iterdir())
+    libraries: dict[Path, list[Path]] = {file: [] for file in files if file.suffix == ".c"}
+    for file in files:
+        source = folder / f"{file.name.partition('.')[0]}.c"
+        if file.suffix == ".so" and source in libraries:
+            libraries[source].append(file)
+    return libraries
+
+
+def _is_broken(source: Path, libraries: list[Path]) -> bool:
     """Whether an entry is ready without a whole library, or has been getting ready for too long."""
     if not source.with_suffix(_READY).exists():
         return time.time() - source.stat().st_mtime > 2 * PATIENCE
-    libraries = list(source.parent.glob(f"{source.stem}.*.so"))
     return not libraries or not all(is_whole(library) for library in libraries)
 
 
