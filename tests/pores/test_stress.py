@@ -42,7 +42,8 @@ def resolved_stress(case: Case) -> BulkStress:
 
 def deviator(T: Array) -> Array:
     """T less its trace, (..., 2, 2)."""
-    return T - 0.5 * np.trace(T, axis1=-2, axis2=-1)[..., None, None] * np.eye(2)
+    less: Array = T - 0.5 * np.trace(T, axis1=-2, axis2=-1)[..., None, None] * np.eye(2)
+    return less
 
 
 def stress_of(solved: SolvedPores) -> BulkStress:

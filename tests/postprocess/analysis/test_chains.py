@@ -13,6 +13,7 @@ import pytest
 import fsi
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
+from fsi.pores.instant import PoreInstant
 from fsi.postprocess.analysis.chains import chains_data, read_chains, wall_to_wall
 from fsi.postprocess.analysis.links import Links, find_links
 from fsi.postprocess.run.run import open_run
@@ -169,7 +170,9 @@ def links_of(*each: tuple[int, int, float]) -> Links:
     """Links between sides that dissipate so much."""
     n = len(each)
     ends, lost = np.array([link[:2] for link in each]), np.array([link[2] for link in each])
-    return Links(ends, np.zeros((n, 2)), 0.1 * np.arange(1, n + 1), np.zeros(n), np.zeros(n), lost)
+    return Links(
+        ends, np.zeros((n, 2)), 0.1 * np.arange(1, n + 1).astype(np.float64), np.zeros(n), np.zeros(n), lost
+    )
 
 
 def test_the_chain_from_wall_to_wall_is_that_whose_least_link_dissipates_most() -> None:
@@ -192,7 +195,9 @@ def test_a_run_of_pores_says_what_its_necks_dissipate(tmp_path: Path) -> None:
     case = load_case(CASES / "pores" / "couette_N10.toml", ["pores.modes=1", "time.end=1e-6"])
     fsi.run(case, tmp_path / "run")
     found = read_chains(open_run(tmp_path / "run"), 0)
-    necks = fsi.solve(case).instant.necks
+    solved = fsi.solve(case).instant
+    assert isinstance(solved, PoreInstant)
+    necks = solved.necks
     of_pair = {
         tuple(sides): lost for sides, lost in zip(necks.sides.tolist(), necks.dissipation, strict=True)
     }
