@@ -67,11 +67,11 @@ def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> St
     speed, force = scales.largest(results, arms)
     units = np.stack([speed / arms, force * arms])
     computed = np.stack([~motion.held, motion.held]) & case.modes
-    error = ROUNDING * units + sum(_bound(each, results, computed, units) for each in others)
+    error = _rounding(results) * units + sum(_bound(each, results, computed, units) for each in others)
     U, F = np.where(computed, error, 0.0)
     lost = getattr(results, "dissipation", nan)
     off = [each.factor * abs(lost - getattr(each.results, "dissipation", nan)) for each in others]
-    dissipation = max(sum(off), ROUNDING * lost)  # nan of an infinite one
+    dissipation = max(sum(off), _rounding(results) * lost)  # nan of an infinite one
     viscosity = _of_viscosity(results, other, factor)
     errors = ErrorEstimate(U, F, dissipation, viscosity, _of_stress(results, other, factor))
     relative = relative_change(results, errors, motion.held, arms, scales)
@@ -80,6 +80,11 @@ def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> St
         relative["viscosity"] = viscosity / abs(mu)
     away = [each.factor * (_motion(each.results) - _motion(results)) for each in others]
     return StepErrors(errors, relative, np.sum(away, axis=0))
+
+
+def _rounding(results: Results) -> float:
+    """Of the largest result: at least ROUNDING, more where the model knows of digits that cancel."""
+    return max(ROUNDING, getattr(results, "rounding", 0.0))
 
 
 def _motion(results: Results) -> Array:
@@ -105,11 +110,15 @@ def _of_viscosity(results: Results, other: Results, factor: float) -> float | No
     if getattr(other, "bulk", None) is None:
         return None
     mu, mu_other = (getattr(each, "apparent_viscosity", None) for each in (results, other))
-    return nan if mu is None or mu_other is None else max(factor * abs(mu - mu_other), ROUNDING * abs(mu))
+    return (
+        nan
+        if mu is None or mu_other is None
+        else max(factor * abs(mu - mu_other), _rounding(results) * abs(mu))
+    )
 
 
 def _of_stress(results: Results, other: Results, factor: float) -> StressErrors | None:
     """The same for the stress of a periodic flow."""
     bulk: BulkStress | None = getattr(results, "bulk", None)
     of_other: BulkStress | None = getattr(other, "bulk", None)
-    return None if bulk is None or of_other is None else bulk.errors(of_other, factor, ROUNDING)
+    return None if bulk is None or of_other is None else bulk.errors(of_other, factor, _rounding(results))

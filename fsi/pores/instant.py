@@ -64,6 +64,11 @@ class PoreInstant:
         return self.flow.dissipation
 
     @cached_property
+    def rounding(self) -> float:
+        """What cancelling digits may leave of results: much where bodies slide in several gaps below 1e-6."""
+        return self.flow.rounding
+
+    @cached_property
     def bulk(self) -> BulkStress | None:
         """The mean stress of a periodic flow and its parts, less their traces."""
         return bulk_stress(self.bodies, self.flow)

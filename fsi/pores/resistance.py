@@ -8,8 +8,9 @@ b the velocities of bodies, f all numbers that are free. At given velocities the
 upper bound.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import process_time
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from fsi.pores.bars import bar_factor, finer, reference_modes
 from fsi.pores.definite import solve_definite
 from fsi.pores.fineness import Fineness
 from fsi.pores.model import make_system
+from fsi.pores.solve import EPSILON
 from fsi.pores.system import PoreSystem
 from fsi.pores.trial import RIGID
 
@@ -69,19 +71,27 @@ def case_resistance(case: Case) -> Resistance:
     bodies = DrivenBodies(case, q, 0.0, case.motion(0.0))
     system = make_system(bodies, Fineness.even(case.pores.modes))
     assembled = process_time()
-    columns, residual = _schur_complement(system)
+    columns, checked = _schur_complement(system)
     seconds = {"assemble": assembled - began, "solve": process_time() - assembled}
     labels = matrix.all_modes(case.names, q.radii, system.viscosity, 2)
     R, asymmetry = matrix.symmetrised(columns, labels.scale)
     eigenvalues = matrix.positive_eigenvalues(R, labels.scale, resting=True)
-    checks = {"residual": residual, "reciprocity": asymmetry}
+    checks = {"residual": checked.residual, "reciprocity": asymmetry}
     size = (system.unknowns, len(system.pores))
     mobility = matrix.inverse(R)
-    return Resistance(labels, R, mobility, eigenvalues, checks, *size, seconds, pieces="pores")
+    found = Resistance(labels, R, mobility, eigenvalues, checks, *size, seconds, pieces="pores")
+    return replace(found, rounding=checked.rounding)
 
 
-def _schur_complement(system: PoreSystem) -> tuple[Array, float]:
-    """R as computed, (3 N, 3 N), and the largest relative residual of its columns."""
+class Checked(NamedTuple):
+    """The largest relative residual of columns, and what rounding may leave of diagonal entries, (3 N,)."""
+
+    residual: float
+    rounding: Array
+
+
+def _schur_complement(system: PoreSystem) -> tuple[Array, Checked]:
+    """R as computed, (3 N, 3 N), and how well."""
     K, first = system.viscosity * system.assembly.K, system.assembly.numbering.surface
     discs, surfaces = system.pores.surfaces.discs, len(system.pores.surfaces)
     free = np.ones(system.size, dtype=bool)
@@ -93,4 +103,8 @@ def _schur_complement(system: PoreSystem) -> tuple[Array, float]:
     f = np.flatnonzero(free)
     B = K[f][:, body].toarray()
     X, residual = solve_definite(K[f][:, f], B)
-    return K[body][:, body].toarray() - B.T @ X, residual
+    R = K[body][:, body].toarray() - B.T @ X
+    x = np.zeros((system.size, len(body)))
+    x[f], x[body] = np.abs(X), np.eye(len(body))
+    terms = np.einsum("nj,nj->j", x, abs(K) @ x)
+    return R, Checked(residual, EPSILON * terms / np.diag(R))

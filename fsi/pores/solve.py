@@ -21,7 +21,7 @@ from fsi.pores.definite import solve_definite
 from fsi.pores.system import PoreSystem
 from fsi.pores.trial import RIGID
 
-_TINY = float(np.finfo(float).tiny)
+_TINY, EPSILON = float(np.finfo(float).tiny), float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +75,12 @@ class PoreFlow:
         system = self.system
         first = system.assembly.numbering.surface[system.pores.surfaces.discs : -1]
         return np.asarray(self.reactions[first[:, None] + np.arange(3)])
+
+    @property
+    def rounding(self) -> float:
+        """What cancelling digits may leave of the dissipation, relative: eps |x|^T |K| |x| / x^T K x."""
+        terms = np.abs(self.x) @ (abs(self.system.assembly.K) @ np.abs(self.x))
+        return float(EPSILON * self.system.viscosity * terms / (self.dissipation + _TINY))
 
     @property
     def stresslets(self) -> Array:
