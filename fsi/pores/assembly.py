@@ -10,18 +10,18 @@ from numpy.typing import NDArray
 from fsi.pores.forms import PoreForms, pore_forms
 from fsi.pores.inner import inner_form
 from fsi.pores.levels import LEVELS, level_of
-from fsi.pores.quadrature import Rule, gathering
+from fsi.pores.orders import RIGID, STRAINED, Orders, numbers_of
+from fsi.pores.quadrature import Rule
 from fsi.pores.regions import PoreShapes
 from fsi.pores.surfaces import DISC
 from fsi.pores.topology import Pores
-from fsi.pores.trial import RIGID, STRAINED, Orders, numbers_of
 
 type Index = NDArray[np.int64]
 
+# Values of all functions at all points of the pores of a batch, of each derivative: some 100 MB of six.
+_NUMBERS = 2_000_000
 # What peaks in necks asks for a higher order on the circles of bodies than a wide pore does; and the highest.
 _MOST = 16
-# As many points as keep what one function of a batch needs in the processor's cache.
-_POINTS = 4000
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +116,6 @@ def assemble(pores: Pores, shapes: PoreShapes, modes: Index) -> Assembly:
 
 def _batches(pores: Pores, shapes: PoreShapes, numbering: Numbering) -> Iterator[Batch]:
     modes = np.where(pores.sides >= 0, numbering.modes[pores.sides], 0)
-    gather = np.max([gathering(shapes, v) for v in range(3)], axis=0)
     kinds = np.column_stack([modes, numbering.order[pores.vertices]])
     for kind in np.unique(kinds, axis=0):
         level = LEVELS[level_of(int(kind[:3].max()))]
@@ -127,15 +126,11 @@ def _batches(pores: Pores, shapes: PoreShapes, numbering: Numbering) -> Iterator
             level.neck_bubbles,
         )
         alike = np.flatnonzero(np.all(kinds == kind, axis=1))
-        alike = alike[np.argsort(gather[alike], kind="stable")]
-        points = level.rule(1.0)
-        at_once = max(1, _POINTS // (3 * points.along.shape[1] * points.across.shape[1]))
-        for start in range(0, len(alike), at_once):
-            chosen = alike[start : start + at_once]
-            rule = level.rule(float(gather[chosen[-1]]))
-            chosen = np.sort(chosen)
-            forms = pore_forms(shapes.of(chosen), rule, orders)
-            yield Batch(chosen, _unknowns(pores, chosen, orders, numbering), orders, rule, forms)
+        along, across, inside = level.points
+        numbers = orders.total * 3 * (2 * along * across + inside**2)
+        for some in np.array_split(alike, 1 + len(alike) * numbers // _NUMBERS):
+            forms = pore_forms(shapes.of(some), level.rule, orders)
+            yield Batch(some, _unknowns(pores, some, orders, numbering), orders, level.rule, forms)
 
 
 def _unknowns(pores: Pores, chosen: Index, orders: Orders, numbering: Numbering) -> Index:

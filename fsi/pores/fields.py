@@ -12,15 +12,14 @@ from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array
 from fsi.pores.assembly import Batch, Index
-from fsi.pores.forms import with_bubbles
+from fsi.pores.forms import values, with_bubbles
 from fsi.pores.inner import inner_flow
-from fsi.pores.pore_data import pore_data
-from fsi.pores.quadrature import Points, Rule, distances, gathering, pore_points
+from fsi.pores.orders import numbers_of
+from fsi.pores.pore_data import Complex, gathering, pore_data
+from fsi.pores.quadrature import DISTANCE, Points, Rule, X, Y, points_at, pore_points, uniform
 from fsi.pores.regions import PoreShapes, cross
 from fsi.pores.solve import PoreFlow, stream
-from fsi.pores.steps import values
 from fsi.pores.system import PoreSystem
-from fsi.pores.trial import numbers_of, trial_functions
 
 _PATCHES = 0.75  # of a strip, for each unit of T by which points gather in it
 _CANDIDATES = 8  # pores near a point, of which one holds it
@@ -86,10 +85,9 @@ class FlowFields:
         for batch, numbers in zip(system.assembly.batches, self._numbers, strict=True):
             here = np.flatnonzero(np.isin(pore, batch.pore))
             if len(here):
-                shapes, x = self._shapes.of(pore[here]), place[here, None]
-                there = Points(x, np.ones(x.shape[:2]), distances(shapes, x))
+                data = pore_data(self._shapes.of(pore[here]))
                 local = numbers[np.searchsorted(batch.pore, pore[here])]
-                jet[:, here] = stream_function(shapes, there, batch, local)[:, :, 0]
+                jet[:, here] = stream_function(data, points_at(data, place[here]), batch, local)[:, :, 0]
         place = self._in_fluid_discs(jet, np.flatnonzero(pore < 0), points, place)
         return FluidField.of(_carried(jet, place, points, self.flow.loading.gradient))
 
@@ -123,13 +121,13 @@ class FlowFields:
     def mesh(self, order: int) -> PoreMesh:
         """A picture of the flow: strips, in as many patches as their gaps ask for, triangles, fluid discs."""
         system, jets, points, pores = self.flow.system, [], [], []
-        narrowest = max(float(gathering(self._shapes, v).max(initial=0.0)) for v in range(3))
+        narrowest = float(gathering(self._shapes).max(initial=0.0))
         pieces = max(1, ceil(_PATCHES * narrowest))
         for batch, numbers in zip(system.assembly.batches, self._numbers, strict=True):
-            shapes = self._shapes.of(batch.pore)
-            there = pore_points(shapes, _even(order, pieces))
-            jets.append(stream_function(shapes, there, batch, numbers).reshape(6, -1))
-            points.append(there.x.reshape(-1, 2))
+            data = pore_data(self._shapes.of(batch.pore))
+            there = pore_points(data, _even(order, pieces))
+            jets.append(stream_function(data, there, batch, numbers).reshape(6, -1))
+            points.append(np.moveaxis(there.rows[:, [X, Y]], 1, 2).reshape(-1, 2))
             pores.append(np.repeat(batch.pore, 3 * pieces + 3))
         pore = np.concatenate(pores)
         ends, corner = _first_rows(system.pores.sides[pore[:: 3 * pieces + 3]], pieces)
@@ -182,7 +180,8 @@ def _inside(shapes: PoreShapes, x: Array) -> NDArray[np.bool_]:
     """Whether points (n, 2) lie in pores (n)."""
     from_feet = np.moveaxis(x[:, None] - shapes.foot[:, :, 0], -1, 0)
     left = cross(np.moveaxis(shapes.direction, -1, 0), from_feet) >= -1e-12
-    return np.asarray(np.all(left, axis=1) & np.all(distances(shapes, x[:, None])[..., 0] >= 0.0, axis=0))
+    outside = points_at(pore_data(shapes), x).rows[:, DISTANCE : DISTANCE + 3, 0] >= 0.0
+    return np.asarray(np.all(left, axis=1) & np.all(outside, axis=1))
 
 
 def _around(number: int) -> list[tuple[int, ...]]:
@@ -207,10 +206,9 @@ def _carried(jet: Array, place: Array, points: Array, gradient: Array) -> Array:
     return jet
 
 
-def stream_function(shapes: PoreShapes, points: Points, batch: Batch, numbers: Array) -> Array:
+def stream_function(data: Complex, points: Points, batch: Batch, numbers: Array) -> Array:
     """psi with its derivatives, (6, n, Q), from the numbers of all functions, (n, m)."""
-    jets = values(trial_functions(batch.orders), pore_data(shapes), points)
-    return np.asarray(np.einsum("em,emkq->keq", numbers, jets))
+    return np.asarray(np.einsum("em,emkq->keq", numbers, values(data, batch.orders, points)))
 
 
 def _even(order: int, pieces: int) -> Rule:
@@ -218,7 +216,7 @@ def _even(order: int, pieces: int) -> Rule:
     t = np.linspace(1e-7, 1.0 - 1e-7, order + 1)
     along = np.concatenate([(k + t) / pieces for k in range(pieces)])
     even = np.stack([t, np.ones_like(t)])
-    return Rule(np.stack([along, np.ones_like(along)]), even, even)
+    return uniform(np.stack([along, np.ones_like(along)]), even, even)
 
 
 def _first_rows(sides: Index, pieces: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.pores.compiled import compiled
+from fsi.pores.compiled import compiled, internal
 from fsi.pores.links import Corner, Links, across, corner, moved, step
 from fsi.pores.power import locate
 from fsi.pores.shape import clearance, distance, from_neck, inscribed, neck
@@ -134,7 +134,7 @@ def circles_in_pores(shapes: Shapes, links: Links) -> tuple[Array, NDArray[np.bo
     return circles, crossed
 
 
-@compiled
+@internal
 def _beyond_neck(
     shapes: Shapes, links: Links, t: int, corners: tuple[Corner, Corner, Corner]
 ) -> tuple[float, float, float]:
@@ -174,7 +174,7 @@ def separate(shapes: Shapes, links: Links, wanted: Bodies, circles: Array) -> tu
     return chosen[:n], free[:n]
 
 
-@compiled
+@internal
 def _covered(
     shapes: Shapes, links: Links, t: int, circle: tuple[float, float, float]
 ) -> tuple[Bodies, float]:
@@ -184,11 +184,12 @@ def _covered(
     """
     x, y, rho = circle
     found = np.zeros((_MOST, 3), np.int64)  # a pore, and by how many periods the circle is translated there
-    found[0] = locate(shapes, links, t, (0, x, y))
+    point = int(np.int64(0))  # of one type with numbers of surfaces, so that nothing is compiled twice
+    found[0] = locate(shapes, links, t, (point, x, y))
     n, done = 1, 0
     while done < n:
         p, at = found[done, 0], found[done, 1:]
-        _, u, v = moved(shapes, (0, x, y), at[0], at[1])
+        _, u, v = moved(shapes, (point, x, y), at[0], at[1])
         done += 1
         for k in range(3):
             rho = min(rho, distance(shapes, u, v, corner(shapes, links, p, k)))

@@ -13,14 +13,14 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.pores.compiled import compiled
-from fsi.pores.pore_data import pore_data
-from fsi.pores.quadrature import Points, Rule, pore_points
+from fsi.pores.elimination import least_bubbles, squares, take_off
+from fsi.pores.jets import AT_ONCE
+from fsi.pores.orders import Orders
+from fsi.pores.pore_data import Complex, pore_data
+from fsi.pores.quadrature import ROOT, ROWS, WEIGHT, Points, Rule, fill_pore, most_points, pore_points
 from fsi.pores.regions import PoreShapes
-from fsi.pores.steps import strain_rates
-from fsi.pores.trial import Orders, trial_functions
-
-# A bubble that others span to this part of its own dissipation, as rounding leaves it, is left out.
-_DEPENDENT = 1e-14
+from fsi.pores.target import Target
+from fsi.pores.trial import room_for, take_functions
 
 
 class PoreForms(NamedTuple):
@@ -39,93 +39,90 @@ class PoreForms(NamedTuple):
 
 def pore_forms(shapes: PoreShapes, rule: Rule, orders: Orders) -> PoreForms:
     """The forms of pores of the same orders."""
-    points = pore_points(shapes, rule)
-    S, B = _strain_rates(shapes, points, orders)
-    # Whatever X is, this is the dissipation of flows: positive, an upper bound, off by X's error squared.
-    S = S - least_bubbles(S, B).transpose(0, 2, 1) @ B
-    return PoreForms(S @ S.transpose(0, 2, 1), points.weight.sum(axis=1), points.weight.min(axis=1))
+    data, n, m = pore_data(shapes), len(shapes.gap), orders.shared
+    forms = PoreForms(np.empty((n, m, m)), np.empty(n), np.empty(n))
+    Q = most_points(data, rule)
+    rates = np.empty(orders.total * 2 * Q)
+    work = Work(np.empty((ROWS, Q)), rates, rates.view(complex), room_for(orders), orders.total)
+    _take_forms(data, rule, orders, work, forms)
+    return forms
 
 
 def with_bubbles(shapes: PoreShapes, rule: Rule, orders: Orders, x: Array) -> Array:
     """The numbers of all functions of pores, (n, total), from those of the shared ones, (n, shared)."""
-    S, B = _strain_rates(shapes, pore_points(shapes, rule), orders)
-    bubbles = -np.einsum("ebs,es->eb", least_bubbles(S, B), x)
-    return np.concatenate([x, bubbles], axis=1)
+    data = pore_data(shapes)
+    rates = strain_rates(data, orders, pore_points(data, rule))
+    numbers = np.empty((len(x), orders.total))
+    _take_bubbles(rates.reshape(*rates.shape[:2], -1), x, numbers)
+    return numbers
 
 
-def _strain_rates(shapes: PoreShapes, points: Points, orders: Orders) -> tuple[Array, Array]:
-    """Strain rates times roots of weights, of shared functions and of bubbles, (n, ., 2 Q)."""
-    rates = strain_rates(trial_functions(orders), pore_data(shapes), points)
-    rows = rates.reshape(*rates.shape[:2], -1)
-    return rows[:, : orders.shared], rows[:, orders.shared :]
+def strain_rates(data: Complex, orders: Orders, points: Points) -> Array:
+    """2 psi_xy and psi_yy - psi_xx times roots of weights, (n, functions, 2, Q)."""
+    psi, root = values(data, orders, points), points.rows[:, None, ROOT]
+    return np.stack([2.0 * root * psi[:, :, 4], root * (psi[:, :, 5] - psi[:, :, 3])], axis=2)
 
 
-def least_bubbles(S: Array, B: Array) -> Array:
-    """X of the least |S - X^T B|^2, (n, bubbles, shared), of strain rates in rows, (n, ., 2 Q)."""
-    G, X = B @ B.transpose(0, 2, 1), B @ S.transpose(0, 2, 1)
-    own = np.sqrt(np.einsum("ebb->eb", G))[..., None]
-    own[own == 0.0] = 1.0  # at the corner of a box
-    G /= own * own.transpose(0, 2, 1)
-    X /= own
-    _solve(G, X, _DEPENDENT)
-    X /= own
-    return X
+def values(data: Complex, orders: Orders, points: Points) -> Array:
+    """The functions with their derivatives, psi ... psi_yy, (n, functions, 6, Q)."""
+    out = np.zeros((len(data), orders.total, 6, points.rows.shape[2]))
+    _take_values(data, orders, points.rows, room_for(orders), out)
+    return out
 
 
-@compiled
-def _solve(G: Array, X: Array, dependent: float) -> None:
-    """X <- G^-1 X in place by L D L^T, (n, b, b) and (n, b, s), G of unit diagonal.
+class Work(NamedTuple):
+    """Room for one pore.
 
-    The largest pivot goes first: else, where bubbles nearly depend on each other, small pivots would spread
-    their rounding errors. What is left of dependent ones has no part in it.
+    Attributes:
+        points: its points.
+        rates: of all functions, rows of 2 Q, one after the other.
+        pairs: the same as complex numbers, rows of Q.
+        room: to make them.
+        total: how many functions there are.
     """
-    m, s = X.shape[1], X.shape[2]
-    order = np.empty(m, np.int64)
-    for e in range(len(G)):
-        A, Y = G[e], X[e]
-        rank = m
-        for k in range(m):
-            p = k
-            for i in range(k + 1, m):
-                if A[i, i] > A[p, p]:
-                    p = i
-            if A[p, p] <= dependent:
-                rank = k
-                break
-            order[k] = p
-            _swap(A, Y, k, p)
-            for i in range(k + 1, m):
-                factor = A[k, i] / A[k, k]
-                for j in range(i, m):
-                    A[i, j] -= factor * A[k, j]
-                for c in range(s):
-                    Y[i, c] -= factor * Y[k, c]
-        for i in range(rank, m):
-            for c in range(s):
-                Y[i, c] = 0.0
-        for k in range(rank - 1, -1, -1):
-            for c in range(s):
-                Y[k, c] /= A[k, k]
-            for i in range(k + 1, rank):
-                factor = A[k, i] / A[k, k]
-                for c in range(s):
-                    Y[k, c] -= factor * Y[i, c]
-        for k in range(rank - 1, -1, -1):
-            for c in range(s):
-                Y[k, c], Y[order[k], c] = Y[order[k], c], Y[k, c]
+
+    points: Array
+    rates: Array
+    pairs: Complex
+    room: Array
+    total: int
 
 
 @compiled
-def _swap(A: Array, Y: Array, k: int, p: int) -> None:
-    """Swap numbers k < p in what is left of A, the upper triangle, and the rows of Y."""
-    if k == p:
-        return
-    A[k, k], A[p, p] = A[p, p], A[k, k]
-    for j in range(k + 1, p):
-        A[k, j], A[j, p] = A[j, p], A[k, j]
-    for j in range(p + 1, len(A)):
-        A[k, j], A[p, j] = A[p, j], A[k, j]
-    for j in range(k):  # of rows that are done
-        A[j, k], A[j, p] = A[j, p], A[j, k]
-    for c in range(Y.shape[1]):
-        Y[k, c], Y[p, c] = Y[p, c], Y[k, c]
+def _take_forms(data: Complex, rule: Rule, orders: Orders, work: Work, forms: PoreForms) -> None:
+    """The forms of all pores, one after the other."""
+    shared, ends = forms.K.shape[1], np.empty(4, np.int64)
+    for e in range(len(data)):
+        fill_pore(data[e], rule, work.points, ends)
+        Q = ends[3]
+        pairs = work.pairs[: work.total * Q].reshape((work.total, Q))
+        for q in range(0, Q, AT_ONCE):
+            last = min(q + AT_ONCE, Q)
+            take_functions(data[e], orders, Target(work.points[:, q:last], work.room, pairs[:, q:last]))
+        rates = work.rates[: work.total * 2 * Q].reshape((work.total, 2 * Q))
+        S, B = rates[:shared], rates[shared:]
+        # Whatever X is, this is the dissipation of flows: positive, an upper bound, off by X's error squared.
+        take_off(S, least_bubbles(S, B), B)
+        squares(S, forms.K[e])
+        forms.area[e], forms.least[e] = work.points[WEIGHT, :Q].sum(), work.points[WEIGHT, :Q].min()
+
+
+@compiled
+def _take_bubbles(rates: Array, x: Array, numbers: Array) -> None:
+    """The numbers of all functions from x, those of the shared ones."""
+    shared = x.shape[1]
+    for e in range(len(x)):
+        X = least_bubbles(rates[e, :shared], rates[e, shared:])
+        numbers[e, :shared] = x[e]
+        for b in range(len(X)):
+            numbers[e, shared + b] = -(X[b] * x[e]).sum()
+
+
+@compiled
+def _take_values(data: Complex, orders: Orders, points: Array, room: Array, out: Array) -> None:
+    """All functions at all points of all pores."""
+    Q = out.shape[3]
+    for e in range(len(out)):
+        for q in range(0, Q, AT_ONCE):
+            last = min(q + AT_ONCE, Q)
+            take_functions(data[e], orders, Target(points[e, :, q:last], room, out[e, :, :, q:last]))

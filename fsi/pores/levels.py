@@ -1,6 +1,5 @@
 """How fine a pore is, by the number of modes of its necks: degrees and points that go with them."""
 
-from math import ceil
 from typing import NamedTuple
 
 from fsi.pores.quadrature import Rule
@@ -24,25 +23,25 @@ class Level(NamedTuple):
     neck_bubbles: int
     points: tuple[int, int, int]
 
-    def rule(self, gathering: float) -> Rule:
-        """The points of quadrature, more along necks where they gather: T of the narrowest."""
-        along, across, inside = self.points
-        return gauss(along + ceil(_PER_GATHERING * gathering), across, inside)
+    @property
+    def rule(self) -> Rule:
+        """The points of quadrature, more along necks where they gather."""
+        return gauss(*self.points, _PER_GATHERING)
 
 
 # Points along a neck for each unit of T.
 _PER_GATHERING = 2.0
 
 LEVELS = (
-    Level(0, 3, 4, 0, (4, 7, 5)),
-    Level(1, 4, 4, 0, (4, 7, 5)),
-    Level(2, 5, 5, 0, (4, 7, 5)),
-    Level(4, 6, 6, 0, (6, 9, 6)),
-    Level(6, 6, 7, 0, (7, 9, 7)),
-    Level(8, 8, 8, 2, (8, 10, 8)),
-    Level(10, 8, 9, 3, (10, 12, 9)),
-    Level(12, 10, 10, 4, (12, 12, 10)),
-    Level(16, 12, 12, 6, (18, 15, 14)),
+    Level(0, 3, 4, 0, (5, 7, 5)),
+    Level(1, 4, 4, 0, (5, 7, 5)),
+    Level(2, 5, 5, 0, (5, 7, 5)),
+    Level(4, 6, 6, 0, (7, 9, 6)),
+    Level(6, 6, 7, 0, (8, 9, 7)),
+    Level(8, 8, 8, 2, (9, 10, 8)),
+    Level(10, 8, 9, 3, (11, 12, 9)),
+    Level(12, 10, 10, 4, (13, 12, 10)),
+    Level(16, 12, 12, 6, (19, 15, 14)),
 )
 
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fsi.pores.compiled import compiled
+from fsi.pores.compiled import internal
 from fsi.pores.surfaces import CONTAINER, DISC, WALL, Bodies, Shapes
 
 type Corner = tuple[int, float, float]
@@ -33,32 +33,32 @@ class Links(NamedTuple):
     twin: Bodies
 
 
-@compiled
+@internal
 def cross(ax: float, ay: float, bx: float, by: float) -> float:
     """a x b."""
     return ax * by - ay * bx
 
 
-@compiled
+@internal
 def corner(shapes: Shapes, links: Links, t: int, k: int) -> Corner:
     """Corner k of pore t."""
     return placed(shapes, links.body[t, k], links.image[t, k, 0], links.image[t, k, 1])
 
 
-@compiled
+@internal
 def placed(shapes: Shapes, body: int, m: int, n: int) -> Corner:
     """A surface translated by m and n periods."""
     return moved(shapes, (body, shapes.centre[body, 0], shapes.centre[body, 1]), m, n)
 
 
-@compiled
+@internal
 def moved(shapes: Shapes, a: Corner, m: int, n: int) -> Corner:
     """A corner translated by m and n periods."""
     e = shapes.periods
     return a[0], a[1] + m * e[0, 0] + n * e[1, 0], a[2] + m * e[0, 1] + n * e[1, 1]
 
 
-@compiled
+@internal
 def turn(shapes: Shapes, a: Corner, b: Corner, c: Corner) -> float:
     """Positive where a, b, c go anticlockwise around the region between their necks.
 
@@ -80,7 +80,7 @@ def turn(shapes: Shapes, a: Corner, b: Corner, c: Corner) -> float:
     return cross(b[1] - a[1], b[2] - a[2], c[1] - a[1], c[2] - a[2])
 
 
-@compiled
+@internal
 def across(shapes: Shapes, links: Links, t: int, k: int) -> tuple[Corner, Corner, Corner, Corner]:
     """The corners c, a, b of pore t, of which side k is ab, and d beyond that side, in places next to t."""
     c, a, b = (
@@ -93,7 +93,7 @@ def across(shapes: Shapes, links: Links, t: int, k: int) -> tuple[Corner, Corner
     return c, a, b, placed(shapes, links.body[h // 3, h % 3], m, n)
 
 
-@compiled
+@internal
 def step(shapes: Shapes, links: Links, t: int, k: int) -> tuple[int, int]:
     """By how many periods what pore t sees is translated for its neighbour across side k."""
     h = links.twin[3 * t + k]
@@ -104,7 +104,7 @@ def step(shapes: Shapes, links: Links, t: int, k: int) -> tuple[int, int]:
     return image[u, j, 0] - image[t, i, 0], image[u, j, 1] - image[t, i, 1]
 
 
-@compiled
+@internal
 def carried(shapes: Shapes, links: Links, t: int, k: int) -> tuple[int, int]:
     """The image of the corner opposite the twin of side k, seen from pore t."""
     h = links.twin[3 * t + k]
@@ -114,7 +114,7 @@ def carried(shapes: Shapes, links: Links, t: int, k: int) -> tuple[int, int]:
     return links.image[h // 3, h % 3, 0] - m, links.image[h // 3, h % 3, 1] - n
 
 
-@compiled
+@internal
 def flip(shapes: Shapes, links: Links, t: int, k: int) -> None:
     """Make the side ab of the pores t = c, a, b and u = d, b, a the side cd of c, a, d and d, b, c."""
     body, image, twin = links.body, links.image, links.twin
@@ -143,7 +143,7 @@ def flip(shapes: Shapes, links: Links, t: int, k: int) -> None:
     twin[3 * t + 1], twin[3 * u + 1] = 3 * u + 1, 3 * t + 1
 
 
-@compiled
+@internal
 def split(links: Links, t: int, at: tuple[int, int, int], T: int) -> None:
     """Put disc x, (surface, its image), into pore t = a, b, c: a, b, x; pores T, T + 1: b, c, x; c, a, x."""
     body, image, twin = links.body, links.image, links.twin

@@ -13,13 +13,11 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array
 from fsi.pores.assembly import Batch
 from fsi.pores.fields import stream_function
-from fsi.pores.forms import with_bubbles
+from fsi.pores.forms import strain_rates, with_bubbles
 from fsi.pores.pore_data import pore_data
-from fsi.pores.quadrature import Rule, pore_points
+from fsi.pores.quadrature import pore_points, uniform
 from fsi.pores.regions import NEXT, OTHER
 from fsi.pores.solve import PoreFlow, stream
-from fsi.pores.steps import strain_rates
-from fsi.pores.trial import trial_functions
 
 # Hardly off the feet of a neck.
 _FEET = np.array([[1e-9, 1.0 - 1e-9], [1.0, 1.0]])
@@ -67,12 +65,12 @@ def necks_of(flow: PoreFlow) -> Necks:
 def _of_strips(flow: PoreFlow, batch: Batch, numbers: Array) -> Array:
     """What is dissipated in the strips along the sides of pores, (n, 3)."""
     shapes = flow.system.shapes.of(batch.pore)
-    points = pore_points(shapes, batch.rule)
-    rates = strain_rates(trial_functions(batch.orders), pore_data(shapes), points)
-    density = flow.system.viscosity * np.sum(np.einsum("em,emkq->ekq", numbers, rates) ** 2, axis=1)
-    size = batch.rule.along.shape[1] * batch.rule.across.shape[1]
-    strips: Array = density[:, : 3 * size].reshape(-1, 3, size).sum(axis=2)
-    return strips
+    data = pore_data(shapes)
+    points = pore_points(data, batch.rule)
+    rates = np.einsum("em,emkq->ekq", numbers, strain_rates(data, batch.orders, points))
+    lost = np.cumsum(flow.system.viscosity * np.sum(rates**2, axis=1), axis=1)
+    at_ends = np.take_along_axis(lost, points.ends[:, :3] - 1, axis=1)
+    return np.diff(at_ends, axis=1, prepend=0.0)
 
 
 def _fluxes(flow: PoreFlow, batch: Batch, numbers: Array) -> Array:
@@ -82,8 +80,8 @@ def _fluxes(flow: PoreFlow, batch: Batch, numbers: Array) -> Array:
     """
     system, G = flow.system, flow.loading.gradient
     shapes = system.shapes.of(batch.pore)
-    points = pore_points(shapes, Rule(_MIDDLE, _FEET, _MIDDLE))
-    psi = stream_function(shapes, points, batch, numbers)[0]
+    data = pore_data(shapes)
+    psi = stream_function(data, pore_points(data, uniform(_MIDDLE, _FEET, _MIDDLE)), batch, numbers)[0]
     rise = np.diff(psi[:, :6].reshape(-1, 3, 2))[..., 0]
     periods = np.zeros((2, 2))
     periods[: len(system.pores.surfaces.periods)] = system.pores.surfaces.periods

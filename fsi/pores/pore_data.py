@@ -1,71 +1,87 @@
-"""The numbers of each pore of which its trial functions are made, in columns that have names."""
+"""The numbers of each pore of which its points and trial functions are made, for compiled loops.
 
-from itertools import accumulate
+One array of complex numbers, since every array more makes machine code longer to make: places and vectors are
+x + i y, other numbers real parts.
+"""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
-from fsi.pores.regions import PoreShapes
+from fsi.pores.regions import NEXT, OTHER, PoreShapes
 from fsi.pores.surfaces import CONTAINER, WALL
 
-# What there is of each vertex v, or of side v, with the number of its columns; the last two, of the pore,
-# stand beside each vertex. An affine function c + g . (x - o) is o, g, c.
-_WIDTHS = {
-    "distance": 6,  # centre, normal of a wall, sign, 1 for a wall
-    "half square": 5,  # centre, sign, radius, 0 for a wall and 1 else
-    "turn x": 5,  # x - x_v and y - y_v; walls do not turn: 0
-    "turn y": 5,
-    "along": 5,  # x and y from where psi of the surface is its number c
-    "up": 5,
-    "x / a": 5,  # from the centre, over the radius
-    "y / a": 5,
-    "line": 5,  # e_v; 1 at a corner of two walls, where nothing has to vanish
-    "across": 5,  # e_v times its height over the distance D of the centres; 0 at a corner
-    "direction": 2,
-    "turn": 1,
-    "1 / a": 1,
-    "x / size": 5,  # coordinates from the middle of the pore that are 1 at the farthest arc
-    "y / size": 5,
-}
-_STARTS = dict(zip(_WIDTHS, accumulate(_WIDTHS.values(), initial=0), strict=False))
-_VERTEX = sum(_WIDTHS.values())
+type Complex = NDArray[np.complex128]
+
+# The columns, of each vertex v, or of side v opposite.
+(
+    IS_WALL,  # 1 of a wall, 0 of a circle
+    SIGN,  # -1 of a container, 1 else
+    CENTRE,
+    RADIUS,  # 1 of a wall
+    NORMAL,  # 0 of circles
+    REFERENCE,  # where psi of the surface is its number c
+    TOUCH,  # where the inscribed circle touches
+    FIRST,  # foot of the neck
+    SECOND,
+    DIRECTION,  # of the neck; 0 in the corner of a box
+    GAP,
+    GATHERING,  # T of the strip
+    LINE,  # gradient of e_v, 1 over its height; 0 in a corner, where nothing has to vanish and e_v is 1
+    IS_CORNER,  # 1 there, 0 else
+    ACROSS,  # gradient of what modes call e / D
+    TURN,  # +1 where the side runs as its neck is directed, -1 against it
+    MIDDLE,  # of the points of touching
+    SIZE,  # distance of the farthest of them from there
+) = range(18)
 
 
-def column(name: str, v: int = 0) -> int:
-    """The first column of what has this name, of vertex or side v."""
-    return _STARTS[name] + v * _VERTEX
-
-
-def pore_data(shapes: PoreShapes) -> Array:
-    """All columns, (E, .)."""
-    one = np.ones_like(shapes.gap)
-    zero = 0.0 * one
-    wall, bent = np.where(shapes.kind == WALL, one, 0.0), np.where(shapes.kind == WALL, 0.0, one)
-    sign = np.where(shapes.kind == CONTAINER, -one, 1.0)
-    inverse = 1.0 / np.where(shapes.radius > 0.0, shapes.radius, 1.0)
-    corner = shapes.gap <= 0.0
-    n, foot = shapes.direction, shapes.foot[:, :, 0]
-    upright = np.stack([-n[..., 1], n[..., 0]], -1)
-    height = np.where(corner, 1.0, np.sum(upright * (shapes.touch - foot), axis=2))[..., None]
-    reach = np.where(corner, 1.0, shapes.reach)[..., None]
-    middle = np.broadcast_to(shapes.touch.mean(axis=1)[:, None], foot.shape)
-    size = np.linalg.norm(shapes.touch - middle, axis=2).max(axis=1)[:, None] * one
+def pore_data(shapes: PoreShapes) -> Complex:
+    """All columns, (n, 3, .)."""
+    wall, corner = shapes.kind == WALL, shapes.gap <= 0.0
+    n, touch = planar(shapes.direction), planar(shapes.touch)
+    first, second = planar(shapes.foot[:, :, 0]), planar(shapes.foot[:, :, 1])
+    upright = 1j * n
+    height = np.where(corner, 1.0, (upright.conj() * (touch - first)).real)
+    middle = np.broadcast_to(touch.mean(axis=1)[:, None], touch.shape)
     columns = {
-        "distance": (shapes.centre, shapes.normal, sign, wall),
-        "half square": (shapes.centre, sign, shapes.radius, bent),
-        "turn x": (shapes.centre, bent, zero, zero),
-        "turn y": (shapes.centre, zero, bent, zero),
-        "along": (shapes.reference, one, zero, zero),
-        "up": (shapes.reference, zero, one, zero),
-        "x / a": (shapes.centre, inverse, zero, zero),
-        "y / a": (shapes.centre, zero, inverse, zero),
-        "line": (foot, upright / height, np.where(corner, one, 0.0)),
-        "across": (foot, upright / reach, zero),
-        "direction": (n,),
-        "turn": (shapes.turn,),
-        "1 / a": (inverse,),
-        "x / size": (middle, 1.0 / size, zero, zero),
-        "y / size": (middle, zero, 1.0 / size, zero),
+        IS_WALL: wall,
+        SIGN: np.where(shapes.kind == CONTAINER, -1.0, 1.0),
+        CENTRE: planar(shapes.centre),
+        RADIUS: np.where(wall, 1.0, shapes.radius),
+        NORMAL: planar(shapes.normal),
+        REFERENCE: planar(shapes.reference),
+        TOUCH: touch,
+        FIRST: first,
+        SECOND: second,
+        DIRECTION: n,
+        GAP: shapes.gap,
+        GATHERING: gathering(shapes),
+        LINE: upright / height,
+        IS_CORNER: corner,
+        ACROSS: upright / np.where(corner, 1.0, shapes.reach),
+        TURN: shapes.turn,
+        MIDDLE: middle,
+        SIZE: np.abs(touch - middle).max(axis=1)[:, None],
     }
-    parts = [part.reshape(*one.shape, -1) for name in _WIDTHS for part in columns[name]]
-    return np.concatenate(parts, axis=2).reshape(len(one), -1)
+    data = np.empty((*shapes.gap.shape, len(columns)), complex)
+    for column, values in columns.items():
+        data[..., column] = values
+    return data
+
+
+def planar(x: Array) -> Complex:
+    """Vectors (..., 2) as complex numbers."""
+    return np.asarray(x[..., 0] + 1j * x[..., 1])
+
+
+def gathering(shapes: PoreShapes) -> Array:
+    """T of all sides, arcsinh(span / sqrt(2 gap / (1/a_i + 1/a_j))), (n, 3)."""
+    sign = np.where(shapes.kind == CONTAINER, -1.0, 1.0)
+    bent = np.where(shapes.kind == WALL, 0.0, sign / np.where(shapes.radius > 0.0, shapes.radius, 1.0))
+    curvature = bent[:, NEXT] + bent[:, OTHER]
+    arms = shapes.touch[:, [NEXT, OTHER]].swapaxes(1, 2) - shapes.foot
+    span = 0.5 * np.linalg.norm(arms, axis=3).sum(axis=2)
+    gap = np.where(shapes.gap > 0.0, shapes.gap, np.inf)  # a corner of two walls
+    T: Array = np.arcsinh(span * np.sqrt(0.5 * np.maximum(curvature, 0.0) / gap))
+    return T

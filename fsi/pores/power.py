@@ -11,14 +11,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsi.pores.compiled import compiled
+from fsi.pores.compiled import compiled, internal
 from fsi.pores.links import Corner, Links, across, corner, cross, flip, moved, placed, split, step, turn
 from fsi.pores.surfaces import DISC, WALL, Bodies, Shapes
 
 TILT = 3e-8  # a linear map of this size decides between equal choices, alike in all images
 
 
-@compiled
+@internal
 def _power_centre(shapes: Shapes, a: Corner, b: Corner, c: Corner) -> tuple[float, float, float]:
     """Where discs a, b, c have equal powers, seen from a, times the last number, twice their triangle."""
     ex, ey, p = _power_line(shapes, a, b)
@@ -26,7 +26,7 @@ def _power_centre(shapes: Shapes, a: Corner, b: Corner, c: Corner) -> tuple[floa
     return p * fy - q * ey, q * ex - p * fx, cross(ex, ey, fx, fy)
 
 
-@compiled
+@internal
 def _power_line(shapes: Shapes, a: Corner, b: Corner) -> tuple[float, float, float]:
     """The normal e = b - a and e.(x - a) of points x of equal powers; tilted a little."""
     x, y = b[1] - a[1], b[2] - a[2]
@@ -35,7 +35,7 @@ def _power_line(shapes: Shapes, a: Corner, b: Corner) -> tuple[float, float, flo
     return x, y, 0.5 * (x * x + y * y - s * s + r * r)
 
 
-@compiled
+@internal
 def beyond(shapes: Shapes, a: Corner, b: Corner, c: Corner, d: Corner) -> bool:
     """Whether the power centre of discs a, b, c is nearer to disc d, or outside the wall or container d."""
     x, y, area = _power_centre(shapes, a, b, c)
@@ -48,7 +48,7 @@ def beyond(shapes: Shapes, a: Corner, b: Corner, c: Corner, d: Corner) -> bool:
     return bool(x * x + y * y > (shapes.radius[d[0]] * area) ** 2)
 
 
-@compiled
+@internal
 def _power_at_corner(shapes: Shapes, v: int, w: int, a: Corner) -> float:
     """The power to disc a of the point where two walls meet."""
     m, n = shapes.normal[v], shapes.normal[w]
@@ -59,7 +59,7 @@ def _power_at_corner(shapes: Shapes, v: int, w: int, a: Corner) -> float:
     return float(x * x + y * y - shapes.radius[a[0]] ** 2)
 
 
-@compiled
+@internal
 def _wrong(shapes: Shapes, c: Corner, a: Corner, b: Corner, d: Corner) -> bool:
     """Whether the side ab between the pores c, a, b and d, b, a is not of the power triangulation."""
     kind = shapes.kind
@@ -77,7 +77,7 @@ def _wrong(shapes: Shapes, c: Corner, a: Corner, b: Corner, d: Corner) -> bool:
     return turn(shapes, first, disc, last) > 0.0 and not beyond(shapes, first, disc, last, wall)
 
 
-@compiled
+@internal
 def _settle(shapes: Shapes, links: Links, queue: Bodies, waiting: int) -> None:
     """Flip sides, those in the queue and what they change, until all are of the power triangulation.
 
@@ -108,7 +108,7 @@ def _settle(shapes: Shapes, links: Links, queue: Bodies, waiting: int) -> None:
                 waiting += 1
 
 
-@compiled
+@internal
 def locate(shapes: Shapes, links: Links, t: int, x: Corner) -> tuple[int, int, int]:
     """The pore in which a point lies, and by how many periods it is translated there, by a walk from pore t.
 

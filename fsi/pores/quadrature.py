@@ -8,40 +8,86 @@ distances to both surfaces of a strip are formed without cancellation, whatever 
 """
 
 from functools import cache
+from math import ceil
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.special import roots_jacobi
 
 from fsi.bodies.configuration import Array
-from fsi.pores.regions import NEXT, OTHER, PoreShapes, cross
-from fsi.pores.surfaces import CONTAINER, WALL
+from fsi.pores.compiled import compiled, inlined, internal
+from fsi.pores.pore_data import (
+    CENTRE,
+    DIRECTION,
+    FIRST,
+    GAP,
+    GATHERING,
+    IS_WALL,
+    MIDDLE,
+    NORMAL,
+    RADIUS,
+    SECOND,
+    SIGN,
+    TOUCH,
+    Complex,
+    planar,
+)
+
+# Rows of points.
+X, Y, DISTANCE, WEIGHT, ROOT = 0, 1, 2, 5, 6  # three distances; the root of the weight's size
+ROWS = 7
+_LONGEST = 60  # T of a gap of 1e-50 radii
 
 
 class Rule(NamedTuple):
-    """Gauss points on (0, 1) and their weights, (2, .): along strips, across strips, and in the triangle."""
+    """Points on (0, 1) and their weights, (2, .).
+
+    Attributes:
+        along: strips, (n, 2, .): of the n-th list the first `first + n` are points; a strip takes the list
+            that its T times `gathering` asks for.
+        first: how many points the first list has.
+        gathering: points more for each unit of T.
+        across: strips.
+        outwards: from the middle of the triangle, with the weight u du.
+        around: it, along each of its sides.
+    """
 
     along: Array
+    first: int
+    gathering: float
     across: Array
-    inside: Array
+    outwards: Array
+    around: Array
 
 
 class Points(NamedTuple):
-    """Q points of each of n pores.
+    """At most Q points of each of n pores.
 
     Attributes:
-        x: coordinates, (n, Q, 2).
-        weight: (n, Q).
-        distance: to the three surfaces, (3, n, Q).
+        rows: X, Y, three from DISTANCE on, WEIGHT, ROOT, (n, ROWS, Q); weights are 0 beyond the last point.
+        ends: how many are in the strips of sides 0; 0, 1; 0, 1, 2; and in all, (n, 4).
     """
 
-    x: Array
-    weight: Array
-    distance: Array
+    rows: Array
+    ends: NDArray[np.int64]
 
 
-def rule(along: int, across: int, inside: int) -> Rule:
-    """The rule with these numbers of points."""
-    return Rule(*(_gauss(n) for n in (along, across, inside)))
+@cache
+def rule(along: int, across: int, inside: int, gathering: float) -> Rule:
+    """Gauss points: `along` strips and more where they gather, `across` them, `inside` the triangle."""
+    lists = int(gathering * _LONGEST)
+    table = np.zeros((lists, 2, along + lists - 1))
+    for n, row in enumerate(table, along):
+        row[:, :n] = _gauss(n)
+    u, du = roots_jacobi(inside - 1, 0.0, 1.0)
+    outwards = np.stack([(u + 1.0) / 2.0, du / 4.0])
+    return Rule(table, along, gathering, _gauss(across), outwards, _gauss(inside))
+
+
+def uniform(along: Array, across: Array, inside: Array) -> Rule:
+    """The same points in all strips; without weights."""
+    return Rule(along[None], along.shape[1], 0.0, across, inside, inside)
 
 
 @cache
@@ -50,105 +96,137 @@ def _gauss(n: int) -> Array:
     return np.stack([(x + 1.0) / 2.0, w / 2.0])
 
 
-def pore_points(shapes: PoreShapes, rule: Rule) -> Points:
+def pore_points(data: Complex, rule: Rule) -> Points:
     """The points of pores."""
-    parts = [part(shapes, v, rule) for part in (_strip, _triangle) for v in range(3)]
-    x, weight, distance = (np.concatenate(part, axis=-1) for part in zip(*parts, strict=True))
-    return Points(np.moveaxis(x, 0, -1), weight, distance)
+    points = Points(np.zeros((len(data), ROWS, most_points(data, rule))), np.zeros((len(data), 4), np.int64))
+    _fill(data, rule, points)
+    places, beyond = points.rows[:, :WEIGHT], np.arange(points.rows.shape[2]) >= points.ends[:, 3:]
+    np.copyto(places, places[..., :1].copy(), where=beyond[:, None])  # of fluid, where functions are finite
+    return points
 
 
-def distances(shapes: PoreShapes, x: Array) -> Array:
-    """Distances of points (n, Q, 2) to the three surfaces, (3, n, Q)."""
-    return np.stack([_distance(shapes, v, np.moveaxis(x, -1, 0)) for v in range(3)])
+def points_at(data: Complex, x: Array) -> Points:
+    """One point (x, y), (n, 2), of each pore, of weight 1."""
+    r = planar(x)[:, None] - data[..., CENTRE]
+    flat = (data[..., NORMAL].conj() * r).real
+    bent = data[..., SIGN].real * (np.abs(r) - data[..., RADIUS].real)
+    one = np.ones((len(x), 1))
+    rows = np.concatenate([x, np.where(data[..., IS_WALL] == 1.0, flat, bent), one, one], axis=1)
+    return Points(rows[..., None], np.ones((len(x), 4), np.int64))
 
 
-def _strip(shapes: PoreShapes, v: int, rule: Rule) -> tuple[Array, Array, Array]:
-    """x (2, n, Q), weights and distances of the strips along side v."""
-    i, j, n = NEXT[v], OTHER[v], len(shapes.gap)
-    t, dt = _gathered(shapes, v, rule.along)
-    s = rule.across[0]
-    at_i, along_i = _arc(shapes, v, 0, t)
-    at_j, along_j = _arc(shapes, v, 1, t)
-    # The vector across is formed from what is small in a narrow neck.
-    across = (shapes.gap[:, v, None] * shapes.direction[:, v]).T[..., None] + at_j - at_i
-    tangent = (1.0 - s) * along_i[..., None] + s * along_j[..., None]
-    weight = cross(across[..., None], tangent) * dt[..., None] * rule.across[1]
-    step = s * across[..., None]
-    from_i, from_j = (shapes.foot[:, v, end].T[..., None] + at for end, at in ((0, at_i), (1, at_j)))
-    x = from_i[..., None] + step
-    distance = np.empty((3, *weight.shape))
-    distance[i] = _off(shapes, i, from_i, step)
-    distance[j] = _off(shapes, j, from_j, (s - 1.0) * across[..., None])
-    distance[v] = _distance(shapes, v, x)
-    return x.reshape(2, n, -1), weight.reshape(n, -1), distance.reshape(3, n, -1)
+def most_points(data: Complex, rule: Rule) -> int:
+    """Of any of these pores."""
+    asked = ceil(rule.gathering * float(data[..., GATHERING].real.max(initial=0.0)))
+    along = rule.first + min(asked, len(rule.along) - 1)
+    return int(3 * (along * rule.across.shape[1] + rule.outwards.shape[1] * rule.around.shape[1]))
 
 
-def _triangle(shapes: PoreShapes, v: int, rule: Rule) -> tuple[Array, Array, Array]:
-    """x, weights and distances of the third of the triangle between points of touching along side v.
+@compiled
+def _fill(data: Complex, rule: Rule, points: Points) -> None:
+    for e in range(len(data)):
+        fill_pore(data[e], rule, points.rows[e], points.ends[e])
+
+
+@internal
+def fill_pore(pore: Complex, rule: Rule, rows: Array, ends: NDArray[np.int64]) -> None:
+    """Make the points of a pore, (ROWS, .), and say where parts end, (4,)."""
+    q = int(np.int64(0))  # of one type throughout, so that nothing is compiled twice
+    for v in range(3):
+        q = _strip(pore, v, rule, rows, q)
+        ends[v] = q
+    for v in range(3):
+        q = _triangle(pore, v, rule, rows, q)
+    ends[3] = q
+    for p in range(q):
+        rows[ROOT, p] = np.sqrt(abs(rows[WEIGHT, p]))
+
+
+@internal
+def _strip(pore: Complex, v: int, rule: Rule, rows: Array, q: int) -> int:
+    """The strip along side v, from point q on; the next q."""
+    i, j = (v + 1) % 3, (v + 2) % 3
+    T, first, second = max(pore[v, GATHERING].real, 1e-3), pore[v, FIRST], pore[v, SECOND]
+    more = min(int(np.ceil(rule.gathering * pore[v, GATHERING].real)), len(rule.along) - 1)
+    for k in range(rule.first + more):
+        tau, weight = rule.along[more, 0, k], rule.along[more, 1, k]
+        t, dt = np.sinh(tau * T) / np.sinh(T), weight * T * np.cosh(tau * T) / np.sinh(T)
+        at_i, along_i = _arc(pore, i, first, t)
+        at_j, along_j = _arc(pore, j, second, t)
+        # The vector across is formed from what is small in a narrow neck.
+        across = pore[v, GAP].real * pore[v, DIRECTION] + (at_j - at_i)
+        on_i, on_j = first + at_i, second + at_j
+        for m in range(rule.across.shape[1]):
+            s = rule.across[0, m]
+            x, tangent = on_i + s * across, (1.0 - s) * along_i + s * along_j
+            rows[X, q], rows[Y, q] = x.real, x.imag
+            rows[WEIGHT, q] = _cross(across, tangent) * dt * rule.across[1, m]
+            rows[DISTANCE + i, q] = _off(pore, i, on_i, s * across)
+            rows[DISTANCE + j, q] = _off(pore, j, on_j, (s - 1.0) * across)
+            rows[DISTANCE + v, q] = _distance(pore, v, x)
+            q += 1
+    return q
+
+
+@internal
+def _triangle(pore: Complex, v: int, rule: Rule, rows: Array, q: int) -> int:
+    """The third of the triangle between points of touching along side v, from point q on; the next q.
 
     Points gather at its middle, so that no vertex of a pore is before another.
     """
-    (u, du), A = rule.inside, np.moveaxis(shapes.touch, 0, -1)  # (3, 2, n)
-    middle = A.mean(axis=0)[..., None]
-    first, second = A[NEXT[v]][..., None] - middle, A[OTHER[v]][..., None] - middle
-    x = middle + np.outer(u, 1.0 - u).ravel() * first + np.outer(u, u).ravel() * second
-    weight = cross(first, second) * np.outer(u * du, du).ravel()
-    return x, weight, np.stack([_distance(shapes, k, x) for k in range(3)])
+    middle = pore[v, MIDDLE]
+    first, second = pore[(v + 1) % 3, TOUCH] - middle, pore[(v + 2) % 3, TOUCH] - middle
+    area = _cross(first, second)
+    for k in range(rule.outwards.shape[1]):
+        for m in range(rule.around.shape[1]):
+            u, t = rule.outwards[0, k], rule.around[0, m]
+            x = middle + u * ((1.0 - t) * first + t * second)
+            rows[X, q], rows[Y, q] = x.real, x.imag
+            rows[WEIGHT, q] = area * rule.outwards[1, k] * rule.around[1, m]
+            for surface in range(3):
+                rows[DISTANCE + surface, q] = _distance(pore, surface, x)
+            q += 1
+    return q
 
 
-def gathering(shapes: PoreShapes, v: int) -> Array:
-    """T of side v, arcsinh(span / sqrt(2 gap / (1/a_i + 1/a_j))), (n,)."""
-    curvature, span = np.zeros(len(shapes.gap)), np.zeros(len(shapes.gap))
-    for end, k in enumerate((NEXT[v], OTHER[v])):
-        sign = np.where(shapes.kind[:, k] == CONTAINER, -1.0, 1.0)
-        bent = shapes.kind[:, k] != WALL
-        curvature[bent] += sign[bent] / shapes.radius[bent, k]
-        span += 0.5 * np.linalg.norm(shapes.touch[:, k] - shapes.foot[:, v, end], axis=1)
-    gap = np.where(shapes.gap[:, v] > 0.0, shapes.gap[:, v], np.inf)  # a corner of two walls
-    T: Array = np.arcsinh(span * np.sqrt(0.5 * np.maximum(curvature, 0.0) / gap))
-    return T
+@inlined
+def _cross(a: complex, b: complex) -> float:
+    """a_x b_y - a_y b_x."""
+    return a.real * b.imag - a.imag * b.real
 
 
-def _gathered(shapes: PoreShapes, v: int, along: Array) -> tuple[Array, Array]:
-    """t and its weights, (n, T)."""
-    T = np.maximum(gathering(shapes, v), 1e-3)[:, None]
-    tau, weight = along
-    return np.sinh(tau * T) / np.sinh(T), weight * T * np.cosh(tau * T) / np.sinh(T)
+@internal
+def _arc(pore: Complex, k: int, foot: complex, t: float) -> tuple[complex, complex]:
+    """P(t) - foot on surface k and P'(t); P(1) is the point of touching."""
+    if pore[k, IS_WALL].real > 0.0:
+        straight = pore[k, TOUCH] - foot
+        return t * straight, straight
+    f, g = foot - pore[k, CENTRE], pore[k, TOUCH] - pore[k, CENTRE]
+    full = np.arctan2(_cross(f, g), f.real * g.real + f.imag * g.imag)
+    sine, versine = np.sin(full * t), 2.0 * np.sin(0.5 * full * t) ** 2
+    turned = complex(-f.imag, f.real)
+    return sine * turned - versine * f, full * ((1.0 - versine) * turned - sine * f)
 
 
-def _arc(shapes: PoreShapes, v: int, end: int, t: Array) -> tuple[Array, Array]:
-    """P(t) - foot on one surface of side v and P'(t), both (2, n, T); P(1) is the point of touching."""
-    k = (NEXT[v], OTHER[v])[end]
-    foot, touch = shapes.foot[:, v, end].T[..., None], shapes.touch[:, k].T[..., None]
-    centre = shapes.centre[:, k].T[..., None]
-    f, g = foot - centre, touch - centre
-    full = np.arctan2(cross(f, g), np.sum(f * g, axis=0))
-    sine, cosine, versine = np.sin(full * t), np.cos(full * t), 2.0 * np.sin(0.5 * full * t) ** 2
-    turned = np.stack([-f[1], f[0]])
-    wall = (shapes.kind[:, k] == WALL)[:, None]
-    bent, rate = sine * turned - versine * f, full * (cosine * turned - sine * f)
-    return np.where(wall, t * (touch - foot), bent), np.where(wall, touch - foot, rate)
-
-
-def _off(shapes: PoreShapes, k: int, on: Array, step: Array) -> Array:
-    """Distance to surfaces k, steps (2, n, T, S) away from points (2, n, T) on them.
+@inlined
+def _off(pore: Complex, k: int, on: complex, step: complex) -> float:
+    """Distance to surface k a step away from a point on it.
 
     |x|^2 - a^2 = (|x| - a) (|x| + a) keeps the digits of small steps.
     """
-    c, a = shapes.centre[:, k].T[..., None, None], shapes.radius[:, k, None, None]
-    square = np.sum((2.0 * (on[..., None] - c) + step) * step, axis=0)
-    sign = np.where(shapes.kind[:, k] == CONTAINER, -1.0, 1.0)[:, None, None]
-    wall = (shapes.kind[:, k] == WALL)[:, None, None]
-    flat = np.sum(shapes.normal[:, k].T[..., None, None] * step, axis=0)
-    root = np.sqrt(np.maximum(a * a + square, 0.0))
-    return np.where(wall, flat, sign * square / np.where(wall, 1.0, a + root))
+    if pore[k, IS_WALL].real > 0.0:
+        n = pore[k, NORMAL]
+        return float(n.real * step.real + n.imag * step.imag)
+    a, r = pore[k, RADIUS].real, 2.0 * (on - pore[k, CENTRE]) + step
+    square = r.real * step.real + r.imag * step.imag
+    return float(pore[k, SIGN].real * square / (a + np.sqrt(max(a * a + square, 0.0))))
 
 
-def _distance(shapes: PoreShapes, k: int, x: Array) -> Array:
-    """Distance of points (2, n, ...) to surfaces k."""
-    shape = (-1,) + (1,) * (x.ndim - 2)
-    r = x - shapes.centre[:, k].T.reshape(2, *shape)
-    sign = np.where(shapes.kind[:, k] == CONTAINER, -1.0, 1.0).reshape(shape)
-    flat = np.sum(r * shapes.normal[:, k].T.reshape(2, *shape), axis=0)
-    wall = (shapes.kind[:, k] == WALL).reshape(shape)
-    return np.where(wall, flat, sign * (np.hypot(r[0], r[1]) - shapes.radius[:, k].reshape(shape)))
+@inlined
+def _distance(pore: Complex, k: int, x: complex) -> float:
+    """Distance of a point to surface k."""
+    r, n = x - pore[k, CENTRE], pore[k, NORMAL]
+    if pore[k, IS_WALL].real > 0.0:
+        return float(n.real * r.real + n.imag * r.imag)
+    length = np.sqrt(r.real * r.real + r.imag * r.imag)
+    return float(pore[k, SIGN].real * (length - pore[k, RADIUS].real))

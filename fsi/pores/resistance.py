@@ -25,9 +25,9 @@ from fsi.pores.bars import bar_factor, finer, reference_modes
 from fsi.pores.definite import solve_definite
 from fsi.pores.fineness import Fineness
 from fsi.pores.model import make_system
+from fsi.pores.orders import RIGID
 from fsi.pores.solve import EPSILON
 from fsi.pores.system import PoreSystem
-from fsi.pores.trial import RIGID
 
 
 @dataclass(frozen=True, slots=True)

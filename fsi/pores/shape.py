@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.pores.compiled import compiled
+from fsi.pores.compiled import compiled, internal
 from fsi.pores.links import Corner, Links, across, cross, flip, turn
 from fsi.pores.surfaces import CONTAINER, DISC, WALL, Array, Bodies, Shapes
 
@@ -14,7 +14,7 @@ _EQUAL = 1e-6  # circles as far as that from a body, over their radius, touch it
 _ROUNDS = 100
 
 
-@compiled
+@internal
 def distance(shapes: Shapes, x: float, y: float, a: Corner) -> float:
     """Of the point (x, y) from a surface, positive in the fluid."""
     kind, r = shapes.kind[a[0]], shapes.radius[a[0]]
@@ -25,7 +25,7 @@ def distance(shapes: Shapes, x: float, y: float, a: Corner) -> float:
     return float(-r - length if kind == CONTAINER else length - r)
 
 
-@compiled
+@internal
 def _tangent(shapes: Shapes, a: Corner, b: Corner) -> tuple[float, float, float, float]:
     """e, p, f: centres a + y of circles of radius rho that touch disc a and b have e.y = p + f rho."""
     x, y, r, s = b[1] - a[1], b[2] - a[2], shapes.radius[a[0]], shapes.radius[b[0]]
@@ -35,7 +35,7 @@ def _tangent(shapes: Shapes, a: Corner, b: Corner) -> tuple[float, float, float,
     return x, y, 0.5 * (x * x + y * y - s * s + r * r), r - s
 
 
-@compiled
+@internal
 def inscribed(shapes: Shapes, a: Corner, b: Corner, c: Corner) -> tuple[float, float, float]:
     """Centre and radius of the least circle between three surfaces that touches them; nan for none."""
     for _ in range(2):
@@ -56,14 +56,14 @@ def inscribed(shapes: Shapes, a: Corner, b: Corner, c: Corner) -> tuple[float, f
     return a[1] + ux + vx * rho, a[2] + uy + vy * rho, rho
 
 
-@compiled
+@internal
 def conflict(shapes: Shapes, a: Corner, b: Corner, c: Corner, d: Corner) -> float:
     """Distance of d from the inscribed circle of a, b, c over its radius; -inf where there is none."""
     x, y, rho = inscribed(shapes, a, b, c)
     return distance(shapes, x, y, d) / rho - 1.0 if rho > 0.0 else -np.inf
 
 
-@compiled
+@internal
 def neck(shapes: Shapes, a: Corner, b: Corner) -> tuple[float, float]:
     """The vector along the neck from a to b: between centres, or between a centre and its foot."""
     sign = 1.0
@@ -79,7 +79,7 @@ def neck(shapes: Shapes, a: Corner, b: Corner) -> tuple[float, float]:
     return sign * x, sign * y
 
 
-@compiled
+@internal
 def from_neck(shapes: Shapes, x: float, y: float, a: Corner, b: Corner) -> float:
     """Distance of a point from the neck ab and what prolongs it to centres."""
     if shapes.kind[a[0]] != DISC:
@@ -90,7 +90,7 @@ def from_neck(shapes: Shapes, x: float, y: float, a: Corner, b: Corner) -> float
     return float(np.hypot(u - along * ex, v - along * ey))
 
 
-@compiled
+@internal
 def clearance(shapes: Shapes, c: Corner, a: Corner, b: Corner) -> float:
     """Distance of disc c from the neck ab over its radius, or over theirs if less; infinite for a wall."""
     if shapes.kind[c[0]] != DISC or (shapes.kind[a[0]] != DISC and shapes.kind[b[0]] != DISC):
@@ -99,13 +99,13 @@ def clearance(shapes: Shapes, c: Corner, a: Corner, b: Corner) -> float:
     return float((from_neck(shapes, c[1], c[2], a, b) - r) / min(r, s))
 
 
-@compiled
+@internal
 def narrowest(shapes: Shapes, a: Corner, b: Corner, c: Corner) -> float:
     """The smallest clearance in a pore."""
     return min(clearance(shapes, a, b, c), clearance(shapes, b, c, a), clearance(shapes, c, a, b))
 
 
-@compiled
+@internal
 def _urgency(shapes: Shapes, links: Links, t: int, k: int) -> float:
     """What side k of pore t asks for a flip by, the less the sooner; infinite where it should stay.
 

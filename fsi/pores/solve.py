@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Inertia, Motion
 from fsi.pores.assembly import Batch
 from fsi.pores.definite import solve_definite
+from fsi.pores.orders import RIGID
 from fsi.pores.system import PoreSystem
-from fsi.pores.trial import RIGID
 
 _TINY, EPSILON = float(np.finfo(float).tiny), float(np.finfo(float).eps)
 

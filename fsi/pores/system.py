@@ -10,10 +10,10 @@ import numpy as np
 from fsi.bodies.configuration import Array
 from fsi.pores.assembly import Assembly, Index, assemble
 from fsi.pores.fluid_discs import with_fluid_discs
+from fsi.pores.orders import RIGID
 from fsi.pores.regions import PoreShapes, shapes_of
 from fsi.pores.surfaces import DISC, BoundingSurfaces, NoPoresError
 from fsi.pores.topology import Pores, triangulate
-from fsi.pores.trial import RIGID
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,15 +7,13 @@ import pytest
 
 from fsi.lubrication.exact import normal_resistance, parallel_resistance, rotation_resistance
 from fsi.pores.fields import FlowFields
+from fsi.pores.forms import pore_forms, strain_rates, values
 from fsi.pores.inner import inner_flow, inner_form
-from fsi.pores.jets import Formulas, Sum, program
 from fsi.pores.pore_data import pore_data
-from fsi.pores.quadrature import Points, pore_points
+from fsi.pores.quadrature import points_at, pore_points
 from fsi.pores.solve import PoreLoading, solve_pores
-from fsi.pores.steps import strain_rates, values
 from fsi.pores.surfaces import BoundingSurfaces
 from fsi.pores.system import PoreSystem
-from fsi.pores.trial import trial_functions
 from tests.pore_surfaces import (
     REFERENCE,
     box,
@@ -36,30 +34,46 @@ def packing(seed: int) -> BoundingSurfaces:
     return channel(centres, 1.0 + 0.1 * rng.random(9), 7.4, 7.2)
 
 
-def test_products_of_jets_are_derived_by_leibniz_rule() -> None:
-    """x^2 y^3 at (0.7, -1.3): every derivative by hand; and functions that are sums, by what they sum up."""
-    x, y = 0.7, -1.3
-    formulas = Formulas()
-    X, Y = formulas.affine(0), formulas.affine(5)
-    data = np.array([[0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 3.0]])
-    squares, cubes = X * X, Y * Y * Y
-    one = X.reciprocal() * X
-    sums: list[Sum] = [
-        [(squares, cubes)],
-        [(squares * cubes, None)],
-        [(squares.scaled(2.0), cubes.by(10)), (cubes * Y, X), (one, None)],
-        [(one.plus(-0.5).scaled(2.0) - squares.scaled(3.0), None)],
-    ]
-    points = Points(np.array([[[x, y]]]), np.array([[4.0]]), np.zeros((3, 1, 1)))
-    f, again, g, h = values(program(formulas, sums), data, points)[0, :, :, 0]
-    expected = [x**2 * y**3, 2 * x * y**3, 3 * x**2 * y**2, 2 * y**3, 6 * x * y**2, 6 * x**2 * y]
-    assert f == pytest.approx(expected, rel=1e-14)
-    assert again == pytest.approx(expected, rel=1e-14)
-    more = np.array([x * y**4 + 1.0, y**4, 4 * x * y**3, 0.0, 4 * y**3, 12 * x * y**2])
-    assert g == pytest.approx(6.0 * f + more, rel=1e-14)
-    assert h == pytest.approx([1.0 - 3 * x**2, -6 * x, 0.0, -6.0, 0.0, 0.0], rel=1e-14, abs=1e-14)
-    rates = strain_rates(program(formulas, sums), data, points)[0, :, :, 0]
-    assert rates == pytest.approx(2.0 * np.array([[2 * p[4], p[5] - p[3]] for p in (f, f, g, h)]), rel=1e-13)
+@pytest.mark.parametrize("modes", [4, 8])
+def test_derivatives_of_all_trial_functions_are_those_of_their_values(modes: int) -> None:
+    """Central differences over 1e-5 of psi and of its first derivatives, in the middle of pores: 1e-7 of the
+    largest derivative of each function."""
+    h, system = 1e-5, PoreSystem.make(packing(5), modes, 1.0)
+    for batch in system.assembly.batches:
+        shapes = system.shapes.of(batch.pore)
+        data, middle = pore_data(shapes), shapes.touch.mean(axis=1)
+        here = values(data, batch.orders, points_at(data, middle))[..., 0]
+        for axis, (first, mixed, second) in enumerate(((1, 3, 4), (2, 4, 5))):
+            step = h * np.eye(2)[axis]
+            after, before = (
+                values(data, batch.orders, points_at(data, middle + s))[..., 0] for s in (step, -step)
+            )
+            rise = (after - before) / (2.0 * h)
+            found = here[:, :, [first, mixed, second]]
+            size = np.abs(here).max(axis=2, keepdims=True)
+            assert np.abs(rise[:, :, :3] - found).max() <= 1e-7 * size.max()
+            assert np.all(np.abs(rise[:, :, :3] - found) <= 1e-6 * size)
+
+
+def test_strain_rates_of_forms_are_those_of_the_values() -> None:
+    """K from psi_xx, psi_xy, psi_yy of all functions by NumPy: the loops of forms take 4 psi_zz alone."""
+    system = PoreSystem.make(packing(1), 4, 1.0)
+    for batch in system.assembly.batches:
+        data = pore_data(system.shapes.of(batch.pore))
+        rates = strain_rates(data, batch.orders, pore_points(data, batch.rule))
+        for pore, K in zip(rates.reshape(*rates.shape[:2], -1), batch.forms.K, strict=True):
+            S, B = pore[: batch.orders.shared], pore[batch.orders.shared :]
+            S = S - np.linalg.lstsq(B.T, S.T)[0].T @ B
+            size = np.sqrt(np.outer(K.diagonal(), K.diagonal()))
+            assert np.all(np.abs(S @ S.T - K) <= 1e-9 * size)
+
+
+def test_a_pore_has_the_same_form_alone_as_among_others() -> None:
+    """Its points follow from its own necks, not from the narrowest around."""
+    system = PoreSystem.make(packing(2), 2, 1.0)
+    for batch in system.assembly.batches:
+        one = pore_forms(system.shapes.of(batch.pore[-1:]), batch.rule, batch.orders)
+        assert np.array_equal(one.K[0], batch.forms.K[-1])
 
 
 def test_the_dissipation_inside_fluid_discs_is_that_of_their_polynomials() -> None:
@@ -84,8 +98,8 @@ def test_bubbles_that_nearly_depend_on_each_other_are_eliminated_all_the_same() 
     system = PoreSystem.make(square_array(0.3), 16, 1.0)
     for batch in system.assembly.batches:
         shapes = system.shapes.of(batch.pore)
-        program = trial_functions(batch.orders)
-        rates = strain_rates(program, pore_data(shapes), pore_points(shapes, batch.rule))
+        data = pore_data(shapes)
+        rates = strain_rates(data, batch.orders, pore_points(data, batch.rule))
         for pore, K in zip(rates.reshape(*rates.shape[:2], -1), batch.forms.K, strict=True):
             S, B = pore[: batch.orders.shared], pore[batch.orders.shared :]
             basis = np.linalg.qr((B / np.linalg.norm(B, axis=1)[:, None]).T)[0]

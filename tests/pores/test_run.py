@@ -157,16 +157,17 @@ def test_fluxes_through_the_necks_of_an_array_add_up_to_the_mean_flow() -> None:
 
 @needs_mpi
 def test_two_ranks_write_what_one_writes(tmp_path: Path) -> None:
-    """Root alone writes; every rank computes the same."""
+    """Root alone writes; every rank computes the same. All take machine code that was kept: what a process
+    has just compiled may round in another way."""
     case = case_of(time={"end": 0.05, "tolerance": 1e-2}, output={})
-    run(case, tmp_path / "one")
     (tmp_path / "case.toml").write_text(case.as_toml())
-    command = [str(MPIEXEC), "-n", "2", sys.executable, "-m", "fsi", "run", str(tmp_path / "case.toml")]
+    fsi.solve(case)  # compiles what is not kept yet
+    command = [sys.executable, "-m", "fsi", "run", str(tmp_path / "case.toml"), "-o"]
     environment = os.environ | {"OMP_NUM_THREADS": "1"}
-    done = subprocess.run(
-        [*command, "-o", str(tmp_path / "two")], env=environment, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
+    for name, launcher in (("one", []), ("two", [str(MPIEXEC), "-n", "2"])):
+        full = [*launcher, *command, str(tmp_path / name)]
+        done = subprocess.run(full, env=environment, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
     assert contents(tmp_path / "two") == contents(tmp_path / "one")
 
 

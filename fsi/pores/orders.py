@@ -1,0 +1,40 @@
+"""Which trial functions a pore has, and how many."""
+
+from typing import NamedTuple
+
+RIGID = 4  # U_x, U_y, omega, c
+STRAINED = 2  # the order of bodies whose stresslets are wanted: z^2 is a strain rate
+CUBIC = 3  # the least order of fluid discs
+
+
+class Orders(NamedTuple):
+    """Which trial functions pores have.
+
+    Attributes:
+        modes: of each of the three sides.
+        fluid: order M of the vertices that are discs of fluid, at least CUBIC: psi is a biharmonic
+            polynomial of 4 M - 2 numbers there; STRAINED, with Re and Im of z^2, of bodies that are tested by
+            a strain rate, 0 of others.
+        bubbles: the degree of p(x, y).
+        neck_bubbles: degrees + 1 of p(e, l_j - l_i) along and across each neck; 0 for none.
+    """
+
+    modes: tuple[int, int, int]
+    fluid: tuple[int, int, int]
+    bubbles: int
+    neck_bubbles: int
+
+    @property
+    def shared(self) -> int:
+        """How many functions belong to surfaces and necks; those that follow are bubbles."""
+        return sum(numbers_of(order) for order in self.fluid) + sum(self.modes)
+
+    @property
+    def total(self) -> int:
+        """How many functions there are."""
+        return self.shared + (self.bubbles + 1) * (self.bubbles + 2) // 2 + 3 * self.neck_bubbles**2
+
+
+def numbers_of(order: int) -> int:
+    """How many numbers a fluid disc of that order has, or a surface that is none, of order 0."""
+    return 4 * order - 2 if order else RIGID
