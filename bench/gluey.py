@@ -16,6 +16,8 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+sys.path.insert(0, str(Path(__file__).parents[1]))  # of a checkout that runs bench/gluey.py
+
 from bench.scaling import JSON_HELP, Scaling
 from fsi.bodies.configuration import Array
 from fsi.case.gluey import ContactLaw

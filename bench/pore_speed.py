@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from time import process_time
@@ -15,6 +16,8 @@ from time import process_time
 import numpy as np
 from rich.console import Console
 from rich.table import Table
+
+sys.path.insert(0, str(Path(__file__).parents[1]))  # of a checkout that runs bench/pore_speed.py
 
 from bench.step import forget_peak, peak_memory
 from fsi.bodies.configuration import Array, Motion

@@ -8,6 +8,7 @@ defects: the worst of all identities; to read: CPU seconds to check the case, on
 from __future__ import annotations
 
 import os
+import sys
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # CPU seconds are those of one thread
 
@@ -18,6 +19,8 @@ from pathlib import Path
 from time import process_time
 
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1]))  # of a checkout that runs bench/reduced.py
 
 from bench.scaling import JSON_HELP, Scaling
 from fsi.arrangements.arrangement import Wanted

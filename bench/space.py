@@ -11,6 +11,7 @@ peaks of all ranks, some 200 each of which are libraries.
 
 from __future__ import annotations
 
+import sys
 import time
 from pathlib import Path
 from typing import Annotated
@@ -19,6 +20,8 @@ import typer
 from mpi4py import MPI
 from rich.console import Console
 from rich.table import Table
+
+sys.path.insert(0, str(Path(__file__).parents[1]))  # of a checkout that runs bench/space.py
 
 from bench.scaling import JSON_HELP, Scaling
 from bench.step import PHASES, forget_peak, peak_memory
