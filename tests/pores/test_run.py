@@ -14,7 +14,7 @@ import pytest
 
 import fsi
 from fsi.case.case import Case
-from fsi.case.load import parse_case
+from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
 from fsi.integration.state import StepRecord
 from fsi.pores.instant import PoreInstant
@@ -27,6 +27,7 @@ from tests.commands import fsi_command
 from tests.pictures import NO_PICTURES
 from tests.small_run import contents
 
+CASES = Path(__file__).parents[2] / "cases"
 MPIEXEC = Path(sys.executable).with_name("mpiexec")
 needs_mpi = pytest.mark.skipif(not MPIEXEC.exists(), reason="no mpiexec beside this Python")
 
@@ -153,6 +154,25 @@ def test_fluxes_through_the_necks_of_an_array_add_up_to_the_mean_flow() -> None:
     assert (upright.sum(), level.sum()) == (1, 1)
     assert necks.flux[upright] == pytest.approx([0.5 * L**2 - L], abs=1e-6)
     assert necks.flux[level] == pytest.approx([0.0], abs=1e-6)
+
+
+def test_the_flux_through_a_neck_is_that_of_the_velocity_across_it() -> None:
+    """Of ten discs, whichever way each neck runs: `int u . n ds` from foot to foot, n to the right."""
+    case = load_case(CASES / "pores" / "couette_N10.toml", ["pores.modes=2"])
+    solved = fsi.solve(case)
+    assert isinstance(solved.instant, PoreInstant)
+    necks, q, L = solved.instant.necks, case.configuration(), float(case.container().periods[0, 0])
+    s, weights = np.polynomial.legendre.leggauss(12)
+    for k in np.flatnonzero((necks.sides < len(q)).all(axis=1)):
+        i, j = necks.sides[k]
+        way = q.centres[j] + np.array([L * necks.image[k, 0], 0.0]) - q.centres[i]
+        way /= np.hypot(*way)
+        across = q.radii[i] + 0.5 * necks.gap[k] * (1.0 + s)
+        x = q.centres[i] + across[:, None] * way
+        x[:, 0] %= L
+        u = solved.velocity(x)
+        flux = 0.5 * necks.gap[k] * weights @ (u[:, 0] * way[1] - u[:, 1] * way[0])
+        assert necks.flux[k] == pytest.approx(flux, abs=1e-6)
 
 
 @needs_mpi
