@@ -144,7 +144,7 @@ def _laws(case: Case, mode: Mode, key: str, name: str) -> GapLaws:
     bodies = _Asked(case, mode, key, name, _between_bodies(case), key)
     wall_key = key if wall_law is None else f"wall_{key}"
     walls = _Asked(case, mode, wall_key, wall_law or name, _beside_walls(case), f"wall_{key}")
-    return GapLaws(bodies.law(), walls.law(), key)
+    return GapLaws(bodies.law(0.25), walls.law(0.0), key)
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,16 +164,16 @@ class _Asked:
     films: Mapping[float, str]
     own: str
 
-    def law(self) -> FilmLaw:
-        """The law of these films. Raises InputError."""
-        overlaps = _nodes(np.array(list(self.films) or [0.0]))
+    def law(self, otherwise: float) -> FilmLaw:
+        """The law; one of any ratio at k = otherwise. Raises InputError."""
+        overlaps = _nodes(np.array(list(self.films) or [otherwise]))
         laws: list[LubricationLaw] = []
         if self.name not in LAWS:
             laws = [self._of_file()]
         elif not self.films:  # none will be asked for, and there may be none of such films
             self._require_mode()
         elif LAWS[self.name].any_ratio:
-            laws = [self._named(0.0)]
+            laws = [self._named(otherwise)]
         else:
             laws = [self._named(overlap) for overlap in overlaps.tolist()]
         cut = self.case.reduced.cutoff

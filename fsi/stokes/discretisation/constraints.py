@@ -170,7 +170,7 @@ class Prolongation:
     Attributes:
         columns: of the entries of each row of this rank, (rows, w), NO_COLUMN where there is none.
         weights: of these entries, (rows, w).
-        constrained: rows that are no unknowns themselves, in the order of the layout.
+        constrained: rows where g may stand, in the order of the layout.
         here: columns that this rank owns.
         matrix: P itself.
     """
@@ -179,13 +179,10 @@ class Prolongation:
         self, layout: DofLayout, rigid: RigidModes, unknown: NDArray[np.bool_], eliminate_bodies: bool = True
     ) -> None:
         """Make P. unknown: which of all modes stand in y, bool (M N,)."""
-        free, constrained = layout.free, [layout.fixed, layout.slave]
-        if eliminate_bodies:
-            constrained.append(layout.on_body)
-        else:
+        free, self.constrained = layout.free, layout.constrained
+        if not eliminate_bodies:
             free[layout.on_body] = True
-            free[np.concatenate(constrained)] = False
-        self.constrained = np.concatenate(constrained)
+            free[np.concatenate([layout.fixed, layout.slave])] = False
         free_here = int(free.sum())
         first = layout.comm.exscan(free_here) or 0
         mode_columns = np.full(layout.modes, NO_COLUMN, dtype=np.int64)

@@ -26,7 +26,7 @@ MORE = 12
 
 
 class ConstrainedRows:
-    """The rows of M that are no unknowns; they have as many entries as the cells have there."""
+    """The rows of M that are constrained; they have as many entries as the cells have there."""
 
     def __init__(self, cells: StokesCells, rows: Index) -> None:
         """Collective. rows: this rank's that are constrained."""

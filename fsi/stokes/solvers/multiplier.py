@@ -65,7 +65,8 @@ def solve_multiplier(system: StokesSystem) -> NodalSolution:
     reaction = np.zeros(layout.rows)
     reaction[layout.on_body] = solution[flow_rows : flow_rows + multiplier_rows]
     # The multipliers do not hold M x - b on the rows of walls and of slaves.
-    reaction[M.rows] = M.times(x) - b[M.rows]
+    others = ~np.isin(M.rows, layout.on_body)
+    reaction[M.rows[others]] = (M.times(x) - b[M.rows])[others]
     U = system.problem.motion.U.copy()
     U.ravel()[free] = layout.comm.bcast(solution[flow_rows + multiplier_rows :].copy())
     for used in (S, flow, matrix):
