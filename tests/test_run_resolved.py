@@ -172,7 +172,7 @@ def on_surfaces(folder: Path, t: float) -> tuple[Array, NDArray[np.intp]]:
 
 def test_with_inertia_discs_approach_their_quasi_static_velocities(case_file: Path, tmp_path: Path) -> None:
     """From rest. Walls slow the discs down, and inertia answers late, by (m / R) dV/dt: 0.5 % here."""
-    settings = ["time.end=0.3", "output.fields=false"]
+    settings = ["time.end=0.3", "time.first_step=0.005", "output.fields=false"]
     for body in ("bodies.0", "bodies.1"):
         settings += [f"{body}.mass=0.2", f"{body}.moment_of_inertia=0.1"]
     folder = tmp_path / "run"
