@@ -17,7 +17,7 @@ from fsi.report.console import standard_output
 
 if TYPE_CHECKING:
     from fsi.case.case import Case
-    from fsi.studies.search import Trial
+    from fsi.studies.search import KeyTrial
 
 EXAMPLE = (
     'Example: fsi search cases/slides/columns.toml --quantity "apparent viscosity" --target 6.54 '
@@ -106,7 +106,7 @@ def _changed(data: dict[str, Any], key: str, value: float) -> dict[str, Any]:
     return changed
 
 
-def _trial(data: dict[str, Any], key: str, value: float, quantity: str) -> Trial:
+def _trial(data: dict[str, Any], key: str, value: float, quantity: str) -> KeyTrial:
     """The quantity of the case with that value of the key; collective."""
     from fsi.case.load import parse_case
     from fsi.studies.search import require_quantity, trial_of

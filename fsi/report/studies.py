@@ -16,7 +16,7 @@ from fsi.comparison.viscosity import AGREE, ViscosityHistories
 from fsi.gluey.limit_study import Study
 from fsi.lubrication.expansions import EXPONENTS
 from fsi.report.console import table
-from fsi.studies.search import Trial
+from fsi.studies.search import KeyTrial
 from fsi.validation.rows import Record, Row, sphere_records
 
 
@@ -64,7 +64,7 @@ def print_instants(console: Console, case: Case, found: Mapping[str, LevelAtInst
     console.print(shown)
 
 
-def print_search(console: Console, key: str, quantity: str, trials: Sequence[Trial]) -> None:
+def print_search(console: Console, key: str, quantity: str, trials: Sequence[KeyTrial]) -> None:
     """All trials, by the value of the key; the one that was found is the last."""
     rows = [
         (f"{trial.value:.12g}", f"{trial.quantity:.8g}", "" if trial.error is None else f"{trial.error:.0e}")

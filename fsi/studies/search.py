@@ -26,7 +26,7 @@ XTOL = 1e-12  # of the interval: where the quantity jumps over the target
 
 
 @dataclass(frozen=True, slots=True)
-class Trial:
+class KeyTrial:
     """A value of the key, the quantity there, and its error bar where it has one."""
 
     value: float
@@ -52,10 +52,10 @@ class Search:
     high: float
     target: float
     tolerance: float
-    evaluate: Callable[[float], Trial]
-    trials: list[Trial] = field(default_factory=list)
+    evaluate: Callable[[float], KeyTrial]
+    trials: list[KeyTrial] = field(default_factory=list)
 
-    def trying(self) -> Iterator[Trial]:
+    def trying(self) -> Iterator[KeyTrial]:
         """Trial after trial, until one has the target or none is left."""
         whole = isinstance(self.low, int) and isinstance(self.high, int)
         for trial in self._one_by_one() if whole else self._between():
@@ -63,7 +63,7 @@ class Search:
             if self._hits(trial):
                 return
 
-    def found(self) -> Trial:
+    def found(self) -> KeyTrial:
         """The last trial. Raises InputError: it has not the target; the message has the range."""
         if self._hits(self.trials[-1]):
             return self.trials[-1]
@@ -74,17 +74,17 @@ class Search:
             "trials; give a target between them or another interval"
         )
 
-    def _hits(self, trial: Trial) -> bool:
+    def _hits(self, trial: KeyTrial) -> bool:
         return abs(trial.quantity - self.target) <= self.tolerance
 
-    def _try(self, value: float) -> Trial:
+    def _try(self, value: float) -> KeyTrial:
         self.trials.append(self.evaluate(value))
         return self.trials[-1]
 
-    def _one_by_one(self) -> Iterator[Trial]:
+    def _one_by_one(self) -> Iterator[KeyTrial]:
         return (self._try(value) for value in range(int(self.low), int(self.high) + 1))
 
-    def _between(self) -> Iterator[Trial]:
+    def _between(self) -> Iterator[KeyTrial]:
         """Ends, halves, quarters, and on; once the target lies between neighbours, towards it."""
         parts = 1
         while parts <= PARTS:
@@ -98,7 +98,7 @@ class Search:
                     return
             parts *= 2
 
-    def _closed_in(self, one: Trial, other: Trial) -> Trial:
+    def _closed_in(self, one: KeyTrial, other: KeyTrial) -> KeyTrial:
         """The last trial of Brent's method between two."""
         known = {one.value: one, other.value: other}
 
@@ -115,14 +115,14 @@ def most_trials(low: float, high: float) -> int:
     return int(high - low) + 1 if isinstance(low, int) else PARTS + 1
 
 
-def trial_of(case: Case, value: float, quantity: str) -> Trial:
+def trial_of(case: Case, value: float, quantity: str) -> KeyTrial:
     """The quantity of a case at time 0, without inertia, the same on all ranks; collective."""
     if not case.level.flow:
         require_instant(case)
-        return Trial(value, computed(case, ReducedModel(case)(case.configuration(), 0.0), quantity))
+        return KeyTrial(value, computed(case, ReducedModel(case)(case.configuration(), 0.0), quantity))
     solved = flow_solvers(case).solve(case)
     number, error = (computed(case, of, quantity) for of in (solved.solution, solved.errors))
-    return Trial(value, number, abs(error))
+    return KeyTrial(value, number, abs(error))
 
 
 def require_quantity(case: Case, quantity: str) -> None:

@@ -23,7 +23,7 @@ from scipy.sparse.csgraph import breadth_first_order, connected_components, mini
 from fsi.bodies.configuration import Array, Configuration
 from fsi.case.case import Case
 from fsi.errors import InputError
-from fsi.postprocess.analysis.links import NECKS, Links, find_links, in_necks
+from fsi.postprocess.analysis.links import NECKS, ChainLinks, find_links, in_necks
 from fsi.postprocess.analysis.strain import strain_rate
 from fsi.postprocess.run.run import Run
 from fsi.report.console import table
@@ -41,7 +41,7 @@ class Chain:
     Attributes:
         bodies: their positions in the list of the case.
         walls: those that they touch, by position.
-        links: positions in Links.
+        links: positions in ChainLinks.
         smallest_gap: of its links.
         dissipation: of its links.
     """
@@ -74,7 +74,7 @@ class Chains:
     step: int
     t: float
     q: Configuration
-    links: Links
+    links: ChainLinks
     chains: tuple[Chain, ...]
     dissipation: float
     shares: Array | None
@@ -129,7 +129,7 @@ def _row_of(run: Run, steps: dict[str, Array], step: int | None) -> int:
     return int(np.argmax(written == step))
 
 
-def find_chains(links: Links, bodies: int) -> tuple[Chain, ...]:
+def find_chains(links: ChainLinks, bodies: int) -> tuple[Chain, ...]:
     """The components of the graph of links, lone bodies left out; walls do not join what they touch."""
     i, j = links.ends.T
     inner = j < bodies
@@ -144,7 +144,7 @@ def find_chains(links: Links, bodies: int) -> tuple[Chain, ...]:
     return tuple(sorted(chains, key=lambda chain: -chain.dissipation))
 
 
-def wall_to_wall(links: Links, bodies: int) -> Chain | None:
+def wall_to_wall(links: ChainLinks, bodies: int) -> Chain | None:
     """The path of links between two walls whose least link dissipates most; None where there is none."""
     order = np.argsort(-links.dissipation, kind="stable")
     ends = links.ends[order]
@@ -163,7 +163,7 @@ def wall_to_wall(links: Links, bodies: int) -> Chain | None:
     return _chain(links, np.array(path[-2:0:-1]), np.arange(2), np.array(way[::-1]))
 
 
-def _chain(links: Links, members: Indices, walls: Indices, linked: Indices) -> Chain:
+def _chain(links: ChainLinks, members: Indices, walls: Indices, linked: Indices) -> Chain:
     numbers = tuple(members.tolist()), tuple(walls.tolist()), tuple(linked.tolist())
     return Chain(*numbers, float(links.gaps[linked].min()), float(links.dissipation[linked].sum()))
 

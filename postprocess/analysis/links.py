@@ -35,7 +35,7 @@ _SAME = 1e-6  # of a radius: a link and a neck between the same places
 
 
 @dataclass(frozen=True, slots=True)
-class Links:
+class ChainLinks:
     """Close pairs, of bodies and then of bodies and walls, L in all.
 
     Attributes:
@@ -65,7 +65,7 @@ class Links:
         return parts
 
 
-def find_links(case: Case, q: Configuration, V: Array, t: float, reach: float) -> Links:
+def find_links(case: Case, q: Configuration, V: Array, t: float, reach: float) -> ChainLinks:
     """The links of discs at q that move with V (N, 2) at time t, with gaps up to `reach`.
 
     An image of a body moves with the body and with the mean flow, `V_j + E away`.
@@ -86,7 +86,7 @@ def find_links(case: Case, q: Configuration, V: Array, t: float, reach: float) -
     to_wall = normal * (gaps.wall_gaps[body, wall] + a[body])[:, None]
     ends = np.concatenate([gaps.pairs, np.column_stack([body, len(q) + wall])])
     vectors = np.concatenate([between, to_wall])
-    return Links(ends, vectors, d, rates, kappa * rates, kappa * rates**2)
+    return ChainLinks(ends, vectors, d, rates, kappa * rates, kappa * rates**2)
 
 
 def _wall_velocities(case: Case, t: float) -> Array:
@@ -96,7 +96,7 @@ def _wall_velocities(case: Case, t: float) -> Array:
     return np.array(velocities).reshape(-1, 2)
 
 
-def in_necks(run: Run, step: int, links: Links, size: float) -> Array:
+def in_necks(run: Run, step: int, links: ChainLinks, size: float) -> Array:
     """What is dissipated in the necks of links, (L,); 0 where another body stands between. Raises InputError.
 
     size: some radius.

@@ -12,7 +12,7 @@ import pytest
 
 from fsi.case.load import load_case
 from fsi.errors import InputError
-from fsi.studies.search import PARTS, Search, Trial, require_quantity, trial_of
+from fsi.studies.search import PARTS, KeyTrial, Search, require_quantity, trial_of
 from tests.commands import fsi_command
 
 ROOT = Path(__file__).parents[2]
@@ -22,7 +22,7 @@ QUANTITY = ["--quantity", "apparent viscosity"]
 
 
 def search(f: Callable[[float], float], low: float, high: float, target: float, tolerance: float) -> Search:
-    return Search("key", low, high, target, tolerance, lambda x: Trial(x, f(x)))
+    return Search("key", low, high, target, tolerance, lambda x: KeyTrial(x, f(x)))
 
 
 def test_a_root_is_closed_in_on() -> None:

@@ -15,7 +15,7 @@ from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
 from fsi.pores.instant import PoreInstant
 from fsi.postprocess.analysis.chains import chains_data, read_chains, wall_to_wall
-from fsi.postprocess.analysis.links import Links, find_links
+from fsi.postprocess.analysis.links import ChainLinks, find_links
 from fsi.postprocess.run.run import open_run
 from tests.commands import fsi_command
 
@@ -166,11 +166,11 @@ def test_what_a_chain_carries_of_the_apparent_viscosity(tmp_path: Path) -> None:
     assert read_chains(open_run(tmp_path), 1).shares is None
 
 
-def links_of(*each: tuple[int, int, float]) -> Links:
+def links_of(*each: tuple[int, int, float]) -> ChainLinks:
     """Links between sides that dissipate so much."""
     n = len(each)
     ends, lost = np.array([link[:2] for link in each]), np.array([link[2] for link in each])
-    return Links(
+    return ChainLinks(
         ends, np.zeros((n, 2)), 0.1 * np.arange(1, n + 1).astype(np.float64), np.zeros(n), np.zeros(n), lost
     )
 
