@@ -53,15 +53,15 @@ class Discretisation(Section):
     """The mesh and the finite elements; with many bodies and in space, others by default."""
 
     degree: int = Field(ge=2, le=4)
-    """the degree of the velocity, 2, 3 or 4"""
+    """the degree of the velocity, 2, 3 or 4; by the case if not given"""
     cells_per_gap: Positive
-    """the number of cells across a gap of 0.012 radii, a number > 0"""
+    """the number of cells across a gap of 0.012 radii, a number > 0; by the case if not given"""
     cells_per_circle: int = Field(ge=6)
-    """the number of cells around a lone body, at least 6"""
+    """the number of cells around a lone body, at least 6; by the case if not given"""
     growth: float = Field(gt=0.0, le=1.0)
-    """the cell size over the distance to the nearest body, in (0, 1]"""
+    """the cell size over the distance to the nearest body, in (0, 1]; by the case if not given"""
     interior: Interior
-    '"graded" or, in the plane, "sparse"'
+    '"graded" or, in the plane, "sparse"; by the case if not given'
     tolerance: Fraction | None = None
     """the estimated relative error below which the mesh is refined, in (0, 1), or none"""
     formulation: Literal["eliminated", "multiplier"] = "eliminated"

@@ -68,7 +68,8 @@ def search(
         typer.echo(json.dumps(known | {"trials": trials}))
     else:
         print_search(standard_output(), key, quantity, wanted.trials)
-        typer.echo("" if output is None else f"wrote {output}")
+    if output is not None and not as_json:
+        typer.echo(f"wrote {output}")
 
 
 def _interval(text: str) -> tuple[str, float, float]:

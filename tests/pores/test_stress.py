@@ -13,6 +13,7 @@ from fsi.case.load import parse_case
 from fsi.models import make_model
 from fsi.observables.bulk_stress import BulkStress
 from fsi.pores.accuracy import SolvedPores, solve_with_errors
+from fsi.stokes.solution import StokesSolution
 
 BODIES = [
     {"name": "one", "radius": 1.0, "position": [1.6, 1.5]},
@@ -36,7 +37,10 @@ def case_of(**sections: Any) -> Case:
 def resolved_stress(case: Case) -> BulkStress:
     """Elements of degree 4: their errors are below 2e-5 here."""
     data = case.as_data() | {"model": "resolved", "discretisation": {"degree": 4}}
-    bulk: BulkStress = make_model(parse_case(data))(case.configuration(), 0.0).bulk  # type: ignore[attr-defined]
+    solved = make_model(parse_case(data))(case.configuration(), 0.0)
+    assert isinstance(solved, StokesSolution)
+    bulk = solved.bulk
+    assert bulk is not None
     return bulk
 
 
