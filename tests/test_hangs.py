@@ -80,9 +80,8 @@ def test_an_error_on_one_rank_alone_ends_a_solve(rank: int, file: str, name: str
 
 @pytest.mark.mpi
 @pytest.mark.slow
-@pytest.mark.parametrize("command", COMMANDS)
-def test_an_error_on_one_rank_alone_ends_every_command(command: str, tmp_path: Path) -> None:
-    """At every call between ranks, on either of two."""
-    ends = {(site, rank): end for _, site, rank, end in trials([command], [0, 1], 2.0, tmp_path)}
-    assert len(ends) > 20
+def test_an_error_on_one_rank_alone_ends_every_command(tmp_path: Path) -> None:
+    """At every call between ranks that any command passes, on either of two; half an hour."""
+    ends = {(name, site, rank): end for name, site, rank, end in trials([*COMMANDS], [0, 1], 2.0, tmp_path)}
+    assert {name for name, _, _ in ends} >= {"solve", "periodic", "run", "calibrate"}
     assert {at: end for at, end in ends.items() if not end.good} == {}
