@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from fsi.case.section import nearest_word, toml_text
+from fsi.case.section import toml_text, words_like
 from fsi.errors import InputError
 from fsi.files import data_of
 
@@ -141,8 +141,8 @@ def _check_columns(path: Path, where: str, given: Iterable[str]) -> None:
     given = list(given)
     for key in given:
         if key not in COLUMNS:
-            nearest = nearest_word(key, COLUMNS)
-            raise _refusal(path, f"{where}: no such column {key!r}; use {nearest!r} or drop it")
+            alike = ", ".join(map(repr, words_like(key, COLUMNS)))
+            raise _refusal(path, f"{where}: no such column {key!r}; use {alike} or drop it")
     for key in _NEEDED:
         if key not in given:
             raise _refusal(path, f"{where}: no {key!r}; give at least radius, x and y")
@@ -152,7 +152,8 @@ def _check_defaults(defaults: Mapping[str, Any], known: Sequence[str]) -> None:
     known = [key for key in known if key not in ("name", "position", "geometry")]
     for key, value in defaults.items():
         if key not in known:
-            remedy = f"use body_defaults.{nearest_word(key, known)} or drop it"
+            alike = ", ".join(f"body_defaults.{word}" for word in words_like(key, known))
+            remedy = f"use {alike} or drop it"
             raise InputError(f"body_defaults.{key} = {toml_text(value)}: unknown key; {remedy}")
 
 

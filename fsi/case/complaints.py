@@ -30,8 +30,8 @@ def _explain_one(mistake: ErrorDetails, root: type[Section]) -> str:
         return f"{dotted((*path, key))} = {toml_text(given[key])}: an old key; {now}"
     if mistake["type"] == "unknown_key":
         key = mistake["ctx"]["key"]
-        nearest = dotted((*path, mistake["ctx"]["nearest"]))
-        return f"{dotted((*path, key))} = {toml_text(given[key])}: unknown key; use {nearest} or drop it"
+        known = ", ".join(dotted((*path, word)) for word in mistake["ctx"]["known"])
+        return f"{dotted((*path, key))} = {toml_text(given[key])}: unknown key; use {known} or drop it"
     remedy = f"give {_meaning(path, root)}"
     if mistake["type"] == "missing":
         return f"{dotted(path)}: missing; {remedy}"

@@ -118,11 +118,16 @@ def all_components[T](vector: tuple[T, ...] | None, info: ValidationInfo) -> tup
 
 
 def refuse_unknown(key: str, known: Iterable[str]) -> None:
-    """Raise pydantic's error for a key that is not among the known ones; it names the nearest."""
+    """Raise pydantic's error for a key that is not among the known ones; it names what to use."""
     known = list(known)
     if key not in known:
-        nearest = nearest_word(key, known)
-        raise PydanticCustomError("unknown_key", "unknown key", {"key": key, "nearest": nearest})
+        raise PydanticCustomError("unknown_key", "unknown key", {"key": key, "known": words_like(key, known)})
+
+
+def words_like(word: str, known: Iterable[str]) -> list[str]:
+    """The known word that looks like `word`, or all of them if none does."""
+    known = list(known)
+    return difflib.get_close_matches(word, known, n=1) or known
 
 
 def nearest_word(word: str, known: Iterable[str]) -> str:

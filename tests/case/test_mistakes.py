@@ -37,6 +37,7 @@ BAD = [
     ("fluid.viscosity", None, ["missing", "give the dynamic viscosity"]),
     ("fluid.viscocity", 1.0, ["unknown key", "use fluid.viscosity"]),
     ("fluids", {}, ["unknown key", "use fluid "]),
+    ("domain.angles", 1.0, ["unknown key", "use domain.shape, domain.walls"]),  # none is like it
     ("discretization", {}, ["unknown key", "use discretisation"]),
     ("discretisation.cells_per_cicle", 3, ["use discretisation.cells_per_circle"]),
     ("discretisation.degree", 5, ["5", "2, 3 or 4"]),
