@@ -34,13 +34,20 @@ def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
     return parse_case(case_data(Path(path), overrides))
 
 
-def case_data(path: Path, overrides: Sequence[str]) -> dict[str, Any]:
-    """What stands in a case file, changed, its paths absolute. Raises InputError."""
+def case_data(
+    path: Path, overrides: Sequence[str], values: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """What stands in a case file, changed by overrides and values of dotted keys, its paths absolute.
+
+    Raises InputError.
+    """
     data = read_toml(path)
     if not data:
         raise InputError(f"{path}: the case is empty; give at least name, [fluid] and [domain]")
     for text in overrides:
         override(data, text)
+    for key, value in (values or {}).items():
+        _put(data, key, deepcopy(value), f"{key}={toml_text(value)}")
     _check_model(path, data.get("model", MODELS[0]))
     for section, key, value in _paths(data):
         data[section][key] = str((path.parent / value).resolve())
@@ -51,12 +58,29 @@ def case_data(path: Path, overrides: Sequence[str]) -> dict[str, Any]:
 
 def saved_data(data: Mapping[str, Any], path: Path) -> None:
     """Write a case file with these data, its paths seen from its folder. Raises InputError."""
+    write_whole(path, case_text(data, path))
+
+
+def case_text(data: Mapping[str, Any], path: Path) -> str:
+    """What stands in a case file with these data at that path: paths in it are seen from its folder."""
     seen = deepcopy(dict(data))
     for section, key, value in _paths(data):
         seen[section][key] = os.path.relpath(value, path.parent)
     if "bodies_from" in data:
         seen["bodies_from"] = os.path.relpath(data["bodies_from"], path.parent)
-    write_whole(path, tomli_w.dumps(seen))
+    return tomli_w.dumps(seen)
+
+
+def toml_values(text: str) -> list[Any]:
+    """The values in `1, 2.5`, `[0.0, 1.0], [0.0, 2.0]` or, words without quotes, `square, rows`.
+
+    Raises ValueError: it is no TOML.
+    """
+    words = [word.strip() for word in text.split(",")]
+    if all(re.fullmatch(_WORD, word) for word in words) and not {"true", "false", "inf", "nan"} & set(words):
+        return list(words)
+    values: list[Any] = plain(tomllib.loads(f"values = [{text}]"))["values"]
+    return values
 
 
 def parse_case(data: Mapping[str, Any]) -> Case:
@@ -116,6 +140,7 @@ def named_files(data: Mapping[str, Any]) -> Iterator[tuple[str, Path]]:
 _REMEDY = "write key=value, for instance --set discretisation.degree=2"
 
 _QUOTED = 'domain.mesh="mine.msh"'
+_WORD = r"[A-Za-z][\w-]*"
 
 
 def override(data: dict[str, Any], text: str) -> None:
@@ -127,14 +152,19 @@ def override(data: dict[str, Any], text: str) -> None:
     key, separator, value = (part.strip() for part in text.partition("="))
     if not (key and separator):
         raise InputError(f"--set {text}: no key=value; {_REMEDY}")
+    _put(data, key, _toml_value(value, text), text)
+
+
+def _put(data: dict[str, Any], key: str, value: Any, text: str) -> None:
+    """Give a dotted key its value, in place; text: what the user wrote. Raises InputError."""
     *path, last = key.split(".")
     here: Any = data
     for depth, part in enumerate(path):
         here = _enter(here, part, ".".join(path[: depth + 1]), text)
     if isinstance(here, dict):
-        here[last] = _toml_value(value, text)
+        here[last] = value
     else:
-        here[_index(here, last, key, text)] = _toml_value(value, text)
+        here[_index(here, last, key, text)] = value
 
 
 def _enter(here: Any, part: str, key: str, text: str) -> Any:
@@ -155,7 +185,7 @@ def _toml_value(value: str, text: str) -> Any:
     try:
         parsed = plain(tomllib.loads(f"value = {value}"))
     except (ValueError, RecursionError):
-        if re.fullmatch(r"[A-Za-z][\w-]*", value):
+        if re.fullmatch(_WORD, value):
             return plain(value)
         parsed = {}
     if set(parsed) != {"value"}:

@@ -23,6 +23,7 @@ from fsi.cli import (
     run,
     search,
     solve,
+    sweep,
 )
 from fsi.cli.missing import explain
 from fsi.cli.streams import finish, prepare
@@ -57,6 +58,8 @@ app.add_typer(analyse.analyse, name="analyse")
 app.command(epilog=compare.LIMIT_EXAMPLE)(compare.limit)
 app.command(epilog=solve.RESISTANCE_EXAMPLE)(solve.resistance)
 app.command(epilog=search.EXAMPLE)(search.search)
+app.command(epilog=sweep.EXAMPLE)(sweep.sweep)
+app.command("sweep-run", hidden=True)(sweep.sweep_run)
 app.command(epilog=calibrate.VALIDATE_EXAMPLE)(calibrate.validate)
 app.command(epilog=calibrate.EXAMPLE)(calibrate.calibrate)
 app.command(epilog=compare.EXAMPLE)(compare.compare)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from copy import deepcopy
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -51,15 +51,17 @@ def search(
         require_writable(output)
     key, low, high = _interval(vary)
     value, tolerance = _digits(target)
-    data = parallel.on_root(lambda: case_data(case_file, overrides or ()))
+
+    def data(x: float) -> dict[str, Any]:
+        return case_data(case_file, overrides or (), {key: x})
+
     wanted = Search(key, low, high, value, tolerance, lambda x: _trial(data, key, x, quantity))
     with counting("trials") as show:
         for _ in wanted.trying():
             show(len(wanted.trials), most_trials(low, high))
     found = wanted.found()
     if output is not None:
-        changed = _changed(data, key, found.value)
-        parallel.on_root(lambda: saved_data(changed, output))
+        parallel.on_root(lambda: saved_data(data(found.value), output))
     if not parallel.is_root():
         return
     trials = [[trial.value, trial.quantity] for trial in wanted.trials]
@@ -98,22 +100,14 @@ def _digits(text: str) -> tuple[float, float]:
     return float(text), 0.5 * 10.0 ** (int(exponent or 0) - decimals)
 
 
-def _changed(data: dict[str, Any], key: str, value: float) -> dict[str, Any]:
-    """The data of the case with that value of the key."""
-    from fsi.case.load import override
-
-    changed = deepcopy(data)
-    override(changed, f"{key}={value!r}")
-    return changed
-
-
-def _trial(data: dict[str, Any], key: str, value: float, quantity: str) -> KeyTrial:
+def _trial(data: Callable[[float], dict[str, Any]], key: str, value: float, quantity: str) -> KeyTrial:
     """The quantity of the case with that value of the key; collective."""
     from fsi.case.load import parse_case
-    from fsi.studies.search import require_quantity, trial_of
+    from fsi.studies.evaluate import require_quantity
+    from fsi.studies.search import trial_of
 
     def changed() -> Case:
-        case = parse_case(_changed(data, key, value))
+        case = parse_case(data(value))
         require_quantity(case, quantity)
         return case
 

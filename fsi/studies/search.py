@@ -5,7 +5,6 @@ ever smaller parts of the interval until two neighbours have the target between 
 closes in on it (Brent 1973, Algorithms for Minimization without Derivatives, chapter 4).
 """
 
-import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -14,12 +13,8 @@ import numpy as np
 import scipy  # its modules load when they are used
 
 from fsi.case.case import Case
-from fsi.case.checks.expected import check_quantity
-from fsi.case.sections import QUANTITY, TIME_AT_GAP, Expected
 from fsi.errors import InputError
-from fsi.models import flow_solvers, require_instant
-from fsi.observables.quantities import computed
-from fsi.reduced.model import ReducedModel
+from fsi.studies.evaluate import at_instant
 
 PARTS = 16  # of an interval, at most, to find two neighbours with the target between them
 XTOL = 1e-12  # of the interval: where the quantity jumps over the target
@@ -117,17 +112,5 @@ def most_trials(low: float, high: float) -> int:
 
 def trial_of(case: Case, value: float, quantity: str) -> KeyTrial:
     """The quantity of a case at time 0, without inertia, the same on all ranks; collective."""
-    if not case.level.flow:
-        require_instant(case)
-        return KeyTrial(value, computed(case, ReducedModel(case)(case.configuration(), 0.0), quantity))
-    solved = flow_solvers(case).solve(case)
-    number, error = (computed(case, of, quantity) for of in (solved.solution, solved.errors))
-    return KeyTrial(value, number, abs(error))
-
-
-def require_quantity(case: Case, quantity: str) -> None:
-    """Raise InputError if there is no such quantity, or none at one instant of that case."""
-    here = f"--quantity {quantity}"
-    if not re.fullmatch(QUANTITY, quantity) or quantity.startswith(TIME_AT_GAP) or ".position." in quantity:
-        raise InputError(f"{here}: no such number at an instant; give {Expected.describe('quantity')}")
-    check_quantity(case, quantity, here)
+    found = at_instant(case, [quantity]).values[quantity]
+    return KeyTrial(value, found.value, found.error)

@@ -12,7 +12,8 @@ import pytest
 
 from fsi.case.load import load_case
 from fsi.errors import InputError
-from fsi.studies.search import PARTS, KeyTrial, Search, require_quantity, trial_of
+from fsi.studies.evaluate import require_quantity
+from fsi.studies.search import PARTS, KeyTrial, Search, trial_of
 from tests.commands import fsi_command
 
 ROOT = Path(__file__).parents[2]

@@ -1,0 +1,112 @@
+"""Quantities of a case by name, at time 0 or of its motion: what `fsi search` and `fsi sweep` look at."""
+
+import csv
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import fsi.parallel as parallel
+from fsi.bodies.configuration import LOADS, MODES, PLACES
+from fsi.case.case import Case
+from fsi.case.checks.expected import check_quantity
+from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, QUANTITY, TIME_AT_GAP, Expected
+from fsi.errors import InputError, SolveError
+from fsi.models import flow_solvers, require_instant
+from fsi.observables.quantities import component, computed
+from fsi.reduced.model import ReducedModel
+from fsi.run_folder.folder import BODIES, CASE, STEPS
+from fsi.runs import resume, run
+
+# The columns of steps.csv that are averaged over the time of a run.
+_RATES = {DISSIPATION: "dissipation", APPARENT_VISCOSITY: "apparent_viscosity"}
+
+
+@dataclass(frozen=True, slots=True)
+class FoundValue:
+    """The value of a quantity, and its error bar where it has one."""
+
+    value: float
+    error: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluation:
+    """Quantities by name, and the identities of the flow that gave them, relative defects."""
+
+    values: Mapping[str, FoundValue]
+    checks: Mapping[str, float] = field(default_factory=dict)
+
+
+def at_instant(case: Case, quantities: Iterable[str]) -> Evaluation:
+    """Quantities at time 0, without inertia, the same on all ranks; collective.
+
+    Raises InputError, MeshError, SolveError: the case cannot be solved, or has no such value.
+    """
+    if not case.level.flow:
+        require_instant(case)
+        instant = ReducedModel(case)(case.configuration(), 0.0)
+        return Evaluation(
+            {name: FoundValue(_finite(computed(case, instant, name), name)) for name in quantities}
+        )
+    solved = flow_solvers(case).solve(case)
+    values = {}
+    for name in quantities:
+        number, error = (computed(case, of, name) for of in (solved.solution, solved.errors))
+        values[name] = FoundValue(_finite(number, name), abs(error))
+    return Evaluation(values, {name: float(defect) for name, defect in solved.solution.checks.items()})
+
+
+def of_motion(case: Case, folder: Path, quantities: Iterable[str]) -> Evaluation:
+    """Quantities of a run to its end: rates averaged over its time, those of a body at the end; collective.
+
+    folder: of the run, which goes on where there is one. Raises InputError, SolveError as `fsi run`.
+    """
+    if parallel.on_root((folder / CASE).is_file):
+        resume(folder)
+    else:
+        run(case, folder)
+    return parallel.on_root(
+        lambda: Evaluation(
+            {name: FoundValue(_finite(_moved(case, folder, name), name)) for name in quantities}
+        )
+    )
+
+
+def require_quantity(case: Case, quantity: str, *, moving: bool = False) -> None:
+    """Raise InputError if a case has no such quantity, at one instant or, moving, of a run."""
+    here = f"--quantity {quantity}"
+    known = re.fullmatch(QUANTITY, quantity) and not quantity.startswith(TIME_AT_GAP)
+    if not known or (".position." in quantity and not moving):
+        raise InputError(f"{here}: no such number at an instant; give {Expected.describe('quantity')}")
+    check_quantity(case, quantity, here)
+
+
+def _finite(value: float, quantity: str) -> float:
+    """The value. Raises SolveError: it is none."""
+    if not np.isfinite(value):
+        raise SolveError(f"--quantity {quantity}: is {value:g} in this case; take another quantity or model")
+    return value
+
+
+def _moved(case: Case, folder: Path, quantity: str) -> float:
+    if quantity in _RATES:
+        return _mean(np.genfromtxt(folder / STEPS, delimiter=",", names=True), _RATES[quantity], quantity)
+    body, mode = component(case, quantity)
+    kind = quantity.split(".")[1]
+    names = {"position": PLACES, "force": LOADS, "torque": LOADS}.get(kind, MODES)[case.dimension]
+    with (folder / BODIES).open(encoding="utf-8", newline="") as file:
+        last = [row for row in csv.DictReader(file) if row["body"] == case.names[body]][-1]
+    return float(last[names[mode]]) * (-1.0 if names is LOADS[case.dimension] else 1.0)
+
+
+def _mean(table: NDArray[Any], column: str, quantity: str) -> float:
+    """The mean over time of a column of steps.csv, its parts linear. Raises InputError: it is not there."""
+    if column not in (table.dtype.names or ()):
+        raise InputError(f"--quantity {quantity}: runs of this model have none; take another quantity")
+    t = table["t"]
+    return float(np.trapezoid(table[column], t) / (t[-1] - t[0]))

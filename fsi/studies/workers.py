@@ -1,0 +1,101 @@
+"""Who does the runs of a sweep: processes on this machine, or the workers of a Dask cluster.
+
+A run is a process of its own, of one rank or several: if it crashes, it alone has failed. It ends with
+whoever has started it, by whatever death: it reads from a pipe that the other holds open.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor, as_completed
+from contextlib import contextmanager
+from pathlib import Path
+
+import fsi.parallel as parallel
+from fsi.errors import InputError
+
+COMMAND = "sweep-run"
+_PATIENCE = 10.0  # seconds, for a scheduler and its first worker
+
+
+@contextmanager
+def local(workers: int) -> Iterator[Executor]:
+    """So many processes at a time on this machine."""
+    with ThreadPoolExecutor(workers) as pool:
+        try:
+            yield pool
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+
+
+@contextmanager
+def cluster(address: str) -> Iterator[Executor]:
+    """The workers of a Dask scheduler. Raises InputError: none answers there, or it has no workers."""
+    here = f"--scheduler {address}"
+    try:
+        from distributed import Client
+    except ModuleNotFoundError:
+        raise InputError(f"{here}: needs Dask; pip install 'fsi-stokes[cluster]'") from None
+    try:
+        client = Client(address, timeout=_PATIENCE, set_as_default=False)
+    except (OSError, ValueError, TimeoutError):
+        raise InputError(
+            f"{here}: no scheduler answers there; start one with `dask scheduler`, it prints its address"
+        ) from None
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=_PATIENCE)
+        except TimeoutError:
+            raise InputError(f"{here}: has no workers; start some with `dask worker {address}`") from None
+        with client.get_executor(pure=False) as pool:
+            yield pool
+
+
+def outcomes(pool: Executor, folders: Sequence[Path], ranks: int) -> Iterator[tuple[Path, str]]:
+    """Folder after folder as it is done, and why it failed; empty if it did not."""
+    running = {pool.submit(launched, str(folder), ranks): folder for folder in folders}
+    for done in as_completed(running):
+        lost = done.exception()  # of the cluster: a run itself has its words
+        yield running[done], done.result() if lost is None else " ".join(str(lost).split())
+
+
+def launched(folder: str, ranks: int) -> str:
+    """Do one run in a process, or in several ranks, to its end; gives why it failed, empty if it did not."""
+    command = [sys.executable, "-m", "fsi", COMMAND, folder]
+    if ranks > 1:
+        command = [mpiexec(), "-n", str(ranks), *command]
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stderr is not None  # and stdin stays open until it has ended
+        said = process.stderr.read()
+        code = process.wait()
+    if code == 0:
+        return ""
+    lines = [line for line in said.splitlines() if line.startswith("error: ")] or said.splitlines()[-1:]
+    return " ".join(lines[0].removeprefix("error: ").split()) if lines else f"ended with code {code}"
+
+
+def mpiexec() -> str:
+    """The launcher beside this Python, or on the path. Raises InputError: there is none."""
+    beside = Path(sys.executable).with_name("mpiexec")
+    found = str(beside) if beside.is_file() else shutil.which("mpiexec")
+    if found is None:
+        raise InputError("--ranks: there is no mpiexec here; run with one rank")
+    return found
+
+
+def end_with_parent() -> None:
+    """Let this process end when the one that has started it does, even if that is killed."""
+
+    def watch() -> None:
+        while os.read(sys.stdin.fileno(), 1024):
+            continue
+        os._exit(1)
+
+    if parallel.is_root():
+        threading.Thread(target=watch, daemon=True).start()

@@ -1,0 +1,52 @@
+"""Averages of a sweep over its first key, with every run behind them."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from fsi.case.section import toml_text
+from fsi.postprocess.plots.figure import COLOURS, saved_figure
+from fsi.studies.sweep import Average, SweepPlan, SweepRow
+
+_MARKERS = "os^Dv<>"
+
+
+def plot_sweep(plan: SweepPlan, rows: Sequence[SweepRow], found: Sequence[Average], path: Path) -> None:
+    """A panel for each quantity; bars are the standard deviation of one run, faint dots the runs.
+
+    Values of the first key that are no numbers stand side by side; each combination of the other keys has a
+    curve. Raises InputError: the file cannot be written.
+    """
+    count = len(plan.quantities)
+    with saved_figure(path, (5.5 * count, 4.2)) as figure:
+        for axes, quantity in zip(np.ravel(figure.subplots(1, count)), plan.quantities, strict=True):
+            _draw(axes, plan, rows, [one for one in found if one.quantity == quantity])
+            axes.set(ylabel=quantity)
+            if len(plan.keys) > 1:
+                axes.legend(fontsize=9)
+
+
+def _draw(axes: Axes, plan: SweepPlan, rows: Sequence[SweepRow], found: Sequence[Average]) -> None:
+    values = list(plan.keys[0].values) if plan.keys else [0]
+    numeric = all(isinstance(value, int | float) for value in values)
+    place = [float(value) for value in values] if numeric else [float(k) for k in range(len(values))]
+    curves = len(found) // len(values)
+    each, order = max(plan.seeds, 1), np.argsort(place)
+    for k in range(curves):
+        colour, marker = COLOURS[k % len(COLOURS)], _MARKERS[k % len(_MARKERS)]
+        of_curve = [found[i * curves + k] for i in order]
+        x = np.array(place)[order]
+        label = ", ".join(toml_text(value) for value in list(of_curve[0].point.values())[1:])
+        mean, deviation = (
+            np.array([getattr(one, name) for one in of_curve]) for name in ("mean", "deviation")
+        )
+        axes.errorbar(x, mean, np.nan_to_num(deviation), color=colour, marker=marker, capsize=3, label=label)
+        for i, at in zip(order, x, strict=True):
+            group = rows[(i * curves + k) * each : (i * curves + k + 1) * each]
+            known = [row.values[of_curve[0].quantity].value for row in group if row.values is not None]
+            axes.plot(np.full(len(known), at), known, ".", color=colour, alpha=0.25, ms=5, zorder=1)
+    axes.set(xlabel=plan.keys[0].name if plan.keys else "")
+    if not numeric or not plan.keys:
+        axes.set_xticks(place, [toml_text(value) for value in values] if plan.keys else [""])
