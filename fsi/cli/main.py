@@ -18,6 +18,7 @@ from fsi.cli import (
     cases,
     compare,
     pack,
+    plot,
     render,
     report,
     run,
@@ -50,7 +51,7 @@ app.command(epilog=solve.EXAMPLE)(solve.solve)
 app.command(epilog=run.EXAMPLE)(run.run)
 app.command(epilog=run.RESUME_EXAMPLE)(run.resume)
 app.command(epilog=render.EXAMPLE)(render.render)
-app.command(epilog=render.PLOT_EXAMPLE)(render.plot)
+app.command(epilog=plot.EXAMPLE)(plot.plot)
 app.command(epilog=report.PROBE_EXAMPLE)(report.probe)
 app.command(epilog=report.EXAMPLE)(report.report)
 app.command(epilog=report.REVOLVE_EXAMPLE)(report.revolve)

@@ -3,6 +3,7 @@
 from math import inf
 from pathlib import Path
 
+import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -15,14 +16,14 @@ from fsi.errors import InputError
 from fsi.files import json_of
 from fsi.lubrication.expansions import EXPONENTS
 from fsi.lubrication.named_laws import exact_resistance
-from fsi.postprocess.plots.figure import BLUE, GREEN, GREY, ORANGE, saved_figure
+from fsi.postprocess.plots.figure import BLUE, GREEN, GREY, LIGHT, ORANGE, Theme, saved_figure
 
 _COLUMNS = ("gap", "kappa", "error")
 _REMEDY = "give the folder of a calibration"
 _KINDS = ((False, ORANGE, "o", "samples"), (True, GREEN, "s", "held out"))
 
 
-def plot_calibration(folder: Path, output: Path) -> None:
+def plot_calibration(folder: Path, output: Path, theme: Theme = LIGHT) -> None:
     """Draw the law and the samples of a folder into a .png, .svg or .pdf file. Raises InputError."""
     data = json_of(folder / SUMMARY, _REMEDY)
     law = read_law_file(folder / LAW)
@@ -33,7 +34,7 @@ def plot_calibration(folder: Path, output: Path) -> None:
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"{folder / SUMMARY}: is damaged ({error}); {_REMEDY}") from None
     d = np.geomspace(samples["gap"].min(), samples["gap"].max(), 400)
-    with saved_figure(output, (8.0, 7.5)) as figure:
+    with saved_figure(output, (8.0, 7.5), theme=theme) as figure:
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(1.2, 1.0))
         upper.set(title=title)
         _draw_law(upper, law, samples, d, a)
@@ -83,7 +84,7 @@ def _draw_rest(axes: Axes, law: LawFile, samples: pd.DataFrame, d: Array, a: flo
         of = samples[(samples["held_out"] == held_out) & samples["law"].notna()].astype({"law": float})
         rest, bar = of["kappa"] / of["law"] - 1.0, of["error"] / of["law"]
         axes.errorbar(of["gap"], rest, bar, fmt=marker, color=colour, mfc="none", capsize=3, label=name)
-    axes.axhline(0.0, color="black", lw=0.6)
+    axes.axhline(0.0, color=mpl.rcParams["text.color"], lw=0.6)
     axes.set_xscale("log")
     axes.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))  # more would have labels that overlap
     # Linear within the errors of most samples, logarithmic beyond: the band opens up at the last gaps.

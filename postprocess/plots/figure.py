@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -20,16 +21,41 @@ STYLE: dict[Any, Any] = {
     "font.size": 11, "axes.titlesize": 12, "axes.titlelocation": "left", "legend.frameon": False,
     "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.alpha": 0.3,
 }  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Theme:
+    """The colours of a page: the page itself, ink, walls and other solids, discs, and spheres in space."""
+
+    page: str
+    ink: str
+    solid: str
+    disc: str
+    sphere: str
+
+    @property
+    def style(self) -> dict[Any, Any]:
+        """What matplotlib draws with."""
+        inked = ("text.color", "axes.edgecolor", "axes.labelcolor", "xtick.color", "ytick.color")
+        return (
+            STYLE
+            | dict.fromkeys(inked, self.ink)
+            | {"figure.facecolor": self.page, "axes.facecolor": self.page}
+        )
+
+
+LIGHT = Theme("white", "#000000", "#c9c9c9", "#f3efe6", "#e8dfcf")
+DARK = Theme("#16181c", "#e6e6e6", "#4a4d52", "#b9b4a9", "#c8c0b2")
 SUFFIXES = (".png", ".svg", ".pdf")
 _SHORT = 100.0  # ratio of the ends of an axis up to which steps in between have labels
 
 
 @contextmanager
 def saved_figure(
-    path: Path, size: tuple[float, float], font: float = 11.0, dpi: int = 160
+    path: Path, size: tuple[float, float], font: float = 11.0, dpi: int = 160, theme: Theme = LIGHT
 ) -> Iterator[Figure]:
     """A figure, size in inches, that is written to the path when all has been drawn. Raises InputError."""
-    with mpl.rc_context(STYLE | {"font.size": font}):
+    with mpl.rc_context(theme.style | {"font.size": font}):
         figure = Figure(figsize=size, layout="constrained")
         yield figure
         try:

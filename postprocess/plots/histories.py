@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -22,7 +23,7 @@ from fsi.errors import InputError
 from fsi.files import require_suffix
 from fsi.postprocess.analysis.settling import asymptotic_gap, exact_gap
 from fsi.postprocess.analysis.strain import accumulated_strain
-from fsi.postprocess.plots.figure import COLOURS, SUFFIXES, label_short, saved_figure
+from fsi.postprocess.plots.figure import COLOURS, LIGHT, SUFFIXES, Theme, label_short, saved_figure
 from fsi.postprocess.run.gaps import gap_between, parse_sides
 from fsi.postprocess.run.run import Run
 
@@ -65,7 +66,14 @@ class Asked:
         if len(names) <= self.singly:
             return dict(zip(names, table.T, strict=True))
         least, median, most = np.nanquantile(table, [0.0, 0.5, 1.0], axis=1)
-        return {"smallest": least, "median": median, "largest": most}
+        N = len(names)
+        named = zip(("smallest", "median", "largest"), (least, median, most), strict=True)
+        return {f"{what} of {N} bodies": values for what, values in named}
+
+    def place(self, column: str) -> Array:
+        """A coordinate or an angle of all bodies, (steps, N)."""
+        values: Array = self.run.bodies[column].to_numpy(dtype=float)
+        return values.reshape(-1, len(self.run.case.names))
 
     def sizes(self, letter: str) -> Array:
         """Lengths of the vectors of bodies whose columns begin with that letter, (steps, N)."""
@@ -75,11 +83,28 @@ class Asked:
 
 
 _PANELS: dict[str, Callable[[Asked], Curves]] = {}
+_ON_DEMAND: set[str] = set()
 
 
-def register_panel(title: str, read: Callable[[Asked], Curves]) -> None:
-    """Let `fsi plot` draw one more panel of that title, below the others, where there are curves."""
+def register_panel(title: str, read: Callable[[Asked], Curves], on_demand: bool = False) -> None:
+    """Let `fsi plot` draw one more panel of that title, below the others, where there are curves.
+
+    on_demand: only where `--curves` names it.
+    """
     _PANELS[title] = read
+    if on_demand:
+        _ON_DEMAND.add(title)
+
+
+def panel_titles(curves: str | None) -> list[str]:
+    """The panels that "gap,x,angle" names, or those of every figure. Raises InputError: there is none."""
+    if curves is None:
+        return [title for title in _PANELS if title not in _ON_DEMAND]
+    asked = [word.strip() for word in curves.split(",")]
+    for title in asked:
+        if title not in _PANELS:
+            raise InputError(f"--curves {curves}: there is no {title!r}; give some of {', '.join(_PANELS)}")
+    return asked
 
 
 def of_steps(column: str) -> Callable[[Asked], Curves]:
@@ -122,6 +147,20 @@ register_panel("speed", lambda asked: asked.each(asked.sizes("V")) if asked.bodi
 register_panel("load", _loads)
 register_panel(VISCOSITY, of_steps("apparent_viscosity"))
 register_panel(ADDED_VISCOSITY, of_steps("lubrication_viscosity"))
+
+
+def _place(column: str) -> Callable[[Asked], Curves]:
+    """Where the bodies are, in one coordinate or angle that they have."""
+
+    def read(asked: Asked) -> Curves:
+        has = bool(asked.run.case.names) and column in asked.run.bodies
+        return asked.each(asked.place(column)) if has else {}
+
+    return read
+
+
+for _column in ("x", "y", "z", "angle"):
+    register_panel(_column, _place(_column), on_demand=True)
 for _column in ("contacts", "largest_density", "smallest_gamma", "kinetic_energy"):  # of vanishing viscosity
     register_panel(_column.replace("_", " "), of_steps(_column))
 
@@ -147,12 +186,14 @@ class RunHistory:
     axisymmetric: bool
 
 
-def read_history(run: Run, gap: str | None = None, singly: int = len(COLOURS)) -> RunHistory:
-    """The curves of a run; gap and singly as in `Asked`. Raises InputError."""
+def read_history(
+    run: Run, gap: str | None = None, singly: int = len(COLOURS), curves: str | None = None
+) -> RunHistory:
+    """The curves of a run; gap and singly as in `Asked`, curves as in `plot_runs`. Raises InputError."""
     if gap is not None and not run.viscous:
         raise InputError(f'--gap {gap}: model = "{run.case.model}" of {run.path} has no such curve; drop it')
     t, laws = run.steps["t"].to_numpy(), {}
-    panels = {title: read(Asked(run, gap, singly)) for title, read in _PANELS.items()}
+    panels = {title: _PANELS[title](Asked(run, gap, singly)) for title in panel_titles(curves)}
     panels = {title: curves for title, curves in panels.items() if curves}
     if run.viscous and gap is None:
         with suppress(InputError):  # no exact law for this case
@@ -162,22 +203,29 @@ def read_history(run: Run, gap: str | None = None, singly: int = len(COLOURS)) -
     return RunHistory(run.path.resolve().name, t, strain, panels, laws, run.case.axisymmetric)
 
 
-def plot_runs(runs: Sequence[Run], output: Path, gap: str | None = None) -> Path:
+def plot_runs(
+    runs: Sequence[Run],
+    output: Path,
+    gap: str | None = None,
+    curves: str | None = None,
+    theme: Theme = LIGHT,
+) -> Path:
     """Draw gap, speed, load and, where there is one, apparent viscosity of runs against time; gives the file.
 
     Runs of sheared suspensions are drawn against the strain. The file is a .png, .svg or .pdf.
 
     gap: "3,7" or "disc,bottom", names or numbers; if not given, the smallest gap of each body.
+    curves: "gap,x,angle", the titles of panels; if not given, those that every figure has.
 
     Raises InputError: unknown suffix or gap, a run without rows, or the disk refuses.
     """
     require_suffix(output, *SUFFIXES)
     singly = len(COLOURS) if len(runs) == 1 else len(_DASHES)
-    histories = [read_history(run, gap, singly) for run in runs]
-    titles = [title for title in _PANELS if any(title in history.panels for history in histories)]
+    histories = [read_history(run, gap, singly, curves) for run in runs]
+    titles = [title for title in panel_titles(curves) if any(title in one.panels for one in histories)]
     if not titles:
         raise InputError(f"{runs[0].path}: the run has no bodies and no apparent viscosity; nothing to draw")
-    with saved_figure(output, (8.5, 0.8 + 2.4 * len(titles))) as figure:
+    with saved_figure(output, (8.5, 0.8 + 2.4 * len(titles)), theme=theme) as figure:
         axes = list(figure.subplots(len(titles), 1, sharex=True, squeeze=False)[:, 0])
         if len(histories) == 1:
             axes[0].set_title(runs[0].case.name)
@@ -204,7 +252,7 @@ def _draw(axes: Axes, title: str, histories: Sequence[RunHistory]) -> None:
             colour, dash = COLOURS[n if single else k % len(COLOURS)], _DASHES[n % len(_DASHES)]
             label = name if single else history.name if len(curves) == 1 else f"{history.name}: {name}"
             if single and not name:
-                colour, label = "black", "_nolegend_"
+                colour, label = mpl.rcParams["text.color"], "_nolegend_"
             axes.plot(_abscissa(history, histories), value, dash, color=colour, lw=1.5, label=label)
             values.append(value)
     y = np.concatenate(values)

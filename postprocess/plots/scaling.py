@@ -10,7 +10,7 @@ import numpy as np
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
 from fsi.files import content, replace
-from fsi.postprocess.plots.figure import COLOURS, label_short, saved_figure
+from fsi.postprocess.plots.figure import COLOURS, LIGHT, Theme, label_short, saved_figure
 
 type Curves = Mapping[str, Sequence[tuple[int, float]]]
 
@@ -25,10 +25,10 @@ def write_scaling(path: Path, title: str, size: str, curves: Curves) -> None:
     replace(path, text.encode())
 
 
-def plot_scaling(source: Path, output: Path) -> None:
+def plot_scaling(source: Path, output: Path, theme: Theme = LIGHT) -> None:
     """Draw such a file into a .png, .svg or .pdf file. Raises InputError."""
     title, size, curves = _read(source)
-    with saved_figure(output, (6.4, 4.8)) as figure:
+    with saved_figure(output, (6.4, 4.8), theme=theme) as figure:
         axes = figure.subplots()
         for k, (name, curve) in enumerate(curves.items()):
             N, seconds = np.array(sorted(curve), dtype=float).T

@@ -6,11 +6,12 @@ resolved forces on the exact curve and asymptotes, all errors below.
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.axes import Axes
 
+from fsi.bodies.configuration import Array
 from fsi.comparison.motion import LIMITS, RateComparison, Trajectories
 from fsi.comparison.viscosity import ViscosityHistories
 from fsi.lubrication.expansions import expansion
@@ -21,14 +22,24 @@ from fsi.validation.rows import SPHERE, TERMS, Row
 _NAMED = 10  # most bodies that get a colour and a name
 _SPACE = 2  # between the rows of two cases
 _FLOOR = 1e-14  # where a true error of zero is drawn
-# Colours that the colour-blind tell apart, and lines that grey print does.
-_STYLES = {
-    "resolved": ("#0072b2", "-"),
-    "pores": ("#cc79a7", ":"),
-    "reduced": ("#d55e00", "--"),
-    "gluey": ("black", "-"),
-    "macroscopic": ("#009e73", "--"),
+_MARKS = 8  # on a curve
+_MARKERS = "os^Dv<>Ph*"
+# Colours that the colour-blind tell apart, lines and marks that grey print does; where curves lie on each
+# other the broad ones are below, and marks stand at different places.
+_STYLES: dict[str, dict[str, Any]] = {
+    "resolved": {"color": "#0072b2", "ls": "-", "lw": 4.0, "marker": "o"},
+    "pores": {"color": "#cc79a7", "ls": "-", "lw": 2.5, "marker": "D"},
+    "reduced": {"color": "#d55e00", "ls": "--", "lw": 1.8, "marker": "s"},
+    "gluey": {"color": "#000000", "ls": "-", "lw": 1.4, "marker": "^"},
+    "macroscopic": {"color": "#009e73", "ls": "--", "lw": 1.0, "marker": "v"},
 }
+
+
+def _style(level: str, t: Array) -> dict[str, Any]:
+    """How the curve of a level over so many times is drawn."""
+    marks = max(1, len(t) // _MARKS)
+    first = [*_STYLES].index(level) * marks // len(_STYLES)
+    return _STYLES[level] | {"markevery": (first, marks), "mfc": "white", "ms": 5.0}
 
 
 def plot_comparison(names: Sequence[str], comparison: RateComparison, path: Path) -> None:
@@ -40,13 +51,18 @@ def plot_comparison(names: Sequence[str], comparison: RateComparison, path: Path
 
 
 def _draw_gaps(axes: Axes, names: Sequence[str], comparison: RateComparison) -> None:
-    """The smallest gap of each body: resolved as a line, reduced dashed."""
-    many = len(names) > _NAMED
+    """The smallest gap of each body: resolved as a line, reduced dashed, each with marks at its own times."""
+    many, marks = len(names) > _NAMED, max(1, len(comparison.t) // _MARKS)
     for i, name in enumerate(names):
-        colour = GREY if many else colormaps["tab10"](i)
-        axes.semilogy(comparison.t, comparison.gap[:, i], color=colour, lw=1.5, label=None if many else name)
-        axes.semilogy(comparison.t, comparison.reduced_gap[:, i], "--", color=colour, lw=1.0)
-    axes.set(xlabel="t", ylabel="smallest gap", title="resolved (lines), reduced (dashed)")
+        # Two bodies that share their smallest gap have one curve: marks of both are seen on it.
+        own: dict[str, Any] = (
+            {"color": GREY} if many else {"color": COLOURS[i % len(COLOURS)], "marker": _MARKERS[i]}
+        )
+        own |= {"markevery": (i * marks // len(names), marks), "mfc": "none"}
+        t, label = comparison.t, None if many else name
+        axes.semilogy(t, comparison.gap[:, i], lw=1.5, label=label, **own)
+        axes.semilogy(t, comparison.reduced_gap[:, i], "--", lw=1.0, **own)
+    axes.set(xlabel="t", ylabel="smallest gap of each body", title="resolved (lines), reduced (dashed)")
     if not many:
         axes.legend(fontsize=9)
 
@@ -71,15 +87,14 @@ def plot_levels(paths: Trajectories, viscosities: ViscosityHistories | None, pat
     with saved_figure(path, (5.0 * panels, 4.0)) as figure:
         axes = figure.subplots(1, panels)
         for level, gap in paths.smallest.items():
-            colour, style = _STYLES[level]
-            axes[0].plot(paths.t, gap, style, color=colour, label=level)
-            axes[1].semilogy(paths.t, np.where(gap > 0.0, gap, np.nan), style, color=colour)
+            style = _style(level, paths.t)
+            axes[0].plot(paths.t, gap, label=level, **style)
+            axes[1].semilogy(paths.t, np.where(gap > 0.0, gap, np.nan), **style)
         axes[0].set(xlabel="time", ylabel="smallest gap")
         axes[1].set(xlabel="time", ylabel="smallest gap (none where surfaces touch)")
         if viscosities is not None:
             for level, mu in viscosities.mu.items():
-                colour, style = _STYLES[level]
-                axes[2].plot(viscosities.t, mu, style, color=colour)
+                axes[2].plot(viscosities.t, mu, **_style(level, viscosities.t))
             axes[2].set(xlabel="time", ylabel="apparent viscosity")
         axes[0].legend()
 

@@ -19,6 +19,8 @@ from PIL import Image
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.errors import InputError
+from fsi.postprocess.plots.figure import LIGHT, Theme
+from fsi.postprocess.render.mean_flow import SlidingWall
 from fsi.postprocess.render.view import View
 from fsi.postprocess.run.run import counted
 
@@ -26,10 +28,11 @@ type Picture = NDArray[np.uint8]
 
 SAMPLES = 2  # of a pixel along each side
 INK = "#222222"
-SOLID, _DISC, _SPHERE = "#c9c9c9", "#f3efe6", "#e8dfcf"
 _FEWEST_SIDES, _MOST_SIDES = 64, 4000  # of a disc; the most: sagitta 3e-7 a, a film of 1e-5 a stays open
 _LAYER = 1e-3  # distance towards the eye by which one layer covers the next
-_EYE = (0.3, -1.0, 0.25)  # where the eye is in space, as seen from the centre: slightly above
+# Arrows in walls, over half the width of the window: how far behind, how long, how far apart, their heads.
+_BEHIND, _LONGEST, _APART, _HEAD = 0.06, 0.4, 0.6, 0.025
+_EYE = (0.45, -1.0, 0.35)  # where the eye is in space, as seen from the centre: slightly above
 
 _SETTING = "VTK_DEFAULT_OPENGL_WINDOW"
 _WINDOWS = ("vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow", "vtkXOpenGLRenderWindow")
@@ -50,12 +53,14 @@ class _Canvas:
     Attributes:
         plotter: of pyvista.
         view: the window that fills it, in space a cube.
-        size: its width and height in pixels.
+        size: its width in pixels.
+        theme: its colours.
     """
 
     plotter: pv.Plotter
     view: View
     size: int
+    theme: Theme
 
     def wide(self, thousandths: float) -> float:
         """The width of a line, in samples."""
@@ -88,13 +93,43 @@ class Panel(_Canvas):
 
     def frame(self, view: View) -> None:
         """Draw the outline of another window."""
-        (x0, y0), (x1, y1) = view.low, view.high
-        corners = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]])
+        right, up = view.sides
+        corners = view.centre + np.array([-right - up, right - up, right + up, up - right, -right - up])
         self.lines(pv.lines_from_points(self.view.local(corners)), "#d55e00", width=5, layer=4)
+
+    def sliding(self, walls: Sequence[SlidingWall]) -> None:
+        """Draw arrows in walls, as long as these are fast."""
+        fastest = max((abs(wall.speed) for wall in walls), default=0.0)
+        for wall in walls:
+            place = self.view.centre.copy()
+            place[wall.axis] = wall.place + wall.outward * _BEHIND * self.view.half
+            along = np.eye(2)[1 - wall.axis] * _LONGEST * self.view.half * wall.speed / fastest
+            shift = np.eye(2)[1 - wall.axis] * _APART * self.view.half
+            for k in (-1.0, 0.0, 1.0):
+                self.arrow(place + k * shift - 0.5 * along, along)
+
+    def arrow(self, start: Array, along: Array) -> None:
+        """Draw an arrow from a point (2,) by a vector (2,)."""
+        tip, turned = self.view.half * _HEAD, np.array([-along[1], along[0]])
+        unit, aside = along / np.linalg.norm(along), turned / np.linalg.norm(turned)
+        neck, end = start + along - 2.0 * tip * unit, start + along
+        ink = 0.25 * tip * aside
+        outline = [
+            start - ink,
+            neck - ink,
+            neck - tip * aside,
+            end,
+            neck + tip * aside,
+            neck + ink,
+            start + ink,
+        ]
+        points = self.view.local(np.array(outline))
+        shape = pv.PolyData(points, faces=counted(np.arange(7)[None])).triangulate()
+        self.fill(shape.translate((0.0, 0.0, 3.0 * _LAYER)), self.theme.ink)
 
     def bodies(self, q: Configuration, turning: bool, rims: bool = False) -> None:
         """Draw the discs, each with a radius that turns with it where they can turn, perhaps with rims."""
-        seen = np.all(np.abs(q.centres - self.view.centre) < self.view.half + q.radii[:, None], axis=1)
+        seen = np.all(np.abs(q.centres - self.view.centre) < self.view.reach + q.radii[:, None], axis=1)
         if not seen.any():
             return
         centres, radii, angles = q.centres[seen], q.radii[seen], q.angles[seen]
@@ -105,7 +140,7 @@ class Panel(_Canvas):
         rim = centres[:, None] + radii[:, None, None] * circle
         faces = np.arange(rim.size // 2).reshape(len(radii), -1)
         discs = pv.PolyData(self.view.local(rim).reshape(-1, 3), faces=counted(faces))
-        self.fill(discs.translate((0.0, 0.0, _LAYER)), _DISC)
+        self.fill(discs.translate((0.0, 0.0, _LAYER)), self.theme.disc)
         if rims:
             closed = np.insert(faces, 0, faces[:, -1], axis=1)
             self.lines(pv.PolyData(discs.points, lines=counted(closed)), INK, width=1.5, opacity=0.5, layer=1)
@@ -116,7 +151,8 @@ class Panel(_Canvas):
 
     def image(self) -> Picture:
         """What has been drawn, (size, size, 3); ends the drawing."""
-        return _photograph(self.plotter, (0.0, 0.0, 4.0), (0.0, 1.0, 0.0), (1.0, 8.0))
+        up = (*self.view.up, 0.0)
+        return _photograph(self.plotter, (0.0, 0.0, 4.0), up, (1.0, 8.0), self.view.aspect)
 
 
 class SpatialPanel(_Canvas):
@@ -132,14 +168,11 @@ class SpatialPanel(_Canvas):
         ball.clear_data()
         spheres = centres.glyph(geom=ball, scale="radius", orient=False)
         light = {"smooth_shading": True, "ambient": 0.3, "specular": 0.2}
-        self.plotter.add_mesh(spheres, color=_SPHERE, opacity=opacity, **light)
+        self.plotter.add_mesh(spheres, color=self.theme.sphere, opacity=opacity, **light)
 
-    def lines(self, lines: pv.PolyData) -> None:
-        """Draw streamlines, given in the window's coordinates on a plane across y, a little before it."""
-        if lines.n_points:
-            lifted = lines.translate((0.0, -2e-3, 0.0))
-            style = {"color": "white", "opacity": 0.8, "lighting": False}
-            self.plotter.add_mesh(lifted, line_width=self.wide(3.0), **style)
+    def outline(self, ends: Array, colour: str) -> None:
+        """Draw straight lines between points (n, 2, 3) in the window's coordinates."""
+        self.plotter.add_mesh(segments(ends), color=colour, lighting=False, line_width=self.wide(3.0))
 
     def tubes(self, ends: Array, radii: Array, values: Array, shades: ScalarMappable) -> None:
         """Draw tubes between points (n, 2, 3), coloured by values (n,)."""
@@ -153,22 +186,22 @@ class SpatialPanel(_Canvas):
         """Draw a horizontal wall."""
         height = (z - self.view.centre[2]) / self.view.half
         wall = pv.Plane(center=(0.0, 0.0, height - 1e-3), i_size=8.0, j_size=8.0)
-        self.plotter.add_mesh(wall, color=SOLID, lighting=False)
+        self.plotter.add_mesh(wall, color=self.theme.solid, lighting=False)
 
-    def image(self) -> Picture:
-        """What has been drawn, (size, size, 3); ends the drawing."""
-        eye = 20.0 * np.array(_EYE) / np.linalg.norm(_EYE)
-        return _photograph(self.plotter, eye.tolist(), (0.0, 0.0, 1.0), (1.0, 60.0))
+    def image(self, eye: Sequence[float] = _EYE) -> Picture:
+        """What has been drawn, (size, size, 3), seen from that direction; ends the drawing."""
+        far = 20.0 * np.array(eye) / np.linalg.norm(eye)
+        return _photograph(self.plotter, far.tolist(), (0.0, 0.0, 1.0), (1.0, 60.0))
 
 
-def new_panel(view: View, size: int) -> Panel:
+def new_panel(view: View, size: int, theme: Theme = LIGHT) -> Panel:
     """An empty panel of the plane."""
-    return Panel(_blank(size, SOLID), view, size)
+    return Panel(_blank(size, theme.solid, view.aspect), view, size, theme)
 
 
-def new_spatial_panel(view: View, size: int) -> SpatialPanel:
+def new_spatial_panel(view: View, size: int, theme: Theme = LIGHT) -> SpatialPanel:
     """An empty panel of space."""
-    panel = SpatialPanel(_blank(size, "white"), view, size)
+    panel = SpatialPanel(_blank(size, theme.page), view, size, theme)
     panel.plotter.enable_depth_peeling(8)
     return panel
 
@@ -178,22 +211,27 @@ def segments(ends: Array) -> pv.PolyData:
     return pv.PolyData(ends.reshape(-1, 3), lines=counted(np.arange(2 * len(ends)).reshape(-1, 2)))
 
 
-def _blank(size: int, background: str) -> pv.Plotter:
-    """A plotter for a picture size pixels wide and high, which `_photograph` ends."""
-    plotter = pv.Plotter(off_screen=True, window_size=[SAMPLES * size] * 2)
+def _blank(size: int, background: str, aspect: float = 1.0) -> pv.Plotter:
+    """A plotter for a picture size pixels wide, `aspect` times as high, which `_photograph` ends."""
+    high = SAMPLES * round(aspect * size)
+    plotter = pv.Plotter(off_screen=True, window_size=[SAMPLES * size, high])
     plotter.set_background(background)
     plotter.disable_anti_aliasing()  # there are samples enough
     return plotter
 
 
 def _photograph(
-    plotter: pv.Plotter, eye: Sequence[float], up: Sequence[float], clipping: tuple[float, float]
+    plotter: pv.Plotter,
+    eye: Sequence[float],
+    up: Sequence[float],
+    clipping: tuple[float, float],
+    aspect: float = 1.0,
 ) -> Picture:
     """What has been drawn in [-1, 1]^3, seen from afar, each pixel the mean of its samples."""
     plotter.enable_parallel_projection()
     camera = plotter.camera
     camera.focal_point, camera.position, camera.up = (0.0, 0.0, 0.0), tuple(eye), tuple(up)
-    camera.parallel_scale = 1.0
+    camera.parallel_scale = aspect
     camera.clipping_range = clipping
     samples = Image.fromarray(plotter.screenshot(return_img=True))
     plotter.close()

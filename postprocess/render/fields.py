@@ -7,7 +7,8 @@
 
 The command takes its choices and its help from here, and all pictures what they draw. What a value is
 computed from is known at points of the flow, by the names of the run's files: `velocity` u, (n, 3);
-`pressure` p, (n,); `strain_rate` sqrt(2 e:e), (n,); `vorticity`, (n,), in space (n, 3); on bodies `traction`
+`pressure` p, (n,); `disturbance` u - u_inf, (n, 3), of sheared flows; `strain_rate` sqrt(2 e:e), (n,);
+`vorticity`, (n,), on a plane in space its part across that; on bodies `traction`
 sigma n, (n, 3). With an axis, components are those along r and z, and gradients hold the hoop rate u_r / r.
 
 Its scale says how values become colours: the range by how much of the window each value stands for, so that a
@@ -19,7 +20,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, override
+from typing import TYPE_CHECKING, ClassVar, Literal, override
 
 from fsi.errors import InputError
 
@@ -31,6 +32,7 @@ if TYPE_CHECKING:  # for `fsi render --help`, which lists the fields, what draws
 type KnownAtPoints = Mapping[str, Array]
 type Span = tuple[float, float]
 
+DISTURBANCE = "disturbance"  # velocity less the linear flow without bodies, where there is one
 _SLOW = 0.05  # the part of the area with the lowest values, which has one colour
 _FEW = 1e-4  # the part with the highest: a hundred pixels of the default size
 _LINEAR = 0.03  # part of the largest value up to which the scales of signed fields are linear
@@ -40,10 +42,12 @@ class Scale(ABC):
     """A kind of scale.
 
     Attributes:
-        whole: whether it spans all values; else those beyond both ends have the colours of the ends.
+        whole: whether it spans all values.
+        cut: at which ends of it others have the colour of the end.
     """
 
     whole: ClassVar[bool] = False
+    cut: ClassVar[Literal["neither", "both", "max"]] = "both"
 
     @abstractmethod
     def span(self, values: Array, weights: Array) -> Span:
@@ -116,6 +120,7 @@ class Linear(Scale):
     """From the least to the largest value at the nodes, in proportion."""
 
     whole = True
+    cut = "neither"
 
     @override
     def span(self, values: Array, weights: Array) -> Span:
@@ -124,6 +129,26 @@ class Linear(Scale):
     @override
     def span_on_plane(self, values: Array) -> Span:
         return self.span(values, values)
+
+    @override
+    def norm(self, span: Span) -> Normalize:
+        from matplotlib.colors import Normalize
+
+        return Normalize(*span)
+
+
+class FromZero(Scale):
+    """For sizes, in proportion: from zero to what hardly any area exceeds; on a plane to the largest."""
+
+    cut = "max"
+
+    @override
+    def span(self, values: Array, weights: Array) -> Span:
+        return 0.0, exceeded(values, weights, _FEW) or 1.0
+
+    @override
+    def span_on_plane(self, values: Array) -> Span:
+        return 0.0, float(values.max()) or 1.0
 
     @override
     def norm(self, span: Span) -> Normalize:
@@ -153,10 +178,9 @@ class RenderedField:
         needs: the data that it is computed from.
         value: from these data at n points, and the viscosity, to the field there, (n,).
         pale: whether to leave out the dark end of the colours, so that dark lines stay visible.
-        streamlines: whether to draw them on it.
+        streamlines: the velocity whose streamlines are drawn on it; none: no lines.
         edges: whether to draw those of the cells on it.
         on_bodies: whether it lives on the surfaces of the bodies.
-        in_space: whether a plane through a flow in space shows it.
     """
 
     name: str
@@ -167,10 +191,9 @@ class RenderedField:
     needs: tuple[str, ...]
     value: Callable[[KnownAtPoints, float], Array]
     pale: bool = False
-    streamlines: bool = False
+    streamlines: str = ""
     edges: bool = False
     on_bodies: bool = False
-    in_space: bool = True
 
     @property
     def of_pressure(self) -> bool:
@@ -196,9 +219,9 @@ def register_field(field: RenderedField) -> None:
     _FIELDS[field.name] = field
 
 
-def field_names(in_space: bool = False) -> list[str]:
-    """What can be chosen; on a plane in space not all of it."""
-    return [name for name, field in _FIELDS.items() if field.in_space or not in_space]
+def field_names() -> list[str]:
+    """What can be chosen."""
+    return [*_FIELDS]
 
 
 def require_pressure(field: RenderedField, model: str) -> None:
@@ -208,9 +231,9 @@ def require_pressure(field: RenderedField, model: str) -> None:
         raise InputError(f'--field {field.name}: model = "{model}" has no pressure; give one of {known}')
 
 
-def rendered_field(name: str, in_space: bool = False) -> RenderedField:
+def rendered_field(name: str) -> RenderedField:
     """The field of that name. Raises InputError: there is none."""
-    known = field_names(in_space)
+    known = field_names()
     if name not in known:
         raise InputError(f"--field {name}: give one of {', '.join(known)}")
     return _FIELDS[name]
@@ -218,17 +241,21 @@ def rendered_field(name: str, in_space: bool = False) -> RenderedField:
 
 for _field in (
     RenderedField("speed", "|u|", "speed and streamlines", "viridis", Logarithmic(4.0),
-                  ("velocity",), lambda at, _: (at["velocity"] ** 2).sum(axis=1) ** 0.5, streamlines=True),
+                  ("velocity",), lambda at, _: (at["velocity"] ** 2).sum(axis=1) ** 0.5,
+                  streamlines="velocity"),
     RenderedField("pressure", "p", "pressure", "RdBu_r", Signed(),
                   ("pressure",), lambda at, _: at["pressure"]),
+    RenderedField(DISTURBANCE, r"$|u - u_\infty|$", "velocity less the mean flow, its streamlines", "viridis",
+                  FromZero(), (DISTURBANCE,), lambda at, _: (at[DISTURBANCE] ** 2).sum(axis=1) ** 0.5,
+                  streamlines=DISTURBANCE),
     RenderedField("vorticity", r"$\partial_x u_y - \partial_y u_x$", "vorticity", "PuOr_r", Signed(),
-                  ("vorticity",), lambda at, _: at["vorticity"], in_space=False),
+                  ("vorticity",), lambda at, _: at["vorticity"]),
     RenderedField("dissipation", r"$2 \mu\, e : e$", "dissipation", "magma", Logarithmic(8.0),
                   ("strain_rate",), lambda at, viscosity: viscosity * at["strain_rate"] ** 2),
     RenderedField("traction", r"$|\sigma n|$", "traction on the bodies", "plasma", Logarithmic(4.0),
                   ("traction",), lambda at, _: (at["traction"] ** 2).sum(axis=1) ** 0.5,
-                  on_bodies=True, in_space=False),
+                  on_bodies=True),
     RenderedField("mesh", "p", "pressure and mesh", "cividis", Linear(),
-                  ("pressure",), lambda at, _: at["pressure"], pale=True, edges=True, in_space=False),
+                  ("pressure",), lambda at, _: at["pressure"], pale=True, edges=True),
 ):  # fmt: skip
     register_field(_field)

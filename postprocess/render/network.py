@@ -1,27 +1,29 @@
 """Bodies, and lines between them: the contacts of runs that have no flow, the necks between pores."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, override
 
 import numpy as np
 import pyvista as pv
 from matplotlib import colormaps
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.colors import ListedColormap, LogNorm, Normalize, SymLogNorm
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.errors import InputError
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.postprocess.render.canvas import Picture, new_panel, new_spatial_panel
 from fsi.postprocess.render.fields import Span
-from fsi.postprocess.render.picture import Artist, Framed, compose
+from fsi.postprocess.render.picture import Artist, Cut, Framed, compose
 from fsi.postprocess.render.view import Choice, View, around_all, around_period
 from fsi.postprocess.run.run import Run, counted, nodes
 
 BODIES, CONTACTS, NECKS = "bodies", "contacts", "necks"
 _FLOOR = 0.9  # of half a window, below its middle: no wall is shown above it
 _LARGE = 0.15  # radius over half the window from which on lines do not widen with the bodies
+_DECADES = 300.0  # ratio of the largest value to the least that has a colour of its own
+_ROUNDING = 1e-6  # of the largest value: less on the other side of zero is none
 _WIDEST, _THINNEST = 0.5, 0.02  # of a line, over the median radius
 _DARK = ListedColormap(colormaps["inferno_r"](np.linspace(0.2, 0.95, 256)))  # seen on pale bodies
 _TWO_SIDED = colormaps["coolwarm"]  # grey at zero
@@ -68,11 +70,17 @@ class NetworkArtist(Artist):
         """A picture of each step."""
         networks = [self._read(step) for step in steps]
         view = self._window(steps, networks)
-        shades = _shades(np.concatenate([network.values for network in networks]), self.choice.span)
+        values, label = np.concatenate([network.values for network in networks]), self.field
+        if values.max(initial=0.0) <= 0.0 < -values.min(initial=0.0):  # pushes: their sizes are shown
+            networks = [replace(network, values=-network.values) for network in networks]
+            values, label = -values, f"-{label}"
+        shades = _shades(values, self.choice.span)
         draw = self._plane if self.run.case.dimension == 2 else self._space
+        ends: Cut = "neither" if self.choice.span is None and shades.norm.vmin == 0.0 else "both"
         for step, network in zip(steps, networks, strict=True):
-            framed = Framed(draw(network, view, shades), self.lines, view.half, self.field, shades)
-            yield compose(self.title(step), [framed])
+            title = f"{self.lines}, width and colour by {label}"
+            framed = Framed(draw(network, view, shades), title, view.half, label, shades, ends)
+            yield compose(self.title(step), [framed], self.choice.theme)
 
     def _window(self, steps: Sequence[int], networks: Sequence[ContactNetwork]) -> View:  # noqa: ARG002
         """On all bodies at all steps."""
@@ -83,10 +91,10 @@ class NetworkArtist(Artist):
         """The window, raised until it shows less of a wall below the bodies."""
         if self.run.case.dimension == 3:
             return view
-        steps = np.linspace(0.0, 1.0, 51)[:, None] * [0.0, view.half]
-        below = view.centre - [0.0, _FLOOR * view.half] + steps
+        steps = np.linspace(0.0, 1.0, 51)[:, None] * [0.0, view.aspect * view.half]
+        below = view.centre - [0.0, _FLOOR * view.aspect * view.half] + steps
         free = np.all(self.run.wall_distances(below) >= 0.0, axis=1)
-        return View(view.centre + steps[np.argmax(free)], view.half)
+        return replace(view, centre=view.centre + steps[np.argmax(free)])
 
     def _read(self, step: int) -> ContactNetwork:
         """Bodies and contacts of a step; a step without contacts has no values."""
@@ -103,9 +111,9 @@ class NetworkArtist(Artist):
 
     def _plane(self, network: ContactNetwork, view: View, shades: ScalarMappable) -> Picture:
         """Discs, and bars between their centres, the wider the larger the value."""
-        panel = new_panel(view, self.choice.size)
+        panel = new_panel(view, self.choice.size, self.choice.theme)
         if (inside := _inside(self.run, view)).n_points:
-            panel.fill(inside, "white")
+            panel.fill(inside, self.choice.theme.page)
         panel.bodies(network.q, turning=False, rims=True)
         if len(network.values):
             panel.colour(_bars(network, view, shades), shades)
@@ -113,7 +121,7 @@ class NetworkArtist(Artist):
 
     def _space(self, network: ContactNetwork, view: View, shades: ScalarMappable) -> Picture:
         """Translucent spheres, and tubes between their centres."""
-        space = new_spatial_panel(view, self.choice.size)
+        space = new_spatial_panel(view, self.choice.size, self.choice.theme)
         space.bodies(network.q, opacity=0.25)
         if len(network.values):
             space.tubes(network.ends, 0.5 * _widths(network, view, shades), network.values, shades)
@@ -151,21 +159,23 @@ class NeckArtist(NetworkArtist):
 
 
 def _shades(values: Array, span: Span | None) -> ScalarMappable:
-    """Colours from zero to the largest value, or on both sides of zero where values have both signs."""
+    """Logarithmic colours of sizes, or on both sides of zero where values have both signs."""
     low, high = span or (float(values.min(initial=0.0)), float(values.max(initial=0.0)))
     largest = max(-low, high)
-    if low < 0.0 < high and min(-low, high) > 1e-6 * largest:
-        return ScalarMappable(Normalize(*(span or (-largest, largest))), _TWO_SIDED)
-    if low == high:
-        high = low + 1.0
-    colours = _DARK if abs(high) >= abs(low) else _DARK.reversed()
-    return ScalarMappable(Normalize(low, high), colours)
+    if span is not None and low <= 0.0:
+        return ScalarMappable(Normalize(low, high), _DARK if low == 0.0 else _TWO_SIDED)
+    if -low > _ROUNDING * largest:
+        return ScalarMappable(SymLogNorm(largest / _DECADES, vmin=-largest, vmax=largest), _TWO_SIDED)
+    if largest <= 0.0:
+        return ScalarMappable(Normalize(0.0, 1.0), _DARK)
+    least = values[values > largest / _DECADES].min(initial=0.5 * largest) if span is None else low
+    return ScalarMappable(LogNorm(float(least), largest), _DARK)
 
 
 def _widths(network: ContactNetwork, view: View, shades: ScalarMappable) -> Array:
-    """Widths of the lines, (C,): parts of a body, and of the window where bodies are large in it."""
-    largest = np.abs(shades.get_clim()).max()
-    share = np.clip(np.abs(network.values) / largest, 0.0, 1.0)
+    """Widths of lines, (C,), as colours grow: parts of a body, of the window where bodies are large."""
+    part = np.ma.filled(np.clip(shades.norm(network.values), 0.0, 1.0), 0.0)
+    share = np.asarray(part) if shades.get_clim()[0] >= 0.0 else np.abs(2.0 * np.asarray(part) - 1.0)
     unit = min(float(np.median(network.q.radii)), _LARGE * view.half)
     widths: Array = unit * (_THINNEST + (_WIDEST - _THINNEST) * share)
     return widths
@@ -187,7 +197,8 @@ def _bars(network: ContactNetwork, view: View, shades: ScalarMappable) -> pv.Pol
 
 
 def _inside(run: Run, view: View) -> pv.PolyData:
-    plane = pv.Plane(i_size=2.0, j_size=2.0, i_resolution=400, j_resolution=400)
+    high = max(2, round(400 * view.aspect))
+    plane = pv.Plane(i_size=2.0, j_size=2.0 * view.aspect, i_resolution=400, j_resolution=high)
     distances = run.wall_distances(view.centre + view.half * np.asarray(plane.points[:, :2], dtype=float))
     if not distances.size:
         return plane

@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import matplotlib as mpl
 import numpy as np
@@ -22,11 +22,13 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from fsi.errors import InputError
-from fsi.postprocess.plots.figure import label_short
+from fsi.postprocess.plots.figure import LIGHT, Theme, label_short
 from fsi.postprocess.render.canvas import Picture, require_opengl
-from fsi.postprocess.render.view import Choice
+from fsi.postprocess.render.view import Choice, View
 from fsi.postprocess.run.gaps import SurfaceGap, parse_sides
 from fsi.postprocess.run.run import Run
+
+type Cut = Literal["neither", "both", "min", "max"]
 
 STILLS, MOVIES = (".png",), (".mp4", ".gif")
 _PER_SECOND = 8
@@ -75,11 +77,12 @@ class FlowArtist(Artist):
         self._walls = run.case.container().walls
         self.sides = None if choice.gap is None else parse_sides(choice.gap, run.case.names, self._walls)
 
-    def gap_title(self, gap: SurfaceGap) -> str:
-        """Which gap, and how wide it is."""
+    def gap_title(self, gap: SurfaceGap, view: View) -> str:
+        """Which gap, how wide it is, and how far it is turned in the picture."""
         names = [*self.run.case.names, *self._walls]
         between = f"gap {names[gap.sides[0]]} - {names[gap.sides[1]]}"
-        return f"{'narrowest gap' if self.sides is None else between}, {gap.width:.3g}"
+        turned = f", turned by {view.turned:.0f}°" if abs(view.turned) >= 0.5 else ""
+        return f"{'narrowest gap' if self.sides is None else between}, {gap.width:.3g}{turned}"
 
 
 @dataclass(frozen=True)
@@ -92,7 +95,7 @@ class Framed:
         half: half its width, a length.
         label: what its colour bar says.
         shades: what its colours mean.
-        cut: whether values beyond both ends have the colours of the ends.
+        cut: at which ends of the colours values lie beyond, as a colour bar of matplotlib has it.
     """
 
     image: Picture
@@ -100,30 +103,36 @@ class Framed:
     half: float
     label: str
     shades: ScalarMappable
-    cut: bool = False
+    cut: Cut = "neither"
+
+    @property
+    def aspect(self) -> float:
+        """Its height over its width."""
+        return float(self.image.shape[0] / self.image.shape[1])
 
 
-def compose(title: str, panels: Sequence[Framed]) -> Picture:
+def compose(title: str, panels: Sequence[Framed], theme: Theme = LIGHT) -> Picture:
     """The panels side by side under a title, as pixels (height, width, 3)."""
-    size = panels[0].image.shape[0]
-    wide, high = len(panels) * (1.0 + _BAR) + _GAP, 1.0 + _ABOVE + _BELOW
-    with mpl.rc_context({"font.size": 11, "axes.linewidth": 0.8, "mathtext.fontset": "dejavusans"}):
+    size, tallest = panels[0].image.shape[1], max(panel.aspect for panel in panels)
+    wide, high = len(panels) * (1.0 + _BAR) + _GAP, tallest + _ABOVE + _BELOW
+    style = {"font.size": 11, "axes.linewidth": 0.8, "mathtext.fontset": "dejavusans", "axes.grid": False}
+    with mpl.rc_context(theme.style | style | {"axes.spines.top": True, "axes.spines.right": True}):
         figure = Figure(figsize=(_INCHES * wide, _INCHES * high), dpi=size / _INCHES, facecolor="none")
         figure.text(_GAP / wide, 1.0 - 0.045 / high, title, fontsize=13, va="center")
         for k, panel in enumerate(panels):
-            left = k * (1.0 + _BAR) + _GAP
-            axes = figure.add_axes((left / wide, _BELOW / high, 1.0 / wide, 1.0 / high))
+            left, low = k * (1.0 + _BAR) + _GAP, _BELOW + 0.5 * (tallest - panel.aspect)
+            axes = figure.add_axes((left / wide, low / high, 1.0 / wide, panel.aspect / high))
             _frame(axes, panel)
-            bar = figure.add_axes(((left + 1.015) / wide, _BELOW / high, 0.03 / wide, 1.0 / high))
-            extend = "both" if panel.cut else "neither"
-            figure.colorbar(panel.shades, cax=bar, extend=extend, extendfrac=0.025)
+            bar = figure.add_axes(((left + 1.015) / wide, low / high, 0.03 / wide, panel.aspect / high))
+            figure.colorbar(panel.shades, cax=bar, extend=panel.cut, extendfrac=0.025)
             if isinstance(panel.shades.norm, LogNorm):
                 label_short(bar.yaxis)
             bar.set_title(panel.label, fontsize=11, pad=7, loc="left")
         drawn = Image.fromarray(pixels(figure))
-    picture = Image.new("RGBA", drawn.size, "white")
+    picture = Image.new("RGBA", drawn.size, theme.page)
     for k, panel in enumerate(panels):
-        corner = round(size * (k * (1.0 + _BAR) + _GAP)), round(size * _ABOVE)
+        down = _ABOVE + 0.5 * (tallest - panel.aspect)
+        corner = round(size * (k * (1.0 + _BAR) + _GAP)), round(size * down)
         picture.paste(Image.fromarray(panel.image), corner)
     picture.alpha_composite(drawn)
     return np.asarray(picture.convert("RGB"))
@@ -136,8 +145,10 @@ def _frame(axes: Axes, panel: Framed) -> None:
     axes.set(xticks=[], yticks=[])
     length = round_length(_SCALE * 2.0 * panel.half)
     end = length / (2.0 * panel.half)
-    axes.plot([0.0, end], [-0.04, -0.04], color="black", lw=2.5, clip_on=False, solid_capstyle="butt")
-    axes.text(end + 0.015, -0.04, f"{length:g}", va="center")
+    below = -0.04 / panel.aspect
+    style = {"color": mpl.rcParams["text.color"], "solid_capstyle": "butt", "clip_on": False}
+    axes.plot([0.0, end], [below, below], lw=2.5, **style)
+    axes.text(end + 0.015, below, f"{length:g}", va="center")
     axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
 
 

@@ -9,7 +9,14 @@ from matplotlib.cm import ScalarMappable
 from fsi.errors import InputError
 from fsi.postprocess.render.canvas import INK, Panel, Picture, new_panel
 from fsi.postprocess.render.curved_cells import edges, rims
-from fsi.postprocess.render.fields import RenderedField, Span, rendered_field, require_pressure
+from fsi.postprocess.render.fields import (
+    DISTURBANCE,
+    RenderedField,
+    Span,
+    rendered_field,
+    require_pressure,
+)
+from fsi.postprocess.render.mean_flow import is_sheared, sliding_walls
 from fsi.postprocess.render.picture import FlowArtist, Framed, compose
 from fsi.postprocess.render.scenes import Scene, gap_at, in_window, scene, window_on
 from fsi.postprocess.render.view import Choice, View
@@ -26,12 +33,15 @@ class PlanarArtist(FlowArtist):
     def __init__(self, run: Run, choice: Choice) -> None:
         """Raises InputError: there is no such field or gap."""
         super().__init__(run, choice)
-        near = "mesh" if run.case.level.meshed else "dissipation"
-        panels = [("speed", False), (near, True)]
+        near, sheared = "mesh" if run.case.level.meshed else "dissipation", is_sheared(run)
+        flow = DISTURBANCE if sheared else "speed"
+        panels = [(flow, False), (near, True)]
         if choice.gap is not None:
             panels = [(choice.field or near, True)]
         elif choice.field is not None or not run.case.bodies:
-            panels = [(choice.field or "speed", False)]
+            panels = [(choice.field or flow, False)]
+        if choice.field == DISTURBANCE and not sheared:
+            raise InputError(f"--field {DISTURBANCE}: bodies disturb no sheared flow in this run; give speed")
         self.panels = [(rendered_field(name), close) for name, close in panels]
         for field, _ in self.panels:
             if not run.case.level.pressure:
@@ -43,6 +53,7 @@ class PlanarArtist(FlowArtist):
     def require(self, step: int) -> None:
         """Older runs have not written all that can be drawn."""
         needed = {name for field, _ in self.panels if not field.on_bodies for name in field.needs}
+        needed -= {DISTURBANCE}
         if needed - {*self._mesh(step).point_data}:
             what = f"--field {self.choice.field}: is not in the files of this run"
             raise InputError(f"{what}; run the case again")
@@ -77,15 +88,17 @@ class PlanarArtist(FlowArtist):
         scenes, framed = self._scenes(step, window), []
         for (field, seen, gap), span in zip(scenes, spans, strict=True):
             shades = ScalarMappable(field.scale.norm(span), field.colour_map)
-            panel = new_panel(seen.view, self.choice.size)
+            panel = new_panel(seen.view, self.choice.size, self.choice.theme)
             _draw(panel, seen, field, shades)
             panel.bodies(seen.q, turning=not seen.axisymmetric)
+            if gap is None:
+                panel.sliding(sliding_walls(self.run, step))
             if gap is None and len(scenes) > 1:
                 panel.frame(scenes[1][1].view)
-            title = field.title if gap is None else f"{self.gap_title(gap)}: {field.title}"
-            cut = self.choice.span is not None or not field.scale.whole
+            title = field.title if gap is None else f"{self.gap_title(gap, seen.view)}: {field.title}"
+            cut = field.scale.cut if self.choice.span is None else "both"
             framed.append(Framed(panel.image(), title, seen.view.half, field.label, shades, cut))
-        return compose(self.title(step), framed)
+        return compose(self.title(step), framed, self.choice.theme)
 
 
 def _draw(panel: Panel, seen: Scene, field: RenderedField, shades: ScalarMappable) -> None:
@@ -102,7 +115,7 @@ def _draw(panel: Panel, seen: Scene, field: RenderedField, shades: ScalarMappabl
     surface = seen.surface(field, panel.size)
     panel.colour(surface, shades)
     if field.streamlines:
-        psi = surface["psi"][in_window(surface.points)]
+        psi = surface["psi"][in_window(surface.points, seen.view)]
         levels = np.linspace(float(psi.min()), float(psi.max()), _STREAMLINES + 2)[1:-1]
         panel.lines(surface.contour(levels, scalars="psi"), "white", width=3, opacity=0.8)
     if field.edges:

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
-from fsi.postprocess.plots.figure import BLUE, STYLE
+from fsi.postprocess.plots.figure import BLUE
 from fsi.postprocess.render.canvas import Picture
 from fsi.postprocess.render.fields import Span
 from fsi.postprocess.render.picture import Artist, pixels
@@ -46,7 +46,7 @@ class ProfileArtist(Artist):
         if self.choice.span is not None:
             ends |= dict.fromkeys(self.names, self.choice.span)
         for step, profile in zip(steps, profiles, strict=True):
-            yield pixels(profile_figure(self.title(step), profile, ends, self.choice.size))[..., :3]
+            yield pixels(profile_figure(self.title(step), profile, ends, self.choice))[..., :3]
 
     def _read(self, step: int) -> dict[str, Array]:
         """At the middles x of the parcels, (n,) each."""
@@ -61,14 +61,16 @@ def _ends(values: Array, least: float) -> Span:
     return low - room, high + room
 
 
-def profile_figure(title: str, profile: Mapping[str, Array], ends: Mapping[str, Span], size: int) -> Figure:
+def profile_figure(
+    title: str, profile: Mapping[str, Array], ends: Mapping[str, Span], choice: Choice
+) -> Figure:
     """Draw all columns (n,) of a profile against its column x, below each other.
 
-    ends: of the axis of each column; size: about as many pixels high and wide.
+    ends: of the axis of each column; choice: its size is about as many pixels high and wide.
     """
     names = [name for name in LABELS if name in profile]
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(6.0, 1.2 + 1.7 * len(names)), dpi=size / 6.0, layout="constrained")
+    with mpl.rc_context(choice.theme.style):
+        figure = Figure(figsize=(6.0, 1.2 + 1.7 * len(names)), dpi=choice.size / 6.0, layout="constrained")
         figure.suptitle(title, x=0.02, ha="left", fontsize=13)
         axes = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
         for name, panel in zip(names, axes, strict=True):

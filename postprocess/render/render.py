@@ -9,6 +9,7 @@ from fsi.postprocess.render.network import NECKS, NeckArtist, NetworkArtist
 from fsi.postprocess.render.picture import MOVIES, STILLS, Artist, write_pictures
 from fsi.postprocess.render.planar import PlanarArtist
 from fsi.postprocess.render.profile import ProfileArtist
+from fsi.postprocess.render.revolved import RevolvedArtist
 from fsi.postprocess.render.spatial import SpatialArtist
 from fsi.postprocess.render.view import Choice
 from fsi.postprocess.run.run import Run
@@ -18,9 +19,20 @@ def artist(run: Run, choice: Choice) -> Artist:
     """Who draws this run. Raises InputError: it has not what is chosen."""
     if choice.field == NECKS and run.has(NECKS):
         return NeckArtist(run, replace(choice, field=None))
+    require_sense(run, choice)
+    if choice.revolved:
+        return RevolvedArtist(run, choice)
     if run.series != "fluid":
         return NetworkArtist(run, choice) if run.series == "bodies" else ProfileArtist(run, choice)
     return SpatialArtist(run, choice) if run.case.geometry == "spatial" else PlanarArtist(run, choice)
+
+
+def require_sense(run: Run, choice: Choice) -> None:
+    """Raise InputError where a choice is for other runs."""
+    if choice.plane is not None and (run.series != "fluid" or run.case.geometry != "spatial"):
+        raise InputError(f"--plane {choice.plane}: is for flows in space; this run has none")
+    if choice.revolved and not (run.series == "fluid" and run.case.axisymmetric):
+        raise InputError("--revolved: is for axisymmetric flows; this run has none")
 
 
 def render_run(

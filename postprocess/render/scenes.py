@@ -16,13 +16,15 @@ from fsi.bodies.configuration import Array, Configuration
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Integers, Lattice
 from fsi.postprocess.render.curved_cells import cells_within, mirrored, refine, stream_function
-from fsi.postprocess.render.fields import RenderedField
+from fsi.postprocess.render.fields import DISTURBANCE, RenderedField
+from fsi.postprocess.render.mean_flow import undisturbed
 from fsi.postprocess.render.view import View, around_bodies, around_period
 from fsi.postprocess.run.gaps import SurfaceGap, gap_between, narrowest_gap
 from fsi.postprocess.run.run import Run, nodes
 
 _SIDE = 12.0  # of the triangles that stand for a cell, in pixels; the colours between are linear
 _OF_ORDER_4 = 15  # nodes of a cell
+_PSI = {"velocity": "psi", DISTURBANCE: "psi of the disturbance"}  # the stream function of each flow
 _SAME_PLACE = 1e-9  # of the window: nodes of two copies that are one
 
 
@@ -48,11 +50,14 @@ class Scene:
 
     def surface(self, field: RenderedField, size: int) -> pv.PolyData:
         """Triangles small enough for so many pixels, with the data `value`, and `psi` for streamlines."""
-        if field.streamlines and "psi" not in self.fluid.point_data:
-            u = self.fluid["velocity"]
+        psi = _PSI.get(field.streamlines)
+        if psi is not None and psi not in self.fluid.point_data:
+            u = self.fluid[field.streamlines]
             w = self.fluid["r"][:, None] * u if self.axisymmetric else u
-            self.fluid["psi"] = stream_function(self.fluid, w)
-        surface = self.bare_surface(size, [*field.needs, *(["psi"] if field.streamlines else [])])
+            self.fluid[psi] = stream_function(self.fluid, w)
+        surface = self.bare_surface(size, [*field.needs, *([psi] if psi else [])])
+        if psi is not None:
+            surface["psi"] = surface[psi]
         surface["value"] = field.value(surface.point_data, self.viscosity)
         return surface
 
@@ -81,13 +86,13 @@ class Scene:
                 x, value = x[cells.ravel()], value[cells.ravel()]
             else:
                 x, value = (a + b + c) / 3.0, value[cells].mean(axis=1)
-        seen = in_window(x)
+        seen = in_window(x, self.view)
         return value[seen], weight[seen]
 
 
-def in_window(x: Array) -> NDArray[np.bool_]:
+def in_window(x: Array, view: View) -> NDArray[np.bool_]:
     """Which of points in a window's coordinates (n, ...) it shows; all if it shows none."""
-    seen: NDArray[np.bool_] = np.all(np.abs(x[:, :2]) <= 1.0, axis=1)
+    seen = view.shows(x)
     return seen if seen.any() else ~seen
 
 
@@ -125,6 +130,11 @@ def scene(run: Run, step: int, fluid: pv.UnstructuredGrid, view: View, tractions
         bodies = None if bodies is None else tiled(bodies, container, view)
     else:
         cells = cells_within(fluid, view.low, view.high)
+    if "velocity" in cells.point_data and (flow := undisturbed(run, step)) is not None:
+        x = np.asarray(cells.points, dtype=float)
+        cells[DISTURBANCE] = cells["velocity"] - flow.at(x)
+        if "psi" in cells.point_data:  # pores know it themselves
+            cells[_PSI[DISTURBANCE]] = cells["psi"] - flow.stream_function(x)
     cells["r"] = cells.points[:, 0].copy()
     cells.points = view.local(cells.points)
     if bodies is not None:
@@ -187,7 +197,7 @@ def images(q: Configuration, container: Container, view: View) -> Configuration:
     shifts = lattice.shift(_near(lattice, np.zeros(2), view, 2.0 * lattice.longest()))
     centres = (shifts[:, None] + lattice.wrapped(q.centres)).reshape(-1, 2)
     angles, radii = np.tile(q.angles, len(shifts)), np.tile(q.radii, len(shifts))
-    seen = np.all(np.abs(centres - view.centre) <= view.half + radii[:, None], axis=1)
+    seen = np.all(np.abs(centres - view.centre) <= view.reach + radii[:, None], axis=1)
     return Configuration(centres[seen], angles[seen], radii[seen])
 
 

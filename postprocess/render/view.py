@@ -1,4 +1,4 @@
-"""What is to be seen: the user's choice, and square windows, on the plane or as cubes in space."""
+"""What is to be seen: the user's choice, and windows, on the plane or as cubes in space."""
 
 from __future__ import annotations
 
@@ -6,16 +6,21 @@ from dataclasses import dataclass
 
 import numpy as np
 import pyvista as pv
+from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.meshes.geometry.container import Container
+from fsi.postprocess.plots.figure import DARK, LIGHT, Theme
 from fsi.postprocess.render.fields import Span
 from fsi.postprocess.run.gaps import SurfaceGap
 
 _CLOSE_UP = 12.0  # width of the close-up, in gaps
+_STRIP = 0.4  # height of the close-up over its width: films are long
 _MARGIN = 1.1  # of a window around all bodies
 _ROOM = 1.5  # free space around the bodies, in radii of the largest
 _PERIOD = 0.6  # half the width of the window over the longest side of a periodic domain
+_WALLS = 1.14  # height of the window over that of a channel: its walls are seen, and how they move
+_FLATTEST = 0.3  # least height of a window over its width
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,31 +34,74 @@ class Choice:
         field: what to colour.
         gap: two sides, "3,7" or "disc,bottom".
         span: of the colours.
-        size: pixels of a panel.
+        size: pixels of a panel's width.
+        plane: in space, which plane is shown, "x=0.5", "y=0" or "z=1".
+        revolved: whether to show an axisymmetric flow in space.
+        dark: whether the page is dark.
     """
 
     field: str | None = None
     gap: str | None = None
     span: Span | None = None
     size: int = 1000
+    plane: str | None = None
+    revolved: bool = False
+    dark: bool = False
+
+    @property
+    def theme(self) -> Theme:
+        """The colours of the page."""
+        return DARK if self.dark else LIGHT
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class View:
-    """A square window on the plane: its centre, shape (2,), and half its width; in space a cube."""
+    """A window on the plane; in space a cube.
+
+    Attributes:
+        centre: its middle, (2,), in space (3,).
+        half: half its width.
+        aspect: its height over its width.
+        up: the unit vector of the plane that points upwards in the picture.
+    """
 
     centre: Array
     half: float
+    aspect: float = 1.0
+    up: tuple[float, float] = (0.0, 1.0)
+
+    @property
+    def sides(self) -> Array:
+        """From the centre to the middles of the right and the upper side, (2, 2)."""
+        x, y = self.up
+        return self.half * np.array([[y, -x], [self.aspect * x, self.aspect * y]])
+
+    @property
+    def reach(self) -> Array:
+        """Half the sides, along x and y, of the smallest upright rectangle that holds it, (2,)."""
+        reach: Array = np.abs(self.sides).sum(axis=0)
+        return reach
 
     @property
     def low(self) -> Array:
-        """Lower left corner."""
-        return self.centre - self.half
+        """Lower left corner of that rectangle."""
+        return self.centre - self.reach
 
     @property
     def high(self) -> Array:
-        """Upper right corner."""
-        return self.centre + self.half
+        """Upper right corner of that rectangle."""
+        return self.centre + self.reach
+
+    @property
+    def turned(self) -> float:
+        """By how many degrees the picture is turned, counterclockwise."""
+        return float(np.degrees(np.arctan2(*self.up)))
+
+    def shows(self, local: Array) -> NDArray[np.bool_]:
+        """Which of points in its coordinates (n, 2 or 3) it shows, (n,)."""
+        along = local[:, :2] @ (self.sides / self.half).T
+        shown: NDArray[np.bool_] = np.all(np.abs(along) <= [1.0, self.aspect**2], axis=1)
+        return shown
 
     def local(self, x: Array) -> Array:
         """Points (..., 2 or 3) in the window's coordinates, those of the plane with z = 0, shape (..., 3)."""
@@ -62,9 +110,15 @@ class View:
         return np.concatenate([inside, above], axis=-1)
 
     def close_up(self, gap: SurfaceGap) -> View:
-        """A window twelve gaps wide on the gap, or this one where that is smaller."""
+        """A window twelve gaps wide on the gap, or as wide as this one where that is smaller.
+
+        In the plane it is a strip along the film, turned until that lies flat; in space a cube, or this one.
+        """
         half = 0.5 * _CLOSE_UP * gap.width
-        return View(gap.middle, half) if half < self.half else self
+        if len(self.centre) == 3:
+            return View(gap.middle, half) if half < self.half else self
+        x, y = (gap.normal if gap.normal[1] >= 0.0 else -gap.normal).tolist()
+        return View(gap.middle, min(half, self.half), _STRIP, (x, y))
 
 
 def around_bodies(centres: Array, radii: Array, fluid: pv.UnstructuredGrid) -> View:
@@ -85,15 +139,21 @@ def around_bodies(centres: Array, radii: Array, fluid: pv.UnstructuredGrid) -> V
 
 
 def around_all(centres: Array, radii: Array) -> View:
-    """The square, or cube, that just shows all bodies at all steps; centres: (steps, N, d)."""
+    """The window, or cube, that just shows all bodies at all steps; centres: (steps, N, d)."""
     x = centres.reshape(-1, centres.shape[2])
     room = np.tile(radii, len(centres))[:, None]
     low, high = (x - room).min(axis=0), (x + room).max(axis=0)
-    return View(0.5 * (low + high), _MARGIN * 0.5 * float(np.max(high - low)))
+    half, aspect = _MARGIN * 0.5 * float(np.max(high - low)), 1.0
+    if x.shape[1] == 2 and high[0] - low[0] > high[1] - low[1]:
+        aspect = max(_FLATTEST, float((high[1] - low[1]) / (high[0] - low[0])))
+    return View(0.5 * (low + high), half, aspect)
 
 
 def around_period(container: Container) -> View:
-    """A square around one period of a periodic domain; of a channel with its walls."""
+    """A window around one period of a periodic domain; of a channel with its walls."""
     longest = float(np.linalg.norm(container.periods, axis=1).max())
-    half = 0.5 * max(longest, container.volume / longest) if container.walls else _PERIOD * longest
-    return View(container.middle, half)
+    if not container.walls:
+        return View(container.middle, _PERIOD * longest)
+    height = _WALLS * container.volume / longest
+    half = 0.5 * max(longest, height)
+    return View(container.middle, half, max(_FLATTEST, min(1.0, 0.5 * height / half)))

@@ -19,11 +19,13 @@ class SurfaceGap:
         width: the distance of the surfaces.
         middle: the point half-way, shape (d,).
         sides: what lies on both sides, numbers of bodies and then of walls.
+        normal: the unit vector across it, from the first side to the second, shape (d,).
     """
 
     width: float
     middle: Array
     sides: tuple[int, int]
+    normal: Array
 
 
 def narrowest_gap(q: Configuration, container: Container) -> SurfaceGap:
@@ -54,8 +56,8 @@ def gap_between(
         x, wall = q.centres[i : i + 1], j - len(q)
         towards = -container.normals(x)[0, wall]
         width = float(container.distances(x)[0, wall]) - q.radii[i]
-    reach = q.radii[i] + 0.5 * width
-    return SurfaceGap(float(width), q.centres[i] + reach * towards / np.linalg.norm(towards), sides)
+    reach, normal = q.radii[i] + 0.5 * width, towards / np.linalg.norm(towards)
+    return SurfaceGap(float(width), q.centres[i] + reach * normal, sides, normal)
 
 
 def parse_sides(text: str, names: tuple[str, ...], walls: tuple[str, ...]) -> tuple[int, int]:

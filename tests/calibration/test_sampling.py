@@ -30,7 +30,7 @@ from fsi.calibration.sampling import (
 from fsi.case.case import Case
 from fsi.case.law_file import read_law_file
 from fsi.case.load import load_case
-from fsi.cli.render import plot
+from fsi.cli.plot import plot
 from fsi.errors import InputError, SolveError
 from fsi.lubrication import exact
 from fsi.report.studies import lines

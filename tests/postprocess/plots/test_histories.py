@@ -37,7 +37,7 @@ def test_chosen_gap_and_many_bodies(settling_run: Fill) -> None:
     far = read_history(run, "disc,far").panels["gap"]["gap disc,far"]
     np.testing.assert_allclose(far, 6.0 - np.array([1.2, 1.1, 1.01]) - 1.0, rtol=1e-12)
     summed = read_history(run, singly=0).panels["gap"]
-    assert list(summed) == ["smallest", "median", "largest"]
+    assert list(summed) == [f"{what} of 1 bodies" for what in ("smallest", "median", "largest")]
 
 
 @pytest.mark.parametrize(

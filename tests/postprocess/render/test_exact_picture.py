@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 import fsi
 from fsi.bodies.configuration import Configuration
+from fsi.postprocess.plots.figure import Theme
 from fsi.postprocess.render import planar
 from fsi.postprocess.render.canvas import new_panel
 from fsi.postprocess.render.picture import Framed, _frame, compose
@@ -132,9 +133,9 @@ def drawn_around(run: fsi.Run, steps: Sequence[int], choice: Choice, monkeypatch
     """Titles and panels that are composed to pictures."""
     composed: list[Any] = []
 
-    def composing(title: str, panels: Sequence[Framed]) -> Any:
+    def composing(title: str, panels: Sequence[Framed], theme: Theme) -> Any:
         composed.append((title, panels))
-        return compose(title, panels)
+        return compose(title, panels, theme)
 
     monkeypatch.setattr(planar, "compose", composing)
     list(PlanarArtist(run, choice).pictures(steps))
@@ -149,7 +150,7 @@ def test_what_is_written_above_pictures_and_beside_them(
     composed = drawn_around(shear, [0, 3, 5], Choice("speed", size=100), monkeypatch)
     assert [title for title, _ in composed] == ["shear,  t = 0", "shear,  t = 0.25", "shear,  t = 0.5"]
     for _, (only,) in composed:
-        assert (only.title, only.label, only.half, only.cut) == ("speed and streamlines", "|u|", 1.0, True)
+        assert (only.title, only.label, only.half, only.cut) == ("speed and streamlines", "|u|", 1.0, "both")
         assert only.shades.get_clim() == pytest.approx((1.0 / 12.0, SIDE - 1.0 / 12.0))
 
 

@@ -102,7 +102,7 @@ def test_values_of_a_registered_field(run: Path, upwards: RenderedField) -> None
     value = upwards.value(flow.point_data, 1.0)
     x = np.asarray(flow.points)
     np.testing.assert_allclose(value, 2.0 * x[:, 1] * np.sin(0.5 * x[:, 0]) + x[:, 0], rtol=1e-5, atol=1e-5)
-    assert "upwards" in field_names(in_space=True)
+    assert "upwards" in field_names()
 
 
 def test_the_help_lists_the_fields(

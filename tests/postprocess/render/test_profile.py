@@ -6,11 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from matplotlib.image import imread
 from PIL.GifImagePlugin import GifImageFile
 
 import fsi
 from fsi.errors import InputError
+from fsi.postprocess.plots.trajectories import space_time_figure
 from fsi.postprocess.render import canvas
 from fsi.postprocess.render.profile import ProfileArtist, profile_figure
 from fsi.postprocess.render.render import render_run
@@ -34,7 +36,7 @@ def test_a_figure_shows_where_the_blocks_are(blocks: Run) -> None:
     """At t = 0.5 they lie at [-1.5, -0.5] and [0.75, 1.75], with u = 1 and -1/2, and no memory."""
     profile = ProfileArtist(blocks, Choice())._read(blocks.step(None, "profile"))
     ends = dict.fromkeys(profile, (-2.0, 2.0))
-    figure = profile_figure("t = 0.5", profile, ends, 300)
+    figure = profile_figure("t = 0.5", profile, ends, Choice(size=300))
     (x, rho), (_, u), (_, gamma) = (np.asarray(axes.lines[0].get_data(), dtype=float) for axes in figure.axes)
     left = x < 0.0
     np.testing.assert_allclose(x, np.append(np.linspace(-1.475, -0.525, 20), np.linspace(0.775, 1.725, 20)))
@@ -62,3 +64,18 @@ def test_pictures_and_animations(blocks: Run) -> None:
 def test_impossible_choices(blocks: Run, choice: Choice, message: str) -> None:
     with pytest.raises(InputError, match=message):
         render_run(blocks, blocks.path / "a.png", choice)
+
+
+def test_space_and_time_of_a_macroscopic_run(blocks: Run) -> None:
+    """At the three times; between the blocks there is hardly any matter, and nothing that moves."""
+    figure = space_time_figure(blocks, Figure())
+    density, velocity = (axes.collections[0] for axes in figure.axes[:2])
+    rho, u = (
+        np.ma.filled(np.ma.asarray(each.get_array()), np.nan).reshape(3, -1) for each in (density, velocity)
+    )
+    assert rho[:, [5, 15, 25, 35]] == pytest.approx(1.0)
+    assert rho[0, 19] < 0.1  # the mass of a parcel over half of the stretch between the blocks
+    assert np.isnan(u[0, [19, 20]]).all()
+    np.testing.assert_allclose(u[:, [5, 35]], np.tile([1.0, -0.5], (3, 1)))
+    assert fsi_command("plot", blocks.path, "-o", blocks.path / "st.svg") == 0
+    assert (blocks.path / "st.svg").read_bytes().startswith(b"<?xml")

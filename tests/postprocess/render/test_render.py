@@ -47,8 +47,10 @@ def test_picture_shows_flow_body_and_wall(run: Path, capfd: pytest.CaptureFixtur
     # A disc of radius 1 in a window 5 wide covers pi/25 of it; pointer, frame and edge take 3 %.
     assert share(flow, BODY) == pytest.approx(0.97 * np.pi / 25.0, rel=0.02)
     assert share(flow, WALL) < 1e-3
-    # The close-up of the gap 0.2 is 2.4 wide: the plane lies half a gap below its middle.
-    assert share(close_up, WALL) == pytest.approx(0.5 - 0.1 / 2.4, abs=0.01)
+    # The close-up of the gap 0.2 is 2.4 wide and 0.96 high: the plane lies half a gap below its middle.
+    strip = close_up[300:700]
+    assert share(strip, WALL) == pytest.approx((0.48 - 0.1) / 0.96, abs=0.01)
+    assert close_up[:250].min() == close_up[760:].min() == 1.0  # nothing above, and only the scale bar below
     assert capfd.readouterr() == ("", "")
 
 
@@ -63,7 +65,7 @@ def test_nothing_is_cut_off(run: Path) -> None:
 @pytest.mark.usefixtures("drawing")
 def test_a_gap_of_ones_choice(run: Path) -> None:
     close_up = drawn(run, run / "gap.png", Choice("pressure", "disc,plane", (-1.0, 1.0), 200))
-    assert share(close_up[28:228, 6:206], WALL) == pytest.approx(0.5 - 0.1 / 2.4, abs=0.02)
+    assert share(close_up[28:108, 6:206], WALL) == pytest.approx((0.48 - 0.1) / 0.96, abs=0.03)
     same = drawn(run, run / "same.png", Choice("pressure", "0,plane", (-1.0, 1.0), 200))
     other = drawn(run, run / "other.png", Choice("pressure", "0,plane", (-2.0, 2.0), 200))
     assert np.array_equal(close_up, same)
@@ -92,6 +94,9 @@ def test_animation_has_a_frame_for_each_step(run: Path, suffix: str) -> None:
     ("choice", "message"),
     [
         (Choice(field="sped"), "--field sped: give one of speed, pressure"),
+        (Choice(field="disturbance"), "--field disturbance: bodies disturb no sheared flow"),
+        (Choice(plane="x=1"), "--plane x=1: is for flows in space"),
+        (Choice(revolved=True), "--revolved: is for axisymmetric flows"),
         (Choice(gap="disc,disc"), "--gap disc,disc: give a body and another body or wall"),
         (Choice(gap="disc,1"), "--gap disc,1: there is no '1'; give two of disc, plane, far"),
         (Choice(gap="plane,far"), "--gap plane,far: give a body and"),
@@ -151,7 +156,7 @@ def test_close_up_at_a_curved_wall_points_outwards() -> None:
 
 def test_no_close_up_of_wide_gaps() -> None:
     window = View(np.zeros(2), 5.0)
-    assert window.close_up(SurfaceGap(2.0, np.ones(2), (0, 1))) is window
+    assert window.close_up(SurfaceGap(2.0, np.ones(2), (0, 1), np.array([0.0, 1.0]))).half == window.half
 
 
 def test_no_opengl_is_one_clear_line(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.image import imread
+from numpy.typing import NDArray
 
 import fsi
 from fsi.errors import InputError
@@ -19,7 +20,51 @@ def test_picture_shows_the_ball(tmp_path: Path) -> None:
     picture = imread(render_run(run, tmp_path / "a.png", Choice(size=200)))
     panel = picture[28:228, 6:206, :3]
     beige = np.ptp(panel, axis=2) < 0.2  # the plane is in saturated colours
-    # The window is 2.2 times 1.1 diameters wide; the ball's outline is the front half and the cut.
+    # The window is 2.2 times 1.1 diameters wide.
     assert beige.mean() == pytest.approx(np.pi / 4.0 / 2.42**2, rel=0.1)
-    with pytest.raises(InputError, match="--field mesh: give one of speed, pressure"):
-        render_run(run, tmp_path / "a.png", Choice("mesh", size=200))
+
+
+def drawn(folder: Path, choice: Choice) -> NDArray[np.float32]:
+    """The panel of a plane."""
+    picture = imread(render_run(fsi.open_run(folder), folder / "a.png", choice))
+    return np.asarray(picture[28:228, 6:206, :3])
+
+
+@pytest.mark.usefixtures("drawing")
+def test_a_plane_of_ones_choice(tmp_path: Path) -> None:
+    """At a distance of 0.3 from its centre the ball of radius 0.5 is cut in a disc of radius 0.4."""
+    write_spatial_run(tmp_path)
+    for plane in ("x=0.3", "y=-0.3", "z=0.3"):
+        panel = drawn(tmp_path, Choice("pressure", plane=plane, span=(-5.0, 5.0), size=200))
+        body = np.all(np.abs(panel * 255.0 - (0xF3, 0xEF, 0xE6)) <= 2.0, axis=2)
+        assert body.mean() == pytest.approx(0.64 * np.pi / 4.0 / 2.42**2, rel=0.06), plane
+    # The pressure is x: on z = 0.3 it grows to the right, on x = 0.3 it is the same everywhere.
+    right = drawn(tmp_path, Choice("pressure", plane="z=0.3", span=(-1.0, 1.0), size=200))
+    assert (right[90:110, 180:190].mean(axis=(0, 1)) - right[90:110, 10:20].mean(axis=(0, 1)))[0] > 0.3
+    same = drawn(tmp_path, Choice("pressure", plane="x=0.3", span=(-1.0, 1.0), size=200))
+    assert np.ptp(same[5:15, 5:195], axis=(0, 1)).max() < 0.1
+
+
+@pytest.mark.usefixtures("drawing")
+def test_the_sides_of_cells_are_seen_on_a_plane(tmp_path: Path) -> None:
+    write_spatial_run(tmp_path)
+    wide = (-20.0, 20.0)  # the pressure, from -2 to 2, is pale
+    plain, mesh = (drawn(tmp_path, Choice(field, span=wide, size=200)) for field in ("pressure", "mesh"))
+    assert (mesh.max(axis=2) < 0.6).mean() > 0.02
+    assert not (plain.max(axis=2) < 0.6).any()
+
+
+@pytest.mark.parametrize(
+    ("choice", "message"),
+    [
+        (Choice(plane="y"), "--plane y: give x=, y= or z= and a number"),
+        (Choice(plane="r=1"), "--plane r=1: give x=, y= or z= and a number"),
+        (Choice(plane="z=9"), "--plane z=9: misses what is shown; give z from -1.21 to 1.21"),
+        (Choice(gap="ball,bottom", plane="z=0"), "give --gap or --plane, not both"),
+        (Choice("traction"), "--field traction: is seen on whole spheres of runs with fields"),
+    ],
+)
+def test_impossible_planes(choice: Choice, message: str, tmp_path: Path) -> None:
+    write_spatial_run(tmp_path)
+    with pytest.raises(InputError, match=message):
+        render_run(fsi.open_run(tmp_path), tmp_path / "a.png", choice)

@@ -1,0 +1,113 @@
+"""Paths of bodies in the plane, or of one as another sees it; and of matter on a line over time."""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+
+from fsi.bodies.configuration import Array
+from fsi.errors import InputError
+from fsi.meshes.geometry.lattice import Lattice
+from fsi.postprocess.plots.figure import COLOURS, GREY, LIGHT, Theme, saved_figure
+from fsi.postprocess.run.run import Run
+
+_SINGLY = len(COLOURS)  # of more bodies all paths have one colour
+_ACROSS = {2: ("x", "y"), 3: ("x", "z")}
+_RARE = 0.05  # of the largest density: where there is less, nothing moves or remembers
+# Columns of profiles.csv, what they are, and their colours: perceptual, on both sides of zero for u.
+_PROFILES = {
+    "rho": (r"density $\rho$", "viridis"),
+    "u": ("velocity u", "PuOr_r"),
+    "gamma": (r"memory $\gamma$", "cividis"),
+}
+
+
+def paths(run: Run) -> Array:
+    """Where the bodies were at all steps, (steps, N, 2): x and y, in space x and z. Raises InputError."""
+    case = run.case
+    if not case.names:
+        raise InputError(f"{run.path}: the run has no bodies, and so no trajectories")
+    if case.axisymmetric:
+        raise InputError(f"{run.path}: bodies stay on the axis; give --curves y")
+    columns = list(_ACROSS[case.dimension])
+    return np.asarray(run.bodies[columns], dtype=float).reshape(-1, len(case.names), 2)
+
+
+def relative_path(run: Run, pair: str) -> Array:
+    """The path of one body as seen from another, "second,first", (steps, 2).
+
+    Across the ends of a period the body is followed, not its nearest image. Raises InputError.
+    """
+    found = [word.strip() for word in pair.split(",")]
+    if len(found) != 2 or not {*found} <= {*run.case.names} or found[0] == found[1]:
+        raise InputError(f"--relative {pair}: give the names of two bodies of {', '.join(run.case.names)}")
+    i, j = (run.case.names.index(name) for name in found)
+    x = paths(run)
+    apart = x[:, i] - x[:, j]
+    periods = run.case.container().periods
+    if run.case.dimension == 2 and len(periods):
+        lattice = Lattice(periods)
+        apart = apart - lattice.shift(lattice.nearest(apart[:1]))
+    return np.asarray(apart)
+
+
+def plot_paths(run: Run, output: Path, relative: str | None = None, theme: Theme = LIGHT) -> None:
+    """Draw the paths, with the bodies where they began and ended. Raises InputError."""
+    names, radii = run.case.names, run.case.configuration().radii
+    with saved_figure(output, (7.0, 6.0), theme=theme) as figure:
+        axes = figure.add_subplot(aspect="equal", adjustable="datalim", title=run.case.name)
+        if relative is not None:
+            x = relative_path(run, relative)
+            seen, centre = (word.strip() for word in relative.split(","))
+            axes.add_patch(Circle((0.0, 0.0), float(radii[names.index(centre)]), color=GREY, alpha=0.5, lw=0))
+            axes.plot(*x.T, color=COLOURS[0], label=f"{seen}, seen from {centre}")
+            axes.plot(*x[0], "o", color=COLOURS[0], mfc="none")
+            axes.legend()
+        else:
+            _draw_paths(axes, names, paths(run), radii)
+        horizontal, vertical = _ACROSS[run.case.dimension]
+        axes.set(xlabel=horizontal, ylabel=vertical)
+
+
+def _draw_paths(axes: Axes, names: tuple[str, ...], x: Array, radii: Array) -> None:
+    """Of all bodies: few have colours and names; outlines are pale at the start."""
+    few = len(names) <= _SINGLY
+    for k, name in enumerate(names):
+        colour = COLOURS[k] if few else COLOURS[0]
+        axes.plot(*x[:, k].T, color=colour, lw=1.5 if few else 0.7, label=name if few else None)
+        for at, alpha in ((0, 0.25), (-1, 0.8)):
+            style = {"fill": False, "color": colour, "lw": 1.0, "alpha": alpha}
+            axes.add_patch(Circle((float(x[at, k, 0]), float(x[at, k, 1])), float(radii[k]), **style))
+    if few:
+        axes.legend()
+    axes.autoscale_view()
+
+
+def plot_space_time(run: Run, output: Path, theme: Theme = LIGHT) -> None:
+    """Draw density, velocity and memory of a macroscopic run over x and t. Raises InputError."""
+    with saved_figure(output, (4.2 * len(_PROFILES), 4.2), theme=theme) as figure:
+        space_time_figure(run, figure)
+
+
+def space_time_figure(run: Run, figure: Figure) -> Figure:
+    """The figure with a panel for each. Raises InputError."""
+    table = run.table("profiles")
+    steps = table["step"].nunique()
+    names = ("t", "x", *_PROFILES)
+    grids = {name: table[name].to_numpy(dtype=float).reshape(steps, -1) for name in names}
+    x, t = grids["x"], grids["t"]
+    panels = figure.subplots(1, len(_PROFILES), sharex=True, sharey=True)
+    for axes, (name, (label, colours)) in zip(panels, _PROFILES.items(), strict=True):
+        there = (grids["rho"] > _RARE * grids["rho"].max()) | (name == "rho")
+        values = np.where(there, grids[name], np.nan)
+        largest = float(np.nanmax(np.abs(values))) or 1.0
+        low, high = (-largest, largest) if colours == "PuOr_r" else (None, None)
+        style = {"cmap": colours, "vmin": low, "vmax": high, "shading": "nearest", "rasterized": True}
+        drawn = axes.pcolormesh(x, t, values, **style)
+        axes.grid(visible=False)
+        axes.set(xlabel="x", title=label)
+        figure.colorbar(drawn, ax=axes)
+    panels[0].set_ylabel("t")
+    return figure

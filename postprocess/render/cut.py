@@ -1,0 +1,161 @@
+"""Planes through a flow in space: where they lie, the spheres that they cut, a field and lines on them."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas as pd
+import pyvista as pv
+from scipy.spatial import cKDTree
+
+from fsi.bodies.configuration import Array, Configuration
+from fsi.errors import InputError
+from fsi.postprocess.render.fields import DISTURBANCE, RenderedField
+from fsi.postprocess.render.mean_flow import undisturbed
+from fsi.postprocess.render.view import View
+from fsi.postprocess.run.gaps import SurfaceGap
+from fsi.postprocess.run.probe import FLUID, probe
+from fsi.postprocess.run.run import Run, nodes
+
+_X, _Y, _UP = np.eye(3)
+_ACROSS = {
+    "x": (_Y, _UP),
+    "y": (_X, _UP),
+    "z": (_X, _Y),
+}  # what points right and up on planes across each axis
+_POINTS = 161  # along each side of the plane: exact values there, linear in between
+_APART = 0.06  # distance of streamlines, over half the width of the window
+
+type Flow = tuple[pv.PolyData, pv.PolyData]  # a surface, and lines on it
+
+
+@dataclass(frozen=True, slots=True)
+class Cut:
+    """The plane of points `centre + half (s along + t up)`.
+
+    Attributes:
+        centre: a point in space, (3,).
+        half: the unit of s and t, a length.
+        along: a horizontal unit vector, (3,).
+        up: a unit vector across that, (3,).
+    """
+
+    centre: Array
+    half: float
+    along: Array
+    up: Array = field(default_factory=_UP.copy)
+
+    @property
+    def across(self) -> Array:
+        """The unit normal, towards who sees `along` to the right and `up` upwards."""
+        normal: Array = np.cross(self.along, self.up)
+        return normal
+
+    def points(self, s: Array, t: Array) -> Array:
+        """Points in space (..., 3)."""
+        x: Array = self.centre + self.half * (s[..., None] * self.along + t[..., None] * self.up)
+        return x
+
+    def circles(self, q: Configuration) -> Configuration:
+        """Where the plane cuts the spheres, as discs with centres (s, t), in units of half."""
+        apart = q.centres - self.centre
+        squared = q.radii**2 - (apart @ self.across) ** 2
+        cut = squared > 0.0
+        centres = np.column_stack([apart @ self.along, apart @ self.up])[cut] / self.half
+        return Configuration.unturned(centres, np.sqrt(squared[cut]) / self.half)
+
+    @property
+    def name(self) -> str:
+        """Where it lies."""
+        for letter, normal, place in zip("xyz", np.eye(3), self.centre, strict=True):
+            if abs(self.across @ normal) == 1.0:
+                return f"{letter} = {place:.3g}"
+        return f"at {np.degrees(np.arctan2(self.along[1], self.along[0])):.0f}° to x"
+
+
+def plane_of_choice(text: str, view: View) -> Cut:
+    """The plane "x=0.5", "y=0" or "z=1" in a window. Raises InputError: none of these, or not in it."""
+    letter, _, number = text.replace(" ", "").partition("=")
+    try:
+        place = float(number)
+    except ValueError:
+        place = np.nan
+    if letter not in _ACROSS or not np.isfinite(place):
+        raise InputError(f"--plane {text}: give x=, y= or z= and a number, as in --plane x=0.5")
+    centre, axis = view.centre.copy(), "xyz".index(letter)
+    low, high = centre[axis] - view.half, centre[axis] + view.half
+    if not low < place < high:
+        raise InputError(f"--plane {text}: misses what is shown; give {letter} from {low:.3g} to {high:.3g}")
+    centre[axis] = place
+    return Cut(centre, view.half, *_ACROSS[letter])
+
+
+def through_gap(gap: SurfaceGap, q: Configuration, view: View) -> Cut:
+    """The plane that holds the line of centres; of those of a vertical line the one along x.
+
+    Its centre is that of the view, or what lies nearest to it on the plane.
+    """
+    towards = (gap.middle - q.centres[gap.sides[0]]) * [1.0, 1.0, 0.0]
+    length = float(np.linalg.norm(towards))
+    steep = length < 1e-6 * q.radii[gap.sides[0]]
+    along = _X if steep else np.copysign(1.0, towards[0]) * towards / length
+    across = np.cross(along, _UP)
+    return Cut(view.centre - ((view.centre - gap.middle) @ across) * across, view.half, along)
+
+
+def flow_on(run: Run, step: int, cut: Cut, field: RenderedField, reach: float) -> Flow:
+    """The part of the cut with |s|, |t| <= reach inside the walls, as a surface and its streamlines.
+
+    Points are (s, t, 0); the surface has the point data `value`. Values go on from the fluid into the bodies,
+    whose pictures hide it.
+    """
+    dimensions, side = (_POINTS, _POINTS, 1), 2.0 * reach / (_POINTS - 1)
+    grid = pv.ImageData(dimensions=dimensions, spacing=(side, side, 1.0), origin=(-reach, -reach, 0.0))
+    s, t, _ = np.asarray(grid.points, dtype=float).T
+    x = cut.points(s, t)
+    table = probe(run, x, step)
+    fluid = (table["where"] == FLUID).to_numpy()
+    nearest = np.flatnonzero(fluid)[cKDTree(x[fluid]).query(x)[1]]
+    known = _known(table.iloc[nearest], cut)
+    if (flow := undisturbed(run, step)) is not None:
+        known[DISTURBANCE] = known["velocity"] - flow.at(x[nearest])
+    grid["value"] = field.value(known, run.case.fluid.viscosity)
+    u = known[field.streamlines or "velocity"]
+    grid["in plane"] = np.column_stack([u @ cut.along, u @ cut.up, np.zeros(len(x))])
+    for k, distance in enumerate(run.container(step).distances(x).T):
+        grid[f"wall {k}"] = distance
+    surface = grid.extract_surface(algorithm="dataset_surface")
+    lines = pv.PolyData()
+    if field.streamlines and np.any(grid["in plane"]):
+        # The first begins where the flow is fastest. Lengths of this filter are in cells.
+        start = np.asarray(grid.points)[np.argmax(np.linalg.norm(grid["in plane"], axis=1))].tolist()
+        apart = {"separating_distance": _APART / side, "separating_distance_ratio": 0.4}
+        what = {"vectors": "in plane", "start_position": start, "compute_vorticity": False}
+        lines = grid.streamlines_evenly_spaced_2D(**what, **apart)
+    return _inside(surface), _inside(lines)
+
+
+def _known(table: pd.DataFrame, cut: Cut) -> dict[str, Array]:
+    """What `fsi probe` says of points, by the names of the files; of vorticity the part across the cut."""
+    velocity, curl = (table[[f"{name}_{c}" for c in "xyz"]].to_numpy() for name in ("u", "vorticity"))
+    scalars = {"pressure": table["p"].to_numpy(), "strain_rate": table["strain_rate"].to_numpy()}
+    return {"velocity": velocity, "vorticity": curl @ cut.across} | scalars
+
+
+def cut_cells(run: Run, step: int, cut: Cut) -> pv.PolyData:
+    """Where the sides of the cells, as if they were flat, meet the cut: lines of points (s, t, 0)."""
+    fluid = run.mesh(step)
+    flat = pv.UnstructuredGrid(
+        {pv.CellType.TETRA: nodes(fluid)[:, :4]}, np.asarray(fluid.points, dtype=float)
+    )
+    lines = flat.slice(normal=cut.across.tolist(), origin=cut.centre.tolist()).extract_all_edges()
+    apart = (np.asarray(lines.points) - cut.centre) / cut.half
+    lines.points = np.column_stack([apart @ cut.along, apart @ cut.up, np.zeros(len(apart))])
+    return lines
+
+
+def _inside(drawn: pv.PolyData) -> pv.PolyData:
+    """What lies inside the walls."""
+    for name in [name for name in drawn.point_data if name.startswith("wall")]:
+        if drawn.n_points:
+            drawn = drawn.clip_scalar(scalars=name, invert=False, value=0.0)
+    return drawn

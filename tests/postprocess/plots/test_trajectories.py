@@ -1,0 +1,80 @@
+"""Paths of bodies, and of one as another sees it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fsi
+from fsi.errors import InputError
+from fsi.postprocess.plots.histories import read_history
+from fsi.postprocess.plots.trajectories import paths, plot_paths, relative_path
+from tests.commands import fsi_command
+
+CASE = """
+name = "pair"
+fluid.viscosity = 1.0
+domain.lower = [0.0, 0.0]
+domain.upper = [10.0, 4.0]
+domain.periodic = ["x"]
+domain.walls.top = [1.0, 0.0]
+[[bodies]]
+name = "a"
+radius = 1.0
+position = [1.0, 1.5]
+[[bodies]]
+name = "b"
+radius = 0.5
+position = [9.5, 2.5]
+[time]
+end = 2.0
+"""
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> fsi.Run:
+    """Body a rests; b goes 3 to the right, through the end of the period, and 1 up."""
+    (tmp_path / "case.toml").write_text(CASE)
+    rows = [
+        f"{n},{n}.0,{body},{x},{y},{0.5 * n},0,0,0,0,0,0"
+        for n in range(3)
+        for body, x, y in (("a", 1.0, 1.5), ("b", 9.5 + 1.5 * n, 2.5 + 0.5 * n))
+    ]
+    head = "step,t,body,x,y,angle,V_x,V_y,omega,F_x,F_y,T"
+    (tmp_path / "bodies.csv").write_text("\n".join([head, *rows]) + "\n")
+    (tmp_path / "steps.csv").write_text("step,t\n0,0.0\n1,1.0\n2,2.0\n")
+    return fsi.open_run(tmp_path)
+
+
+def test_paths(run: fsi.Run) -> None:
+    np.testing.assert_allclose(paths(run)[:, 1], [[9.5, 2.5], [11.0, 3.0], [12.5, 3.5]])
+
+
+def test_a_body_is_followed_from_its_nearest_image_on(run: fsi.Run) -> None:
+    """It begins at 9.5 - 10 - 1 = -1.5 from the other and passes over it, whatever image is nearest."""
+    np.testing.assert_allclose(relative_path(run, "b, a"), [[-1.5, 1.0], [0.0, 1.5], [1.5, 2.0]])
+    np.testing.assert_allclose(relative_path(run, "a,b"), [[1.5, -1.0], [0.0, -1.5], [-1.5, -2.0]])
+
+
+def test_places_and_angles_over_time(run: fsi.Run) -> None:
+    panels = read_history(run, curves="x, angle").panels
+    assert [*panels] == ["x", "angle"]
+    np.testing.assert_allclose(panels["x"]["b"], [9.5, 11.0, 12.5])
+    np.testing.assert_allclose(panels["angle"]["a"], [0.0, 0.5, 1.0])
+    assert "x" not in read_history(run).panels
+
+
+def test_figures_and_refusals(run: fsi.Run, capfd: pytest.CaptureFixture[str]) -> None:
+    plot_paths(run, run.path / "a.pdf", "b,a")
+    assert (run.path / "a.pdf").read_bytes().startswith(b"%PDF")
+    assert fsi_command("plot", run.path, "--paths") == 0
+    assert (run.path / "paths.png").is_file()
+    with pytest.raises(InputError, match="--relative b,c: give the names of two bodies of a, b"):
+        relative_path(run, "b,c")
+    for words, message in (
+        (("--curves", "speeds"), "there is no 'speeds'; give some of gap, speed"),
+        (("--paths", "--gap", "a,b"), "draw one run, without --gap and --curves"),
+        (("--paths", "-o", "a.jpg"), "a.jpg: give the path of a .png, .svg or .pdf file"),
+    ):
+        assert fsi_command("plot", run.path, *words) == 2
+        assert message in capfd.readouterr().err
