@@ -103,9 +103,13 @@ def test_a_velocity_is_known_to_a_part_of_what_loads_miss() -> None:
 
 @pytest.mark.slow
 def test_bars_in_space_hold() -> None:
-    """Two with sliding lids had bars 2.3 and 4.1 times too small with one mesh for all flows."""
+    """Two with sliding lids had bars 2.3 and 4.1 times too small with one mesh for all flows.
+
+    One by a plane had one 1.9 times too small for what its elements of degree 2 missed less by chance.
+    """
     lids = "space, sliding lids"
-    found = [value for kind, seed in (("space", 1), (lids, 10), (lids, 28)) for value in values(kind, seed)]
+    seeds = (("space", 1), ("space", 2), (lids, 10), (lids, 28))
+    found = [value for kind, seed in seeds for value in values(kind, seed)]
     flow = [value for value in found if value.name != "dissipation"]
     assert flow
     assert all(value.inside for value in flow)
