@@ -245,6 +245,11 @@ class Case(Section):
         pressures = {name: wall.outside_pressure for name, wall in self.domain.walls.items()}
         return {name: pressure for name, pressure in pressures.items() if pressure is not None}
 
+    def wall_stress(self, t: float) -> dict[str, float]:
+        """The tangential traction at time t of the walls that it moves, along x."""
+        stresses = {name: wall.shear_stress(t) for name, wall in self.domain.walls.items()}
+        return {name: stress for name, stress in stresses.items() if stress is not None}
+
     def bulk(self) -> Bulk:
         """What gravity acts on."""
         masses = np.array([body.mass or 0.0 for body in self.bodies])

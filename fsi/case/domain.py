@@ -47,7 +47,7 @@ class Walled(Registered):
         default={},
         validate_default=True,
         description='for each wall its velocity [u_x, u_y] (in space [u_x, u_y, u_z]), "open", '
-        "{pressure = p} or {shear = rate}",
+        "{pressure = p}, {shear = rate} or, of a channel, {stress = force over length}",
     )
     mesh: str | None = None
     """the path of a mesh file of this shape, seen from the case file's folder"""

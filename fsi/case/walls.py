@@ -46,6 +46,10 @@ class WallCondition:
         """The times at which the velocity has a kink."""
         return {time for part in self.series() for time in kinks(part)}
 
+    def shear_stress(self, t: float) -> float | None:  # noqa: ARG002
+        """The tangential traction of the wall on the fluid, along x; None where its velocity is given."""
+        return None
+
     def components(self, dimension: int) -> tuple[Any, ...]:
         """The components of a velocity that is given by them; else as many as there should be."""
         return (None,) * dimension
@@ -120,9 +124,36 @@ class Shear(Section, WallCondition):
         return WallVelocity(np.zeros(dimension), self.shear)
 
 
+class Stress(Section, WallCondition):
+    """A wall of a channel that a shear stress moves along itself; how fast is a result."""
+
+    tag: ClassVar[str] = "<stress>"
+    stress: Series
+    """the force of a wall of a channel on the fluid along x, over its length, a series"""
+
+    @override
+    def velocity(self, t: float, dimension: int) -> WallVelocity:
+        """Zero: what the stress drives comes on top."""
+        return WallVelocity(np.zeros(dimension), 0.0)
+
+    @override
+    def shear_stress(self, t: float) -> float:
+        return value_at(self.stress, t)
+
+    @override
+    def series(self) -> tuple[float | Table, ...]:
+        return (self.stress,)
+
+    @property
+    @override
+    def rests(self) -> bool:
+        return False
+
+
 def _wall_kind(value: Any) -> str:
     if isinstance(value, dict):
-        return f"<{nearest_word(str(next(iter(value), 'pressure')), ('pressure', 'shear'))}>"
+        kinds = ("pressure", "shear", "stress")
+        return f"<{nearest_word(str(next(iter(value), 'pressure')), kinds)}>"
     return getattr(value, "tag", Open.tag if isinstance(value, str) else Velocity.tag)
 
 
@@ -130,6 +161,7 @@ Wall = Annotated[
     Annotated[Open, Tag(Open.tag)]
     | Annotated[Velocity, Tag(Velocity.tag)]
     | Annotated[Pressure, Tag(Pressure.tag)]
-    | Annotated[Shear, Tag(Shear.tag)],
+    | Annotated[Shear, Tag(Shear.tag)]
+    | Annotated[Stress, Tag(Stress.tag)],
     Discriminator(_wall_kind),
 ]

@@ -1,6 +1,7 @@
 """What a solved instant tells, how large its errors are against the results, how far its container shows."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +43,7 @@ class SolvedFlow:
         seconds: CPU seconds of this process by phase.
         bulk: mean stress of a periodic flow.
         jumps: the walls with different velocities that meet, by their names.
+        wall_speeds: along x, of the walls that a stress moves.
     """
 
     U: Array
@@ -55,6 +57,7 @@ class SolvedFlow:
     seconds: dict[str, float]
     bulk: BulkStress | None
     jumps: tuple[tuple[str, str], ...]
+    wall_speeds: Mapping[str, float] = field(default_factory=dict, kw_only=True)
 
     @property
     def mesh_instead(self) -> str:
@@ -123,6 +126,7 @@ def flow_scales(case: Case, t: float) -> FlowScales:
     container = case.container()
     size, walls = container.size(), case.wall_velocity(t).values()
     rates = [float(np.linalg.norm(wall.velocity)) / size + abs(wall.shear) for wall in walls]
+    rates += [abs(stress) / case.fluid.viscosity for stress in case.wall_stress(t).values()]
     rate = max([*rates, float(np.abs(container.mean_gradient).max())])
     return FlowScales(rate * radius, case.fluid.viscosity * (radius if case.spheres else 1.0))
 

@@ -56,6 +56,8 @@ def solution_json(
         "seconds": float(sum(solution.seconds.values())),
         "seconds_by_phase": {phase: float(spent) for phase, spent in solution.seconds.items()},
     }
+    if solution.wall_speeds:
+        data["wall_speeds"] = dict(solution.wall_speeds)
     if solution.mesh_instead:
         data["mesh_instead"] = solution.mesh_instead
     if solution.bulk is not None and errors.stress is not None:
@@ -118,6 +120,8 @@ def print_solution(
     if solution.bulk is not None and errors.stress is not None:
         console.print(_stress_table(solution.bulk, errors, errors.stress))
     console.print(checks_table("check, relative", solution.checks | truncation_checks(truncated)))
+    for wall, speed in solution.wall_speeds.items():
+        console.print(f"{wall} slides at {speed:.8g} along x, as its stress drives it", highlight=False)
     console.print(_cost(case, solution, errors))
     print_mesh_instead(console, solution.mesh_instead)
 

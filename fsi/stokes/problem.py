@@ -1,7 +1,7 @@
 """A Stokes problem, fluid around rigid bodies at one instant, and the options of its numerical solution."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -22,6 +22,8 @@ class Boundary:
         body_force: f(x), or None.
         pressure_gradient: the mean dp/dx along a periodic channel, None where the net flux is given.
         net_flux: of fluid and bodies along such a channel.
+        stresses: the tangential traction of walls of such a channel on the fluid, along x; what they have in
+            `velocities` is without what this drives.
     """
 
     velocities: Mapping[str, Field]
@@ -29,6 +31,16 @@ class Boundary:
     body_force: Field | None = None
     pressure_gradient: float | None = 0.0
     net_flux: float | None = None
+    stresses: Mapping[str, float] = field(default_factory=dict)
+
+    def sliding(self, speeds: Mapping[str, float]) -> "Boundary":
+        """The same with walls that slide along x so much faster."""
+        faster = {wall: _sliding(self.velocities[wall], speed) for wall, speed in speeds.items()}
+        return replace(self, velocities={**self.velocities, **faster})
+
+
+def _sliding(u: Field, speed: float) -> Field:
+    return lambda x: u(x) + speed * np.eye(x.shape[1])[0]
 
 
 @dataclass(frozen=True, slots=True)

@@ -72,6 +72,7 @@ class StokesSolution(SolvedFlow):
             record["iterations"] = self.iterations
         if self.bulk is not None:
             record |= self.bulk.record
+        record |= {f"speed_{wall}": speed for wall, speed in self.wall_speeds.items()}
         record |= self.checks
         if self.bulk is not None:
             record |= {name: self.checks.get(name, nan) for name in VISCOSITY_CHECKS}

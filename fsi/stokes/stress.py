@@ -22,7 +22,7 @@ from mpi4py import MPI
 from fsi.bodies.configuration import Array
 from fsi.observables.bulk_stress import BulkStress, area_fraction
 from fsi.stokes.problem import StokesProblem
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, wall_force
 
 
 def bulk_stress(system: StokesSystem, solution: NodalSolution, mean_pressure: float) -> BulkStress:
@@ -48,10 +48,7 @@ def bulk_stress(system: StokesSystem, solution: NodalSolution, mean_pressure: fl
         return bulk
     power = np.sum(bulk.mean * E)
     if system.nodes.wall_nodes:  # in a channel by the mean shear stress on both walls
-        force = {
-            wall: layout.comm.allreduce(float(solution.reaction[2 * node.astype(np.int64)].sum()))
-            for wall, node in system.nodes.wall_nodes.items()
-        }
+        force = {wall: wall_force(system, solution.reaction, wall) for wall in system.nodes.wall_nodes}
         power = (force["top"] - force["bottom"]) / float(problem.container.periods[0, 0]) * E[0, 1]
     return replace(bulk, apparent_viscosity=float(power / (2.0 * problem.viscosity * np.sum(E**2))))
 

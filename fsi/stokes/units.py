@@ -128,6 +128,7 @@ class Units:
             None if f is None else self._scaled_field(f, mu / a),
             None if G is None else G / (mu / a),
             None if flux is None else flux / a**2,
+            {wall: stress / mu for wall, stress in boundary.stresses.items()},
         )
 
     def _scaled_field(self, field: Field, unit: float) -> Field:
@@ -148,6 +149,7 @@ class Units:
         """The solution of a problem from that of the scaled one; its mesh stays as it is."""
         d, gradient = problem.q.dimension, solution.pressure_gradient
         loads, fluid = self.loads(d), replace(problem.fluid, container=problem.container)
+        speeds = {wall: speed * self.length for wall, speed in solution.wall_speeds.items()}
         return replace(
             solution,
             U=solution.U * self.velocities(d),
@@ -155,7 +157,8 @@ class Units:
             traction_F=solution.traction_F * loads,
             dissipation=solution.dissipation * self.power,
             bulk=None if solution.bulk is None else self._user_bulk(solution.bulk, problem.container),
-            problem=replace(problem, fluid=fluid),
+            problem=replace(problem, fluid=fluid, boundary=problem.boundary.sliding(speeds)),
+            wall_speeds=speeds,
             flow=self._user_flow(solution.flow),
             surface=self._user_surface(solution.surface, fluid),
             pressure_gradient=None if gradient is None else gradient * (self.viscosity / self.length),

@@ -12,7 +12,7 @@ from fsi.stokes.problem import Boundary, Field
 def boundary_of(case: Case, t: float) -> Boundary:
     """What holds on the walls of a case at time t."""
     velocities = {wall: _field(velocity) for wall, velocity in case.wall_velocity(t).items()}
-    return Boundary(velocities, case.wall_pressure(), None, *case.domain.mean_drive())
+    return Boundary(velocities, case.wall_pressure(), None, *case.domain.mean_drive(), case.wall_stress(t))
 
 
 def _field(wall: WallVelocity) -> Field:

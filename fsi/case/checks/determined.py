@@ -77,6 +77,23 @@ def _stopped_modes(case: Case, inertia: bool = True) -> Iterator[Array]:
                 yield form
 
 
+def check_stressed_walls(case: Case) -> None:
+    """A stress moves one wall of a planar channel along itself, and the other has a velocity."""
+    stressed = case.wall_stress(0.0)
+    for name in stressed:
+        here = f"domain.walls.{name} = {toml_text(case.domain.walls[name])}"
+        if case.model != "resolved":
+            raise InputError(
+                f'{here}: model = "{case.model}" moves no wall by a stress; give a velocity, or add '
+                "--set model=resolved"
+            )
+        container = case.container()
+        if (container.dimension, len(container.periods), len(container.walls)) != (2, 1, 2):
+            raise InputError(f"{here}: a stress moves only walls of planar channels; give a velocity")
+        if len(stressed) > 1:
+            raise InputError(f"{here}: so has the other wall, and nothing fixes the velocity; give it one")
+
+
 def check_flux(case: Case) -> None:
     """An incompressible fluid that is enclosed all round cannot take a net flux, at any time."""
     if case.wall_pressure() or not case.domain.walls:

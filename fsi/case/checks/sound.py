@@ -9,7 +9,7 @@ import numpy as np
 
 from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
-from fsi.case.checks.determined import check_determined, check_flux
+from fsi.case.checks.determined import check_determined, check_flux, check_stressed_walls
 from fsi.case.checks.levels import check_gluey, check_macroscopic, check_reduced
 from fsi.case.checks.pores import check_pores
 from fsi.case.checks.time import check_time
@@ -34,6 +34,7 @@ def check_case(case: Case) -> None:
     _check_inertia(case)
     _check_forces(case)
     _check_files(case)
+    check_stressed_walls(case)
     if case.level.viscous:
         _check_fluid(case)
     if case.model in _OF_LEVEL:

@@ -17,9 +17,9 @@ The direct solver leaves held modes out of y; the iterative one, which wants who
 y and sets the held ones to zero.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from dolfinx import fem, la
@@ -99,6 +99,7 @@ class NodalSolution:
         residual: relative residual of the linear system.
         iterations: most of them, 0 by the direct solver.
         pressure_gradient: G of a periodic flow, (2,).
+        wall_speeds: along x, of the walls that a stress moves.
     """
 
     x: Array
@@ -108,6 +109,7 @@ class NodalSolution:
     residual: float
     iterations: int = 0
     pressure_gradient: Array | None = None
+    wall_speeds: Mapping[str, float] = field(default_factory=dict)
 
 
 def nodal_vector(form: Form) -> Array:
@@ -126,6 +128,12 @@ def load_of(system: StokesSystem, nodal: Array) -> Array:
 def body_velocity(system: StokesSystem, U: Array) -> Array:
     """Nodal values rigid U on this rank's rows, for modes (N, M) known on all ranks."""
     return multiply(system.rigid.matrix, U.ravel() if system.layout.comm.rank == 0 else np.empty(0))
+
+
+def wall_force(system: StokesSystem, reaction: Array, wall: str) -> float:
+    """The force of a wall on the fluid along x, of a nodal reaction; collective."""
+    rows = system.layout.dimension * system.nodes.wall_nodes[wall].astype(np.int64)
+    return float(system.layout.comm.allreduce(float(reaction[rows].sum())))
 
 
 def mode_equations(system: StokesSystem) -> tuple[Array, Array]:

@@ -9,9 +9,9 @@ loads the slaves by  - (G.e) <n, v>. The same holds on arcs of bodies that the c
 than the rest of the body, so that every force is that of one image in one pressure field.
 
 The mean pressure gradient G is given, or follows from the forces (in a cell without walls it balances them),
-or is found such that the mean velocity has its given value. Where all bodies of such a cell are free, the
-flow is determined up to a translation: one body rests, and then the mean of u - E x over fluid and bodies is
-brought to zero.
+or is found such that the mean velocity has its given value. So is the speed of a wall whose stress is given.
+Where all bodies of a cell without walls are free, the flow is determined up to a translation: one body rests,
+and then the mean of u - E x over fluid and bodies is brought to zero.
 """
 
 from collections.abc import Callable
@@ -22,14 +22,14 @@ from dolfinx import mesh as dolfinx_mesh
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array, Configuration, Motion
+from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
 from fsi.meshes.build import FluidMesh, matching_nodes
 from fsi.meshes.geometry.lattice import matching_points
 from fsi.stokes.discretisation.constraints import DofLayout
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.discretisation.nodes import facets_with
 from fsi.stokes.problem import StokesProblem, channel_walls
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, nodal_vector
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, nodal_vector, wall_force
 
 type Solver = Callable[[StokesSystem], NodalSolution]
 
@@ -174,11 +174,51 @@ class Averages:
         return np.asarray((of_fluid + (np.pi * q.radii**2) @ V) / self._problem.container.volume)
 
 
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """What may drive a flow as much as is needed for a number to have a given value.
+
+    Attributes:
+        g, b: what the unit of it puts into the offset and the loads, this rank's rows.
+        wall: that it moves along x, None of a pressure gradient.
+        measured: the number, of a flow and the mean gradient in it; linear in both.
+        wanted: its value.
+    """
+
+    g: Array
+    b: Array
+    wall: str | None
+    measured: Callable[[NodalSolution, Array], float]
+    wanted: float
+
+
+def _pushed(system: StokesSystem, mean: MeanFlow, jump: Jumps, component: int) -> Drive:
+    """A component of the pressure gradient, for the mean velocity."""
+    average = Averages(system)
+    g, b = jump.of_pressure(np.eye(2)[component])
+
+    def velocity(flow: NodalSolution, E: Array) -> float:
+        return float(average.velocity(flow, E)[component])
+
+    return Drive(g, b, None, velocity, float(mean.velocity[component]))
+
+
+def _pulled(system: StokesSystem, wall: str, stress: float) -> Drive:
+    """The speed of a wall along x, for the force that it exerts over its length."""
+    g = np.zeros_like(system.g)
+    g[2 * system.nodes.wall_nodes[wall].astype(np.int64)] = 1.0
+
+    def traction(flow: NodalSolution, _: Array) -> float:
+        return wall_force(system, flow.reaction, wall) / float(system.problem.container.periods[0, 0])
+
+    return Drive(g, np.zeros_like(system.b), wall, traction, stress)
+
+
 def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, NodalSolution]:
     """The flow with the mean of its problem, and the system with the loads that it took; collective.
 
-    It is linear in G: the flow for what is known of G, plus what each unknown component drives alone. Raises
-    SolveError: as the solver.
+    It is linear in G and in the speeds of walls that a stress moves: the flow for what is known of them, plus
+    what each unknown one drives alone. Raises SolveError: as the solver.
     """
     problem, motion = system.problem, system.problem.motion
     mean, jump = mean_flow(problem), Jumps(system)
@@ -193,25 +233,30 @@ def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, 
     )  # fmt: skip
     solution, total_g, total_b = solver(known), known.g, known.b
     unknown = np.flatnonzero(np.isnan(mean.pressure_gradient))
-    if len(unknown) or mean.drifting.any():
-        average = Averages(system)
-    if len(unknown):
+    drives = [_pushed(system, mean, jump, int(component)) for component in unknown]
+    drives += [_pulled(system, wall, stress) for wall, stress in problem.boundary.stresses.items()]
+    speeds: dict[str, float] = {}
+    if drives:
         resting = Motion(held, np.zeros_like(motion.U), np.zeros_like(motion.F))
-        at_rest = replace(problem, motion=resting, inertia=None)
-        pushes = [jump.of_pressure(direction) for direction in np.eye(2)[unknown]]
-        driven = [solver(replace(known, g=g, b=b, problem=at_rest)) for g, b in pushes]
-        response = np.column_stack([average.velocity(flow, np.zeros((2, 2)))[unknown] for flow in driven])
-        missing = (mean.velocity - average.velocity(solution, E))[unknown]
-        G[unknown] = np.linalg.solve(response, missing)
-        for s, flow, (g, b) in zip(G[unknown], driven, pushes, strict=True):
-            solution, total_g, total_b = _sum(solution, flow, s), total_g + s * g, total_b + s * b
+        inertia = problem.inertia and Inertia(problem.inertia.D, np.zeros_like(problem.inertia.U0))
+        at_rest = replace(problem, motion=resting, inertia=inertia)
+        driven = [solver(replace(known, g=drive.g, b=drive.b, problem=at_rest)) for drive in drives]
+        response = np.array([[each.measured(flow, np.zeros((2, 2))) for flow in driven] for each in drives])
+        missing = np.array([each.wanted - each.measured(solution, E) for each in drives])
+        sizes = np.linalg.solve(response, missing)
+        G[unknown] = sizes[: len(unknown)]
+        for s, flow, drive in zip(sizes, driven, drives, strict=True):
+            solution, total_g, total_b = _sum(solution, flow, s), total_g + s * drive.g, total_b + s * drive.b
+            speeds |= {} if drive.wall is None else {drive.wall: float(s)}
     if mean.drifting.any():
+        average = Averages(system)
         drift = np.where(mean.drifting, mean.velocity - average.velocity(solution, E), 0.0)
         u = solution.x.copy()
         u[: len(average.weights)] += np.tile(drift, len(average.x))
         solution = replace(solution, x=u, U=solution.U + np.append(drift, 0.0))
-    loaded = replace(system, g=total_g, b=total_b)
-    return loaded, replace(solution, pressure_gradient=G)
+    moved = replace(problem, boundary=problem.boundary.sliding(speeds))
+    loaded = replace(system, g=total_g, b=total_b, problem=moved)
+    return loaded, replace(solution, pressure_gradient=G, wall_speeds=speeds)
 
 
 def _sum(one: NodalSolution, other: NodalSolution, s: float) -> NodalSolution:

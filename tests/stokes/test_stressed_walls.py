@@ -1,0 +1,106 @@
+"""Walls of a channel that a stress moves: how fast they slide is a result."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fsi.case.case import Case
+from fsi.case.load import load_case, parse_case
+from fsi.errors import InputError
+from fsi.runs import run
+from fsi.stokes.model import StokesModel
+from fsi.stokes.solution import StokesSolution
+
+CASE = Path(__file__).parents[2] / "cases" / "couette_N10.toml"
+LIGHT = [f"discretisation.{size}" for size in ("degree=2", "cells_per_circle=12", "growth=0.8")]
+VISCOSITY, STRESS = 3.0, 0.7
+
+
+def solved(top: str, *more: str) -> StokesSolution:
+    """Ten discs; the other wall moves too, so that its speed and the rate are not the same."""
+    walls = ["domain.walls.bottom=[0.2, 0.0]", f"domain.walls.top={top}"]
+    case = load_case(CASE, [*walls, f"fluid.viscosity={VISCOSITY}", *LIGHT, *more])
+    return StokesModel(case)(case.configuration(), 0.0)
+
+
+@pytest.mark.parametrize("formulation", ["eliminated", "multiplier"])
+def test_the_rate_is_the_stress_over_the_apparent_viscosity(formulation: str) -> None:
+    """Of the flow whose rate is given; both are the same flow but for a factor, seen from the bottom."""
+    more = [f"discretisation.formulation={formulation}"]
+    given, found = solved("[1.0, 0.0]", *more), solved(f"{{stress = {STRESS}}}", *more)
+    height = found.problem.container.volume / found.problem.container.periods[0, 0]
+    rate = (found.wall_speeds["top"] - 0.2) / height
+    assert given.bulk is not None
+    assert found.bulk is not None
+    assert given.bulk.apparent_viscosity is not None
+    assert rate == pytest.approx(STRESS / (VISCOSITY * given.bulk.apparent_viscosity), rel=1e-8)
+    assert found.bulk.apparent_viscosity == pytest.approx(given.bulk.apparent_viscosity, rel=1e-8)
+    assert found.bulk.mean[0, 1] == pytest.approx(STRESS, rel=1e-8)
+    factor = rate * height / 0.8
+    moved = np.array([0.2, 0.0, 0.0])
+    np.testing.assert_allclose(found.U - moved, factor * (given.U - moved), rtol=0.0, atol=1e-9)
+    above = np.array([[1.0, found.problem.container.middle[1] + 0.5 * height]])
+    assert found.velocity(above)[0, 0] == pytest.approx(found.wall_speeds["top"], rel=1e-10)
+
+
+def channel(bodies: list[dict[str, Any]], stress: Any, **more: Any) -> Case:
+    """A channel of height 5 whose bottom is at rest."""
+    return parse_case(
+        {
+            "name": "a channel", "fluid": {"viscosity": VISCOSITY}, "bodies": bodies,
+            "discretisation": {"degree": 2, "cells_per_circle": 12, "growth": 0.8},
+            "domain": {
+                "lower": [0.0, 0.0], "upper": [8.0, 5.0], "periodic": ["x"],
+                "walls": {"top": {"stress": stress}}, **more.pop("domain", {}),
+            },
+        } | more
+    )  # fmt: skip
+
+
+def test_a_pressure_gradient_and_a_stress_drive_together() -> None:
+    """Without bodies mu u' = stress - G (H - y), so that the top slides at (stress H - G H^2 / 2) / mu."""
+    H, G = 5.0, 0.3
+    case = channel([], STRESS, domain={"pressure_gradient": G})
+    found = StokesModel(case)(case.configuration(), 0.0)
+    assert found.wall_speeds["top"] == pytest.approx((STRESS * H - 0.5 * G * H * H) / VISCOSITY, rel=1e-9)
+
+
+def test_a_run_under_a_stress_that_grows(tmp_path: Path) -> None:
+    """At each step the speed times the apparent viscosity is the stress times height over viscosity."""
+    disc = {"name": "disc", "radius": 1.0, "position": [4.0, 2.0]}
+    grows = {"times": [0.0, 1.0], "values": [0.0, STRESS]}
+    time = {"end": 2.0, "first_step": 1.0, "tolerance": 0.1}
+    case = channel([disc], grows, time=time, output={"fields": False})
+    run(case, tmp_path / "run")
+    table = np.genfromtxt(tmp_path / "run" / "steps.csv", delimiter=",", names=True)
+    assert table["speed_top"][0] == 0.0
+    expected = STRESS * np.minimum(table["t"], 1.0)[1:] * 5.0 / VISCOSITY
+    assert len(expected) >= 2
+    assert np.all(table["apparent_viscosity"][1:] > 1.0)
+    np.testing.assert_allclose(
+        table["speed_top"][1:] * table["apparent_viscosity"][1:], expected, rtol=1e-8, atol=0.0
+    )
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        (["domain.walls.bottom={stress = 1.0}"], "so has the other wall, and nothing fixes the velocity"),
+        (["model=pores"], 'model = "pores" moves no wall by a stress; give a velocity'),
+        (["domain.walls.top={stress = 1.0, pressure = 2.0}"], "unknown key"),
+        (["domain.walls.top={stress = [1.0, 0.0]}"], "domain.walls.top.stress"),
+    ],
+)
+def test_what_a_stress_does_not_move_is_refused(changes: list[str], said: str) -> None:
+    with pytest.raises(InputError, match=r"domain\.walls") as refused:
+        load_case(CASE, ["domain.walls.top={stress = 1.0}", *changes])
+    assert said in str(refused.value)
+
+
+def test_a_box_has_no_wall_that_a_stress_moves() -> None:
+    with pytest.raises(InputError, match=r"a stress moves only walls of planar channels; give a velocity"):
+        load_case(CASE.with_name("disc_in_box.toml"), ["domain.walls.top={stress = 1.0}"])
