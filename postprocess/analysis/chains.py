@@ -22,6 +22,7 @@ from scipy.sparse.csgraph import breadth_first_order, connected_components, mini
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.case.case import Case
+from fsi.case.section import toml_text
 from fsi.errors import InputError
 from fsi.postprocess.analysis.links import NECKS, ChainLinks, find_links, in_necks
 from fsi.postprocess.analysis.strain import strain_rate
@@ -99,6 +100,12 @@ def read_chains(run: Run, step: int | None = None, close: float = CLOSE) -> Chai
     if "dissipation" not in steps:
         raise InputError(
             f"{run.path / 'steps.csv'}: no column dissipation; give a run of a model with a flow"
+        )
+    if stressed := case.wall_stress(0.0):
+        wall = next(iter(stressed))
+        raise InputError(
+            f"domain.walls.{wall} = {toml_text(case.domain.walls[wall])}: links to a wall that a stress "
+            "moves are not told; give a run of which the velocities of walls are given"
         )
     row = _row_of(run, steps, step)
     step, t = int(steps["step"][row]), float(steps["t"][row])

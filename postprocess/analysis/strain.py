@@ -28,9 +28,12 @@ def shear_rate(case: Case, t: float) -> float | None:
 
 
 def _mean_gradient(case: Case, t: float) -> Array | None:
-    """Rows (dV_i / dx_j) of a cell, or of what both walls of a channel impose, (2, 2); else None."""
+    """Rows (dV_i / dx_j) of a cell, or of what both walls of a channel impose, (2, 2); else None.
+
+    None too where a stress moves a wall: the case does not know the rate, `speed_top` of steps.csv does.
+    """
     container = case.container()
-    if not len(container.periods):
+    if not len(container.periods) or case.wall_stress(t):
         return None
     if not container.walls:
         return container.mean_gradient

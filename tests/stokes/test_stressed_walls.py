@@ -11,6 +11,7 @@ import pytest
 from fsi.case.case import Case
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
+from fsi.postprocess.analysis.strain import shear_rate
 from fsi.runs import run
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution
@@ -78,6 +79,7 @@ def test_a_run_under_a_stress_that_grows(tmp_path: Path) -> None:
     run(case, tmp_path / "run")
     table = np.genfromtxt(tmp_path / "run" / "steps.csv", delimiter=",", names=True)
     assert table["speed_top"][0] == 0.0
+    assert shear_rate(case, 1.0) is None  # the case does not know it
     expected = STRESS * np.minimum(table["t"], 1.0)[1:] * 5.0 / VISCOSITY
     assert len(expected) >= 2
     assert np.all(table["apparent_viscosity"][1:] > 1.0)
