@@ -35,7 +35,6 @@ DEFECT, INTERRUPTED = 70, 130
 GOES_ON = "a run goes on with fsi resume, a calibration when repeated"
 
 app = typer.Typer(
-    add_completion=False,
     rich_markup_mode="markdown",
     pretty_exceptions_enable=False,
     help="Rigid bodies moving in Stokes flow, resolved down to the lubrication film.\n\n"
@@ -50,6 +49,7 @@ app.command(epilog=pack.EXAMPLE)(pack.pack)
 app.command(epilog=solve.EXAMPLE)(solve.solve)
 app.command(epilog=run.EXAMPLE)(run.run)
 app.command(epilog=run.RESUME_EXAMPLE)(run.resume)
+app.command(epilog=run.WATCH_EXAMPLE)(run.watch)
 app.command(epilog=render.EXAMPLE)(render.render)
 app.command(epilog=plot.EXAMPLE)(plot.plot)
 app.command(epilog=report.PROBE_EXAMPLE)(report.probe)
@@ -81,8 +81,9 @@ def _command() -> int:
             return int(code)
         return parallel.last_words(*_words(KeyboardInterrupt()))
     except (Exception, SystemExit) as error:
-        if isinstance(error, SystemExit) and isinstance(error.__context__, BrokenPipeError):
-            return 0  # typer's, where the reader of standard output has gone, as `head` does
+        gone = isinstance(error.__context__, BrokenPipeError)
+        if isinstance(error, SystemExit) and (gone or not error.code):
+            return 0  # typer's, where the reader of standard output has gone, or the shell completes a word
         return parallel.last_words(*_words(error))
 
 

@@ -9,12 +9,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import fsi.parallel as parallel
-from fsi.cli.arguments import CaseFile, Overrides, RunFolder, load, output_to
+from fsi.cli.arguments import CaseFile, Overrides, RunFolder, load, option, output_to
+from fsi.report.console import standard_output
 
 if TYPE_CHECKING:
     from fsi.integration.state import StepRecord
     from fsi.report.progress import ProgressBar
     from fsi.runs import MakeEvolution, Outcome
+
+Quiet = Annotated[bool, option("Say nothing but notes and errors.", True, "--quiet", "-q")]
 
 EXAMPLE = "Example: fsi run cases/settling_disc.toml --output runs/settling --set time.end=20"
 # What is said of a run at its end where a column of steps.csv has not been zero.
@@ -24,12 +27,14 @@ NOTES = {
     "mesh_instead": "the sizes of the case gave some steps no valid mesh, and they took finer ones",
 }
 
+WATCH_EXAMPLE = "Example: fsi watch runs/settling_disc"
 RESUME_EXAMPLE = "Example: fsi resume runs/settling_disc --set time.end=20"
 
 
 def run(
     case_file: CaseFile,
     output: Annotated[Path | None, output_to("The run folder, a new one.", "runs/<case file>")] = None,
+    quiet: Quiet = False,
     overrides: Overrides = None,
 ) -> None:
     """Move the bodies in time and write a run folder: tables, ParaView series, state.
@@ -40,10 +45,10 @@ def run(
 
     folder = output or Path("runs") / case_file.stem
     case = load(case_file, overrides)
-    _follow(folder, lambda show, make: run_case(case, folder, show, make))
+    _follow(folder, lambda show, make: run_case(case, folder, show, make), quiet)
 
 
-def resume(folder: RunFolder, overrides: Overrides = None) -> None:
+def resume(folder: RunFolder, quiet: Quiet = False, overrides: Overrides = None) -> None:
     """Continue a run from its last complete step. A finished run is left as it is.
 
     A run is one case: a case.toml that has been changed since is refused, but for time.end, output.interval
@@ -51,17 +56,40 @@ def resume(folder: RunFolder, overrides: Overrides = None) -> None:
     """
     from fsi.runs import resume as resume_run
 
-    _follow(folder, lambda show, make: resume_run(folder, show, make, overrides or ()))
+    _follow(folder, lambda show, make: resume_run(folder, show, make, overrides or ()), quiet)
 
 
-def _follow(folder: Path, launch: Callable[[Callable[[StepRecord], None], MakeEvolution], Outcome]) -> None:
-    """Show the progress of a run, and say how it ended."""
+def watch(
+    folder: RunFolder,
+    once: Annotated[bool, typer.Option("--once", help="Print what is there, and leave.")] = False,
+) -> None:
+    """Follow a run that another process makes: a line for each step, until it ends or Ctrl-C.
+
+    Nothing in the folder is changed; a run that was broken off is waited for.
+    """
+    from fsi.case.load import load_case
+    from fsi.report.watch import follow
+    from fsi.run_folder.folder import CASE, require_run
+
+    require_run(folder)
+    case = parallel.on_root(lambda: load_case(folder / CASE))
+    if parallel.is_root():
+        follow(standard_output(), folder, case.timing.end, once=once)
+
+
+def _follow(
+    folder: Path,
+    launch: Callable[[Callable[[StepRecord], None], MakeEvolution], Outcome],
+    quiet: bool,
+) -> None:
+    """Show the progress of a run, and say how it ended and what to look at it with; quiet: only notes."""
     from fsi.case.case import Case
     from fsi.integration.evolution import Evolution
     from fsi.models import make_evolution
     from fsi.report.progress import ProgressBar
 
     since: dict[str, float] = {}
+    fields = True
 
     def show(record: StepRecord) -> None:
         for column in NOTES:
@@ -70,14 +98,18 @@ def _follow(folder: Path, launch: Callable[[Callable[[StepRecord], None], MakeEv
         bar.show(record)
 
     def make(case: Case) -> Evolution:
+        nonlocal fields
+        fields = case.output.fields
         bar.begin(case.timing.end)
         return make_evolution(case)
 
-    with ProgressBar() as bar:
+    with ProgressBar(quiet=quiet) as bar:
         outcome = launch(show, make)
     if not parallel.is_root():
         return
-    _tell_end(folder, outcome, bar)
+    if not quiet:
+        _tell_end(folder, outcome, bar)
+        typer.echo(f"look at it with: fsi {'render' if fields else 'plot'} {folder}")
     for column, t in since.items():
         typer.echo(f"note: from t = {t:g} {NOTES[column]}; see {column} in steps.csv")
 

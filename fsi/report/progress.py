@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Self
 
+import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
 
@@ -23,10 +24,10 @@ def counting(what: str) -> Iterator[Callable[[int, int], None]]:
         yield lambda n, total: bar.update(task, completed=n, total=total, description=described(n, total))
 
 
-def _new_bar() -> Progress:
+def _new_bar(*, quiet: bool = False) -> Progress:
     """A bar that is silent on all ranks but root, and where stderr is neither a terminal nor a notebook's."""
     console = Console(stderr=True)
-    shown = parallel.is_root() and (sys.stderr.isatty() or console.is_jupyter)
+    shown = not quiet and parallel.is_root() and (sys.stderr.isatty() or console.is_jupyter)
     text, part = TextColumn("{task.description}"), TextColumn("{task.percentage:.0f} %")
     return Progress(text, BarColumn(), part, TimeRemainingColumn(), console=console, disable=not shown)
 
@@ -37,11 +38,11 @@ class ProgressBar:
     smallest_gap, smallest_at: the smallest gap seen and its time; elapsed: wall-clock seconds.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, quiet: bool = False) -> None:
         self.smallest_gap = math.inf
         self.smallest_at = 0.0
         self._began = time.monotonic()
-        self._bar = _new_bar()
+        self._bar = _new_bar(quiet=quiet)
         self._task: TaskID = self._bar.add_task("first mesh", total=None)
 
     @property
@@ -57,7 +58,10 @@ class ProgressBar:
         """Show an accepted step."""
         if record.smallest_gap < self.smallest_gap:
             self.smallest_gap, self.smallest_at = record.smallest_gap, record.t
+        d = record.q.dimension
+        fastest = float(np.linalg.norm(record.U[:, :d], axis=1).max(initial=0.0))
         text = f"step {record.step}  t = {record.t:.4g}  smallest gap {record.smallest_gap:.3e}"
+        text += f"  fastest {fastest:.3g}"
         self._bar.update(self._task, completed=record.t, description=text)
 
     def __enter__(self) -> Self:

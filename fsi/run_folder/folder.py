@@ -215,10 +215,15 @@ def _create(path: Path, case: Case, launch: Mapping[str, Any]) -> Kept:
         return Kept(provenance)
 
 
-def _sound(path: Path) -> Kept:
-    """What is in a folder; every file that a run needs to go on is read. Raises InputError."""
+def require_run(path: Path) -> None:
+    """Raise InputError if a folder is not that of a run."""
     if not (path / CASE).is_file():
         raise InputError(f"output = {path}: not a run folder (it has no {CASE}); give one made by `fsi run`")
+
+
+def _sound(path: Path) -> Kept:
+    """What is in a folder; every file that a run needs to go on is read. Raises InputError."""
+    require_run(path)
     with _disk(path, InputError, REMEDY):
         provenance = _provenance(path)
         if not (path / STATE).exists():

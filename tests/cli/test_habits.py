@@ -1,0 +1,73 @@
+"""What commands do for habits: completion, quiet runs, the next command, a run that is watched."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from fsi.report.watch import complete_rows, line
+from tests.commands import fsi_command
+
+ROOT = Path(__file__).parents[2]
+DISCS = [ROOT / "cases" / "gluey" / "two_discs.toml", "--set", "time.end=1", "--set", "time.step=0.25"]
+
+
+@pytest.mark.parametrize(("typed", "word"), [("fsi sw", "sweep"), ("fsi run --outp", "--output")])
+def test_the_shell_completes_words(
+    typed: str, word: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name, value in {
+        "_FSI_COMPLETE": "complete_bash",
+        "COMP_WORDS": typed,
+        "COMP_CWORD": str(typed.count(" ")),
+    }.items():
+        monkeypatch.setenv(name, value)
+    assert fsi_command() == 0
+    said = capsys.readouterr()
+    assert (said.out.split(), said.err) == ([word], "")
+
+
+def test_a_run_names_the_next_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for fields, command in (("true", "render"), ("false", "plot")):
+        folder = tmp_path / command
+        assert fsi_command("run", *DISCS, "-o", folder, "--set", f"output.fields={fields}") == 0
+        assert capsys.readouterr().out.splitlines()[-1] == f"look at it with: fsi {command} {folder}"
+
+
+def test_a_quiet_run_says_nothing(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert fsi_command("run", *DISCS, "-o", tmp_path / "run", "--quiet") == 0
+    assert fsi_command("resume", tmp_path / "run", "-q") == 0
+    assert capfd.readouterr() == ("", "")
+    assert fsi_command("run", *DISCS, "-o", tmp_path / "run", "-q") == 2  # errors are said
+    assert "exists and is not empty" in capfd.readouterr().err
+
+
+def test_a_run_is_watched_to_its_end(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """One line a step, of whole lines of its table alone."""
+    folder = tmp_path / "run"
+    assert fsi_command("run", *DISCS, "-o", folder, "--quiet") == 0
+    table = folder / "steps.csv"
+    whole = table.read_text()
+    steps = whole.count("\n") - 1
+    assert fsi_command("watch", folder) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == steps
+    assert all(" of " in each and "smallest gap" in each for each in lines)
+    table.write_text(whole[:-5])
+    assert len(list(complete_rows(table))) == steps - 1
+    assert fsi_command("watch", folder, "--once") == 0
+    assert len(capsys.readouterr().out.splitlines()) == steps - 1
+
+
+def test_what_is_left_is_told_by_what_has_been_spent() -> None:
+    """A quarter of the time took 3 s, so three quarters take 9."""
+    row = {"step": "5", "t": "0.5", "smallest_gap": "0.01", "apparent_viscosity": "4.25"}
+    assert line(row, 2.0, 3.0) == (
+        "step 5  t = 0.5 of 2  smallest gap 1.000e-02  apparent viscosity 4.25  some 9 CPU s left"
+    )
+
+
+def test_only_runs_are_watched(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert fsi_command("watch", tmp_path) == 2
+    assert "not a run folder" in capfd.readouterr().err
