@@ -132,22 +132,12 @@ class Stress(Section, WallCondition):
     """the force of a wall of a channel on the fluid along x, over its length, a series"""
 
     @override
-    def velocity(self, t: float, dimension: int) -> WallVelocity:
-        """Zero: what the stress drives comes on top."""
-        return WallVelocity(np.zeros(dimension), 0.0)
-
-    @override
     def shear_stress(self, t: float) -> float:
         return value_at(self.stress, t)
 
     @override
     def series(self) -> tuple[float | Table, ...]:
         return (self.stress,)
-
-    @property
-    @override
-    def rests(self) -> bool:
-        return False
 
 
 def _wall_kind(value: Any) -> str:

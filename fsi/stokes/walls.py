@@ -12,7 +12,9 @@ from fsi.stokes.problem import Boundary, Field
 def boundary_of(case: Case, t: float) -> Boundary:
     """What holds on the walls of a case at time t."""
     velocities = {wall: _field(velocity) for wall, velocity in case.wall_velocity(t).items()}
-    return Boundary(velocities, case.wall_pressure(), None, *case.domain.mean_drive(), case.wall_stress(t))
+    stresses = case.wall_stress(t)
+    velocities |= dict.fromkeys(stresses, np.zeros_like)  # what they drive comes on top
+    return Boundary(velocities, case.wall_pressure(), None, *case.domain.mean_drive(), stresses)
 
 
 def _field(wall: WallVelocity) -> Field:

@@ -33,7 +33,7 @@ def _mean_gradient(case: Case, t: float) -> Array | None:
     None too where a stress moves a wall: the case does not know the rate, `speed_top` of steps.csv does.
     """
     container = case.container()
-    if not len(container.periods) or case.wall_stress(t):
+    if not len(container.periods):
         return None
     if not container.walls:
         return container.mean_gradient
