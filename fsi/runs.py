@@ -125,7 +125,10 @@ def _drive(case: Case, run: RunFolder, evolution: Evolution, progress: Progress)
         return moment.state
 
     began = process_time()
-    state = keep(evolution.start(), began) if run.checkpoint is None else run.checkpoint.state
+    if run.checkpoint is None:
+        state = keep(evolution.start(), began)
+    else:
+        state = run.checkpoint.state.of_outlines(case.configuration().outlines)
     first = state.step
     while state.t < evolution.schedule.end:
         began = process_time()

@@ -12,11 +12,15 @@ counterclockwise. F and T are the EXTERNAL force and torque (in the plane per un
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import scipy  # its modules load when they are used
 from numpy.typing import NDArray
+
+from fsi.meshes.geometry.outline import Outline
+from fsi.meshes.geometry.placed import Placed
 
 Array = NDArray[np.float64]
 
@@ -57,17 +61,20 @@ def turned(angles: Array, more: Array) -> Array:
     return np.asarray((from_rotvec(more) * from_rotvec(angles)).as_rotvec())
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Configuration:
     """Where the bodies are; one is equal to itself alone, and its arrays are never changed.
 
     centres: q_i, shape (N, d); angles: rotation of each body since the start, in the plane radians,
-    shape (N,), in space a rotation vector, its length the angle, shape (N, 3); radii: a_i > 0, shape (N,).
+    shape (N,), in space a rotation vector, its length the angle, shape (N, 3); radii: a_i > 0, shape (N,), of
+    a body with an outline that of the smallest circle around its centre that holds it; outlines: of all
+    bodies in the plane, empty where all are discs.
     """
 
     centres: Array
     angles: Array
     radii: Array
+    outlines: tuple[Outline, ...] = ()
 
     @classmethod
     def unturned(cls, centres: Array, radii: Array) -> Configuration:
@@ -83,18 +90,44 @@ class Configuration:
         """d, 2 or 3."""
         return int(self.centres.shape[1])
 
+    @cached_property
+    def placed(self) -> tuple[Placed, ...]:
+        """The outlines where they are; empty where all bodies are discs."""
+        each = zip(self.outlines, self.centres, self.angles.ravel().tolist(), strict=False)
+        return tuple(Placed(outline, centre, angle) for outline, centre, angle in each)
+
+    @property
+    def areas(self) -> Array:
+        """Of the bodies in the plane, (N,)."""
+        if self.outlines:
+            return np.array([outline.area for outline in self.outlines])
+        return np.pi * self.radii**2
+
     @property
     def arms(self) -> Array:
         """1 for translations, a for rotations, (N, M)."""
         return arms(self.radii, self.dimension)
+
+    def ways(self, displacement: Array) -> Array:
+        """How far any point of each body goes at most in displacements along the modes (N, M), (N,).
+
+        What turns a disc or sphere moves nothing but itself.
+        """
+        ways: Array = np.linalg.norm(displacement[:, : self.dimension], axis=1)
+        return ways + self.radii * np.abs(displacement[:, 2]) if self.outlines else ways
+
+    def way_to(self, other: Configuration) -> Array:
+        """The displacements (N, d) to another configuration; with outlines along all modes, (N, M)."""
+        apart = other.centres - self.centres
+        return np.column_stack([apart, other.angles - self.angles]) if self.outlines else apart
 
     def moved(self, displacement: Array) -> Configuration:
         """The configuration after displacements (N, M) along the modes; rotations in space are composed."""
         d = self.dimension
         centres = self.centres + displacement[:, :d]
         if d == 2:
-            return Configuration(centres, self.angles + displacement[:, 2], self.radii)
-        return Configuration(centres, turned(self.angles, displacement[:, d:]), self.radii)
+            return replace(self, centres=centres, angles=self.angles + displacement[:, 2])
+        return replace(self, centres=centres, angles=turned(self.angles, displacement[:, d:]))
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,8 +11,9 @@ import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.meshes.geometry.container import Container
+from fsi.meshes.geometry.container import Container, wall_feet
 from fsi.meshes.geometry.lattice import Integers, Lattice
+from fsi.meshes.geometry.placed import Foot
 
 _WIDER = 1.0 + 1e-12  # so that rounding leaves out no pair at the very end of a reach
 # Of the smallest radius: what rounding makes of a gap in contact, and how deep a contact may be solved.
@@ -57,11 +58,27 @@ class Gaps:
 
 
 def pair_gaps(q: Configuration, pairs: NDArray[np.intp], away: Array | float = 0.0) -> Array:
-    """Gaps `|q_i - q_j - away| - a_i - a_j` of the given pairs (P, 2), shape (P,)."""
+    """Gaps `|q_i - q_j - away| - a_i - a_j` of the given pairs (P, 2), of outlines the true ones, (P,)."""
+    if q.outlines:
+        return np.array([foot_between(q, *pair).gap for pair in pairs.tolist()])
     i, j = pairs[:, 0], pairs[:, 1]
     separation = q.centres.take(i, axis=0) - q.centres.take(j, axis=0) - away
     distance: Array = np.sqrt(np.einsum("pk,pk->p", separation, separation))
     return distance - q.radii[i] - q.radii[j]
+
+
+def wall_gaps(q: Configuration, container: Container) -> Array:
+    """The distance of each body's surface to each wall, negative where they overlap, (N, walls)."""
+    if q.outlines:
+        gaps = [[foot.gap for foot in wall_feet(body, container)] for body in q.placed]
+        return np.array(gaps).reshape(len(q), len(container.walls))
+    gaps_of_discs: Array = container.distances(q.centres) - q.radii[:, None]
+    return gaps_of_discs
+
+
+def foot_between(q: Configuration, i: int, j: int) -> Foot:
+    """The gap of body i with an outline to body j."""
+    return q.placed[i].gap_to(q.placed[j])
 
 
 def find_gaps(q: Configuration, container: Container, reach: float | None = None) -> Gaps:
@@ -112,10 +129,14 @@ def narrowest_gap(q: Configuration, container: Container) -> NarrowestGap | None
     if of_walls.min(initial=np.inf) <= gaps.pair_gaps.min(initial=np.inf):
         i, k = divmod(int(of_walls.argmin()), of_walls.shape[1])
         other, gap = len(q) + k, float(of_walls[i, k])
+        if q.outlines:
+            return NarrowestGap((i, other), gap, wall_feet(q.placed[i], container)[k].opposite)
         towards = -container.normals(q.centres[[i]])[0, k]
     else:
         pair = int(gaps.pair_gaps.argmin())
         (i, other), gap = gaps.pairs[pair].tolist(), float(gaps.pair_gaps[pair])
+        if q.outlines:
+            return NarrowestGap((i, other), gap, foot_between(q, i, other).opposite)
         between = q.centres[other] + gaps.away[pair] - q.centres[i]
         towards = between / np.linalg.norm(between)
     return NarrowestGap((i, other), gap, q.centres[i] + (q.radii[i] + gap) * towards)
@@ -127,6 +148,8 @@ def smallest_of_each(q: Configuration, container: Container) -> Array:
     Of a body whose neighbours are all far, the nearest centre b bounds how far the centre of the nearest
     surface can be: `|q_i - q_j| <= |q_i - q_b| - a_b + max a`.
     """
+    if q.outlines:
+        return find_gaps(q, container, np.inf).smallest_of_each()
     least, largest = find_gaps(q, container).smallest_of_each(), float(q.radii.max(initial=0.0))
     far = np.flatnonzero(least > 2.0 * largest)
     if len(far) == 0 or len(q) + len(container.periods) < 2:
@@ -194,8 +217,7 @@ def _find_gaps(q: Configuration, container: Container, reach: float) -> Gaps:
     near, m = neighbours(q.centres, container, _WIDER * (2.0 * largest + reach))
     order = np.argsort(row_numbers(np.column_stack([near, m]))[0])
     pairs, away = near.take(order, axis=0), Lattice(container.periods).shift(m.take(order, axis=0))
-    wall_gaps = container.distances(q.centres) - q.radii[:, None]
-    return Gaps(pairs, away, pair_gaps(q, pairs, away), wall_gaps).within(reach)
+    return Gaps(pairs, away, pair_gaps(q, pairs, away), wall_gaps(q, container)).within(reach)
 
 
 def without_rounding(gaps: Array, radius: float) -> Array:

@@ -6,7 +6,16 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_serializer,
+    model_validator,
+)
+from pydantic_core import PydanticCustomError
 
 from fsi.case.complaints import explain
 from fsi.case.section import (
@@ -21,8 +30,10 @@ from fsi.case.section import (
     tuples,
 )
 from fsi.case.series import Angle, Component, Series, Spin, Torque
+from fsi.case.shapes.shape import Shape
 from fsi.errors import InputError
 from fsi.machine import require_memory
+from fsi.meshes.geometry.outline import Outline
 
 FREE: Literal["free"] = "free"
 _LOAD = "a number or a table {times = [...], values = [...]}"
@@ -38,8 +49,10 @@ class Body(Section):
 
     name: Name
     """a name of letters, digits, blanks, - and _"""
-    radius: Positive
-    """the radius, a number > 0"""
+    shape: Shape | None = None
+    """the shape of a body of the plane, a table with its kind; a disc if not given"""
+    radius: Positive = Field(default=None, validate_default=True)
+    """the radius, a number > 0, of all but a body with a shape"""
     position: tuple[float, ...]
     """the centre [x, y] (in space [x, y, z]) at time 0, finite numbers"""
     angle: Angle
@@ -61,8 +74,11 @@ class Body(Section):
     torque: Torque = Field(description=f"the external torque, (in space three times) {_LOAD}; 0 if not given")
     mass: Positive | None = None
     """the mass (in the plane per unit length), a number > 0, or none"""
-    moment_of_inertia: Positive | None = None
-    """the moment of inertia (in the plane per unit length), a number > 0, or none"""
+    moment_of_inertia: Positive | None = Field(
+        default=None,
+        description="the moment of inertia (in the plane per unit length), a number > 0, or none; of a shape "
+        "with a mass that of a uniform body",
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -94,6 +110,39 @@ class Body(Section):
         if spatial != vector:
             raise ValueError("must be a vector of three in space" if spatial else "must not be a vector")
         return turning
+
+    @field_validator("radius", mode="before")
+    @classmethod
+    def _by_the_shape(cls, radius: Any, info: ValidationInfo) -> Any:
+        """Of a body with a shape that of the smallest circle around its centre that holds it."""
+        if info.data.get("shape") is not None:
+            if radius is not None:
+                raise ValueError("the shape says how large the body is; drop one of them")
+            return info.data["shape"].outline.radius
+        if radius is None and "shape" in info.data:
+            raise PydanticCustomError("missing", "missing")
+        return 1.0 if radius is None else radius  # the shape is refused already
+
+    @model_serializer(mode="wrap")
+    def _as_given(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """A shape stands without the radius that follows from it."""
+        data: dict[str, Any] = dump(self)
+        return {key: value for key, value in data.items() if key != "radius" or self.shape is None}
+
+    @property
+    def outline(self) -> Outline:
+        """Of a body of the plane."""
+        return Outline.disc(self.radius) if self.shape is None else self.shape.outline
+
+    @property
+    def inertia(self) -> tuple[float, float] | None:
+        """Mass and moment of inertia; None without."""
+        if self.mass is None:
+            return None
+        moment = self.moment_of_inertia
+        if self.shape is not None and moment is None:
+            moment = self.mass * self.shape.outline.second_moment / self.shape.outline.area
+        return self.mass, moment or 0.0
 
     @property
     def motion(self) -> tuple[Component, ...]:

@@ -168,9 +168,7 @@ class Case(Section):
     @property
     def fraction(self) -> float:
         """The part of the domain that is bodies."""
-        a = np.array([body.radius for body in self.bodies], dtype=float)
-        size = 4.0 / 3.0 * np.pi * a**3 if self.spheres else np.pi * a**2
-        return float(size.sum()) / self.container().volume
+        return float(self.bulk().volumes.sum()) / self.container().volume
 
     @property
     def timing(self) -> Time:
@@ -190,7 +188,9 @@ class Case(Section):
             np.array([body.radius for body in self.bodies], dtype=float),
         )
         angles = np.array([body.angle for body in self.bodies], dtype=float)
-        return Configuration(q.centres, angles.reshape(q.angles.shape), q.radii)
+        round_ = all(body.shape is None for body in self.bodies)
+        outlines = () if round_ else tuple(body.outline for body in self.bodies)
+        return Configuration(q.centres, angles.reshape(q.angles.shape), q.radii, outlines)
 
     def held(self) -> NDArray[np.bool_]:
         """Which modes are prescribed, or not there, at all times, (N, M)."""
@@ -224,7 +224,12 @@ class Case(Section):
         if all(body.mass is None for body in self.bodies):
             return None
         d, M = self.dimension, len(self.modes)
-        return self._modes(lambda body: d * [body.mass or 0.0] + (M - d) * [body.moment_of_inertia or 0.0])
+
+        def of_modes(body: Body) -> list[float]:
+            mass, moment = body.inertia or (0.0, 0.0)
+            return d * [mass] + (M - d) * [moment]
+
+        return self._modes(of_modes)
 
     def initial_velocity(self) -> Array:
         """The velocity of each mode at time 0, (N, M): prescribed, that of a body with inertia, or 0."""
@@ -253,7 +258,8 @@ class Case(Section):
     def bulk(self) -> Bulk:
         """What gravity acts on."""
         masses = np.array([body.mass or 0.0 for body in self.bodies])
-        return Bulk.of(masses, self.configuration().radii, spheres=self.spheres)
+        q = self.configuration()
+        return Bulk(masses, q.areas) if q.outlines else Bulk.of(masses, q.radii, spheres=self.spheres)
 
     def knots(self) -> tuple[float, ...]:
         """The times at which a table has a kink, increasing."""

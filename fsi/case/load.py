@@ -53,7 +53,19 @@ def case_data(
         data[section][key] = str((path.parent / value).resolve())
     if isinstance(data.get("bodies_from"), str):
         data["bodies_from"] = str((path.parent / data["bodies_from"]).resolve())
+    for shape in _shapes(data):
+        if isinstance(shape.get("points"), str):
+            shape["points"] = str((path.parent / shape["points"]).resolve())
     return data
+
+
+def _shapes(data: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """The tables of the shapes of bodies in the data of a case."""
+    bodies = data.get("bodies", ())
+    for body in bodies if isinstance(bodies, list) else ():
+        shape = body.get("shape") if isinstance(body, dict) else None
+        if isinstance(shape, dict):
+            yield shape
 
 
 def saved_data(data: Mapping[str, Any], path: Path) -> None:

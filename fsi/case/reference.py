@@ -84,7 +84,7 @@ def _walk(section: type[Section], path: str, title: str, seen: set[type[Section]
 
 def _kind(section: type[Section]) -> str:
     """What tells this section from others in the same place: its shape or its law."""
-    for key in ("shape", "law"):
+    for key in ("shape", "law", "kind"):
         choices = get_args(section.model_fields[key].annotation) if key in section.model_fields else ()
         if len(choices) == 1:
             return f', `{key} = "{choices[0]}"`'

@@ -6,12 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.bodies.gaps import Gaps, find_gaps
+from fsi.bodies.gaps import Gaps, find_gaps, pair_gaps, wall_gaps
 from fsi.meshes.geometry.container import Container
 
 # What is predicted from the present velocity aims below the limit, so that the stages, whose
 # velocities differ a little, seldom exceed it; with the stretch of Schedule.landing it stays below 1.
 SAFETY = 0.9
+# Of bodies that are no discs: places on a way that are looked at, and the least part of a gap between two.
+MOST_PLACES, LEAST_ROOM = 50, 0.02
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +90,8 @@ def greatest_approach(
     lose half of it, or all if none can. Containers are convex, so that the gap to a wall is smallest at an
     end of the way.
     """
+    if q.outlines:
+        return _approach_of_outlines(q, container, displacement, gap_loss)
     displacement = displacement[:, : q.dimension]
     gaps = find_gaps(q, container, _reach(q, container, displacement, gap_loss, duration))
     away_moves = container.carried(gaps.away, duration) - gaps.away
@@ -101,6 +105,39 @@ def greatest_approach(
         return Approach(-np.inf, np.inf, (0, 0))
     worst = int(np.argmax(loss))
     return Approach(float(loss[worst]), float(before[worst]), _sides(worst, gaps.pairs, gaps.wall_gaps.shape))
+
+
+def _approach_of_outlines(
+    q: Configuration, container: Container, displacement: Array, gap_loss: float
+) -> Approach:
+    """The same for bodies that are no discs, which turn on their way.
+
+    A gap closes by no more than the ways of its two bodies' points. So from each place on the way they go on
+    by what leaves the gap above its limit whatever they do, until one is there or the way is at its end.
+    """
+    ways = q.ways(displacement)
+    gaps = find_gaps(q, container, 2.0 * float(ways.max(initial=0.0)) / gap_loss)
+    before = np.concatenate([gaps.pair_gaps, gaps.wall_gaps.ravel()])
+    if len(before) == 0:
+        return Approach(-np.inf, np.inf, (0, 0))
+    closing = np.concatenate([ways[gaps.pairs].sum(axis=1), np.repeat(ways, gaps.wall_gaps.shape[1])])
+    done, least, left = 0.0, before, before
+    for _ in range(MOST_PLACES):
+        room = np.maximum(left - (1.0 - gap_loss) * before, LEAST_ROOM * before)
+        further = np.divide(room, closing, out=np.full(len(room), np.inf), where=closing > 0.0)
+        done = min(1.0, done + float(further.min()))
+        moved = q.moved(done * displacement)
+        left = np.concatenate([pair_gaps(moved, gaps.pairs), wall_gaps(moved, container).ravel()])
+        least = np.minimum(least, left)
+        if done == 1.0 or np.any(left < (1.0 - gap_loss) * before):
+            break
+    loss = np.where(left < (1.0 - gap_loss) * before, 1.0 - left / before, 1.0 - least / before)
+    worst = int(np.argmax(loss))
+    # What was stopped on the way would lose as much more as is left of it.
+    lost = float(loss[worst]) / done
+    if done < 1.0 and lost <= gap_loss:
+        lost = gap_loss / done  # beyond that nobody has looked
+    return Approach(lost, float(before[worst]), _sides(worst, gaps.pairs, gaps.wall_gaps.shape))
 
 
 def _sides(index: int, pairs: NDArray[np.intp], bodies_walls: tuple[int, ...]) -> tuple[int, int]:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Configuration, Inertia
 from fsi.integration.errors import StepErrors
 from fsi.meshes.geometry.container import Container
+from fsi.meshes.geometry.outline import Outline
 
 # A step that ends this close to a stop is stretched to land on it; `limiter.SAFETY` allows for it.
 STRETCH = 1.1
@@ -169,6 +170,10 @@ class State:
     U: Array
     h: float
     past: Past | None = None
+
+    def of_outlines(self, outlines: tuple[Outline, ...]) -> State:
+        """The same with the outlines of the bodies, which no file keeps."""
+        return replace(self, q=replace(self.q, outlines=outlines)) if outlines else self
 
 
 @dataclass(frozen=True, slots=True)

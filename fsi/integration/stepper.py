@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Inertia
-from fsi.bodies.gaps import find_gaps, nearest_gaps, pair_gaps
+from fsi.bodies.gaps import find_gaps, nearest_gaps, pair_gaps, wall_gaps
 from fsi.errors import SolveError, apart
 from fsi.integration.errors import StepErrors
 from fsi.integration.gap_limiter import Approach, GapRefusedError, greatest_approach, limited_step
@@ -38,7 +38,7 @@ class _Guarded:
     gap_loss: float
 
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> Instant:
-        displacement = q.centres - self.start.centres
+        displacement = self.start.way_to(q)
         approach = greatest_approach(self.start, self.container, displacement, self.gap_loss, t - self.begin)
         if not approach.loss <= self.gap_loss:  # also where it is not a number
             raise GapRefusedError(approach)
@@ -120,12 +120,12 @@ class Stepper:
     def _gap_changes(self, q: Configuration, t: float, displacement: Array) -> Array:
         """|gap'| / gap of all near pairs and walls, for gaps that change at the rate of the displacements."""
         gaps = find_gaps(q, self.container.at(t))
-        furthest = float(np.linalg.norm(displacement[:, : q.dimension], axis=1).max(initial=0.0))
+        furthest = float(q.ways(displacement).max(initial=0.0))
         if furthest == 0.0:
             return np.zeros(1)
         small = 1e-3 * min(gaps.smallest(), float(q.radii.min())) / furthest
         moved = q.moved(small * displacement)
-        walls = self.container.distances(moved.centres) - q.radii[:, None]
+        walls = wall_gaps(moved, self.container)
         of_pairs = (pair_gaps(moved, gaps.pairs, gaps.away) - gaps.pair_gaps) / gaps.pair_gaps
         of_walls = (walls - gaps.wall_gaps) / gaps.wall_gaps
         return np.abs(np.concatenate([of_pairs, of_walls.ravel()])) / small

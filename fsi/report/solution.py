@@ -12,6 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from fsi.bodies.configuration import Array
+from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
 from fsi.case.section import toml_text
 from fsi.integration.errors import ErrorEstimate, StressErrors
@@ -244,6 +245,12 @@ def _case_table(case: Case) -> Table:
 def _nearest(case: Case, i: int) -> tuple[float, str]:
     """The smallest gap of body i and the name of what lies there, a body or a wall."""
     q, container = case.configuration(), case.container()
+    if q.outlines:
+        found = find_gaps(q, container, np.inf)
+        of_i = np.flatnonzero((found.pairs == i).any(axis=1))
+        least = np.append(found.pair_gaps[of_i], found.wall_gaps[i])
+        names = [case.names[j] for j in found.pairs[of_i].sum(axis=1) - i] + list(container.walls)
+        return float(least.min()), names[int(least.argmin())]
     lattice = Lattice(container.periods)
     apart = q.centres - q.centres[i]
     apart = apart - lattice.shift(lattice.nearest(apart))

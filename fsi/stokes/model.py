@@ -42,7 +42,7 @@ class StokesModel:
         self.options = SolverOptions(sizes.degree, sizes.formulation, sizes.solver)
         self._moving = case.time is not None and case.time.remesh == "when-needed"
         self._mover: Mover | None = None
-        self._meshed_centres, self._meshed_time = case.configuration().centres, 0.0
+        self._meshed, self._meshed_time = case.configuration(), 0.0
         self._workspace = Workspace()
         self.units = Units.of(case)
         self._corners, self._edges = np.empty((0, 2)), singular_pairs(case)
@@ -119,9 +119,11 @@ class StokesModel:
 
     def _built(self, q: Configuration, t: float, resolution: Resolution, order: int) -> FluidMesh:
         """A new mesh in the units of the model, whatever the user has."""
-        centres, radii = self.units.scaled_places(q.centres), self.units.scaled_lengths(q.radii)
+        here, container = self.units.scaled_configuration(q), self._container().at(t)
         try:
-            domain = FluidDomain(self._container().at(t), centres, radii, self._corners, self._edges)
+            domain = FluidDomain(
+                container, here.centres, here.radii, self._corners, self._edges, placed=here.placed
+            )
             return build(domain, resolution, order)
         except MeshError as error:
             raise error.in_units(self.units.length, self.units.origin) from error
@@ -131,15 +133,18 @@ class StokesModel:
         return self.units.scaled_container(self.case.container())
 
     def state(self) -> dict[str, NDArray[Any]]:
-        """The centres around which the mesh in use was made, and when: moved meshes start from it."""
+        """Where the bodies were when the mesh in use was made: moved meshes start from it."""
         if self._mover is None:
             return {}
-        return {"meshed_centres": self._meshed_centres, "meshed_time": np.array(self._meshed_time)}
+        meshed = {"meshed_centres": self._meshed.centres, "meshed_time": np.array(self._meshed_time)}
+        return meshed | ({"meshed_angles": self._meshed.angles} if self._meshed.outlines else {})
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Mesh again where the mesh in use was made."""
         if self._moving and "meshed_centres" in state:
-            q = Configuration.unturned(state["meshed_centres"], self.case.configuration().radii)
+            q = self.case.configuration()
+            angles = state["meshed_angles"] if q.outlines else q.angles
+            q = replace(q, centres=state["meshed_centres"], angles=angles)
             self._remesh(q, float(state["meshed_time"]))
 
     def _moved(self, q: Configuration, t: float) -> FluidMesh:
@@ -147,7 +152,8 @@ class StokesModel:
         if self._mover is not None:
             container, duration = self._container(), t - self._meshed_time
             places = self.units.scaled_places(q.centres)
-            quality = self._mover.move(places, lambda e: container.carried(e, duration))
+            angles = q.angles if q.outlines else None
+            quality = self._mover.move(places, lambda e: container.carried(e, duration), angles)
             if quality is not None:
                 return self._mover.fluid.moved(quality, container.at(t))
         return self._remesh(q, t)
@@ -156,6 +162,7 @@ class StokesModel:
         self._workspace.close()
         if self._mover is not None:
             self._mover.close()
-        self._mover = Mover(self.scaled_mesh(q, t), self.units.scaled_places(q.centres))
-        self._meshed_centres, self._meshed_time = q.centres, t
+        angles = q.angles if q.outlines else None
+        self._mover = Mover(self.scaled_mesh(q, t), self.units.scaled_places(q.centres), angles)
+        self._meshed, self._meshed_time = q, t
         return self._mover.fluid

@@ -27,7 +27,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
-from fsi.bodies.gaps import narrowest_gap
+from fsi.bodies.gaps import narrowest_gap, wall_gaps
 from fsi.case.case import Case
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.container import Container
@@ -95,6 +95,12 @@ class Units:
         """Points (n, d)."""
         return self.scaled_lengths(x - self.origin)
 
+    def scaled_configuration(self, q: Configuration) -> Configuration:
+        """The bodies."""
+        centres, radii = self.scaled_places(q.centres), self.scaled_lengths(q.radii)
+        outlines = tuple(outline.scaled(1.0 / self.length) for outline in q.outlines)
+        return Configuration(centres, q.angles, radii, outlines)
+
     def scaled_container(self, container: Container) -> Container:
         """What encloses the fluid."""
         seen = container.seen_from(self.origin) if self.origin.any() else container
@@ -110,7 +116,7 @@ class Units:
         return StokesProblem(
             problem.fluid,
             problem.fluid.container,
-            Configuration(self.scaled_places(q.centres), q.angles, self.scaled_lengths(q.radii)),
+            self.scaled_configuration(q),
             Motion(motion.held, motion.U / speeds, motion.F / loads),
             self._scaled_boundary(boundary),
             1.0,
@@ -196,7 +202,7 @@ def _origin(case: Case) -> Array:
     if narrowest is None or narrowest.gap > NARROW * q.radii.min():
         return here
     origin, i = narrowest.place[None], narrowest.between[0]
-    near = container.distances(q.centres[[i]])[0] - q.radii[i] <= NARROW * q.radii.min()
+    near = wall_gaps(q, container)[i] <= NARROW * q.radii.min()
     for wall in np.flatnonzero(near):
         origin = origin - container.distances(origin)[0, wall] * container.normals(origin)[0, wall]
     place: Array = origin[0]

@@ -22,6 +22,7 @@ import numpy as np
 from fsi.errors import apart
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.container import Array
+from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.planar.sizing import Curve
 from fsi.meshes.planar.triangulate import Indices, StraightCells, side_keys
 
@@ -113,16 +114,29 @@ class _Bend:
 
     def __init__(self, straight: StraightCells, sides: Indices, curves: Sequence[Curve], order: int) -> None:
         """Of the cells' sides, vertex numbers (s, 2), the lower one first."""
-        round_edges = np.isin(straight.tags, [c.tag for c in curves if c.centre is not None])
-        ends = np.sort(straight.facets[round_edges], axis=1)
+        curved = np.isin(straight.tags, [c.tag for c in curves if c.centre is not None or c.body])
+        ends = np.sort(straight.facets[curved], axis=1)
         vertices, n = straight.vertices, len(straight.vertices)
         self.side = np.searchsorted(side_keys(sides, n), side_keys(ends, n))
         self.row = np.full(len(sides), -1)
         self.row[self.side] = np.arange(len(self.side))
         self.a, self.b = vertices[ends[:, 0]], vertices[ends[:, 1]]
-        self.centre = _centres(straight.tags[round_edges], self.a, curves)
+        self.tags = straight.tags[curved]
+        self.centre = _centres(self.tags, self.a, curves)
         self.side_element = along_side(order)
         self.values = self._arc_minus_chord(self.side_element.points[:, 0])
+        for curve in curves:
+            if curve.body is not None:
+                self._follow(curve.body, np.flatnonzero(self.tags == curve.tag))
+
+    def _follow(self, body: Placed, some: Indices) -> None:
+        """Some sides follow the outline of a body, by its parameter."""
+        f, a, b = self.side_element.points[:, 0], self.a[some], self.b[some]
+        start = body.nearest(a)
+        along = (body.nearest(b) - start + 0.5) % 1.0 - 0.5
+        t = start[:, None] + along[:, None] * f
+        x = body.at(t.ravel()).x.reshape(*t.shape, 2)
+        self.values[some] = x - (a[:, None] * (1.0 - f)[:, None] + b[:, None] * f[:, None])
 
     def _arc_minus_chord(self, t: Array) -> Array:
         """Of all curved sides at fractions t (m,) of the angle from the lower vertex, (curved, m, 2)."""

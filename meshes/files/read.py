@@ -193,7 +193,11 @@ def _tags(ends: Array, domain: FluidDomain) -> Indices:
     for i, m in product(range(len(radii)), lattice.near()):
         centre, radius = centres[i] + lattice.shift(m[None])[0], radii[i]
         near = np.array(middles.query_ball_point(centre, radius * (1.0 + ON_SURFACE)), dtype=np.intp)
-        away = np.abs(np.hypot.reduce(ends[near] - centre, axis=2) - radius).max(axis=1, initial=0.0)
+        if domain.placed:
+            off, _ = domain.placed[i].signed_distance(ends[near].reshape(-1, 2))
+            away = np.abs(off).reshape(-1, 2).max(axis=1, initial=0.0)
+        else:
+            away = np.abs(np.hypot.reduce(ends[near] - centre, axis=2) - radius).max(axis=1, initial=0.0)
         tags[near[away < ON_SURFACE * radius]] = i + 1
     corners = np.moveaxis(ends, 1, 0)
     to_walls = np.abs(np.stack([container.boundary_distances(x) for x in corners])).max(axis=0)

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.curves import Sphere, WallCurve
+from fsi.meshes.geometry.placed import Foot, Opposite, Placed
 
 Array = NDArray[np.float64]
 
@@ -215,6 +216,7 @@ class FluidDomain:
         radii: a_i, (N,).
         corners: where a planar mesh is graded towards corners of the container, (n, 2).
         edges: the pairs of walls towards whose common edge a mesh in space is graded.
+        placed: the bodies of a planar domain by their outlines; empty where all are discs.
     """
 
     container: Container
@@ -222,6 +224,16 @@ class FluidDomain:
     radii: Array
     corners: Array = field(default_factory=lambda: np.empty((0, 2)))
     edges: tuple[tuple[int, int], ...] = ()
+    placed: tuple[Placed, ...] = ()
+
+
+def wall_feet(body: Placed, container: Container) -> list[Foot]:
+    """The gaps of a body to all walls."""
+
+    def opposite(wall: int) -> Opposite:
+        return lambda x: (container.distances(x)[:, wall], container.normals(x)[:, wall])
+
+    return [body.gap_to_surface(opposite(wall)) for wall in range(len(container.walls))]
 
 
 class WithoutWalls(Container):

@@ -41,10 +41,13 @@ SMALLEST_JACOBIAN = 0.2
 class Mover:
     """Moves one base mesh and keeps its factorised Laplace matrix; `close` frees that."""
 
-    def __init__(self, fluid: FluidMesh, centres: Array) -> None:
-        """Prepare to move `fluid`, which was built around bodies at `centres` (N, dimension); collective."""
+    def __init__(self, fluid: FluidMesh, centres: Array, angles: Array | None = None) -> None:
+        """Prepare to move `fluid`, which was built around bodies at `centres` (N, dimension); collective.
+
+        angles: of bodies of the plane that are no discs, whose nodes turn with them, (N,); None of discs.
+        """
         self.fluid = fluid
-        self.centres = centres
+        self.centres, self.angles = centres, angles
         self._x = fluid.mesh.geometry.x[:, : fluid.dimension].copy()
         self._vertices = fem.functionspace(fluid.mesh, vertex_element(fluid.dimension))
         self._inverse_sides = np.linalg.inv(_sides(self._x[fluid.mesh.geometry.dofmaps[0]]))
@@ -68,17 +71,23 @@ class Mover:
             self._slip.close()
         self._extension.close()
 
-    def move(self, centres: Array, carried: Callable[[Array], Array] = np.copy) -> float | None:
-        """Move the bodies to `centres` (N, dimension), in place; collective.
+    def move(
+        self,
+        centres: Array,
+        carried: Callable[[Array], Array] = np.copy,
+        angles: Array | None = None,
+    ) -> float | None:
+        """Move the bodies to `centres` (N, dimension), with outlines to `angles` (N,); in place, collective.
 
         `carried` says what vectors (n, 2) between images have become. Gives the worst scaled Jacobian, or
         None (and the base mesh again) if the moved mesh is not good enough.
         """
-        known, turns = self._known(centres - self.centres, carried)
+        turned_by = None if angles is None or self.angles is None else angles - self.angles
+        known, turns = self._known(centres - self.centres, carried, turned_by)
         geometry = self.fluid.mesh.geometry
         linear, d = linear_weights(self.fluid.order, self.fluid.dimension), self.fluid.dimension
         of_nodes = np.tensordot(self._at_corners(known), linear, axes=(1, 1)).transpose(0, 2, 1)
-        if self._slip is not None:
+        if turns.any():
             of_nodes[self._curved.cells] += turned(self._curved.off_straight, turns[self._curved.body])
         geometry.x[geometry.dofmaps[0], :d] = self._x[geometry.dofmaps[0]] + of_nodes
         quality = self._quality()
@@ -130,11 +139,19 @@ class Mover:
         P = PETSc.Mat().createAIJ(size, csr=csr, comm=comm)
         return slave, away, P
 
-    def _known(self, displacements: Array, carried: Callable[[Array], Array]) -> tuple[Array, Array]:
-        """What is known of d at this rank's vertices, (n, 2), and by which angles discs' nodes turn, (N,)."""
+    def _known(
+        self, displacements: Array, carried: Callable[[Array], Array], turns: Array | None
+    ) -> tuple[Array, Array]:
+        """What is known of d at this rank's vertices, (n, 2), and by which angles bodies' nodes turn, (N,).
+
+        turns: these angles where they are given.
+        """
         known = np.zeros((len(self._tags), self.fluid.dimension))
         known[self._on_body] = displacements[self._body] + carried(self._to_image) - self._to_image
         known[self._slave] = carried(self._away) - self._away
+        if turns is not None:
+            known[self._on_body] += turned(self._r, turns[self._body])
+            return known, turns
         if self._slip is None:
             return known, np.zeros(self.fluid.bodies)
         turns, slides = np.split(self._slip.of(known), [self.fluid.bodies])
@@ -144,8 +161,10 @@ class Mover:
         return known, turns
 
     def _slip_modes(self) -> sp.csr_matrix | None:
-        """Discs turn, and the walls of a channel slide; None with an axis and in space."""
+        """Discs turn, and the walls of a channel slide; None with an axis, in space, and with outlines."""
         fluid = self.fluid
+        if self.angles is not None:
+            return None
         if fluid.dimension == 3 or fluid.container.axisymmetric or fluid.bodies == 0:
             return None
         quarter = np.column_stack([-self._r[:, 1], self._r[:, 0]])

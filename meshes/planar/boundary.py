@@ -4,6 +4,7 @@ import numpy as np
 
 from fsi.meshes.geometry.container import Array, FluidDomain
 from fsi.meshes.planar.opened import opened
+from fsi.meshes.planar.outlines import outline_rings
 from fsi.meshes.planar.rings import half_ring, rings
 from fsi.meshes.planar.sizing import PIECES, Curve, Resolution, Surfaces
 
@@ -16,6 +17,8 @@ def boundary(domain: FluidDomain, resolution: Resolution) -> list[Curve]:
     surfaces = Surfaces.of(domain, resolution)
     if surfaces.lattice.dimension:
         return opened(surfaces)
+    if surfaces.placed:
+        return outline_rings(surfaces) + [surfaces.wall(curve) for curve in domain.container.outline()]
     every, walls = range(surfaces.bodies), domain.container.outline()
     if not domain.container.axisymmetric:
         return rings(surfaces, every) + [surfaces.wall(curve) for curve in walls]

@@ -45,6 +45,8 @@ class Grading:
         to_walls, size = container.boundary_distances(corners), container.size()
         to_walls[to_walls < HERE * size] = np.inf  # they meet there
         to_bodies = np.linalg.norm(corners[:, None] - domain.centres, axis=2) - domain.radii
+        if domain.placed and len(corners):
+            to_bodies = np.column_stack([body.distance_and_bend(corners)[0] for body in domain.placed])
         distances = np.column_stack([to_walls, to_bodies]).min(axis=1, initial=size)
         smallest = np.maximum(distances * (0.5 * growth) ** DEPTH, SMALLEST * size)
         return Grading(corners, smallest, GROWTH * growth)

@@ -39,6 +39,7 @@ import scipy  # its modules load when they are used
 from fsi.meshes.geometry.container import Array, Container, FluidDomain
 from fsi.meshes.geometry.curves import WallCurve
 from fsi.meshes.geometry.lattice import Lattice
+from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.planar.facing import FINEST, LONGEST, NARROW, FacedGap, foot_on, on_wall
 from fsi.meshes.planar.grading import Grading
 from fsi.meshes.planar.spread import Indices, equidistribute, resolve_all, spread
@@ -98,6 +99,7 @@ class Curve:
         centre: of the circle that the curve follows, None for a straight piece.
         opening: how far nodes are moved into the solid while gmsh works, (n, 2); None on lines in the fluid.
         pieces: of the fluid that it bounds; gmsh fills one after the other.
+        body: whose outline the curve follows, None for circles, arcs and straight pieces.
     """
 
     tag: int
@@ -106,6 +108,7 @@ class Curve:
     centre: Array | None = None
     opening: Array | None = None
     pieces: tuple[int, ...] = (0,)
+    body: Placed | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,6 +124,7 @@ class Surfaces:
         lattice: of the container's periods.
         resolution: how fine the mesh is.
         grading: towards singular corners.
+        placed: the bodies by their outlines; empty where all are discs.
     """
 
     container: Container
@@ -131,6 +135,7 @@ class Surfaces:
     lattice: Lattice
     resolution: Resolution
     grading: Grading
+    placed: tuple[Placed, ...] = ()
 
     @staticmethod
     def of(domain: FluidDomain, resolution: Resolution) -> Surfaces:
@@ -141,10 +146,23 @@ class Surfaces:
         radii = np.tile(domain.radii, len(m))
         grading = Grading.of(domain, resolution.growth)
         tree, bodies = scipy.spatial.cKDTree(images), len(domain.radii)
-        return Surfaces(domain.container, images, radii, tree, bodies, lattice, resolution, grading)
+        placed = domain.placed
+        return Surfaces(domain.container, images, radii, tree, bodies, lattice, resolution, grading, placed)
+
+    def nearest(self, x: Array) -> tuple[Array, Array | float]:
+        """Distance of points (n, 2) to the nearest body, and the radius that counts there, (n,) or one."""
+        if not self.placed:
+            return self.to_bodies(x), float(self.radii.min(initial=np.inf))
+        distance, bend = np.full(len(x), np.inf), np.full(len(x), np.inf)
+        for body, radius in zip(self.placed, self.radii.tolist(), strict=True):
+            near = np.flatnonzero(np.hypot(*(x - body.centre).T) - radius < distance)
+            d, b = body.distance_and_bend(x[near])
+            nearer = near[d < distance[near]]
+            distance[nearer], bend[nearer] = d[d < distance[near]], b[d < distance[near]]
+        return distance, bend
 
     def to_bodies(self, x: Array) -> Array:
-        """Distance of each point (n, 2) to the nearest body, shape (n,); infinite without bodies."""
+        """Distance of each point (n, 2) to the nearest of discs, shape (n,); infinite without bodies."""
         if self.bodies == 0:
             return np.full(len(x), np.inf)
         x = self.lattice.wrapped(x)
@@ -161,8 +179,8 @@ class Surfaces:
         """Element size at points (n, 2) off the bodies, in gaps of these widths or else by their distance."""
         if self.bodies == 0:
             return np.full(len(x), np.inf) if gap is None else 0.1 * gap
-        d = self.to_bodies(x)
-        in_gap = self.resolution.across(d if gap is None else gap, float(self.radii.min()))
+        d, radius = self.nearest(x)
+        in_gap = self.resolution.across(d if gap is None else gap, radius)
         h_body = self.resolution.on_body(self.radii.max())
         return np.minimum(in_gap, np.maximum(h_body, self.resolution.growth * d))
 
@@ -176,13 +194,15 @@ class Surfaces:
         s, h, _ = resolve_all(size, np.array([curve.interval]), PIECES)
         nodes = curve.at(spread(s, h, self._facing(curve, s), curve.fewest_elements))
         nodes[[0, -1]] = curve.ends
-        tag, smallest = self.bodies + 1 + curve.wall, float(self.radii.min(initial=np.inf))
-        half = 0.5 * self.resolution.opened(self.to_bodies(nodes), smallest) if self.bodies else np.zeros(1)
+        tag = self.bodies + 1 + curve.wall
+        half = 0.5 * self.resolution.opened(*self.nearest(nodes)) if self.bodies else np.zeros(1)
         opening = -half[:, None] * self.container.normals(nodes)[:, curve.wall]
         return Curve(tag, nodes, centre=curve.centre, opening=opening)
 
     def _facing(self, curve: WallCurve, s: Array) -> Iterator[Array]:
         """The places of nodes on a wall that face those of the bodies in narrow gaps; s: samples along it."""
+        if self.placed:
+            return
         container, x = self.container, curve.at(s)
         centres = self.centres + (x[0] - self.lattice.wrapped(x[:1]))
         gaps, curvature = container.distances(centres)[:, curve.wall] - self.radii, self.curvature(curve.wall)

@@ -97,6 +97,8 @@ def read_chains(run: Run, step: int | None = None, close: float = CLOSE) -> Chai
     case, steps = run.case, run.columns("steps")
     if case.geometry != "planar":
         raise InputError(f'geometry = "{case.geometry}": the lubrication law of discs needs "planar"')
+    if case.configuration().outlines:
+        raise InputError("bodies: have shapes; the lubrication law of discs needs discs")
     if "dissipation" not in steps:
         raise InputError(
             f"{run.path / 'steps.csv'}: no column dissipation; give a run of a model with a flow"

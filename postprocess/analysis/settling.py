@@ -53,6 +53,8 @@ def exact_gap(case: Case, t: Array) -> Array:
     Raises InputError: it is not one body above a plane under a constant normal force.
     """
     force, body = _normal_force(case), case.bodies[0]
+    if body.shape is not None:
+        raise InputError(f"bodies.0.shape = {toml_text(body.shape)}: the exact law is that of a disc")
     law = spheres.settling_gap if case.axisymmetric else exact.settling_gap
     return law(t, body.position[1] - body.radius, body.radius, case.fluid.viscosity, force)
 

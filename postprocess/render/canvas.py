@@ -138,6 +138,8 @@ class Panel(_Canvas):
         turn = np.linspace(0.0, 2.0 * np.pi, int(np.clip(sides, _FEWEST_SIDES, _MOST_SIDES)), endpoint=False)
         circle = np.column_stack([np.cos(turn), np.sin(turn)])
         rim = centres[:, None] + radii[:, None, None] * circle
+        if q.outlines:
+            rim = np.stack([q.placed[i].drawn(_MOST_SIDES) for i in np.flatnonzero(seen)])
         faces = np.arange(rim.size // 2).reshape(len(radii), -1)
         discs = pv.PolyData(self.view.local(rim).reshape(-1, 3), faces=counted(faces))
         self.fill(discs.translate((0.0, 0.0, _LAYER)), self.theme.disc)

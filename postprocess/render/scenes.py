@@ -192,7 +192,9 @@ def _rise(grid: pv.UnstructuredGrid, e: Array) -> float:
 
 
 def images(q: Configuration, container: Container, view: View) -> Configuration:
-    """The images of the bodies that meet the window."""
+    """The images of the bodies that meet the window; outlines have none, nor periods."""
+    if q.outlines:
+        return q
     lattice = Lattice(container.periods)
     shifts = lattice.shift(_near(lattice, np.zeros(2), view, 2.0 * lattice.longest()))
     centres = (shifts[:, None] + lattice.wrapped(q.centres)).reshape(-1, 2)

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.bodies.gaps import nearest_gaps
+from fsi.bodies.gaps import foot_between, nearest_gaps
 from fsi.errors import InputError
-from fsi.meshes.geometry.container import Container
+from fsi.meshes.geometry.container import Container, wall_feet
 from fsi.meshes.geometry.lattice import Lattice
 
 
@@ -47,6 +47,9 @@ def gap_between(
     away: how far the image of the other body that is meant lies from it; the nearest if not given.
     """
     i, j = sides
+    if q.outlines:
+        foot = foot_between(q, i, j) if j < len(q) else wall_feet(q.placed[i], container)[j - len(q)]
+        return SurfaceGap(foot.gap, 0.5 * (foot.x + foot.opposite), sides, 0.0 - foot.normal)
     if j < len(q):
         towards = q.centres[j] - q.centres[i]
         lattice = Lattice(container.periods)

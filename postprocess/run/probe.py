@@ -75,6 +75,10 @@ def _places(run: Run, points: Array, step: int) -> list[str]:
     """The body that holds each point, or "outside"."""
     q = run.configuration(step)
     places = np.full(len(points), OUTSIDE, dtype=object)
+    for name, body in zip(run.case.names, q.placed, strict=False):
+        places[body.signed_distance(points)[0] <= _TOLERANCE * body.outline.radius] = name
+    if q.outlines:
+        return [str(place) for place in places]
     for name, centre, radius in zip(run.case.names, q.centres, (1.0 + _TOLERANCE) * q.radii, strict=True):
         near = np.flatnonzero(np.abs(points - centre).max(axis=1) <= radius)  # squares of others may overflow
         places[near[np.linalg.norm(points[near] - centre, axis=1) <= radius]] = name

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -170,7 +170,7 @@ class Run:
         if not len(start):
             return start
         place = self.bodies.loc[self.bodies["step"] == step, list(PLACES[d])].to_numpy()
-        return Configuration(place[:, :d], place[:, d:].reshape(start.angles.shape), start.radii)
+        return replace(start, centres=place[:, :d], angles=place[:, d:].reshape(start.angles.shape))
 
     def wall_distances(self, x: Array) -> Array:
         """Distance of points (n, d) to each wall, (n, walls); in gluey runs not to those far away."""

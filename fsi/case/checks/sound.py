@@ -7,11 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from fsi.bodies.gaps import find_gaps
+from fsi.bodies.gaps import find_gaps, wall_gaps
 from fsi.case.case import Case
 from fsi.case.checks.determined import check_determined, check_flux, check_stressed_walls
 from fsi.case.checks.levels import check_gluey, check_macroscopic, check_reduced
 from fsi.case.checks.pores import check_pores
+from fsi.case.checks.shapes import check_shapes
 from fsi.case.checks.time import check_time
 from fsi.case.section import refusal, toml_text
 from fsi.case.series import Component, is_zero
@@ -35,6 +36,7 @@ def check_case(case: Case) -> None:
     _check_forces(case)
     _check_files(case)
     check_stressed_walls(case)
+    check_shapes(case)
     if case.level.viscous:
         _check_fluid(case)
     if case.model in _OF_LEVEL:
@@ -91,11 +93,11 @@ def _check_room(case: Case) -> None:
     """No body touches a wall or another body."""
     q, container = case.configuration(), case.container()
     touching = _ROUNDING * container.size()
-    wall_gaps = container.distances(q.centres) - q.radii[:, None]
-    for i, w in np.argwhere(wall_gaps <= touching)[:1]:
+    to_walls = wall_gaps(q, container)
+    for i, w in np.argwhere(to_walls <= touching)[:1]:
         raise InputError(
             f"bodies.{i}.position = {toml_text(case.bodies[i].position)}: body {case.names[i]!r} touches or "
-            f"crosses wall {container.walls[w]!r} (gap {wall_gaps[i, w]:.6g}); move or shrink it"
+            f"crosses wall {container.walls[w]!r} (gap {to_walls[i, w]:.6g}); move or shrink it"
         )
     _check_near(case, container)
     gaps = find_gaps(q, container, reach=touching)
@@ -162,6 +164,8 @@ def _check_inertia(case: Case) -> None:
         _check_beginning(case, i)
         if case.model == "gluey" and body.moment_of_inertia is None:
             continue  # that of a uniform body
+        if body.shape is not None and body.mass is not None:
+            continue  # the same
         if not case.axisymmetric and (body.mass is None) != (body.moment_of_inertia is None):
             given, other = ("mass", "moment_of_inertia")[:: 1 if body.mass is not None else -1]
             raise InputError(

@@ -1,0 +1,57 @@
+"""The key `shape` of [[bodies]]: what bodies of the plane look like that are not discs.
+
+One more shape is one file here: a section under `@register_shape` with its curve. Files of this room are
+found by themselves; from outside the decorator alone does.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from functools import cached_property
+from typing import Annotated, Any, ClassVar
+
+from pydantic import BeforeValidator, SerializeAsAny, ValidationInfo
+
+from fsi.case.section import Registered, Registry, told
+from fsi.meshes.geometry.jets import JetOf
+from fsi.meshes.geometry.outline import Outline
+
+
+class BodyShape(Registered):
+    """The shape of a body at the angle 0; its position is the centre of its area."""
+
+    registry: ClassVar[Registry[Any]] = Registry("kind")
+
+    @abstractmethod
+    def curve(self) -> JetOf:
+        """Once around it counterclockwise for 0 <= t <= 1, with a tangent that turns smoothly."""
+
+    @property
+    def joints(self) -> tuple[float, ...]:
+        """The t where its curvature or a higher derivative jumps, ascending; nodes of meshes stand there."""
+        return ()
+
+    @cached_property
+    def outline(self) -> Outline:
+        """The same as geometry."""
+        return Outline.of(self.curve(), self.joints)
+
+
+register_shape = BodyShape.registry.register
+
+
+def _of_plane(value: Any, info: ValidationInfo) -> Any:
+    """The section that a table describes. Raises ValueError where bodies are spheres."""
+    if value is None:
+        return None
+    if told(info).geometry != "planar":
+        raise ValueError('is for discs of geometry = "planar"; drop it')
+    shape: BodyShape = BodyShape.registry.validate(value, info)
+    if shape.outline.area <= 0.0:
+        raise ValueError("runs clockwise; turn the order of its points round")
+    if shape.outline.crosses_itself():
+        raise ValueError("crosses itself; give a curve without crossings")
+    return shape
+
+
+Shape = Annotated[SerializeAsAny[BodyShape], BeforeValidator(_of_plane)]

@@ -1,0 +1,51 @@
+"""Closed splines through points."""
+
+from typing import Annotated, Any, Literal, override
+
+import numpy as np
+import scipy  # its modules load when they are used
+from pydantic import Field, field_validator
+
+from fsi.case.shapes.shape import BodyShape, register_shape
+from fsi.meshes.geometry.jets import Array, Jet, JetOf
+
+type Place = Annotated[tuple[float, ...], Field(min_length=2, max_length=2)]
+
+
+@register_shape
+class Spline(BodyShape):
+    """The periodic cubic spline through points, by the lengths of the chords between them."""
+
+    kind: Literal["spline"]
+    points: tuple[Place, ...] = Field(min_length=5)
+    """the points [x, y] counterclockwise, five or more, or the path of a CSV file of x, y"""
+
+    @field_validator("points", mode="before")
+    @classmethod
+    def _read(cls, points: Any) -> Any:
+        """The points of a file."""
+        if not isinstance(points, str):
+            return points
+        try:
+            table = np.loadtxt(points, delimiter=",", ndmin=2, dtype=float)
+        except (OSError, ValueError) as error:
+            raise ValueError(f"cannot be read ({str(error).splitlines()[0]})") from None
+        return tuple(map(tuple, table.tolist()))
+
+    @property
+    def _knots(self) -> tuple[Array, Array]:
+        """The points with the first again at the end, and t at each."""
+        x = np.array([*self.points, self.points[0]])
+        t = np.append(0.0, np.cumsum(np.hypot(*np.diff(x, axis=0).T)))
+        return x, t / t[-1]
+
+    @property
+    @override
+    def joints(self) -> tuple[float, ...]:
+        return tuple(self._knots[1][:-1].tolist())
+
+    @override
+    def curve(self) -> JetOf:
+        x, t = self._knots
+        spline = scipy.interpolate.CubicSpline(t, x, bc_type="periodic")
+        return lambda at: Jet(spline(at), spline(at, 1), spline(at, 2))

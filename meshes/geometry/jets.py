@@ -1,0 +1,82 @@
+"""Closed curves x(t), 0 <= t <= 1, with two derivatives: what outlines of bodies are made from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Jet(NamedTuple):
+    """Points x of a curve and the derivatives x' and x'' along its parameter, (n, 2) each."""
+
+    x: Array
+    dx: Array
+    ddx: Array
+
+
+type JetOf = Callable[[Array], Jet]
+
+
+def polar(radius: Callable[[Array], tuple[Array, Array, Array]]) -> JetOf:
+    """The curve r(theta), theta = 2 pi t, by r and its first two derivatives along theta, (n,) each."""
+
+    def jet(t: Array) -> Jet:
+        turn = 2.0 * np.pi
+        r, dr, ddr = (value[:, None] for value in radius(turn * t))
+        along = np.column_stack([np.cos(turn * t), np.sin(turn * t)])
+        across = np.column_stack([-along[:, 1], along[:, 0]])
+        dx, ddx = dr * along + r * across, (ddr - r) * along + 2.0 * dr * across
+        return Jet(r * along, turn * dx, turn**2 * ddx)
+
+    return jet
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ArcChain:
+    """Straight pieces and arcs, one after the other with the same tangent: a curvature for each piece.
+
+    Attributes:
+        lengths: of the pieces, (n,).
+        curvatures: of these, positive where they turn left, (n,).
+        start: where the first begins, (2,).
+        heading: the angle of the tangent there.
+    """
+
+    lengths: Array
+    curvatures: Array
+    start: Array
+    heading: float
+
+    @property
+    def joints(self) -> tuple[float, ...]:
+        """Where the pieces begin, over the whole length."""
+        ends = np.cumsum(self.lengths)
+        return (0.0, *(ends[:-1] / ends[-1]).tolist())
+
+    def __call__(self, t: Array) -> Jet:
+        """The points and derivatives at t; t counts the length."""
+        ends = np.cumsum(self.lengths)
+        begins, whole = np.append(0.0, ends[:-1]), float(ends[-1])
+        headings = self.heading + np.append(0.0, np.cumsum(self.curvatures * self.lengths)[:-1])
+        starts = self.start + np.vstack(
+            [np.zeros(2), np.cumsum(_chord(self.lengths, self.curvatures, headings), axis=0)[:-1]]
+        )
+        k = np.clip(np.searchsorted(begins, t * whole, side="right") - 1, 0, len(ends) - 1)
+        s, kappa = t * whole - begins[k], self.curvatures[k]
+        x, turned = starts[k] + _chord(s, kappa, headings[k]), headings[k] + kappa * s
+        tangent = np.column_stack([np.cos(turned), np.sin(turned)])
+        normal = np.column_stack([-tangent[:, 1], tangent[:, 0]])
+        return Jet(x, whole * tangent, whole**2 * kappa[:, None] * normal)
+
+
+def _chord(s: Array, curvature: Array, heading: Array) -> Array:
+    """From the beginning of pieces to the length s along them, (n, 2)."""
+    middle, length = heading + 0.5 * curvature * s, s * np.sinc(0.5 * curvature * s / np.pi)
+    chord: Array = length[:, None] * np.column_stack([np.cos(middle), np.sin(middle)])
+    return chord

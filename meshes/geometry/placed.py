@@ -1,0 +1,174 @@
+"""Bodies of any outline where they stand, and the gaps between them by closest points.
+
+The gap between a body and what is opposite, a wall or another body with the signed distance f and its
+gradient n, is the least f over the outline x(t): there  n(x(t)) . x'(t) = 0.  It is negative where they
+overlap, also where one lies within the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsi.meshes.geometry.jets import Array, Jet
+from fsi.meshes.geometry.outline import Outline
+
+ROUNDS = 30
+ZERO, SHORT = 1e-14, 1e-15  # of the values where a root is looked for, and of t
+
+type Opposite = Callable[[Array], tuple[Array, Array]]
+
+
+def _root(rising: Callable[[Array], Array], low: Array, high: Array) -> Array:
+    """Where functions that rise through zero between two arguments each have it, (n,).
+
+    By the method of false position with halved ends (Illinois), and by bisection each third time.
+    """
+    below, above = -np.abs(rising(low)), np.abs(rising(high))
+    smallest, root = np.where(-below < above, -below, above), np.where(-below < above, low, high)
+    enough = ZERO * np.maximum(-below, above)
+    for k in range(ROUNDS):
+        with np.errstate(invalid="ignore", divide="ignore"):
+            falsi = (low * above - high * below) / (above - below)
+        after = np.where((falsi >= low) & (falsi <= high) & (k % 3 < 2), falsi, 0.5 * (low + high))
+        value = rising(after)
+        up = value > 0.0
+        above, below = np.where(up, value, 0.5 * above), np.where(up, 0.5 * below, value)
+        low, high = np.where(up, low, after), np.where(up, after, high)
+        better = np.abs(value) < smallest
+        smallest, root = np.where(better, np.abs(value), smallest), np.where(better, after, root)
+        if np.all((smallest <= enough) | (high - low < SHORT)):
+            break
+    return root
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Foot:
+    """Where a gap is narrowest.
+
+    Attributes:
+        gap: its width, negative where the two overlap.
+        t: of the point on the body's outline.
+        x: that point, (2,).
+        normal: of what is opposite, towards the body, (2,).
+    """
+
+    gap: float
+    t: float
+    x: Array
+    normal: Array
+
+    @property
+    def opposite(self) -> Array:
+        """The point opposite, (2,)."""
+        return np.asarray(self.x - self.gap * self.normal)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placed:
+    """An outline around a centre (2,), turned by an angle."""
+
+    outline: Outline
+    centre: Array
+    angle: float
+
+    @property
+    def _rows(self) -> Array:
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        return np.array([[c, s], [-s, c]])  # x @ rows turns x by the angle
+
+    def at(self, t: Array) -> Jet:
+        """Points and derivatives at t (n,)."""
+        x, dx, ddx = self.outline.jet(t)
+        rows = self._rows
+        with np.errstate(invalid="ignore"):  # infinite at the end of a tip
+            return Jet(self.centre + x @ rows, dx @ rows, ddx @ rows)
+
+    def drawn(self, points: int) -> Array:
+        """Some points around it, (points, 2), close to each other where it bends."""
+        t = self.outline.t
+        return self.at(
+            np.interp(np.arange(points) / points, np.arange(len(t) + 1) / len(t), np.append(t, 1.0))
+        ).x
+
+    def normals(self, t: Array) -> Array:
+        """Out of the body at t (n,), (n, 2)."""
+        dx = self.at(t).dx
+        normal: Array = np.column_stack([dx[:, 1], -dx[:, 0]]) / np.hypot(*dx.T)[:, None]
+        return normal
+
+    def seen(self, x: Array) -> Array:
+        """Points (n, 2) as the body sees them."""
+        return np.asarray((x - self.centre) @ self._rows.T)
+
+    def nearest(self, x: Array) -> Array:
+        """The t of the points nearest to x (n, 2)."""
+        return self.outline.nearest(self.seen(x))
+
+    def signed_distance(self, x: Array) -> tuple[Array, Array]:
+        """Distance of points (n, 2) to the body, negative inside, (n,), and its gradient, (n, 2)."""
+        distance, normal = self.outline.signed_distance(self.seen(x))
+        return distance, normal @ self._rows
+
+    def distance_and_bend(self, x: Array) -> tuple[Array, Array]:
+        """Distance of points (n, 2) outside to the body, and its `bend` where it is nearest, (n,) each."""
+        seen = self.seen(x)
+        t = self.outline.nearest(seen)
+        return np.hypot(*(seen - self.outline.jet(t).x).T), self.outline.bend(t)
+
+    def gap_to_surface(self, opposite: Opposite) -> Foot:
+        """The gap to a surface with this signed distance and gradient."""
+        x = self._sample()
+        return self._foot(opposite, opposite(x)[0], np.arange(len(x)))
+
+    def gap_to(self, other: Placed) -> Foot:
+        """The gap to another body."""
+        x = self._sample()
+        coarse = other.outline.coarse_distance(other.seen(x))
+        near = np.flatnonzero(coarse <= coarse.min() + self.outline.spacing + other.outline.spacing)
+        distance, normal = np.full(len(x), np.inf), other.signed_distance
+        distance[near] = normal(x[near])[0]
+        inside = other.at(np.zeros(1)).x
+        if self.signed_distance(inside)[0][0] < 0.0 < distance.min():
+            depth, out = self.signed_distance(inside)
+            return Foot(float(depth[0]), float(self.nearest(inside)[0]), inside[0], -out[0])
+        return self._foot(other.signed_distance, distance, near)
+
+    def gap_to_disc(self, centre: Array, radius: float) -> Foot:
+        """The gap to a disc."""
+        distance, normal = self.signed_distance(centre[None])
+        t = self.nearest(centre[None])
+        return Foot(float(distance[0]) - radius, float(t[0]), self.at(t).x[0], 0.0 - normal[0])
+
+    def _sample(self) -> Array:
+        return np.asarray(self.centre + self.outline.sample.x @ self._rows)
+
+    def _foot(self, opposite: Opposite, distance: Array, near: NDArray[np.intp]) -> Foot:
+        """Where f is least, from its values at the sample, those in `near` known."""
+        t, m = self.outline.t, len(distance)
+        lowest = near[
+            (distance[near] <= distance[near - 1])
+            & (distance[near] <= distance[(near + 1) % m])
+            & (distance[near] <= distance.min() + self.outline.spacing)
+        ]
+        closed = np.concatenate([[t[-1] - 1.0], t, [1.0]])
+        here = closed[lowest + 1]
+        slope = self._slope(opposite, here)
+        low, high = (
+            np.where(slope > 0.0, closed[lowest], here),
+            np.where(slope > 0.0, here, closed[lowest + 2]),
+        )
+        tried = np.concatenate([here, _root(lambda t: self._slope(opposite, t), low, high)])
+        x = self.at(tried).x
+        gaps, normals = opposite(x)
+        k = int(np.argmin(gaps))
+        return Foot(float(gaps[k]), float(tried[k] % 1.0), x[k], normals[k])
+
+    def _slope(self, opposite: Opposite, t: Array) -> Array:
+        """f' along the outline."""
+        x, dx, _ = self.at(t)
+        slope: Array = (opposite(x)[1] * dx).sum(axis=1)
+        return slope

@@ -1,0 +1,178 @@
+"""The key `shape` of bodies: what is read, refused by name, and registered from outside."""
+
+from __future__ import annotations
+
+import copy
+import tomllib
+from pathlib import Path
+from typing import Any, Literal, override
+
+import numpy as np
+import pytest
+import tomli_w
+
+from fsi.case.case import Case
+from fsi.case.load import load_case, parse_case
+from fsi.case.section import Positive
+from fsi.case.shapes.shape import BodyShape, register_shape
+from fsi.errors import InputError
+from fsi.meshes.geometry.jets import Array, JetOf, polar
+
+ELLIPSE = {"kind": "ellipse", "axes": [2.0, 1.0]}
+DATA: dict[str, Any] = {
+    "name": "shaped",
+    "fluid": {"viscosity": 1.0},
+    "domain": {"lower": [-8.0, -8.0], "upper": [8.0, 8.0]},
+    "bodies": [{"name": "body", "position": [0.0, 0.0], "shape": ELLIPSE}],
+}
+
+
+def shaped(shape: dict[str, Any] | None = None, **body: Any) -> Case:
+    data = copy.deepcopy(DATA)
+    data["bodies"][0] |= {"shape": shape or ELLIPSE} | body
+    return parse_case(data)
+
+
+def test_a_shape_says_how_large_a_body_is() -> None:
+    """Its radius is that of the circle that holds it, its share of the domain its area."""
+    case = shaped()
+    assert case.bodies[0].radius == pytest.approx(2.0, rel=1e-14)
+    assert case.fraction == pytest.approx(2.0 * np.pi / 256.0, rel=1e-13)
+
+
+def test_a_uniform_body_knows_its_moment_of_inertia() -> None:
+    """m (a^2 + b^2) / 4 of an ellipse."""
+    masses = shaped(mass=3.0).masses()
+    assert masses is not None
+    np.testing.assert_allclose(masses, [[3.0, 3.0, 3.0 * 5.0 / 4.0]], rtol=1e-13)
+
+
+def test_a_case_with_shapes_is_written_and_read_again() -> None:
+    case = shaped(angle=0.4)
+    assert parse_case(tomllib.loads(case.as_toml())) == case
+    assert "radius" not in case.as_data()["bodies"][0]
+
+
+@pytest.mark.parametrize(
+    ("shape", "message"),
+    [
+        ({"kind": "elipse", "axes": [2.0, 1.0]}, r'shape\.kind = "elipse": .*"ellipse".*"tip"'),
+        ({"kind": "ellipse", "axes": [2.0, 0.0]}, r"shape\.axes.* = 0\.0: must be greater than 0"),
+        ({"kind": "ellipse", "axis": 1.0}, r"shape\.axis = 1\.0: unknown key; use bodies\.0\.shape\.axes"),
+        ({"kind": "tip", "radius": 1.0, "alpha": 1.0, "length": 2.0}, "flatter than the disc"),
+        ({"kind": "fourier", "radius": 1.0, "orders": [2], "cosines": [1.0]}, "add up to 1 or more"),
+        (
+            {"kind": "polygon", "corners": [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], "rounding": 0.4},
+            "shorter than the arcs",
+        ),
+        (
+            {"kind": "polygon", "corners": [[0.0, 1.0], [1.0, 0.0], [0.0, 0.0]], "rounding": 0.1},
+            "once around counterclockwise",
+        ),
+        (
+            {"kind": "spline", "points": [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.5, -0.5], [0.0, 0.0]]},
+            "runs clockwise",
+        ),
+        (
+            {
+                "kind": "spline",
+                "points": [[0.0, 0.0], [3.0, 0.0], [3.0, 2.0], [1.0, -1.0], [0.5, 2.0], [0.0, 1.0]],
+            },
+            "crosses itself",
+        ),
+        ({"kind": "spline", "points": "none.csv"}, "cannot be read"),
+    ],
+)
+def test_what_is_no_shape_is_refused_by_name(shape: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=rf"bodies\.0\.{message}" if "shape" in message else message):
+        shaped(shape)
+
+
+def test_a_shape_and_a_radius_contradict_each_other() -> None:
+    with pytest.raises(InputError, match=r"bodies\.0\.radius = 1\.0: the shape says how large"):
+        shaped(radius=1.0)
+    with pytest.raises(InputError, match=r"bodies\.0\.radius: missing; give the radius"):
+        parse_case(DATA | {"bodies": [{"name": "body", "position": [0.0, 0.0]}]})
+
+
+@pytest.mark.parametrize(
+    ("sections", "message"),
+    [
+        ({"model": "reduced", "reduced": {"drag": 10.0}}, 'model = "reduced" knows discs only'),
+        ({"model": "pores"}, 'model = "pores" knows discs only'),
+        (
+            {"domain": {"lower": [-8.0, -8.0], "upper": [8.0, 8.0], "periodic": ["x"]}},
+            "periodic domains take discs only",
+        ),
+        (
+            {
+                "forces": [
+                    {"kind": "repulsion", "law": "exponential", "strength": 1.0, "length": 1.0, "cutoff": 1.0}
+                ]
+            },
+            "act between discs",
+        ),
+        ({"calibration": {"pair": ["body", "bottom"], "range": [0.01, 1.0]}}, "calibrated for discs"),
+        ({"geometry": "axisymmetric"}, 'is for discs of geometry = "planar"'),
+    ],
+)
+def test_what_knows_discs_only_refuses_shapes(sections: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=rf"bodies\.0\.shape = .*{message}"):
+        parse_case(copy.deepcopy(DATA) | sections)
+
+
+def test_bodies_of_shapes_that_overlap_are_refused() -> None:
+    """Their circles overlap, which is allowed; then they do themselves."""
+    data = copy.deepcopy(DATA)
+    data["bodies"].append({"name": "other", "position": [0.0, 2.2], "shape": ELLIPSE})
+    parse_case(data)
+    data["bodies"][1]["angle"] = 1.5
+    with pytest.raises(InputError, match="'body' and 'other' overlap or touch"):
+        parse_case(data)
+    data["bodies"][1]["position"] = [7.0, 0.0]
+    data["bodies"][1]["angle"] = 0.0
+    with pytest.raises(InputError, match="'other' touches or crosses wall 'right'"):
+        parse_case(data)
+
+
+def test_the_points_of_a_spline_may_stand_in_a_file_beside_the_case(tmp_path: Path) -> None:
+    theta = 2.0 * np.pi * np.arange(40) / 40.0
+    points = np.column_stack([2.0 * np.cos(theta), np.sin(theta)])
+    np.savetxt(tmp_path / "points.csv", points, delimiter=",")
+    data = copy.deepcopy(DATA)
+    data["bodies"][0]["shape"] = {"kind": "spline", "points": "points.csv"}
+    (tmp_path / "case.toml").write_text(tomli_w.dumps(data))
+    case = load_case(tmp_path / "case.toml")
+    outline = case.bodies[0].outline
+    # The spline of 40 points is off its ellipse by some h^4 / 384 of the fourth derivative.
+    assert outline.area == pytest.approx(2.0 * np.pi, rel=2e-5)
+    assert parse_case(tomllib.loads(case.as_toml())) == case
+
+
+def test_a_shape_from_outside(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One class: here an egg r = a (1 + cos(theta) / 4), of area pi a^2 (1 + 1/32)."""
+    monkeypatch.setattr(BodyShape.registry, "sections", [*BodyShape.registry.sections])
+
+    @register_shape
+    class Egg(BodyShape):
+        """r = a (1 + cos(theta) / 4)."""
+
+        kind: Literal["egg"]
+        size: Positive
+        """the mean radius, a number > 0"""
+
+        @override
+        def curve(self) -> JetOf:
+            a = self.size
+
+            def radius(theta: Array) -> tuple[Array, Array, Array]:
+                wave = 0.25 * a * np.cos(theta)
+                return a + wave, -0.25 * a * np.sin(theta), -wave
+
+            return polar(radius)
+
+    case = shaped({"kind": "egg", "size": 2.0})
+    assert isinstance(case.bodies[0].shape, Egg)
+    assert case.configuration().areas[0] == pytest.approx(4.0 * np.pi * (1.0 + 1.0 / 32.0), rel=1e-13)
+    with pytest.raises(InputError, match=r'bodies\.0\.shape\.kind = "eg": .*or "egg"'):
+        shaped({"kind": "eg", "size": 2.0})

@@ -1,0 +1,133 @@
+"""Flow around bodies that are no discs: against discs, exact results of ellipses, and itself moved."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fsi.case.case import Case
+from fsi.case.load import parse_case
+from fsi.postprocess.run.run import open_run
+from fsi.runs import resume, run
+from fsi.stokes.adapt import solve_with_errors
+from fsi.stokes.model import StokesModel
+
+FAR = 1e3  # radius of a container that stands for infinity: it changes what turns an ellipse by (a / R)^2
+AXES = (2.0, 1.0)
+
+
+def in_box(**body: Any) -> Case:
+    """A body at a gap of 0.01 from a wall."""
+    return parse_case(
+        {
+            "name": "near a wall",
+            "fluid": {"viscosity": 1.0},
+            "domain": {"lower": [-4.0, -4.0], "upper": [4.0, 4.0]},
+            "bodies": [{"name": "body", "position": [0.3, -2.99], "velocity": [0.5, -1.0]} | body],
+        }
+    )
+
+
+def sheared(axes: tuple[float, float] = AXES, **sections: Any) -> Case:
+    """A free ellipse in the shear u = y e_x."""
+    body = {"name": "ellipse", "shape": {"kind": "ellipse", "axes": axes}, "position": [0.0, 0.0]}
+    return parse_case(
+        {
+            "name": "free ellipse",
+            "fluid": {"viscosity": 1.0},
+            "domain": {"shape": "round", "radius": FAR, "walls": {"far": {"shear": 1.0}}},
+            "bodies": [body],
+        }
+        | sections
+    )
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        {"kind": "ellipse", "axes": [1.0, 1.0]},
+        {"kind": "fourier", "radius": 1.0, "orders": [7], "cosines": [0.0]},
+        {"kind": "superellipse", "axes": [1.0, 1.0], "exponent": 2.0},
+    ],
+    ids=lambda shape: str(shape["kind"]),
+)
+def test_round_shapes_are_discs(shape: dict[str, Any]) -> None:
+    """To 1e-9 where the nodes are the same; the joints of a superellipse give it other ones: mesh error."""
+    found = []
+    for body in ({"radius": 1.0}, {"shape": shape}):
+        case = in_box(**body)
+        found.append(StokesModel(case)(case.configuration(), 0.0).F[0])
+    tolerance = 2e-5 if shape["kind"] == "superellipse" else 1e-9
+    np.testing.assert_allclose(found[1], found[0], atol=tolerance * np.abs(found[0]).max())
+
+
+def test_an_ellipse_turns_as_jeffery_says_and_resists_as_its_axes_do() -> None:
+    """-omega = (a^2 sin^2 + b^2 cos^2) / (a^2 + b^2) (1922); held, T = 2 pi mu (a^2 + b^2) omega."""
+    case, (a, b) = sheared(), AXES
+    model, q = StokesModel(case), case.configuration()
+    for angle in (0.0, 0.7, 0.5 * np.pi):
+        omega = model(q.moved(np.array([[0.0, 0.0, angle]])), 0.0).U[0, 2]
+        exact = -((a * np.sin(angle)) ** 2 + (b * np.cos(angle)) ** 2) / (a**2 + b**2)
+        assert omega == pytest.approx(exact, rel=1e-4)
+    held = sheared(bodies=[case.as_data()["bodies"][0] | {"velocity": [0.0, 0.0], "angular_velocity": 0.0}])
+    torque = StokesModel(held)(q, 0.0).F[0, 2]
+    assert torque == pytest.approx(2.0 * np.pi * b**2, rel=1e-4)
+
+
+def test_bars_hold_for_an_ellipse() -> None:
+    """Of degree 2, by the difference to degree 4 on its own mesh."""
+    case = in_box(shape={"kind": "ellipse", "axes": [1.5, 0.8]}, angle=1.2, position=[0.3, -2.4])
+    data = case.as_data()
+    coarse = solve_with_errors(parse_case(data | {"discretisation": {"degree": 2}}))
+    fine = solve_with_errors(parse_case(data | {"discretisation": {"degree": 4}}))
+    error, bar = np.abs(coarse.solution.F - fine.solution.F), coarse.errors.F
+    assert np.all(error <= bar + fine.errors.F + 1e-12)
+    assert np.abs(coarse.solution.F).max() * 1e-2 > bar.max() > error.max()
+    assert max(coarse.solution.checks.values()) < 1e-10
+
+
+def test_a_moved_mesh_gives_what_a_new_one_does() -> None:
+    """A body that comes and turns takes its curved cells along, to the errors of both meshes."""
+    case = in_box(shape={"kind": "stadium", "length": 1.0, "radius": 0.5}, position=[0.0, -2.5])
+    moving = parse_case(case.as_data() | {"time": {"end": 1.0, "remesh": "when-needed"}})
+    q = moving.configuration()
+    model = StokesModel(moving)
+    first = model(q, 0.0)
+    near = q.moved(np.array([[0.05, -0.05, 0.1]]))
+    moved, new = model(near, 0.1), StokesModel(case)(near, 0.1)
+    assert moved.dofs == first.dofs
+    assert np.abs(moved.F - first.F).max() > 1e-2 * np.abs(first.F).max()
+    np.testing.assert_allclose(moved.F, new.F, atol=1e-4 * np.abs(new.F).max())
+
+
+def test_a_run_goes_on_as_if_unbroken(tmp_path: Path) -> None:
+    """The outlines come from the case, the places of nodes from the angles of the last mesh."""
+    time = {"end": 1.5, "remesh": "when-needed"}
+    coarse = {"cells_per_circle": 24, "growth": 0.3}
+    case = sheared((1.5, 1.0), time=time, discretisation=coarse, output={"fields": False, "interval": 0.75})
+    whole, parts = tmp_path / "whole", tmp_path / "parts"
+    run(case, whole)
+    run(parse_case(case.as_data() | {"time": time | {"end": 0.75}}), parts)
+    resume(parts, overrides=["time.end=1.5"])
+    ends = [open_run(folder).bodies.iloc[-1] for folder in (whole, parts)]
+    assert ends[0]["angle"] == pytest.approx(ends[1]["angle"], abs=1e-13)
+    # tan(angle) = -b/a tan(a b t / (a^2 + b^2)) of an ellipse that begins along the flow
+    exact = -np.arctan(np.tan(1.5 * 1.5 / 3.25) / 1.5)
+    assert ends[0]["angle"] == pytest.approx(exact, abs=2e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("ratio", "angles"), [(2.0, 12), (5.0, 40)])
+def test_the_period_of_a_free_ellipse_in_shear(ratio: float, angles: int) -> None:
+    """2 pi (r + 1/r) = int dtheta / |omega|, by the trapezoidal rule, which is exact to 1e-5 here."""
+    case = sheared((ratio, 1.0))
+    model, q = StokesModel(case), case.configuration()
+    theta = np.pi * np.arange(angles // 2 + 1) / angles  # omega(-theta) = omega(theta)
+    omega = [model(q.moved(np.array([[0.0, 0.0, angle]])), 0.0).U[0, 2] for angle in theta]
+    weight = np.full(len(theta), 2.0)
+    weight[[0, -1]] = 1.0
+    period = 2.0 * np.pi / angles * float(np.sum(weight / np.abs(omega)))
+    assert period == pytest.approx(2.0 * np.pi * (ratio + 1.0 / ratio), rel=1e-4)
