@@ -177,7 +177,8 @@ class Outline:
         """
         own = self._bend(self.curvature(t))
         near = np.interp(np.mod(t, 1.0), np.append(self.t, 1.0), np.append(self._bends, self._bends[0]))
-        return np.minimum(own, near)
+        least: Array = np.minimum(own, near)
+        return least
 
     def _bend(self, curvature: Array) -> Array:
         with np.errstate(divide="ignore"):
