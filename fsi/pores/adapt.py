@@ -14,7 +14,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
-from fsi.pores.assembly import Index
+from fsi.pores.pattern import Index
 from fsi.pores.solve import PoreFlow, PoreLoading, solve_pores
 from fsi.pores.system import PoreSystem
 

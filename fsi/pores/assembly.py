@@ -5,18 +5,17 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
+from fsi.bodies.configuration import Array
 from fsi.pores.forms import PoreForms, pore_forms
 from fsi.pores.inner import inner_form
 from fsi.pores.levels import LEVELS, level_of
 from fsi.pores.orders import RIGID, STRAINED, Orders, numbers_of
+from fsi.pores.pattern import Index, Pattern, add_forms, pattern_of
 from fsi.pores.quadrature import Rule
 from fsi.pores.regions import PoreShapes
 from fsi.pores.surfaces import DISC
 from fsi.pores.topology import Pores
-
-type Index = NDArray[np.int64]
 
 # Values of all functions at all points of the pores of a batch, of each derivative: some 100 MB of six.
 _NUMBERS = 2_000_000
@@ -105,13 +104,14 @@ def assemble(pores: Pores, shapes: PoreShapes, modes: Index) -> Assembly:
     """K where necks have these numbers of modes; a pore is as fine as its finest neck."""
     numbering = number(pores, modes)
     batches = list(_batches(pores, shapes, numbering))
-    n = numbering.unknowns
-    unknown = [batch.unknown for batch in batches]
-    rows = np.concatenate([np.repeat(u, u.shape[1], axis=1).ravel() for u in unknown])
-    columns = np.concatenate([np.tile(u, (1, u.shape[1])).ravel() for u in unknown])
-    values = np.concatenate([batch.forms.K.ravel() for batch in batches])
-    K = sp.coo_matrix((values, (rows, columns)), shape=(n, n)).tocsr()
-    return Assembly((K + _fluid_form(pores, numbering)).tocsr(), batches, numbering)
+    necks = np.where(pores.sides >= 0, len(pores.surfaces) + pores.sides, -1)
+    members = np.concatenate([pores.vertices, necks], axis=1)
+    pattern = pattern_of(members, np.concatenate([numbering.surface[:-1], numbering.neck]))
+    entries = np.zeros(len(pattern.indices))
+    for batch in batches:
+        add_forms(entries, pattern, members[batch.pore], batch.forms.K)
+    _add_fluid_forms(entries, pattern, pores, numbering)
+    return Assembly(pattern.matrix(entries), batches, numbering)
 
 
 def _batches(pores: Pores, shapes: PoreShapes, numbering: Numbering) -> Iterator[Batch]:
@@ -144,16 +144,10 @@ def _unknowns(pores: Pores, chosen: Index, orders: Orders, numbering: Numbering)
     return np.concatenate(parts, axis=1)
 
 
-def _fluid_form(pores: Pores, numbering: Numbering) -> sp.csr_matrix:
-    """The dissipation inside fluid discs."""
-    n = numbering.unknowns
-    K = sp.csr_matrix((n, n))
+def _add_fluid_forms(entries: Array, pattern: Pattern, pores: Pores, numbering: Numbering) -> None:
+    """Add the dissipation inside fluid discs."""
     for order in np.unique(numbering.order[pores.surfaces.fluid]):
         fluid = np.flatnonzero(numbering.order == order)
         fluid = fluid[fluid >= pores.surfaces.hollow]
-        own = inner_form(int(order))
-        at = numbering.surface[fluid, None] + RIGID + np.arange(len(own))
-        values = own / pores.surfaces.radius[fluid, None, None] ** 2
-        rows, columns = np.broadcast_arrays(at[:, :, None], at[:, None, :])
-        K = K + sp.coo_matrix((values.ravel(), (rows.ravel(), columns.ravel())), shape=(n, n)).tocsr()
-    return K
+        own = np.pad(inner_form(int(order)), (RIGID, 0))
+        add_forms(entries, pattern, fluid[:, None], own / pores.surfaces.radius[fluid, None, None] ** 2)

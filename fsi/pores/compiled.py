@@ -44,6 +44,8 @@ _CACHE = str(_cache())
 _LOOSE = {"contract", "reassoc", "nsz", "nnan"}
 # No way in from Python, which takes long to compile.
 _INNER = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+# What makes no arrays need not count who holds those that it is given.
+_NO_COUNTS = {"_nrt": False}
 
 
 def compiled[**P, R](function: Callable[P, R]) -> Callable[P, R]:
@@ -57,13 +59,13 @@ def internal[**P, R](function: Callable[P, R]) -> Callable[P, R]:
 
 
 def vectorised[**P, R](function: Callable[P, R]) -> Callable[P, R]:
-    """The same for loops over points, which take several of them at once."""
-    return _kept(function, fastmath=_LOOSE, **_INNER)
+    """The same for loops over points, which take several of them at once and make no arrays."""
+    return _kept(function, fastmath=_LOOSE, **_INNER, **_NO_COUNTS)
 
 
 def inlined[**P, R](function: Callable[P, R]) -> Callable[P, R]:
     """The same for what stands in such loops, where a call would keep from taking several at once."""
-    return _kept(function, fastmath=_LOOSE, forceinline=True, **_INNER)
+    return _kept(function, fastmath=_LOOSE, forceinline=True, **_INNER, **_NO_COUNTS)
 
 
 def _kept[**P, R](function: Callable[P, R], **options: Any) -> Callable[P, R]:

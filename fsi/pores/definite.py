@@ -18,8 +18,10 @@ def solve_definite(A: sp.csr_matrix, b: Array) -> tuple[Array, float]:
     diagonal = A.diagonal()
     if not np.all(diagonal > 0.0):
         raise SolveError("pores: the motion is not determined: a free body meets no fluid")
-    scale = sp.diags(1.0 / np.sqrt(diagonal))
-    scaled, right = (scale @ A @ scale).tocsc(), scale @ b
+    scale = 1.0 / np.sqrt(diagonal)
+    values = A.data * np.repeat(scale, np.diff(A.indptr)) * scale[A.indices]
+    scaled = sp.csc_matrix((values, A.indices, A.indptr), shape=A.shape)  # rows of A are its columns
+    right = (b.T * scale).T
     try:
         options = {"SymmetricMode": True}
         factors = splu(scaled, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
@@ -29,4 +31,4 @@ def solve_definite(A: sp.csr_matrix, b: Array) -> tuple[Array, float]:
     y += factors.solve(right - scaled @ y)
     defect = np.abs(right - scaled @ y).max(axis=0, initial=0.0)
     size = np.abs(right).max(axis=0, initial=0.0) + _TINY
-    return scale @ y, float(np.max(defect / size, initial=0.0))
+    return (y.T * scale).T, float(np.max(defect / size, initial=0.0))

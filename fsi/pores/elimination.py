@@ -5,21 +5,22 @@ threads.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
-from fsi.pores.compiled import vectorised
+from fsi.pores.compiled import internal, vectorised
 
 # A bubble that others span to this part of its own dissipation, as rounding leaves it, is left out.
 _DEPENDENT = 1e-14
 
 
-@vectorised
+@internal
 def least_bubbles(S: Array, B: Array) -> Array:
     """X of the least |S - X^T B|^2, (bubbles, shared), of strain rates in rows, (., Q)."""
     G, X = np.empty((len(B), len(B))), np.empty((len(B), len(S)))
+    own, order = np.empty(len(B)), np.empty(len(B), np.int64)
     squares(B, G)
     products(B, S, X)
-    own = np.empty(len(B))
     for b in range(len(B)):
         own[b] = np.sqrt(G[b, b]) if G[b, b] > 0.0 else 1.0  # 0 at the corner of a box
     for b in range(len(B)):
@@ -27,7 +28,7 @@ def least_bubbles(S: Array, B: Array) -> Array:
             G[b, a] /= own[b] * own[a]
         for c in range(len(S)):
             X[b, c] /= own[b]
-    _solve(G, X)
+    _solve(G, X, order)
     for b in range(len(B)):
         for c in range(len(S)):
             X[b, c] /= own[b]
@@ -91,14 +92,14 @@ def take_off(S: Array, X: Array, B: Array) -> None:
 
 
 @vectorised
-def _solve(A: Array, Y: Array) -> None:
-    """Y <- A^-1 Y in place by L D L^T, (b, b) and (b, s), A of unit diagonal.
+def _solve(A: Array, Y: Array, order: NDArray[np.int64]) -> None:
+    """Y <- A^-1 Y in place by L D L^T, (b, b) and (b, s), A of unit diagonal; room for the order (b,).
 
     The largest pivot goes first: else, where bubbles nearly depend on each other, small pivots would spread
     their rounding errors. What is left of dependent ones has no part in it.
     """
     m, s = Y.shape
-    order, rank = np.empty(m, np.int64), m
+    rank = m
     for k in range(m):
         p = k
         for i in range(k + 1, m):

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array
-from fsi.pores.assembly import Batch, Index
+from fsi.pores.assembly import Batch
 from fsi.pores.forms import values, with_bubbles
 from fsi.pores.inner import inner_flow
 from fsi.pores.orders import numbers_of
+from fsi.pores.pattern import Index
 from fsi.pores.pore_data import Complex, gathering, pore_data
 from fsi.pores.quadrature import DISTANCE, Points, Rule, X, Y, points_at, pore_points, uniform
 from fsi.pores.regions import PoreShapes, cross

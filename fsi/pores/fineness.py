@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array
 from fsi.meshes.geometry.lattice import Lattice
-from fsi.pores.assembly import Index
+from fsi.pores.pattern import Index
 from fsi.pores.regions import PoreShapes, shapes_of
 from fsi.pores.system import PoreSystem
 from fsi.pores.topology import Pores

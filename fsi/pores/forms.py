@@ -12,14 +12,14 @@ from typing import NamedTuple
 import numpy as np
 
 from fsi.bodies.configuration import Array
-from fsi.pores.compiled import compiled
+from fsi.pores.compiled import compiled, inlined, internal
 from fsi.pores.elimination import least_bubbles, squares, take_off
 from fsi.pores.jets import AT_ONCE
 from fsi.pores.orders import Orders
 from fsi.pores.pore_data import Complex, pore_data
 from fsi.pores.quadrature import ROOT, ROWS, WEIGHT, Points, Rule, fill_pore, most_points, pore_points
 from fsi.pores.regions import PoreShapes
-from fsi.pores.target import Target
+from fsi.pores.target import JETS, RATES, Target
 from fsi.pores.trial import room_for, take_functions
 
 
@@ -41,9 +41,9 @@ def pore_forms(shapes: PoreShapes, rule: Rule, orders: Orders) -> PoreForms:
     """The forms of pores of the same orders."""
     data, n, m = pore_data(shapes), len(shapes.gap), orders.shared
     forms = PoreForms(np.empty((n, m, m)), np.empty(n), np.empty(n))
-    Q = most_points(data, rule)
-    rates = np.empty(orders.total * 2 * Q)
-    work = Work(np.empty((ROWS, Q)), rates, rates.view(complex), room_for(orders), orders.total)
+    points = np.empty((ROWS, most_points(data, rule)))
+    out = np.empty(orders.total * RATES * (points.shape[1] + AT_ONCE))
+    work = Work(points, np.empty(ROWS * AT_ONCE), out, room_for(orders), orders.total)
     _take_forms(data, rule, orders, work, forms)
     return forms
 
@@ -65,25 +65,27 @@ def strain_rates(data: Complex, orders: Orders, points: Points) -> Array:
 
 def values(data: Complex, orders: Orders, points: Points) -> Array:
     """The functions with their derivatives, psi ... psi_yy, (n, functions, 6, Q)."""
-    out = np.zeros((len(data), orders.total, 6, points.rows.shape[2]))
-    _take_values(data, orders, points.rows, room_for(orders), out)
-    return out
+    found = np.zeros((len(data), orders.total, JETS, points.rows.shape[2]))
+    out, some = np.empty(orders.total * JETS * AT_ONCE), np.empty(ROWS * AT_ONCE)
+    work = Work(points.rows[0], some, out, room_for(orders), orders.total)
+    _take_values(data, orders, points.rows, work, found)
+    return found
 
 
 class Work(NamedTuple):
     """Room for one pore.
 
     Attributes:
-        points: its points.
-        rates: of all functions, rows of 2 Q, one after the other.
-        pairs: the same as complex numbers, rows of Q.
+        points: its points, (ROWS, .).
+        some: AT_ONCE of them.
+        out: what comes out of all functions, as in `Target`.
         room: to make them.
         total: how many functions there are.
     """
 
     points: Array
-    rates: Array
-    pairs: Complex
+    some: Array
+    out: Array
     room: Array
     total: int
 
@@ -94,17 +96,16 @@ def _take_forms(data: Complex, rule: Rule, orders: Orders, work: Work, forms: Po
     shared, ends = forms.K.shape[1], np.empty(4, np.int64)
     for e in range(len(data)):
         fill_pore(data[e], rule, work.points, ends)
-        Q = ends[3]
-        pairs = work.pairs[: work.total * Q].reshape((work.total, Q))
-        for q in range(0, Q, AT_ONCE):
-            last = min(q + AT_ONCE, Q)
-            take_functions(data[e], orders, Target(work.points[:, q:last], work.room, pairs[:, q:last]))
-        rates = work.rates[: work.total * 2 * Q].reshape((work.total, 2 * Q))
+        points, width = work.points[:, : ends[3]], RATES * AT_ONCE * blocks(ends[3])
+        rates = work.out[: work.total * width].reshape((work.total, width))
+        for b in range(blocks(ends[3])):
+            take_points(points, b * AT_ONCE, work.some)
+            take_functions(data[e], orders, Target(work.some, work.room, rates, RATES * AT_ONCE * b))
         S, B = rates[:shared], rates[shared:]
         # Whatever X is, this is the dissipation of flows: positive, an upper bound, off by X's error squared.
         take_off(S, least_bubbles(S, B), B)
         squares(S, forms.K[e])
-        forms.area[e], forms.least[e] = work.points[WEIGHT, :Q].sum(), work.points[WEIGHT, :Q].min()
+        forms.area[e], forms.least[e] = points[WEIGHT].sum(), points[WEIGHT].min()
 
 
 @compiled
@@ -119,10 +120,31 @@ def _take_bubbles(rates: Array, x: Array, numbers: Array) -> None:
 
 
 @compiled
-def _take_values(data: Complex, orders: Orders, points: Array, room: Array, out: Array) -> None:
+def _take_values(data: Complex, orders: Orders, points: Array, work: Work, values: Array) -> None:
     """All functions at all points of all pores."""
-    Q = out.shape[3]
-    for e in range(len(out)):
-        for q in range(0, Q, AT_ONCE):
-            last = min(q + AT_ONCE, Q)
-            take_functions(data[e], orders, Target(points[e, :, q:last], room, out[e, :, :, q:last]))
+    Q, out = values.shape[3], work.out.reshape((work.total, 1, JETS * AT_ONCE))
+    for e in range(len(values)):
+        for b in range(blocks(Q)):
+            take_points(points[e], b * AT_ONCE, work.some)
+            take_functions(data[e], orders, Target(work.some, work.room, out, 0))
+            for k in range(work.total):
+                for j in range(JETS):
+                    for q in range(b * AT_ONCE, min((b + 1) * AT_ONCE, Q)):
+                        values[e, k, j, q] = out[k, 0, (j - b) * AT_ONCE + q]
+
+
+@inlined
+def blocks(points: int) -> int:
+    """How many times AT_ONCE so many points are."""
+    return (points + AT_ONCE - 1) // AT_ONCE
+
+
+@internal
+def take_points(points: Array, first: int, some: Array) -> None:
+    """AT_ONCE points from the first on; beyond the last, the first again, without weight."""
+    for row in range(ROOT + 1):
+        for w in range(AT_ONCE):
+            there = first + w < points.shape[1]
+            some[row * AT_ONCE + w] = points[row, first + w] if there else points[row, first]
+    for w in range(points.shape[1] - first, AT_ONCE):
+        some[ROOT * AT_ONCE + w] = 0.0

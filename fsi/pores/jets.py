@@ -5,8 +5,9 @@ A jet is (f, f_z, f_zz, f_zzb), zb the conjugate of z:
     f_z = (f_x - i f_y) / 2,    f_zz = (f_xx - f_yy - 2 i f_xy) / 4,    f_zzb = (f_xx + f_yy) / 4.
 
 Products follow Leibniz' rule, so that trial functions are written as in a textbook and their strain rates
-are exact. Loops run over the points of a pore, AT_ONCE of them at a time, whose jets stay in the processor's
-cache.
+are exact. Loops run over the points of a pore, always AT_ONCE of them, whose jets stay in the processor's
+cache. A function's jets there are one row, its six numbers one after the other AT_ONCE times each: of known
+distances a compiler sees that nothing overlaps, and takes several points at once.
 """
 
 import numpy as np
@@ -14,28 +15,30 @@ import numpy as np
 from fsi.bodies.configuration import Array
 from fsi.pores.compiled import inlined, vectorised
 
-AT_ONCE = 64  # points
+AT_ONCE = 32  # points
 
 type Jet = tuple[float, complex, complex, float]
 
 
 def room(functions: int) -> Array:
-    """Place for the jets of functions, (functions, 6, AT_ONCE)."""
-    return np.empty((functions, 6, AT_ONCE))
+    """Place for the jets of functions, (functions, 6 AT_ONCE)."""
+    return np.empty((functions, 6 * AT_ONCE))
 
 
 @inlined
 def load(f: Array, w: int) -> Jet:
-    """The jet of a function at point w, of its rows, (6, .)."""
-    return f[0, w], complex(f[1, w], f[2, w]), complex(f[3, w], f[4, w]), f[5, w]
+    """The jet of a function at point w, of its row, (6 AT_ONCE,)."""
+    first = complex(f[AT_ONCE + w], f[2 * AT_ONCE + w])
+    second = complex(f[3 * AT_ONCE + w], f[4 * AT_ONCE + w])
+    return f[w], first, second, f[5 * AT_ONCE + w]
 
 
 @inlined
 def store(f: Array, w: int, jet: Jet) -> None:
     """Make it the jet of a function at point w."""
-    f[0, w], f[5, w] = jet[0], jet[3]
-    f[1, w], f[2, w] = jet[1].real, jet[1].imag
-    f[3, w], f[4, w] = jet[2].real, jet[2].imag
+    f[w], f[5 * AT_ONCE + w] = jet[0], jet[3]
+    f[AT_ONCE + w], f[2 * AT_ONCE + w] = jet[1].real, jet[1].imag
+    f[3 * AT_ONCE + w], f[4 * AT_ONCE + w] = jet[2].real, jet[2].imag
 
 
 @inlined
@@ -77,16 +80,26 @@ def reciprocal(f: Jet) -> Jet:
 
 
 @vectorised
-def legendre(P: Array, number: int, n: int) -> None:
-    """P_0, P_1, ... of f, |f| <= 1, at n points; P_1, which is f, is there.
+def legendre(P: Array, number: int) -> None:
+    """P_0, P_1, ... of f, |f| <= 1; P_1, which is f, is there.
 
     (j + 1) P_j+1 = (2 j + 1) f P_j - j P_j-1.
     """
-    one, f = P[0], P[1]
-    for w in range(n):
-        store(one, w, (1.0, 0j, 0j, 0.0))
+    _one(P[0])
     for j in range(1, number - 1):
-        alpha, beta = (2 * j + 1) / (j + 1), -j / (j + 1)
-        before, last, new = P[j - 1], P[j], P[j + 1]
-        for w in range(n):
-            store(new, w, plus(alpha, product(load(f, w), load(last, w)), beta, load(before, w)))
+        _next_legendre(P[j - 1], P[j], P[1], float(j), P[j + 1])
+
+
+@vectorised
+def _one(out: Array) -> None:
+    """1."""
+    for w in range(AT_ONCE):
+        store(out, w, (1.0, 0j, 0j, 0.0))
+
+
+@vectorised
+def _next_legendre(before: Array, last: Array, f: Array, j: float, out: Array) -> None:
+    """P_j+1 of P_j-1, P_j and P_1."""
+    alpha, beta = (2.0 * j + 1.0) / (j + 1.0), -j / (j + 1.0)
+    for w in range(AT_ONCE):
+        store(out, w, plus(alpha, product(load(f, w), load(last, w)), beta, load(before, w)))

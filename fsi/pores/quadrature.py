@@ -35,7 +35,7 @@ from fsi.pores.pore_data import (
 )
 
 # Rows of points.
-X, Y, DISTANCE, WEIGHT, ROOT = 0, 1, 2, 5, 6  # three distances; the root of the weight's size
+X, Y, DISTANCE, ROOT, WEIGHT = 0, 1, 2, 5, 6  # three distances; the root of the weight's size
 ROWS = 7
 _LONGEST = 60  # T of a gap of 1e-50 radii
 
@@ -65,7 +65,7 @@ class Points(NamedTuple):
     """At most Q points of each of n pores.
 
     Attributes:
-        rows: X, Y, three from DISTANCE on, WEIGHT, ROOT, (n, ROWS, Q); weights are 0 beyond the last point.
+        rows: X, Y, three from DISTANCE on, ROOT, WEIGHT, (n, ROWS, Q); weights are 0 beyond the last point.
         ends: how many are in the strips of sides 0; 0, 1; 0, 1, 2; and in all, (n, 4).
     """
 
@@ -100,7 +100,7 @@ def pore_points(data: Complex, rule: Rule) -> Points:
     """The points of pores."""
     points = Points(np.zeros((len(data), ROWS, most_points(data, rule))), np.zeros((len(data), 4), np.int64))
     _fill(data, rule, points)
-    places, beyond = points.rows[:, :WEIGHT], np.arange(points.rows.shape[2]) >= points.ends[:, 3:]
+    places, beyond = points.rows[:, :ROOT], np.arange(points.rows.shape[2]) >= points.ends[:, 3:]
     np.copyto(places, places[..., :1].copy(), where=beyond[:, None])  # of fluid, where functions are finite
     return points
 

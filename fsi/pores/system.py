@@ -8,9 +8,10 @@ from time import process_time
 import numpy as np
 
 from fsi.bodies.configuration import Array
-from fsi.pores.assembly import Assembly, Index, assemble
+from fsi.pores.assembly import Assembly, assemble
 from fsi.pores.fluid_discs import with_fluid_discs
 from fsi.pores.orders import RIGID
+from fsi.pores.pattern import Index
 from fsi.pores.regions import PoreShapes, shapes_of
 from fsi.pores.surfaces import DISC, BoundingSurfaces, NoPoresError
 from fsi.pores.topology import Pores, triangulate

@@ -48,8 +48,8 @@ def room_for(orders: Orders) -> Array:
 def take_functions(pore: Complex, orders: Orders, to: Target) -> None:
     """All trial functions of a pore at some points: of surfaces, of sides, bubbles.
 
-    What comes out of each is 4 psi_zz times `root` as one complex number, whose square is that of the strain
-    rate, or, in six rows, psi, psi_x, psi_y, psi_xx, psi_xy, psi_yy.
+    What comes out of each is 4 psi_zz times `root`, whose square is that of the strain rate, or psi with its
+    derivatives.
     """
     make_weights(pore, to.points, to.room)
     k = int(np.int64(0))  # of one type throughout, so that nothing is compiled twice

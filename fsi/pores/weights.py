@@ -7,7 +7,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.pores.compiled import inlined, vectorised
-from fsi.pores.jets import Jet, load, plus, product, reciprocal, shifted, store
+from fsi.pores.jets import AT_ONCE, Jet, load, plus, product, reciprocal, shifted, store
 from fsi.pores.pore_data import (
     CENTRE,
     DIRECTION,
@@ -19,7 +19,7 @@ from fsi.pores.pore_data import (
     SIGN,
     Complex,
 )
-from fsi.pores.quadrature import DISTANCE, X, Y
+from fsi.pores.quadrature import DISTANCE, Y
 
 # The first of three, one of each vertex or side, but for BUBBLE and SUM.
 DISTANCES = 0  # d_v
@@ -37,26 +37,32 @@ WEIGHTS = 26  # their number
 
 @vectorised
 def make_weights(pore: Complex, points: Array, jets: Array) -> None:
-    """All weights of a pore at its points, (ROWS, n), n <= AT_ONCE."""
-    n, total = points.shape[1], jets[SUM]
+    """All weights of a pore at some points, as in `Target`.
+
+    Each loop is a function of its rows: of rows of one array a compiler would not see that they are apart.
+    """
+    q0, q1, q2, bubble = jets[VERTEX], jets[VERTEX + 1], jets[VERTEX + 2], jets[BUBBLE]
     for v in range(3):
-        _distance(pore[v], points, points[DISTANCE + v], jets[DISTANCES + v])
+        _distance(pore[v], points, points[(DISTANCE + v) * AT_ONCE :], jets[DISTANCES + v])
         _square(pore[v], points, jets[SQUARE + v])
     for v in range(3):
-        _unscaled(n, v, jets)
-    q0, q1, q2, bubble = jets[VERTEX], jets[VERTEX + 1], jets[VERTEX + 2], jets[BUBBLE]
-    for w in range(n):
-        q = plus(1.0, load(q0, w), 1.0, load(q1, w))
-        store(total, w, reciprocal(plus(1.0, q, 1.0, load(q2, w))))
+        i, j = (v + 1) % 3, (v + 2) % 3
+        squares = jets[SQUARE + v], jets[SQUARE + i], jets[SQUARE + j]
+        _unscaled(squares, jets[DISTANCES + i], jets[DISTANCES + j], jets[VERTEX + v])
+    _one_over_sum(q0, q1, q2, jets[SUM])
     for v in range(3):
-        _scale(n, jets[VERTEX + v], total)
-    for w in range(n):
-        store(bubble, w, product(product(load(q0, w), load(q1, w)), load(q2, w)))
+        _scale(jets[VERTEX + v], jets[SUM])
+    _triple(q0, q1, q2, bubble)
     for v in range(3):
-        _blend(n, jets[VERTEX + v], bubble, jets[BLEND + v])
-        _pair(n, v, jets)
-    for v in range(3):
-        _slopes(n, v, pore, jets)
+        i, j = (v + 1) % 3, (v + 2) % 3
+        _blend(jets[VERTEX + v], bubble, jets[BLEND + v])
+        _pair(jets[VERTEX + i], jets[VERTEX + j], jets[PAIR + v])
+        _wide(jets[DISTANCES + i], jets[DISTANCES + j], jets[PAIR + v], jets[WIDE + v])
+    for v in range(3):  # side j leads away from vertex v, side i towards it
+        i, j = (v + 1) % 3, (v + 2) % 3
+        a, b, towards, away = pore[i, DIRECTION], pore[j, DIRECTION], jets[WIDE + i], jets[WIDE + j]
+        _slope(a.real, towards, -b.real, away, jets[SLOPE_X + v])
+        _slope(a.imag, towards, -b.imag, away, jets[SLOPE_Y + v])
 
 
 @inlined
@@ -69,9 +75,9 @@ def affine(x: float, y: float, slope: complex, constant: float) -> Jet:
 @vectorised
 def _distance(surface: Complex, points: Array, d: Array, out: Array) -> None:
     """The distance to a surface, whose values are given."""
-    x, y, centre, normal = points[X], points[Y], surface[CENTRE], surface[NORMAL]
+    x, y, centre, normal = points, points[Y * AT_ONCE :], surface[CENTRE], surface[NORMAL]
     wall, sign = surface[IS_WALL].real, surface[SIGN].real
-    for w in range(len(x)):
+    for w in range(AT_ONCE):
         rx, ry = x[w] - centre.real, y[w] - centre.imag
         bend = (1.0 - wall) * sign / np.sqrt(rx * rx + ry * ry + wall)
         slope = complex(0.5 * (normal.real + bend * rx), -0.5 * (normal.imag + bend * ry))
@@ -81,60 +87,70 @@ def _distance(surface: Complex, points: Array, d: Array, out: Array) -> None:
 @vectorised
 def _square(side: Complex, points: Array, out: Array) -> None:
     """e_v^2."""
-    x, y, slope, foot, one = points[X], points[Y], side[LINE], side[FIRST], side[IS_CORNER].real
-    for w in range(len(x)):
+    x, y, slope, foot, one = points, points[Y * AT_ONCE :], side[LINE], side[FIRST], side[IS_CORNER].real
+    for w in range(AT_ONCE):
         line = affine(x[w] - foot.real, y[w] - foot.imag, slope, one)
         store(out, w, product(line, line))
 
 
 @vectorised
-def _unscaled(n: int, v: int, jets: Array) -> None:
+def _unscaled(squares: tuple[Array, Array, Array], d: Array, f: Array, out: Array) -> None:
     """q_v = s_v d_i d_j, s_v = e_v^2 / (e_v^2 + e_i^2 e_j^2), in the place of l_v."""
-    i, j = (v + 1) % 3, (v + 2) % 3
-    d, f, out = jets[DISTANCES + i], jets[DISTANCES + j], jets[VERTEX + v]
-    own, one, other = jets[SQUARE + v], jets[SQUARE + i], jets[SQUARE + j]
-    for w in range(n):
+    own, one, other = squares
+    for w in range(AT_ONCE):
         square = load(own, w)
         s = product(square, reciprocal(plus(1.0, square, 1.0, product(load(one, w), load(other, w)))))
         store(out, w, product(s, product(load(d, w), load(f, w))))
 
 
 @vectorised
-def _scale(n: int, q: Array, total: Array) -> None:
+def _one_over_sum(q0: Array, q1: Array, q2: Array, out: Array) -> None:
+    """1 / (q_1 + q_2 + q_3)."""
+    for w in range(AT_ONCE):
+        q = plus(1.0, load(q0, w), 1.0, load(q1, w))
+        store(out, w, reciprocal(plus(1.0, q, 1.0, load(q2, w))))
+
+
+@vectorised
+def _scale(q: Array, total: Array) -> None:
     """l_v in the place of q_v."""
-    for w in range(n):
+    for w in range(AT_ONCE):
         store(q, w, product(load(q, w), load(total, w)))
 
 
 @vectorised
-def _blend(n: int, vertex: Array, bubble: Array, out: Array) -> None:
+def _triple(a: Array, b: Array, c: Array, out: Array) -> None:
+    """l_1 l_2 l_3."""
+    for w in range(AT_ONCE):
+        store(out, w, product(product(load(a, w), load(b, w)), load(c, w)))
+
+
+@vectorised
+def _blend(vertex: Array, bubble: Array, out: Array) -> None:
     """l^2 (3 - 2 l) + 2 l_1 l_2 l_3."""
-    for w in range(n):
+    for w in range(AT_ONCE):
         own = load(vertex, w)
         cubic = product(product(own, own), shifted(-2.0, own, 3.0))
         store(out, w, plus(1.0, cubic, 2.0, load(bubble, w)))
 
 
 @vectorised
-def _pair(n: int, v: int, jets: Array) -> None:
-    """The pair of side v, and the same times its width."""
-    i, j = (v + 1) % 3, (v + 2) % 3
-    a, b, d, f = jets[VERTEX + i], jets[VERTEX + j], jets[DISTANCES + i], jets[DISTANCES + j]
-    pair, wide = jets[PAIR + v], jets[WIDE + v]
-    for w in range(n):
+def _pair(a: Array, b: Array, out: Array) -> None:
+    """l_i^2 l_j^2."""
+    for w in range(AT_ONCE):
         two = product(load(a, w), load(b, w))
-        square = product(two, two)
-        store(pair, w, square)
-        store(wide, w, product(square, plus(2.0, load(d, w), 2.0, load(f, w))))
+        store(out, w, product(two, two))
 
 
 @vectorised
-def _slopes(n: int, v: int, pore: Complex, jets: Array) -> None:
-    """Of vertex v: side j leads away from it, side i towards it."""
-    i, j = (v + 1) % 3, (v + 2) % 3
-    a, b = pore[i, DIRECTION], pore[j, DIRECTION]
-    towards, away, x, y = jets[WIDE + i], jets[WIDE + j], jets[SLOPE_X + v], jets[SLOPE_Y + v]
-    for w in range(n):
-        f, g = load(towards, w), load(away, w)
-        store(x, w, plus(a.real, f, -b.real, g))
-        store(y, w, plus(a.imag, f, -b.imag, g))
+def _wide(d: Array, f: Array, pair: Array, out: Array) -> None:
+    """The pair of a side times twice its width."""
+    for w in range(AT_ONCE):
+        store(out, w, product(load(pair, w), plus(2.0, load(d, w), 2.0, load(f, w))))
+
+
+@vectorised
+def _slope(alpha: float, f: Array, beta: float, g: Array, out: Array) -> None:
+    """alpha f + beta g."""
+    for w in range(AT_ONCE):
+        store(out, w, plus(alpha, load(f, w), beta, load(g, w)))
