@@ -1,6 +1,6 @@
 """How fast does the dissipation grow as the gaps of a suspension close: like delta^(-3/2) or delta^(-5/2)?
 
-    python docs/examples/dissipation_blow_up.py [blow_up.png]
+    python docs/examples/dissipation_blow_up.py [dissipation_blow_up.png]
 
 Discs of radius 1 that squeeze the fluid out of their gaps dissipate like delta^(-3/2); the dissipation blows
 up like delta^(-5/2) where the flow is forced through necks (Berlyand, Gorb, Novikov 2009, Arch. Ration. Mech.
@@ -66,7 +66,7 @@ def draw(found: dict[tuple[str, str], Array], path: Path) -> None:
         axes.legend()
 
 
-def main() -> None:
+def main(picture: Path) -> None:
     """Print the table and draw it."""
     found = table()
     for (lattice, what), values in found.items():
@@ -76,9 +76,8 @@ def main() -> None:
         print("    over the leading term", *(f"{r:.6f}" for r in ratio))
         assert abs(exponents[-1] - RATES[what]) < 1e-5
         assert abs(ratio[-1] - 1.0) < 1e-5
-    if len(sys.argv) > 1:
-        draw(found, Path(sys.argv[1]))
+    draw(found, picture)
 
 
 if __name__ == "__main__":
-    main()
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else "dissipation_blow_up.png"))

@@ -8,6 +8,7 @@ alone prints; see `parallel.last_words` for how all ranks end together.
 import sys
 import tempfile
 import traceback
+from typing import Annotated
 
 import typer
 
@@ -34,12 +35,31 @@ from fsi.meshes.errors import MeshError
 DEFECT, INTERRUPTED = 70, 130
 GOES_ON = "a run goes on with fsi resume, a calibration when repeated"
 
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        from importlib import metadata
+
+        typer.echo(f"fsi-stokes {metadata.version('fsi-stokes')}")
+        raise typer.Exit
+
+
 app = typer.Typer(
     rich_markup_mode="markdown",
     pretty_exceptions_enable=False,
     help="Rigid bodies moving in Stokes flow, resolved down to the lubrication film.\n\n"
     "Begin with: fsi cases, fsi check cases/disc_in_box.toml. Works under mpiexec -n 4 fsi ... as well.",
 )
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """What stands before a command."""
+
 
 app.command(epilog=cases.EXAMPLE)(cases.cases)
 app.command(epilog=cases.CHECK_EXAMPLE)(cases.check)

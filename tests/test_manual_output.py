@@ -1,4 +1,4 @@
-"""What README says that the commands print is what they print: words, and numbers to the digits shown."""
+"""What the manual says that the commands print is what they print: words, and numbers to the digits shown."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ SECONDS = ("s", "s)", "CPU")
 
 
 def blocks() -> dict[str, list[str]]:
-    """The blocks of output in README by the command that stands before each, the last `fsi ...` there."""
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    """The blocks of output in the manual by the command that stands before each, the last `fsi ...` there."""
+    text = (ROOT / "docs" / "manual.md").read_text(encoding="utf-8")
     paragraphs = [part for part in re.split(r"\n\s*\n", text) if not part.startswith("![")]
     found = {}
     for before, block in pairwise(paragraphs):
@@ -63,7 +63,7 @@ def same(said: str, printed: str) -> bool:
 
 
 def agrees(said: str, printed: str) -> bool:
-    """Whether a line of README is that printed line, or a part of it, whatever the seconds."""
+    """Whether a line of the manual is that printed line, or a part of it, whatever the seconds."""
     one, other = words(said), words(printed)
     following = [*one[1:], ""]
 
@@ -77,13 +77,13 @@ def agrees(said: str, printed: str) -> bool:
 
 
 def require_printed(said: list[str], printed: str) -> None:
-    """Every line that README shows is printed, in that order."""
+    """Every line that the manual shows is printed, in that order."""
     rest = printed.splitlines()
     for line in said:
         if line.strip() == "...":
             continue
         place = next((k for k, one in enumerate(rest) if agrees(line, one)), None)
-        assert place is not None, f"README says:\n{line}\nwhich is not in what is printed:\n{printed}"
+        assert place is not None, f"The manual says:\n{line}\nwhich is not in what is printed:\n{printed}"
         rest = rest[place + 1 :]
 
 
@@ -118,14 +118,14 @@ SLOW = {
 }
 
 
-def test_each_block_of_readme_is_compared() -> None:
+def test_each_block_of_the_manual_is_compared() -> None:
     assert set(blocks()) == {*QUICK, *SLOW}
 
 
 @pytest.mark.parametrize(
     "command", [*QUICK, *(pytest.param(command, marks=pytest.mark.slow) for command in SLOW)]
 )
-def test_readme_shows_what_is_printed(command: str, tmp_path: Path) -> None:
+def test_the_manual_shows_what_is_printed(command: str, tmp_path: Path) -> None:
     if command == "fsi cases":
         (tmp_path / "new").mkdir()
         require_printed(blocks()[command], call_in_empty(command, tmp_path / "new"))
