@@ -209,10 +209,11 @@ def matching_nodes(fluid: FluidMesh, space: FunctionSpace, x: Array) -> Periodic
     if fluid.lattice.dimension == 0:
         nothing = np.empty(0, dtype=np.int64)
         return PeriodicPairs(nothing, nothing, nothing.reshape(0, 0))
-    nodes = fem.locate_dofs_topological(space, 1, fluid.facet_tags.find(fluid.cut_tag))
+    facets = fluid.facet_tags.find(fluid.cut_tag)
+    nodes = fem.locate_dofs_topological(space, fluid.dimension - 1, facets)
     nodes = nodes[nodes < numbers.size_local]
     global_numbers = numbers.local_to_global(nodes.astype(np.int32)).astype(np.int64)
-    parts = comm.allgather((global_numbers, x[nodes, :2]))
+    parts = comm.allgather((global_numbers, x[nodes, : fluid.dimension]))
     every, on_cut = (np.concatenate([part[k] for part in parts]) for k in range(2))
     pairs = matching_points(on_cut, fluid.lattice)
     return PeriodicPairs(every[pairs.slave], every[pairs.master], pairs.shift)

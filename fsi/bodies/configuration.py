@@ -104,6 +104,12 @@ class Configuration:
         return np.pi * self.radii**2
 
     @property
+    def volumes(self) -> Array:
+        """Of each body, (N,): of spheres, in the plane the areas of discs; not for spheres on an axis."""
+        volumes: Array = np.pi * self.radii**2 if self.dimension == 2 else 4.0 / 3.0 * np.pi * self.radii**3
+        return volumes
+
+    @property
     def arms(self) -> Array:
         """1 for translations, a for rotations, (N, M)."""
         return arms(self.radii, self.dimension)

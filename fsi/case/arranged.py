@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
 from pydantic import Field, ValidationError
 
 from fsi.arrangements.arrangement import BODY_BYTES, Arrangement
@@ -99,11 +100,10 @@ def _section(given: Any) -> Arranged:
 
 
 def _domain(made: Arrangement) -> dict[str, Any]:
-    """The keys of [domain] that hold the bodies. Raises InputError: spheres in a cell without walls."""
+    """The keys of [domain] that hold the bodies."""
     cell = made.cell
-    if cell.dimension == 2 and all(cell.periodic):
-        length, height = cell.sides
-        return {"shape": "cell", "vectors": ((length, 0.0), (0.0, height))}
+    if all(cell.periodic):
+        return {"shape": "cell", "vectors": tuple(map(tuple, np.diag(cell.sides).tolist()))}
     box: dict[str, Any] = {"lower": (0.0,) * cell.dimension, "upper": cell.sides}
     periodic = tuple(axis for axis, so in zip("xyz", cell.periodic, strict=False) if so)
     return box | {"periodic": periodic} if periodic else box

@@ -73,7 +73,7 @@ class _Periodicity(Section):
     """What decides which walls a periodic box has: a base class, so that it is known before `walls`."""
 
     periodic: tuple[Literal["x", "y", "z"], ...]
-    'the periodic directions: ["x"]; for both give shape = "cell"'
+    'the periodic directions: ["x"], in space ["x", "y"]; for all give shape = "cell"'
 
     @field_validator("periodic")
     @classmethod
@@ -130,14 +130,16 @@ class ChannelDomain(BoxDomain, _Periodicity):
 
     @override
     def container(self) -> Container:
-        return Box(self.lower, self.upper, periodic=self.periodic)
+        return Box(self.lower, self.upper, periodic=tuple(sorted(self.periodic)))
 
     @override
     def require_fluid(self) -> None:
-        if (self.geometry, self.periodic) != ("planar", ("x",)):
+        along_walls = ("x",) if self.geometry == "planar" else ("x", "y")
+        if tuple(sorted(self.periodic)) != along_walls:
             raise InputError(
-                f"domain.periodic = {toml_text(self.periodic)}: a flow is solved for only in planar boxes "
-                'that are periodic in x; give ["x"], for both give shape = "cell"'
+                f"domain.periodic = {toml_text(self.periodic)}: a flow is solved for only in boxes between "
+                f"two walls, bottom and top; give {toml_text(along_walls)}, for all directions give "
+                'shape = "cell"'
             )
 
 
@@ -185,22 +187,24 @@ class RoundDomain(Walled):
         return self.model_copy(update={"radius": self.radius / 2.0})
 
 
-type Vector = tuple[float, float]
+type Vector = tuple[float, ...]
 
 
 @register_domain
 class CellDomain(Walled):
-    """A cell of the plane, periodic along two lattice vectors, in the mean flow u = E x."""
+    """A cell of the plane or space, periodic along two or three lattice vectors, in the mean flow u = E x."""
 
     takes_mesh: ClassVar[bool] = False
 
     shape: Literal["cell"]
-    vectors: tuple[Vector, Vector]
-    """two lattice vectors [[x, y], [x, y]] at time 0"""
+    vectors: tuple[Vector, ...]
+    """two lattice vectors [[x, y], [x, y]] at time 0, in space three [x, y, z]"""
     shear: float = 0.0
-    """the rate of the mean flow u = shear y e_x, a number"""
+    """the rate of the mean flow u = shear y e_x, in space shear z e_x, a number"""
     extension: float = 0.0
-    """the rate of the mean flow u = extension (x e_x - y e_y), a number"""
+    """the rate of the mean flow u = extension (x e_x - y e_y), in space (x e_x - z e_z), a number"""
+    uniaxial: float = 0.0
+    """in space, the rate of the mean flow u = uniaxial (x e_x - y e_y / 2 - z e_z / 2), a number"""
 
     @field_validator("walls", mode="before")
     @classmethod
@@ -211,27 +215,43 @@ class CellDomain(Walled):
 
     @field_validator("vectors")
     @classmethod
-    def _independent(cls, vectors: tuple[Vector, Vector], info: ValidationInfo) -> tuple[Vector, Vector]:
-        if told(info).geometry != "planar":
-            raise ValueError('only planar cells are periodic; give geometry = "planar"')
-        area = abs(np.linalg.det(np.array(vectors)))
-        longest = float(np.hypot(*np.transpose(vectors)).max())
-        if not area > 1e-9 * longest * longest:
-            raise ValueError("the vectors are parallel, or one is far too short; give two that span a cell")
+    def _independent(cls, vectors: tuple[Vector, ...], info: ValidationInfo) -> tuple[Vector, ...]:
+        d = told(info).dimension
+        if told(info).geometry == "axisymmetric":
+            raise ValueError('only planar and spatial cells are periodic; give geometry = "planar"')
+        number = {2: "two", 3: "three"}[d]
+        if len(vectors) != d:
+            raise ValueError(f"{len(vectors)} vectors, where geometry has {number}; give {number}")
+        for vector in vectors:
+            require_components(vector, d, "a lattice vector")
+        longest = np.hypot.reduce(vectors, axis=1).max()
+        if not longest > 0.0 or not abs(np.linalg.det(np.array(vectors) / longest)) > 1e-9:
+            flat = "parallel" if d == 2 else "coplanar"
+            raise ValueError(
+                f"the vectors are {flat}, or one is far too short; give {number} that span a cell"
+            )
         return vectors
 
-    @field_validator("extension")
+    @field_validator("extension", "uniaxial")
     @classmethod
-    def _one_flow(cls, extension: float, info: Any) -> float:
-        if extension != 0.0 and info.data.get("shear"):
-            raise ValueError("a shear is given too; drop one of them")
-        return extension
+    def _one_flow(cls, rate: float, info: Any) -> float:
+        for other in ("shear", "extension"):
+            if rate != 0.0 and info.data.get(other):
+                raise ValueError(f"a rate of {other} is given too; drop one of them")
+        if rate != 0.0 and info.field_name == "uniaxial" and told(info).dimension == 2:
+            raise ValueError("is for space; give extension")
+        return rate
 
     @override
     def container(self) -> Container:
-        if self.shear:
-            return Cell(self.vectors, ((0.0, self.shear), (0.0, 0.0)))
-        return Cell(self.vectors, ((self.extension, 0.0), (0.0, -self.extension)))
+        d = len(self.vectors)
+        E = np.zeros((d, d))
+        E[0, -1] = self.shear
+        E[0, 0] = self.extension + self.uniaxial
+        E[-1, -1] = -self.extension
+        if d == 3:
+            E[[1, 2], [1, 2]] -= 0.5 * self.uniaxial
+        return Cell(self.vectors, tuple(tuple(row) for row in (E + 0.0).tolist()))
 
 
 @register_domain

@@ -113,10 +113,11 @@ def _tell(arrangement: Arrangement, output: Path, drawn: Path) -> None:
 
 
 def _domain(cell: SimulationCell) -> list[str]:
-    """The lines of a case that make this cell its domain; in space there is none with periodic sides."""
-    if cell.dimension == 2 and all(cell.periodic):
-        length, height = cell.sides
-        return ['domain.shape = "cell"', f"domain.vectors = [[{length!r}, 0.0], [0.0, {height!r}]]"]
+    """The lines of a case that make this cell its domain."""
+    if all(cell.periodic):
+        sides = enumerate(cell.sides)
+        vectors = [[side if k == axis else 0.0 for k in range(cell.dimension)] for axis, side in sides]
+        return ['domain.shape = "cell"', f"domain.vectors = {vectors}"]
     upper = ", ".join(repr(side) for side in cell.sides)
     lower = ", ".join("0.0" for _ in cell.sides)
     periodic = ", ".join(f'"{axis}"' for axis, so in zip("xyz", cell.periodic, strict=False) if so)

@@ -13,8 +13,9 @@ NAMES = {len(MODES[d]): (*MODES[d], *LOADS[d]) for d in MODES}
 
 
 def components(name: str, T: Array, pressure: bool) -> dict[str, Array]:
-    """Components of stresses T (..., 2, 2) by name; xx and yy count where the model has a pressure."""
-    known = {"xx": T[..., 0, 0], "xy": T[..., 0, 1], "yy": T[..., 1, 1]}
+    """Components of stresses T (..., d, d) by name; xx and yy count where the model has a pressure."""
+    upper = zip(*np.triu_indices(T.shape[-1]), strict=True)
+    known = {"xyz"[i] + "xyz"[j]: T[..., i, j] for i, j in upper}
     return {f"{name}_{ij}": known[ij] for ij in (known if pressure else ("xy",))}
 
 
@@ -23,26 +24,30 @@ class StressErrors:
     """Estimated errors of the stress of a periodic flow, absolute.
 
     Attributes:
-        fluid: of the part of the fluid in the mean stress, (2, 2).
-        mean: of the mean stress, (2, 2).
-        stresslets: of each body's, (N, 2, 2).
-        normal_stress_difference: of N_1.
+        fluid: of the part of the fluid in the mean stress, (d, d).
+        mean: of the mean stress, (d, d).
+        stresslets: of each body's, (N, d, d).
+        differences: of N_1, in space of N_2 too, by name.
         pressure: as of the stress.
     """
 
     fluid: Array
     mean: Array
     stresslets: Array
-    normal_stress_difference: float
+    differences: Mapping[str, float]
     pressure: bool = True
+
+    @property
+    def normal_stress_difference(self) -> float:
+        """Of N_1."""
+        return self.differences["N_1"]
 
     @property
     def columns(self) -> Mapping[str, float]:
         """Of steps.csv."""
         of_mean = components("err_stress", self.mean, self.pressure)
-        return {name: float(part) for name, part in of_mean.items()} | {
-            "err_N_1": self.normal_stress_difference
-        }
+        between = {f"err_{name}": error for name, error in self.differences.items()}
+        return {name: float(part) for name, part in of_mean.items()} | between
 
     @property
     def body_columns(self) -> Mapping[str, Array]:

@@ -13,15 +13,15 @@ from fsi.integration.errors import StressErrors, components
 
 @dataclass(frozen=True, slots=True)
 class BulkStress:
-    """The mean stress over a periodic domain, of the area |Omega| with the bodies in it.
+    """The mean stress over a periodic domain, of the area, in space the volume |Omega| with the bodies in it.
 
         Sigma = fluid + 1/|Omega| sum_i S_i + forces
 
     Attributes:
-        fluid: int over the fluid of sigma over |Omega|, (2, 2), with the mean pressure of the fluid zero.
-        stresslets: S_i = - sym int r (x) sigma n, n out of the fluid, (N, 2, 2): what the fluid does to body
+        fluid: int over the fluid of sigma over |Omega|, (d, d), with the mean pressure of the fluid zero.
+        stresslets: S_i = - sym int r (x) sigma n, n out of the fluid, (N, d, d): what the fluid does to body
             i (Batchelor 1970, J. Fluid Mech. 41:545).
-        forces: - 1/|Omega| sum r (x) F, (2, 2), what forces between bodies carry, r from the one to the other
+        forces: - 1/|Omega| sum r (x) F, (d, d), what forces between bodies carry, r from the one to the other
             on which F acts (Batchelor 1977, J. Fluid Mech. 83:97).
         area: |Omega|.
         apparent_viscosity: over that of the fluid, None without a mean strain rate.
@@ -37,13 +37,24 @@ class BulkStress:
 
     @property
     def mean(self) -> Array:
-        """Sigma, (2, 2)."""
+        """Sigma, (d, d)."""
         return np.asarray(self.fluid + self.stresslets.sum(axis=0) / self.area + self.forces)
 
     @property
     def normal_stress_difference(self) -> float:
-        """N_1 = Sigma_xx - Sigma_yy; a second one needs a third dimension."""
-        return float(self.mean[0, 0] - self.mean[1, 1])
+        """N_1 = Sigma_xx - Sigma_yy, in space, where a shear flow varies along z, Sigma_xx - Sigma_zz."""
+        return float(self.mean[0, 0] - self.mean[-1, -1])
+
+    @property
+    def second_difference(self) -> float | None:
+        """N_2 = Sigma_zz - Sigma_yy; None in the plane."""
+        return float(self.mean[2, 2] - self.mean[1, 1]) if len(self.mean) == 3 else None
+
+    @property
+    def differences(self) -> Mapping[str, float]:
+        """The normal stress differences by name."""
+        second = self.second_difference
+        return {"N_1": self.normal_stress_difference} | ({} if second is None else {"N_2": second})
 
     def errors(self, other: Self, factor: float, rounding: float) -> StressErrors:
         """The factor times the differences from another, at least that part of the largest for rounding."""
@@ -54,16 +65,16 @@ class BulkStress:
 
         fluid, mean = bound(self.fluid, other.fluid), bound(self.mean, other.mean)
         of_bodies = bound(self.stresslets, other.stresslets)
-        between = factor * abs(self.normal_stress_difference - other.normal_stress_difference)
-        N_1 = max(between, rounding * float(np.abs(self.mean).max()))
-        return StressErrors(fluid, mean, of_bodies, N_1, self.pressure)
+        least, of_other = rounding * float(np.abs(self.mean).max()), other.differences
+        between = {name: max(factor * abs(N - of_other[name]), least) for name, N in self.differences.items()}
+        return StressErrors(fluid, mean, of_bodies, between, self.pressure)
 
     @property
     def record(self) -> Mapping[str, float]:
         """Columns of steps.csv; the apparent viscosity is not a number at instants without a strain rate."""
         mu = nan if self.apparent_viscosity is None else self.apparent_viscosity
         stress = {name: float(part) for name, part in components("stress", self.mean, self.pressure).items()}
-        return {"apparent_viscosity": mu, **stress, "N_1": self.normal_stress_difference}
+        return {"apparent_viscosity": mu, **stress, **self.differences}
 
     @property
     def body_columns(self) -> Mapping[str, Array]:

@@ -104,6 +104,9 @@ def _add_stress(data: dict[str, Any], bulk: BulkStress, errors: ErrorEstimate, b
     data["mean_stress_of_fluid_error"] = bars.fluid.tolist()
     data["normal_stress_difference"] = bulk.normal_stress_difference
     data["normal_stress_difference_error"] = bars.normal_stress_difference
+    if bulk.second_difference is not None:
+        data["second_normal_stress_difference"] = bulk.second_difference
+        data["second_normal_stress_difference_error"] = bars.differences["N_2"]
     for body, S, error in zip(data["bodies"], bulk.stresslets, bars.stresslets, strict=True):
         body |= {"stresslet": S.tolist(), "stresslet_error": error.tolist()}
 
@@ -176,16 +179,18 @@ def _stress_table(bulk: BulkStress, errors: ErrorEstimate, bars: StressErrors) -
         ),
     }
     if bulk.forces.any():
-        parts["forces between bodies"] = bulk.forces, np.zeros((2, 2))
+        parts["forces between bodies"] = bulk.forces, np.zeros_like(bulk.forces)
     parts["together"] = bulk.mean, bars.mean
-    upper = np.triu_indices(2)
+    upper = np.triu_indices(len(bulk.mean))
     rows = []
     for name, (part, bar) in parts.items():
         numbers = zip(part[upper], bar[upper], strict=True)
         rows.append((name, *(text for x, error in numbers for text in (f"{x:.8g}", f"{error:.0e}"))))
-    between = f"N_1 = {bulk.normal_stress_difference:.8g} ± {bars.normal_stress_difference:.0e}"
+    differences = bulk.differences.items()
+    between = ", ".join(f"{name} = {N:.8g} ± {bars.differences[name]:.0e}" for name, N in differences)
     caption = f"{viscosity}{between}; the mean pressure of the fluid is zero"
-    headings = ("xx", "±", "xy", "±", "yy", "±")
+    names = ("xyz"[i] + "xyz"[j] for i, j in zip(*upper, strict=True))
+    headings = tuple(heading for name in names for heading in (name, "±"))
     return table(("stress, mean over fluid and bodies",), headings, rows, caption=caption)
 
 

@@ -81,9 +81,10 @@ class StokesProblem:
         gradient, walls = self.container.mean_gradient, self.boundary.velocities
         E: Array = 0.5 * (gradient + gradient.T)
         if len(walls) == 2:
-            heights = channel_walls(self.container)
-            bottom, top = (walls[wall](np.array([[0.0, y]]))[0, 0] for wall, y in heights.items())
-            E[0, 1] = E[1, 0] = 0.5 * (top - bottom) / (heights["top"] - heights["bottom"])
+            heights, d = channel_walls(self.container), self.container.dimension
+            places = [np.append(np.zeros(d - 1), height)[None] for height in heights.values()]
+            bottom, top = (walls[wall](x)[0, :-1] for wall, x in zip(heights, places, strict=True))
+            E[:-1, -1] = E[-1, :-1] = 0.5 * (top - bottom) / (heights["top"] - heights["bottom"])
         return E
 
 
@@ -103,6 +104,11 @@ class SolverOptions:
 
 
 def channel_walls(channel: Container) -> dict[str, float]:
-    """y of the walls bottom and top, by their distances from the origin."""
-    to_bottom, to_top = channel.distances(np.zeros((1, 2)))[0]
+    """Heights of the walls bottom and top, by their distances from the origin."""
+    to_bottom, to_top = channel.distances(np.zeros((1, channel.dimension)))[0]
     return {"bottom": -float(to_bottom), "top": float(to_top)}
+
+
+def wall_area(channel: Container) -> float:
+    """Of the wall of a channel within one period, in the plane its length."""
+    return float(abs(np.linalg.det(channel.periods[:, :-1])))

@@ -8,13 +8,13 @@ with one matrix P^T M P for all modes (see `system`).
 """
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import batched
 
 import numpy as np
 
-from fsi.bodies.configuration import Configuration, Motion
+from fsi.bodies.configuration import Array, Configuration, Motion
 from fsi.case.case import Case
 from fsi.case.checks.determined import require_still
 from fsi.case.walls import Velocity
@@ -122,7 +122,7 @@ def solve_resistance(
     with assembled(problem, options, clock) as system, factorised(system) as responses:
         clock.lap("factorise")
         for block in batched(units, BLOCK):
-            for nodal in responses(np.reshape(block, (-1, *shape))):
+            for nodal in responses([_moving(system, U) for U in np.reshape(block, (-1, *shape))]):
                 clock.lap("solve")
                 defects = _defects(system, nodal)
                 worst = {name: max(defect, worst.get(name, 0.0)) for name, defect in defects.items()}
@@ -136,6 +136,12 @@ def solve_resistance(
     mobility = matrix.inverse(R) if resting else None
     size = (dofs, fluid.cells())
     return Resistance(modes, R, mobility, eigenvalues, checks, *size, clock.seconds, fluid.instead)
+
+
+def _moving(system: StokesSystem, U: Array) -> StokesSystem:
+    """The system with other velocities (N, M) of the bodies, all held."""
+    problem = system.problem
+    return replace(system, problem=replace(problem, motion=replace(problem.motion, U=U)))
 
 
 def _modes_of(problem: StokesProblem, names: Sequence[str]) -> Modes:

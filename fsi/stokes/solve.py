@@ -17,6 +17,7 @@ from fsi.stokes import fields
 from fsi.stokes.corners import jumps
 from fsi.stokes.discretisation.constraints import dof_layout, rigid_modes, wall_offset
 from fsi.stokes.discretisation.forms import Forms
+from fsi.stokes.discretisation.images import tied
 from fsi.stokes.discretisation.nodes import facets_with, inner_nodes, locate
 from fsi.stokes.identities import identities, require
 from fsi.stokes.problem import SolverOptions, StokesProblem
@@ -25,7 +26,7 @@ from fsi.stokes.solvers import elimination
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, load_of, nodal_vector
 from fsi.stokes.solvers.fgmres import coarse_velocities
 from fsi.stokes.solvers.multiplier import solve_multiplier
-from fsi.stokes.solvers.periodic import Solver, solve_periodic, tied
+from fsi.stokes.solvers.periodic import Solver, solve_periodic
 from fsi.stokes.solvers.workspace import Workspace, pressure_mass
 from fsi.stokes.stress import bulk_stress, is_force_free, viscosity_checks
 
@@ -69,7 +70,7 @@ def solve(
         if problem.periodic:
             system, nodal = solve_periodic(system, solve_system)
         else:
-            nodal = solve_system(system)
+            (nodal,) = solve_system(system)
         clock.lap("solve")
         return _evaluated(system, nodal, system.b - loads, clock)
 
@@ -90,7 +91,8 @@ def assembled(
         pressure_nodes = forms.Q.dofmap.index_map.size_local
         layout = dof_layout(fluid, nodes, boundary.velocities, pressure_nodes, pin)
         cells = workspace.cells(condensed=options.formulation == "eliminated" and not iterative)
-        layout = replace(tied(layout, fluid, forms, nodes.with_ghosts), inner=cells.inner_here)
+        spaces = [(forms.V, nodes.with_ghosts), (forms.Q, forms.Q.tabulate_dof_coordinates())]
+        layout = replace(tied(layout, fluid, spaces), inner=cells.inner_here)
         at_walls = {wall: u(nodes.x[nodes.wall_nodes[wall]]) for wall, u in boundary.velocities.items()}
         corner_axes = dict(zip(container.walls, container.corner_axes, strict=True))
         g = wall_offset(layout, nodes, at_walls, corner_axes)
@@ -131,7 +133,8 @@ def _pinned_pressure(fluid: FluidMesh, forms: Forms, weights: Array) -> int | No
     cells = forms.Q.dofmap.list[: fluid.mesh.topology.index_map(fluid.dimension).size_local]
     weights[cells[:, inner_nodes(forms.Q)]] = 0.0
     if fluid.lattice.dimension:
-        on_cut = fem.locate_dofs_topological(forms.Q, 1, fluid.facet_tags.find(fluid.cut_tag))
+        facets = fluid.facet_tags.find(fluid.cut_tag)
+        on_cut = fem.locate_dofs_topological(forms.Q, fluid.dimension - 1, facets)
         weights[on_cut[on_cut < len(weights)]] = 0.0
     largest_here = (float(weights.max(initial=-1.0)), -MPI.COMM_WORLD.rank)
     if MPI.COMM_WORLD.allreduce(largest_here, op=MPI.MAX) != largest_here:

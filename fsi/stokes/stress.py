@@ -2,7 +2,7 @@
 
 With E the mean strain rate (in a channel that of its walls, gammadot = (u_top - u_bottom) / H),
 
-    wall stress    sigma_xy = (force on the top wall - force on the bottom wall) / 2 L
+    wall stress    sigma_xy = (force on the top wall - force on the bottom wall) / 2 L,   in space / 2 L_x L_y
     bulk stress    Sigma = 1/|Omega| (int_fluid sigma + sum_i S_i - sum_pairs r (x) F),
                    int_fluid 2 mu e = 2 mu E |Omega|
     dissipation    int 2 mu e:e = |Omega| Sigma:E                     without any other power
@@ -20,28 +20,33 @@ import numpy as np
 from mpi4py import MPI
 
 from fsi.bodies.configuration import Array
-from fsi.observables.bulk_stress import BulkStress, area_fraction
-from fsi.stokes.problem import StokesProblem
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, wall_force
+from fsi.observables.bulk_stress import BulkStress
+from fsi.stokes.discretisation.nodes import facets_with
+from fsi.stokes.problem import StokesProblem, wall_area
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, nodal_vector, wall_force
 
 
 def bulk_stress(system: StokesSystem, solution: NodalSolution, mean_pressure: float) -> BulkStress:
     """Sigma and its parts, for the same flow with the mean pressure zero instead of this one; collective."""
     layout, problem, x = system.layout, system.problem, system.nodes.x
-    q, volume = problem.q, problem.container.volume
-    xx, xy, yy = _viscous_part(system, solution) / volume
-    fluid = np.array([[xx, xy], [xy, yy]])
-    r = x[layout.on_body // 2] - q.centres[layout.body]
+    q, volume, d = problem.q, problem.container.volume, layout.dimension
+    fluid = _viscous_part(system, solution) / volume
+    r = x[layout.on_body // d] - q.centres[layout.body]
     lattice = problem.fluid.lattice
     r -= lattice.shift(lattice.nearest(r))
-    moments = np.zeros((len(q), 2, 2))
-    component = layout.on_body % 2
-    for i in range(2):
-        np.add.at(moments[:, i], (layout.body, component), r[:, i] * solution.reaction[layout.on_body])
-    layout.comm.Allreduce(MPI.IN_PLACE, moments)
-    of_pressure = mean_pressure * np.pi * q.radii[:, None, None] ** 2 * np.eye(2)
-    S = of_pressure - 0.5 * (moments + moments.swapaxes(1, 2))
-    carried = np.zeros((2, 2)) if problem.interaction is None else 0.0 - problem.interaction / volume
+    # Where p = 1 alone, sigma n = -n: of the bodies as they are meshed, so that its level does not count.
+    on_bodies = facets_with(problem.fluid, 1, problem.fluid.bodies)
+    of_level = -nodal_vector(system.forms.bind("normal", on_bodies))
+    both = np.zeros((2, len(q), d, d))
+    for moments, nodal in zip(both, (solution.reaction, of_level), strict=True):
+        for i in range(d):
+            at = (layout.body, layout.on_body % d)
+            np.add.at(moments[:, i], at, r[:, i] * nodal[layout.on_body])
+    layout.comm.Allreduce(MPI.IN_PLACE, both)
+    moments, of_unit_pressure = both
+    moments -= mean_pressure * of_unit_pressure
+    S = -0.5 * (moments + moments.swapaxes(1, 2))
+    carried = np.zeros((d, d)) if problem.interaction is None else 0.0 - problem.interaction / volume
     bulk = BulkStress(fluid, S, carried, volume, None)
     E = problem.mean_strain_rate
     if not E.any():
@@ -49,12 +54,12 @@ def bulk_stress(system: StokesSystem, solution: NodalSolution, mean_pressure: fl
     power = np.sum(bulk.mean * E)
     if system.nodes.wall_nodes:  # in a channel by the mean shear stress on both walls
         force = {wall: wall_force(system, solution.reaction, wall) for wall in system.nodes.wall_nodes}
-        power = (force["top"] - force["bottom"]) / float(problem.container.periods[0, 0]) * E[0, 1]
+        power = ((force["top"] - force["bottom"]) / wall_area(problem.container)) @ E[:-1, -1]
     return replace(bulk, apparent_viscosity=float(power / (2.0 * problem.viscosity * np.sum(E**2))))
 
 
 def _viscous_part(system: StokesSystem, solution: NodalSolution) -> Array:
-    """The components xx, xy, yy of int 2 mu e over the fluid, (3,).
+    """`int 2 mu e` over the fluid, (d, d).
 
     int 2 mu e:D = D x . A u, where A u = b + lambda - B^T p, and D x . B^T p = - tr D int p. Slaves and their
     masters, with opposite lambda, count by how far they are apart.
@@ -63,17 +68,17 @@ def _viscous_part(system: StokesSystem, solution: NodalSolution) -> Array:
     moments = _moments(x, system.b[: layout.velocities])
     at = x.copy()
     on_side = layout.slave < layout.velocities
-    at[layout.slave[on_side] // 2] = layout.away[on_side]
+    at[layout.slave[on_side] // layout.dimension] = layout.away[on_side]
     moments += _moments(at, solution.reaction[: layout.velocities])
-    moments[[0, 2]] += float(system.weights @ solution.x[layout.velocities :])
+    moments += float(system.weights @ solution.x[layout.velocities :]) * np.eye(layout.dimension)
     layout.comm.Allreduce(MPI.IN_PLACE, moments)
     return moments
 
 
 def _moments(x: Array, nodal: Array) -> Array:
-    """The components xx, xy, yy of sym x (x) f summed over nodes x (n, 2), for their forces f."""
-    f = nodal.reshape(-1, 2)
-    return np.array([x[:, 0] @ f[:, 0], 0.5 * (x[:, 1] @ f[:, 0] + x[:, 0] @ f[:, 1]), x[:, 1] @ f[:, 1]])
+    """sym x (x) f summed over nodes x (n, d), for their forces f, (d, d)."""
+    moments = np.array([[column @ f for f in nodal.reshape(x.shape).T] for column in x.T])
+    return np.asarray(0.5 * (moments + moments.T))
 
 
 def is_force_free(system: StokesSystem) -> bool:
@@ -98,6 +103,6 @@ def viscosity_checks(problem: StokesProblem, bulk: BulkStress, dissipation: floa
     imposed = (2.0 * viscosity * E + bulk.stresslets.sum(axis=0) / bulk.area) * E
     by_dissipation, mu = dissipation / (scale * bulk.area), bulk.apparent_viscosity
     others = np.array([by_bulk, float(imposed.sum()) / scale, by_dissipation])
-    bound = 1.0 / (1.0 - area_fraction(problem.q.radii, bulk.area))
+    bound = 1.0 / (1.0 - float(problem.q.volumes.sum()) / bulk.area)
     defect = float(np.abs(others / mu - 1.0).max())
     return {"stress": defect, "viscosity_bound": max(0.0, bound / mu - 1.0)}

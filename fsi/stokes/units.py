@@ -125,7 +125,7 @@ class Units:
         )
 
     def _scaled_boundary(self, boundary: Boundary) -> Boundary:
-        """Its fluxes are of a planar channel."""
+        """Its fluxes are of a channel, in the plane per unit length."""
         a, mu = self.length, self.viscosity
         f, G, flux = boundary.body_force, boundary.pressure_gradient, boundary.net_flux
         return Boundary(
@@ -133,7 +133,7 @@ class Units:
             {wall: p / mu for wall, p in boundary.pressures.items()},
             None if f is None else self._scaled_field(f, mu / a),
             None if G is None else G / (mu / a),
-            None if flux is None else flux / a**2,
+            None if flux is None else flux / a ** (3 if self.spheres else 2),
             {wall: stress / mu for wall, stress in boundary.stresses.items()},
         )
 

@@ -250,6 +250,10 @@ class WithoutWalls(Container):
         """There are none: shape (n, 0, dimension)."""
         return np.empty((len(x), 0, self.dimension))
 
+    def distance_formulas(self) -> list[str]:
+        """There are none."""
+        return []
+
 
 @dataclass(frozen=True, slots=True)
 class Unbounded(WithoutWalls):

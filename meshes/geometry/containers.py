@@ -149,7 +149,8 @@ class Box(Container):
     def distance_formulas(self) -> list[str]:
         """Differences of a coordinate."""
         sides = zip("xyz", self.lower, self.upper, strict=True)
-        return [side for s, low, high in sides for side in (f"({s}-({low!r}))", f"(({high!r})-{s})")]
+        every = [side for s, low, high in sides for side in (f"({s}-({low!r}))", f"(({high!r})-{s})")]
+        return [every[k] for k in self._ends]
 
     @property
     def middle(self) -> Array:

@@ -2,7 +2,8 @@
 
 Every point, node and body has images at `x + m @ vectors` with integers m. Nothing else in the code knows how
 many periods there are: without any, the lattice has no vectors and each point is its only image. A box may
-have periods in some directions; the cell here is periodic along two vectors, and moves.
+have periods in some directions; the cell here is periodic along as many vectors as its points have
+coordinates, and moves.
 """
 
 from __future__ import annotations
@@ -16,11 +17,11 @@ import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.container import Array, WithoutWalls
+from fsi.meshes.geometry.container import Array, WithoutWalls, lengths
 from fsi.meshes.geometry.curves import WallCurve, rescaled
 
 Integers = NDArray[np.int64]
-Vector = tuple[float, float]
+Vector = tuple[float, ...]
 
 SAME_PLACE = 1e-9  # of the longest period
 
@@ -30,10 +31,10 @@ class Lattice:
     """The translations m @ vectors.
 
     Attributes:
-        vectors: e_k as rows, (k, d) with k from 0 to d; independent, and reduced (Lagrange, Gauss).
+        vectors: e_k as rows, (k, d) with k from 0 to d; independent, and reduced (see `reduced`).
 
-    No other basis is shorter, so that the nearest image of a point is among those with |m_k| <= 1 after
-    rounding its coordinates. Orthogonal vectors are reduced.
+    No other basis is shorter, so that two points with the same nearest image differ by |m_k| <= 1. Orthogonal
+    vectors are reduced.
     """
 
     vectors: Array
@@ -69,9 +70,12 @@ class Lattice:
         m = np.rint(self.coordinates(d)).astype(np.int64)
         if self.dimension < 2:
             return m
-        trials = m[:, None] + self.near()
-        lengths = np.sum((d[:, None] - trials @ self.vectors) ** 2, axis=2)
-        return trials[np.arange(len(d)), np.argmin(lengths, axis=1)]
+        # Where none of its neighbours is nearer an image is the nearest. In the plane one step leads there.
+        for _ in range(self.dimension - 1):
+            trials = m[:, None] + self.near()
+            squares = np.sum((d[:, None] - trials @ self.vectors) ** 2, axis=2)
+            m = trials[np.arange(len(d)), np.argmin(squares, axis=1)]
+        return m
 
     def wrapped(self, x: Array) -> Array:
         """The images of points (n, d) with lattice coordinates in [0, 1)."""
@@ -110,46 +114,61 @@ def positive(m: Integers) -> NDArray[np.bool_]:
 
 
 def reduced(vectors: Array) -> Array:
-    """The shortest basis of the lattice of two vectors (2, 2), by Lagrange's and Gauss's algorithm."""
-    a, b = vectors
-    if a @ a > b @ b:
-        a, b = b, a
+    """The shortest basis of the lattice of two or three vectors (d, d).
+
+    In the plane by Lagrange's and Gauss's algorithm; in space the longest vector is shortened by the lattice
+    of the other two, as long as that helps (Nguyen and Stehle 2009, ACM Trans. Algorithms 5:46).
+    """
+    if len(vectors) == 1:
+        return vectors
     while True:
-        b = b - np.rint((a @ b) / (a @ a)) * a
-        if a @ a <= b @ b:
-            return np.array([a, b])
-        a, b = b, a
+        basis = vectors[np.argsort(np.square(vectors).sum(axis=1), kind="stable")]
+        shorter, last = reduced(basis[:-1]), basis[-1:]
+        lattice = Lattice(shorter)
+        last = last - lattice.shift(lattice.nearest(last))
+        vectors = np.concatenate([shorter, last])
+        if shorter[-1] @ shorter[-1] <= last[0] @ last[0]:
+            return vectors
 
 
 @dataclass(frozen=True, slots=True)
 class Cell(WithoutWalls):
-    """The plane with a lattice that moves with the mean flow `u = E x`.
+    """The plane or space with a lattice that moves with the mean flow `u = E x`.
 
     The lattice at time t is that of `exp(E t)` times the vectors, given by its reduced basis: a sheared
     lattice returns to itself at whole strains, and no cell is ever more oblique than it must be.
 
     Attributes:
-        vectors: two lattice vectors at time 0.
+        vectors: d lattice vectors at time 0.
         gradient: E, rows of (dV_i / dx_j), without trace.
         time: t.
     """
 
-    vectors: tuple[Vector, Vector]
-    gradient: tuple[Vector, Vector]
+    vectors: tuple[Vector, ...]
+    gradient: tuple[Vector, ...]
     time: float = 0.0
+
+    @property
+    def dimension(self) -> int:
+        """As many as vectors."""
+        return len(self.vectors)
 
     def outline(self) -> tuple[WallCurve, ...]:
         """There are no walls."""
         return ()
 
     def size(self) -> float:
-        """Length of the longer diagonal."""
-        a, b = self.periods
-        return float(max(np.hypot(*(a + b)), np.hypot(*(a - b))))
+        """Length of the longest diagonal."""
+        signs = np.array(list(product((1.0, -1.0), repeat=self.dimension - 1)))
+        diagonals = np.column_stack([np.ones(len(signs)), signs]) @ self.periods
+        return float(lengths(diagonals).max())
 
     def carried(self, e: Array, duration: float) -> Array:
-        """Vectors e (n, 2) carried along by the mean flow: exp(E t) e."""
+        """Vectors e (n, d) carried along by the mean flow: exp(E t) e."""
         E = self.mean_gradient
+        if self.dimension == 3:
+            carried: Array = e @ scipy.linalg.expm(duration * E).T
+            return carried
         rate = np.sqrt(max(-np.linalg.det(E), 0.0))  # E has no trace: E^2 = -det(E) I
         by_E = np.sinh(rate * duration) / rate if rate > 0.0 else duration
         moved: Array = e @ (np.cosh(rate * duration) * np.eye(2) + by_E * E).T
@@ -157,36 +176,40 @@ class Cell(WithoutWalls):
 
     @property
     def periods(self) -> Array:
-        """The reduced basis at this time, (2, 2)."""
+        """The reduced basis at this time, (d, d)."""
         return reduced(self.carried(np.array(self.vectors), self.time))
 
     @property
     def image_reach(self) -> float:
-        """The longer diagonal of a cell of this area is at least as long, however it is sheared."""
-        return float(np.sqrt(2.0 * self.volume))
+        """The longest diagonal of a cell of this volume is at least as long, however it is sheared.
+
+        The squares of the diagonals have the mean sum |e_k|^2 >= d |e_1 ... e_d|^(2/d) >= d volume^(2/d).
+        """
+        d = self.dimension
+        return float(np.sqrt(d) * self.volume ** (1.0 / d))
 
     def at(self, t: float) -> Cell:
         """The cell at time t."""
         return Cell(self.vectors, self.gradient, t)
 
     def scaled(self, factor: float) -> Cell:
-        """Both vectors times the factor."""
-        (ax, ay), (bx, by) = rescaled(self.vectors, factor).tolist()
-        return Cell(((ax, ay), (bx, by)), self.gradient, self.time)
+        """All vectors times the factor."""
+        larger = tuple(tuple(vector) for vector in rescaled(self.vectors, factor).tolist())
+        return Cell(larger, self.gradient, self.time)
 
     @property
     def mean_gradient(self) -> Array:
-        """E, (2, 2)."""
+        """E, (d, d)."""
         return np.array(self.gradient)
 
     @property
     def volume(self) -> float:
-        """Of fluid and bodies together, an area; the flow preserves it."""
+        """Of fluid and bodies together, in the plane an area; the flow preserves it."""
         return float(abs(np.linalg.det(np.array(self.vectors))))
 
     @property
     def middle(self) -> Array:
-        """Half of both vectors of the reduced basis."""
+        """Half of all vectors of the reduced basis."""
         middle: Array = 0.5 * self.periods.sum(axis=0)
         return middle
 
@@ -209,24 +232,30 @@ class PeriodicPairs:
 
 
 def matching_points(x: Array, lattice: Lattice) -> PeriodicPairs:
-    """The pairs among points x (n, 2), each of which has one image among them, by their numbers 0 ... n - 1.
+    """The pairs among points x (n, d), each of which has images among them, by their numbers 0 ... n - 1.
 
-    Raises MeshError where a point has no image.
+    Of all images of a point, in the plane two, in space also four on an edge and eight at a corner, the first
+    is the master of all others. Raises MeshError where a point has no image.
     """
-    torus = on_torus(x, lattice)
-    _, near = scipy.spatial.cKDTree(torus).query(torus, k=[1, 2])
-    number = np.arange(len(x))
-    partner = np.where(near[:, 0] == number, near[:, 1], near[:, 0])
-    paired = bool(np.all(partner < len(x))) and np.array_equal(partner[partner], number)
-    if paired:
-        difference = x - x[partner]
-        shift = np.rint(lattice.coordinates(difference)).astype(np.int64)
-        off = np.abs(difference - lattice.shift(shift)).max(initial=0.0)
-        paired = off < SAME_PLACE * lattice.longest()
-    if not paired:
-        raise MeshError("the two sides of a periodic domain do not match; was the mesh made elsewhere?")
+    torus, longest = on_torus(x, lattice), lattice.longest()
+    same = scipy.spatial.cKDTree(torus).query_pairs(_ON_TORUS * SAME_PLACE * longest, output_type="ndarray")
+    graph = scipy.sparse.coo_array((np.ones(len(same)), same.T), shape=(len(x), len(x)))
+    places, place = scipy.sparse.csgraph.connected_components(graph, directed=False)
+    _, any_there = np.unique(place, return_index=True)
+    m = np.rint(lattice.coordinates(x - x[any_there[place]])).astype(np.int64)
+    order = np.lexsort((*m.T[::-1], place))
+    master = order[np.searchsorted(place[order], np.arange(places))]
+    shift = m - m[master[place]]
+    difference = x - x[master[place]]
+    off = np.abs(difference - lattice.shift(shift)).max(initial=0.0)
     slave = positive(shift)
-    return PeriodicPairs(number[slave], partner[slave], shift[slave])
+    alone = np.bincount(place, minlength=places).min(initial=2) < 2
+    if alone or off >= SAME_PLACE * longest or slave.sum() != len(x) - places:
+        raise MeshError("the two sides of a periodic domain do not match; was the mesh made elsewhere?")
+    return PeriodicPairs(np.flatnonzero(slave), master[place[slave]], shift[slave])
+
+
+_ON_TORUS = 2.0 * np.pi  # the circumference of a circle on the torus over its period
 
 
 def on_torus(x: Array, lattice: Lattice) -> Array:

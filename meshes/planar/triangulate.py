@@ -62,6 +62,7 @@ def gmsh_model() -> Iterator[None]:
         remedy = "lower discretisation.growth or raise cells_per_circle"
         raise MeshError(f"gmsh failed: {error}; {remedy}") from error
     finally:
+        gmsh.model.mesh.removeSizeCallback()
         gmsh.clear()
 
 

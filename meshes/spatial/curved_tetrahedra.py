@@ -41,22 +41,30 @@ def curve_tets(straight: StraightCells, spheres: Mapping[int, Sphere], order: in
     vertices, tets = straight.vertices, straight.cells
     l = barycentric(reference_points(order, 3))  # noqa: E741
     x = np.einsum("nv,tvd->tnd", l, vertices[tets])
-    for tag, sphere in spheres.items():
-        faces = np.sort(straight.facets[straight.tags == tag], axis=1)
-        edges = np.unique(faces[:, [0, 1, 0, 2, 1, 2]].reshape(-1, 2), axis=0)
-        bends = _edge_bends(vertices[edges], sphere, order)
+    parts = [_bent(straight, tag, sphere, order) for tag, sphere in spheres.items() if tag in straight.tags]
+    if parts:
+        edges, bends, faces, bubbles = (np.concatenate(each) for each in zip(*parts, strict=True))
         for ij in permutations(range(4), 2):
             cells, rows = _matches(tets[:, ij], edges)
             x[cells] += np.einsum("nm,cmd->cnd", _edge_lift(l[:, ij], order), bends[rows])
-        if order < 3:
-            continue
-        bubbles = _face_bends(vertices[faces], bends, _find(faces, edges), sphere, order)
-        for ijk in permutations(range(4), 3):
+        for ijk in permutations(range(4), 3) if order > 2 else ():
             cells, rows = _matches(tets[:, ijk], faces)
             x[cells] += np.einsum("nm,cmd->cnd", _bubbles(l[:, ijk], order), bubbles[rows])
     nodes, cells = _numbered(x, tets, np.rint(order * l).astype(np.int64))
     nodes[: len(vertices)] = vertices
     return CurvedCells(nodes, cells, straight.facets, straight.tags, order)
+
+
+def _bent(
+    straight: StraightCells, tag: int, sphere: Sphere, order: int
+) -> tuple[Indices, Array, Indices, Array]:
+    """Edges (E, 2) of a sphere and how they bend, its facets (F, 3) and the coefficients of their bubbles."""
+    vertices, faces = straight.vertices, np.sort(straight.facets[straight.tags == tag], axis=1)
+    edges = np.unique(faces[:, [0, 1, 0, 2, 1, 2]].reshape(-1, 2), axis=0)
+    bends = _edge_bends(vertices[edges], sphere, order)
+    if order < 3:
+        return edges, bends, faces, np.empty((len(faces), 0, 3))
+    return edges, bends, faces, _face_bends(vertices[faces], bends, _find(faces, edges), sphere, order)
 
 
 def _keys(rows: Indices, n: int) -> Indices:

@@ -129,7 +129,9 @@ def choose(gaps: Sequence[NarrowGap], spacing: Spacing) -> list[GapPrisms]:
         walls = len(others) + 1 + np.arange(len(to_walls))
         clear = np.concatenate([to_bodies[~np.isin(others, gap.tags)], to_walls[~np.isin(walls, gap.tags)]])
         to_middles = np.delete(lengths(middles - middles[k]), k)
-        room = min(clear.min(initial=np.inf), to_middles.min(initial=np.inf))
+        room = min(part.min(initial=np.inf) for part in (clear, to_middles, spacing.to_sides(middles[[k]])))
+        if room <= 0.0:
+            continue
         layer = _layer(gap, spacing, min(WIDEST * gap.smallest, CLEARANCE * room))
         if layer is not None:
             layers.append(layer)

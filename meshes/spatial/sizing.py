@@ -23,6 +23,7 @@ from fsi.meshes.errors import TouchingError
 from fsi.meshes.geometry.container import Array, FluidDomain, lengths
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.spatial.grading import edge_sizes
+from fsi.meshes.spatial.sides import Sides
 
 LENGTH, SHORTEST, LONGEST = 0.3, 0.3, 10.0
 
@@ -51,10 +52,20 @@ class ClosePair:
 
 @dataclass(frozen=True, slots=True)
 class Spacing:
-    """The law of sizes around the bodies of a domain in space."""
+    """The law of sizes around the bodies of a domain in space; a periodic one has sides and images."""
 
     domain: FluidDomain
     resolution: Resolution
+    sides: Sides | None = None
+
+    def to_sides(self, x: Array) -> Array:
+        """Distances of points (n, 3) from periodic sides, (n, 2 k); negative outside."""
+        return np.empty((len(x), 0)) if self.sides is None else self.sides.distances(x)
+
+    @property
+    def side_tag(self) -> int:
+        """Of facets on periodic sides, after those of bodies and walls."""
+        return len(self.domain.radii) + len(self.domain.container.walls) + 1
 
     def in_gap(self, gap: Array | float, radius: float) -> Array:
         """h_gap where the gap is `gap` and the smallest radius beside it `radius`."""

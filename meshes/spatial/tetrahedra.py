@@ -22,7 +22,17 @@ from fsi.meshes.geometry.curves import Sphere, rescaled
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import Indices, StraightCells, gmsh_model, require_boundary
 from fsi.meshes.spatial.curved_tetrahedra import curve_tets
-from fsi.meshes.spatial.gap_prisms import GapPrisms, choose, find_gaps, pattern, split_prisms
+from fsi.meshes.spatial.gap_prisms import (
+    CLEARANCE,
+    WIDEST,
+    GapPrisms,
+    choose,
+    find_gaps,
+    pattern,
+    split_prisms,
+)
+from fsi.meshes.spatial.local_sizes import LocalSizes
+from fsi.meshes.spatial.sides import choose_sides, images, with_bodies
 from fsi.meshes.spatial.sizing import Spacing
 
 OVERLAP = 0.25  # how far a layer's cylinder enters either surface, in radii of the smaller body
@@ -41,11 +51,26 @@ def fill(domain: FluidDomain, resolution: Resolution, order: int) -> CurvedCells
     unit = float(domain.radii.max(initial=0.0)) or domain.container.size()
     centres, radii = (rescaled(x, 1.0 / unit) for x in (domain.centres, domain.radii))
     in_units = FluidDomain(domain.container.scaled(1.0 / unit), centres, radii, edges=domain.edges)
+    make = _opened if len(in_units.container.periods) else _fill
     try:
-        cells = _fill(Spacing(in_units, resolution), order)
+        cells = make(Spacing(in_units, resolution), order)
     except MeshError as error:
         raise error.in_units(unit) from error
     return replace(cells, nodes=unit * cells.nodes)
+
+
+def _opened(spacing: Spacing, order: int) -> CurvedCells:
+    """The cells of a periodic domain between sides, which have the tag after the last wall's."""
+    domain = spacing.domain
+    reach = 0.5 * float(domain.radii.max(initial=0.0))
+    anywhere = choose_sides(domain, np.empty((0, 3)), np.empty(0))
+    around = replace(spacing, domain=images(domain, anywhere, reach)[0])
+    gaps = [gap for gap in find_gaps(around) if anywhere.distances(gap.middle()[None]).min() >= 0.0]
+    middles = np.array([gap.middle() for gap in gaps]).reshape(-1, 3)
+    sides = choose_sides(domain, middles, np.array([WIDEST / CLEARANCE * gap.smallest for gap in gaps]))
+    every, of = images(domain, sides, reach)
+    cells = _fill(Spacing(every, spacing.resolution, sides), order)
+    return replace(cells, tags=with_bodies(cells.tags, of, len(domain.radii)))
 
 
 def _fill(spacing: Spacing, order: int) -> CurvedCells:
@@ -56,6 +81,9 @@ def _fill(spacing: Spacing, order: int) -> CurvedCells:
     surfaces = enumerate([*bodies, *domain.container.spheres], 1)
     spheres = {tag: sphere for tag, sphere in surfaces if sphere is not None}
     cells = _outside(spacing, layers)
+    if spacing.sides is not None:
+        on_sides = np.unique(cells.facets[cells.tags == spacing.side_tag])
+        cells = replace(cells, vertices=spacing.sides.matched(cells.vertices, on_sides))
     for tag, sphere in spheres.items():
         on = np.unique(cells.facets[cells.tags == tag])
         cells.vertices[on] = sphere.project(cells.vertices[on])
@@ -68,21 +96,30 @@ def _fill(spacing: Spacing, order: int) -> CurvedCells:
 def _outside(spacing: Spacing, layers: Sequence[GapPrisms]) -> StraightCells:
     """gmsh's cells of the fluid outside the layers of prisms, whose sides have the tag 0."""
     with gmsh_model():
-        _add_fluid(spacing.domain, layers)
+        _add_fluid(spacing, layers)
+        tied = [] if spacing.sides is None else spacing.sides.tie(gmsh.model)
         sides = [face for layer in layers for face in _structure(layer)]
         gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
         gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
         gmsh.option.setNumber("Mesh.OptimizeNetgen", 1)
         gmsh.option.setNumber("Mesh.OptimizeThreshold", 0.5)
-        spacing.apply()
+        _apply(spacing)
         gmsh.model.mesh.generate(3)
-        return _read(spacing.domain, sides)
+        return _read(spacing.domain, sides, tied)
 
 
-def _add_fluid(domain: FluidDomain, layers: Sequence[GapPrisms]) -> None:
+def _apply(spacing: Spacing) -> None:
+    """Make the law gmsh's sizes: by formulas, which are faster than a function, or where images are many."""
+    if spacing.sides is None:
+        spacing.apply()
+    else:
+        gmsh.model.mesh.setSizeCallback(LocalSizes(spacing))
+
+
+def _add_fluid(spacing: Spacing, layers: Sequence[GapPrisms]) -> None:
     """The container without the bodies and the cylinders of the layers."""
-    occ, holes = gmsh.model.occ, []
-    whole = domain.container.solid(occ)
+    occ, holes, domain = gmsh.model.occ, [], spacing.domain
+    whole = domain.container.solid(occ) if spacing.sides is None else spacing.sides.solid(occ)
     for tag, (x, a) in enumerate(zip(domain.centres, domain.radii, strict=True), 1):
         holes.append((3, occ.addSphere(*x, a)))
         turn = seam_turn(tag, float(a), layers)
@@ -137,8 +174,11 @@ def _structure(layer: GapPrisms) -> list[int]:
     return sides
 
 
-def _read(domain: FluidDomain, sides: Sequence[int]) -> StraightCells:
-    """gmsh's cells; each surface has the tag of the body or wall that its nodes lie on."""
+def _read(domain: FluidDomain, sides: Sequence[int], tied: Sequence[int]) -> StraightCells:
+    """gmsh's cells; each surface has the tag of the body or wall that its nodes lie on.
+
+    sides: of layers, with the tag 0; tied: of a periodic domain, with the tag after the last wall's.
+    """
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     order = np.argsort(tags)
     used, tets = np.unique(gmsh.model.mesh.getElementsByType(TETRAHEDRON)[1], return_inverse=True)
@@ -151,7 +191,9 @@ def _read(domain: FluidDomain, sides: Sequence[int]) -> StraightCells:
     for _, face in gmsh.model.getEntities(2):
         corners = gmsh.model.mesh.getElementsByType(TRIANGLE, face)[1]
         mine = np.searchsorted(used, corners).astype(np.int64).reshape(-1, 3)
-        tag = 0 if face in sides else int(away[mine.ravel()].max(axis=0).argmin()) + 1
+        tag = 0 if face in sides else away.shape[1] + 1
+        if face not in sides and face not in tied:
+            tag = int(away[mine.ravel()].max(axis=0).argmin()) + 1
         facets.append(mine)
         values.append(np.full(len(mine), tag))
     cells = tets.reshape(-1, 4).astype(np.int64)
@@ -195,7 +237,7 @@ def _upright(cells: StraightCells) -> Indices:
     return np.where(mirrored[:, None], cells.cells[:, [0, 2, 1, 3]], cells.cells)
 
 
-CLEARANCE = 0.05  # radians between a seam and an edge
+APART = 0.05  # radians between a seam and an edge
 _LATITUDE = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 91)
 SEAM = np.column_stack([np.cos(_LATITUDE), np.zeros(91), np.sin(_LATITUDE)])
 POLE = 1.0 - 1e-12
@@ -220,7 +262,7 @@ def seam_turn(tag: int, radius: float, layers: Sequence[GapPrisms]) -> Turn:
     """
     axes, widths = _caps(tag, radius, layers)
     at_pole = np.abs(axes[:, 2]) > POLE
-    if _clearance(AS_IT_IS, axes[~at_pole], widths[~at_pole]) > CLEARANCE:
+    if _clearance(AS_IT_IS, axes[~at_pole], widths[~at_pole]) > APART:
         return AS_IT_IS
     return max(TURNS, key=lambda turn: _clearance(turn, axes, widths))
 

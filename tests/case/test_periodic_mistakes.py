@@ -38,7 +38,9 @@ CELL = {"shape": "cell", "vectors": [[8.0, 0.0], [1.0, 8.0]]}
         (CELL | {"vectors": [[1e-300, 0.0], [0.0, 1e300]]}, ["domain.vectors", "far too short"]),
         (CELL | {"vectors": [[8e12, 0.0], [0.0, 8.0]]}, ["domain.vectors", "far too short"]),
         (CELL | {"geometry": "planar"}, ["domain.geometry", "unknown key", "use domain.shape, domain.walls"]),
-        (CHANNEL | {"periodic": ["x", "y"]}, ["domain.periodic", 'for both give shape = "cell"']),
+        (CHANNEL | {"periodic": ["x", "y"]}, ["domain.periodic", 'for all directions give shape = "cell"']),
+        (CELL | {"uniaxial": 1.0}, ["domain.uniaxial", "is for space; give extension"]),
+        (CELL | {"vectors": [[8.0, 0.0, 0.0], [1.0, 8.0, 0.0]]}, ["domain.vectors", "a lattice vector"]),
         ({"vectors": CELL["vectors"]}, ["domain.shape", "missing", '"cell"']),
     ],
 )
@@ -105,8 +107,52 @@ def test_a_box_may_be_periodic_in_any_directions_without_fluid(geometry: Any) ->
         container = domain.container()
         assert tuple(domain.walls) == container.walls
         assert len(container.periods) == len(periodic)
-        with pytest.raises(InputError, match=r"domain\.periodic = .*only in planar boxes .* periodic in x"):
+        if periodic == ("x", "y") and d == 3:
             domain.require_fluid()
+            continue
+        with pytest.raises(InputError, match=r"domain\.periodic = .*only in boxes between two walls"):
+            domain.require_fluid()
+
+
+def in_space(domain: dict[str, Any]) -> dict[str, Any]:
+    return {
+        "name": "test", "geometry": "spatial", "fluid": {"viscosity": 1.0}, "domain": domain,
+        "bodies": [{"name": "ball", "radius": 1.0, "position": [4.0, 4.0, 4.0]}],
+    }  # fmt: skip
+
+
+CUBE = {"shape": "cell", "vectors": [[8.0, 0.0, 0.0], [1.0, 8.0, 0.0], [0.0, 2.0, 8.0]]}
+
+
+@pytest.mark.parametrize(
+    ("domain", "parts"),
+    [
+        (CUBE | {"vectors": [*CUBE["vectors"][:2], [9.0, 8.0, 0.0]]}, ["domain.vectors", "coplanar"]),
+        (CUBE | {"vectors": CUBE["vectors"][:2]}, ["domain.vectors", "2 vectors", "give three"]),
+        (CUBE | {"shear": 1.0, "uniaxial": 1.0}, ["domain.uniaxial", "shear is given too", "drop one"]),
+        (CUBE | {"extension": 1.0, "uniaxial": 1.0}, ["domain.uniaxial", "extension is given too"]),
+        (CUBE | {"vectors": [[1.9, 0.0, 0.0], *CUBE["vectors"][1:]]}, ["bodies.0.position", "its image"]),
+        ({"lower": [0.0] * 3, "upper": [8.0] * 3, "periodic": ["x"]}, ["domain.periodic", '["x", "y"]']),
+    ],
+)
+def test_mistakes_in_space(domain: dict[str, Any], parts: list[str]) -> None:
+    with pytest.raises(InputError) as caught:
+        parse_case(in_space(domain))
+    assert "\n" not in str(caught.value)
+    for part in parts:
+        assert part in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("flow", "E"),
+    [
+        ({"shear": 2.0}, [[0.0, 0.0, 2.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]),
+        ({"extension": 2.0}, [[2.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, -2.0]]),
+        ({"uniaxial": 2.0}, [[2.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]]),
+    ],
+)
+def test_mean_flows_in_space(flow: dict[str, float], E: list[list[float]]) -> None:
+    assert parse_case(in_space(CUBE | flow)).container().mean_gradient.tolist() == E
 
 
 @pytest.mark.parametrize("periodic", [["z"], ["x", "x"], []])

@@ -11,7 +11,7 @@ from fsi.meshes.geometry.containers import Box
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.spatial.gap_prisms import GapPrisms, choose, find_gaps
 from fsi.meshes.spatial.sizing import Spacing
-from fsi.meshes.spatial.tetrahedra import AS_IT_IS, CLEARANCE, SEAM, seam_turn
+from fsi.meshes.spatial.tetrahedra import APART, AS_IT_IS, SEAM, seam_turn
 from tests.meshes.spheres import mesh
 
 BOX = Box((-3.0, -3.0, -3.0), (3.0, 3.0, 3.0))
@@ -42,7 +42,7 @@ def test_no_rim_crosses_a_seam(direction: list[float]) -> None:
         turned += turn is not AS_IT_IS
         seam = Rotation.from_rotvec(turn.angle * turn.axis).apply(SEAM)
         nearest = np.arccos(np.clip(sign * seam @ found[0].gap.along, -1.0, 1.0)).min()
-        assert nearest - np.arcsin(found[0].rho / RADII[tag - 1]) > CLEARANCE
+        assert nearest - np.arcsin(found[0].rho / RADII[tag - 1]) > APART
     assert turned > 0
 
 
@@ -76,4 +76,4 @@ def test_a_seam_is_turned_as_far_as_it_takes() -> None:
     for layer in found:
         towards = layer.gap.along if layer.gap.tags[0] == 1 else -layer.gap.along
         nearest = np.arccos(np.clip(seam @ towards, -1.0, 1.0)).min()
-        assert nearest - np.arcsin(layer.rho) > CLEARANCE
+        assert nearest - np.arcsin(layer.rho) > APART

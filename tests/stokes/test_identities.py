@@ -43,9 +43,9 @@ def test_identities_hold_between_three_discs_and_moving_walls() -> None:
     assert max(solution.checks.values()) < 1e-8
 
 
-def spoiled(system: StokesSystem, part: str) -> NodalSolution:
+def spoiled(system: StokesSystem, part: str) -> list[NodalSolution]:
     """A solution with an error of 1e-6 in one part."""
-    good = solve_eliminated(system)
+    (good,) = solve_eliminated(system)
     x, reaction = good.x.copy(), good.reaction.copy()
     if part == "velocity":
         x[: 2 * system.layout.velocity_nodes] *= 1.0 + 1e-6
@@ -53,7 +53,7 @@ def spoiled(system: StokesSystem, part: str) -> NodalSolution:
         x[system.layout.fixed[:2]] += 1e-6  # both components of one wall node
     if part == "reaction":
         reaction[system.layout.on_body[0]] += 1e-6 * np.abs(reaction).sum()
-    return dataclasses.replace(good, x=x, reaction=reaction)
+    return [dataclasses.replace(good, x=x, reaction=reaction)]
 
 
 @pytest.mark.parametrize(
@@ -97,11 +97,11 @@ def test_a_defect_above_the_bound_is_named(value: float) -> None:
 def test_a_free_body_that_is_not_balanced_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     """A disc under the force 1 whose reactions add up to 1 + 1e-6: `balance` says so, 100 times the bound."""
 
-    def pulled(system: StokesSystem) -> NodalSolution:
-        good = solve_eliminated(system)
+    def pulled(system: StokesSystem) -> list[NodalSolution]:
+        (good,) = solve_eliminated(system)
         reaction = good.reaction.copy()
         reaction[system.layout.on_body[0]] += 1e-6
-        return dataclasses.replace(good, reaction=reaction, load=load_of(system, reaction))
+        return [dataclasses.replace(good, reaction=reaction, load=load_of(system, reaction))]
 
     monkeypatch.setitem(FORMULATIONS, "eliminated", pulled)
     monkeypatch.setattr("fsi.stokes.solve.require", lambda _: None)
@@ -119,13 +119,13 @@ def test_a_slow_flow_beside_a_fast_stream_is_not_excused_as_rounding(
     a floor of 1e-2 instead of 1e-6 the same error would be 2e-9 of it.
     """
 
-    def off(system: StokesSystem) -> NodalSolution:
-        good = solve_eliminated(system)
+    def off(system: StokesSystem) -> list[NodalSolution]:
+        (good,) = solve_eliminated(system)
         x, free = good.x.copy(), system.layout.free.copy()
         u = system.layout.velocities
         stream = np.tile([10.0, 0.0], u // 2)
         x[:u][free[:u]] += 1e-6 * (x[:u] - stream)[free[:u]]
-        return dataclasses.replace(good, x=x)
+        return [dataclasses.replace(good, x=x)]
 
     walls = dict.fromkeys(BOX.walls, lambda x: np.tile([10.0, 0.0], (len(x), 1)))
     arguments = (

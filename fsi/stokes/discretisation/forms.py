@@ -138,6 +138,7 @@ def compile_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -
     w = space.weight
     dx, ds = ufl.dx(omega, metadata=quadrature), ufl.ds(omega, metadata=of_flux)
     dS = ufl.ds(MARKED, domain=omega, metadata=quadrature)
+    dS_of_flux = ufl.ds(MARKED, domain=omega, metadata=of_flux)
     on_straight = {"quadrature_degree": curved_degree if axisymmetric else 2 * (degree - 1)}
     dX = ufl.dx(CURVED, domain=omega, metadata=quadrature)
     dX += ufl.dx(STRAIGHT, domain=omega, metadata=on_straight)
@@ -152,7 +153,7 @@ def compile_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -
         "dissipation": ("", 2 * mu * ufl.inner(e_h, e_h) * w * dx),
         "flux": ("", ufl.inner(u_h, n) * w * ds),
         "speed on boundary": ("", ufl.sqrt(ufl.inner(u_h, u_h)) * w * ds),
-        "normal": ("V", ufl.inner(n, v) * w * dS),
+        "normal": ("V", ufl.inner(n, v) * w * dS_of_flux),
         "traction": ("V", ufl.inner(space.traction(u_h, p_h, mu, n), v) * w * dS),
     }
     compiled = {name: compile_form(form) for name, (_, form) in forms.items()}

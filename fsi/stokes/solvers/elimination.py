@@ -17,7 +17,7 @@ The direct solver leaves held modes out of y; the iterative one, which wants who
 y and sets the held ones to zero.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
@@ -112,6 +112,9 @@ class NodalSolution:
     wall_speeds: Mapping[str, float] = field(default_factory=dict)
 
 
+type Responses = Callable[[Sequence[StokesSystem]], Iterator[NodalSolution]]
+
+
 def nodal_vector(form: Form) -> Array:
     """A linear form on the velocity space, summed over ranks; this rank's rows of u."""
     vector = fem.assemble_vector(form)
@@ -130,10 +133,11 @@ def body_velocity(system: StokesSystem, U: Array) -> Array:
     return multiply(system.rigid.matrix, U.ravel() if system.layout.comm.rank == 0 else np.empty(0))
 
 
-def wall_force(system: StokesSystem, reaction: Array, wall: str) -> float:
-    """The force of a wall on the fluid along x, of a nodal reaction; collective."""
-    rows = system.layout.dimension * system.nodes.wall_nodes[wall].astype(np.int64)
-    return float(system.layout.comm.allreduce(float(reaction[rows].sum())))
+def wall_force(system: StokesSystem, reaction: Array, wall: str) -> Array:
+    """The force of a channel's wall on the fluid along it, of a nodal reaction, (d - 1,); collective."""
+    layout = system.layout
+    of_nodes = reaction[: layout.velocities].reshape(-1, layout.dimension)[system.nodes.wall_nodes[wall], :-1]
+    return np.asarray(layout.comm.allreduce(of_nodes.sum(axis=0)))
 
 
 def mode_equations(system: StokesSystem) -> tuple[Array, Array]:
@@ -147,15 +151,18 @@ def mode_equations(system: StokesSystem) -> tuple[Array, Array]:
     return D, load + D * inertia.U0.ravel()
 
 
-def solve_eliminated(system: StokesSystem) -> NodalSolution:
-    """Solve for y, then x = P y + g and lambda = M x - b. Raises SolveError as `factorised`."""
-    with factorised(system) as responses:
-        return next(responses(system.problem.motion.U[None]))
+def solve_eliminated(*systems: StokesSystem) -> list[NodalSolution]:
+    """Solve for y, then x = P y + g and lambda = M x - b. Raises SolveError as `factorised`.
+
+    All have one matrix: they differ in what is given and in their loads alone.
+    """
+    with factorised(systems[0]) as responses:
+        return list(responses(systems))
 
 
 @contextmanager
-def factorised(system: StokesSystem) -> Iterator[Callable[[Array], Iterator[NodalSolution]]]:
-    """Factorise P^T M P once: gives the solutions for any velocities (k, N, M) of the held modes; collective.
+def factorised(system: StokesSystem) -> Iterator[Responses]:
+    """Factorise P^T M P once: gives the solutions of all systems that have this matrix; collective.
 
     Or set up the iterative solver once. Raises SolveError: the system is singular, or the residual of a
     solution is not small.
@@ -163,18 +170,17 @@ def factorised(system: StokesSystem) -> Iterator[Callable[[Array], Iterator[Noda
     unknown = system.unknown_modes
     D, _ = mode_equations(system)
     elimination = system.workspace.elimination(system.layout, system.rigid, unknown, D)
-    reduced, first_mode = elimination.reduced, elimination.first_mode
     if system.mass is None or system.coarse is None:
         factors = elimination.factors(lasting=system.workspace.lasting)
         factors.extended = _is_narrow(system.problem)
-        yield lambda U: _respond(system, elimination, factors, U)
+        yield lambda systems: _respond(systems, elimination, factors)
         return
     try:
         with (
             parallel.together(),
-            _iteration(system, system.mass, system.coarse, reduced, first_mode) as iteration,
+            _iteration(system, system.mass, system.coarse, elimination) as iteration,
         ):
-            yield lambda U: _respond(system, elimination, iteration, U)
+            yield lambda systems: _respond(systems, elimination, iteration)
     finally:
         system.workspace.forget_elimination()
 
@@ -185,49 +191,50 @@ def _is_narrow(problem: StokesProblem) -> bool:
     return narrowest is not None and narrowest.gap < NARROW * problem.q.radii[narrowest.between[0]]
 
 
-def _iteration(
-    system: StokesSystem, mass: PETSc.Mat, coarse: Coarse, reduced: PETSc.Mat, first_mode: int
-) -> Iteration:
+def _iteration(system: StokesSystem, mass: PETSc.Mat, coarse: Coarse, elimination: Elimination) -> Iteration:
     """The iterative solver; it changes the matrix."""
+    reduced, first_mode = elimination.reduced, elimination.first_mode
     layout, start = system.layout, reduced.getOwnershipRange()[0]
     held = np.flatnonzero(system.problem.motion.held.ravel())[: system.modes_here]
     reduced.zeroRowsColumns((start + first_mode + held).astype(PETSc.IntType), diag=1.0)
-    pressures = layout.pressure_nodes
+    pressures = int(layout.free[layout.velocities :].sum())
     modes = np.arange(first_mode, first_mode + system.modes_here)
     blocks = SchurBlocks(
         u=start + np.concatenate([np.arange(first_mode - pressures), modes]),
         p=start + np.arange(first_mode - pressures, first_mode),
         transfer=transfer(coarse, layout.free[: layout.velocities], system.problem.motion.held.ravel()),
         rigid=coarse.rigid,
-        mass=mass,
+        mass=elimination.tied_mass(mass, np.arange(first_mode - pressures, first_mode)),
         closed=not system.problem.boundary.pressures,
     )
     return Iteration(reduced, blocks)
 
 
 def _respond(
-    system: StokesSystem, elimination: Elimination, solver: Factorisation | Iteration, held_U: Array
+    systems: Sequence[StokesSystem], elimination: Elimination, solver: Factorisation | Iteration
 ) -> Iterator[NodalSolution]:
-    """The solutions with velocities held_U (k, N, M) of the held modes, zero on the free ones."""
+    """The solutions of systems that have the same matrix."""
+    system = systems[0]
     free, unknown, modes_here = ~system.problem.motion.held, system.unknown_modes, system.modes_here
     M, first_mode = elimination.constrained, elimination.first_mode
-    g = [system.g + body_velocity(system, U) for U in held_U]
+    g = [each.g + body_velocity(each, each.problem.motion.U) for each in systems]
     # M is symmetric.
     precision = np.longdouble if _is_narrow(system.problem) else np.float64
-    loads = np.column_stack([system.b - M.transpose_times(offset.astype(precision)) for offset in g])
+    offsets = zip(systems, g, strict=True)
+    loads = np.column_stack([each.b - M.transpose_times(g.astype(precision)) for each, g in offsets])
     rhs = elimination.restricted(loads)
     of_modes = rhs[first_mode : first_mode + modes_here]
-    of_modes += mode_equations(system)[1][unknown][:modes_here, None]
+    of_modes += np.column_stack([mode_equations(each)[1][unknown][:modes_here] for each in systems])
     # Held modes that stand in y all the same are zero there: g has what they do.
     of_modes[~free.ravel()[unknown][:modes_here]] = 0.0
     solutions, residuals = solver.solve(rhs)
-    for U, offset, y, residual in zip(held_U, g, solutions.T, residuals, strict=True):
+    for each, offset, y, residual in zip(systems, g, solutions.T, residuals, strict=True):
         x = elimination.prolonged(y[:, None])[:, 0] + offset
-        moved = U.copy()
+        moved = each.problem.motion.U.copy()
         of_modes = y[first_mode : first_mode + modes_here]
         moved[free] = system.layout.comm.bcast(of_modes)[free.ravel()[unknown]]
         reaction = np.zeros_like(x)
-        reaction[M.rows] = M.times(x) - system.b[M.rows]
+        reaction[M.rows] = M.times(x) - each.b[M.rows]
         load = load_of(system, reaction)
         x, reaction = x.astype(float, copy=False), reaction.astype(float, copy=False)
         yield NodalSolution(x, reaction, load, moved, float(residual), solver.iterations)

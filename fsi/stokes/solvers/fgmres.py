@@ -39,6 +39,7 @@ from fsi.bodies.configuration import Array, rigid_motion
 from fsi.errors import SolveError, apart
 from fsi.stokes.discretisation.constraints import Prolongation, dof_layout, rigid_modes
 from fsi.stokes.discretisation.forms import Forms
+from fsi.stokes.discretisation.images import tied
 from fsi.stokes.discretisation.nodes import locate
 from fsi.stokes.problem import StokesProblem
 
@@ -57,6 +58,7 @@ def coarse_velocities(problem: StokesProblem, forms: Forms) -> Coarse:
     vertices = fem.functionspace(fluid.mesh, ("Lagrange", 1, (fluid.dimension,)))
     nodes = locate(fluid, vertices)
     layout = dof_layout(fluid, nodes, problem.boundary.velocities, 0, None)
+    layout = tied(layout, fluid, [(vertices, nodes.with_ghosts)])
     rigid = rigid_modes(layout, nodes, q, fluid.lattice)
     P = Prolongation(layout, rigid, np.ones(layout.modes, dtype=bool)).matrix
     interpolation = interpolation_matrix(vertices, forms.V)

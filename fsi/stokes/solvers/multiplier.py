@@ -24,8 +24,12 @@ from fsi.stokes.solvers.extended import multiply, multiply_transpose
 from fsi.stokes.solvers.mumps import Factorisation
 
 
-def solve_multiplier(system: StokesSystem) -> NodalSolution:
-    """Solve the saddle-point system. Raises SolveError: it is singular, or its residual is not small."""
+def solve_multiplier(*systems: StokesSystem) -> list[NodalSolution]:
+    """Solve saddle-point systems. Raises SolveError: one is singular, or its residual is not small."""
+    return [_solve(system) for system in systems]
+
+
+def _solve(system: StokesSystem) -> NodalSolution:
     layout, held = system.layout, system.problem.motion.held
     none = np.zeros_like(system.unknown_modes)
     prolongation = Prolongation(layout, system.rigid, none, eliminate_bodies=False)

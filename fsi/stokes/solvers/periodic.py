@@ -23,15 +23,14 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
-from fsi.meshes.build import FluidMesh, matching_nodes
+from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.lattice import matching_points
-from fsi.stokes.discretisation.constraints import DofLayout
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.discretisation.nodes import facets_with
-from fsi.stokes.problem import StokesProblem, channel_walls
+from fsi.stokes.problem import StokesProblem, wall_area
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, nodal_vector, wall_force
 
-type Solver = Callable[[StokesSystem], NodalSolution]
+type Solver = Callable[..., list[NodalSolution]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,10 +38,10 @@ class MeanFlow:
     """What is imposed on the whole of a periodic flow.
 
     Attributes:
-        gradient: E, (2, 2).
-        pressure_gradient: G, (2,), NaN where it is unknown.
-        velocity: mean of u - E x over fluid and bodies, (2,), for where G is unknown or all is `drifting`.
-        drifting: components in which nothing but this mean fixes a translation of everything, bool (2,).
+        gradient: E, (d, d).
+        pressure_gradient: G, (d,), NaN where it is unknown.
+        velocity: mean of u - E x over fluid and bodies, (d,), for where G is unknown or all is `drifting`.
+        drifting: components in which nothing but this mean fixes a translation of everything, bool (d,).
     """
 
     gradient: Array
@@ -54,40 +53,17 @@ class MeanFlow:
 def mean_flow(problem: StokesProblem) -> MeanFlow:
     """The mean flow of a channel with dp/dx, or None and a net flux; or of a cell."""
     container, motion, boundary = problem.container, problem.motion, problem.boundary
-    if len(container.periods) == container.dimension:
-        held = motion.held[:, :2].any(axis=0)
-        G = np.where(held, np.nan, motion.F[:, :2].sum(axis=0) / container.volume)
-        return MeanFlow(container.mean_gradient, G, np.zeros(2), ~held)
-    walls = channel_walls(container)
-    G = np.array([np.nan if boundary.pressure_gradient is None else boundary.pressure_gradient, 0.0])
-    velocity = np.array([(boundary.net_flux or 0.0) / (walls["top"] - walls["bottom"]), 0.0])
-    return MeanFlow(container.mean_gradient, G, velocity, np.zeros(2, dtype=bool))
-
-
-def tied(layout: DofLayout, fluid: FluidMesh, forms: Forms, x: Array) -> DofLayout:
-    """The layout with its slaves; collective. x: velocity nodes, ghosts last, (n, 2)."""
-    x_of_pressure = forms.Q.tabulate_dof_coordinates()
-    pairs = [matching_nodes(fluid, space, nodes) for space, nodes in ((forms.V, x), (forms.Q, x_of_pressure))]
-    V, Q = forms.V.dofmap.index_map, forms.Q.dofmap.index_map
-    starts = np.array(layout.comm.allgather((V.local_range[0], Q.local_range[0], V.size_local, layout.rows)))
-    first_row = np.concatenate([[0], np.cumsum(starts[:, 3])])
-
-    def rows(numbers: NDArray[np.int64], space: int, component: int) -> NDArray[np.int64]:
-        """Global rows of nodes, given by their global numbers, of V (0) or Q (1)."""
-        owner = np.searchsorted(starts[:, space], numbers, side="right") - 1
-        local = numbers - starts[owner, space]
-        of_rank = 2 * local + component if space == 0 else 2 * starts[owner, 2] + local
-        return np.asarray(first_row[owner] + of_rank)
-
-    parts = [(pairs[0], 0, 0), (pairs[0], 0, 1), (pairs[1], 1, 0)]
-    slave = np.concatenate([rows(p.slave, space, c) for p, space, c in parts])
-    master = np.concatenate([rows(p.master, space, c) for p, space, c in parts])
-    shift = fluid.lattice.shift(np.concatenate([p.shift for p, _, _ in parts]))
-    slave -= first_row[layout.comm.rank]
-    here = (slave >= 0) & (slave < layout.rows)
-    # What is given, or rigid, needs no image.
-    here[here] = ~np.isin(slave[here], np.concatenate([layout.fixed, layout.on_body]))
-    return replace(layout, slave=slave[here], master=master[here], away=shift[here])
+    d = container.dimension
+    if len(container.periods) == d:
+        held = motion.held[:, :d].any(axis=0)
+        G = np.where(held, np.nan, motion.F[:, :d].sum(axis=0) / container.volume)
+        return MeanFlow(container.mean_gradient, G, np.zeros(d), ~held)
+    # The flux is that through a section across x, of the channel's height and in space its width in y.
+    area = container.volume / float(np.linalg.norm(container.periods[0]))
+    G, velocity = np.zeros((2, d))
+    G[0] = np.nan if boundary.pressure_gradient is None else boundary.pressure_gradient
+    velocity[0] = (boundary.net_flux or 0.0) / area
+    return MeanFlow(container.mean_gradient, G, velocity, np.zeros(d, dtype=bool))
 
 
 class Jumps:
@@ -95,25 +71,25 @@ class Jumps:
 
     def __init__(self, system: StokesSystem) -> None:
         self.layout, fluid, q = system.layout, system.problem.fluid, system.problem.q
-        r = system.nodes.x[self.layout.on_body // 2] - q.centres[self.layout.body]
-        # How far the node of each row on a body lies from that of the body at q_i, (on_body, 2).
+        r = system.nodes.x[self.layout.on_body // q.dimension] - q.centres[self.layout.body]
+        # How far the node of each row on a body lies from that of the body at q_i, (on_body, d).
         self._to_body = fluid.lattice.shift(fluid.lattice.nearest(r))
         # Lattice vectors e and the nodal <n, v> over all that lies at e, on slaves and on opened bodies.
         self._normals = _normals(fluid, system.forms, q)
 
     def of_velocity(self, E: Array) -> Array:
         """The part of g for u(x + e) = u(x) + E e, this rank's rows."""
-        layout, g = self.layout, np.zeros(self.layout.rows)
-        of_flow = layout.slave < 2 * layout.velocity_nodes
+        layout, g, d = self.layout, np.zeros(self.layout.rows), self.layout.dimension
+        of_flow = layout.slave < layout.velocities
         slave = layout.slave[of_flow]
-        g[slave] = (layout.away[of_flow] @ E.T)[np.arange(len(slave)), slave % 2]
-        g[layout.on_body] = (self._to_body @ E.T)[np.arange(len(layout.on_body)), layout.on_body % 2]
+        g[slave] = (layout.away[of_flow] @ E.T)[np.arange(len(slave)), slave % d]
+        g[layout.on_body] = (self._to_body @ E.T)[np.arange(len(layout.on_body)), layout.on_body % d]
         return g
 
     def of_pressure(self, G: Array) -> tuple[Array, Array]:
         """The parts of g and of b for p(x + e) = p(x) + G.e, this rank's rows."""
         layout, g, b = self.layout, np.zeros(self.layout.rows), np.zeros(self.layout.rows)
-        of_pressure = layout.slave >= 2 * layout.velocity_nodes
+        of_pressure = layout.slave >= layout.velocities
         g[layout.slave[of_pressure]] = layout.away[of_pressure] @ G
         for e, normal in self._normals:
             b[: len(normal)] -= (G @ e) * normal
@@ -126,7 +102,8 @@ def _normals(fluid: FluidMesh, forms: Forms, q: Configuration) -> list[tuple[Arr
     on_cut = facets_with(fluid, fluid.cut_tag, fluid.cut_tag)
     facets = np.concatenate([facets_with(fluid, 1, fluid.bodies), on_cut])
     tags = fluid.facet_tags.values[np.searchsorted(fluid.facet_tags.indices, facets)]
-    middle = dolfinx_mesh.compute_midpoints(fluid.mesh, 1, facets)[:, :2]
+    d = fluid.dimension
+    middle = dolfinx_mesh.compute_midpoints(fluid.mesh, d - 1, facets)[:, :d]
     m = np.zeros((len(facets), lattice.dimension), dtype=np.int64)
     on_body = tags <= fluid.bodies
     body = tags[on_body] - 1
@@ -154,24 +131,25 @@ class Averages:
     """Averages over the fluid and the bodies of a periodic domain together.
 
     Attributes:
-        weights: int v_c over the fluid for each row of u, (rows of u, 2), of this rank.
-        x: this rank's velocity nodes, (n, 2).
+        weights: int v_c over the fluid for each row of u, (rows of u, d), of this rank.
+        x: this rank's velocity nodes, (n, d).
     """
 
     def __init__(self, system: StokesSystem) -> None:
         self._problem, self.x, forms, columns = system.problem, system.nodes.x, system.forms, []
-        for direction in np.eye(2):
-            forms.f.x.array[:] = np.tile(direction, len(forms.f.x.array) // 2)
+        d = system.layout.dimension
+        for direction in np.eye(d):
+            forms.f.x.array[:] = np.tile(direction, len(forms.f.x.array) // d)
             columns.append(nodal_vector(forms.bind("load")))
         self.weights = np.column_stack(columns)
 
     def velocity(self, solution: NodalSolution, E: Array) -> Array:
-        """The mean of u - E x, (2,); collective."""
+        """The mean of u - E x, (d,); collective."""
         q, comm = self._problem.q, MPI.COMM_WORLD
         u = solution.x[: len(self.weights)] - (self.x @ E.T).ravel()
-        V = solution.U[:, :2] - q.centres @ E.T
+        V = solution.U[:, : q.dimension] - q.centres @ E.T
         of_fluid = np.asarray(comm.allreduce(u @ self.weights, op=MPI.SUM))
-        return np.asarray((of_fluid + (np.pi * q.radii**2) @ V) / self._problem.container.volume)
+        return np.asarray((of_fluid + q.volumes @ V) / self._problem.container.volume)
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,7 +173,7 @@ class Drive:
 def _pushed(system: StokesSystem, mean: MeanFlow, jump: Jumps, component: int) -> Drive:
     """A component of the pressure gradient, for the mean velocity."""
     average = Averages(system)
-    g, b = jump.of_pressure(np.eye(2)[component])
+    g, b = jump.of_pressure(np.eye(len(mean.velocity))[component])
 
     def velocity(flow: NodalSolution, E: Array) -> float:
         return float(average.velocity(flow, E)[component])
@@ -204,12 +182,12 @@ def _pushed(system: StokesSystem, mean: MeanFlow, jump: Jumps, component: int) -
 
 
 def _pulled(system: StokesSystem, wall: str, stress: float) -> Drive:
-    """The speed of a wall along x, for the force that it exerts over its length."""
+    """The speed of a wall along x, for the force along x that it exerts over its area."""
     g = np.zeros_like(system.g)
-    g[2 * system.nodes.wall_nodes[wall].astype(np.int64)] = 1.0
+    g[system.layout.dimension * system.nodes.wall_nodes[wall].astype(np.int64)] = 1.0
 
     def traction(flow: NodalSolution, _: Array) -> float:
-        return wall_force(system, flow.reaction, wall) / float(system.problem.container.periods[0, 0])
+        return float(wall_force(system, flow.reaction, wall)[0]) / wall_area(system.problem.container)
 
     return Drive(g, np.zeros_like(system.b), wall, traction, stress)
 
@@ -225,23 +203,26 @@ def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, 
     E, G = mean.gradient, np.nan_to_num(mean.pressure_gradient)
     # Where everything may drift, the first body rests at first.
     held = motion.held.copy()
-    held[:1, :2] |= mean.drifting
+    d = problem.q.dimension
+    held[:1, :d] |= mean.drifting
     g, b = jump.of_pressure(G)
     known = replace(
         system, g=system.g + g + jump.of_velocity(E), b=system.b + b,
         problem=replace(problem, motion=replace(motion, held=held)),
     )  # fmt: skip
-    solution, total_g, total_b = solver(known), known.g, known.b
     unknown = np.flatnonzero(np.isnan(mean.pressure_gradient))
     drives = [_pushed(system, mean, jump, int(component)) for component in unknown]
     drives += [_pulled(system, wall, stress) for wall, stress in problem.boundary.stresses.items()]
     speeds: dict[str, float] = {}
+    resting = Motion(held, np.zeros_like(motion.U), np.zeros_like(motion.F))
+    inertia = problem.inertia and Inertia(problem.inertia.D, np.zeros_like(problem.inertia.U0))
+    at_rest = replace(problem, motion=resting, inertia=inertia)
+    solution, *driven = solver(
+        known, *(replace(known, g=each.g, b=each.b, problem=at_rest) for each in drives)
+    )
+    total_g, total_b = known.g, known.b
     if drives:
-        resting = Motion(held, np.zeros_like(motion.U), np.zeros_like(motion.F))
-        inertia = problem.inertia and Inertia(problem.inertia.D, np.zeros_like(problem.inertia.U0))
-        at_rest = replace(problem, motion=resting, inertia=inertia)
-        driven = [solver(replace(known, g=drive.g, b=drive.b, problem=at_rest)) for drive in drives]
-        response = np.array([[each.measured(flow, np.zeros((2, 2))) for flow in driven] for each in drives])
+        response = np.array([[each.measured(flow, np.zeros((d, d))) for flow in driven] for each in drives])
         missing = np.array([each.wanted - each.measured(solution, E) for each in drives])
         sizes = np.linalg.solve(response, missing)
         G[unknown] = sizes[: len(unknown)]
@@ -253,7 +234,9 @@ def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, 
         drift = np.where(mean.drifting, mean.velocity - average.velocity(solution, E), 0.0)
         u = solution.x.copy()
         u[: len(average.weights)] += np.tile(drift, len(average.x))
-        solution = replace(solution, x=u, U=solution.U + np.append(drift, 0.0))
+        U = solution.U.copy()
+        U[:, :d] += drift
+        solution = replace(solution, x=u, U=U)
     moved = replace(problem, boundary=problem.boundary.sliding(speeds))
     loaded = replace(system, g=total_g, b=total_b, problem=moved)
     return loaded, replace(solution, pressure_gradient=G, wall_speeds=speeds)
@@ -262,4 +245,5 @@ def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, 
 def _sum(one: NodalSolution, other: NodalSolution, s: float) -> NodalSolution:
     x, reaction = one.x + s * other.x, one.reaction + s * other.reaction
     load, U = one.load + s * other.load, one.U + s * other.U
-    return NodalSolution(x, reaction, load, U, max(one.residual, other.residual))
+    residual, iterations = max(one.residual, other.residual), max(one.iterations, other.iterations)
+    return NodalSolution(x, reaction, load, U, residual, iterations)

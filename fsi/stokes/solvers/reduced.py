@@ -107,6 +107,25 @@ class Elimination:
         every = [self._cells.recovered(*pair)[inner] for pair in zip(x.T, loads.T, strict=True)]
         return np.vstack([y, np.column_stack(every)])
 
+    def tied_mass(self, mass: PETSc.Mat, free: NDArray[np.int64]) -> PETSc.Mat:
+        """The matrix of all pressure nodes, summed over images; the same one where none has any; collective.
+
+        free: where pressures stand in y on this rank.
+        """
+        layout = self.layout
+        if layout.comm.allreduce(len(layout.slave)) == 0:
+            return mass
+        rows = self._P.getOwnershipRange()[0] + np.arange(layout.velocities, layout.rows)
+        columns = self._P.getOwnershipRangeColumn()[0] + free
+        of_both = [
+            PETSc.IS().createGeneral(each.astype(PETSc.IntType), layout.comm) for each in (rows, columns)
+        ]
+        images = self._P.createSubMatrix(*of_both)
+        summed = mass.ptap(images)
+        for used in (images, *of_both):
+            used.destroy()
+        return summed
+
     def factors(self, *, lasting: bool) -> Factorisation:
         """The factors of `reduced` as it is now, as `Factorisation`. Raises SolveError: it is singular."""
         if self._factors is None:
