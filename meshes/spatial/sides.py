@@ -24,8 +24,7 @@ import scipy  # its modules load when they are used
 
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.container import Array, Container, FluidDomain
-from fsi.meshes.geometry.lattice import Lattice
-from fsi.meshes.planar.triangulate import Indices
+from fsi.meshes.geometry.lattice import Integers, Lattice
 
 PLACES = 400  # that are tried for each side
 FAR = 0.3  # of a radius: no distance of a side from a sphere is better than this
@@ -93,7 +92,7 @@ class Sides:
                 tied += [faces[master], faces[slave]]
         return tied
 
-    def matched(self, vertices: Array, on_sides: Indices) -> Array:
+    def matched(self, vertices: Array, on_sides: Integers) -> Array:
         """The vertices (n, 3) with those of high sides where their images on low ones are, to the last bit.
 
         on_sides: numbers of the vertices on all sides. Where curves meet, the kernel of gmsh has its own
@@ -163,7 +162,7 @@ def _middle_of_best(score: Array) -> int:
     return int((start + (low + high) // 2) % len(score))
 
 
-def images(domain: FluidDomain, sides: Sides, reach: float) -> tuple[FluidDomain, Indices]:
+def images(domain: FluidDomain, sides: Sides, reach: float) -> tuple[FluidDomain, Integers]:
     """The domain with all images of its spheres that come as near as `reach` to the cell, and whose they are.
 
     The images of one sphere are spheres of their own there, (g,) in all.
@@ -182,10 +181,10 @@ def images(domain: FluidDomain, sides: Sides, reach: float) -> tuple[FluidDomain
     return opened, of[near]
 
 
-def with_bodies(tags: Indices, of: Sequence[int] | Indices, bodies: int) -> Indices:
+def with_bodies(tags: Integers, of: Sequence[int] | Integers, bodies: int) -> Integers:
     """Tags of bodies, walls and sides from those of the images, whose bodies are `of`."""
     numbers = np.asarray(of, dtype=np.int64)
     rest = tags - len(numbers) + bodies
     on_image = (tags >= 1) & (tags <= len(numbers))
-    found: Indices = np.where(on_image, numbers[np.clip(tags - 1, 0, max(len(numbers) - 1, 0))] + 1, rest)
+    found: Integers = np.where(on_image, numbers[np.clip(tags - 1, 0, max(len(numbers) - 1, 0))] + 1, rest)
     return found
