@@ -53,6 +53,7 @@ def ball(position: list[float], **motion: Any) -> dict[str, Any]:
 HELD = {"velocity": [0.0, 1.0, 0.0], "angular_velocity": [0.0, 0.0, 0.0]}
 
 
+@pytest.mark.slow
 def test_drag_of_a_simple_cubic_array() -> None:
     """Zick and Homsy 1982, J. Fluid Mech. 115:13, table 2: K = 2.810 at c = 0.064.
 
@@ -66,7 +67,9 @@ def test_drag_of_a_simple_cubic_array() -> None:
     assert found.pressure_gradient[1] * volume == pytest.approx(found.F[0, 1], rel=1e-9)
 
 
-@pytest.mark.parametrize("flow", ["shear", "extension", "uniaxial"])
+@pytest.mark.parametrize(
+    "flow", ["shear", *(pytest.param(flow, marks=pytest.mark.slow) for flow in ("extension", "uniaxial"))]
+)
 def test_three_ways_to_one_viscosity(flow: str) -> None:
     """By the mean stress, the stresslets and the dissipation; a lost jump on one side would show at 1e-1."""
     found = solved(case(OBLIQUE | {flow: 1.3}, TWO))
@@ -80,6 +83,7 @@ def test_three_ways_to_one_viscosity(flow: str) -> None:
     assert (bulk.differences["N_1"], bulk.differences["N_2"]) == (S[0, 0] - S[2, 2], S[2, 2] - S[1, 1])
 
 
+@pytest.mark.slow
 def test_solvers_and_forms_agree_in_a_cell() -> None:
     """Velocities, the unknown pressure gradients and the stress; images lost in one of them would show."""
     bodies = [TWO[0] | HELD, TWO[1] | {"force": [0.1, 0.0, -0.3], "torque": [0.0, 0.2, 0.0]}]
@@ -97,6 +101,7 @@ def test_solvers_and_forms_agree_in_a_cell() -> None:
         assert_allclose(other.bulk.mean, direct.bulk.mean, atol=tolerance * np.abs(direct.bulk.mean).max())
 
 
+@pytest.mark.slow
 def test_a_cell_in_space_does_not_know_where_it_begins() -> None:
     """u = E x + periodic: a shift by s adds E s. Cut elsewhere, the mesh misses by 1 % and less."""
     s, shear = np.array([1.7, -2.9, 11.3]), 1.0
@@ -108,6 +113,15 @@ def test_a_cell_in_space_does_not_know_where_it_begins() -> None:
     assert there.bulk is not None
     assert here.bulk is not None
     assert there.apparent_viscosity == pytest.approx(here.apparent_viscosity, rel=1e-2)
+
+
+@pytest.mark.slow
+def test_a_sheared_lattice_in_space_returns_at_whole_strains() -> None:
+    """Of a cube of side 4 at strain 2 it is that at 0; at 1/2 another one, by percents in the viscosity."""
+    model = StokesModel(case({"shape": "cell", "vectors": (4.0 * np.eye(3)).tolist(), "shear": 1.0}, TWO))
+    mu = [model(model.case.configuration(), t).apparent_viscosity or 0.0 for t in (0.0, 2.0, 0.5)]
+    assert mu[1] == pytest.approx(mu[0], rel=1e-9)
+    assert abs(mu[2] / mu[0] - 1.0) > 1e-2
 
 
 def test_between_sliding_walls() -> None:
