@@ -51,11 +51,11 @@ def bulk_stress(system: StokesSystem, solution: NodalSolution, mean_pressure: fl
     E = problem.mean_strain_rate
     if not E.any():
         return bulk
-    power = np.sum(bulk.mean * E)
+    power = float(np.sum(bulk.mean * E))
     if system.nodes.wall_nodes:  # in a channel by the mean shear stress on both walls
         force = {wall: wall_force(system, solution.reaction, wall) for wall in system.nodes.wall_nodes}
-        power = ((force["top"] - force["bottom"]) / wall_area(problem.container)) @ E[:-1, -1]
-    return replace(bulk, apparent_viscosity=float(power / (2.0 * problem.viscosity * np.sum(E**2))))
+        power = float((force["top"] - force["bottom"]) @ E[:-1, -1]) / wall_area(problem.container)
+    return replace(bulk, apparent_viscosity=power / float(2.0 * problem.viscosity * np.sum(E**2)))
 
 
 def _viscous_part(system: StokesSystem, solution: NodalSolution) -> Array:
