@@ -105,9 +105,8 @@ class Configuration:
 
     @property
     def volumes(self) -> Array:
-        """Of each body, (N,): of spheres, in the plane the areas of discs; not for spheres on an axis."""
-        volumes: Array = np.pi * self.radii**2 if self.dimension == 2 else 4.0 / 3.0 * np.pi * self.radii**3
-        return volumes
+        """Of each body, (N,): of spheres, in the plane the areas; not for spheres on an axis."""
+        return self.areas if self.dimension == 2 else 4.0 / 3.0 * np.pi * self.radii**3
 
     @property
     def arms(self) -> Array:
