@@ -12,7 +12,7 @@ import pyvista as pv
 
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
-from fsi.files import replace
+from fsi.files import replace, require_suffix, write_whole
 from fsi.meshes.cells.lagrange import order_of
 from fsi.meshes.geometry.container import FluidDomain
 from fsi.postprocess.run.run import Run, along_curves, nodes, open_run, small_triangles
@@ -82,6 +82,21 @@ def _turned(v: Array, angles: Array) -> Array:
     return turned
 
 
+def write_bodies(run: Run, output: Path) -> int:
+    """Write where bodies were at all steps, how they moved and what loaded them, with radii, as CSV.
+
+    Gives the number of rows. Raises InputError: there are no bodies, another suffix, the disk refuses.
+    """
+    require_suffix(output, ".csv")
+    if not run.case.names:
+        raise InputError(f"{run.path}: the run has no bodies; use --format vtkhdf")
+    radii = dict(zip(run.case.names, run.case.configuration().radii.tolist(), strict=True))
+    table = run.bodies.copy()
+    table.insert(3, "radius", table["body"].map(radii))
+    write_whole(output, table.to_csv(index=False))
+    return len(table)
+
+
 def write_step_mesh(run: Path, step: int | None, output: Path) -> int:
     """Write the mesh of a run at a step (default: the last with fields), with its tags; gives the step.
 
@@ -90,9 +105,10 @@ def write_step_mesh(run: Path, step: int | None, output: Path) -> int:
         MeshFileError: the suffix is unknown, or a file cannot be read or written.
     """
     from fsi.meshes.files.read import recover
-    from fsi.meshes.files.write import require_suffix, write_cells
+    from fsi.meshes.files.write import require_suffix as require_mesh_suffix
+    from fsi.meshes.files.write import write_cells
 
-    require_suffix(output)
+    require_mesh_suffix(output)
     read = open_run(run)
     step = read.step(step)
     if not read.case.level.meshed:

@@ -18,6 +18,7 @@ from fsi.cli import (
     calibrate,
     cases,
     compare,
+    export,
     pack,
     plot,
     render,
@@ -75,6 +76,7 @@ app.command(epilog=plot.EXAMPLE)(plot.plot)
 app.command(epilog=report.PROBE_EXAMPLE)(report.probe)
 app.command(epilog=report.EXAMPLE)(report.report)
 app.command(epilog=report.REVOLVE_EXAMPLE)(report.revolve)
+app.command(epilog=export.EXAMPLE)(export.export)
 app.add_typer(analyse.analyse, name="analyse")
 app.command(epilog=compare.LIMIT_EXAMPLE)(compare.limit)
 app.command(epilog=solve.RESISTANCE_EXAMPLE)(solve.resistance)

@@ -105,7 +105,7 @@ def test_mistakes_are_one_line(vary: str, target: str, words: str, capfd: pytest
 def test_the_four_viscosities_of_the_slides(tmp_path: Path) -> None:
     """By pores of one mode, within 2 %; `tests/test_cases.py` has the resolved ones."""
     example = runpy.run_path(str(ROOT / "docs" / "examples" / "four_viscosities.py"))
-    found = example["solutions"]("pores")
+    found = example["solutions"]("model=pores")
     for name, solution in found.items():
         case = solution.case
         discs = sum(math.pi * body.radius**2 for body in case.bodies)
