@@ -19,11 +19,13 @@ from fsi.postprocess.run.run import Run
 SUFFIX = ".vtkhdf"
 
 
-class _Steps(VTKPythonAlgorithmBase):  # type: ignore[misc]  # it has no types
+class _Steps(VTKPythonAlgorithmBase):
     """What VTK's writer asks for the meshes of a series, time by time."""
 
     def __init__(self, run: Run, series: str) -> None:
-        super().__init__(nInputPorts=0, nOutputPorts=1, outputType="vtkUnstructuredGrid")
+        VTKPythonAlgorithmBase.__init__(  # type: ignore[no-untyped-call]  # it says none
+            self, nInputPorts=0, nOutputPorts=1, outputType="vtkUnstructuredGrid"
+        )
         self._run, self._series = run, series
         times = run.times_of(series)
         self._times, self._numbers = [float(t) for t in times], [int(n) for n in times.index]
