@@ -19,6 +19,7 @@ from fsi.cli import (
     cases,
     compare,
     export,
+    new,
     pack,
     plot,
     render,
@@ -63,6 +64,7 @@ def options(
 
 
 app.command(epilog=cases.EXAMPLE)(cases.cases)
+app.command(epilog=new.EXAMPLE)(new.new)
 app.command(epilog=cases.CHECK_EXAMPLE)(cases.check)
 app.command(epilog=cases.KEYS_EXAMPLE)(cases.keys)
 app.command(epilog=solve.MESH_EXAMPLE)(solve.mesh)
