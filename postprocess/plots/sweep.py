@@ -46,7 +46,7 @@ def _draw(axes: Axes, plan: SweepPlan, rows: Sequence[SweepRow], found: Sequence
         for i, at in zip(order, x, strict=True):
             group = rows[(i * curves + k) * each : (i * curves + k + 1) * each]
             known = [row.values[of_curve[0].quantity].value for row in group if row.values is not None]
-            axes.plot(np.full(len(known), at), known, ".", color=colour, alpha=0.25, ms=5, zorder=1)
+            axes.plot(np.full(len(known), at), known, ".", color=colour, alpha=0.4, ms=5, zorder=1)
     axes.set(xlabel=plan.keys[0].name if plan.keys else "")
     if not numeric or not plan.keys:
         axes.set_xticks(place, [toml_text(value) for value in values] if plan.keys else [""])
