@@ -56,3 +56,5 @@ def test_a_source_distribution_builds_the_same_wheel(tmp_path: Path) -> None:
     (root,) = unpacked.iterdir()
     for room in ("meshes/build.py", "postprocess/report.py", "cases/disc_in_box.toml"):
         assert (root / "fsi" / room).is_file(), room
+    for what in ("tests/conftest.py", "docs/index.md", "docs/gallery/ten_gaps.png", "mkdocs.yml", "Makefile"):
+        assert (root / what).is_file(), what  # it can be tested, and its site made
