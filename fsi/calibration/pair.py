@@ -86,7 +86,7 @@ class Pair:
         data: dict[str, Any] = self.case.model_dump(exclude_none=True, exclude=_LEFT_OUT)
         data["bodies"] = list(data["bodies"])
         for i, body in enumerate(data["bodies"]):
-            place = {key: body[key] for key in ("name", "radius", "position")}
+            place = {key: body[key] for key in ("name", "radius", "position", "slip_length") if key in body}
             data["bodies"][i] = place | self._motion(i, gap)
         data["bodies"][self.first]["position"] = tuple(centre.tolist())
         try:

@@ -72,6 +72,10 @@ class Body(Section):
         description=f"the external force, two components (in space three), each {_LOAD}; 0 if not given"
     )
     torque: Torque = Field(description=f"the external torque, (in space three times) {_LOAD}; 0 if not given")
+    slip_length: NotNegative | None = None
+    """the slip length of the surface, a number >= 0; 0, fluid sticks to it, if not given"""
+    surface_velocity: tuple[float, ...] | None = None
+    """the modes [B_1, B_2, ...] of the velocity along the surface of a swimmer; none if not given"""
     mass: Positive | None = None
     """the mass (in the plane per unit length), a number > 0, or none"""
     moment_of_inertia: Positive | None = Field(
@@ -143,6 +147,11 @@ class Body(Section):
         if self.shape is not None and moment is None:
             moment = self.mass * self.shape.outline.second_moment / self.shape.outline.area
         return self.mass, moment or 0.0
+
+    @property
+    def swims(self) -> bool:
+        """Whether its surface moves along itself."""
+        return any(self.surface_velocity or ())
 
     @property
     def motion(self) -> tuple[Component, ...]:

@@ -242,7 +242,7 @@ class Case(Section):
 
     def wall_velocity(self, t: float) -> dict[str, WallVelocity]:
         """The velocity at time t on the walls where it is given."""
-        velocities = {name: wall.velocity(t, self.dimension) for name, wall in self.domain.walls.items()}
+        velocities = {name: wall.velocity_at(t, self.dimension) for name, wall in self.domain.walls.items()}
         return {name: velocity for name, velocity in velocities.items() if velocity is not None}
 
     def wall_pressure(self) -> dict[str, float]:
@@ -254,6 +254,10 @@ class Case(Section):
         """The tangential traction at time t of the walls that it moves, along x."""
         stresses = {name: wall.shear_stress(t) for name, wall in self.domain.walls.items()}
         return {name: stress for name, stress in stresses.items() if stress is not None}
+
+    def wall_slip(self) -> dict[str, float]:
+        """The slip length of the walls along which fluid slides."""
+        return {name: wall.slip for name, wall in self.domain.walls.items() if wall.slip}
 
     def bulk(self) -> Bulk:
         """What gravity acts on."""

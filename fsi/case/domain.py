@@ -47,7 +47,8 @@ class Walled(Registered):
         default={},
         validate_default=True,
         description='for each wall its velocity [u_x, u_y] (in space [u_x, u_y, u_z]), "open", '
-        "{pressure = p}, {shear = rate} or, of a channel, {stress = force over length}",
+        "{pressure = p}, {shear = rate}, {slip_length = b, velocity = [u_x, u_y]} or, of a channel, "
+        "{stress = force over length}",
     )
     mesh: str | None = None
     """the path of a mesh file of this shape, seen from the case file's folder"""

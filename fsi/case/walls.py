@@ -1,5 +1,7 @@
 """What holds at the walls of a domain: a velocity, or a traction."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal, override
 
@@ -7,7 +9,7 @@ import numpy as np
 from pydantic import ConfigDict, Discriminator, RootModel, Tag
 
 from fsi.bodies.configuration import Array
-from fsi.case.section import Section, nearest_word
+from fsi.case.section import Positive, Section, nearest_word
 from fsi.case.series import Series, Table, kinks, value_at
 
 
@@ -34,9 +36,18 @@ class WallCondition:
         """That of an open wall; None where the velocity is given instead."""
         return None
 
-    def velocity(self, t: float, dimension: int) -> WallVelocity | None:  # noqa: ARG002
+    @property
+    def slip(self) -> float:
+        """The slip length, 0 where fluid sticks to the wall."""
+        return 0.0
+
+    def velocity_at(self, t: float, dimension: int) -> WallVelocity | None:  # noqa: ARG002
         """The velocity at time t; None where the traction is given instead."""
         return None
+
+    def resting(self, dimension: int) -> WallCondition:
+        """The same wall at rest; an open wall as it is."""
+        return self if self.outside_pressure is not None else Velocity((0.0,) * dimension)
 
     def series(self) -> tuple[float | Table, ...]:
         """What may depend on time."""
@@ -66,7 +77,7 @@ class WallCondition:
 
     def _at_kinks(self) -> list[WallVelocity | None]:
         """The velocity when it may be extreme: between its kinks it is linear in time."""
-        return [self.velocity(t, 2) for t in self.kinks() or {0.0}]
+        return [self.velocity_at(t, 2) for t in self.kinks() or {0.0}]
 
 
 class Open(RootModel[Literal["open"]], WallCondition):
@@ -87,7 +98,7 @@ class Velocity(RootModel[tuple[Series, ...]], WallCondition):
     model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False)
 
     @override
-    def velocity(self, t: float, dimension: int) -> WallVelocity:
+    def velocity_at(self, t: float, dimension: int) -> WallVelocity:
         return WallVelocity(np.array([value_at(component, t) for component in self.root]), 0.0)
 
     @override
@@ -120,7 +131,7 @@ class Shear(Section, WallCondition):
     """the shear rate of the flow u_x = shear y (in space shear z), a number"""
 
     @override
-    def velocity(self, t: float, dimension: int) -> WallVelocity:
+    def velocity_at(self, t: float, dimension: int) -> WallVelocity:
         return WallVelocity(np.zeros(dimension), self.shear)
 
 
@@ -140,10 +151,43 @@ class Stress(Section, WallCondition):
         return (self.stress,)
 
 
+class SlidingWall(Section, WallCondition):
+    """A wall along which fluid slides, and which may move itself."""
+
+    tag: ClassVar[str] = "<slip>"
+    slip_length: Positive
+    """the slip length of a wall along which fluid slides, a number > 0"""
+    velocity: tuple[Series, ...] | None = None
+    """the velocity of such a wall, two components (in space three); at rest if not given"""
+
+    @property
+    @override
+    def slip(self) -> float:
+        return self.slip_length
+
+    @override
+    def velocity_at(self, t: float, dimension: int) -> WallVelocity:
+        given = self.velocity or (0.0,) * dimension
+        return WallVelocity(np.array([value_at(component, t) for component in given]), 0.0)
+
+    @override
+    def series(self) -> tuple[float | Table, ...]:
+        return self.velocity or ()
+
+    @override
+    def components(self, dimension: int) -> tuple[Any, ...]:
+        return self.velocity or super().components(dimension)
+
+    @override
+    def resting(self, dimension: int) -> WallCondition:
+        return self.model_copy(update={"velocity": None})
+
+
 def _wall_kind(value: Any) -> str:
     if isinstance(value, dict):
-        kinds = ("pressure", "shear", "stress")
-        return f"<{nearest_word(str(next(iter(value), 'pressure')), kinds)}>"
+        words = ("pressure", "shear", "stress", *SlidingWall.model_fields)
+        key = nearest_word(str(next(iter(value), "pressure")), words)
+        return SlidingWall.tag if key in SlidingWall.model_fields else f"<{key}>"
     return getattr(value, "tag", Open.tag if isinstance(value, str) else Velocity.tag)
 
 
@@ -152,6 +196,7 @@ Wall = Annotated[
     | Annotated[Velocity, Tag(Velocity.tag)]
     | Annotated[Pressure, Tag(Pressure.tag)]
     | Annotated[Shear, Tag(Shear.tag)]
-    | Annotated[Stress, Tag(Stress.tag)],
+    | Annotated[Stress, Tag(Stress.tag)]
+    | Annotated[SlidingWall, Tag(SlidingWall.tag)],
     Discriminator(_wall_kind),
 ]

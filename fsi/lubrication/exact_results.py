@@ -11,6 +11,7 @@ from typing import Literal
 
 from fsi.lubrication import exact, spheres
 from fsi.lubrication import sphere_beside_plane as beside
+from fsi.lubrication.concentric import Concentric
 from fsi.lubrication.exact import Array
 
 
@@ -29,6 +30,9 @@ class ExactProblem:
         body: index of the body whose force or velocity is asked for.
         mode: and which of its M modes.
         gap: at which gap the time is asked for.
+        slip_length: of the first body.
+        far_slip: of the container, where it is round.
+        swimming: B_1 of the first body.
     """
 
     viscosity: float
@@ -41,6 +45,15 @@ class ExactProblem:
     body: int = 0
     mode: int = 0
     gap: float = 0.0
+    slip_length: float = 0.0
+    far_slip: float = 0.0
+    swimming: float = 0.0
+
+    def concentric(self, *, spheres: bool) -> Concentric:
+        """The first body at the centre of its container."""
+        return Concentric(
+            float(self.radii[0]), 0.5 * self.size, self.slip_length, self.far_slip, spheres=spheres
+        )
 
     def beside_plane(self) -> tuple[float, float, float]:
         """Gap, radius and viscosity of the first body beside the plane y = 0 (in space z = 0)."""
@@ -129,6 +142,34 @@ def concentric_sphere(problem: ExactProblem) -> float:
     a = problem.radii[0]
     R = spheres.concentric_resistance(0.5 * problem.size - a, a, problem.viscosity)
     return -float(R) * float(problem.U[0, problem.mode])
+
+
+@exact_result(Fitting("axisymmetric", "round", 1, "force", enclosed=True))
+def sliding_sphere(problem: ExactProblem) -> float:
+    """A sphere at the centre of a spherical container, with slip on both."""
+    V = float(problem.U[0, problem.mode])
+    return -problem.concentric(spheres=True).force(V, problem.swimming, problem.viscosity)
+
+
+@exact_result(Fitting("planar", "round", 1, "force", enclosed=True))
+def sliding_disc(problem: ExactProblem) -> float:
+    """A disc moving or turning at the centre of a round container, with slip on both; none swims."""
+    disc, speed = problem.concentric(spheres=False), float(problem.U[0, problem.mode])
+    if problem.mode == 2:
+        return -disc.torque(speed, problem.viscosity)
+    return -disc.force(speed, 0.0, problem.viscosity)
+
+
+@exact_result(Fitting("axisymmetric", "round", 1, "velocity", enclosed=True))
+def swimming_sphere(problem: ExactProblem) -> float:
+    """A free squirmer at the centre of a spherical container, with slip on both."""
+    return problem.concentric(spheres=True).swimming(problem.swimming)
+
+
+@exact_result(Fitting("planar", "round", 1, "velocity", enclosed=True))
+def swimming_disc(problem: ExactProblem) -> float:
+    """A free squirming disc at the centre of a round container; its axis is that of x."""
+    return problem.concentric(spheres=False).swimming(problem.swimming) if problem.mode == 0 else 0.0
 
 
 @exact_result(Fitting("planar", "half-plane", 1, "force"))

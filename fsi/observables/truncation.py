@@ -121,14 +121,21 @@ class FlowScales:
 
 
 def flow_scales(case: Case, t: float) -> FlowScales:
-    """What walls and mean flow do at time t; a wall shears at its speed over the size of the container."""
+    """What walls, mean flow and swimmers do at time t.
+
+    A wall shears at its speed over the size of the container.
+    """
     radius = max((body.radius for body in case.bodies), default=0.0)
     container = case.container()
     size, walls = container.size(), case.wall_velocity(t).values()
     rates = [float(np.linalg.norm(wall.velocity)) / size + abs(wall.shear) for wall in walls]
     rates += [abs(stress) / case.fluid.viscosity for stress in case.wall_stress(t).values()]
     rate = max([*rates, float(np.abs(container.mean_gradient).max())])
-    return FlowScales(rate * radius, case.fluid.viscosity * (radius if case.spheres else 1.0))
+    swimming = (abs(mode) for body in case.bodies for mode in body.surface_velocity or ())
+    return FlowScales(
+        max(rate * radius, max(swimming, default=0.0)),
+        case.fluid.viscosity * (radius if case.spheres else 1.0),
+    )
 
 
 # A result that is smaller than this part of what drives the flow may be zero by symmetry.

@@ -6,11 +6,16 @@ In polar coordinates around a right angle between
   dissipation 2 mu e : e ~ 1 / r^2 has no integral: it is infinite, like the force that moves such a wall.
 - a wall with a given velocity and an open one it is u ~ r^0.59; the dissipation is finite.
 
+Where fluid slides along a wall only the normal component there is given: a lid that slides past walls at rest
+does not jump. Beside a wall without friction the flow is that of twice the angle, a plane wall, and friction
+is of lower order: what slides makes no corner singular.
+
 A force on a body between the walls is finite with both: meshes are graded towards these corners
 (`fsi.meshes.planar.grading`).
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.meshes.geometry.container import Container
@@ -22,20 +27,38 @@ SAME = 1e-12  # velocities that differ by this part of the largest are one
 def jumps(container: Container, boundary: Boundary) -> list[tuple[int, int]]:
     """The pairs of walls whose given velocities differ where they meet."""
     velocities = [boundary.velocities.get(wall) for wall in container.walls]
+    given = _given(container, boundary)
     found = []
     for (one, other), x in container.meetings().items():
         u, v = velocities[one], velocities[other]
         if u is not None and v is not None:
-            here, there = u(x), v(x)
+            both = given[one] & given[other]
+            here, there = u(x)[:, both], v(x)[:, both]
+            if not both.any():
+                continue
             if np.abs(here - there).max() > SAME * max(np.abs(here).max(), np.abs(there).max()):
                 found.append((one, other))
     return found
 
 
+def _given(container: Container, boundary: Boundary) -> NDArray[np.bool_]:
+    """Which components of the velocity each wall gives at its corners, (walls, d)."""
+    given = np.ones((len(container.walls), container.dimension), dtype=bool)
+    for k, wall in enumerate(container.walls):
+        if wall in boundary.slip_lengths:
+            given[k] = np.arange(container.dimension) == container.corner_axes[k]
+    return given
+
+
 def singular(container: Container, boundary: Boundary) -> list[tuple[int, int]]:
     """The pairs of walls that meet in corners where the flow is singular."""
     is_open = [wall in boundary.pressures for wall in container.walls]
-    mixed = [(one, other) for one, other in container.meetings() if is_open[one] != is_open[other]]
+    sticks = [wall in boundary.velocities and wall not in boundary.slip_lengths for wall in container.walls]
+    mixed = [
+        (one, other)
+        for one, other in container.meetings()
+        if (is_open[one] and sticks[other]) or (sticks[one] and is_open[other])
+    ]
     return jumps(container, boundary) + mixed
 
 

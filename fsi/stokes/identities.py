@@ -1,7 +1,8 @@
 """The identities that every solution must satisfy, as relative defects.
 
-- power: dissipation = U.(F, T) + power of the walls + power of the loads; where walls with different
-  velocities meet both sides are infinite, and the balance is that of w u in place of u,
+- power: dissipation = U.(F, T) + power of the walls + power of the loads; that of surfaces that swim is on
+  the right too, and on the left the friction (mu / b) int |slip|^2. Where walls with different velocities
+  meet both sides are infinite, and the balance is that of w u in place of u,
 
       int 2 mu e(u) : e(w u) - p div(w u) = U.(F, T) + int w u.sigma n + ...,     w = min(1, d / d_bodies),
 
@@ -22,7 +23,13 @@ from fsi.bodies.configuration import Array
 from fsi.errors import RefusedError, apart
 from fsi.observables.truncation import BOUND
 from fsi.stokes.corners import distance, jumps
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, mode_equations, nodal_vector
+from fsi.stokes.solvers.elimination import (
+    NodalSolution,
+    StokesSystem,
+    mode_equations,
+    nodal_vector,
+    slip_of,
+)
 
 ROUNDING_FLOOR = 1e-6
 
@@ -32,9 +39,10 @@ class Scales:
     """What a defect is compared with: of the powers, forces, moments and fluxes of a flow.
 
     Where a flow is a rigid motion of everything, forces and dissipation are rounding errors themselves; a
-    small multiple of mu times the nodal velocities then stands in for them, in space and with an axis times
-    the smallest radius. Where fluid rests under a pressure, or nearly so, a small multiple of what the loads
-    would drive stands in for the dissipation, and the flux that goes with it for that through the boundary.
+    small multiple of mu times the nodal velocities and slips then stands in for them, in space and with an
+    axis times the smallest radius. Where fluid rests under a pressure, or nearly so, a small multiple of what
+    the loads would drive stands in for the dissipation, and the flux that goes with it for that through the
+    boundary.
     """
 
     power: float
@@ -59,8 +67,16 @@ def identities(system: StokesSystem, nodal: NodalSolution, F: Array, dissipation
     if layout.axisymmetric:
         force[:, 0] = moment[:] = 0.0  # these balance by symmetry around the axis
     u, w = nodal.x[:velocities], _away_from_jumps(system)
-    tested = u if w is None else np.repeat(w, d) * u
-    power = float(nodal.reaction[at_walls] @ tested[at_walls] + system.b[:velocities] @ tested)
+    weight = 1.0 if w is None else np.repeat(w, d)
+    tested = weight * u
+    moved, friction, slip = tested, 0.0, np.zeros(0)
+    if system.facets is not None:
+        # What slides does no work on the surface, but against the friction there.
+        every_slip = slip_of(system, nodal)
+        slip, forces = every_slip[:velocities], system.facets.forces(every_slip)[0][:velocities]
+        slid = weight * slip
+        moved, friction = tested - slid, float(forces @ slid)
+    power = float(nodal.reaction[at_walls] @ moved[at_walls] + system.b[:velocities] @ tested) - friction
     # What the mean flow and the mean pressure gradient of a periodic domain do on its sides.
     is_flow = layout.slave < velocities
     jumping, of_pressure = np.concatenate([layout.slave[is_flow], layout.on_body]), layout.slave[~is_flow]
@@ -68,7 +84,8 @@ def identities(system: StokesSystem, nodal: NodalSolution, F: Array, dissipation
     power -= float(nodal.reaction[of_pressure] @ system.g[of_pressure])
     lever = np.linalg.norm(x, axis=1) * np.linalg.norm(force, axis=1)
     b_b = system.b[:velocities] @ system.b[:velocities]
-    of_rank = [power, np.abs(force).sum(), lever.sum(), u @ u, np.abs(u).sum(), b_b]
+    u_u, all_u = u @ u + slip @ slip, np.abs(u).sum() + np.abs(slip).sum()
+    of_rank = [power, np.abs(force).sum(), lever.sum(), u_u, all_u, b_b]
     sums = np.array([*of_rank, *force.sum(axis=0), *moment.sum(axis=0)])
     layout.comm.Allreduce(MPI.IN_PLACE, sums)
     parts, force_sum, moment_sum = np.split(sums, [6, 6 + d])

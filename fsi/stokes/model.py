@@ -27,7 +27,7 @@ from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import Clock, solve
 from fsi.stokes.solvers.workspace import Workspace
 from fsi.stokes.units import Units
-from fsi.stokes.walls import boundary_of, singular_corners, singular_pairs
+from fsi.stokes.walls import boundary_of, singular_corners, singular_pairs, surfaces_of
 
 
 class StokesModel:
@@ -94,7 +94,9 @@ class StokesModel:
         """What the case asks for at q and t, without inertia, on a mesh in the units of the model."""
         case, boundary = self.case, boundary_of(self.case, t)
         container, mu, moment = case.container().at(t), case.fluid.viscosity, case.interaction_moment(q, t)
-        return StokesProblem(fluid, container, q, motion, boundary, mu, interaction=moment)
+        return StokesProblem(
+            fluid, container, q, motion, boundary, mu, interaction=moment, surfaces=surfaces_of(case)
+        )
 
     def mesh(self, q: Configuration, t: float = 0.0) -> FluidMesh:
         """A new mesh around the bodies at q and t, or the user's own."""

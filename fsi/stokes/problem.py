@@ -1,5 +1,7 @@
 """A Stokes problem, fluid around rigid bodies at one instant, and the options of its numerical solution."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
@@ -24,6 +26,7 @@ class Boundary:
         net_flux: of fluid and bodies along such a channel.
         stresses: the tangential traction of walls of such a channel on the fluid, along x; what they have in
             `velocities` is without what this drives.
+        slip_lengths: b > 0 of those walls with a given velocity that fluid does not stick to.
     """
 
     velocities: Mapping[str, Field]
@@ -32,8 +35,9 @@ class Boundary:
     pressure_gradient: float | None = 0.0
     net_flux: float | None = None
     stresses: Mapping[str, float] = field(default_factory=dict)
+    slip_lengths: Mapping[str, float] = field(default_factory=dict)
 
-    def sliding(self, speeds: Mapping[str, float]) -> "Boundary":
+    def sliding(self, speeds: Mapping[str, float]) -> Boundary:
         """The same with walls that slide along x so much faster."""
         faster = {wall: _sliding(self.velocities[wall], speed) for wall, speed in speeds.items()}
         return replace(self, velocities={**self.velocities, **faster})
@@ -41,6 +45,28 @@ class Boundary:
 
 def _sliding(u: Field, speed: float) -> Field:
     return lambda x: u(x) + speed * np.eye(x.shape[1])[0]
+
+
+@dataclass(frozen=True, slots=True)
+class Surfaces:
+    """Bodies that fluid does not stick to, or whose surface moves along itself, by their numbers.
+
+    With the velocity w of a surface, n out of the fluid, and a slip length b (Navier 1823),
+
+        u.n = w.n,      t.sigma n = - (mu / b) t.(u - w)      for every tangent t.
+
+    Attributes:
+        slip_lengths: b > 0 of those that have one.
+        swimming: B_1, B_2, ... of those that swim (see `fsi.stokes.swimming`).
+    """
+
+    slip_lengths: Mapping[int, float] = field(default_factory=dict)
+    swimming: Mapping[int, Array] = field(default_factory=dict)
+
+    @property
+    def still(self) -> Surfaces:
+        """The same without what moves along them."""
+        return Surfaces(self.slip_lengths)
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +82,7 @@ class StokesProblem:
         viscosity: mu.
         inertia: of an implicit step; None: quasi-static.
         interaction: sum of r (x) F of forces between bodies, (d, d), for the mean stress; None: zero.
+        surfaces: those of bodies; at rest on the bodies, and fluid sticks to them, if not given.
     """
 
     fluid: FluidMesh
@@ -66,11 +93,17 @@ class StokesProblem:
     viscosity: float = 1.0
     inertia: Inertia | None = None
     interaction: Array | None = None
+    surfaces: Surfaces = field(default_factory=Surfaces)
 
     @property
     def periodic(self) -> bool:
         """Whether the domain has periods."""
         return len(self.container.periods) > 0
+
+    @property
+    def sliding(self) -> bool:
+        """Whether fluid slides along a body or a wall."""
+        return bool(self.surfaces.slip_lengths or self.boundary.slip_lengths)
 
     @property
     def mean_strain_rate(self) -> Array:

@@ -17,7 +17,6 @@ import numpy as np
 from fsi.bodies.configuration import Array, Configuration, Motion
 from fsi.case.case import Case
 from fsi.case.checks.determined import require_still
-from fsi.case.walls import Velocity
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.container import Container
 from fsi.observables import resistance as matrix
@@ -30,6 +29,7 @@ from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem
 from fsi.stokes.refusal import explained
 from fsi.stokes.solve import DEFAULT, Clock, assembled
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, factorised
+from fsi.stokes.walls import surfaces_of
 
 AXIAL_MODE = 1
 # Right-hand sides solved at once: more are hardly faster, and each takes as much memory as the unknowns.
@@ -75,9 +75,8 @@ def case_resistance(case: Case) -> Resistance:
 
 def _between_resting_walls(case: Case) -> Case:
     """The case whose walls do not move, so that no data jump where they meet."""
-    rest = Velocity((0.0,) * case.dimension)
     given = case.domain.walls.items()
-    walls = {name: rest if wall.outside_pressure is None else wall for name, wall in given}
+    walls = {name: wall.resting(case.dimension) for name, wall in given}
     return case.model_copy(update={"domain": case.domain.model_copy(update={"walls": walls})})
 
 
@@ -88,6 +87,8 @@ def _resistance(case: Case, model: StokesModel, mesh: Mesher, degree: int) -> Re
     fluid = mesh(q)
     clock.lap("mesh")
     problem = held_at_rest(fluid, container, q, case.fluid.viscosity, case.wall_pressure())
+    boundary = replace(problem.boundary, slip_lengths=case.wall_slip())
+    problem = replace(problem, boundary=boundary, surfaces=surfaces_of(case).still)
     options = SolverOptions(degree, solver=case.discretisation.solver)
     with explained(problem, case.names, shift=False):
         found = solve_resistance(model.units.scaled(problem), case.names, options, clock)

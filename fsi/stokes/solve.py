@@ -19,16 +19,18 @@ from fsi.stokes.discretisation.constraints import dof_layout, rigid_modes, wall_
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.discretisation.images import tied
 from fsi.stokes.discretisation.nodes import facets_with, inner_nodes, locate
+from fsi.stokes.discretisation.slip import sliding_facets, with_slip
 from fsi.stokes.identities import identities, require
 from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solvers import elimination
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, load_of, nodal_vector
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, friction_power, load_of, nodal_vector
 from fsi.stokes.solvers.fgmres import coarse_velocities
 from fsi.stokes.solvers.multiplier import solve_multiplier
 from fsi.stokes.solvers.periodic import Solver, solve_periodic
 from fsi.stokes.solvers.workspace import Workspace, pressure_mass
 from fsi.stokes.stress import bulk_stress, is_force_free, viscosity_checks
+from fsi.stokes.swimming import swimming_velocity
 
 
 class Clock:
@@ -84,25 +86,30 @@ def assembled(
     with nullcontext(workspace) if workspace else Workspace(lasting=False) as workspace:
         forms = workspace.forms(fluid, options.degree, problem.viscosity)
         nodes = locate(fluid, forms.V)
-        iterative = is_iterative(options, forms)
+        iterative = is_iterative(options, forms) and not problem.sliding
         weights = nodal_vector(forms.bind("pressure weights"))
         closed = not boundary.pressures
         pin = _pinned_pressure(fluid, forms, weights) if closed and not iterative else None
         pressure_nodes = forms.Q.dofmap.index_map.size_local
         layout = dof_layout(fluid, nodes, boundary.velocities, pressure_nodes, pin)
+        layout = with_slip(layout, problem, nodes)
         cells = workspace.cells(condensed=options.formulation == "eliminated" and not iterative)
         spaces = [(forms.V, nodes.with_ghosts), (forms.Q, forms.Q.tabulate_dof_coordinates())]
         layout = replace(tied(layout, fluid, spaces), inner=cells.inner_here)
         at_walls = {wall: u(nodes.x[nodes.wall_nodes[wall]]) for wall, u in boundary.velocities.items()}
+        # Where fluid sticks to one of two walls that meet, that one has the last word.
+        at_walls = dict(sorted(at_walls.items(), key=lambda item: item[0] not in boundary.slip_lengths))
         corner_axes = dict(zip(container.walls, container.corner_axes, strict=True))
         g = wall_offset(layout, nodes, at_walls, corner_axes)
+        g += swimming_velocity(problem, forms, nodes, layout)
         b = _loads(problem, forms, layout.rows)
         clock.lap("setup")
         mass = pressure_mass(forms) if iterative else None
         coarse = coarse_velocities(problem, forms) if iterative else None
         rigid = rigid_modes(layout, nodes, problem.q, fluid.lattice)
+        facets = sliding_facets(problem, forms, cells.shared, nodes, g) if problem.sliding else None
         system = StokesSystem(
-            problem, forms, nodes, layout, cells, rigid, b, g, weights, mass, coarse, workspace
+            problem, forms, nodes, layout, cells, rigid, b, g, weights, mass, coarse, workspace, facets
         )
         clock.lap("assemble")
         try:
@@ -188,5 +195,5 @@ def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clo
     return StokesSolution(
         nodal.U, F, traction_F, inf if jumping else dissipation, checks, forms.dofs, problem.fluid.cells(),
         nodal.iterations, clock.seconds, bulk, jumping, problem, flow, surface, nodal.pressure_gradient,
-        wall_speeds=nodal.wall_speeds,
+        wall_speeds=nodal.wall_speeds, slip_dissipation=friction_power(system, nodal),
     )  # fmt: skip

@@ -35,7 +35,7 @@ from fsi.meshes.geometry.curves import rescaled
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.resistance import Modes, Resistance
 from fsi.stokes.fields import Flow, Surface
-from fsi.stokes.problem import Boundary, Field, StokesProblem
+from fsi.stokes.problem import Boundary, Field, StokesProblem, Surfaces
 from fsi.stokes.solution import StokesSolution
 
 NARROW = 5e-5  # of a radius
@@ -122,6 +122,7 @@ class Units:
             1.0,
             None if inertia is None else Inertia(inertia.D * (speeds / loads), inertia.U0 / speeds),
             None if interaction is None else interaction / self.power,
+            self._scaled_surfaces(problem.surfaces),
         )
 
     def _scaled_boundary(self, boundary: Boundary) -> Boundary:
@@ -135,7 +136,13 @@ class Units:
             None if G is None else G / (mu / a),
             None if flux is None else flux / a ** (3 if self.spheres else 2),
             {wall: stress / mu for wall, stress in boundary.stresses.items()},
+            {wall: b / a for wall, b in boundary.slip_lengths.items()},
         )
+
+    def _scaled_surfaces(self, surfaces: Surfaces) -> Surfaces:
+        a = self.length
+        lengths = {i: b / a for i, b in surfaces.slip_lengths.items()}
+        return Surfaces(lengths, {i: modes / a for i, modes in surfaces.swimming.items()})
 
     def _scaled_field(self, field: Field, unit: float) -> Field:
         """A field whose values have this unit."""
@@ -162,6 +169,7 @@ class Units:
             F=solution.F * loads,
             traction_F=solution.traction_F * loads,
             dissipation=solution.dissipation * self.power,
+            slip_dissipation=solution.slip_dissipation * self.power,
             bulk=None if solution.bulk is None else self._user_bulk(solution.bulk, problem.container),
             problem=replace(problem, fluid=fluid, boundary=problem.boundary.sliding(speeds)),
             wall_speeds=speeds,

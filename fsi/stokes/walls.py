@@ -1,4 +1,4 @@
-"""What holds on the walls of a case, and where it makes the flow singular."""
+"""What holds on the walls and on the bodies of a case, and where walls make the flow singular."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.walls import WallVelocity
 from fsi.stokes.corners import singular
-from fsi.stokes.problem import Boundary, Field
+from fsi.stokes.problem import Boundary, Field, Surfaces
 
 
 def boundary_of(case: Case, t: float) -> Boundary:
@@ -14,7 +14,14 @@ def boundary_of(case: Case, t: float) -> Boundary:
     velocities = {wall: _field(velocity) for wall, velocity in case.wall_velocity(t).items()}
     stresses = case.wall_stress(t)
     velocities |= dict.fromkeys(stresses, np.zeros_like)  # what they drive comes on top
-    return Boundary(velocities, case.wall_pressure(), None, *case.domain.mean_drive(), stresses)
+    return Boundary(velocities, case.wall_pressure(), None, *case.domain.mean_drive(), stresses, case.wall_slip())
+
+
+def surfaces_of(case: Case) -> Surfaces:
+    """The surfaces of its bodies."""
+    lengths = {i: body.slip_length for i, body in enumerate(case.bodies) if body.slip_length}
+    modes = {i: np.array(body.surface_velocity) for i, body in enumerate(case.bodies) if body.swims}
+    return Surfaces(lengths, modes)
 
 
 def _field(wall: WallVelocity) -> Field:

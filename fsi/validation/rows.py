@@ -45,8 +45,15 @@ def exact_value(case: Case, name: str, quantity: str) -> float:
     problem = ExactProblem(
         case.fluid.viscosity, q.centres, q.radii, motion.U, motion.F, case.container().size(),
         0.0 if far is None else far.shear, body, mode, gap,
+        *_surfaces(case),
     )  # fmt: skip
     return EXACT[name].value(problem)
+
+
+def _surfaces(case: Case) -> tuple[float, float, float]:
+    """The slip lengths of the first body and of a round container, and B_1."""
+    body = case.bodies[0]
+    return body.slip_length or 0.0, case.wall_slip().get("far", 0.0), (body.surface_velocity or (0.0,))[0]
 
 
 SPHERE = "sphere_wall_normal"

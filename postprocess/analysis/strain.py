@@ -38,7 +38,7 @@ def _mean_gradient(case: Case, t: float) -> Array | None:
     if not container.walls:
         return container.mean_gradient
     y_bottom, y_top = container.distances(np.zeros((1, 2)))[0] * [-1.0, 1.0]
-    ends = [(case.domain.walls[w].velocity(t, 2), y) for w, y in (("bottom", y_bottom), ("top", y_top))]
+    ends = [(case.domain.walls[w].velocity_at(t, 2), y) for w, y in (("bottom", y_bottom), ("top", y_top))]
     u = [float(wall.velocity[0]) + wall.shear * y for wall, y in ends if wall is not None]
     return np.array([[0.0, (u[1] - u[0]) / (y_top - y_bottom)], [0.0, 0.0]]) if len(u) == 2 else None
 

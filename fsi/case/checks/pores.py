@@ -47,7 +47,7 @@ def _check_walls(case: Case) -> None:
             raise refusal(here, wall, f"only walls of a channel slide; drop it, {_RESOLVED}")
         normal = container.normals(container.middle[None])[0, k]
         for t in wall.kinks() or {0.0}:
-            velocity = wall.velocity(t, case.dimension)
+            velocity = wall.velocity_at(t, case.dimension)
             assert velocity is not None  # it is solid
             if velocity.shear or velocity.velocity @ normal != 0.0:
                 remedy = "walls slide along themselves; give [u_x, 0.0]"

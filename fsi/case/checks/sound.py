@@ -13,6 +13,7 @@ from fsi.case.checks.determined import check_determined, check_flux, check_stres
 from fsi.case.checks.levels import check_gluey, check_macroscopic, check_reduced
 from fsi.case.checks.pores import check_pores
 from fsi.case.checks.shapes import check_shapes
+from fsi.case.checks.surfaces import check_surfaces
 from fsi.case.checks.time import check_time
 from fsi.case.section import refusal, toml_text
 from fsi.case.series import Component, is_zero
@@ -37,6 +38,7 @@ def check_case(case: Case) -> None:
     _check_files(case)
     check_stressed_walls(case)
     check_shapes(case)
+    check_surfaces(case)
     if case.level.viscous:
         _check_fluid(case)
     if case.model in _OF_LEVEL:

@@ -5,7 +5,8 @@ All unknowns x = (u, p) are written with the independent ones y = (u inside, p, 
     x = P y + g
 
 The rows of P are unit rows for free unknowns, the rigid modes `V + omega x r` at the nodes on bodies, and
-empty for given wall velocities, which stand in g together with the held modes. On one side of the cut of a
+empty for given wall velocities, which stand in g together with the held modes. Where fluid slides along a
+surface, y has the slip s = u - w as well, in a column of its own (see `slip`). On one side of the cut of a
 periodic domain the rows are those of the nodes' images on the other, and the jump from image to image stands
 in g. `rigid`, called K in the saddle-point system of `multiplier`, is the part for all M N modes, M of each
 body: u = rigid U on the bodies, and the total load of any nodal reaction is  (F, T) = rigid^T lambda.
@@ -48,6 +49,9 @@ class DofLayout:
         master: these other rows, global numbers.
         away: how far each slave lies from its master, (slaves, d).
         inner: rows that are eliminated within cells.
+        slip: those of the given ones and of those on bodies that have an unknown slip.
+        normal: one row for each node with an unknown normal traction.
+        sliding: whether any rank has such rows.
     """
 
     comm: MPI.Intracomm
@@ -63,6 +67,9 @@ class DofLayout:
     master: Index = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     away: Array = field(default_factory=lambda: np.empty((0, 2)))
     inner: Index = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    slip: Index = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    normal: Index = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    sliding: bool = False
 
     @property
     def rows(self) -> int:
@@ -83,7 +90,7 @@ class DofLayout:
 
     @property
     def constrained(self) -> Index:
-        """The other rows."""
+        """The other rows, but for the inner ones."""
         return np.concatenate([self.fixed, self.slave, self.on_body])
 
     @property
@@ -165,13 +172,16 @@ class Prolongation:
     """P, with those modes in y that are unknowns.
 
     With `eliminate_bodies` false, the nodes on bodies stay unknowns and P has no modes: this is the space of
-    the multiplier form.
+    the multiplier form. A row with a slip has a column for it, and after that those of the modes. What
+    stands for the normal traction of a sliding surface moves no fluid: its weights are zero, but its columns
+    give P^T M P the places that it needs.
 
     Attributes:
         columns: of the entries of each row of this rank, (rows, w), NO_COLUMN where there is none.
         weights: of these entries, (rows, w).
         constrained: rows where g may stand, in the order of the layout.
         here: columns that this rank owns.
+        sliding: whether there are columns of slips.
         matrix: P itself.
     """
 
@@ -179,11 +189,12 @@ class Prolongation:
         self, layout: DofLayout, rigid: RigidModes, unknown: NDArray[np.bool_], eliminate_bodies: bool = True
     ) -> None:
         """Make P. unknown: which of all modes stand in y, bool (M N,)."""
-        free, self.constrained = layout.free, layout.constrained
+        free, self.constrained, self.sliding = layout.free, layout.constrained, layout.sliding
         if not eliminate_bodies:
             free[layout.on_body] = True
             free[np.concatenate([layout.fixed, layout.slave])] = False
-        free_here = int(free.sum())
+        free[layout.slip] = True
+        free_here = int(free.sum()) + len(layout.normal)
         first = layout.comm.exscan(free_here) or 0
         mode_columns = np.full(layout.modes, NO_COLUMN, dtype=np.int64)
         if eliminate_bodies:
@@ -193,23 +204,28 @@ class Prolongation:
             first += int(unknown.sum()) if layout.comm.rank > 0 else 0
         self.here = free_here + (int((mode_columns != NO_COLUMN).sum()) if layout.comm.rank == 0 else 0)
         rows = np.flatnonzero(free)
-        self.columns = np.full((layout.rows, rigid.modes.shape[1]), NO_COLUMN)
-        self.columns[rows, 0] = first + np.arange(free_here)
+        k = rigid.modes.shape[1]
+        self.columns = np.full((layout.rows, k + 2 * layout.sliding), NO_COLUMN)
+        self.columns[rows, 0] = first + np.arange(len(rows))
+        of_normal = first + np.arange(len(rows), free_here)
         first_row = layout.comm.exscan(layout.rows) or 0
         known, of_master = columns_of_masters(
             layout.comm, layout.master, first_row + rows, self.columns[rows, 0]
         )
         self.columns[layout.slave[known], 0] = of_master
         self.weights = np.ones(self.columns.shape)
+        if layout.sliding:
+            self.columns[layout.normal, -1], self.weights[:, -1] = of_normal, 0.0
+        self._modes = slice(1, k + 1) if layout.sliding else slice(0, k)
         if eliminate_bodies:
-            self.columns[rigid.rows] = mode_columns[rigid.modes]
+            self.columns[rigid.rows, self._modes] = mode_columns[rigid.modes]
         self._rigid_rows = rigid.rows if eliminate_bodies else rigid.rows[:0]
-        self.weights[self._rigid_rows] = rigid.values[: len(self._rigid_rows)]
+        self.weights[self._rigid_rows, self._modes] = rigid.values[: len(self._rigid_rows)]
         self.matrix = _matrix(layout, (self.here, None), np.arange(layout.rows), self.columns, self.weights)
 
     def update(self, rigid: RigidModes) -> None:
         """P with other values of the same rigid modes, in place."""
-        self.weights[self._rigid_rows] = rigid.values[: len(self._rigid_rows)]
+        self.weights[self._rigid_rows, self._modes] = rigid.values[: len(self._rigid_rows)]
         self.matrix.setValuesCOO(self.weights.ravel())
 
 

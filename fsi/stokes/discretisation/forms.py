@@ -166,6 +166,7 @@ class Forms:
 
     Attributes:
         mesh: which it is.
+        degree: of the velocity.
         axisymmetric: whether its points are (r, z).
         viscosity: mu.
         V, Q: velocity and pressure spaces.
@@ -176,7 +177,7 @@ class Forms:
         """Bind the forms to a mesh; degree of the velocity, at least the order of the cells."""
         self._compiled = compile_forms(fluid.order, degree, fluid.dimension, fluid.container.axisymmetric)
         self.mesh = fluid.mesh
-        self._degree, self.viscosity = degree, viscosity
+        self.degree, self.viscosity = degree, viscosity
         self.axisymmetric = fluid.container.axisymmetric
         self._curved, self._straight = _cells(fluid)
         self.V = fem.functionspace(fluid.mesh, velocity_element(degree, fluid.dimension))
@@ -186,7 +187,7 @@ class Forms:
 
     def fit(self, fluid: FluidMesh, degree: int, viscosity: float) -> bool:
         """Whether these are the forms of that mesh, which may have moved, with these parameters."""
-        return self.mesh is fluid.mesh and (self._degree, self.viscosity) == (degree, viscosity)
+        return self.mesh is fluid.mesh and (self.degree, self.viscosity) == (degree, viscosity)
 
     def fill(self, x: Array) -> None:
         """Set u and p to nodal values, this rank's rows; collective."""

@@ -21,7 +21,8 @@ from fsi.bodies.configuration import Array
 from fsi.stokes.discretisation.cells import Numbers, StokesCells, loops, pointer
 from fsi.stokes.discretisation.constraints import NO_COLUMN, Index, Prolongation
 
-# Unknowns of a cell beyond its outer rows: each of four vertices may bring six modes in place of three rows.
+# Unknowns of a cell beyond its outer rows: each of four vertices may bring six modes in place of three rows,
+# and where fluid slides six modes beside them, and each node on a surface a normal traction.
 MORE = 12
 
 
@@ -97,7 +98,7 @@ class CellSum:
         """The unknowns of each cell."""
         cells, width = self._cells, columns.shape[1]
         count, outer = cells.outer.shape
-        most = outer + MORE
+        most = 2 * (outer + MORE) if self._P.sliding else outer + MORE
         self._start, self._list = np.empty(count + 1, np.int32), np.empty(count * most, np.int32)
         self._slots = np.empty((count, outer, width), dtype=np.int16)
         self._plain = np.empty(count, dtype=np.int8)

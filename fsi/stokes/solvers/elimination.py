@@ -33,11 +33,12 @@ from fsi.stokes.discretisation.cells import StokesCells
 from fsi.stokes.discretisation.constraints import DofLayout, RigidModes
 from fsi.stokes.discretisation.forms import Form, Forms
 from fsi.stokes.discretisation.nodes import BoundaryNodes
+from fsi.stokes.discretisation.slip import SlidingFacets
 from fsi.stokes.problem import StokesProblem
 from fsi.stokes.solvers.extended import multiply, multiply_transpose
 from fsi.stokes.solvers.fgmres import Coarse, Iteration, SchurBlocks, transfer
 from fsi.stokes.solvers.mumps import Factorisation
-from fsi.stokes.solvers.reduced import Elimination
+from fsi.stokes.solvers.reduced import Added, Elimination
 from fsi.stokes.solvers.workspace import Workspace
 
 NARROW = 1e-5  # of a radius: such gaps are solved in extended precision
@@ -55,11 +56,12 @@ class StokesSystem:
         cells: the Stokes matrices of all cells; the workspace's.
         rigid: rigid modes at the nodes on bodies.
         b: loads, this rank's rows.
-        g: given wall velocities, this rank's rows.
+        g: given velocities of walls and of what moves along bodies, this rank's rows.
         weights: int q over the fluid for each of this rank's rows of p.
         mass: mass matrix of the pressure / mu for the iterative solver, None for the direct one.
         coarse: velocities of degree 1 for the iterative solver, None for the direct one.
         workspace: whose cells these are, and that keeps the factors.
+        facets: along which fluid slides, None where it sticks everywhere.
     """
 
     problem: StokesProblem
@@ -74,6 +76,7 @@ class StokesSystem:
     mass: PETSc.Mat | None
     coarse: Coarse | None
     workspace: Workspace
+    facets: SlidingFacets | None = None
 
     @property
     def unknown_modes(self) -> NDArray[np.bool_]:
@@ -140,6 +143,21 @@ def wall_force(system: StokesSystem, reaction: Array, wall: str) -> Array:
     return np.asarray(layout.comm.allreduce(of_nodes.sum(axis=0)))
 
 
+def slip_of(system: StokesSystem, nodal: NodalSolution) -> Array:
+    """s = u - w of the rows of x that have one, zero elsewhere; collective."""
+    rows, slip = system.layout.slip, np.zeros(system.layout.rows)
+    slip[rows] = (nodal.x - body_velocity(system, nodal.U) - system.g)[rows]
+    return slip
+
+
+def friction_power(system: StokesSystem, nodal: NodalSolution) -> float:
+    """(mu / b) int |s|^2 over all surfaces; collective."""
+    if system.facets is None:
+        return 0.0
+    _, of_rank = system.facets.forces(slip_of(system, nodal))
+    return float(system.layout.comm.allreduce(of_rank))
+
+
 def mode_equations(system: StokesSystem) -> tuple[Array, Array]:
     """D and F + D U0 of all modes, (M N,), of the balance `rigid^T lambda + D U = F + D U0`; 0 if held."""
     free = ~system.problem.motion.held.ravel()
@@ -168,8 +186,8 @@ def factorised(system: StokesSystem) -> Iterator[Responses]:
     solution is not small.
     """
     unknown = system.unknown_modes
-    D, _ = mode_equations(system)
-    elimination = system.workspace.elimination(system.layout, system.rigid, unknown, D)
+    added = Added(mode_equations(system)[0], system.facets)
+    elimination = system.workspace.elimination(system.layout, system.rigid, unknown, added)
     if system.mass is None or system.coarse is None:
         factors = elimination.factors(lasting=system.workspace.lasting)
         factors.extended = _is_narrow(system.problem)
@@ -222,6 +240,8 @@ def _respond(
     precision = np.longdouble if _is_narrow(system.problem) else np.float64
     offsets = zip(systems, g, strict=True)
     loads = np.column_stack([each.b - M.transpose_times(g.astype(precision)) for each, g in offsets])
+    if system.facets is not None:  # the friction where g is not the velocity of a wall, at its corners
+        loads -= system.facets.forces(np.zeros(system.layout.rows))[0][:, None]
     rhs = elimination.restricted(loads)
     of_modes = rhs[first_mode : first_mode + modes_here]
     of_modes += np.column_stack([mode_equations(each)[1][unknown][:modes_here] for each in systems])

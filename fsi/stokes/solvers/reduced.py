@@ -6,6 +6,7 @@ radii, so much of it is lost to rounding that the flow is wrong. So residuals ar
 cell by cell, in which pressures meet velocities alone, and the factors only have to come near.
 """
 
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -15,13 +16,27 @@ from petsc4py import PETSc
 from fsi.bodies.configuration import Array
 from fsi.stokes.discretisation.cells import StokesCells
 from fsi.stokes.discretisation.constraints import DofLayout, Prolongation, RigidModes
+from fsi.stokes.discretisation.slip import SlidingFacets
 from fsi.stokes.solvers.assembly import CellSum
 from fsi.stokes.solvers.extended import ExtendedMatrix, multiply, multiply_transpose
 from fsi.stokes.solvers.mumps import Factorisation, Solve
 
 
+@dataclass(frozen=True, slots=True)
+class Added:
+    """What comes to P^T M P.
+
+    Attributes:
+        D: inertia on the diagonal of all modes, (M N,).
+        facets: along which fluid slides, None where it sticks everywhere.
+    """
+
+    D: Array
+    facets: SlidingFacets | None = None
+
+
 class Elimination:
-    """P, the reduced system and its factors, of a `layout` with its `unknown` modes; D on their diagonal.
+    """P, the reduced system and its factors, of a `layout` with its `unknown` modes.
 
     Attributes:
         layout, unknown: what it is of.
@@ -31,9 +46,14 @@ class Elimination:
     """
 
     def __init__(
-        self, cells: StokesCells, layout: DofLayout, rigid: RigidModes, unknown: NDArray[np.bool_], D: Array
+        self,
+        cells: StokesCells,
+        layout: DofLayout,
+        rigid: RigidModes,
+        unknown: NDArray[np.bool_],
+        added: Added,
     ) -> None:
-        """Make P and the matrix; the factors are made when they are wanted. D: of all modes, (M N,)."""
+        """Make P and the matrix; the factors are made when they are wanted."""
         self.layout, self.unknown, self._cells = layout, unknown, cells
         self._prolongation = Prolongation(layout, rigid, unknown)
         self._sum = CellSum(cells, self._prolongation)
@@ -45,26 +65,39 @@ class Elimination:
         self.first_mode = self._prolongation.here - self._modes_here
         self._factors: Factorisation | None = None
         self._exact: ExtendedMatrix | None = None
-        self._add(D)
+        self._sliding: PETSc.Mat | None = None
+        self._add(added)
 
     @property
     def _modes_here(self) -> int:
         return int(self.unknown.sum()) if self.layout.comm.rank == 0 else 0
 
-    def _add(self, D: Array) -> None:
-        """Put D on the diagonal."""
-        self._D = D[self.unknown][: self._modes_here]
+    def _add(self, added: Added) -> None:
+        """Put D on the diagonal, and the matrices of sliding surfaces into their places."""
+        self._D = added.D[self.unknown][: self._modes_here]
+        if added.facets is not None:
+            self._add_facets(added.facets)
         first_row = self.reduced.getOwnershipRange()[0] + self.first_mode
         for row, value in enumerate(self._D, first_row):
             self.reduced.setValue(row, row, value, PETSc.InsertMode.ADD_VALUES)
         self.reduced.assemble()
 
-    def update(self, rigid: RigidModes, D: Array) -> None:
+    def _add_facets(self, facets: SlidingFacets) -> None:
+        P = self._prolongation
+        row, column, value = facets.triplets(facets.shared.with_ghosts(P.columns))
+        if self._sliding is not None:
+            self._sliding.destroy()
+        self._sliding = PETSc.Mat().createAIJ(size=((P.here, None), (P.here, None)), comm=P.matrix.comm)
+        self._sliding.setPreallocationCOO(row.astype(PETSc.IntType), column.astype(PETSc.IntType))
+        self._sliding.setValuesCOO(value)
+        self.reduced.axpy(1.0, self._sliding, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
+
+    def update(self, rigid: RigidModes, added: Added) -> None:
         """The same for the mesh and the rigid modes of now, in place."""
         self._exact = None
         self._prolongation.update(rigid)
         self._sum.fill()
-        self._add(D)
+        self._add(added)
 
     @property
     def _exact_P(self) -> ExtendedMatrix:
@@ -92,6 +125,9 @@ class Elimination:
         product = self.restricted(self._cells.times(self.prolonged(Y)))
         modes = slice(self.first_mode, self._prolongation.here)
         product[modes] += self._D[:, None] * Y[modes]
+        if self._sliding is not None:
+            here = self._prolongation.here
+            product[:here] += np.column_stack([multiply(self._sliding, y) for y in Y[:here].T])
         return product
 
     def solved(self, b: Array, solve: Solve) -> Array:
@@ -138,5 +174,6 @@ class Elimination:
         """Free the matrices."""
         if self._factors is not None:
             self._factors.destroy()
-        self.reduced.destroy()
-        self._P.destroy()
+        for used in (self.reduced, self._P, self._sliding):
+            if used is not None:
+                used.destroy()

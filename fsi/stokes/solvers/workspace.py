@@ -18,12 +18,11 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 import fsi.parallel as parallel
-from fsi.bodies.configuration import Array
 from fsi.meshes.build import FluidMesh
 from fsi.stokes.discretisation.cells import StokesCells
 from fsi.stokes.discretisation.constraints import DofLayout, RigidModes
 from fsi.stokes.discretisation.forms import Forms
-from fsi.stokes.solvers.reduced import Elimination
+from fsi.stokes.solvers.reduced import Added, Elimination
 
 
 def pressure_mass(forms: Forms) -> PETSc.Mat:
@@ -93,17 +92,17 @@ class Workspace(AbstractContextManager["Workspace"]):
         return self._cells
 
     def elimination(
-        self, layout: DofLayout, rigid: RigidModes, unknown: NDArray[np.bool_], D: Array
+        self, layout: DofLayout, rigid: RigidModes, unknown: NDArray[np.bool_], added: Added
     ) -> Elimination:
         """The reduced system of the workspace's cells, as `Elimination`; collective."""
         assert self._cells is not None, "cells come first"
         last = self._elimination
         fits = last is not None and np.array_equal(last.unknown, unknown) and _alike(last.layout, layout)
         if last is not None and layout.comm.allreduce(not fits) == 0:
-            last.update(rigid, D)
+            last.update(rigid, added)
             return last
         self.forget_elimination()
-        self._elimination = Elimination(self._cells, layout, rigid, unknown, D)
+        self._elimination = Elimination(self._cells, layout, rigid, unknown, added)
         return self._elimination
 
 

@@ -1,0 +1,45 @@
+"""What a case must satisfy whose fluid slides along surfaces, or whose bodies swim."""
+
+from fsi.case.case import Case
+from fsi.case.section import refusal
+from fsi.errors import InputError
+
+# Of the largest radius or, without bodies, of the container: shorter slips are none to nine digits.
+SHORTEST = 1e-9
+
+
+def check_surfaces(case: Case) -> None:
+    """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
+    sliding = _sliding(case)
+    swimming = {
+        f"bodies.{i}.surface_velocity": body.surface_velocity
+        for i, body in enumerate(case.bodies)
+        if body.surface_velocity is not None
+    }
+    if case.model != "resolved":
+        for key, value in (sliding | swimming).items():
+            raise refusal(key, value, f'model = "{case.model}" does not know it; drop it or give "resolved"')
+    if not sliding:
+        return
+    key, b = next(iter(sliding.items()))
+    here = f"{key} = {b!r}"
+    for option, word in (("formulation", "multiplier"), ("solver", "iterative")):
+        if getattr(case.discretisation, option) == word:
+            raise InputError(f'{here}: discretisation.{option} = "{word}" does not know it; drop that')
+    if len(case.container().periods):
+        raise InputError(f"{here}: fluid sticks to all surfaces of a periodic domain; drop it")
+    size = max((body.radius for body in case.bodies), default=case.container().size())
+    for key, b in sliding.items():
+        if b < SHORTEST * size:
+            raise refusal(key, b, f"is not resolved below {SHORTEST:g} of {size:g}; give 0, or drop it")
+    for name in case.container().far_walls:
+        if case.domain.walls[name].slip:
+            here = f"domain.walls.{name}.slip_length = {case.domain.walls[name].slip!r}"
+            raise InputError(f"{here}: this wall stands for infinity; drop it")
+
+
+def _sliding(case: Case) -> dict[str, float]:
+    """The slip lengths above zero, by their keys."""
+    found = {f"bodies.{i}.slip_length": body.slip_length or 0.0 for i, body in enumerate(case.bodies)}
+    found |= {f"domain.walls.{name}.slip_length": wall.slip for name, wall in case.domain.walls.items()}
+    return {key: b for key, b in found.items() if b}
