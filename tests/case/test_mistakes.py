@@ -58,6 +58,14 @@ BAD = [
     ("bodies.0.radius", -1.0, ["-1.0", "greater than 0"]),
     ("bodies.0.radius", 1.2, ["bodies.0.position", "'disc'", "'bottom'", "gap -0.1", "move"]),
     ("bodies.0.raduis", 1.0, ["use bodies.0.radius"]),
+    ("bodies.0.slip_length", -0.1, ["-0.1", "greater than or equal to 0"]),
+    ("bodies.0.slip_length", 1e-12, ["1e-12", "not resolved below 1e-09 of 1", "give 0"]),
+    ("bodies.0.slip_length", math.inf, ["finite"]),
+    ("bodies.0.surface_velocity", 1.0, ["must be a list"]),
+    ("domain.walls.top", {"slip_length": 0.0}, ["domain.walls.top.slip_length", "greater than 0"]),
+    ("domain.walls.top", {"slip_lenght": 0.1}, ["use domain.walls.top.slip_length"]),
+    ("domain.walls.top", {"slip_length": 0.1, "velocity": [1.0]}, ["the velocity of top has 1 components"]),
+    ("domain.walls.top", {"slip_length": 0.1, "velocity": [0.0, 1.0]}, ["net flux"]),
     ("bodies.0.position", [0.0, 1.0], ["[0.0, 1.0]", "'bottom'", "gap 0"]),
     ("bodies.0.position", [9.5, 1.1], ["'right'", "gap -2.5"]),
     ("bodies.1.position", [1.5, 1.1], ["'disc' and 'other'", "gap -0.5", "move them apart"]),
@@ -116,6 +124,35 @@ def test_the_number_of_further_mistakes_is_told() -> None:
 def test_rows_that_a_case_cannot_give_are_refused(row: dict[str, Any], words: str) -> None:
     with pytest.raises(InputError, match=words):
         check_expected(parse_case(changed("expected", [row])))
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "change", "words"),
+    [
+        ("bodies.0.slip_length", 0.1, {"model": "reduced"}, 'model = "reduced" does not know it'),
+        ("bodies.0.slip_length", 0.1, {"model": "pores"}, 'model = "pores" does not know it'),
+        ("bodies.0.slip_length", 0.1, {"model": "gluey"}, 'model = "gluey" does not know it'),
+        ("bodies.0.surface_velocity", [1.0], {"model": "reduced"}, "does not know it; drop it or give"),
+        ("domain.walls.top", {"slip_length": 0.1}, {"model": "reduced"}, "slip_length = 0.1: model"),
+        ("bodies.0.slip_length", 0.1, {"discretisation": {"formulation": "multiplier"}}, "drop that"),
+    ],
+)
+def test_slip_is_known_to_the_resolved_model_alone(
+    key: str, value: Any, change: dict[str, Any], words: str
+) -> None:
+    line = message(changed(key, value) | change)
+    assert line.startswith(key)
+    assert words in line
+
+
+def test_what_slides_has_no_periods_and_is_not_at_infinity() -> None:
+    data = changed("domain", {"periodic": ["x"], "lower": [-8.0, 0.0], "upper": [8.0, 16.0]})
+    data["bodies"][0]["slip_length"] = 0.1
+    assert message(data) == (
+        "bodies.0.slip_length = 0.1: fluid sticks to all surfaces of a periodic domain; drop it"
+    )
+    far = {"shape": "half-plane", "radius": 500.0, "walls": {"far": {"slip_length": 0.1}}}
+    assert "this wall stands for infinity" in message(changed("domain", far))
 
 
 def test_one_instant_is_not_determined_by_masses() -> None:

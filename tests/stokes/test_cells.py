@@ -19,7 +19,7 @@ from fsi.stokes.problem import SolverOptions
 from fsi.stokes.resistance import held_at_rest
 from fsi.stokes.solve import Clock, assembled
 from fsi.stokes.solvers.elimination import StokesSystem
-from fsi.stokes.solvers.reduced import Elimination
+from fsi.stokes.solvers.reduced import Added, Elimination
 from tests.flows import discs, mesh
 
 COARSE = Resolution(0.3, 10, 1.0)
@@ -58,7 +58,7 @@ def test_the_sum_of_cells_is_the_reduced_matrix_without_inner_unknowns(
         axial = np.arange(system.layout.modes) % 3 == 1
         unknown = axial if system.layout.axisymmetric else np.ones(system.layout.modes, dtype=bool)
         D = np.linspace(1.0, 2.0, system.layout.modes)
-        elimination = system.workspace.elimination(system.layout, system.rigid, unknown, D)
+        elimination = system.workspace.elimination(system.layout, system.rigid, unknown, Added(D))
         K, y = reduced(system, elimination)
         modes = slice(elimination.first_mode, y)
         K[modes, modes] += np.diag(D[unknown])

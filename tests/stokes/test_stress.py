@@ -17,6 +17,7 @@ from fsi.stokes.identities import require
 from fsi.stokes.problem import Boundary, StokesProblem
 from fsi.stokes.solve import FORMULATIONS
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, solve_eliminated
+from fsi.stokes.solvers.reduced import Added
 from fsi.stokes.stress import viscosity_checks
 from tests.flows import discs, free, solved
 from tests.periodic import LIGHT, THREE, force_free, in_cell, square
@@ -29,7 +30,7 @@ def under_pressure(system: StokesSystem) -> list[NodalSolution]:
     (good,) = solve_eliminated(system)
     x, reaction = good.x.copy(), np.zeros_like(good.reaction)
     x[system.layout.velocities :] += 7.0
-    none = np.zeros(system.layout.modes)
+    none = Added(np.zeros(system.layout.modes))
     M = system.workspace.elimination(system.layout, system.rigid, system.unknown_modes, none).constrained
     reaction[M.rows] = M.times(x) - system.b[M.rows]
     return [dataclasses.replace(good, x=x, reaction=reaction)]
