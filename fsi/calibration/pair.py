@@ -22,8 +22,9 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
+from fsi.case.checks.surfaces import slip_lengths
 from fsi.case.load import parse_case
-from fsi.case.section import toml_text
+from fsi.case.section import refusal, toml_text
 from fsi.case.sections import Calibration
 from fsi.errors import InputError
 from fsi.integration.state import Results
@@ -86,7 +87,7 @@ class Pair:
         data: dict[str, Any] = self.case.model_dump(exclude_none=True, exclude=_LEFT_OUT)
         data["bodies"] = list(data["bodies"])
         for i, body in enumerate(data["bodies"]):
-            place = {key: body[key] for key in ("name", "radius", "position", "slip_length") if key in body}
+            place = {key: body[key] for key in ("name", "radius", "position")}
             data["bodies"][i] = place | self._motion(i, gap)
         data["bodies"][self.first]["position"] = tuple(centre.tolist())
         try:
@@ -143,6 +144,8 @@ def pair_of(case: Case) -> Pair:
     plan = case.calibration
     if plan is None:
         raise InputError("calibration: missing; give a section [calibration] with pair and range")
+    for key, b in slip_lengths(case).items():
+        raise refusal(key, b, "laws of gaps are those of surfaces that fluid sticks to; drop it")
     here = f"calibration.pair = {toml_text(plan.pair)}"
     if plan.pair[0] not in case.names:
         raise InputError(f"{here}: no body is named {plan.pair[0]!r}; the bodies are {toml_text(case.names)}")

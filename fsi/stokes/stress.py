@@ -86,10 +86,9 @@ def is_force_free(system: StokesSystem) -> bool:
     motion, problem = system.problem.motion, system.problem
     loaded = system.layout.comm.allreduce(bool(system.b.any()), op=MPI.LOR)
     pushed = problem.interaction is not None and problem.interaction.any()
-    swims = bool(problem.surfaces.swimming)
-    return not (
-        swims or motion.held.any() or motion.F.any() or loaded or problem.inertia is not None or pushed
-    )
+    if problem.surfaces.swimming:
+        return False
+    return not (motion.held.any() or motion.F.any() or loaded or problem.inertia is not None or pushed)
 
 
 # The checks below; they apply only at instants with a strain rate and without loads on bodies.

@@ -33,8 +33,8 @@ def tangential(directions: Array, axis: Array, modes: Array, *, planar: bool) ->
     cos = directions @ axis
     if planar:
         theta = np.arctan2(axis[0] * directions[:, 1] - axis[1] * directions[:, 0], cos)
-        speed = np.sin(np.outer(theta, n)) @ modes
-        return np.asarray(speed)[:, None] * np.column_stack([-directions[:, 1], directions[:, 0]])
+        w = np.sin(np.outer(theta, n)) @ modes
+        return np.asarray(w[:, None] * np.column_stack([-directions[:, 1], directions[:, 0]]))
     # sin theta e_theta = cos theta e - p
     coefficients = np.concatenate([[0.0], 2.0 * modes / (n * (n + 1))])
     speed = np.polynomial.legendre.legval(cos, np.polynomial.legendre.legder(coefficients))

@@ -139,6 +139,7 @@ PAIR = [
 ]
 CELL = {"shape": "cell", "vectors": [[9.0, 0.0], [0.0, 9.0]], "extension": 0.5}
 DRIVEN = {"lower": [-5.0, -5.0], "upper": [5.0, 5.0], "periodic": ["x"], "pressure_gradient": 2.0}
+SLIDING = {"lower": [-5.0, -5.0], "upper": [5.0, 5.0], "walls": {"left": {"slip_length": 0.1}}}
 MOVING = {"shape": "box", "lower": [-5.0, -5.0], "upper": [5.0, 5.0], "walls": {"top": [1.0, 0.0]}}
 ROUND = {
     "domain": {"shape": "half-plane", "radius": 9.0},
@@ -154,6 +155,7 @@ def planned(**plan: Any) -> dict[str, Any]:
     ("data", "complaint"),
     [
         (planned(pair=["disk", "left"]), r"no body is named 'disk'; the bodies are \[\"disc\"\]"),
+        (planned() | {"domain": SLIDING}, "domain.walls.left.slip_length = 0.1: laws of gaps are those of"),
         (planned(pair=["disc", "disc"]), "'disc' is no other body and no wall; use one of"),
         (planned(range=[0.1, 1e-3]), "calibration.range = .* is not a range of positive gaps"),
         (planned(range=[1e-3, 20.0]), "at the gap 20 the case is not sound: .*crosses wall"),

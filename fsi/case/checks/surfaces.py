@@ -10,7 +10,7 @@ SHORTEST = 1e-9
 
 def check_surfaces(case: Case) -> None:
     """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
-    sliding = _sliding(case)
+    sliding = slip_lengths(case)
     swimming = {
         f"bodies.{i}.surface_velocity": body.surface_velocity
         for i, body in enumerate(case.bodies)
@@ -38,7 +38,7 @@ def check_surfaces(case: Case) -> None:
             raise InputError(f"{here}: this wall stands for infinity; drop it")
 
 
-def _sliding(case: Case) -> dict[str, float]:
+def slip_lengths(case: Case) -> dict[str, float]:
     """The slip lengths above zero, by their keys."""
     found = {f"bodies.{i}.slip_length": body.slip_length or 0.0 for i, body in enumerate(case.bodies)}
     found |= {f"domain.walls.{name}.slip_length": wall.slip for name, wall in case.domain.walls.items()}
