@@ -178,7 +178,7 @@ def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clo
     if problem.periodic:
         bulk = bulk_stress(system, nodal, mean_pressure)
         if is_force_free(system):
-            checks |= viscosity_checks(problem, bulk, dissipation)
+            checks |= viscosity_checks(problem, bulk, dissipation + friction_power(system, nodal))
     require(checks)
     if not problem.boundary.pressures:
         forms.p.x.array[:] -= mean_pressure

@@ -149,12 +149,7 @@ def test_slip_is_known_to_the_resolved_model_alone(
     assert words in line
 
 
-def test_what_slides_has_no_periods_and_is_not_at_infinity() -> None:
-    data = changed("domain", {"periodic": ["x"], "lower": [-8.0, 0.0], "upper": [8.0, 16.0]})
-    data["bodies"][0]["slip_length"] = 0.1
-    assert message(data) == (
-        "bodies.0.slip_length = 0.1: fluid sticks to all surfaces of a periodic domain; drop it"
-    )
+def test_what_slides_is_not_at_infinity() -> None:
     far = {"shape": "half-plane", "radius": 500.0, "walls": {"far": {"slip_length": 0.1}}}
     assert "this wall stands for infinity" in message(changed("domain", far))
 

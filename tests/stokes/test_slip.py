@@ -141,6 +141,31 @@ def test_couette_flow_between_sliding_plates_is_exact(geometry: str) -> None:
     assert_allclose(solved.solution.record["slip_dissipation"], 2.0 * 0.7 * 0.4 * volume / 1.5, rtol=1e-11)
 
 
+def test_couette_flow_in_a_channel_with_slip() -> None:
+    """u = (y + b) / (H + b + c) U; the walls' stress is that of the bulk, and what the dissipation says."""
+    walls = {"bottom": {"slip_length": 0.2}, "top": {"slip_length": 0.3, "velocity": [1.0, 0.0]}}
+    domain = {"lower": [0.0, 0.0], "upper": [4.0, 3.0], "periodic": ["x"], "walls": walls}
+    case = fsi.make_case(name="channel", fluid={"viscosity": 0.7}, domain=domain, bodies=[])
+    solution = balanced(case).solution
+    assert_allclose(solution.velocity(np.array([[1.0, 1.0], [3.9, 2.0]]))[:, 0], [1.2 / 3.5, 2.2 / 3.5])
+    assert solution.apparent_viscosity is not None
+    assert_allclose(solution.apparent_viscosity, 3.0 / 3.5)
+
+
+def test_a_sliding_disc_is_the_same_wherever_the_period_is_cut() -> None:
+    """To its mesh error; the cut goes around it, or through it, and through sliding walls."""
+    walls = {"bottom": {"slip_length": 0.2}, "top": {"slip_length": 0.3, "velocity": [1.0, 0.0]}}
+    domain = {"lower": [0.0, 0.0], "upper": [4.0, 2.4], "periodic": ["x"], "walls": walls}
+    found = []
+    for x in (2.0, 3.95):
+        disc = body((x, 1.25), slip_length=0.4, surface_velocity=[0.1])
+        case = fsi.make_case(
+            name="channel", fluid={"viscosity": 0.7}, domain=domain, bodies=[disc], discretisation=COARSE
+        )
+        found.append(balanced(case).solution.U)
+    assert_allclose(found[1], found[0], atol=1e-5)
+
+
 def test_a_lid_that_slides_past_walls_is_not_singular() -> None:
     """Its dissipation is finite; that of one that fluid sticks to is not (see `corners`)."""
     domain = {

@@ -26,8 +26,8 @@ def check_surfaces(case: Case) -> None:
     for option, word in (("formulation", "multiplier"), ("solver", "iterative")):
         if getattr(case.discretisation, option) == word:
             raise InputError(f'{here}: discretisation.{option} = "{word}" does not know it; drop that')
-    if len(case.container().periods):
-        raise InputError(f"{here}: fluid sticks to all surfaces of a periodic domain; drop it")
+    if case.dimension == 3 and len(case.container().periods):
+        raise InputError(f"{here}: fluid sticks to all surfaces of periodic domains in space; drop it")
     size = max((body.radius for body in case.bodies), default=case.container().size())
     for key, b in sliding.items():
         if b < SHORTEST * size:

@@ -52,6 +52,8 @@ class DofLayout:
         slip: those of the given ones and of those on bodies that have an unknown slip.
         normal: one row for each node with an unknown normal traction.
         sliding: whether any rank has such rows.
+        slip_slave: rows with a slip that is that of other rows, at their images.
+        slip_master: these other rows, global numbers.
     """
 
     comm: MPI.Intracomm
@@ -70,6 +72,8 @@ class DofLayout:
     slip: Index = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     normal: Index = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     sliding: bool = False
+    slip_slave: Index = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    slip_master: Index = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
     @property
     def rows(self) -> int:
@@ -194,7 +198,9 @@ class Prolongation:
             free[layout.on_body] = True
             free[np.concatenate([layout.fixed, layout.slave])] = False
         free[layout.slip] = True
-        free_here = int(free.sum()) + len(layout.normal)
+        free[layout.slip_slave] = False
+        normal = np.setdiff1d(layout.normal, layout.slip_slave)
+        free_here = int(free.sum()) + len(normal)
         first = layout.comm.exscan(free_here) or 0
         mode_columns = np.full(layout.modes, NO_COLUMN, dtype=np.int64)
         if eliminate_bodies:
@@ -215,7 +221,15 @@ class Prolongation:
         self.columns[layout.slave[known], 0] = of_master
         self.weights = np.ones(self.columns.shape)
         if layout.sliding:
-            self.columns[layout.normal, -1], self.weights[:, -1] = of_normal, 0.0
+            self.columns[normal, -1], self.weights[:, -1] = of_normal, 0.0
+            for place in (0, -1):
+                known, of_master = columns_of_masters(
+                    layout.comm,
+                    layout.slip_master,
+                    first_row + np.arange(layout.rows),
+                    self.columns[:, place],
+                )
+                self.columns[layout.slip_slave[known], place] = of_master
         self._modes = slice(1, k + 1) if layout.sliding else slice(0, k)
         if eliminate_bodies:
             self.columns[rigid.rows, self._modes] = mode_columns[rigid.modes]

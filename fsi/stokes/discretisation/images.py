@@ -36,6 +36,11 @@ def tied(layout: DofLayout, fluid: FluidMesh, spaces: Sequence[tuple[FunctionSpa
     shift = fluid.lattice.shift(np.concatenate([p.shift for p, _, _ in parts]))
     slave -= first_row[layout.comm.rank]
     mine = (slave >= 0) & (slave < layout.rows)
-    # What is given, or rigid, needs no image.
-    mine[mine] = ~np.isin(slave[mine], np.concatenate([layout.fixed, layout.on_body]))
-    return replace(layout, slave=slave[mine], master=master[mine], away=shift[mine])
+    # What is given, or rigid, needs no image, but what slides there does.
+    slave, master, shift = slave[mine], master[mine], shift[mine]
+    slides = np.isin(slave, layout.slip)
+    free = ~np.isin(slave, np.concatenate([layout.fixed, layout.on_body]))
+    return replace(
+        layout, slave=slave[free], master=master[free], away=shift[free],
+        slip_slave=slave[slides], slip_master=master[slides],
+    )  # fmt: skip
