@@ -14,7 +14,9 @@ def boundary_of(case: Case, t: float) -> Boundary:
     velocities = {wall: _field(velocity) for wall, velocity in case.wall_velocity(t).items()}
     stresses = case.wall_stress(t)
     velocities |= dict.fromkeys(stresses, np.zeros_like)  # what they drive comes on top
-    return Boundary(velocities, case.wall_pressure(), None, *case.domain.mean_drive(), stresses, case.wall_slip())
+    return Boundary(
+        velocities, case.wall_pressure(), None, *case.domain.mean_drive(), stresses, case.wall_slip()
+    )
 
 
 def surfaces_of(case: Case) -> Surfaces:

@@ -149,6 +149,14 @@ def test_slip_is_known_to_the_resolved_model_alone(
     assert words in line
 
 
+def test_only_what_is_round_swims() -> None:
+    ellipse = {"name": "disc", "position": [0.0, 4.0], "shape": {"kind": "ellipse", "axes": [2.0, 1.0]}}
+    data = changed("bodies", [ellipse | {"slip_length": 0.1}])
+    parse_case(data)
+    data["bodies"][0]["surface_velocity"] = [1.0]
+    assert message(data).startswith("bodies.0.surface_velocity = [1.0]: its modes are those of discs")
+
+
 def test_what_slides_is_not_at_infinity() -> None:
     far = {"shape": "half-plane", "radius": 500.0, "walls": {"far": {"slip_length": 0.1}}}
     assert "this wall stands for infinity" in message(changed("domain", far))

@@ -19,6 +19,10 @@ def check_surfaces(case: Case) -> None:
     if case.model != "resolved":
         for key, value in (sliding | swimming).items():
             raise refusal(key, value, f'model = "{case.model}" does not know it; drop it or give "resolved"')
+    for i, body in enumerate(case.bodies):
+        if body.surface_velocity is not None and body.shape is not None:
+            key = f"bodies.{i}.surface_velocity"
+            raise refusal(key, body.surface_velocity, "its modes are those of discs and spheres; drop it")
     if not sliding:
         return
     key, b = next(iter(sliding.items()))
