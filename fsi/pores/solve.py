@@ -53,6 +53,7 @@ class PoreFlow:
         system: whose numbers these are.
         loading: what drives it.
         x: all numbers, those of the images of surfaces less the mean flow, (n,).
+        y: what they have more than surfaces that the mean flow carries along, (n,): small in a large cell.
         U: velocities of bodies, (N, 3).
         F: loads on them less their inertia, those that hold them too, (N, 3): minus those of the fluid.
         reactions: mu K x with the mean flow, (n,): the power that a unit of each number takes.
@@ -63,6 +64,7 @@ class PoreFlow:
     system: PoreSystem
     loading: PoreLoading
     x: Array
+    y: Array
     U: Array
     F: Array
     reactions: Array
@@ -79,7 +81,7 @@ class PoreFlow:
     @property
     def rounding(self) -> float:
         """What cancelling digits may leave of the dissipation, relative: eps |x|^T |K| |x| / x^T K x."""
-        terms = np.abs(self.x) @ (abs(self.system.assembly.K) @ np.abs(self.x))
+        terms = np.abs(self.y) @ (abs(self.system.assembly.K) @ np.abs(self.y))
         return float(EPSILON * self.system.viscosity * terms / (self.dissipation + _TINY))
 
     @property
@@ -99,19 +101,24 @@ class PoreFlow:
         found: Array = self.x[batch.unknown] + mean_flow(self.system, batch, self.loading.gradient)
         return found
 
+    def local_numbers(self, batch: Batch) -> Array:
+        """The same but for a translation of each pore, which costs nothing: few digits cancel in them."""
+        found: Array = self.y[batch.unknown] + carried(self.system, batch, self.loading.gradient)
+        return found
+
     def power_of_mean(self, gradient: Array) -> float:
         """That of a mean gradient, by which the periods and all images change: |cell| Sigma_sides : G."""
         system, total = self.system, 0.0
         for batch in system.assembly.batches:
             q = mean_flow(system, batch, gradient)
-            total += float(np.einsum("ei,eij,ej->", q, batch.forms.K, self.numbers(batch)))
+            total += float(np.einsum("ei,eij,ej->", q, batch.forms.K, self.local_numbers(batch)))
         return system.viscosity * total
 
     def dissipation_of_pores(self) -> Array:
         """Of each pore, (E,); fluid discs have theirs besides."""
         lost = np.empty(len(self.system.pores.vertices))
         for batch in self.system.assembly.batches:
-            x = self.numbers(batch)
+            x = self.local_numbers(batch)
             lost[batch.pore] = np.einsum("ei,eij,ej->e", x, batch.forms.K, x)
         return self.system.viscosity * lost
 
@@ -121,24 +128,32 @@ def solve_pores(system: PoreSystem, loading: PoreLoading) -> PoreFlow:
     mu, n, N = system.viscosity, system.size, system.bodies
     K = mu * system.assembly.K
     body = system.assembly.numbering.surface[:N, None] + np.arange(3)
-    x, held = _prescribed(system, loading)
+    base = _carried_along(system, loading.gradient)
+    given, held = _prescribed(system, loading)
+    y = np.where(held, given - base, 0.0)
+    if not len(loading.walls):
+        y[system.assembly.numbering.surface[0] + 3] = 0.0  # a constant, with which no other number need grow
     b, D = _loads(system, loading), np.zeros(n)
     if loading.inertia is not None:
         D[body] = loading.inertia.D
         b[body] += loading.inertia.D * loading.inertia.U0
     images, mean_power = _of_mean_flow(system, loading.gradient)
     free = np.flatnonzero(~held)
-    rhs = b - images - K @ x
+    rhs = b - images - K @ y - D * base
     A = (K + sp.diags(D))[free][:, free]
-    x[free], residual = solve_definite(A, rhs[free])
+    y[free], residual = solve_definite(A, rhs[free])
+    x = y + base
+    if not len(loading.walls):
+        first = system.assembly.numbering.surface[:-1]
+        x[first + 3] -= x[first[0] + 3]
     U = x[body]
-    reactions = K @ x + images
+    reactions = K @ y + images
     # On free modes what they are given, less what inertia takes; what holds the others is found.
     inertia = D[body] * (U - loading.inertia.U0) if loading.inertia else np.zeros_like(U)
     F = np.where(loading.motion.held, reactions[body], loading.motion.F - inertia)
-    dissipation = float(x @ (K @ x) + 2.0 * images @ x + mean_power)
-    flow = PoreFlow(system, loading, x, U, F, reactions, dissipation, {})
-    flow.checks.update(residual=residual, power=_power(flow, float(images @ x) + mean_power))
+    dissipation = float(y @ (K @ y) + 2.0 * images @ y + mean_power)
+    flow = PoreFlow(system, loading, x, y, U, F, reactions, dissipation, {})
+    flow.checks.update(residual=residual, power=_power(flow, flow.power_of_mean(loading.gradient)))
     flow.checks.update(_translations(flow))
     return flow
 
@@ -163,6 +178,38 @@ def mean_flow(system: PoreSystem, batch: Batch, gradient: Array) -> Array:
     return q
 
 
+def carried(system: PoreSystem, batch: Batch, gradient: Array) -> Array:
+    """The numbers of surfaces that u = G x carries along, seen from the first of each pore, (n, m).
+
+    A surface v moves with the velocity G x_v of its centre; psi there is that of the flow.
+    """
+    centre, reference = system.shapes.centre[batch.pore], system.shapes.reference[batch.pore]
+    U, c = _carried(centre - centre[:, :1], reference - centre, gradient)
+    q, at = np.zeros(batch.unknown.shape), 0
+    first = system.assembly.numbering.surface
+    for v in range(3):
+        body = system.pores.vertices[batch.pore, v]
+        q[:, at], q[:, at + 1], q[:, at + 3] = U[:, v, 0], U[:, v, 1], c[:, v]
+        at += int(first[body[0] + 1] - first[body[0]])
+    return q
+
+
+def _carried(centre: Array, arm: Array, G: Array) -> tuple[Array, Array]:
+    """Velocities (..., 2) of surfaces, and psi (...) at their references, at arms from their centres."""
+    U = centre @ G.T
+    return U, stream(G, centre) + U[..., 0] * arm[..., 1] - U[..., 1] * arm[..., 0]
+
+
+def _carried_along(system: PoreSystem, gradient: Array) -> Array:
+    """The numbers of all surfaces that u = G x carries along, (n,)."""
+    base, first = np.zeros(system.size), system.assembly.numbering.surface[:-1]
+    if np.any(gradient):
+        centre = system.pores.surfaces.centre
+        U, base[first + 3] = _carried(centre, system.reference - centre, gradient)
+        base[first], base[first + 1] = U.T
+    return base
+
+
 def stream(G: Array, x: Array) -> Array:
     """psi of u = G x, G of trace 0."""
     psi: Array = G[0, 0] * x[..., 0] * x[..., 1] + 0.5 * (G[0, 1] * x[..., 1] ** 2 - G[1, 0] * x[..., 0] ** 2)
@@ -170,11 +217,11 @@ def stream(G: Array, x: Array) -> Array:
 
 
 def _of_mean_flow(system: PoreSystem, gradient: Array) -> tuple[Array, float]:
-    """mu K q for the mean flow q of the images, (n,), and mu q^T K q."""
+    """mu K q for surfaces that the mean flow carries along, q, (n,), and mu q^T K q."""
     images, power = np.zeros(system.size), 0.0
     if np.any(gradient):
         for batch in system.assembly.batches:
-            q = mean_flow(system, batch, gradient)
+            q = carried(system, batch, gradient)
             Kq = system.viscosity * np.einsum("eij,ej->ei", batch.forms.K, q)
             np.add.at(images, batch.unknown.ravel(), Kq.ravel())
             power += float(np.sum(q * Kq))

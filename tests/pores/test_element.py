@@ -139,7 +139,7 @@ def test_velocity_and_stream_function_are_continuous_across_necks() -> None:
     x = np.random.default_rng(3).standard_normal(system.size)
     walls = system.assembly.numbering.surface[-3:-1]
     x[walls + 1] = x[walls + 2] = 0.0  # walls slide along themselves only
-    fields = FlowFields(type(flow)(system, flow.loading, x, flow.U, flow.F, flow.reactions, 0.0, {}))
+    fields = FlowFields(type(flow)(system, flow.loading, x, x, flow.U, flow.F, flow.reactions, 0.0, {}))
     foot, n = system.shapes.foot, system.shapes.direction
     inner = system.pores.sides >= 0
     t = np.stack([-n[..., 1], n[..., 0]], -1)[inner]
