@@ -16,6 +16,7 @@ from numpy.testing import assert_allclose
 import fsi
 from fsi.bodies.configuration import Array
 from fsi.lubrication.concentric import Concentric
+from fsi.lubrication.sliding_film import sphere_resistance
 from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.adapt import Solved, solve_with_errors
 from fsi.stokes.discretisation.forms import EQUISPACED
@@ -166,6 +167,19 @@ def test_a_sliding_disc_is_the_same_wherever_the_period_is_cut() -> None:
     assert_allclose(found[1], found[0], atol=1e-5)
 
 
+def test_a_sphere_towards_a_plane_with_slip_on_both() -> None:
+    """The law of the film but for some mu a V; without slip the force is 2.4 times that."""
+    q, b = 1e-3, 1e-3
+    domain = {"shape": "half-plane", "radius": 500.0, "walls": {"plane": {"slip_length": b}}}
+    ball = body((0.0, 1.0 + q), velocity=[0.0, -1.0], slip_length=b)
+    case = fsi.make_case(
+        name="film", geometry="axisymmetric", fluid={"viscosity": 1.0}, domain=domain, bodies=[ball]
+    )
+    solved = balanced(case)
+    rest = -solved.solution.F[0, 1] - float(sphere_resistance(q, 1.0, b, 1.0))
+    assert 0.0 < rest < 2.0 * 6.0 * np.pi
+
+
 def test_a_lid_that_slides_past_walls_is_not_singular() -> None:
     """Its dissipation is finite; that of one that fluid sticks to is not (see `corners`)."""
     domain = {
@@ -175,6 +189,15 @@ def test_a_lid_that_slides_past_walls_is_not_singular() -> None:
     }
     case = fsi.make_case(name="lid", fluid={"viscosity": 1.0}, domain=domain, bodies=[], discretisation={})
     assert np.isfinite(balanced(case).solution.dissipation)
+
+
+@pytest.mark.slow
+def test_bars_in_space_hold() -> None:
+    """Of a swimmer with slip in a ball, whose errors are half the difference to degree 2."""
+    swimmer = body((0.0, 0.0, 0.0), surface_velocity=[1.0, -2.0, 0.5], slip_length=0.5)
+    solved = balanced(in_ball("spatial", 0.7, swimmer, R=2.5))
+    U = Concentric(1.0, 2.5, 0.5, 0.7, spheres=True).swimming(1.0) * np.eye(6)[2]
+    assert np.all(np.abs(solved.solution.U[0] - U) < solved.errors.U[0])
 
 
 def test_units() -> None:
