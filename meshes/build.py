@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from math import ceil, comb
 
 import fsi.meshes.backend  # noqa: F401
@@ -179,6 +179,7 @@ def _first_valid(
     return None, 0.0, "", problem.saying(f"; {others} did not help either") if others else problem
 
 
+@cache
 def coordinate_element(order: int, dimension: int = 2) -> basix.ufl._ElementBase:
     """The isoparametric element of the cells: equispaced nodes, as VTK and gmsh have them."""
     variant = basix.LagrangeVariant.equispaced

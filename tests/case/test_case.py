@@ -56,7 +56,7 @@ def test_any_sound_case_reads_back_equal(
 def test_defaults() -> None:
     case = parse_case(BOX)
     assert case.names == ("disc", "other")
-    assert (case.discretisation.degree, case.discretisation.cells_per_gap) == (3, 1.0)
+    assert (case.discretisation.degree, case.discretisation.cells_per_gap) == (4, 0.45)
     assert case.time is not None
     assert case.time.smallest_step == pytest.approx(5e-9)
     assert case.masses() is None
@@ -188,11 +188,11 @@ SIZES = ("degree", "cells_per_gap", "cells_per_circle", "growth", "interior")
 @pytest.mark.parametrize(
     ("number", "sizes", "others"),
     [
-        (20, (3, 1.0, 48, 0.2, "graded"), (3, 1.0, 48, 0.1, "graded")),
+        (20, (4, 0.45, 32, 0.33, "graded"), (3, 1.0, 48, 0.1, "graded")),
         (21, (4, 0.3, 20, 0.3, "sparse"), (3, 0.5, 24, 0.1, "graded")),
     ],
 )
-def test_more_than_twenty_bodies_have_quartic_elements_unless_a_size_is_named(
+def test_elements_are_quartic_unless_a_size_is_named(
     number: int, sizes: tuple[object, ...], others: tuple[object, ...]
 ) -> None:
     bodies = [{"name": f"disc{i}", "radius": 0.01, "position": [0.1 * i - 1.5, 3.0]} for i in range(number)]

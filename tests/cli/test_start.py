@@ -30,7 +30,7 @@ def loaded(*command: str) -> set[str]:
 
 @pytest.mark.parametrize(
     ("command", "not_needed"),
-    [("check", SLOW | SOLVER), ("solve", SLOW | {"fsi.pores.instant"})],
+    [("check", SLOW | SOLVER), ("solve", SLOW | {"fsi.pores.instant", "numba"})],
     ids=["check", "solve"],
 )
 def test_a_command_loads_only_what_it_needs(command: str, not_needed: set[str]) -> None:

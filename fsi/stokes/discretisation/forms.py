@@ -41,11 +41,13 @@ type Expr = ufl.core.expr.Expr
 type Form = fem.Form[np.float64]
 
 
+@cache
 def velocity_element(degree: int, dimension: int) -> basix.ufl._ElementBase:
     """Continuous vector elements of the given degree; equispaced nodes, which VTK draws as they are."""
     return basix.ufl.element("Lagrange", SIMPLEX[dimension], degree, EQUISPACED, shape=(dimension,))
 
 
+@cache
 def pressure_element(degree: int, dimension: int) -> basix.ufl._ElementBase:
     """Continuous scalar elements one degree below the velocity (Taylor and Hood 1973)."""
     return basix.ufl.element("Lagrange", SIMPLEX[dimension], degree - 1, EQUISPACED)
