@@ -11,6 +11,7 @@ from fsi.bodies.configuration import Array, Configuration
 from fsi.errors import InputError
 from fsi.postprocess.render.fields import DISTURBANCE, RenderedField
 from fsi.postprocess.render.mean_flow import undisturbed
+from fsi.postprocess.render.periodic_box import PeriodicBox
 from fsi.postprocess.render.view import View
 from fsi.postprocess.run.gaps import SurfaceGap
 from fsi.postprocess.run.probe import FLUID, probe
@@ -112,7 +113,9 @@ def flow_on(run: Run, step: int, cut: Cut, field: RenderedField, reach: float) -
     grid = pv.ImageData(dimensions=dimensions, spacing=(side, side, 1.0), origin=(-reach, -reach, 0.0))
     s, t, _ = np.asarray(grid.points, dtype=float).T
     x = cut.points(s, t)
-    table = probe(run, x, step)
+    container = run.container(step)
+    period = PeriodicBox.of(container) if len(container.periods) else None
+    table = probe(run, x, step) if period is None else period.probed(run, x, step)
     fluid = (table["where"] == FLUID).to_numpy()
     nearest = np.flatnonzero(fluid)[cKDTree(x[fluid]).query(x)[1]]
     known = _known(table.iloc[nearest], cut)
@@ -121,7 +124,7 @@ def flow_on(run: Run, step: int, cut: Cut, field: RenderedField, reach: float) -
     grid["value"] = field.value(known, run.case.fluid.viscosity)
     u = known[field.streamlines or "velocity"]
     grid["in plane"] = np.column_stack([u @ cut.along, u @ cut.up, np.zeros(len(x))])
-    for k, distance in enumerate(run.container(step).distances(x).T):
+    for k, distance in enumerate((period or container).distances(x).T):
         grid[f"wall {k}"] = distance
     surface = grid.extract_surface(algorithm="dataset_surface")
     lines = pv.PolyData()

@@ -13,6 +13,7 @@ from fsi.postprocess.render.canvas import INK, Picture, new_panel, new_spatial_p
 from fsi.postprocess.render.cut import Cut, Flow, cut_cells, flow_on, plane_of_choice, through_gap
 from fsi.postprocess.render.fields import DISTURBANCE, RenderedField, rendered_field
 from fsi.postprocess.render.mean_flow import is_sheared
+from fsi.postprocess.render.periodic_box import PeriodicBox
 from fsi.postprocess.render.picture import FlowArtist, Framed, compose
 from fsi.postprocess.render.view import Choice, View, around_all
 from fsi.postprocess.run.gaps import gap_between
@@ -42,6 +43,11 @@ class SpatialArtist(FlowArtist):
             raise InputError(
                 "render: give --gap or --plane, not both; a gap has the plane of its line of centres"
             )
+        if len(run.case.container().periods):
+            if self.sides is not None:
+                raise InputError(f"--gap {choice.gap}: gaps across periods in space are not drawn; drop it")
+            if self.fields[0].edges:
+                raise InputError(f"--field {names[0]}: cells of periods in space are not drawn; give speed")
         if self.fields[0].on_bodies and (self.sides is not None or not run.has("surface")):
             raise InputError(f"--field {names[0]}: is seen on whole spheres of runs with fields; drop --gap")
 
@@ -57,7 +63,7 @@ class SpatialArtist(FlowArtist):
             for field, parts, colours in zip(self.fields, drawn, shades, strict=True):
                 if field.on_bodies:
                     half = _ASLANT * cut.half
-                    image, title = self._space(parts[k][0], cut, colours), field.title
+                    image, title = self._space(parts[k][0], (step, cut), colours), field.title
                 else:
                     half, title = cut.half, f"{where}: {field.title}"
                     image = self._plane(field, parts[k], (step, cut, at), colours)
@@ -76,6 +82,8 @@ class SpatialArtist(FlowArtist):
         spheres = []
         for step in steps:
             grid = self.run.mesh(step, "surface")
+            if (period := self._period(step)) is not None:
+                grid = period.whole(grid, self.run.configuration(step))
             skin = grid.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=_CURVED)
             skin["value"] = field.value(skin.point_data, self.run.case.fluid.viscosity)
             spheres.append((skin, pv.PolyData()))
@@ -87,8 +95,15 @@ class SpatialArtist(FlowArtist):
         span = self.choice.span or field.scale.span_on_plane(values)
         return ScalarMappable(field.scale.norm(span), field.colour_map)
 
+    def _period(self, step: int) -> PeriodicBox | None:
+        """The box of one period, if the domain has any."""
+        container = self.run.container(step)
+        return PeriodicBox.of(container) if len(container.periods) else None
+
     def _window(self, step: int, centres: Array, radii: Array) -> View:
-        """A cube around the bodies at all steps, or around the domain where that is smaller."""
+        """A cube around the bodies at all steps, or around the domain where that is smaller; or a period."""
+        if (period := self._period(step)) is not None:
+            return period.view()
         near = around_all(centres, radii)
         low, high = np.array(self.run.mesh(step).bounds).reshape(3, 2).T
         whole = _MARGIN * 0.5 * float(np.max(high - low))
@@ -107,15 +122,18 @@ class SpatialArtist(FlowArtist):
         cut = through_gap(gap, q, view)
         return cut, f"{self.gap_title(gap, view)}, plane {cut.name}"
 
-    def _space(self, spheres: pv.PolyData, cut: Cut, shades: ScalarMappable) -> Picture:
+    def _space(self, spheres: pv.PolyData, where: tuple[int, Cut], shades: ScalarMappable) -> Picture:
         """The spheres in their box, and the outline of the plane."""
+        step, cut = where
         view = View(cut.centre, _ASLANT * cut.half)
         space = new_spatial_panel(view, self.choice.size, self.choice.theme)
         local = spheres.copy()
         local.points = view.local(np.asarray(spheres.points, dtype=float))
         space.colour(local, shades, lit=True)
         faces = self.run.case.container().faces
-        if len(faces) == 6:
+        if (period := self._period(step)) is not None:
+            space.outline(view.local(period.edges), space.theme.ink)
+        elif len(faces) == 6:
             ends = np.array([sorted(at for axis, at in faces.values() if axis == k) for k in range(3)])
             space.outline(view.local(_edges(ends)), space.theme.ink)
         elif "plane" in self.run.case.container().walls:
@@ -135,7 +153,8 @@ class SpatialArtist(FlowArtist):
         panel.lines(lines, "white", width=3, opacity=0.8, layer=0.5)
         if field.edges:
             panel.lines(cut_cells(self.run, step, cut), INK, width=2, layer=0.5)
-        panel.bodies(cut.circles(q), turning=False)
+        period = self._period(step)
+        panel.bodies(cut.circles(q if period is None else period.bodies(q)), turning=False)
         return panel.image()
 
 
