@@ -8,6 +8,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from fsi.bodies.gaps import nearest_gaps
 from fsi.case.case import Case
 from fsi.case.checks.work import check_work
 from fsi.case.load import load_case
@@ -27,10 +28,17 @@ type MakeEvolution = Callable[[Case], Evolution]
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """How a launch ended: the last state, and how many steps it made; 0 if the run was finished before."""
+    """How a launch ended.
+
+    Attributes:
+        state: the last one.
+        steps: how many it made; 0 if the run was finished before.
+        contact: whether the smallest gap came to `time.contact_gap`.
+    """
 
     state: State
     steps: int
+    contact: bool
 
 
 def no_progress(record: StepRecord) -> None:
@@ -85,8 +93,11 @@ def resume(
     """
     run = RunFolder.reopen(folder)
     case, changed = on_root(lambda: _case_of(run, overrides))
-    if run.checkpoint is not None and run.checkpoint.state.t >= case.timing.end:
-        return Outcome(run.checkpoint.state, 0)
+    if run.checkpoint is not None:
+        state = _with_outlines(case, run.checkpoint.state)
+        contact = _in_contact(case, state)
+        if contact or state.t >= case.timing.end:
+            return Outcome(state, 0, contact)
     evolution = make(case)
     if run.checkpoint is not None:
         _restore(evolution, run.checkpoint.model, folder)
@@ -116,7 +127,7 @@ def _drive(case: Case, run: RunFolder, evolution: Evolution, progress: Progress)
 
     def keep(moment: Moment, began: float) -> State:
         record = moment.record.timed(process_time() - began)
-        output = evolution.schedule.is_output(record.t)
+        output = evolution.schedule.is_output(record.t) or _in_contact(case, moment.state)
         with run.writing():
             files = moment.write(run.fields) if output and case.output.fields else {}
         tables = moment.tables() if output else {}
@@ -128,9 +139,20 @@ def _drive(case: Case, run: RunFolder, evolution: Evolution, progress: Progress)
     if run.checkpoint is None:
         state = keep(evolution.start(), began)
     else:
-        state = run.checkpoint.state.of_outlines(case.configuration().outlines)
+        state = _with_outlines(case, run.checkpoint.state)
     first = state.step
-    while state.t < evolution.schedule.end:
+    while state.t < evolution.schedule.end and not _in_contact(case, state):
         began = process_time()
         state = keep(evolution.advance(state), began)
-    return Outcome(state, state.step - first)
+    return Outcome(state, state.step - first, _in_contact(case, state))
+
+
+def _with_outlines(case: Case, state: State) -> State:
+    """A state that was read, with what the case says of its bodies."""
+    return state.of_outlines(case.configuration().outlines)
+
+
+def _in_contact(case: Case, state: State) -> bool:
+    """Whether the smallest gap is so small that the run ends."""
+    least = case.timing.contact_gap
+    return least is not None and nearest_gaps(state.q, case.container().at(state.t)).smallest() <= least

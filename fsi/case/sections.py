@@ -96,6 +96,8 @@ class Time(Section):
     """the error of a step over the gap, in (0, 1)"""
     gap_loss: Fraction = 0.2
     """the part of a gap that a step may close, in (0, 1)"""
+    contact_gap: Positive | None = None
+    """the smallest gap, a number > 0: a run that comes to it ends, and says when there is contact, or none"""
     remesh: Literal["always", "when-needed"] = "always"
     '"always" or "when-needed"'
 

@@ -74,7 +74,7 @@ def watch(
     require_run(folder)
     case = parallel.on_root(lambda: load_case(folder / CASE))
     if parallel.is_root():
-        follow(standard_output(), folder, case.timing.end, once=once)
+        follow(standard_output(), folder, case.timing.end, case.timing.contact_gap, once=once)
 
 
 def _follow(
@@ -122,3 +122,8 @@ def _tell_end(folder: Path, outcome: Outcome, bar: ProgressBar) -> None:
             f"{folder}: {outcome.steps} steps to t = {outcome.state.t:g}, "
             f"smallest gap {bar.smallest_gap:.4g} (at t = {bar.smallest_at:g}), {bar.elapsed:.0f} s"
         )
+    if outcome.contact:
+        from fsi.postprocess.run.run import open_run
+        from fsi.report.contact import told_contact
+
+        typer.echo(told_contact(open_run(folder).columns("steps")))

@@ -3,6 +3,7 @@
 import csv
 import time
 from collections.abc import Iterator, Mapping
+from math import inf
 from pathlib import Path
 
 from rich.console import Console
@@ -12,14 +13,14 @@ from fsi.run_folder.folder import STEPS
 PAUSE = 1.0  # seconds between two looks
 
 
-def follow(console: Console, folder: Path, end: float, *, once: bool) -> None:
-    """Print a line for each step up to the end of time; once: for those that are there."""
+def follow(console: Console, folder: Path, end: float, contact_gap: float | None, *, once: bool) -> None:
+    """Print a line for each step up to the end of time, or to contact; once: for those that are there."""
     spent, seen = 0.0, 0
     while True:
         for row in list(complete_rows(folder / STEPS))[seen:]:
             seen, spent = seen + 1, spent + float(row.get("cpu_step", "nan"))
             console.print(line(row, end, spent), highlight=False)
-            if float(row["t"]) >= end:
+            if float(row["t"]) >= end or float(row["smallest_gap"]) <= (contact_gap or -inf):
                 return
         if once:
             return

@@ -193,6 +193,9 @@ class Run:
     @property
     def finished(self) -> bool:
         """Whether the run has reached that end."""
+        least = None if self.case.time is None else self.case.time.contact_gap
+        if least is not None and float(self.steps["smallest_gap"].iloc[-1]) <= least:
+            return True  # in contact
         return self.asked is not None and self.end >= self.asked
 
     @cached_property

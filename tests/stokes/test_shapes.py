@@ -7,15 +7,19 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy  # its modules load when they are used
 
+from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.load import parse_case
+from fsi.case.shapes.tip import Tip
 from fsi.postprocess.run.run import open_run
 from fsi.runs import resume, run
 from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.model import StokesModel
 
-FAR = 1e3  # radius of a container that stands for infinity: it changes what turns an ellipse by (a / R)^2
+# Of a container that stands for infinity: it changes what turns an ellipse by some gamma (a / R)^2.
+FAR = 1e3
 AXES = (2.0, 1.0)
 
 
@@ -122,7 +126,43 @@ def test_a_run_goes_on_as_if_unbroken(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("ratio", "angles"), [(2.0, 12), (5.0, 40)])
+@pytest.mark.parametrize("alpha", [1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0])
+def test_the_force_on_a_tip_towards_a_plane(alpha: float) -> None:
+    """24 / (1 + alpha) B(b, 3 - b) mu U q^(b - 3), b = 3 / (1 + alpha), as lubrication has it.
+
+    What is left out is smaller by q^(2 alpha / (1 + alpha)), the square of the slope where the film ends: the
+    exponent and the coefficient are those of a fit with it.
+    """
+    shape = {"kind": "tip", "radius": 1.0, "alpha": alpha, "length": 1.0}
+    tip = Tip.model_validate(shape).outline
+    q, b = np.geomspace(1e-4, 1e-6, 5), 3.0 / (1.0 + alpha)
+    force = []
+    for gap in q:
+        body = {"name": "tip", "shape": shape, "position": [0.0, float(tip.shift[1] + gap)]}
+        held = {"velocity": [0.0, -1.0], "angular_velocity": 0.0}
+        domain = {"shape": "half-plane", "radius": 100.0}
+        case = parse_case(
+            {"name": "tip", "fluid": {"viscosity": 1.0}, "domain": domain, "bodies": [body | held]}
+        )
+        force.append(-StokesModel(case)(case.configuration(), 0.0).F[0, 1])
+    left_out = q ** (2.0 * alpha / (1.0 + alpha))
+
+    def off(x: Array) -> Array:
+        residual: Array = x[0] + x[1] * np.log(q) + np.log1p(x[2] * left_out) - np.log(force)
+        return residual
+
+    start = [np.log(force[-1] * q[-1] ** (3.0 - b)), b - 3.0, 0.1]
+    found = scipy.optimize.least_squares(off, start, xtol=1e-15, ftol=1e-15)
+    assert found.x[1] == pytest.approx(b - 3.0, abs=0.005)
+    exact = 24.0 / (1.0 + alpha) * scipy.special.beta(b, 3.0 - b)
+    with_exponent = np.linalg.lstsq(
+        np.column_stack([np.ones(5), left_out]), force * q ** (3.0 - b), rcond=None
+    )[0]
+    assert with_exponent[0] == pytest.approx(exact, rel=0.01)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("ratio", "angles"), [(2.0, 12)])
 def test_the_period_of_a_free_ellipse_in_shear(ratio: float, angles: int) -> None:
     """2 pi (r + 1/r) = int dtheta / |omega|, by the trapezoidal rule, which is exact to 1e-5 here."""
     case = sheared((ratio, 1.0))

@@ -2,11 +2,15 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from fsi.case.case import Case
 from fsi.case.section import nearest_word, refusal, toml_text
 from fsi.case.series import Table, is_zero, jumps
 from fsi.errors import InputError
 from fsi.integration.schemes import SCHEMES, scheme_for
+
+SMALLEST_CONTACT = 1e-8  # over the smallest radius
 
 
 def check_time(case: Case) -> None:
@@ -21,6 +25,20 @@ def check_time(case: Case) -> None:
     if smallest >= end:
         raise InputError(f"time.smallest_step = {smallest!r}: not below time.end = {end!r}; make it smaller")
     _check_scheme(case)
+    _check_contact(case)
+
+
+def _check_contact(case: Case) -> None:
+    """A viscous fluid takes part in what is extrapolated, and the gap is one that is resolved."""
+    least = case.timing.contact_gap
+    if least is None:
+        return
+    here = f"time.contact_gap = {least!r}"
+    if not case.level.viscous:
+        raise InputError(f'{here}: model = "{case.model}" has contacts of its own; drop it')
+    smallest = SMALLEST_CONTACT * float(case.configuration().radii.min(initial=np.inf))
+    if case.bodies and least < smallest:
+        raise InputError(f"{here}: below 1e-8 radii, the least gap that is resolved; give {smallest:.3g}")
 
 
 def check_own_mesh(case: Case) -> None:

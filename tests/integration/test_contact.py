@@ -1,0 +1,80 @@
+"""The time of contact from the last decades of a gap, and runs that end with it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fsi.case.load import parse_case
+from fsi.errors import InputError
+from fsi.integration.contact import contact_time
+from fsi.postprocess.run.run import open_run
+from fsi.report.contact import told_contact
+from fsi.runs import resume, run
+from tests.exact_model import DiscsBesidePlane, by
+from tests.small_run import small_case
+
+GAPS = 0.8 ** np.arange(60.0)
+
+
+@given(st.floats(0.1, 0.97), st.floats(0.1, 10.0))
+@settings(max_examples=30, deadline=None)
+def test_a_gap_that_closes_by_a_power_below_1_gives_its_time_of_contact(m: float, K: float) -> None:
+    """q^(1 - m) falls at the rate (1 - m) K, from 1 at t = 0."""
+    found = contact_time((1.0 - GAPS ** (1.0 - m)) / ((1.0 - m) * K), GAPS)
+    assert found is not None
+    assert found.exponent == pytest.approx(m, abs=1e-7)
+    assert found.time == pytest.approx(1.0 / ((1.0 - m) * K), rel=1e-6)
+
+
+@pytest.mark.parametrize("m", [1.2, 1.5])
+def test_smoother_surfaces_never_meet(m: float) -> None:
+    found = contact_time((GAPS ** (1.0 - m) - 1.0) / (m - 1.0), GAPS)
+    assert found is not None
+    assert found.exponent == pytest.approx(m, abs=1e-7)
+    assert found.time == np.inf
+
+
+def test_errors_cover_what_corrections_of_the_law_change() -> None:
+    """-dt/dq = q^(-3/4) (1 + 3 q^(1/2)), as of a tip: contact after 4 + 3 / (3/4) = 8."""
+    t = 4.0 * (1.0 - GAPS**0.25) + 4.0 * (1.0 - GAPS**0.75)
+    for last in (30, 45, 60):
+        found = contact_time(t[:last], GAPS[:last])
+        assert found is not None
+        assert abs(found.time - 8.0) < found.error < 2.0
+        assert abs(found.exponent - 0.75) < found.exponent_error
+        assert found.error < 20.0 * GAPS[last - 1] ** 0.5
+
+
+def test_nothing_is_said_of_a_gap_that_opened_or_hardly_closed() -> None:
+    assert contact_time(np.arange(60.0), np.append(GAPS[:58], [0.5, 1e-7])) is None
+    assert contact_time(np.arange(4.0), GAPS[:4]) is None
+
+
+def test_a_run_ends_where_its_gap_comes_to_that_of_contact(tmp_path: Path) -> None:
+    """Discs of the closed law -q' ~ q^(3/2): no contact in finite time, and nothing is left to resume."""
+    falling = {"name": "disc", "radius": 1.0, "position": [0.0, 2.0], "force": [0.0, -20.0]}
+    case = small_case(time={"end": 1e4, "contact_gap": 1e-4}, bodies=[falling])
+    outcome = run(case, tmp_path / "run", make=by(DiscsBesidePlane))
+    finished = open_run(tmp_path / "run")
+    gap = finished.steps["smallest_gap"].to_numpy()
+    assert outcome.contact
+    assert finished.finished
+    assert gap[-1] <= 1e-4 < gap[-2]
+    assert told_contact(finished.columns("steps")).startswith("no contact in finite time: the gap closes as")
+    again = resume(tmp_path / "run", make=by(DiscsBesidePlane))
+    assert (again.steps, again.contact) == (0, True)
+
+
+def test_a_gap_of_contact_that_cannot_be_is_refused_by_name() -> None:
+    with pytest.raises(InputError, match=r"time\.contact_gap = 1e-09: below 1e-8 radii"):
+        small_case(time={"end": 1.0, "contact_gap": 1e-9})
+    bodies = [{"name": "ball", "radius": 1.0, "position": [0.0, 2.0]}]
+    data = {"name": "gluey", "model": "gluey", "bodies": bodies, "time": {"end": 1.0, "step": 0.1}}
+    data |= {"domain": {"shape": "unbounded"}}
+    with pytest.raises(InputError, match=r'time\.contact_gap = 0\.1: model = "gluey" has contacts'):
+        parse_case(data | {"time": {"end": 1.0, "step": 0.1, "contact_gap": 0.1}})
