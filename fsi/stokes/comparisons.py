@@ -12,11 +12,11 @@ is 0.9 times. The factor SAFETY makes it a bound.
 In space one degree more costs some ten times as much as the solution itself. There the same problem is solved
 with one degree less, for a tenth of it: its values are the less accurate ones, and the difference is their
 error. Measured beside a plane for k = 3, gaps from 0.01 to 1 radii, it is 14 to 50 times that of degree k on
-the default meshes and finer ones, and 9 times on a mesh half as fine. The factor FEWER makes it a bound. Of
-a small load among larger ones it may be less by chance (3.5 times the error, above a plane on as coarse a
-mesh as there is): each is known to the part CHANCE of the largest. Where fluid slides or bodies swim it is
-the whole difference, which was only twice the error of a swimmer with slip in a ball.
-Degree 2, which has none below, takes one more.
+the default meshes and finer ones, and 9 times on a mesh half as fine. The factor FEWER makes it a bound. Where
+fluid slides or bodies swim it is the whole difference, which was only twice the error of a swimmer with slip
+in a ball. On meshes of less than COARSE cells around a body a lower degree may miss a small load less by chance
+(3.5 times the error, above a plane): there each is known to the part CHANCE of the largest. Degree 2, which has
+none below, takes one more.
 
 Where the data of walls jump at a corner (see `corners`), two degrees on one mesh miss the same there, and
 their difference does not tell it. Planar meshes are graded towards such corners, so that the order comes
@@ -44,7 +44,7 @@ from fsi.stokes.corners import jumps, singular
 from fsi.stokes.walls import boundary_of, wall_kinks
 
 SAFETY = 1.5
-FEWER = 0.15
+FEWER, COARSE = 0.15, 10
 FINER = {2: 2.0, 3: 1.5}
 # How the error of a force goes with h beside edges of a box in space.
 JUMP_ORDER, OPEN_ORDER = 2.74, 1.19
@@ -76,12 +76,18 @@ def comparisons(case: Case) -> tuple[Comparison, ...]:
     orders, finer = _edge_orders(case), FINER[case.dimension]
     if case.dimension == 2:
         return (Comparison(degree + 1, finer if orders else 1.0, SAFETY),)
-    sticks = not slip_lengths(case) and not any(body.swims for body in case.bodies)
-    of_elements = Comparison(degree - 1, 1.0, FEWER if sticks else 1.0, CHANCE)
-    if degree == LOWEST:
-        of_elements = Comparison(degree + 1, 1.0, SAFETY)
     of_edges = (Comparison(degree, finer, SAFETY / (1.0 - finer**-p), CHANCE) for p in sorted(orders)[:1])
-    return (of_elements, *of_edges)
+    return (_of_elements_in_space(case), *of_edges)
+
+
+def _of_elements_in_space(case: Case) -> Comparison:
+    degree = case.discretisation.degree
+    if degree == LOWEST:
+        return Comparison(degree + 1, 1.0, SAFETY)
+    if slip_lengths(case) or any(body.swims for body in case.bodies):
+        return Comparison(degree - 1, 1.0, 1.0, CHANCE)
+    coarse = case.discretisation.cells_per_circle < COARSE
+    return Comparison(degree - 1, 1.0, FEWER, CHANCE if coarse else KNOWN_TO)
 
 
 def _edge_orders(case: Case) -> set[float]:
