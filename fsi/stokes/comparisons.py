@@ -12,11 +12,11 @@ is 0.9 times. The factor SAFETY makes it a bound.
 In space one degree more costs some ten times as much as the solution itself. There the same problem is solved
 with one degree less, for a tenth of it: its values are the less accurate ones, and the difference is their
 error. Measured beside a plane for k = 3, gaps from 0.01 to 1 radii, it is 14 to 50 times that of degree k on
-the default meshes and finer ones, and 9 times on a mesh half as fine. The factor FEWER makes it a bound. Where
-fluid slides or bodies swim it is the whole difference, which was only twice the error of a swimmer with slip
-in a ball. On meshes of less than COARSE cells around a body a lower degree may miss a small load less by chance
-(3.5 times the error, above a plane): there each is known to the part CHANCE of the largest. Degree 2, which has
-none below, takes one more.
+the default meshes and finer ones, and 9 times on a mesh half as fine. The factor FEWER makes it a bound.
+Where fluid slides or bodies swim it is the whole difference, which was only twice the error of a swimmer with
+slip in a ball. On meshes of less than COARSE cells around a body a lower degree may miss a small load less by
+chance (3.5 times the error, above a plane): there each is known to the part CHANCE of the largest. Degree 2,
+which has none below, takes one more.
 
 Where the data of walls jump at a corner (see `corners`), two degrees on one mesh miss the same there, and
 their difference does not tell it. Planar meshes are graded towards such corners, so that the order comes
