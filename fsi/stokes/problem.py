@@ -48,7 +48,7 @@ def _sliding(u: Field, speed: float) -> Field:
 
 
 @dataclass(frozen=True, slots=True)
-class Surfaces:
+class SurfaceConditions:
     """Bodies that fluid does not stick to, or whose surface moves along itself, by their numbers.
 
     With the velocity w of a surface, n out of the fluid, and a slip length b (Navier 1823),
@@ -64,9 +64,9 @@ class Surfaces:
     swimming: Mapping[int, Array] = field(default_factory=dict)
 
     @property
-    def still(self) -> Surfaces:
+    def still(self) -> SurfaceConditions:
         """The same without what moves along them."""
-        return Surfaces(self.slip_lengths)
+        return SurfaceConditions(self.slip_lengths)
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +93,7 @@ class StokesProblem:
     viscosity: float = 1.0
     inertia: Inertia | None = None
     interaction: Array | None = None
-    surfaces: Surfaces = field(default_factory=Surfaces)
+    surfaces: SurfaceConditions = field(default_factory=SurfaceConditions)
 
     @property
     def periodic(self) -> bool:

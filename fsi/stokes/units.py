@@ -35,7 +35,7 @@ from fsi.meshes.geometry.curves import rescaled
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.resistance import Modes, Resistance
 from fsi.stokes.fields import Flow, Surface
-from fsi.stokes.problem import Boundary, Field, StokesProblem, Surfaces
+from fsi.stokes.problem import Boundary, Field, StokesProblem, SurfaceConditions
 from fsi.stokes.solution import StokesSolution
 
 NARROW = 5e-5  # of a radius
@@ -139,10 +139,10 @@ class Units:
             {wall: b / a for wall, b in boundary.slip_lengths.items()},
         )
 
-    def _scaled_surfaces(self, surfaces: Surfaces) -> Surfaces:
+    def _scaled_surfaces(self, surfaces: SurfaceConditions) -> SurfaceConditions:
         a = self.length
         lengths = {i: b / a for i, b in surfaces.slip_lengths.items()}
-        return Surfaces(lengths, {i: modes / a for i, modes in surfaces.swimming.items()})
+        return SurfaceConditions(lengths, {i: modes / a for i, modes in surfaces.swimming.items()})
 
     def _scaled_field(self, field: Field, unit: float) -> Field:
         """A field whose values have this unit."""

@@ -6,7 +6,7 @@ from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.walls import WallVelocity
 from fsi.stokes.corners import singular
-from fsi.stokes.problem import Boundary, Field, Surfaces
+from fsi.stokes.problem import Boundary, Field, SurfaceConditions
 
 
 def boundary_of(case: Case, t: float) -> Boundary:
@@ -19,11 +19,11 @@ def boundary_of(case: Case, t: float) -> Boundary:
     )
 
 
-def surfaces_of(case: Case) -> Surfaces:
+def surfaces_of(case: Case) -> SurfaceConditions:
     """The surfaces of its bodies."""
     lengths = {i: body.slip_length for i, body in enumerate(case.bodies) if body.slip_length}
     modes = {i: np.array(body.surface_velocity) for i, body in enumerate(case.bodies) if body.swims}
-    return Surfaces(lengths, modes)
+    return SurfaceConditions(lengths, modes)
 
 
 def _field(wall: WallVelocity) -> Field:

@@ -20,7 +20,7 @@ from PIL import Image
 from fsi.bodies.configuration import Array, Configuration
 from fsi.errors import InputError
 from fsi.postprocess.plots.figure import LIGHT, Theme
-from fsi.postprocess.render.mean_flow import SlidingWall
+from fsi.postprocess.render.mean_flow import MovingWall
 from fsi.postprocess.render.view import View
 from fsi.postprocess.run.run import counted
 
@@ -97,7 +97,7 @@ class Panel(_Canvas):
         corners = view.centre + np.array([-right - up, right - up, right + up, up - right, -right - up])
         self.lines(pv.lines_from_points(self.view.local(corners)), "#d55e00", width=5, layer=4)
 
-    def sliding(self, walls: Sequence[SlidingWall]) -> None:
+    def sliding(self, walls: Sequence[MovingWall]) -> None:
         """Draw arrows in walls, as long as these are fast."""
         fastest = max((abs(wall.speed) for wall in walls), default=0.0)
         for wall in walls:

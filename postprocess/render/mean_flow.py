@@ -63,7 +63,7 @@ def is_sheared(run: Run) -> bool:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SlidingWall:
+class MovingWall:
     """A plane wall that moves along itself.
 
     Attributes:
@@ -79,7 +79,7 @@ class SlidingWall:
     speed: float
 
 
-def sliding_walls(run: Run, step: int) -> list[SlidingWall]:
+def sliding_walls(run: Run, step: int) -> list[MovingWall]:
     """Those of a box or channel in the plane at a step with fields."""
     container, found = run.container(step), []
     walls = run.case.wall_velocity(float(run.times[step]))
@@ -87,5 +87,5 @@ def sliding_walls(run: Run, step: int) -> list[SlidingWall]:
         if (wall := walls.get(name)) is not None:
             speed = float(wall.velocity[1 - axis]) + (wall.shear * place if axis == 1 else 0.0)
             outward = 1.0 if place > container.middle[axis] else -1.0
-            found.append(SlidingWall(axis, place, outward, speed))
+            found.append(MovingWall(axis, place, outward, speed))
     return [wall for wall in found if wall.speed]

@@ -21,7 +21,7 @@ from fsi.meshes.planar.sizing import Resolution
 from fsi.stokes.adapt import Solved, solve_with_errors
 from fsi.stokes.discretisation.forms import EQUISPACED
 from fsi.stokes.discretisation.slip import FACET, masses
-from fsi.stokes.problem import StokesProblem, Surfaces
+from fsi.stokes.problem import StokesProblem, SurfaceConditions
 from fsi.stokes.resistance import case_resistance
 from fsi.stokes.solve import solve
 from fsi.stokes.solvers.workspace import Workspace
@@ -219,7 +219,7 @@ def test_a_workspace_takes_other_slip_lengths() -> None:
 
     def found(b: float, c: float, workspace: Workspace | None) -> Array:
         boundary = replace(resting(SMALL_BOX), slip_lengths={"top": c} if c else {})
-        surfaces = Surfaces({0: b} if b else {})
+        surfaces = SurfaceConditions({0: b} if b else {})
         return solve(
             StokesProblem(fluid, SMALL_BOX, q, motion, boundary, surfaces=surfaces), workspace=workspace
         ).F
