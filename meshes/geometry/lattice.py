@@ -24,6 +24,7 @@ Integers = NDArray[np.int64]
 Vector = tuple[float, ...]
 
 SAME_PLACE = 1e-9  # of the longest period
+ROUNDING = 1e-13  # of lengths
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,17 +118,18 @@ def reduced(vectors: Array) -> Array:
     """The shortest basis of the lattice of two or three vectors (d, d).
 
     In the plane by Lagrange's and Gauss's algorithm; in space the longest vector is shortened by the lattice
-    of the other two, as long as that helps (Nguyen and Stehle 2009, ACM Trans. Algorithms 5:46).
+    of the other two, as long as that helps (Nguyen and Stehle 2009, ACM Trans. Algorithms 5:46) by more than
+    rounding: in a hexagonal lattice three vectors are as long as each other.
     """
     if len(vectors) == 1:
         return vectors
     while True:
-        basis = vectors[np.argsort(np.square(vectors).sum(axis=1), kind="stable")]
+        basis = vectors[np.argsort(lengths(vectors), kind="stable")]
         shorter, last = reduced(basis[:-1]), basis[-1:]
         lattice = Lattice(shorter)
         last = last - lattice.shift(lattice.nearest(last))
         vectors = np.concatenate([shorter, last])
-        if shorter[-1] @ shorter[-1] <= last[0] @ last[0]:
+        if lengths(vectors[-2:-1]) <= (1.0 + ROUNDING) * lengths(last):
             return vectors
 
 

@@ -112,6 +112,16 @@ def test_reduced_basis_of_a_lattice() -> None:
     assert b @ b == pytest.approx(1.25)
 
 
+@pytest.mark.parametrize("vectors", [[[1, 0], [0.5, np.sqrt(0.75)]], [[0, 1, 1], [1, 0, 1], [1, 1, 0]]])
+def test_lattices_with_vectors_as_long_as_each_other_are_reduced(vectors: list[list[float]]) -> None:
+    """Hexagonal and face-centred ones of any size, where rounding may say either of two is the longer one."""
+    for size in np.random.default_rng(0).uniform(1.0, 3.0, 500):
+        lattice = size * np.array(vectors)
+        oblique = np.vstack([lattice[0] - 2.0 * lattice[1], lattice[1:]])
+        longest = np.linalg.norm(lattice[0])
+        np.testing.assert_allclose(np.linalg.norm(reduced(oblique), axis=1), longest, rtol=1e-12)
+
+
 @pytest.mark.parametrize(("off", "match"), [(1e-11, True), (1e-8, False), (1e-3, False)])
 def test_images_match_to_1e9_of_a_period_or_not_at_all(off: float, match: bool) -> None:
     """Nodes of the left and the right side of a period of 5, one of them off along the side."""

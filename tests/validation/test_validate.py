@@ -97,13 +97,16 @@ def test_the_time_at_a_gap_is_exact_for_exponential_decay_and_ignores_what_came_
 
 @pytest.mark.parametrize("path", sorted(FOLDER.glob("*.toml")), ids=lambda path: path.stem)
 def test_the_shipped_cases_have_sound_references(path: Path) -> None:
-    """Literal settling times are those of the exact functions; every reference is finite and not zero."""
+    """Literal settling times are those of the exact functions; every reference is finite and not zero.
+
+    It is known to 1e-6, or where a paper prints fewer digits, to a fifth of the tolerance.
+    """
     for _, case in swept(path):
         for expected in case.expected:
             value, digits = reference(case, expected)
             assert np.isfinite(value)
             assert value != 0.0
-            assert digits <= 1e-6
+            assert digits <= max(1e-6, 0.2 * expected.rtol)
             if path.stem == "settling_sphere":
                 exact = exact_value(case, "sphere_settling", expected.quantity)
                 assert value == pytest.approx(exact, rel=1e-12)
