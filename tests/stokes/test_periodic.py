@@ -200,7 +200,7 @@ def test_hexagonal_array(c: str, drag: float) -> None:
     q = discs([(0.31, 0.72)], [np.sqrt(float(c) * area / np.pi)])
     F = in_cell(cell, q, held((1.0, 0.0, 0.0)), Resolution(1.0, 48, 0.2)).F
     assert F[0, 0] == pytest.approx(drag, rel=1e-5)
-    assert abs(F[0, 1]) < 5e-6 * drag  # 0 by symmetry, which the mesh does not have: half of what drag may err by
+    assert abs(F[0, 1]) < 5e-6 * drag  # the mesh has not this symmetry; drag may err by 1e-5
 
 
 def test_settling_in_a_cell_is_balanced_by_the_pressure() -> None:
