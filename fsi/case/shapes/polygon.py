@@ -6,8 +6,8 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from fsi.case.section import Positive
-from fsi.case.shapes.shape import BodyShape, register_shape
-from fsi.meshes.geometry.jets import ArcChain, Array, JetOf
+from fsi.case.shapes.shape import ShapeOfArcs, register_shape
+from fsi.meshes.geometry.jets import ArcChain, Array
 
 _LEAST_TURN = 1e-3  # at a corner, in radians
 
@@ -15,7 +15,7 @@ type Corner = Annotated[tuple[float, ...], Field(min_length=2, max_length=2)]
 
 
 @register_shape
-class Polygon(BodyShape):
+class Polygon(ShapeOfArcs):
     """A polygon whose corners are arcs that touch both sides."""
 
     kind: Literal["polygon"]
@@ -48,7 +48,8 @@ class Polygon(BodyShape):
         return sides, turns
 
     @property
-    def _chain(self) -> ArcChain:
+    @override
+    def chain(self) -> ArcChain:
         sides, turns = self._sides_and_turns
         cut = self.rounding * np.abs(np.tan(0.5 * turns))
         straight = np.hypot(*sides.T) - cut - np.roll(cut, -1)
@@ -58,12 +59,3 @@ class Polygon(BodyShape):
         along = sides[0] / np.hypot(*sides[0])
         start = np.array(self.corners[0]) + cut[0] * along
         return ArcChain(lengths, curvatures, start, float(np.arctan2(along[1], along[0])))
-
-    @property
-    @override
-    def joints(self) -> tuple[float, ...]:
-        return self._chain.joints
-
-    @override
-    def curve(self) -> JetOf:
-        return self._chain

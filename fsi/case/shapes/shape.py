@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from functools import cached_property
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, override
 
 from pydantic import BeforeValidator, SerializeAsAny, ValidationInfo
 
 from fsi.case.section import Registered, Registry, told
-from fsi.meshes.geometry.jets import JetOf
+from fsi.meshes.geometry.jets import ArcChain, JetOf
 from fsi.meshes.geometry.outline import Outline
 
 
@@ -35,6 +35,24 @@ class BodyShape(Registered):
     def outline(self) -> Outline:
         """The same as geometry."""
         return Outline.of(self.curve(), self.joints)
+
+
+class ShapeOfArcs(BodyShape):
+    """One of straight sides and arcs of circles."""
+
+    @property
+    @abstractmethod
+    def chain(self) -> ArcChain:
+        """Its sides and arcs, one after the other."""
+
+    @property
+    @override
+    def joints(self) -> tuple[float, ...]:
+        return self.chain.joints
+
+    @override
+    def curve(self) -> JetOf:
+        return self.chain
 
 
 register_shape = BodyShape.registry.register

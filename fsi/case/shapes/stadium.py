@@ -5,12 +5,12 @@ from typing import Literal, override
 import numpy as np
 
 from fsi.case.section import Positive
-from fsi.case.shapes.shape import BodyShape, register_shape
-from fsi.meshes.geometry.jets import ArcChain, JetOf
+from fsi.case.shapes.shape import ShapeOfArcs, register_shape
+from fsi.meshes.geometry.jets import ArcChain
 
 
 @register_shape
-class Stadium(BodyShape):
+class Stadium(ShapeOfArcs):
     """A rectangle along x with half a disc at either end: all points near to a straight line."""
 
     kind: Literal["stadium"]
@@ -20,16 +20,8 @@ class Stadium(BodyShape):
     """the radius of its round ends, a number > 0"""
 
     @property
-    def _chain(self) -> ArcChain:
+    @override
+    def chain(self) -> ArcChain:
         lengths = np.array([self.length, np.pi * self.radius] * 2)
         curvatures = np.array([0.0, 1.0 / self.radius] * 2)
         return ArcChain(lengths, curvatures, np.array([-0.5 * self.length, -self.radius]), 0.0)
-
-    @property
-    @override
-    def joints(self) -> tuple[float, ...]:
-        return self._chain.joints
-
-    @override
-    def curve(self) -> JetOf:
-        return self._chain

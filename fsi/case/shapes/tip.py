@@ -38,7 +38,10 @@ class Tip(BodyShape):
     @property
     def _end(self) -> float:
         """The x at which the arc begins: its centre is on the axis, at a radius along the normal."""
-        off = lambda x: x * np.hypot(1.0, 1.0 / self._slope(x)) - self.radius  # noqa: E731
+
+        def off(x: float) -> float:
+            return float(x * np.hypot(1.0, 1.0 / self._slope(x)) - self.radius)
+
         return float(scipy.optimize.brentq(off, 1e-14 * self.radius, self.radius, xtol=1e-16, rtol=1e-15))
 
     @property
