@@ -68,7 +68,7 @@ class Configuration:
     centres: q_i, shape (N, d); angles: rotation of each body since the start, in the plane radians,
     shape (N,), in space a rotation vector, its length the angle, shape (N, 3); radii: a_i > 0, shape (N,), of
     a body with an outline that of the smallest circle around its centre that holds it; outlines: of all
-    bodies in the plane, empty where all are discs.
+    bodies in the plane or on an axis, empty where all are discs or spheres.
     """
 
     centres: Array
@@ -106,6 +106,8 @@ class Configuration:
     @property
     def volumes(self) -> Array:
         """Of each body, (N,): of spheres, in the plane the areas; not for spheres on an axis."""
+        if self.outlines:
+            return np.array([outline.volume for outline in self.outlines])
         return self.areas if self.dimension == 2 else 4.0 / 3.0 * np.pi * self.radii**3
 
     @property

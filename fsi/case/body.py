@@ -3,6 +3,7 @@
 import itertools
 import math
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -34,6 +35,7 @@ from fsi.case.shapes.shape import Shape
 from fsi.errors import InputError
 from fsi.machine import require_memory
 from fsi.meshes.geometry.outline import Outline
+from fsi.meshes.geometry.revolved import BodyOfRevolution
 
 FREE: Literal["free"] = "free"
 _LOAD = "a number or a table {times = [...], values = [...]}"
@@ -50,13 +52,13 @@ class Body(Section):
     name: Name
     """a name of letters, digits, blanks, - and _"""
     shape: Shape | None = None
-    """the shape of a body of the plane, a table with its kind; a disc if not given"""
+    """the shape of a body of the plane or on an axis, a table with its kind; a disc or sphere if not given"""
+    angle: Angle
+    """the angle at time 0 in radians (in space a rotation vector), 0 if not given"""
     radius: Positive = Field(default=None, validate_default=True)
     """the radius, a number > 0, of all but a body with a shape"""
     position: tuple[float, ...]
     """the centre [x, y] (in space [x, y, z]) at time 0, finite numbers"""
-    angle: Angle
-    """the angle at time 0 in radians (in space a rotation vector), 0 if not given"""
     velocity: tuple[Component, ...] = Field(
         description=f"the prescribed velocity, two components (in space three), each {_MOTION}; free if not "
         f"given"
@@ -122,7 +124,9 @@ class Body(Section):
         if info.data.get("shape") is not None:
             if radius is not None:
                 raise ValueError("the shape says how large the body is; drop one of them")
-            return info.data["shape"].outline.radius
+            shape, angle = info.data["shape"], info.data.get("angle", 0.0)
+            axial = told(info).geometry == "axisymmetric"
+            return (shape.revolved(angle) if axial else shape.outline).radius
         if radius is None and "shape" in info.data:
             raise PydanticCustomError("missing", "missing")
         return 1.0 if radius is None else radius  # the shape is refused already
@@ -137,6 +141,19 @@ class Body(Section):
     def outline(self) -> Outline:
         """Of a body of the plane."""
         return Outline.disc(self.radius) if self.shape is None else self.shape.outline
+
+    @cached_property
+    def revolved(self) -> BodyOfRevolution:
+        """Of a body on an axis."""
+        if self.shape is None:
+            return BodyOfRevolution.sphere(self.radius)
+        assert isinstance(self.angle, float)  # it is none in space
+        return self.shape.revolved(self.angle)
+
+    @property
+    def half_axes(self) -> tuple[float, float, float]:
+        """Of an ellipsoid or sphere, those of a spheroid on an axis with that last; NaN of other bodies."""
+        return (self.radius,) * 3 if self.shape is None else self.shape.half_axes
 
     @property
     def inertia(self) -> tuple[float, float] | None:

@@ -38,6 +38,7 @@ from fsi.case.walls import WallVelocity
 from fsi.errors import InputError
 from fsi.levels import LEVELS, ModelLevel
 from fsi.meshes.geometry.container import Container
+from fsi.meshes.geometry.outline import Outline
 
 type ModelName = Literal["resolved", "pores", "reduced", "gluey", "macroscopic"]
 MODELS: tuple[str, ...] = get_args(ModelName.__value__)
@@ -189,8 +190,11 @@ class Case(Section):
         )
         angles = np.array([body.angle for body in self.bodies], dtype=float)
         round_ = all(body.shape is None for body in self.bodies)
-        outlines = () if round_ else tuple(body.outline for body in self.bodies)
+        outlines = () if round_ else tuple(self._outline(body) for body in self.bodies)
         return Configuration(q.centres, angles.reshape(q.angles.shape), q.radii, outlines)
+
+    def _outline(self, body: Body) -> Outline:
+        return body.revolved if self.axisymmetric else body.outline
 
     def held(self) -> NDArray[np.bool_]:
         """Which modes are prescribed, or not there, at all times, (N, M)."""
@@ -263,7 +267,7 @@ class Case(Section):
         """What gravity acts on."""
         masses = np.array([body.mass or 0.0 for body in self.bodies])
         q = self.configuration()
-        return Bulk(masses, q.areas) if q.outlines else Bulk.of(masses, q.radii, spheres=self.spheres)
+        return Bulk(masses, q.volumes) if q.outlines else Bulk.of(masses, q.radii, spheres=self.spheres)
 
     def knots(self) -> tuple[float, ...]:
         """The times at which a table has a kink, increasing."""

@@ -7,9 +7,12 @@ that the FLUID exerts on the body. Sources stand at the functions that are calle
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import nan
 from typing import Literal
 
-from fsi.lubrication import exact, spheres
+import numpy as np
+
+from fsi.lubrication import ellipsoids, exact, spheres
 from fsi.lubrication import sphere_beside_plane as beside
 from fsi.lubrication.concentric import Concentric
 from fsi.lubrication.exact import Array
@@ -33,6 +36,7 @@ class ExactProblem:
         slip_length: of the first body.
         far_slip: of the container, where it is round.
         swimming: B_1 of the first body.
+        half_axes: of the first body where it is an ellipsoid, NaN elsewhere, (3,).
     """
 
     viscosity: float
@@ -48,6 +52,7 @@ class ExactProblem:
     slip_length: float = 0.0
     far_slip: float = 0.0
     swimming: float = 0.0
+    half_axes: tuple[float, float, float] = (nan, nan, nan)
 
     def concentric(self, *, spheres: bool) -> Concentric:
         """The first body at the centre of its container."""
@@ -149,6 +154,17 @@ def sliding_sphere(problem: ExactProblem) -> float:
     """A sphere at the centre of a spherical container, with slip on both."""
     V = float(problem.U[0, problem.mode])
     return -problem.concentric(spheres=True).force(V, problem.swimming, problem.viscosity)
+
+
+@exact_result(Fitting("axisymmetric", "round", 1, "force", enclosed=True))
+def spheroid(problem: ExactProblem) -> float:
+    """A spheroid along its axis, at the centre of a spherical container so large that it hardly counts.
+
+    Oberbeck 1876, Brenner 1962: what is left out is (a / R)^3.
+    """
+    mu, axis = problem.viscosity, problem.mode + 1  # z of (r, z) is the third
+    R = float(ellipsoids.translation_resistance(np.array(problem.half_axes), mu)[axis])
+    return -ellipsoids.in_far_ball(R, 0.5 * problem.size, mu) * float(problem.U[0, problem.mode])
 
 
 @exact_result(Fitting("planar", "round", 1, "force", enclosed=True))

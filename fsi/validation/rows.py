@@ -45,9 +45,12 @@ def exact_value(case: Case, name: str, quantity: str) -> float:
     problem = ExactProblem(
         case.fluid.viscosity, q.centres, q.radii, motion.U, motion.F, case.container().size(),
         0.0 if far is None else far.shear, body, mode, gap,
-        *_surfaces(case),
+        *_surfaces(case), case.bodies[0].half_axes,
     )  # fmt: skip
-    return EXACT[name].value(problem)
+    found = EXACT[name].value(problem)
+    if np.isnan(found):
+        raise InputError(f'exact = "{name}": is not known for the shape of {case.names[0]!r}; give a value')
+    return found
 
 
 def _surfaces(case: Case) -> tuple[float, float, float]:

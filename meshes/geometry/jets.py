@@ -37,6 +37,11 @@ def polar(radius: Callable[[Array], tuple[Array, Array, Array]]) -> JetOf:
     return jet
 
 
+def circle(radius: float) -> JetOf:
+    """A circle around the origin."""
+    return polar(lambda theta: (np.full_like(theta, radius), 0.0 * theta, 0.0 * theta))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class ArcChain:
     """Straight pieces and arcs, one after the other with the same tangent: a curvature for each piece.

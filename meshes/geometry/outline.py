@@ -9,14 +9,15 @@ the sample only says where to look for the nearest one.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
-from fsi.meshes.geometry.jets import Array, Jet, JetOf, polar
+from fsi.meshes.geometry.jets import Array, Jet, JetOf, circle
 
 FEWEST = 128  # pieces of a sample
 TURN = 0.1  # of the tangent along a piece, at most, in radians
@@ -65,18 +66,23 @@ class Outline:
     @classmethod
     def disc(cls, radius: float) -> Outline:
         """A circle."""
-        return cls(polar(lambda theta: (np.full_like(theta, radius), 0.0 * theta, 0.0 * theta)))
+        return cls(circle(radius))
+
+    @property
+    def poles(self) -> tuple[float, float] | None:
+        """The t of the lower and the upper end of a body of revolution on its axis; None in the plane."""
+        return None
 
     @cached_property
-    def _others(self) -> dict[float, Outline]:
+    def _others(self) -> dict[float, Self]:
         return {}
 
-    def scaled(self, factor: float) -> Outline:
+    def scaled(self, factor: float) -> Self:
         """With all lengths times a factor; the same object for the same factor."""
         if factor == 1.0:
             return self
         if factor not in self._others:
-            self._others[factor] = Outline(self.formula, self.joints, factor * self.factor, self.shift)
+            self._others[factor] = replace(self, factor=factor * self.factor)
         return self._others[factor]
 
     def jet(self, t: Array) -> Jet:
@@ -115,8 +121,11 @@ class Outline:
 
     def _integrated(self) -> tuple[Jet, Array]:
         """The curve at points of Gauss's rule, and their weights."""
+        return self._between(np.append(self.t, 1.0))
+
+    def _between(self, ends: Array) -> tuple[Jet, Array]:
+        """The same on the pieces between ends."""
         points, weights = np.polynomial.legendre.leggauss(GAUSS)
-        ends = np.append(self.t, 1.0)
         half = 0.5 * np.diff(ends)
         t = (0.5 * (ends[:-1] + ends[1:]))[:, None] + half[:, None] * points
         return self.jet(t.ravel()), (half[:, None] * weights).ravel()
@@ -140,6 +149,11 @@ class Outline:
         """A; negative where the curve runs clockwise."""
         curve, weights = self._integrated()
         return 0.5 * float(weights @ cross(curve.x, curve.dx))
+
+    @property
+    def volume(self) -> float:
+        """Of the body: in the plane its area."""
+        return self.area
 
     @cached_property
     def second_moment(self) -> float:

@@ -17,13 +17,15 @@ def boundary(domain: FluidDomain, resolution: Resolution) -> list[Curve]:
     surfaces = Surfaces.of(domain, resolution)
     if surfaces.lattice.dimension:
         return opened(surfaces)
+    every, container = range(surfaces.bodies), domain.container
     if surfaces.placed:
-        return outline_rings(surfaces) + [surfaces.wall(curve) for curve in domain.container.outline()]
-    every, walls = range(surfaces.bodies), domain.container.outline()
-    if not domain.container.axisymmetric:
-        return rings(surfaces, every) + [surfaces.wall(curve) for curve in walls]
-    halves = [half_ring(surfaces, i) for i in every]
-    return halves + [surfaces.wall(curve) for curve in walls] + axis(surfaces)
+        around = outline_rings(surfaces)
+    elif container.axisymmetric:
+        around = [half_ring(surfaces, i) for i in every]
+    else:
+        around = rings(surfaces, every)
+    walls = [surfaces.wall(curve) for curve in container.outline()]
+    return around + walls + (axis(surfaces) if container.axisymmetric else [])
 
 
 def axis(surfaces: Surfaces) -> list[Curve]:
@@ -31,8 +33,8 @@ def axis(surfaces: Surfaces) -> list[Curve]:
     container, order = surfaces.container, np.argsort(surfaces.centres[:, 1])
     tag = surfaces.bodies + 1 + len(container.walls)
     low, high = container.axis()
-    bottoms = [*(surfaces.centres[order, 1] - surfaces.radii[order]), high]
-    tops = [low, *(surfaces.centres[order, 1] + surfaces.radii[order])]
+    ends = np.array([surfaces.on_axis(i)[:, 1] for i in order]).reshape(-1, 2)
+    bottoms, tops = [*ends[:, 0], high], [low, *ends[:, 1]]
 
     def at(z: Array, _: object = None) -> Array:
         return np.column_stack([np.zeros_like(z), z])

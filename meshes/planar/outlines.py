@@ -58,30 +58,46 @@ def _ring(surfaces: Surfaces, i: int) -> Curve:
         sizes /= np.hypot(*dx.T)
         return sizes
 
-    joints = [t for t in body.outline.joints if abs((t - start + 0.5) % 1.0 - 0.5) > AT_JOINT]
-    breaks = np.array([start, *sorted(start + (t - start) % 1.0 for t in joints), start + 1.0])
+    breaks = _breaks(body, start)
     t, h, piece = resolve_all(size, np.column_stack([breaks[:-1], breaks[1:]]), resolution.cells_per_circle)
     placed = [
         spread(t[piece == k], h[piece == k], (), FEWEST * length)[:-1]
         for k, length in enumerate(np.diff(breaks))
     ]
-    t = np.concatenate(placed)
-    x = body.at(t).x
+    closed = body.outline.poles is None
+    t = np.concatenate(placed if closed else [*placed, breaks[-1:]])
+    x, normal = body.at(t).x, body.normals(t)
+    if not closed:
+        x[[0, -1]], normal[[0, -1], 0] = surfaces.on_axis(i), 0.0
     half = 0.5 * resolution.opened(*beside(t, x))
-    return Curve(i + 1, x, True, opening=-half[:, None] * body.normals(t), body=body)
+    return Curve(i + 1, x, closed, opening=-half[:, None] * normal, body=body)
 
 
-def _start(surfaces: Surfaces, i: int, others: list[Placed]) -> float:
-    """The t of the narrowest gap of body i, of a joint if one is there; 0 if all gaps are wide."""
+def _breaks(body: Placed, start: float | None) -> Array:
+    """Where nodes must stand: at a narrow gap, at joints, of a body of revolution at its ends; ascending."""
+    fixed = [*body.outline.joints] if start is None else [start, *body.outline.joints]
+    first, last = body.outline.poles or (0.0 if start is None else start, np.nan)
+    last = first + 1.0 if np.isnan(last) else last
+    inner = np.sort([first + (t - first) % 1.0 for t in fixed])
+    apart = (inner > first + AT_JOINT) & (inner < last - AT_JOINT)
+    apart[1:] &= np.diff(inner) > AT_JOINT
+    return np.concatenate([[first], inner[apart], [last]])
+
+
+def _start(surfaces: Surfaces, i: int, others: list[Placed]) -> float | None:
+    """The t of the narrowest gap of body i, of a joint if one is there; None if all gaps are wide."""
     body = surfaces.placed[i]
     feet: list[Foot] = [body.gap_to(other) for other in others]
     feet += wall_feet(body, surfaces.container)
     narrowest = min(feet, key=lambda foot: foot.gap, default=None)
     if narrowest is None or narrowest.gap >= _reach(surfaces, i):
-        return 0.0
+        return None
     if narrowest.gap <= 0.0:
         raise TouchingError("the body at {} touches a body or wall; move it", body.centre)
-    away = [abs((narrowest.t - t + 0.5) % 1.0 - 0.5) for t in body.outline.joints]
+    t = narrowest.t
+    if body.outline.poles is not None:  # of two mirror images the one with r > 0
+        t = float(body.nearest(np.abs(narrowest.x[None]) * [1.0, np.sign(narrowest.x[1])])[0])
+    away = [abs((t - joint + 0.5) % 1.0 - 0.5) for joint in body.outline.joints]
     if min(away, default=1.0) < AT_JOINT:
         return body.outline.joints[int(np.argmin(away))]
-    return narrowest.t
+    return t

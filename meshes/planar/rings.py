@@ -33,8 +33,7 @@ def rings(surfaces: Surfaces, bodies: Sequence[int]) -> list[Curve]:
 def half_ring(surfaces: Surfaces, i: int) -> Curve:
     """The nodes from pole to pole of body i on the axis."""
     (curve,) = arcs(surfaces, [i], np.array([[-0.5, 0.5]]) * np.pi)
-    centre, radius = surfaces.centres[i], surfaces.radii[i]
-    curve.nodes[[0, -1]] = [[0.0, centre[1] - radius], [0.0, centre[1] + radius]]
+    curve.nodes[[0, -1]] = surfaces.on_axis(i)
     return curve
 
 

@@ -161,6 +161,14 @@ class Surfaces:
             distance[nearer], bend[nearer] = d[d < distance[near]], b[d < distance[near]]
         return distance, bend
 
+    def on_axis(self, i: int) -> Array:
+        """The lower and the upper end of body i on an axis, (2, 2)."""
+        middle, radius = self.centres[i, 1], self.radii[i]
+        heights = np.array([middle - radius, middle + radius])
+        if self.placed and (poles := self.placed[i].outline.poles) is not None:
+            heights = self.placed[i].at(np.array(poles)).x[:, 1]
+        return np.column_stack([np.zeros(2), heights])
+
     def to_bodies(self, x: Array) -> Array:
         """Distance of each point (n, 2) to the nearest of discs, shape (n,); infinite without bodies."""
         if self.bodies == 0:

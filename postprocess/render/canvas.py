@@ -168,9 +168,12 @@ class SpatialPanel(_Canvas):
         centres["radius"] = q.radii / self.view.half
         ball = pv.Icosphere(radius=1.0, nsub=5 if len(q) < 100 else 3)
         ball.clear_data()
-        spheres = centres.glyph(geom=ball, scale="radius", orient=False)
+        self.skins(centres.glyph(geom=ball, scale="radius", orient=False), opacity)
+
+    def skins(self, surfaces: pv.PolyData, opacity: float = 1.0) -> None:
+        """Draw surfaces of bodies, given in the window's coordinates, lit."""
         light = {"smooth_shading": True, "ambient": 0.3, "specular": 0.2}
-        self.plotter.add_mesh(spheres, color=self.theme.sphere, opacity=opacity, **light)
+        self.plotter.add_mesh(surfaces, color=self.theme.sphere, opacity=opacity, **light)
 
     def outline(self, ends: Array, colour: str) -> None:
         """Draw straight lines between points (n, 2, 3) in the window's coordinates."""

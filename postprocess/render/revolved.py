@@ -13,6 +13,7 @@ from matplotlib.cm import ScalarMappable
 
 from fsi.bodies.configuration import Configuration
 from fsi.errors import InputError
+from fsi.meshes.geometry.placed import Placed
 from fsi.postprocess.render.canvas import Picture, new_spatial_panel
 from fsi.postprocess.render.curved_cells import cells_within, refine
 from fsi.postprocess.render.fields import Span, rendered_field
@@ -23,6 +24,7 @@ from fsi.postprocess.run.run import Run
 
 _EYE = (0.0, -1.0, 0.2)
 _SECTORS = 90  # of the half turn
+_ALONG = 200  # points from pole to pole of a body that is no sphere
 _FINE = 100.0  # triangles across the window
 _ASLANT = 1.2  # of the window over that of the plane: a cylinder is seen aslant
 
@@ -70,7 +72,18 @@ class RevolvedArtist(Artist):
         turn = {"resolution": _SECTORS, "angle": 180.0, "rotation_axis": (0.0, 0.0, 1.0), "capping": True}
         panel = new_spatial_panel(view, self.choice.size, self.choice.theme)
         q = self.run.configuration(step)
-        centres = np.column_stack([np.zeros((len(q), 2)), q.centres[:, 1]])
-        panel.bodies(Configuration(centres, np.zeros((len(q), 3)), q.radii))
+        for body in q.placed:
+            panel.skins(_skin(body, view))
+        if not q.outlines:
+            centres = np.column_stack([np.zeros((len(q), 2)), q.centres[:, 1]])
+            panel.bodies(Configuration(centres, np.zeros((len(q), 3)), q.radii))
         panel.colour(flat.extrude_rotate(**turn), shades)
         return panel.image(_EYE)
+
+
+def _skin(body: Placed, view: View) -> pv.PolyData:
+    """The surface of a body of revolution, in the window's coordinates."""
+    assert body.outline.poles is not None  # it is on an axis
+    r, z = body.at(np.linspace(*body.outline.poles, _ALONG)).x.T
+    half = pv.lines_from_points(view.local(np.column_stack([r, 0.0 * r, z])))
+    return half.extrude_rotate(resolution=2 * _SECTORS, rotation_axis=(0.0, 0.0, 1.0), capping=False)

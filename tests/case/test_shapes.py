@@ -113,12 +113,53 @@ def test_a_shape_and_a_radius_contradict_each_other() -> None:
             "act between discs",
         ),
         ({"calibration": {"pair": ["body", "bottom"], "range": [0.01, 1.0]}}, "calibrated for discs"),
-        ({"geometry": "axisymmetric"}, 'is for discs of geometry = "planar"'),
     ],
 )
 def test_what_knows_discs_only_refuses_shapes(sections: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=rf"bodies\.0\.shape = .*{message}"):
         parse_case(copy.deepcopy(DATA) | sections)
+
+
+def on_axis(shape: dict[str, Any], **body: Any) -> Case:
+    domain = {"lower": [0.0, -8.0], "upper": [8.0, 8.0]}
+    bodies = [{"name": "body", "position": [0.0, 0.0], "shape": shape} | body]
+    return parse_case(copy.deepcopy(DATA) | {"geometry": "axisymmetric", "domain": domain, "bodies": bodies})
+
+
+def test_with_an_axis_a_shape_turns_around_it() -> None:
+    """An ellipse is a spheroid, of volume 4/3 pi a^2 b; upright a stadium is a rod, pi a^2 l + 4/3 pi a^3."""
+    case = on_axis({"kind": "ellipse", "axes": [1.0, 2.0]})
+    assert case.configuration().volumes[0] == pytest.approx(8.0 / 3.0 * np.pi, rel=1e-13)
+    assert case.bodies[0].half_axes == (1.0, 1.0, 2.0)
+    rod = on_axis({"kind": "stadium", "length": 1.0, "radius": 0.5}, angle=0.5 * np.pi)
+    assert rod.configuration().volumes[0] == pytest.approx(np.pi * (0.25 + 1.0 / 6.0), rel=1e-13)
+    assert parse_case(tomllib.loads(rod.as_toml())) == rod
+
+
+@pytest.mark.parametrize(
+    ("shape", "angle", "message"),
+    [
+        (ELLIPSE, 0.1, r"is not symmetric about the axis r = 0 at the angle 0\.1"),
+        ({"kind": "fourier", "radius": 1.0, "orders": [3], "cosines": [0.1]}, 0.0, "is not symmetric"),
+        (  # on one side of the axis
+            {"kind": "polygon", "corners": [[2.0, 0.0], [3.0, 0.0], [3.0, 1.0]], "rounding": 0.1},
+            0.0,
+            "is not symmetric",
+        ),
+        ({"kind": "profile", "points": [[0.0, 0.0], [1.0, 1.0], [0.1, 2.0]]}, 0.0, "from x = 0 to x = 0"),
+        ({"kind": "profile", "points": [[0.0, 2.0], [1.0, 1.0], [0.0, 0.0]]}, 0.0, "begins above its end"),
+    ],
+)
+def test_what_is_no_body_of_revolution_is_refused(shape: dict[str, Any], angle: float, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        on_axis(shape, angle=angle)
+
+
+def test_shapes_of_the_plane_are_refused_in_space() -> None:
+    domain = {"lower": [-8.0] * 3, "upper": [8.0] * 3}
+    bodies = [{"name": "body", "position": [0.0] * 3, "shape": ELLIPSE}]
+    with pytest.raises(InputError, match=r'bodies\.0\.shape .*is for geometry = "planar" and "axisymmetric"'):
+        parse_case(DATA | {"geometry": "spatial", "domain": domain, "bodies": bodies})
 
 
 def test_bodies_of_shapes_that_overlap_are_refused() -> None:

@@ -1,4 +1,6 @@
-"""What bodies that are no discs can be asked for: the resolved level between walls, in the plane."""
+"""What bodies that are no discs or spheres can be asked for: the resolved level between walls."""
+
+from math import pi
 
 from fsi.case.case import Case
 from fsi.case.section import toml_text
@@ -11,14 +13,26 @@ def check_shapes(case: Case) -> None:
     if shaped is None:
         return
     i, shape = shaped
-    here = f"bodies.{i}.shape = {toml_text(shape)}"
+    here, round_ = f"bodies.{i}.shape = {toml_text(shape)}", "spheres" if case.spheres else "discs"
+    if case.axisymmetric:
+        _check_symmetric(case)
     if case.model != "resolved":
-        raise InputError(f'{here}: model = "{case.model}" knows discs only; give "resolved", or a radius')
+        raise InputError(f'{here}: model = "{case.model}" knows {round_} only; give "resolved", or a radius')
     if len(case.container().periods):
-        raise InputError(f"{here}: periodic domains take discs only; give walls, or a radius")
+        raise InputError(f"{here}: periodic domains take {round_} only; give walls, or a radius")
     if case.domain.mesh is not None:
-        raise InputError(f"{here}: a mesh of your own is for discs; drop domain.mesh, or give a radius")
+        raise InputError(f"{here}: a mesh of your own is for {round_}; drop domain.mesh, or give a radius")
     if case.calibration is not None:
-        raise InputError(f"{here}: laws are calibrated for discs; drop [calibration], or give a radius")
+        raise InputError(f"{here}: laws are calibrated for {round_}; drop [calibration], or give a radius")
     if any(force.reach > 0.0 for force in case.forces):
-        raise InputError(f"{here}: [[forces]] of the gap act between discs; drop them, or give a radius")
+        raise InputError(f"{here}: [[forces]] of the gap act between {round_}; drop them, or give a radius")
+
+
+def _check_symmetric(case: Case) -> None:
+    """A body on an axis is one of revolution."""
+    for i, body in enumerate(case.bodies):
+        if body.shape is not None and not body.revolved.is_symmetric:
+            raise InputError(
+                f"bodies.{i}.shape = {toml_text(body.shape)}: is not symmetric about the axis r = 0 at the "
+                f"angle {body.angle!r}; give one that is (pi/2 = {0.5 * pi!r})"
+            )

@@ -137,7 +137,7 @@ def _check_axis(case: Case) -> None:
         for key, value in off_axis.items():
             if value is not None:
                 raise InputError(
-                    f"bodies.{i}.{key} = {toml_text(value)}: a sphere on the axis moves only along z;"
+                    f"bodies.{i}.{key} = {toml_text(value)}: a body on the axis moves only along z;"
                     " give [0.0, z] for pairs and drop what turns it"
                 )
     for name, wall in case.domain.walls.items():

@@ -1,4 +1,4 @@
-"""Ellipses."""
+"""Ellipses, with an axis spheroids."""
 
 from typing import Literal, override
 
@@ -15,7 +15,13 @@ class Ellipse(BodyShape):
 
     kind: Literal["ellipse"]
     axes: tuple[Positive, Positive]
-    """the half axes [a, b], two numbers > 0"""
+    """the half axes [a, b], two numbers > 0; with an axis a is the largest r, and b is along z"""
+
+    @property
+    @override
+    def half_axes(self) -> tuple[float, float, float]:
+        a, b = self.axes
+        return a, a, b
 
     @override
     def curve(self) -> JetOf:

@@ -1,4 +1,4 @@
-"""The key `shape` of [[bodies]]: what bodies of the plane look like that are not discs.
+"""The key `shape` of [[bodies]]: what bodies look like that are not discs or spheres.
 
 One more shape is one file here: a section under `@register_shape` with its curve. Files of this room are
 found by themselves; from outside the decorator alone does.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from functools import cached_property
+from math import nan
 from typing import Annotated, Any, ClassVar, override
 
 from pydantic import BeforeValidator, SerializeAsAny, ValidationInfo
@@ -15,10 +16,15 @@ from pydantic import BeforeValidator, SerializeAsAny, ValidationInfo
 from fsi.case.section import Registered, Registry, told
 from fsi.meshes.geometry.jets import ArcChain, JetOf
 from fsi.meshes.geometry.outline import Outline
+from fsi.meshes.geometry.revolved import BodyOfRevolution
 
 
 class BodyShape(Registered):
-    """The shape of a body at the angle 0; its position is the centre of its area."""
+    """The shape of a body at the angle 0; its position is the centre of its area.
+
+    With an axis a curve in (r, z) that is symmetric about r = 0: the body is what it encloses when it turns
+    around the axis, its position the centre of that volume.
+    """
 
     registry: ClassVar[Registry[Any]] = Registry("kind")
 
@@ -31,10 +37,19 @@ class BodyShape(Registered):
         """The t where its curvature or a higher derivative jumps, ascending; nodes of meshes stand there."""
         return ()
 
+    @property
+    def half_axes(self) -> tuple[float, float, float]:
+        """Of the ellipsoid that it is if it turns around an axis, that last; NaN if it is none."""
+        return nan, nan, nan
+
     @cached_property
     def outline(self) -> Outline:
         """The same as geometry."""
         return Outline.of(self.curve(), self.joints)
+
+    def revolved(self, angle: float) -> BodyOfRevolution:
+        """Turned by an angle in the plane of (r, z) and then around the axis."""
+        return BodyOfRevolution.about_axis(self.curve(), self.joints, angle)
 
 
 class ShapeOfArcs(BodyShape):
@@ -59,11 +74,11 @@ register_shape = BodyShape.registry.register
 
 
 def _of_plane(value: Any, info: ValidationInfo) -> Any:
-    """The section that a table describes. Raises ValueError where bodies are spheres."""
+    """The section that a table describes. Raises ValueError in space."""
     if value is None:
         return None
-    if told(info).geometry != "planar":
-        raise ValueError('is for discs of geometry = "planar"; drop it')
+    if told(info).geometry == "spatial":
+        raise ValueError('is for geometry = "planar" and "axisymmetric"; drop it')
     shape: BodyShape = BodyShape.registry.validate(value, info)
     if shape.outline.area <= 0.0:
         raise ValueError("runs clockwise; turn the order of its points round")

@@ -1,5 +1,6 @@
 """Closed splines through points."""
 
+from abc import abstractmethod
 from typing import Annotated, Any, Literal, override
 
 import numpy as np
@@ -12,15 +13,15 @@ from fsi.meshes.geometry.jets import Array, Jet, JetOf
 type Place = Annotated[tuple[float, ...], Field(min_length=2, max_length=2)]
 
 
-@register_shape
-class Spline(BodyShape):
+class ShapeThroughPoints(BodyShape):
     """The periodic cubic spline through points, by the lengths of the chords between them."""
 
-    kind: Literal["spline"]
-    points: tuple[Place, ...] = Field(min_length=5)
-    """the points [x, y] counterclockwise, five or more, or the path of a CSV file of x, y"""
+    @property
+    @abstractmethod
+    def around(self) -> tuple[tuple[float, ...], ...]:
+        """The points once around it, counterclockwise."""
 
-    @field_validator("points", mode="before")
+    @field_validator("points", mode="before", check_fields=False)
     @classmethod
     def _read(cls, points: Any) -> Any:
         """The points of a file."""
@@ -35,7 +36,7 @@ class Spline(BodyShape):
     @property
     def _knots(self) -> tuple[Array, Array]:
         """The points with the first again at the end, and t at each."""
-        x = np.array([*self.points, self.points[0]])
+        x = np.array([*self.around, self.around[0]])
         t = np.append(0.0, np.cumsum(np.hypot(*np.diff(x, axis=0).T)))
         return x, t / t[-1]
 
@@ -49,3 +50,17 @@ class Spline(BodyShape):
         x, t = self._knots
         spline = scipy.interpolate.CubicSpline(t, x, bc_type="periodic")
         return lambda at: Jet(spline(at), spline(at, 1), spline(at, 2))
+
+
+@register_shape
+class Spline(ShapeThroughPoints):
+    """The spline through points once around the body."""
+
+    kind: Literal["spline"]
+    points: tuple[Place, ...] = Field(min_length=5)
+    """the points [x, y] counterclockwise, five or more, or the path of a CSV file of x, y"""
+
+    @property
+    @override
+    def around(self) -> tuple[tuple[float, ...], ...]:
+        return self.points

@@ -1,0 +1,34 @@
+"""Bodies by one half of them: of revolution by their profile."""
+
+from typing import Literal, override
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from fsi.case.shapes.shape import register_shape
+from fsi.case.shapes.spline import Place, ShapeThroughPoints
+
+
+@register_shape
+class Profile(ShapeThroughPoints):
+    """The spline through the points of its right half and their mirror images at x = 0 (r = 0)."""
+
+    kind: Literal["profile"]
+    points: tuple[Place, ...] = Field(min_length=3)
+    """the points [x, y] (with an axis [r, z]) from the lower end at x = 0 to the upper one, three or more, or
+    the path of a CSV file of x, y"""
+
+    @model_validator(mode="after")
+    def _right_half(self) -> "Profile":
+        x, y = np.array(self.points).T
+        if x[0] != 0.0 or x[-1] != 0.0 or x[1:-1].min() <= 0.0:
+            raise ValueError("has points that do not go from x = 0 to x = 0 with x > 0 between")
+        if not y[0] < y[-1]:
+            raise ValueError("begins above its end; turn the order of its points round")
+        return self
+
+    @property
+    @override
+    def around(self) -> tuple[tuple[float, ...], ...]:
+        """The lower end, the right half, the upper end, the left half."""
+        return self.points + tuple((-x, y) for x, y in self.points[-2:0:-1])
