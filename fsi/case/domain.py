@@ -23,15 +23,17 @@ from fsi.meshes.geometry.container import Container
 
 
 class MeanDrive(NamedTuple):
-    """What drives the fluid along a channel.
+    """What drives the fluid along a channel or shears that of a cell, besides walls and a given mean flow.
 
     Attributes:
         pressure_gradient: the mean dp/dx, None where it is a result.
         net_flux: the flux of fluid and bodies along x that is then given.
+        mean_stress: the shear stress of a cell whose rate of shear is a result, else None.
     """
 
-    pressure_gradient: float | None
-    net_flux: float | None
+    pressure_gradient: float | None = 0.0
+    net_flux: float | None = None
+    mean_stress: float | None = None
 
 
 class Walled(Registered):
@@ -91,8 +93,8 @@ class Walled(Registered):
         raise NotImplementedError
 
     def mean_drive(self) -> MeanDrive:
-        """The mean pressure gradient or the net flux along a channel; no gradient elsewhere."""
-        return MeanDrive(0.0, None)
+        """The mean pressure gradient or net flux along a channel, the stress of a cell; none elsewhere."""
+        return MeanDrive()
 
     def halved(self) -> Self | None:
         """The same with half the radius, where that stands for infinity; None where nothing does."""

@@ -205,6 +205,8 @@ class CellDomain(Walled):
     """the rate of the mean flow u = extension (x e_x - y e_y), in space (x e_x - z e_z), a number"""
     uniaxial: float = 0.0
     """in space, the rate of the mean flow u = uniaxial (x e_x - y e_y / 2 - z e_z / 2), a number"""
+    stress: float | None = None
+    """the mean shear stress xy, in space xz, of fluid and bodies, a number; the rate of shear is a result"""
 
     @field_validator("walls", mode="before")
     @classmethod
@@ -241,6 +243,18 @@ class CellDomain(Walled):
         if rate != 0.0 and info.field_name == "uniaxial" and told(info).dimension == 2:
             raise ValueError("is for space; give extension")
         return rate
+
+    @field_validator("stress")
+    @classmethod
+    def _one_drive(cls, stress: float | None, info: Any) -> float | None:
+        for rate in ("shear", "extension", "uniaxial"):
+            if stress is not None and info.data.get(rate):
+                raise ValueError(f"a rate of {rate} is given too, and here it is a result; drop one of them")
+        return stress
+
+    @override
+    def mean_drive(self) -> MeanDrive:
+        return MeanDrive(mean_stress=self.stress)
 
     @override
     def container(self) -> Container:

@@ -44,6 +44,7 @@ class SolvedFlow:
         bulk: mean stress of a periodic flow.
         jumps: the walls with different velocities that meet, by their names.
         wall_speeds: along x, of the walls that a stress moves.
+        shear_rate: of a cell that a stress shears, else None.
     """
 
     U: Array
@@ -58,6 +59,7 @@ class SolvedFlow:
     bulk: BulkStress | None
     jumps: tuple[tuple[str, str], ...]
     wall_speeds: Mapping[str, float] = field(default_factory=dict, kw_only=True)
+    shear_rate: float | None = field(default=None, kw_only=True)
 
     @property
     def mesh_instead(self) -> str:

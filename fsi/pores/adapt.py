@@ -15,7 +15,7 @@ import numpy as np
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
 from fsi.pores.pattern import Index
-from fsi.pores.solve import PoreFlow, PoreLoading, solve_pores
+from fsi.pores.solve import PoreDrive, PoreFlow, solve_pores
 from fsi.pores.system import PoreSystem
 
 REFINED = {0: 4, 1: 4, 2: 6, 4: 8, 6: 10, 8: 12, 10: 16, 12: 16}
@@ -76,20 +76,23 @@ def more(modes: Index) -> Index:
     return np.array([REFINED.get(k, k) for k in range(int(modes.max(initial=0)) + 1)])[modes]
 
 
-def compare(system: PoreSystem, loading: PoreLoading) -> ComparedFlows:
-    """A flow and that with the next numbers of modes. Raises SolveError."""
-    finer = system.with_modes(more(system.assembly.numbering.modes))
+def compare(system: PoreSystem, drive: PoreDrive) -> ComparedFlows:
+    """A flow and that with the next numbers of modes under the same loading. Raises SolveError.
+
+    A stress becomes a speed in the first: where the speeds differed, so would the flow in all pores.
+    """
+    finer, loading = system.with_modes(more(system.assembly.numbering.modes)), drive.on(system)
     return ComparedFlows(solve_pores(system, loading), solve_pores(finer, loading))
 
 
-def adapt(system: PoreSystem, loading: PoreLoading, tolerance: float) -> ComparedFlows:
+def adapt(system: PoreSystem, drive: PoreDrive, tolerance: float) -> ComparedFlows:
     """The flow with as many modes, pore by pore, as bring its error below a tolerance.
 
     Raises SolveError: the most modes there are do not reach it.
     """
     modes = system.assembly.numbering.modes
     while np.any(more(modes) > modes):
-        pair = compare(system, loading)
+        pair = compare(system, drive)
         if pair.error <= tolerance:
             return pair
         modes = np.where(_marked(pair, system), more(modes), modes)

@@ -10,6 +10,7 @@ from fsi.bodies.configuration import Array
 from fsi.errors import SolveError, apart
 from fsi.observables.bars import DrivenBodies
 from fsi.observables.bulk_stress import BulkStress
+from fsi.observables.quantities import stress_driven
 from fsi.parallel import on_root
 from fsi.pores.bars import reference_system
 from fsi.pores.complement import least_viscosity
@@ -79,6 +80,19 @@ class PoreInstant:
         return None if self.bulk is None else self.bulk.apparent_viscosity
 
     @property
+    def wall_speeds(self) -> Mapping[str, float]:
+        """Along x, of the walls that a stress moves."""
+        case, walls = self.bodies.case, self.flow.loading.walls
+        names = case.container().walls
+        return {name: float(walls[names.index(name), 0]) for name in case.wall_stress(self.bodies.t)}
+
+    @property
+    def shear_rate(self) -> float | None:
+        """Of a cell that a stress shears, else None."""
+        sheared = self.bodies.case.domain.mean_drive().mean_stress is not None
+        return float(self.flow.loading.gradient[0, 1]) if sheared else None
+
+    @property
     def force_free(self) -> bool:
         """Whether walls or mean flow alone do work: then dissipation and viscosity are upper bounds."""
         return is_force_free(self.bodies, self.flow)
@@ -86,7 +100,7 @@ class PoreInstant:
     @cached_property
     def lower_bound(self) -> float | None:
         """Of the apparent viscosity, in a cell and of bodies without loads; one solve with more modes."""
-        E = mean_strain_rate(self.bodies, self.flow.loading.walls)
+        E = mean_strain_rate(self.bodies, self.flow.loading)
         if self.apparent_viscosity is None or self.flow.loading.walls.size or not self.force_free:
             return None
         return least_viscosity(reference_system(self.flow.system)[0], E)
@@ -135,6 +149,7 @@ class PoreInstant:
         record["dissipation"] = self.dissipation
         if self.bulk is not None:
             record |= self.bulk.record
+        record |= stress_driven(self.wall_speeds, self.shear_rate)
         return record | self.checks | {f"cpu_{phase}": spent for phase, spent in self.seconds.items()}
 
     @property

@@ -11,7 +11,7 @@ from typing import Any, ClassVar, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import Array, Configuration, Inertia
+from fsi.bodies.configuration import Configuration, Inertia
 from fsi.case.case import Case
 from fsi.errors import SolveError
 from fsi.integration.errors import StepErrors
@@ -22,7 +22,9 @@ from fsi.pores.bars import SAFETY, reference_system
 from fsi.pores.fineness import Fineness
 from fsi.pores.fluid_discs import with_fluid_discs
 from fsi.pores.instant import PoreInstant
-from fsi.pores.solve import PoreLoading, solve_pores
+from fsi.pores.solve import PoreDrive, PoreLoading, solve_pores
+from fsi.pores.stress import carried_stress
+from fsi.pores.stressed import StressedLoading
 from fsi.pores.surfaces import NoPoresError, surfaces_of
 from fsi.pores.system import PoreSystem
 from fsi.pores.topology import triangulate
@@ -95,15 +97,18 @@ def adapted(bodies: DrivenBodies, tolerance: float, fineness: Fineness) -> tuple
 
     Modes are added to a fineness pore by pore. Raises SolveError: the most modes there are do not do.
     """
-    loading, aim, system = loading_of(bodies), tolerance / SAFETY, make_system(bodies, fineness)
+    drive, aim, system = drive_of(bodies), tolerance / SAFETY, make_system(bodies, fineness)
     while True:
         began = process_time()
         try:
-            pair = adapt(system, loading, aim)
+            pair = adapt(system, drive, aim)
         except SolveError as error:
             raise SolveError(f"pores.tolerance = {bodies.case.pores.tolerance!r}: {error}") from error
+        of_finer, fine = drive.on(pair.fine.system), pair.fine
+        if of_finer is not fine.loading:  # the stress is the same, not the speed
+            fine = solve_pores(fine.system, of_finer)
         seconds = {"solve": process_time() - began}
-        found, finer = (PoreInstant(bodies, flow, seconds) for flow in (pair.coarse, pair.fine))
+        found, finer = (PoreInstant(bodies, flow, seconds) for flow in (pair.coarse, fine))
         found.require_sound()
         errors = step_errors(bodies, found, Compared(finer, SAFETY))
         largest = max(errors.relative.values(), default=0.0)
@@ -117,7 +122,7 @@ def _solved(
 ) -> PoreInstant:
     """The sound flow of a system that was assembled in so many seconds."""
     began = process_time()
-    flow = solve_pores(system, loading_of(bodies, inertia))
+    flow = solve_pores(system, drive_of(bodies, inertia).on(system))
     instant = PoreInstant(bodies, flow, {"assemble": assembled, "solve": process_time() - began})
     instant.require_sound()
     return instant
@@ -138,11 +143,19 @@ def make_system(bodies: DrivenBodies, fineness: Fineness) -> PoreSystem:
         ) from None
 
 
-def loading_of(bodies: DrivenBodies, inertia: Inertia | None = None) -> PoreLoading:
+def drive_of(bodies: DrivenBodies, inertia: Inertia | None = None) -> PoreDrive:
     """Everything that drives the bodies of a case."""
-    case, container, walls = bodies.case, bodies.case.container(), bodies.case.wall_velocity(bodies.t)
+    case, container, t = bodies.case, bodies.case.container(), bodies.t
     sliding = np.zeros((len(container.walls), 3))
-    for k, name in enumerate(container.walls):
-        sliding[k, :2] = walls[name].velocity
-    gradient: Array = container.mean_gradient
-    return PoreLoading(bodies.motion, sliding, gradient, *case.domain.mean_drive(), inertia)
+    for name, wall in case.wall_velocity(t).items():
+        sliding[container.walls.index(name), :2] = wall.velocity
+    drive, gradient = case.domain.mean_drive(), container.mean_gradient
+    loading = PoreLoading(
+        bodies.motion, sliding, gradient, drive.pressure_gradient, drive.net_flux, inertia
+    )  # fmt: skip
+    for name, stress in case.wall_stress(t).items():
+        return StressedLoading(loading, stress, container.walls.index(name), container.volume)
+    if drive.mean_stress is not None:
+        stress = drive.mean_stress - float(carried_stress(bodies)[0, 1])
+        return StressedLoading(loading, stress, None, container.volume)
+    return loading

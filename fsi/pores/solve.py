@@ -10,6 +10,7 @@ moving walls, it is never less than that of Stokes flow: an upper bound of the a
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sp
@@ -43,6 +44,17 @@ class PoreLoading:
     pressure_gradient: float | None = 0.0
     net_flux: float | None = None
     inertia: Inertia | None = None
+
+    def on(self, system: PoreSystem) -> PoreLoading:  # noqa: ARG002
+        """The same in any system; where a stress is given it takes a system to know the speed."""
+        return self
+
+
+class PoreDrive(Protocol):
+    """What becomes a loading in a system."""
+
+    def on(self, system: PoreSystem) -> PoreLoading:
+        """The loading there. Raises SolveError."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -128,7 +140,7 @@ def solve_pores(system: PoreSystem, loading: PoreLoading) -> PoreFlow:
     mu, n, N = system.viscosity, system.size, system.bodies
     K = mu * system.assembly.K
     body = system.assembly.numbering.surface[:N, None] + np.arange(3)
-    base = _carried_along(system, loading.gradient)
+    base = _carried_along(system, loading.gradient) + _sliding_along(system, loading.walls)
     given, held = _prescribed(system, loading)
     y = np.where(held, given - base, 0.0)
     if not len(loading.walls):
@@ -207,6 +219,15 @@ def _carried_along(system: PoreSystem, gradient: Array) -> Array:
         centre = system.pores.surfaces.centre
         U, base[first + 3] = _carried(centre, system.reference - centre, gradient)
         base[first], base[first + 1] = U.T
+    return base
+
+
+def _sliding_along(system: PoreSystem, walls: Array) -> Array:
+    """The numbers of all surfaces that move along with the mean of the walls of a channel, (n,)."""
+    base, first = np.zeros(system.size), system.assembly.numbering.surface[:-1]
+    if len(walls) == 2 and np.any(U := walls[:, :2].mean(axis=0)):
+        x = system.reference - system.reference[system.pores.surfaces.discs]  # psi of the first wall is zero
+        base[first], base[first + 1], base[first + 3] = *U, x @ (-U[1], U[0])
     return base
 
 

@@ -23,13 +23,13 @@ import numpy as np
 from fsi.bodies.configuration import Array
 from fsi.observables.bars import DrivenBodies
 from fsi.observables.bulk_stress import BulkStress, area_fraction
-from fsi.pores.solve import PoreFlow, stream
+from fsi.pores.solve import PoreFlow, PoreLoading, stream
 
 
-def mean_strain_rate(bodies: DrivenBodies, walls: Array) -> Array:
-    """E of a periodic flow, symmetric, (2, 2); between walls with velocities (W, 3) that of their slip."""
-    container = bodies.case.container()
-    E: Array = 0.5 * (container.mean_gradient + container.mean_gradient.T)
+def mean_strain_rate(bodies: DrivenBodies, loading: PoreLoading) -> Array:
+    """E of a periodic flow, symmetric, (2, 2); between walls that of their slip."""
+    container, walls = bodies.case.container(), loading.walls
+    E: Array = 0.5 * (loading.gradient + loading.gradient.T)
     if len(container.walls) == 2:
         bottom, top = (container.walls.index(name) for name in ("bottom", "top"))
         height = float(container.distances(container.middle[None])[0].sum())
@@ -42,10 +42,9 @@ def bulk_stress(bodies: DrivenBodies, flow: PoreFlow) -> BulkStress | None:
     case, container = bodies.case, bodies.case.container()
     if not len(container.periods):
         return None
-    E, mu = mean_strain_rate(bodies, flow.loading.walls), case.fluid.viscosity
+    E, mu = mean_strain_rate(bodies, flow.loading), case.fluid.viscosity
     volume, fluid = container.volume, _of_fluid(flow) / container.volume
-    carried = _traceless(-case.interaction_moment(bodies.q, bodies.t) / volume)
-    bulk = BulkStress(fluid, flow.stresslets, carried, volume, None, pressure=False)
+    bulk = BulkStress(fluid, flow.stresslets, carried_stress(bodies), volume, None, pressure=False)
     if not E.any():
         return bulk
     power = float(np.sum(bulk.mean * E))
@@ -54,6 +53,17 @@ def bulk_stress(bodies: DrivenBodies, flow: PoreFlow) -> BulkStress | None:
         force = flow.wall_forces[top, 0] - flow.wall_forces[bottom, 0]
         power = float(force / container.periods[0, 0] * E[0, 1])
     return replace(bulk, apparent_viscosity=power / (2.0 * mu * float(np.sum(E**2))))
+
+
+def carried_stress(bodies: DrivenBodies) -> Array:
+    """What forces between bodies carry of the mean stress, (2, 2)."""
+    case = bodies.case
+    return _traceless(-case.interaction_moment(bodies.q, bodies.t) / case.container().volume)
+
+
+def viscous_stress(flow: PoreFlow, volume: float) -> Array:
+    """The mean stress of a domain of that volume but for what forces between bodies carry, (2, 2)."""
+    return np.asarray((_of_fluid(flow) + flow.stresslets.sum(axis=0)) / volume)
 
 
 def _of_fluid(flow: PoreFlow) -> Array:
@@ -90,7 +100,7 @@ def viscosity_checks(bodies: DrivenBodies, flow: PoreFlow, stress: BulkStress) -
     mu, volume = stress.apparent_viscosity, bodies.case.container().volume
     if mu is None or not is_force_free(bodies, flow):
         return dict.fromkeys(VISCOSITY_CHECKS, nan)
-    E = mean_strain_rate(bodies, flow.loading.walls)
+    E = mean_strain_rate(bodies, flow.loading)
     scale = 2.0 * bodies.case.fluid.viscosity * float(np.sum(E**2))
     others = [float(np.sum(stress.mean * E)) / scale, flow.dissipation / (scale * volume)]
     if not flow.loading.walls.size:

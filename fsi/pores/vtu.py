@@ -33,7 +33,7 @@ _PATCH = _SIDE**2  # points of a patch, row by row
 def write_flow(bodies: DrivenBodies, fields: FlowFields, path: Path) -> None:
     """Write the flow. Raises SolveError: the disk refuses."""
     mesh = fields.mesh(ORDER)
-    x, u, psi = _in_one_period(mesh, bodies.case.container().at(bodies.t))
+    x, u, psi = _in_one_period(mesh, bodies.case.container().at(bodies.t), fields.flow.loading.gradient)
     G = mesh.field.gradient
     known = np.column_stack([x, u, psi, vorticity(G), strain_rate(G)]).reshape(-1, _PATCH, 7)
     pore, ends = mesh.pore, mesh.ends
@@ -81,14 +81,14 @@ def _resampling(row: NDArray[np.int64], column: NDArray[np.int64]) -> Array:
     return weights.reshape(len(row), _PATCH)
 
 
-def _in_one_period(mesh: PoreMesh, container: Container) -> tuple[Array, Array, Array]:
-    """Points, velocities and psi of a mesh of whose patches each stands near one period."""
+def _in_one_period(mesh: PoreMesh, container: Container, E: Array) -> tuple[Array, Array, Array]:
+    """Points, velocities and psi of a mesh of whose patches each stands near one period; E: the mean flow."""
     lattice = Lattice(container.periods)
     if lattice.dimension == 0:
         return mesh.points, mesh.field.u, mesh.field.psi
     middle = mesh.points.reshape(-1, _PATCH, 2).mean(axis=1)
     e = np.repeat(lattice.wrapped(middle) - middle, _PATCH, axis=0)
-    x, E = mesh.points + e, container.mean_gradient
+    x = mesh.points + e
     return x, mesh.field.u + e @ E.T, mesh.field.psi + stream(E, x) - stream(E, mesh.points)
 
 

@@ -3,7 +3,7 @@
 Here, unlike in the arrays, a force is the one that the FLUID exerts on the body, `-F`.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -57,13 +57,26 @@ def solution_json(
         "seconds": float(sum(solution.seconds.values())),
         "seconds_by_phase": {phase: float(spent) for phase, spent in solution.seconds.items()},
     }
-    if solution.wall_speeds:
-        data["wall_speeds"] = dict(solution.wall_speeds)
+    data |= driven_json(solution.wall_speeds, solution.shear_rate)
     if solution.mesh_instead:
         data["mesh_instead"] = solution.mesh_instead
     if solution.bulk is not None and errors.stress is not None:
         _add_stress(data, solution.bulk, errors, errors.stress)
     return data if truncated is None else data | {"truncation": dict(truncated)}
+
+
+def driven_json(wall_speeds: Mapping[str, float], shear_rate: float | None) -> dict[str, Any]:
+    """What a stress drives."""
+    speeds: dict[str, Any] = {"wall_speeds": dict(wall_speeds)} if wall_speeds else {}
+    return speeds if shear_rate is None else speeds | {"shear_rate": shear_rate}
+
+
+def driven_lines(wall_speeds: Mapping[str, float], shear_rate: float | None) -> Iterator[str]:
+    """The same for a reader."""
+    for wall, speed in wall_speeds.items():
+        yield f"{wall} slides at {speed:.8g} along x, as its stress drives it"
+    if shear_rate is not None:
+        yield f"the cell is sheared at the rate {shear_rate:.8g}, as its stress drives it"
 
 
 def _dissipation_json(solution: SolvedFlow, errors: ErrorEstimate) -> dict[str, Any]:
@@ -124,8 +137,8 @@ def print_solution(
     if solution.bulk is not None and errors.stress is not None:
         console.print(_stress_table(solution.bulk, errors, errors.stress))
     console.print(checks_table("check, relative", solution.checks | truncation_checks(truncated)))
-    for wall, speed in solution.wall_speeds.items():
-        console.print(f"{wall} slides at {speed:.8g} along x, as its stress drives it", highlight=False)
+    for line in driven_lines(solution.wall_speeds, solution.shear_rate):
+        console.print(line, highlight=False)
     console.print(_cost(case, solution, errors))
     print_mesh_instead(console, solution.mesh_instead)
 

@@ -24,9 +24,11 @@ class Boundary:
         body_force: f(x), or None.
         pressure_gradient: the mean dp/dx along a periodic channel, None where the net flux is given.
         net_flux: of fluid and bodies along such a channel.
+        mean_stress: Sigma of a cell, along x on planes across the last axis; None where its rate is given.
         stresses: the tangential traction of walls of such a channel on the fluid, along x; what they have in
             `velocities` is without what this drives.
         slip_lengths: b > 0 of those walls with a given velocity that fluid does not stick to.
+        shear_rate: of a cell, what its mean stress has added to the mean flow of the container.
     """
 
     velocities: Mapping[str, Field]
@@ -34,13 +36,15 @@ class Boundary:
     body_force: Field | None = None
     pressure_gradient: float | None = 0.0
     net_flux: float | None = None
+    mean_stress: float | None = None
     stresses: Mapping[str, float] = field(default_factory=dict)
     slip_lengths: Mapping[str, float] = field(default_factory=dict)
+    shear_rate: float = 0.0
 
-    def sliding(self, speeds: Mapping[str, float]) -> Boundary:
-        """The same with walls that slide along x so much faster."""
-        faster = {wall: _sliding(self.velocities[wall], speed) for wall, speed in speeds.items()}
-        return replace(self, velocities={**self.velocities, **faster})
+    def faster(self, speeds: Mapping[str, float], rate: float) -> Boundary:
+        """The same with walls that slide along x, and a cell that is sheared, so much faster."""
+        walls = {wall: _sliding(self.velocities[wall], speed) for wall, speed in speeds.items()}
+        return replace(self, velocities={**self.velocities, **walls}, shear_rate=self.shear_rate + rate)
 
 
 def _sliding(u: Field, speed: float) -> Field:
@@ -106,12 +110,17 @@ class StokesProblem:
         return bool(self.surfaces.slip_lengths or self.boundary.slip_lengths)
 
     @property
+    def mean_gradient(self) -> Array:
+        """E of the mean flow of a cell, rows of du_i/dx_j, (d, d); zero elsewhere."""
+        return self.container.mean_gradient + self.boundary.shear_rate * unit_shear(self.container.dimension)
+
+    @property
     def mean_strain_rate(self) -> Array:
         """E of a periodic flow, symmetric, (d, d); between walls gammadot = (u_top - u_bottom) / H.
 
         Zero in a channel whose walls have no given velocity.
         """
-        gradient, walls = self.container.mean_gradient, self.boundary.velocities
+        gradient, walls = self.mean_gradient, self.boundary.velocities
         E: Array = 0.5 * (gradient + gradient.T)
         if len(walls) == 2:
             heights, d = channel_walls(self.container), self.container.dimension
@@ -134,6 +143,11 @@ class SolverOptions:
     degree: int = 3
     formulation: str = "eliminated"
     solver: str = "automatic"
+
+
+def unit_shear(d: int) -> Array:
+    """The gradient of u = y e_x, in space z e_x, (d, d)."""
+    return np.outer(np.eye(d)[0], np.eye(d)[-1])
 
 
 def channel_walls(channel: Container) -> dict[str, float]:

@@ -9,6 +9,7 @@ import numpy as np
 
 import fsi.parallel as parallel
 from fsi.bodies.configuration import MODES, Array
+from fsi.observables.quantities import stress_driven
 from fsi.observables.truncation import SolvedFlow
 from fsi.stokes import fields
 from fsi.stokes.fields import Flow, Surface, traction, values_at
@@ -53,7 +54,7 @@ class StokesSolution(SolvedFlow):
             lattice = self.problem.fluid.lattice
             low, high = (np.array(parallel.gather(f(self.flow.x, axis=0))) for f in (np.min, np.max))
             nearest = lattice.nearest(x - 0.5 * (low.min(axis=0) + high.max(axis=0)))
-            jump = np.vstack([self.problem.container.mean_gradient, self.pressure_gradient])
+            jump = np.vstack([self.problem.mean_gradient, self.pressure_gradient])
             for m in lattice.near():
                 outside = np.isnan(values[:, 0])
                 e = lattice.shift(nearest[outside] + m)
@@ -76,7 +77,7 @@ class StokesSolution(SolvedFlow):
             record["iterations"] = self.iterations
         if self.bulk is not None:
             record |= self.bulk.record
-        record |= {f"speed_{wall}": speed for wall, speed in self.wall_speeds.items()}
+        record |= stress_driven(self.wall_speeds, self.shear_rate)
         record |= self.checks
         if self.bulk is not None:
             record |= {name: self.checks.get(name, nan) for name in VISCOSITY_CHECKS}

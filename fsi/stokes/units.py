@@ -135,8 +135,10 @@ class Units:
             None if f is None else self._scaled_field(f, mu / a),
             None if G is None else G / (mu / a),
             None if flux is None else flux / a ** (3 if self.spheres else 2),
+            None if boundary.mean_stress is None else boundary.mean_stress / mu,
             {wall: stress / mu for wall, stress in boundary.stresses.items()},
             {wall: b / a for wall, b in boundary.slip_lengths.items()},
+            boundary.shear_rate,
         )
 
     def _scaled_surfaces(self, surfaces: SurfaceConditions) -> SurfaceConditions:
@@ -163,6 +165,7 @@ class Units:
         d, gradient = problem.q.dimension, solution.pressure_gradient
         loads, fluid = self.loads(d), replace(problem.fluid, container=problem.container)
         speeds = {wall: speed * self.length for wall, speed in solution.wall_speeds.items()}
+        boundary = problem.boundary.faster(speeds, solution.shear_rate or 0.0)
         return replace(
             solution,
             U=solution.U * self.velocities(d),
@@ -171,7 +174,7 @@ class Units:
             dissipation=solution.dissipation * self.power,
             slip_dissipation=solution.slip_dissipation * self.power,
             bulk=None if solution.bulk is None else self._user_bulk(solution.bulk, problem.container),
-            problem=replace(problem, fluid=fluid, boundary=problem.boundary.sliding(speeds)),
+            problem=replace(problem, fluid=fluid, boundary=boundary),
             wall_speeds=speeds,
             flow=self._user_flow(solution.flow),
             surface=self._user_surface(solution.surface, fluid),

@@ -1,4 +1,4 @@
-"""Walls of a channel that a stress moves: how fast they slide is a result."""
+"""Walls of a channel, and cells, that a stress moves: how fast they slide or are sheared is a result."""
 
 from __future__ import annotations
 
@@ -48,6 +48,73 @@ def test_the_rate_is_the_stress_over_the_apparent_viscosity(formulation: str) ->
     assert found.velocity(above)[0, 0] == pytest.approx(found.wall_speeds["top"], rel=1e-10)
 
 
+CELL = CASE.with_name("sheared_cell.toml")
+
+
+def in_cell(*changes: str, case: Path = CELL) -> StokesSolution:
+    """The flow of three discs in a cell."""
+    sheared = load_case(case, [f"fluid.viscosity={VISCOSITY}", *changes])
+    return StokesModel(sheared)(sheared.configuration(), 0.0)
+
+
+DRIVEN = ["domain.shear=0.0", f"domain.stress={STRESS}"]
+
+
+@pytest.mark.parametrize("formulation", ["eliminated", "multiplier"])
+def test_the_rate_of_a_cell_is_the_stress_over_the_apparent_viscosity(formulation: str) -> None:
+    """Of the cell whose rate is given: both are the same flow but for a factor, the rate."""
+    more = [f"discretisation.formulation={formulation}"]
+    given, found = in_cell("domain.shear=1.0", *more), in_cell(*DRIVEN, *more)
+    rate = found.shear_rate
+    assert rate is not None
+    assert rate == pytest.approx(STRESS / (VISCOSITY * (given.apparent_viscosity or 0.0)), rel=1e-8)
+    assert found.apparent_viscosity == pytest.approx(given.apparent_viscosity, rel=1e-8)
+    assert found.bulk is not None
+    assert found.bulk.mean[0, 1] == pytest.approx(STRESS, rel=1e-8)
+    np.testing.assert_allclose(found.U, rate * given.U, rtol=0.0, atol=1e-9)
+    images = np.array([[2.0, 9.0], [-3.0, 2.5]])
+    np.testing.assert_allclose(found.velocity(images), rate * given.velocity(images), rtol=0.0, atol=1e-9)
+    assert found.record["shear_rate"] == rate
+
+
+def test_a_cell_under_a_stress_with_bodies_that_are_held_and_pushed() -> None:
+    """The cell that is sheared at the rate that was found is the same flow; a force of another body is not
+    taken for the stress, nor is what attraction carries counted twice."""
+    pull = '{kind="attraction", law="exponential", strength=2.0, length=0.5, cutoff=3.0}'
+    loads = ["bodies.0.velocity=[0.3, 'free']", "bodies.1.force=[0.4, 0.0]", "bodies.1.torque=0.5"]
+    loads.append(f"forces=[{pull}]")
+    found = in_cell(*DRIVEN, *loads)
+    assert found.bulk is not None
+    assert abs(found.bulk.forces[0, 1]) > 0.01  # what the attraction carries
+    assert found.bulk.mean[0, 1] == pytest.approx(STRESS, rel=1e-8)
+    again = in_cell(f"domain.shear={found.shear_rate!r}", *loads)
+    np.testing.assert_allclose(found.U, again.U, rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(found.F, again.F, rtol=0.0, atol=1e-9)
+    assert again.bulk is not None
+    np.testing.assert_allclose(found.bulk.mean, again.bulk.mean, rtol=0.0, atol=1e-8)
+
+
+@pytest.mark.slow
+def test_a_cell_of_space_under_a_stress() -> None:
+    """Sigma_xz over mu and the apparent viscosity of the cell whose rate is given, as in the plane."""
+    case = CASE.with_name("sheared_spheres.toml")
+    light = ["discretisation.solver=direct", "discretisation.cells_per_circle=8", "discretisation.degree=2"]
+    given = in_cell(*light, case=case)
+    found = in_cell(*DRIVEN, *light, case=case)
+    assert given.apparent_viscosity is not None
+    assert found.shear_rate == pytest.approx(STRESS / (VISCOSITY * given.apparent_viscosity), rel=1e-8)
+
+
+def test_cells_under_a_stress_are_refused_where_nothing_would_follow_it(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"domain\.stress = 0\.7: a rate of shear is given too"):
+        load_case(CELL, [f"domain.stress={STRESS}"])
+    with pytest.raises(InputError, match=r'model = "reduced" is not moved by a stress; give domain\.shear'):
+        load_case(CELL, [*DRIVEN, "model=reduced"])
+    with pytest.raises(InputError, match=r"domain\.stress = 0\.7: in a run the lattice moves at a rate"):
+        run(load_case(CELL, DRIVEN), tmp_path / "run")
+    assert not (tmp_path / "run").exists()
+
+
 def channel(bodies: list[dict[str, Any]], stress: Any, **more: Any) -> Case:
     """A channel of height 5 whose bottom is at rest."""
     return parse_case(
@@ -92,7 +159,7 @@ def test_a_run_under_a_stress_that_grows(tmp_path: Path) -> None:
     ("changes", "said"),
     [
         (["domain.walls.bottom={stress = 1.0}"], "so has the other wall, and nothing fixes the velocity"),
-        (["model=pores"], 'model = "pores" moves no wall by a stress; give a velocity'),
+        (["model=reduced"], 'model = "reduced" is not moved by a stress; give a velocity'),
         (["domain.walls.top={stress = 1.0, pressure = 2.0}"], "unknown key"),
         (["domain.walls.top={stress = [1.0, 0.0]}"], "domain.walls.top.stress"),
     ],

@@ -77,21 +77,33 @@ def _stopped_modes(case: Case, inertia: bool = True) -> Iterator[Array]:
                 yield form
 
 
-def check_stressed_walls(case: Case) -> None:
-    """A stress moves one wall of a planar channel along itself, and the other has a velocity."""
+def check_stress(case: Case) -> None:
+    """A stress moves one wall of a planar channel along itself, and the other has a velocity; or a cell."""
     stressed = case.wall_stress(0.0)
-    for name in stressed:
-        here = f"domain.walls.{name} = {toml_text(case.domain.walls[name])}"
-        if case.model != "resolved":
+    container, mean = case.container(), case.domain.mean_drive().mean_stress
+    keys = [(f"domain.walls.{name}", toml_text(case.domain.walls[name]), "a velocity") for name in stressed]
+    keys += [] if mean is None else [("domain.stress", toml_text(mean), "domain.shear")]
+    for key, value, instead in keys:
+        here = f"{key} = {value}"
+        if not case.level.flow:
             raise InputError(
-                f'{here}: model = "{case.model}" moves no wall by a stress; give a velocity, or add '
-                "--set model=resolved"
+                f'{here}: model = "{case.model}" is not moved by a stress; give {instead}, or add '
+                "--set model=resolved or pores"
             )
-        container = case.container()
-        if (container.dimension, len(container.periods), len(container.walls)) != (2, 1, 2):
+        if stressed and (container.dimension, len(container.periods), len(container.walls)) != (2, 1, 2):
             raise InputError(f"{here}: a stress moves only walls of planar channels; give a velocity")
         if len(stressed) > 1:
             raise InputError(f"{here}: so has the other wall, and nothing fixes the velocity; give it one")
+
+
+def check_moving_lattice(case: Case) -> None:
+    """Raise InputError where the lattice of a run would move as a result says, not as the case does."""
+    mean = case.domain.mean_drive().mean_stress
+    if mean is not None:
+        raise InputError(
+            f"domain.stress = {mean!r}: in a run the lattice moves at a rate that the case gives; use "
+            "`fsi solve`, or give domain.shear: bodies without loads take the same way over the strain"
+        )
 
 
 def check_flux(case: Case) -> None:

@@ -36,7 +36,7 @@ def _check_walls(case: Case) -> None:
                 f"domain.walls.{name}", wall, "walls of the gluey model are solid and at rest; drop it"
             )
     container, largest = case.container(), case.configuration().radii.max()
-    if container.mean_gradient.any() or case.domain.mean_drive() != (0.0, None):
+    if container.mean_gradient.any() or case.domain.mean_drive() != MeanDrive():
         raise InputError(
             f"domain = {toml_text(case.domain)}: no fluid drives gluey bodies; drop shear, extension, "
             "pressure_gradient or net_flux"
@@ -259,7 +259,7 @@ def _check_tangential(case: Case) -> None:
 def _check_background(case: Case) -> None:
     """Walls drive a flow that is known at any time, and no pressure drives one."""
     drive = case.domain.mean_drive()
-    if drive != MeanDrive(0.0, None):
+    if drive != MeanDrive():
         key = "pressure_gradient" if drive.net_flux is None else "net_flux"
         raise InputError(
             f"domain.{key} = {getattr(drive, key):g}: the reduced model knows only flow between moving "

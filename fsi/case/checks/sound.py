@@ -9,7 +9,7 @@ import numpy as np
 
 from fsi.bodies.gaps import find_gaps, wall_gaps
 from fsi.case.case import Case
-from fsi.case.checks.determined import check_determined, check_flux, check_stressed_walls
+from fsi.case.checks.determined import check_determined, check_flux, check_stress
 from fsi.case.checks.levels import check_gluey, check_macroscopic, check_reduced
 from fsi.case.checks.pores import check_pores
 from fsi.case.checks.shapes import check_shapes
@@ -36,7 +36,7 @@ def check_case(case: Case) -> None:
     _check_inertia(case)
     _check_forces(case)
     _check_files(case)
-    check_stressed_walls(case)
+    check_stress(case)
     check_shapes(case)
     check_surfaces(case)
     if case.level.viscous:

@@ -103,6 +103,7 @@ class NodalSolution:
         iterations: most of them, 0 by the direct solver.
         pressure_gradient: G of a periodic flow, (2,).
         wall_speeds: along x, of the walls that a stress moves.
+        shear_rate: of a cell that a stress shears, else None.
     """
 
     x: Array
@@ -113,6 +114,7 @@ class NodalSolution:
     iterations: int = 0
     pressure_gradient: Array | None = None
     wall_speeds: Mapping[str, float] = field(default_factory=dict)
+    shear_rate: float | None = None
 
 
 type Responses = Callable[[Sequence[StokesSystem]], Iterator[NodalSolution]]

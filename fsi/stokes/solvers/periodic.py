@@ -9,7 +9,8 @@ loads the slaves by  - (G.e) <n, v>. The same holds on arcs of bodies that the c
 than the rest of the body, so that every force is that of one image in one pressure field.
 
 The mean pressure gradient G is given, or follows from the forces (in a cell without walls it balances them),
-or is found such that the mean velocity has its given value. So is the speed of a wall whose stress is given.
+or is found such that the mean velocity has its given value. So are the speed of a wall whose stress is
+given, and the rate of shear of a cell whose mean stress is given.
 Where all bodies of a cell without walls are free, the flow is determined up to a translation: one body rests,
 and then the mean of u - E x over fluid and bodies is brought to zero.
 """
@@ -27,8 +28,9 @@ from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.lattice import matching_points
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.discretisation.nodes import facets_with
-from fsi.stokes.problem import StokesProblem, wall_area
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, nodal_vector, wall_force
+from fsi.stokes.problem import StokesProblem
+from fsi.stokes.solvers.drives import Averages, Drive, pulled, pushed, sheared
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, nodal_vector
 
 type Solver = Callable[..., list[NodalSolution]]
 
@@ -127,76 +129,12 @@ def _normals(fluid: FluidMesh, forms: Forms, q: Configuration) -> list[tuple[Arr
     return normals
 
 
-class Averages:
-    """Averages over the fluid and the bodies of a periodic domain together.
-
-    Attributes:
-        weights: int v_c over the fluid for each row of u, (rows of u, d), of this rank.
-        x: this rank's velocity nodes, (n, d).
-    """
-
-    def __init__(self, system: StokesSystem) -> None:
-        self._problem, self.x, forms, columns = system.problem, system.nodes.x, system.forms, []
-        d = system.layout.dimension
-        for direction in np.eye(d):
-            forms.f.x.array[:] = np.tile(direction, len(forms.f.x.array) // d)
-            columns.append(nodal_vector(forms.bind("load")))
-        self.weights = np.column_stack(columns)
-
-    def velocity(self, solution: NodalSolution, E: Array) -> Array:
-        """The mean of u - E x, (d,); collective."""
-        q, comm = self._problem.q, MPI.COMM_WORLD
-        u = solution.x[: len(self.weights)] - (self.x @ E.T).ravel()
-        V = solution.U[:, : q.dimension] - q.centres @ E.T
-        of_fluid = np.asarray(comm.allreduce(u @ self.weights, op=MPI.SUM))
-        return np.asarray((of_fluid + q.volumes @ V) / self._problem.container.volume)
-
-
-@dataclass(frozen=True, slots=True)
-class Drive:
-    """What may drive a flow as much as is needed for a number to have a given value.
-
-    Attributes:
-        g, b: what the unit of it puts into the offset and the loads, this rank's rows.
-        wall: that it moves along x, None of a pressure gradient.
-        measured: the number, of a flow and the mean gradient in it; linear in both.
-        wanted: its value.
-    """
-
-    g: Array
-    b: Array
-    wall: str | None
-    measured: Callable[[NodalSolution, Array], float]
-    wanted: float
-
-
-def _pushed(system: StokesSystem, mean: MeanFlow, jump: Jumps, component: int) -> Drive:
-    """A component of the pressure gradient, for the mean velocity."""
-    average = Averages(system)
-    g, b = jump.of_pressure(np.eye(len(mean.velocity))[component])
-
-    def velocity(flow: NodalSolution, E: Array) -> float:
-        return float(average.velocity(flow, E)[component])
-
-    return Drive(g, b, None, velocity, float(mean.velocity[component]))
-
-
-def _pulled(system: StokesSystem, wall: str, stress: float) -> Drive:
-    """The speed of a wall along x, for the force along x that it exerts over its area."""
-    g = np.zeros_like(system.g)
-    g[system.layout.dimension * system.nodes.wall_nodes[wall].astype(np.int64)] = 1.0
-
-    def traction(flow: NodalSolution, _: Array) -> float:
-        return float(wall_force(system, flow.reaction, wall)[0]) / wall_area(system.problem.container)
-
-    return Drive(g, np.zeros_like(system.b), wall, traction, stress)
-
-
 def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, NodalSolution]:
     """The flow with the mean of its problem, and the system with the loads that it took; collective.
 
-    It is linear in G and in the speeds of walls that a stress moves: the flow for what is known of them, plus
-    what each unknown one drives alone. Raises SolveError: as the solver.
+    It is linear in G, in the speeds of walls that a stress moves and in the rate at which a stress shears a
+    cell: the flow for what is known of them, plus what each unknown one drives alone. Raises SolveError: as
+    the solver.
     """
     problem, motion = system.problem, system.problem.motion
     mean, jump = mean_flow(problem), Jumps(system)
@@ -211,24 +149,21 @@ def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, 
         problem=replace(problem, motion=replace(motion, held=held)),
     )  # fmt: skip
     unknown = np.flatnonzero(np.isnan(mean.pressure_gradient))
-    drives = [_pushed(system, mean, jump, int(component)) for component in unknown]
-    drives += [_pulled(system, wall, stress) for wall, stress in problem.boundary.stresses.items()]
-    speeds: dict[str, float] = {}
+    drives, boundary = _drives(system, mean, jump), problem.boundary
     resting = Motion(held, np.zeros_like(motion.U), np.zeros_like(motion.F))
     inertia = problem.inertia and Inertia(problem.inertia.D, np.zeros_like(problem.inertia.U0))
-    at_rest = replace(problem, motion=resting, inertia=inertia)
-    solution, *driven = solver(
-        known, *(replace(known, g=each.g, b=each.b, problem=at_rest) for each in drives)
-    )
-    total_g, total_b = known.g, known.b
+    at_rest = replace(problem, motion=resting, inertia=inertia, interaction=None)
+    alone = [replace(known, g=each.g, b=each.b, problem=at_rest) for each in drives]
+    solution, *driven = solver(known, *alone)
+    total_g, total_b, sizes = known.g, known.b, np.zeros(len(drives))
     if drives:
-        response = np.array([[each.measured(flow, np.zeros((d, d))) for flow in driven] for each in drives])
-        missing = np.array([each.wanted - each.measured(solution, E) for each in drives])
+        flows = [(of, flow, each.gradient) for of, flow, each in zip(alone, driven, drives, strict=True)]
+        response = np.array([[each.measured(*flow) for flow in flows] for each in drives])
+        missing = np.array([each.wanted - each.measured(known, solution, E) for each in drives])
         sizes = np.linalg.solve(response, missing)
-        G[unknown] = sizes[: len(unknown)]
         for s, flow, drive in zip(sizes, driven, drives, strict=True):
             solution, total_g, total_b = _sum(solution, flow, s), total_g + s * drive.g, total_b + s * drive.b
-            speeds |= {} if drive.wall is None else {drive.wall: float(s)}
+            E = E + s * drive.gradient
     if mean.drifting.any():
         average = Averages(system)
         drift = np.where(mean.drifting, mean.velocity - average.velocity(solution, E), 0.0)
@@ -237,9 +172,23 @@ def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, 
         U = solution.U.copy()
         U[:, :d] += drift
         solution = replace(solution, x=u, U=U)
-    moved = replace(problem, boundary=problem.boundary.sliding(speeds))
+    G[unknown], of_walls, of_cell = np.split(sizes, np.cumsum([len(unknown), len(boundary.stresses)]))
+    speeds = dict(zip(boundary.stresses, of_walls.tolist(), strict=True))
+    rate = None if boundary.mean_stress is None else float(of_cell[0])
+    moved = replace(problem, boundary=boundary.faster(speeds, rate or 0.0))
     loaded = replace(system, g=total_g, b=total_b, problem=moved)
-    return loaded, replace(solution, pressure_gradient=G, wall_speeds=speeds)
+    return loaded, replace(solution, pressure_gradient=G, wall_speeds=speeds, shear_rate=rate)
+
+
+def _drives(system: StokesSystem, mean: MeanFlow, jump: Jumps) -> list[Drive]:
+    """Unknown components of the pressure gradient, walls that a stress moves, the shear of a cell."""
+    boundary, units = system.problem.boundary, np.eye(len(mean.velocity))
+    unknown = np.flatnonzero(np.isnan(mean.pressure_gradient))
+    drives = [pushed(system, jump.of_pressure(units[i]), int(i), float(mean.velocity[i])) for i in unknown]
+    drives += [pulled(system, wall, stress) for wall, stress in boundary.stresses.items()]
+    if boundary.mean_stress is not None:
+        drives.append(sheared(system, jump.of_velocity, boundary.mean_stress))
+    return drives
 
 
 def _sum(one: NodalSolution, other: NodalSolution, s: float) -> NodalSolution:

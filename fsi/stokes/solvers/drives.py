@@ -1,0 +1,91 @@
+"""What drives a periodic flow as much as is needed for a number to have a given value.
+
+A pressure gradient brings the mean velocity to it, the speed of a wall the force on that wall, and the rate
+of shear of a cell its mean stress. Flows are linear in each of them.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from mpi4py import MPI
+
+from fsi.bodies.configuration import Array
+from fsi.stokes.problem import unit_shear, wall_area
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, nodal_vector, wall_force
+from fsi.stokes.stress import bulk_stress
+
+
+class Averages:
+    """Averages over the fluid and the bodies of a periodic domain together.
+
+    Attributes:
+        weights: int v_c over the fluid for each row of u, (rows of u, d), of this rank.
+        x: this rank's velocity nodes, (n, d).
+    """
+
+    def __init__(self, system: StokesSystem) -> None:
+        self._problem, self.x, forms, columns = system.problem, system.nodes.x, system.forms, []
+        d = system.layout.dimension
+        for direction in np.eye(d):
+            forms.f.x.array[:] = np.tile(direction, len(forms.f.x.array) // d)
+            columns.append(nodal_vector(forms.bind("load")))
+        self.weights = np.column_stack(columns)
+
+    def velocity(self, solution: NodalSolution, E: Array) -> Array:
+        """The mean of u - E x, (d,); collective."""
+        q, comm = self._problem.q, MPI.COMM_WORLD
+        u = solution.x[: len(self.weights)] - (self.x @ E.T).ravel()
+        V = solution.U[:, : q.dimension] - q.centres @ E.T
+        of_fluid = np.asarray(comm.allreduce(u @ self.weights, op=MPI.SUM))
+        return np.asarray((of_fluid + q.volumes @ V) / self._problem.container.volume)
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """One of these, by the unit of it.
+
+    Attributes:
+        g, b: what it puts into the offset and the loads, this rank's rows.
+        gradient: what it adds to the mean velocity gradient, (d, d).
+        measured: the number, of a system, its flow and the mean gradient in it; linear in all.
+        wanted: its value.
+    """
+
+    g: Array
+    b: Array
+    gradient: Array
+    measured: Callable[[StokesSystem, NodalSolution, Array], float]
+    wanted: float
+
+
+def pushed(system: StokesSystem, of_unit: tuple[Array, Array], component: int, velocity: float) -> Drive:
+    """A component of the pressure gradient, for that of the mean velocity; of_unit: its g and b."""
+    average, d = Averages(system), system.layout.dimension
+
+    def mean_velocity(_: StokesSystem, flow: NodalSolution, E: Array) -> float:
+        return float(average.velocity(flow, E)[component])
+
+    return Drive(*of_unit, np.zeros((d, d)), mean_velocity, velocity)
+
+
+def pulled(system: StokesSystem, wall: str, stress: float) -> Drive:
+    """The speed of a wall along x, for the force along x that it exerts over its area."""
+    g, d = np.zeros_like(system.g), system.layout.dimension
+    g[d * system.nodes.wall_nodes[wall].astype(np.int64)] = 1.0
+
+    def traction(at: StokesSystem, flow: NodalSolution, _: Array) -> float:
+        return float(wall_force(at, flow.reaction, wall)[0]) / wall_area(at.problem.container)
+
+    return Drive(g, np.zeros_like(system.b), np.zeros((d, d)), traction, stress)
+
+
+def sheared(system: StokesSystem, of_velocity: Callable[[Array], Array], stress: float) -> Drive:
+    """The rate of shear of a cell, for the mean stress of fluid and bodies; of_velocity: g of a gradient."""
+    E = unit_shear(system.layout.dimension)
+
+    def mean_stress(at: StokesSystem, flow: NodalSolution, _: Array) -> float:
+        # Whatever the mean pressure is, it adds nothing beside the diagonal.
+        return float(bulk_stress(at, flow, 0.0).mean[0, -1])
+
+    return Drive(of_velocity(E), np.zeros_like(system.b), E, mean_stress, stress)
