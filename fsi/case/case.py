@@ -189,7 +189,7 @@ class Case(Section):
             np.array([body.radius for body in self.bodies], dtype=float),
         )
         angles = np.array([body.angle for body in self.bodies], dtype=float)
-        round_ = all(body.shape is None for body in self.bodies)
+        round_ = all(body.shape is None for body in self.bodies) and not self.domain.profiled
         outlines = () if round_ else tuple(self._outline(body) for body in self.bodies)
         return Configuration(q.centres, angles.reshape(q.angles.shape), q.radii, outlines)
 

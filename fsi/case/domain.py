@@ -92,6 +92,11 @@ class Walled(Registered):
         """The geometry, at time 0."""
         raise NotImplementedError
 
+    @property
+    def profiled(self) -> bool:
+        """Whether a wall has a shape."""
+        return False
+
     def mean_drive(self) -> MeanDrive:
         """The mean pressure gradient or net flux along a channel, the stress of a cell; none elsewhere."""
         return MeanDrive()
@@ -102,6 +107,9 @@ class Walled(Registered):
 
     def require_axis(self) -> None:
         """Raise InputError where an axisymmetric domain does not begin on its axis."""
+
+    def require_shapes(self) -> None:
+        """Raise InputError where a wall cannot have the shape that is given."""
 
     def require_fluid(self) -> None:
         """Raise InputError where no flow is solved for; bodies without fluid may be there all the same."""

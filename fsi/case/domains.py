@@ -17,6 +17,7 @@ from fsi.case.section import (
     told,
     toml_text,
 )
+from fsi.case.shaped_walls import StraightWalls
 from fsi.errors import InputError
 from fsi.meshes.geometry.container import Container, Unbounded
 from fsi.meshes.geometry.containers import Box, HalfPlane, Round
@@ -29,7 +30,7 @@ def _walls_of(geometry: Geometry, periodic: tuple[str, ...] = ()) -> tuple[str, 
 
 
 @register_domain
-class BoxDomain(Walled):
+class BoxDomain(StraightWalls):
     """The rectangle [lower, upper] with the walls left, right, bottom, top; in space also front, back."""
 
     shape: Literal["box"] = "box"
@@ -58,7 +59,7 @@ class BoxDomain(Walled):
         return upper
 
     @override
-    def container(self) -> Container:
+    def straight(self) -> Container:
         return Box(self.lower, self.upper, self.geometry == "axisymmetric")
 
     @override
@@ -129,7 +130,7 @@ class ChannelDomain(BoxDomain, _Periodicity):
         return MeanDrive(self.pressure_gradient if self.net_flux is None else None, self.net_flux)
 
     @override
-    def container(self) -> Container:
+    def straight(self) -> Container:
         return Box(self.lower, self.upper, periodic=tuple(sorted(self.periodic)))
 
     @override
@@ -144,7 +145,7 @@ class ChannelDomain(BoxDomain, _Periodicity):
 
 
 @register_domain
-class HalfPlaneDomain(Walled):
+class HalfPlaneDomain(StraightWalls):
     """The half disc y > 0 (half ball z > 0) of large radius that stands for the half-plane (half-space)."""
 
     shape: Literal["half-plane"]
@@ -157,7 +158,7 @@ class HalfPlaneDomain(Walled):
         return HalfPlane(1.0).walls
 
     @override
-    def container(self) -> Container:
+    def straight(self) -> Container:
         return HalfPlane(self.radius, self.geometry == "axisymmetric", dimension_of(self.geometry))
 
     @override

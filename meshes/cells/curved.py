@@ -29,6 +29,7 @@ from fsi.meshes.planar.triangulate import Indices, StraightCells, side_keys
 SIMPLEX = {2: basix.CellType.triangle, 3: basix.CellType.tetrahedron}  # by dimension
 EDGES = ((1, 2), (0, 2), (0, 1))  # local vertices of the local edges, as in basix
 WORST_ACCEPTED = 0.1
+ON_OUTLINE = 1e-9  # of its radius: what is nearer stands on an outline
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,15 +126,19 @@ class _Bend:
         self.centre = _centres(self.tags, self.a, curves)
         self.side_element = along_side(order)
         self.values = self._arc_minus_chord(self.side_element.points[:, 0])
+        self.values[np.isnan(self.centre[:, 0])] = 0.0  # of a wall with a shape the straight rest
         for curve in curves:
             if curve.body is not None:
                 self._follow(curve.body, np.flatnonzero(self.tags == curve.tag))
 
     def _follow(self, body: Placed, some: Indices) -> None:
-        """Some sides follow the outline of a body, by its parameter."""
+        """Those of some sides that end on the outline of a body follow it, by its parameter."""
         f, a, b = self.side_element.points[:, 0], self.a[some], self.b[some]
-        start = body.nearest(a)
-        along = (body.nearest(b) - start + 0.5) % 1.0 - 0.5
+        start, end = body.nearest(a), body.nearest(b)
+        off = np.maximum(np.hypot(*(body.at(start).x - a).T), np.hypot(*(body.at(end).x - b).T))
+        on = off <= ON_OUTLINE * body.outline.radius
+        some, a, b, start, end = some[on], a[on], b[on], start[on], end[on]
+        along = (end - start + 0.5) % 1.0 - 0.5
         t = start[:, None] + along[:, None] * f
         x = body.at(t.ravel()).x.reshape(*t.shape, 2)
         self.values[some] = x - (a[:, None] * (1.0 - f)[:, None] + b[:, None] * f[:, None])

@@ -64,6 +64,10 @@ class Container(ABC):
     def normals(self, x: Array) -> Array:
         """Gradients of the distances: unit normals of the walls, into the fluid, (n, walls, dimension)."""
 
+    def to_wall(self, wall: int, x: Array) -> tuple[Array, Array]:
+        """The distances of points (n, dimension) to one wall, (n,), and their gradients, (n, dimension)."""
+        return self.distances(x)[:, wall], self.normals(x)[:, wall]
+
     @abstractmethod
     def size(self) -> float:
         """A length that no distance inside exceeds."""
@@ -101,6 +105,18 @@ class Container(ABC):
     def spheres(self) -> tuple[Sphere | None, ...]:
         """The circle or sphere that each wall follows, seen from inside; None for a plane wall."""
         return (None,) * len(self.walls)
+
+    @property
+    def plane(self) -> tuple[bool, ...]:
+        """Whether each wall is plane, (walls,)."""
+        return tuple(sphere is None for sphere in self.spheres)
+
+    def bends(self, x: Array) -> Array:
+        """The radius that sizes of elements follow on each wall where it is nearest to points x, (n, walls).
+
+        Infinite on plane walls, and on round ones, which bodies are smaller than.
+        """
+        return np.full((len(x), len(self.walls)), np.inf)
 
     @property
     def far_walls(self) -> tuple[str, ...]:
@@ -231,7 +247,7 @@ def wall_feet(body: Placed, container: Container) -> list[Foot]:
     """The gaps of a body to all walls."""
 
     def opposite(wall: int) -> Opposite:
-        return lambda x: (container.distances(x)[:, wall], container.normals(x)[:, wall])
+        return lambda x: container.to_wall(wall, x)
 
     return [body.gap_to_surface(opposite(wall)) for wall in range(len(container.walls))]
 

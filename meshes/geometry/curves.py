@@ -6,8 +6,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fsi.meshes.geometry.placed import Placed
+
 Array = NDArray[np.float64]
 
+SAMPLES = 65  # of a piece
 DIGITS = 15  # what doubles keep of any decimal number
 
 
@@ -49,6 +52,7 @@ class WallCurve:
         longest_element: what no element on it exceeds.
         fewest_elements: how many it has at least.
         centre: of its circle, (2,), None for a straight piece.
+        solid: whose outline it follows, None for straight pieces and circles.
     """
 
     wall: int
@@ -58,6 +62,12 @@ class WallCurve:
     longest_element: float
     fewest_elements: int
     centre: Array | None = None
+    solid: Placed | None = None
+
+    @property
+    def samples(self) -> Array:
+        """Some places on it, close enough to see where it goes."""
+        return np.linspace(*self.interval, SAMPLES)
 
 
 def segment(wall: int, start: ArrayLike, end: ArrayLike) -> WallCurve:

@@ -49,19 +49,21 @@ class Outline:
         joints: the t where derivatives jump, ascending.
         factor: by which lengths of the formula are multiplied.
         shift: the centre of area of the formula's curve, (2,).
+        fewest: pieces of its sample, so many that none of its waves is overlooked.
     """
 
     formula: JetOf
     joints: tuple[float, ...] = ()
     factor: float = 1.0
     shift: Array = field(default_factory=lambda: np.zeros(2))
+    fewest: int = FEWEST
 
     @classmethod
-    def of(cls, formula: JetOf, joints: tuple[float, ...] = ()) -> Outline:
+    def of(cls, formula: JetOf, joints: tuple[float, ...] = (), fewest: int = FEWEST) -> Outline:
         """The curve of a formula, moved so that its centre of area is the origin."""
-        curve, weights = cls(formula, joints)._integrated()
+        curve, weights = cls(formula, joints, fewest=fewest)._integrated()
         swept = weights * cross(curve.x, curve.dx)
-        return cls(formula, joints, shift=(swept @ curve.x) / (1.5 * swept.sum()))
+        return cls(formula, joints, shift=(swept @ curve.x) / (1.5 * swept.sum()), fewest=fewest)
 
     @classmethod
     def disc(cls, radius: float) -> Outline:
@@ -94,7 +96,7 @@ class Outline:
     @cached_property
     def t(self) -> Array:
         """Where the sample stands, ascending from 0 on, (m,); joints are among it."""
-        t = np.unique(np.concatenate([np.arange(FEWEST) / FEWEST, self.joints]))
+        t = np.unique(np.concatenate([np.arange(self.fewest) / self.fewest, self.joints]))
         for _ in range(ROUNDS):
             closed = np.append(t, 1.0)
             x, dx, _ = self.jet(t)

@@ -43,8 +43,11 @@ def _ring(surfaces: Surfaces, i: int) -> Curve:
 
     def beside(t: Array, x: Array) -> tuple[Array, Array]:
         """The width of the gap at points x of the outline, and the smaller radius beside it."""
-        gap = container.distances(x).min(axis=1, initial=np.inf)
-        radius = body.outline.bend(t)
+        to_walls = container.distances(x)
+        gap, radius = to_walls.min(axis=1, initial=np.inf), body.outline.bend(t)
+        if not all(container.plane):
+            nearest = to_walls.argmin(axis=1)
+            radius = np.minimum(radius, container.bends(x)[np.arange(len(x)), nearest])
         for other in others:
             distance, bend = other.distance_and_bend(x)
             radius = np.where(distance < gap, np.minimum(radius, bend), radius)

@@ -99,7 +99,7 @@ class Curve:
         centre: of the circle that the curve follows, None for a straight piece.
         opening: how far nodes are moved into the solid while gmsh works, (n, 2); None on lines in the fluid.
         pieces: of the fluid that it bounds; gmsh fills one after the other.
-        body: whose outline the curve follows, None for circles, arcs and straight pieces.
+        body: whose outline the curve follows, of a wall what is solid; None for circles and straight pieces.
     """
 
     tag: int
@@ -183,12 +183,15 @@ class Surfaces:
             nearest[point] = (np.hypot(*(x[point] - self.centres).T) - self.radii).min()
         return nearest
 
-    def sizes(self, x: Array, gap: Array | None = None) -> Array:
-        """Element size at points (n, 2) off the bodies, in gaps of these widths or else by their distance."""
+    def sizes(self, x: Array, gap: Array | None = None, bend: Array | float = np.inf) -> Array:
+        """Element size at points (n, 2) off the bodies, in gaps of these widths or else by their distance.
+
+        bend: that of the wall on which the points are.
+        """
         if self.bodies == 0:
             return np.full(len(x), np.inf) if gap is None else 0.1 * gap
         d, radius = self.nearest(x)
-        in_gap = self.resolution.across(d if gap is None else gap, radius)
+        in_gap = self.resolution.across(d if gap is None else gap, np.minimum(radius, bend))
         h_body = self.resolution.on_body(self.radii.max())
         return np.minimum(in_gap, np.maximum(h_body, self.resolution.growth * d))
 
@@ -197,15 +200,21 @@ class Surfaces:
 
         def size(s: Array, _: Indices) -> Array:
             x = curve.at(s)
-            return np.minimum(np.minimum(self.sizes(x), curve.longest_element), self.grading.sizes(x))
+            bend = self.container.bends(x)[:, curve.wall]
+            longest = np.minimum(curve.longest_element, self.resolution.on_body(bend))
+            return np.minimum(np.minimum(self.sizes(x, bend=bend), longest), self.grading.sizes(x))
 
         s, h, _ = resolve_all(size, np.array([curve.interval]), PIECES)
         nodes = curve.at(spread(s, h, self._facing(curve, s), curve.fewest_elements))
         nodes[[0, -1]] = curve.ends
         tag = self.bodies + 1 + curve.wall
-        half = 0.5 * self.resolution.opened(*self.nearest(nodes)) if self.bodies else np.zeros(1)
+        half = np.zeros(1)
+        if self.bodies:
+            d, radius = self.nearest(nodes)
+            bend = self.container.bends(nodes)[:, curve.wall]
+            half = 0.5 * self.resolution.opened(d, np.minimum(radius, bend))
         opening = -half[:, None] * self.container.normals(nodes)[:, curve.wall]
-        return Curve(tag, nodes, centre=curve.centre, opening=opening)
+        return Curve(tag, nodes, centre=curve.centre, opening=opening, body=curve.solid)
 
     def _facing(self, curve: WallCurve, s: Array) -> Iterator[Array]:
         """The places of nodes on a wall that face those of the bodies in narrow gaps; s: samples along it."""

@@ -1,4 +1,4 @@
-"""What bodies that are no discs or spheres can be asked for: the resolved level between walls."""
+"""What bodies that are no discs or spheres, and walls with a shape, can be asked for: the resolved level."""
 
 from math import pi
 
@@ -8,7 +8,9 @@ from fsi.errors import InputError
 
 
 def check_shapes(case: Case) -> None:
-    """Raise InputError, which names the first shape, where what is asked for knows discs only."""
+    """Raise InputError, which names the first shape, where what is asked for knows none."""
+    if case.domain.profiled:
+        _check_walls(case)
     shaped = next(((i, body.shape) for i, body in enumerate(case.bodies) if body.shape is not None), None)
     if shaped is None:
         return
@@ -36,3 +38,14 @@ def _check_symmetric(case: Case) -> None:
                 f"bodies.{i}.shape = {toml_text(body.shape)}: is not symmetric about the axis r = 0 at the "
                 f"angle {body.angle!r}; give one that is (pi/2 = {0.5 * pi!r})"
             )
+
+
+def _check_walls(case: Case) -> None:
+    """Of walls with a shape."""
+    here = "domain.profiles"
+    if case.model != "resolved":
+        raise InputError(
+            f'{here}: model = "{case.model}" knows straight walls only; give "resolved", or drop it'
+        )
+    if any(force.reach > 0.0 for force in case.forces):
+        raise InputError(f"{here}: [[forces]] of the gap act beside straight walls; drop them, or it")

@@ -29,6 +29,7 @@ _TAKEN = {"fluid": "fluid", "outside": "space outside the domain"}
 
 def check_case(case: Case) -> None:
     """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
+    case.domain.require_shapes()
     _check_names(case)
     if case.axisymmetric:
         _check_axis(case)

@@ -10,6 +10,7 @@ from fsi.case.shapes.shape import BodyShape, register_shape
 from fsi.meshes.geometry.jets import Array, JetOf, polar
 
 _MOST = 200
+_POINTS = 16  # of a wave
 
 
 @register_shape
@@ -38,6 +39,11 @@ class FourierShape(BodyShape):
     @property
     def _coefficients(self) -> Array:
         return np.array([self.cosines, self.sines or (0.0,) * len(self.orders)])
+
+    @property
+    @override
+    def fewest(self) -> int:
+        return max(super().fewest, _POINTS * max(self.orders))
 
     @override
     def curve(self) -> JetOf:

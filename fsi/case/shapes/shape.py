@@ -15,7 +15,7 @@ from pydantic import BeforeValidator, SerializeAsAny, ValidationInfo
 
 from fsi.case.section import Registered, Registry, told
 from fsi.meshes.geometry.jets import ArcChain, JetOf
-from fsi.meshes.geometry.outline import Outline
+from fsi.meshes.geometry.outline import FEWEST, Outline
 from fsi.meshes.geometry.revolved import BodyOfRevolution
 
 
@@ -42,10 +42,15 @@ class BodyShape(Registered):
         """Of the ellipsoid that it is if it turns around an axis, that last; NaN if it is none."""
         return nan, nan, nan
 
+    @property
+    def fewest(self) -> int:
+        """How many points of it overlook none of its waves."""
+        return FEWEST
+
     @cached_property
     def outline(self) -> Outline:
         """The same as geometry."""
-        return Outline.of(self.curve(), self.joints)
+        return Outline.of(self.curve(), self.joints, self.fewest)
 
     def revolved(self, angle: float) -> BodyOfRevolution:
         """Turned by an angle in the plane of (r, z) and then around the axis."""

@@ -46,17 +46,22 @@ def with_slip(layout: DofLayout, problem: StokesProblem, nodes: BoundaryNodes) -
         return layout
     stuck = np.zeros(layout.rows, dtype=bool)
     stuck[d * nodes.axis.astype(np.int64)] = True
-    on_walls, carriers = [], []
-    for wall, axis, sphere in zip(container.walls, container.corner_axes, container.spheres, strict=True):
+    on_walls, carriers, shaped = [], [], list[tuple[NDArray[np.int64], int]]()
+    every = zip(container.walls, container.corner_axes, container.plane, container.spheres, strict=True)
+    for wall, axis, plane, sphere in every:
         rows = d * nodes.wall_nodes[wall].astype(np.int64)[:, None] + np.arange(d)
         if wall in boundary.slip_lengths:
             on_walls.append(rows.ravel())
-            if sphere is None:
+            if plane:
                 stuck[rows[:, axis]] = True
-            else:
+            elif sphere is not None:
                 carriers.append(rows[:, -1])
+            else:
+                shaped.append((rows, axis))
         elif wall in boundary.velocities:
             stuck[rows] = True
+    # Where a wall with a shape meets one that fluid sticks to, that holds its normal already.
+    carriers += [rows[~stuck[rows[:, axis]], -1] for rows, axis in shaped]
     of_walls = np.unique(np.concatenate([*on_walls, np.empty(0, dtype=np.int64)]))
     of_bodies = layout.on_body[np.isin(layout.body, list(problem.surfaces.slip_lengths))]
     carriers.append(of_bodies[of_bodies % d == d - 1])
