@@ -1,18 +1,21 @@
-"""What the site has beside the pages of this folder: one for each example, and the table of `fsi validate`.
+"""What the site has beside the pages of this folder: examples, notebooks, and the table of `fsi validate`.
 
-`mkdocs.yml` names this module as a hook. The pages are made from the examples' docstrings and code and from
-the files that `fsi validate` writes, each time that the site is built.
+`mkdocs.yml` names this module as a hook. The pages are made from the examples' docstrings and code, from the
+notebooks with what they have shown, and from the files that `fsi validate` writes, each time that the site is
+built.
 """
 
 from __future__ import annotations
 
 import ast
 import json
+from base64 import b64decode
 from pathlib import Path
 from typing import Any
 
 DOCS = Path(__file__).parent
 EXAMPLES, PICTURES, VALIDATION = DOCS / "examples", DOCS / "gallery", DOCS / "validation"
+NOTEBOOKS = DOCS / "notebooks"
 
 
 def examples() -> list[Path]:
@@ -53,7 +56,38 @@ def gallery_page() -> str:
     for each in examples():
         name, words = each.stem, title(each)
         text += f"| [![{words}]({name}.png){{ width=300 }}]({name}.md) | [{words}]({name}.md) |\n"
+    text += (
+        "\n## Notebooks\n\nSome of them as notebooks for Jupyter, with what they print and draw; the tests "
+        "run their cells.\n\n"
+    )
+    for path in notebooks():
+        name = path.stem
+        text += f"- [{title(EXAMPLES / f'{name}.py')}](../notebooks/{name}.md)\n"
     return text
+
+
+def notebooks() -> list[Path]:
+    """The notebooks, by name, each that of the example of its name."""
+    return sorted(NOTEBOOKS.glob("*.ipynb"))
+
+
+def notebook_files(notebook: Path) -> dict[str, str | bytes]:
+    """Its page in Markdown, and its pictures, by their paths in the site."""
+    name, pictures = notebook.stem, dict[str, str | bytes]()
+    parts = [f"[The notebook]({name}.ipynb) for Jupyter, as it was executed:\n"]
+    for cell in json.loads(notebook.read_text(encoding="utf-8"))["cells"]:
+        source = "".join(cell["source"])
+        parts.append(source if cell["cell_type"] == "markdown" else f"```python\n{source}\n```")
+        for output in cell.get("outputs", []):
+            if output["output_type"] == "stream":
+                parts.append(f"```text\n{''.join(output['text']).rstrip()}\n```")
+            else:
+                picture = f"{name}_{len(pictures) + 1}.png"
+                pictures[f"notebooks/{picture}"] = b64decode(output["data"]["image/png"])
+                parts.append(f"![What the cell above draws]({picture})")
+    heading, body = parts[1].partition("\n")[0], parts[1].partition("\n")[2]
+    text = "\n\n".join([heading, parts[0], body, *parts[2:]])
+    return {f"notebooks/{name}.md": text, **pictures}
 
 
 def validation_table() -> str:
@@ -75,10 +109,12 @@ def on_files(files: Any, config: Any) -> Any:
     """Of mkdocs: add the pages that are made, and the picture of the validation."""
     from mkdocs.structure.files import File
 
-    made = {"gallery/index.md": gallery_page()}
+    made: dict[str, str | bytes] = {"gallery/index.md": gallery_page()}
     made |= {f"gallery/{each.stem}.md": example_page(each) for each in examples()}
-    for path, text in made.items():
-        files.append(File.generated(config, path, content=text))
+    for notebook in notebooks():
+        made |= notebook_files(notebook)
+    for path, content in made.items():
+        files.append(File.generated(config, path, content=content))
     picture = VALIDATION / "validation.png"
     files.append(File.generated(config, "validation.png", abs_src_path=str(picture)))
     return files
