@@ -1,5 +1,6 @@
 """`fsi plot`: curves over time, trajectories, and what benchmarks and calibrations have found."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -51,6 +52,9 @@ def plot(
         str | None,
         option("Draw the trajectory of body A as B sees it.", False, metavar="A,B"),
     ] = None,
+    follow: Annotated[
+        bool, option("Draw again after new steps, of a run that another process makes, until it ends.", False)
+    ] = False,
     dark: Annotated[bool, option("Draw on a dark page.", False)] = False,
 ) -> None:
     """Draw gap, speed, load and apparent viscosity against time, or strain, several runs over each other.
@@ -70,7 +74,21 @@ def plot(
             return _paths(folders[0], output, relative, theme)
         return _of_file(folders, output, theme) or _histories(folders, output, gap, curves, theme)
 
-    tell(f"wrote {parallel.on_root(draw)}")
+    for _ in _looks(folders) if follow else range(1):
+        tell(f"wrote {parallel.on_root(draw)}")
+
+
+def _looks(folders: list[Path]) -> Iterator[None]:
+    """Once when a run has begun, and after new steps, up to its end. Raises InputError: it is not one run."""
+    from fsi.case.load import load_case
+    from fsi.report.watch import arrivals
+    from fsi.run_folder.folder import CASE, require_run
+
+    if len(folders) > 1 or parallel.size() > 1:
+        raise InputError("plot: --follow draws one run, in one process; drop it, or the others")
+    require_run(folders[0])
+    time = load_case(folders[0] / CASE).timing
+    return (None for _ in arrivals(folders[0], time.end, time.contact_gap))
 
 
 def _require_sense(folders: list[Path], gap: str | None, curves: str | None, *, paths: bool) -> None:

@@ -15,14 +15,25 @@ PAUSE = 1.0  # seconds between two looks
 
 def follow(console: Console, folder: Path, end: float, contact_gap: float | None, *, once: bool) -> None:
     """Print a line for each step up to the end of time, or to contact; once: for those that are there."""
-    spent, seen = 0.0, 0
-    while True:
-        for row in list(complete_rows(folder / STEPS))[seen:]:
-            seen, spent = seen + 1, spent + float(row.get("cpu_step", "nan"))
+    spent = 0.0
+    for rows in arrivals(folder, end, contact_gap, once=once):
+        for row in rows:
+            spent += float(row.get("cpu_step", "nan"))
             console.print(line(row, end, spent), highlight=False)
-            if float(row["t"]) >= end or float(row["smallest_gap"]) <= (contact_gap or -inf):
-                return
-        if once:
+
+
+def arrivals(
+    folder: Path, end: float, contact_gap: float | None, *, once: bool = False
+) -> Iterator[list[dict[str, str]]]:
+    """The new rows of steps.csv, look by look, at least one each; the last with the end of the run."""
+    seen = 0
+    while True:
+        new = list(complete_rows(folder / STEPS))[seen:]
+        seen += len(new)
+        if new:
+            yield new
+        over = (float(row["t"]) >= end or float(row["smallest_gap"]) <= (contact_gap or -inf) for row in new)
+        if once or any(over):
             return
         time.sleep(PAUSE)
 

@@ -1,11 +1,16 @@
-"""What commands do for habits: completion, quiet runs, the next command, a run that is watched."""
+"""What commands do for habits: completion, quiet runs, the next command, a run that is watched or drawn."""
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pytest
 
+from fsi.report import watch
 from fsi.report.watch import complete_rows, line
 from tests.commands import fsi_command
 
@@ -71,3 +76,39 @@ def test_what_is_left_is_told_by_what_has_been_spent() -> None:
 def test_only_runs_are_watched(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     assert fsi_command("watch", tmp_path) == 2
     assert "not a run folder" in capfd.readouterr().err
+
+
+def test_a_plot_follows_a_run(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Drawn when there are steps, again when there are more, and no more after the last."""
+    folder = tmp_path / "run"
+    assert fsi_command("run", *DISCS, "-o", folder, "--quiet") == 0
+    rows = list(complete_rows(folder / "steps.csv"))
+    looks = iter([[], rows[:1], rows[:1], rows])
+    monkeypatch.setattr(watch, "complete_rows", lambda _: next(looks))
+    monkeypatch.setattr(watch, "PAUSE", 0.0)
+    assert fsi_command("plot", folder, "--follow", "-o", tmp_path / "gaps.svg") == 0
+    assert capfd.readouterr().out.count("gaps.svg") == 2
+    assert (tmp_path / "gaps.svg").is_file()
+    assert fsi_command("plot", folder, folder, "--follow") == 2
+    assert fsi_command("plot", tmp_path, "--follow") == 2
+    assert "not a run folder" in capfd.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_plot_follows_a_run_of_another_process(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "fsi"]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    folder = tmp_path / "run"
+    long = [str(word) for word in DISCS] + ["--set", "time.step=0.002", "--set", "output.fields=false"]
+    with subprocess.Popen([*command, "run", *long, "-o", folder, "-q"], env=environment) as run:
+        while not (folder / "state.npz").exists():
+            assert run.poll() is None
+            time.sleep(0.05)
+        followed = subprocess.run(
+            [*command, "plot", folder, "--follow"],
+            env=environment, capture_output=True, text=True, check=True, timeout=300,
+        )  # fmt: skip
+    assert run.returncode == 0
+    assert followed.stdout.count("history.png") >= 2
