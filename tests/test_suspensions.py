@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from fsi.arrangements.arrangement import Arrangement, SimulationCell
+from fsi.arrangements.arrangement import Arrangement
+from fsi.arrangements.cell import SimulationCell
 from fsi.case.body_file import read_bodies
 from fsi.case.load import load_case
 from fsi.integration.schemes import scheme_for

@@ -1,18 +1,16 @@
-"""A cell, periodic along some of its axes and walled across the others, and bodies in it.
-
-Lengths are in the user's unit; `d` is 2 for discs and 3 for spheres. Images across periodic sides count like
-any other body: `separation` is the vector to the nearest image.
-"""
+"""Which arrangement is asked for, and what comes out: bodies in a cell."""
 
 from dataclasses import dataclass
 from math import pi
 from typing import Any
 
 import numpy as np
-import scipy  # its modules load when they are used
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from fsi.arrangements.cell import Array, SimulationCell
+from fsi.arrangements.convex import ConvexShape
+from fsi.arrangements.oriented import OrientedBodies
+
 BODY_BYTES = 20e3  # measured at 20 000 bodies at random
 # For each kind of cell whether it is periodic along the flow, and across it.
 CELLS = {"channel": (True, False), "periodic": (True, True), "box": (False, False)}
@@ -35,6 +33,8 @@ class Wanted:
         radius: the mean radius.
         cell: one of CELLS.
         aspect, seed, sizes, spread, dimension: of random arrangements.
+        shape, ratio, aligned: of these in the plane: "disc", "ellipse" or "rod", length over width, and the
+            angle of all to x in degrees, None for all directions.
         rows, length, angle: of the others; degrees to x.
     """
 
@@ -48,6 +48,9 @@ class Wanted:
     sizes: str = "equal"
     spread: float = 0.0
     dimension: int = 2
+    shape: str = "disc"
+    ratio: float = 2.0
+    aligned: float | None = None
     rows: int = 1
     length: int = 1
     angle: float = 90.0
@@ -70,62 +73,22 @@ class Wanted:
 
 
 @dataclass(frozen=True, slots=True)
-class SimulationCell:
-    """The box from the origin to `sides`, d lengths; walls stand across the axes that are not periodic."""
-
-    sides: tuple[float, ...]
-    periodic: tuple[bool, ...]
-
-    @property
-    def dimension(self) -> int:
-        """2 or 3."""
-        return len(self.sides)
-
-    @property
-    def walled(self) -> NDArray[np.intp]:
-        """The axes with walls across them."""
-        return np.flatnonzero(~np.array(self.periodic))
-
-    @property
-    def volume(self) -> float:
-        """Area in the plane, volume in space."""
-        return float(np.prod(self.sides))
-
-    def wrapped(self, x: Array) -> Array:
-        """The points (n, d) with their periodic coordinates in [0, side)."""
-        sides = np.array(self.sides)
-        inside = np.where(self.periodic, x - sides * np.floor(x / sides), x)
-        return np.where(np.logical_and(self.periodic, inside >= sides), 0.0, inside)  # x = -1e-17 rounds up
-
-    def separation(self, x: Array, y: Array) -> Array:
-        """The vectors (n, d) from points y to the nearest images of points x."""
-        sides = np.array(self.sides)
-        between = x - y
-        return between - np.where(self.periodic, sides * np.round(between / sides), 0.0)
-
-    def near_pairs(self, x: Array, reach: float) -> NDArray[np.intp]:
-        """Pairs (i, j), i < j, of points (n, d) no further apart than `reach`, sorted, shape (P, 2)."""
-        tree = scipy.spatial.cKDTree(self.wrapped(x), boxsize=np.where(self.periodic, self.sides, 0.0))
-        pairs = np.sort(tree.query_pairs(reach, output_type="ndarray").astype(np.intp), axis=1)
-        order = np.lexsort((pairs[:, 1], pairs[:, 0]))
-        return np.asarray(pairs[order])
-
-    def wall_distances(self, x: Array) -> Array:
-        """Distance of points (n, d) to the walls, two for each walled axis, shape (n, walls)."""
-        across = x[:, self.walled]
-        return np.concatenate([across, np.array(self.sides)[self.walled] - across], axis=1)
-
-
-@dataclass(frozen=True, slots=True)
 class Arrangement:
-    """Bodies in a cell: their centres, (N, d), periodic coordinates in [0, side), and radii, (N,)."""
+    """Bodies in a cell: their centres, (N, d), periodic coordinates in [0, side), and radii, (N,).
+
+    Bodies that are no discs have a shape and angles, (N,); then a radius is that of the disc of their area.
+    """
 
     cell: SimulationCell
     centres: Array
     radii: Array
+    shape: ConvexShape | None = None
+    angles: Array | None = None
 
     def bodies(self) -> tuple[dict[str, Any], ...]:
         """Each as an entry of [[bodies]], called disc0001 or sphere0001 and on."""
+        if (oriented := self.oriented) is not None:
+            return oriented.described()
         name = {2: "disc", 3: "sphere"}[self.cell.dimension]
         both = zip(self.radii.tolist(), self.centres.tolist(), strict=True)
         return tuple(
@@ -133,12 +96,21 @@ class Arrangement:
             for number, (a, centre) in enumerate(both, 1)
         )
 
+    @property
+    def oriented(self) -> OrientedBodies | None:
+        """The bodies, where they are no discs."""
+        if self.shape is None or self.angles is None:
+            return None
+        return OrientedBodies(self.cell, self.shape, self.radii, self.centres, self.angles)
+
     def fraction(self) -> float:
         """The area fraction phi (volume fraction in space)."""
         return float(volumes(self.radii, self.cell.dimension).sum() / self.cell.volume)
 
     def smallest_gap(self) -> float:
         """The smallest gap between bodies, their images included; infinite for one body between walls."""
+        if (oriented := self.oriented) is not None:
+            return oriented.smallest_gap()
         largest = float(self.radii.max())
         periodic_sides = np.array(self.cell.sides)[np.array(self.cell.periodic)]
         to_image = float(np.min(periodic_sides, initial=np.inf)) - 2.0 * largest
@@ -155,8 +127,11 @@ class Arrangement:
     def scaled(self, factor: float) -> "Arrangement":
         """The same with all lengths times the factor."""
         cell = SimulationCell(tuple(factor * side for side in self.cell.sides), self.cell.periodic)
-        return Arrangement(cell, cell.wrapped(factor * self.centres), factor * self.radii)
+        centres, radii = cell.wrapped(factor * self.centres), factor * self.radii
+        return Arrangement(cell, centres, radii, self.shape, self.angles)
 
     def smallest_wall_gap(self) -> float:
         """The smallest gap between bodies and walls; infinite without walls."""
+        if (oriented := self.oriented) is not None:
+            return float(oriented.wall_room()[0].min(initial=np.inf))
         return float((self.cell.wall_distances(self.centres) - self.radii[:, None]).min(initial=np.inf))

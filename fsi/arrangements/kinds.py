@@ -16,7 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from fsi.arrangements.arrangement import Arrangement, Array, SimulationCell, Wanted
+from fsi.arrangements.arrangement import Arrangement, Wanted
+from fsi.arrangements.cell import Array, SimulationCell
+from fsi.arrangements.oriented_packing import oriented_arrangement
 from fsi.arrangements.packing import random_arrangement
 from fsi.errors import InputError
 from fsi.files import replace
@@ -158,6 +160,11 @@ def radii_of(w: Wanted) -> Array:
     return np.asarray(w.radius * radii / radii.mean())
 
 
+def at_random(w: Wanted) -> Arrangement:
+    """Discs, spheres, ellipses or rods at random."""
+    return (random_arrangement if w.shape == "disc" else oriented_arrangement)(radii_of(w), w)
+
+
 @dataclass(frozen=True, slots=True)
 class Kind:
     """What makes it, and its options besides number, area fraction, radius, gap and cell."""
@@ -168,7 +175,8 @@ class Kind:
 
 KINDS: Mapping[str, Kind] = {
     "random": Kind(
-        lambda w: random_arrangement(radii_of(w), w), ("aspect", "seed", "sizes", "spread", "dimension")
+        at_random,
+        ("aspect", "seed", "sizes", "spread", "dimension", "shape", "ratio", "aligned"),
     ),
     "square": Kind(square_array, ("rows",)),
     "hexagonal": Kind(hexagonal_array, ("rows",)),
@@ -198,7 +206,8 @@ def write_arrangement(arrangement: Arrangement, path: Path, described: Mapping[s
     cell = arrangement.cell
     axes = "xyz"[: cell.dimension]
     bodies = [
-        {"name": body["name"], "radius": body["radius"], **dict(zip(axes, body["position"], strict=True))}
+        {key: value for key, value in body.items() if key != "position"}
+        | dict(zip(axes, body["position"], strict=True))
         for body in arrangement.bodies()
     ]
     periodic = [axis for axis, is_so in zip(axes, cell.periodic, strict=True) if is_so]

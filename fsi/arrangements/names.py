@@ -4,4 +4,5 @@ from typing import Literal
 
 type Kind = Literal["random", "square", "hexagonal", "rows", "chains", "columns"]
 type CellKind = Literal["channel", "periodic", "box"]
+type Outline = Literal["disc", "ellipse", "rod"]
 type Sizes = Literal["equal", "bidisperse", "lognormal"]

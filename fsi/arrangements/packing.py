@@ -20,17 +20,18 @@ import numpy as np
 import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
-from fsi.arrangements.arrangement import Arrangement, Array, SimulationCell, Wanted, volumes
+from fsi.arrangements.arrangement import Arrangement, Wanted, volumes
+from fsi.arrangements.cell import Array, SimulationCell
 from fsi.errors import InputError
 
 # Fractions, of bodies grown by half the gap, up to which overlaps are removed in a moment: below random close
 # packing (0.84 in the plane, 0.64 in space), where the minimum of E ceases to be zero.
 LIMITS = {2: 0.78, 3: 0.55}
-_TRIES = 5
-_ITERATIONS = 5000
+TRIES = 5
+ITERATIONS = 5000
 # Over the smallest radius: E is minimised for a gap larger by this, and so reached in finite time.
-_MARGIN = 1e-4
-_ROUNDING = 1e-12  # over the largest side: what wrapping and reading may cost a gap
+MARGIN = 1e-4
+ROUNDING = 1e-12  # over the largest side: what wrapping and reading may cost a gap
 
 
 def cell_for(radii: Array, fraction: float, periodic: tuple[bool, ...], aspect: float) -> SimulationCell:
@@ -53,15 +54,15 @@ def random_arrangement(radii: Array, w: Wanted) -> Arrangement:
         bound = f"the largest possible is {np.floor(1e4 * largest) / 1e4:g}"
         raise InputError(f"area fraction = {w.fraction:g}: {here}; {bound}")
     cell = cell_for(radii, w.fraction, w.periodic, w.aspect)
-    gap = w.gap + _ROUNDING * max(cell.sides)
+    gap = w.gap + ROUNDING * max(cell.sides)
     rng = np.random.default_rng(w.seed)
-    for _ in range(_TRIES):
+    for _ in range(TRIES):
         x = _without_overlaps(cell, radii, gap, rng.random((len(radii), cell.dimension)) * cell.sides)
         if x is not None:
             return Arrangement(cell, shaken(cell, x, radii, gap, rng), radii)
     raise InputError(
         f"area fraction = {w.fraction:g}: no arrangement of {len(radii)} bodies with gaps of {w.gap:g} radii "
-        f"found in {_TRIES} tries; lower it or the gap, or place more bodies"
+        f"found in {TRIES} tries; lower it or the gap, or place more bodies"
     )
 
 
@@ -82,7 +83,7 @@ def largest_fraction(radii: Array, periodic: tuple[bool, ...], aspect: float, ga
 
 def _without_overlaps(cell: SimulationCell, radii: Array, gap: float, x: Array) -> Array | None:
     """The points moved to the nearest minimum of E; None if overlaps remain there."""
-    target = gap + _MARGIN * float(radii.min())
+    target = gap + MARGIN * float(radii.min())
 
     def energy(flat: Array) -> tuple[float, Array]:
         return _energy(cell, radii, target, flat.reshape(x.shape))
@@ -91,7 +92,7 @@ def _without_overlaps(cell: SimulationCell, radii: Array, gap: float, x: Array) 
         if _smallest_excess(cell, radii, gap, flat.reshape(x.shape)) >= 0.0:
             raise StopIteration
 
-    options = {"maxiter": _ITERATIONS, "maxfun": 2 * _ITERATIONS, "ftol": 0.0, "gtol": 0.0, "maxcor": 20}
+    options = {"maxiter": ITERATIONS, "maxfun": 2 * ITERATIONS, "ftol": 0.0, "gtol": 0.0, "maxcor": 20}
     best = scipy.optimize.minimize(
         energy, x.ravel(), jac=True, method="L-BFGS-B", callback=stop_when_apart, options=options
     )
@@ -123,8 +124,8 @@ def _smallest_excess(cell: SimulationCell, radii: Array, gap: float, x: Array) -
     return float(min((r - radii[i] - radii[j]).min(initial=np.inf), to_walls.min(initial=np.inf))) - gap
 
 
-_MOVES = 1000  # of about a fifth of the bodies in the plane, a tenth in space
-_LENGTH, _NEIGHBOURHOOD = 0.2, 0.8  # of a move, and of the list of neighbours, over the mean radius
+MOVES = 1000  # of about a fifth of the bodies in the plane, a tenth in space
+LENGTH, _NEIGHBOURHOOD = 0.2, 0.8  # of a move, and of the list of neighbours, over the mean radius
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,13 +146,13 @@ class _Neighbours:
 
 def shaken(cell: SimulationCell, x: Array, radii: Array, gap: float, rng: np.random.Generator) -> Array:
     """The bodies at x (N, d) after some 200 moves each (100 in space), gaps at least `gap`."""
-    margin, length = _NEIGHBOURHOOD * float(radii.mean()), _LENGTH * float(radii.mean())
+    margin, length = _NEIGHBOURHOOD * float(radii.mean()), LENGTH * float(radii.mean())
     diameter = 2.0 * float(radii.max()) + gap
     near = _neighbours(cell, x, radii, gap, diameter + margin)
-    for _ in range(_MOVES):
+    for _ in range(MOVES):
         if np.linalg.norm(x - near.start, axis=1).max() > 0.5 * margin - 2.0 * length:
             near = _neighbours(cell, x, radii, gap, diameter + margin)
-        moved, good = _proposal(cell, x, diameter + 2.0 * length, length, rng)
+        moved, good = proposal(cell, x, diameter + 2.0 * length, length, rng)
         touching = np.linalg.norm(cell.separation(moved[near.i], moved[near.j]), axis=1) < near.contact
         good[near.i[touching]] = good[near.j[touching]] = False
         good &= np.all(cell.wall_distances(moved) >= radii[:, None] + gap, axis=1)
@@ -164,7 +165,7 @@ def _neighbours(cell: SimulationCell, x: Array, radii: Array, gap: float, reach:
     return _Neighbours(x, i, j, radii[i] + radii[j] + gap)
 
 
-def _proposal(
+def proposal(
     cell: SimulationCell, x: Array, width: float, length: float, rng: np.random.Generator
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Where the bodies try to go, and which of them try."""

@@ -34,13 +34,22 @@ def wanted(kind: Kind, common: Mapping[str, Any], options: Mapping[str, Any], sp
     if "spread" in options and sizes == "equal":
         given, remedy = (spelled(*each) for each in (("spread", options["spread"]), ("sizes", "bidisperse")))
         raise InputError(f"{given}: the radii are equal; give {remedy} or lognormal")
+    if options.get("shape", "disc") == "disc":
+        for name in ("ratio", "aligned"):
+            if name in options:
+                remedy = spelled("shape", "ellipse")
+                raise InputError(f"{spelled(name, options[name])}: discs have none; give {remedy} or rod")
+    elif options.get("dimension", 2) == 3:
+        given, remedy = (spelled(*each) for each in (("shape", options["shape"]), ("dimension", 2)))
+        raise InputError(f"{given}: is for the plane; give {remedy}, or drop it")
     filled = {"spread": _SPREADS[sizes]} | _shape(kind, common["number"]) | dict(options)
     asked = Wanted(**common, **filled)
     for name, value, least in (
         ("area_fraction", asked.fraction, 0.0), ("radius", asked.radius, 0.0), ("gap", asked.gap, 0.0),
         ("aspect", asked.aspect, 0.0), ("spread", asked.spread, 1.0 if sizes == "bidisperse" else 0.0),
+        ("ratio", asked.ratio, 1.0), ("aligned", asked.aligned or 0.0, -360.0),
     ):  # fmt: skip
-        if not least <= value < float("inf") or (value == 0.0 and name not in ("gap", "spread")):
+        if not least <= value < float("inf") or (value == 0.0 and name not in ("gap", "spread", "aligned")):
             raise InputError(f"{spelled(name, value)}: out of range; give a number above {least:g}")
     if asked.fraction >= 1.0:
         given = spelled("area_fraction", asked.fraction)

@@ -19,6 +19,8 @@ import numpy as np
 import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
+from fsi.meshes.geometry.images import to_images
+from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.geometry.outline import Outline
 from fsi.meshes.geometry.placed import Placed
 
@@ -95,6 +97,10 @@ class Configuration:
         """The outlines where they are; empty where all bodies are discs."""
         each = zip(self.outlines, self.centres, self.angles.ravel().tolist(), strict=False)
         return tuple(Placed(outline, centre, angle) for outline, centre, angle in each)
+
+    def to_images(self, lattice: Lattice, body: NDArray[np.intp], x: Array) -> Array:
+        """How far from the bodies their images lie that points x (n, d) on them belong to, (n, d)."""
+        return lattice.shift(to_images(lattice, self.centres, self.placed, body, x))
 
     @property
     def areas(self) -> Array:

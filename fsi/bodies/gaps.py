@@ -60,7 +60,9 @@ class Gaps:
 def pair_gaps(q: Configuration, pairs: NDArray[np.intp], away: Array | float = 0.0) -> Array:
     """Gaps `|q_i - q_j - away| - a_i - a_j` of the given pairs (P, 2), of outlines the true ones, (P,)."""
     if q.outlines:
-        return np.array([foot_between(q, *pair).gap for pair in pairs.tolist()])
+        away = np.broadcast_to(away, (len(pairs), 2))
+        each = zip(pairs.tolist(), away, strict=True)
+        return np.array([foot_between(q, i, j, e).gap for (i, j), e in each])
     i, j = pairs[:, 0], pairs[:, 1]
     separation = q.centres.take(i, axis=0) - q.centres.take(j, axis=0) - away
     distance: Array = np.sqrt(np.einsum("pk,pk->p", separation, separation))
@@ -76,9 +78,10 @@ def wall_gaps(q: Configuration, container: Container) -> Array:
     return gaps_of_discs
 
 
-def foot_between(q: Configuration, i: int, j: int) -> Foot:
-    """The gap of body i with an outline to body j."""
-    return q.placed[i].gap_to(q.placed[j])
+def foot_between(q: Configuration, i: int, j: int, away: Array | float = 0.0) -> Foot:
+    """The gap of body i with an outline to body j, or to its image that lies `away` from it, (2,)."""
+    other = q.placed[j]
+    return q.placed[i].gap_to(other.moved(other.centre + away))
 
 
 def find_gaps(q: Configuration, container: Container, reach: float | None = None) -> Gaps:
@@ -136,7 +139,7 @@ def narrowest_gap(q: Configuration, container: Container) -> NarrowestGap | None
         pair = int(gaps.pair_gaps.argmin())
         (i, other), gap = gaps.pairs[pair].tolist(), float(gaps.pair_gaps[pair])
         if q.outlines:
-            return NarrowestGap((i, other), gap, foot_between(q, i, other).opposite)
+            return NarrowestGap((i, other), gap, foot_between(q, i, other, gaps.away[pair]).opposite)
         between = q.centres[other] + gaps.away[pair] - q.centres[i]
         towards = between / np.linalg.norm(between)
     return NarrowestGap((i, other), gap, q.centres[i] + (q.radii[i] + gap) * towards)
@@ -148,9 +151,9 @@ def smallest_of_each(q: Configuration, container: Container) -> Array:
     Of a body whose neighbours are all far, the nearest centre b bounds how far the centre of the nearest
     surface can be: `|q_i - q_j| <= |q_i - q_b| - a_b + max a`.
     """
-    if q.outlines:
-        return find_gaps(q, container, np.inf).smallest_of_each()
     least, largest = find_gaps(q, container).smallest_of_each(), float(q.radii.max(initial=0.0))
+    if q.outlines:
+        return find_gaps(q, container, np.inf).smallest_of_each() if np.any(least > 2.0 * largest) else least
     far = np.flatnonzero(least > 2.0 * largest)
     if len(far) == 0 or len(q) + len(container.periods) < 2:
         return least

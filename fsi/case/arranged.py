@@ -8,7 +8,7 @@ from pydantic import Field, ValidationError
 
 from fsi.arrangements.arrangement import BODY_BYTES, Arrangement
 from fsi.arrangements.kinds import arrange
-from fsi.arrangements.names import CellKind, Kind, Sizes
+from fsi.arrangements.names import CellKind, Kind, Outline, Sizes
 from fsi.arrangements.request import wanted
 from fsi.case.complaints import explain
 from fsi.case.section import Section, toml_text, tuples
@@ -47,6 +47,12 @@ class Arranged(Section):
     """of random: large over small radius, or deviation over mean radius, 1.4 or 0.2 if not given"""
     dimension: int | None = Field(None, ge=2, le=3)
     """of random: 3 for spheres, 2 if not given"""
+    shape: Outline | None = None
+    """of random in the plane: "disc", "ellipse" or "rod", disc if not given"""
+    ratio: float | None = None
+    """of ellipses and rods: length over width, above 1, 2 if not given"""
+    aligned: float | None = None
+    """of ellipses and rods: the angle of all to x in degrees, all directions if not given"""
     rows: int | None = Field(None, ge=1)
     """of arrays and rows, and layers of chains, those of a square if not given, one layer"""
     length: int | None = Field(None, ge=1)

@@ -5,7 +5,8 @@ A CSV file has a header with the columns
     name, radius, x, y, z, angle
 
 in any order; `name` (disc0001, disc0002, ...), `z` (only in space) and `angle` (0) may be left out. A JSON
-file is an object whose list `bodies` has objects with the same keys. Beside it may stand `lower` and
+file is an object whose list `bodies` has objects with the same keys; there a body may have a table `shape` in
+place of its radius. Beside it may stand `lower` and
 `upper`, the corners of the bodies' box, and anything that describes them. A JSON object
 with `centers` ([[x, y], ...]), one `radius` and the sides `L` and `H` of the box is understood as well.
 """
@@ -21,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from fsi.case.section import toml_text, words_like
+from fsi.case.section import toml_text, tuples, words_like
 from fsi.errors import InputError
 from fsi.files import data_of
 
@@ -124,7 +125,12 @@ def _body(path: Path, number: int, row: Any) -> dict[str, Any]:
     here = f"row {number}"
     if not isinstance(row, dict):
         raise _refusal(path, f"{here} = {toml_text(row)}: not an object; give it radius, x and y")
-    _check_columns(path, here, row)
+    columns, needed = COLUMNS, _NEEDED
+    if "shape" in row:
+        columns, needed = (*COLUMNS, "shape"), ("x", "y")
+        if "radius" in row:
+            raise _refusal(path, f"{here}: has a radius and a shape; drop one of them")
+    _check_columns(path, here, row, columns, needed)
     for key in _NUMBERS:
         value = row.get(key, 1.0)
         sound = isinstance(value, float | int) and not isinstance(value, bool) and math.isfinite(value)
@@ -133,17 +139,24 @@ def _body(path: Path, number: int, row: Any) -> dict[str, Any]:
             raise _refusal(path, f"{here}: {key} = {toml_text(value)}: not {wanted}; correct the file")
     position = tuple(float(row[axis]) for axis in "xyz" if axis in row)
     name = row.get("name", f"{'sphere' if 'z' in row else 'disc'}{number:04d}")
-    body = {"name": name, "radius": float(row["radius"]), "position": position}
+    size = {"shape": tuples(row["shape"])} if "shape" in row else {"radius": float(row["radius"])}
+    body = {"name": name, "position": position} | size
     return body | ({"angle": float(row["angle"])} if "angle" in row else {})
 
 
-def _check_columns(path: Path, where: str, given: Iterable[str]) -> None:
+def _check_columns(
+    path: Path,
+    where: str,
+    given: Iterable[str],
+    columns: Sequence[str] = COLUMNS,
+    needed: Sequence[str] = _NEEDED,
+) -> None:
     given = list(given)
     for key in given:
-        if key not in COLUMNS:
-            alike = ", ".join(map(repr, words_like(key, COLUMNS)))
+        if key not in columns:
+            alike = ", ".join(map(repr, words_like(key, columns)))
             raise _refusal(path, f"{where}: no such column {key!r}; use {alike} or drop it")
-    for key in _NEEDED:
+    for key in needed:
         if key not in given:
             raise _refusal(path, f"{where}: no {key!r}; give at least radius, x and y")
 

@@ -1,4 +1,4 @@
-"""`fsi pack`: arrange discs or spheres in a cell."""
+"""`fsi pack`: arrange discs, ellipses, rods or spheres in a cell."""
 
 from __future__ import annotations
 
@@ -9,14 +9,15 @@ import typer
 
 import fsi.parallel as parallel
 from fsi.arrangements.arrangement import BODY_BYTES
-from fsi.arrangements.names import CellKind, Kind, Sizes
+from fsi.arrangements.names import CellKind, Kind, Outline, Sizes
 from fsi.arrangements.request import wanted
 from fsi.cli.arguments import option, output_to, require_writable, warn
 from fsi.errors import InputError
 from fsi.machine import require_memory
 
 if TYPE_CHECKING:
-    from fsi.arrangements.arrangement import Arrangement, SimulationCell, Wanted
+    from fsi.arrangements.arrangement import Arrangement, Wanted
+    from fsi.arrangements.cell import SimulationCell
 
 EXAMPLE = "Example: fsi pack random --number 50 --area-fraction 0.4 --gap 0.02 --seed 1 -o random.json"
 
@@ -51,6 +52,13 @@ def pack(
     dimension: Annotated[
         int | None, option("Of random: 2 for discs, 3 for spheres.", "2", min=2, max=3)
     ] = None,
+    shape: Annotated[
+        Outline | None, option("Of random: ellipses and rods have the area of a disc of the radius.", "disc")
+    ] = None,
+    ratio: Annotated[float | None, option("Of ellipses and rods: length over width.", "2")] = None,
+    aligned: Annotated[
+        float | None, option("Of ellipses and rods: the angle of all, in degrees to x.", "all directions")
+    ] = None,
     rows: Annotated[
         int | None, option("Of arrays and rows; layers of chains.", "square cell; 1 layer", min=1)
     ] = None,
@@ -76,6 +84,7 @@ def pack(
     smallest = 0.02 * radius if gap is None else gap
     common = {"number": number, "fraction": area_fraction, "radius": radius, "gap": smallest, "cell": cell}
     options = {"seed": seed, "aspect": aspect, "sizes": sizes, "spread": spread, "dimension": dimension,
+               "shape": shape, "ratio": ratio, "aligned": aligned,
                "rows": rows, "length": length, "angle": angle}  # fmt: skip
     given = {key: value for key, value in options.items() if value is not None}
     asked = wanted(kind, common, given, _spelled)

@@ -63,7 +63,7 @@ def _losing(gaps: Gaps, displacement: Array, away_moves: Array, loss: float) -> 
 def _reach(
     q: Configuration, container: Container, displacement: Array, gap_loss: float, duration: float
 ) -> float:
-    """How wide a gap can be that loses `gap_loss` of itself, at least the largest diameter.
+    """How wide a gap can be that loses `gap_loss` of itself, of discs at least the largest diameter.
 
     A lattice carries vectors e to e + A e, so that bodies that differ by d_i = displacement_i - A q_i from
     the mean flow, with centres s = q_i - q_j - e apart, come nearer by
@@ -72,11 +72,13 @@ def _reach(
     """
     unit = np.eye(q.dimension)
     strain = container.carried(unit, duration) - unit
-    rate, largest = float(np.linalg.norm(strain, 2)), float(q.radii.max())
+    rate, largest = float(np.linalg.norm(strain, 2)), float(q.radii.max(initial=0.0))
     if rate >= gap_loss:
         return np.inf
-    fastest = float(np.linalg.norm(displacement - q.centres @ strain, axis=1).max())
-    return max(2.0 * largest, 2.0 * (fastest + rate * largest) / (gap_loss - rate))
+    relative = displacement.copy()
+    relative[:, : q.dimension] -= q.centres @ strain
+    fastest, least = float(q.ways(relative).max(initial=0.0)), 0.0 if q.outlines else 2.0 * largest
+    return max(least, 2.0 * (fastest + rate * largest) / (gap_loss - rate))
 
 
 def greatest_approach(
@@ -91,7 +93,7 @@ def greatest_approach(
     end of the way.
     """
     if q.outlines:
-        return _approach_of_outlines(q, container, displacement, gap_loss)
+        return _approach_of_outlines(q, container, displacement, gap_loss, duration)
     displacement = displacement[:, : q.dimension]
     gaps = find_gaps(q, container, _reach(q, container, displacement, gap_loss, duration))
     away_moves = container.carried(gaps.away, duration) - gaps.away
@@ -108,26 +110,34 @@ def greatest_approach(
 
 
 def _approach_of_outlines(
-    q: Configuration, container: Container, displacement: Array, gap_loss: float
+    q: Configuration, container: Container, displacement: Array, gap_loss: float, duration: float
 ) -> Approach:
     """The same for bodies that are no discs, which turn on their way.
 
-    A gap closes by no more than the ways of its two bodies' points. So from each place on the way they go on
-    by what leaves the gap above its limit whatever they do, until one is there or the way is at its end.
+    A gap closes by no more than the ways of its two bodies' points, one seen from the other. So from each
+    place on the way they go on by what leaves the gap above its limit whatever they do, until one is there or
+    the way is at its end.
     """
-    ways = q.ways(displacement)
-    gaps = find_gaps(q, container, 2.0 * float(ways.max(initial=0.0)) / gap_loss)
+    gaps = find_gaps(q, container, _reach(q, container, displacement, gap_loss, duration))
+    i, j = gaps.pairs.T
+    apart = displacement[:, :2].take(i, axis=0) - displacement[:, :2].take(j, axis=0)
+    apart -= container.carried(gaps.away, duration) - gaps.away
+    turns = q.radii * np.abs(displacement[:, 2])
+    of_pairs = np.hypot(apart[:, 0], apart[:, 1]) + turns[i] + turns[j]
+    losing = np.flatnonzero(of_pairs >= 0.5 * gap_loss * gaps.pair_gaps)
+    gaps, of_pairs = gaps.of(losing), of_pairs[losing]
     before = np.concatenate([gaps.pair_gaps, gaps.wall_gaps.ravel()])
     if len(before) == 0:
         return Approach(-np.inf, np.inf, (0, 0))
-    closing = np.concatenate([ways[gaps.pairs].sum(axis=1), np.repeat(ways, gaps.wall_gaps.shape[1])])
+    closing = np.concatenate([of_pairs, np.repeat(q.ways(displacement), gaps.wall_gaps.shape[1])])
     done, least, left = 0.0, before, before
     for _ in range(MOST_PLACES):
         room = np.maximum(left - (1.0 - gap_loss) * before, LEAST_ROOM * before)
         further = np.divide(room, closing, out=np.full(len(room), np.inf), where=closing > 0.0)
         done = min(1.0, done + float(further.min()))
         moved = q.moved(done * displacement)
-        left = np.concatenate([pair_gaps(moved, gaps.pairs), wall_gaps(moved, container).ravel()])
+        away = container.carried(gaps.away, done * duration)
+        left = np.concatenate([pair_gaps(moved, gaps.pairs, away), wall_gaps(moved, container).ravel()])
         least = np.minimum(least, left)
         if done == 1.0 or np.any(left < (1.0 - gap_loss) * before):
             break

@@ -164,7 +164,7 @@ class StokesModel:
         self._workspace.close()
         if self._mover is not None:
             self._mover.close()
-        angles = q.angles if q.outlines else None
-        self._mover = Mover(self.scaled_mesh(q, t), self.units.scaled_places(q.centres), angles)
+        here = self.units.scaled_configuration(q)
+        self._mover = Mover(self.scaled_mesh(q, t), here.centres, here.placed)
         self._meshed, self._meshed_time = q, t
         return self._mover.fluid

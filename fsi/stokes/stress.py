@@ -31,17 +31,16 @@ def bulk_stress(system: StokesSystem, solution: NodalSolution, mean_pressure: fl
     layout, problem, x = system.layout, system.problem, system.nodes.x
     q, volume, d = problem.q, problem.container.volume, layout.dimension
     fluid = _viscous_part(system, solution) / volume
-    r = x[layout.on_body // d] - q.centres[layout.body]
-    lattice = problem.fluid.lattice
-    r -= lattice.shift(lattice.nearest(r))
+    at = x[layout.on_body // d]
+    r = at - q.centres[layout.body] - q.to_images(problem.fluid.lattice, layout.body, at)
     # Where p = 1 alone, sigma n = -n: of the bodies as they are meshed, so that its level does not count.
     on_bodies = facets_with(problem.fluid, 1, problem.fluid.bodies)
     of_level = -nodal_vector(system.forms.bind("normal", on_bodies))
     both = np.zeros((2, len(q), d, d))
     for moments, nodal in zip(both, (solution.reaction, of_level), strict=True):
         for i in range(d):
-            at = (layout.body, layout.on_body % d)
-            np.add.at(moments[:, i], at, r[:, i] * nodal[layout.on_body])
+            entries = (layout.body, layout.on_body % d)
+            np.add.at(moments[:, i], entries, r[:, i] * nodal[layout.on_body])
     layout.comm.Allreduce(MPI.IN_PLACE, both)
     moments, of_unit_pressure = both
     moments -= mean_pressure * of_unit_pressure

@@ -127,9 +127,15 @@ class _Bend:
         self.side_element = along_side(order)
         self.values = self._arc_minus_chord(self.side_element.points[:, 0])
         self.values[np.isnan(self.centre[:, 0])] = 0.0  # of a wall with a shape the straight rest
+        bodies = {curve.tag: list[Placed]() for curve in curves if curve.body is not None}
         for curve in curves:
             if curve.body is not None:
-                self._follow(curve.body, np.flatnonzero(self.tags == curve.tag))
+                bodies[curve.tag].append(curve.body)
+        for tag, images in bodies.items():
+            some = np.flatnonzero(self.tags == tag)
+            on = _image_of(images, self.a[some], self.b[some])
+            for k, body in enumerate(images):
+                self._follow(body, some[on == k])
 
     def _follow(self, body: Placed, some: Indices) -> None:
         """Those of some sides that end on the outline of a body follow it, by its parameter."""
@@ -163,6 +169,14 @@ class _Bend:
         basis = basis[place.reshape(len(curved), t.shape[1])]
         offset[curved] = np.einsum("smn,snd->smd", basis, self.values[rows[curved]])
         return offset
+
+
+def _image_of(images: Sequence[Placed], *ends: Array) -> Indices:
+    """On which image of a body sides with these ends (n, 2) are: where a domain is opened it has several."""
+    if len(images) == 1:
+        return np.zeros(len(ends[0]), dtype=np.int64)
+    off = [sum(np.abs(body.signed_distance(x)[0]) for x in ends) for body in images]
+    return np.argmin(off, axis=0)
 
 
 def _centres(tags: Indices, x: Array, curves: Sequence[Curve]) -> Array:

@@ -190,11 +190,12 @@ def _tags(ends: Array, domain: FluidDomain) -> Indices:
     home = lattice.wrapped(ends.mean(axis=1))
     ends = ends - (ends.mean(axis=1) - home)[:, None]
     middles = cKDTree(home)
-    for i, m in product(range(len(radii)), lattice.near()):
+    reach = 2.0 * float(radii.max()) if domain.placed else 0.0
+    for i, m in product(range(len(radii)), lattice.near(reach)):
         centre, radius = centres[i] + lattice.shift(m[None])[0], radii[i]
         near = np.array(middles.query_ball_point(centre, radius * (1.0 + ON_SURFACE)), dtype=np.intp)
         if domain.placed:
-            off, _ = domain.placed[i].signed_distance(ends[near].reshape(-1, 2))
+            off, _ = domain.placed[i].moved(centre).signed_distance(ends[near].reshape(-1, 2))
             away = np.abs(off).reshape(-1, 2).max(axis=1, initial=0.0)
         else:
             away = np.abs(np.hypot.reduce(ends[near] - centre, axis=2) - radius).max(axis=1, initial=0.0)

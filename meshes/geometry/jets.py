@@ -23,6 +23,12 @@ class Jet(NamedTuple):
 type JetOf = Callable[[Array], Jet]
 
 
+def cross(a: Array, b: Array) -> Array:
+    """a_1 b_2 - a_2 b_1 of vectors (n, 2), (n,)."""
+    area: Array = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    return area
+
+
 def polar(radius: Callable[[Array], tuple[Array, Array, Array]]) -> JetOf:
     """The curve r(theta), theta = 2 pi t, by r and its first two derivatives along theta, (n,) each."""
 

@@ -61,10 +61,17 @@ class Lattice:
         moved: Array = m @ self.vectors
         return moved
 
-    def near(self) -> Integers:
-        """All integers with |m_k| <= 1, shape (3^k, k), zero first."""
-        every = np.array(list(product((0, -1, 1), repeat=self.dimension)), dtype=np.int64)
-        return every.reshape(3**self.dimension, self.dimension)
+    def near(self, reach: float = 0.0) -> Integers:
+        """All integers with |m_k| <= 1, shape (n, k), zero first; or as many periods as `reach` is long."""
+        most = np.maximum(np.ceil(self._widths(reach)).astype(int), 1)
+        every = list(product(*(sorted(range(-n, n + 1), key=abs) for n in most)))
+        return np.array(every, dtype=np.int64).reshape(len(every), self.dimension)
+
+    def _widths(self, distance: float) -> Array:
+        """How far a distance goes at most along each vector, in lattice coordinates, (k,)."""
+        if self.dimension == 0:
+            return np.empty(0)
+        return np.asarray(distance * np.linalg.norm(np.linalg.pinv(self.vectors), axis=0))
 
     def nearest(self, d: Array) -> Integers:
         """The integers m (n, k) for which `d - m @ vectors` is shortest, for differences d (n, d)."""
@@ -91,7 +98,7 @@ class Lattice:
             for each image its original, (g,), and the integers m that shift it, (g, k).
         """
         at = self.coordinates(x)
-        width = distance * np.linalg.norm(np.linalg.pinv(self.vectors), axis=0)  # in lattice coordinates
+        width = self._widths(distance)
         steps = [range(-n, n + 1) for n in np.ceil(width).astype(int)]
         # Few points are near a side of the cell: they are looked up once, and sought in no other way.
         at_side = {

@@ -17,7 +17,7 @@ import numpy as np
 import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
-from fsi.meshes.geometry.jets import Array, Jet, JetOf, circle
+from fsi.meshes.geometry.jets import Array, Jet, JetOf, circle, cross
 
 FEWEST = 128  # pieces of a sample
 TURN = 0.1  # of the tangent along a piece, at most, in radians
@@ -28,16 +28,11 @@ NEWTON = 60
 NEIGHBOURS = 16  # of a point in the sample
 SHARPEST = 1e-3  # smallest radius of curvature that sizes of elements follow, over the largest radius
 ROUND = 1e-14  # of the radius, by which the sample of a circle is off it
+AT_JOINT = 1e-6  # of the curve: a place so near to a joint is there
 SPREAD = 1.5  # how fast the radius that sizes follow grows along the curve
 
 
 type Indices = NDArray[np.intp]
-
-
-def cross(a: Array, b: Array) -> Array:
-    """a_1 b_2 - a_2 b_1 of vectors (n, 2), (n,)."""
-    area: Array = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-    return area
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,6 +109,19 @@ class Outline:
     def sample(self) -> Jet:
         """The curve there, (m, 2)."""
         return self.jet(self.t)
+
+    @cached_property
+    def inside(self) -> Array:
+        """A point inside the body, (2,): its centre, or if that lies outside the middle of a chord."""
+        x = self.sample.x
+        middles = np.vstack([np.zeros(2), 0.5 * (x[0] + x[1:])])
+        distance, _ = self.signed_distance(middles)
+        return np.asarray(middles[0 if distance[0] < 0.0 else int(np.argmin(distance))])
+
+    def snapped(self, t: float) -> float:
+        """The joint at which t is, or t itself."""
+        away = [abs((t - joint + 0.5) % 1.0 - 0.5) for joint in self.joints]
+        return self.joints[int(np.argmin(away))] if min(away, default=1.0) < AT_JOINT else t
 
     @cached_property
     def spacing(self) -> float:
@@ -217,9 +225,13 @@ class Outline:
     def _tree(self) -> scipy.spatial.cKDTree:
         return scipy.spatial.cKDTree(self.sample.x)
 
-    def coarse_distance(self, x: Array) -> Array:
-        """Distance of points (n, 2) to the sample, (n,): larger than that to the curve, by half a spacing."""
-        return np.asarray(self._tree.query(x)[0])
+    def coarse_distance(self, x: Array) -> tuple[Array, Array]:
+        """Distance of points (n, 2) to the sample, (n,), and the t of its nearest points.
+
+        It is larger than that to the curve by half a spacing.
+        """
+        away, near = self._tree.query(x)
+        return np.asarray(away), self.t[near]
 
     def nearest(self, x: Array) -> Array:
         """The t of the curve's points that are nearest to points x (n, 2), (n,).

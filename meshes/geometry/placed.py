@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.meshes.geometry.jets import Array, Jet
+from fsi.meshes.geometry.normals import CommonNormals, common_normals
 from fsi.meshes.geometry.outline import Outline
 
 ROUNDS = 30
@@ -75,6 +76,20 @@ class Placed:
     centre: Array
     angle: float
 
+    def moved(self, centre: Array) -> Placed:
+        """The same body around another centre (2,)."""
+        return Placed(self.outline, centre, self.angle)
+
+    @property
+    def inside(self) -> Array:
+        """A point inside, (2,)."""
+        return np.asarray(self.centre + self.outline.inside @ self._rows)
+
+    def between(self, start: float, end: float) -> Array:
+        """Some points from t = start to end, both included, start < end, (n, 2)."""
+        t = np.concatenate([k + self.outline.t for k in range(int(np.floor(start)), int(np.ceil(end)))])
+        return self.at(np.concatenate([[start], t[(t > start) & (t < end)], [end]])).x
+
     @property
     def _rows(self) -> Array:
         c, s = np.cos(self.angle), np.sin(self.angle)
@@ -126,9 +141,14 @@ class Placed:
 
     def gap_to(self, other: Placed) -> Foot:
         """The gap to another body."""
-        x = self._sample()
-        coarse = other.outline.coarse_distance(other.seen(x))
-        near = np.flatnonzero(coarse <= coarse.min() + self.outline.spacing + other.outline.spacing)
+        x, spacing = self._sample(), self.outline.spacing + other.outline.spacing
+        coarse, beside = other.outline.coarse_distance(other.seen(x))
+        lowest = (coarse <= np.roll(coarse, 1)) & (coarse <= np.roll(coarse, -1))
+        lowest &= coarse <= coarse.min() + spacing
+        normals = common_normals(self.at, other.at, self.outline.t[lowest], beside[lowest], 2.0 * spacing)
+        if normals is not None:
+            return self._facing(normals, other)
+        near = np.flatnonzero(coarse <= coarse.min() + spacing)
         distance, normal = np.full(len(x), np.inf), other.signed_distance
         distance[near] = normal(x[near])[0]
         inside = other.at(np.zeros(1)).x
@@ -142,6 +162,12 @@ class Placed:
         distance, normal = self.signed_distance(centre[None])
         t = self.nearest(centre[None])
         return Foot(float(distance[0]) - radius, float(t[0]), self.at(t).x[0], 0.0 - normal[0])
+
+    def _facing(self, normals: CommonNormals, other: Placed) -> Foot:
+        """The gap along the shortest of some common normals."""
+        k = int(np.argmin(normals.gap))
+        out = other.normals(normals.s[k : k + 1])[0]
+        return Foot(float(normals.gap[k]), float(normals.t[k] % 1.0), self.at(normals.t[k : k + 1]).x[0], out)
 
     def _sample(self) -> Array:
         return np.asarray(self.centre + self.outline.sample.x @ self._rows)

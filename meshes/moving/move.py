@@ -12,7 +12,7 @@ disc, so that discs and spheres stay exactly what they are. Every move starts fr
 on where the bodies are, not on how they came there.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from math import factorial
 
@@ -31,6 +31,8 @@ from petsc4py import PETSc
 from fsi.meshes.build import FluidMesh, columns_of_masters, coordinate_element, matching_nodes
 from fsi.meshes.cells.curved import SIMPLEX, determinant, scaled_jacobian
 from fsi.meshes.geometry.container import Array
+from fsi.meshes.geometry.images import to_images
+from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.moving.slip import CurvedBoundaryCells, Extension, Slip, along, linear_weights, turned
 
 # A moved cell may differ from its base by this ratio of stretches at most, and keeps this scaled Jacobian.
@@ -41,13 +43,14 @@ SMALLEST_JACOBIAN = 0.2
 class Mover:
     """Moves one base mesh and keeps its factorised Laplace matrix; `close` frees that."""
 
-    def __init__(self, fluid: FluidMesh, centres: Array, angles: Array | None = None) -> None:
+    def __init__(self, fluid: FluidMesh, centres: Array, placed: Sequence[Placed] = ()) -> None:
         """Prepare to move `fluid`, which was built around bodies at `centres` (N, dimension); collective.
 
-        angles: of bodies of the plane that are no discs, whose nodes turn with them, (N,); None of discs.
+        placed: the bodies of the plane, if some are no discs, whose nodes turn with them; none of discs.
         """
         self.fluid = fluid
-        self.centres, self.angles = centres, angles
+        self.centres = centres
+        self.angles = np.array([body.angle for body in placed]) if placed else None
         self._x = fluid.mesh.geometry.x[:, : fluid.dimension].copy()
         self._vertices = fem.functionspace(fluid.mesh, vertex_element(fluid.dimension))
         self._inverse_sides = np.linalg.inv(_sides(self._x[fluid.mesh.geometry.dofmaps[0]]))
@@ -57,9 +60,8 @@ class Mover:
         self._on_body = np.flatnonzero((self._tags >= 1) & (self._tags <= fluid.bodies))
         self._body = self._tags[self._on_body] - 1
         places = self._vertices.tabulate_dof_coordinates()[self._on_body, : fluid.dimension]
-        r = places - centres[self._body]
-        self._to_image = fluid.lattice.shift(fluid.lattice.nearest(r))
-        self._r = r - self._to_image
+        self._to_image = fluid.lattice.shift(to_images(fluid.lattice, centres, placed, self._body, places))
+        self._r = places - centres[self._body] - self._to_image
         self._slave, self._away, P = self._inside()
         stiffness, modes = self._laplace(), self._slip_modes()
         self._extension = Extension(stiffness, P)

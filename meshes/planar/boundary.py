@@ -19,7 +19,7 @@ def boundary(domain: FluidDomain, resolution: Resolution) -> list[Curve]:
         return opened(surfaces)
     every, container = range(surfaces.bodies), domain.container
     if surfaces.placed:
-        around = outline_rings(surfaces)
+        around = outline_rings(surfaces, every)
     elif container.axisymmetric:
         around = [half_ring(surfaces, i) for i in every]
     else:

@@ -14,47 +14,16 @@ a mesh has lines from surface to surface anyway.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
-from scipy.spatial import cKDTree
 
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.container import Array
-from fsi.meshes.geometry.lattice import Integers, positive
+from fsi.meshes.planar.links import Indices, NeighbourLinks, neighbours
 from fsi.meshes.planar.sizing import Surfaces
-
-Indices = NDArray[np.int64]
-
-
-@dataclass(frozen=True, slots=True)
-class NeighbourLinks:
-    """Neighbours and the straight ways between them, n links.
-
-    Attributes:
-        first: where each begins: bodies 0 ... N - 1, then walls, (n,).
-        second: where it ends, (n,).
-        shift: the integers by which the image of `second` that is meant is moved, (n, k).
-        step: from the centre of `first` to that of the image, (n, 2); a wall's centre is its nearest point.
-        gap: between the two surfaces, (n,).
-    """
-
-    first: Indices
-    second: Indices
-    shift: Integers
-    step: Array
-    gap: Array
-
-    def __getitem__(self, chosen: NDArray[np.bool_] | Indices) -> NeighbourLinks:
-        """Some of them."""
-        return NeighbourLinks(*(getattr(self, field.name)[chosen] for field in fields(self)))
-
-    def __len__(self) -> int:
-        """How many."""
-        return len(self.gap)
 
 
 def cut(surfaces: Surfaces) -> NeighbourLinks:
@@ -71,44 +40,6 @@ def cut(surfaces: Surfaces) -> NeighbourLinks:
         if length <= reach**2 or reach > container.size():
             return links[chosen]
         reach *= 2.0
-
-
-def neighbours(surfaces: Surfaces, reach: float) -> NeighbourLinks:
-    """All links with gaps up to `reach` between bodies, and those of all bodies to the walls."""
-    n, m, lattice = surfaces.bodies, surfaces.lattice.near(), surfaces.lattice
-    centres, radii = surfaces.centres[:n], surfaces.radii[:n]
-    farthest = 2.0 * radii.max(initial=0.0) + reach
-    pairs = cKDTree(centres).sparse_distance_matrix(surfaces.tree, farthest, output_type="ndarray")
-    first, (which, second) = pairs["i"], np.divmod(pairs["j"], max(n, 1))
-    # Each link once: to a later body, or to the body's own image by the first of two opposite shifts.
-    once = (second > first) | ((second == first) & positive(m[which]))
-    first, second, shift = first[once], second[once], m[which[once]]
-    step = centres[second] + lattice.shift(shift) - centres[first]
-    gap = np.hypot(*step.T) - radii[first] - radii[second]
-    between = NeighbourLinks(first, second, shift, step, gap)[gap <= reach]
-    return joined(between, _to_walls(surfaces))
-
-
-def _to_walls(surfaces: Surfaces) -> NeighbourLinks:
-    """From each body straight to each wall; without bodies from the first wall to the second."""
-    n, container = surfaces.bodies, surfaces.container
-    centres, walls = surfaces.centres[:n] if n else np.zeros((1, 2)), len(container.walls)
-    distances, normals = container.distances(centres), container.normals(centres)
-    if n == 0:
-        first, second, gap = np.array([0]), np.array([1]), distances.sum(axis=1)
-        step = gap[:, None] * normals[0, :1]
-    else:
-        first, wall = np.divmod(np.arange(n * walls), max(walls, 1))
-        step = distances[first, wall, None] * -normals[first, wall]
-        second, gap = n + wall, distances[first, wall] - surfaces.radii[first]
-    shift = np.zeros((len(first), surfaces.lattice.dimension), dtype=np.int64)
-    return NeighbourLinks(first, second, shift, step, gap)
-
-
-def joined(*parts: NeighbourLinks) -> NeighbourLinks:
-    """All links of the parts."""
-    names = [field.name for field in fields(NeighbourLinks)]
-    return NeighbourLinks(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
 
 @dataclass(frozen=True, slots=True)

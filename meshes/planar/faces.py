@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.container import Array
-from fsi.meshes.planar.cut import NeighbourLinks
+from fsi.meshes.planar.links import NeighbourLinks
 from fsi.meshes.planar.sizing import Surfaces
 
 TOGETHER = 1e-6  # of the size of the domain, by which places of the same node differ
@@ -57,10 +57,12 @@ class HalfLinks:
     def __init__(self, links: NeighbourLinks, surfaces: Surfaces) -> None:
         """Of these links between the surfaces."""
         self.links, self.surfaces, self.count = links, surfaces, len(links)
-        self.radii = np.append(surfaces.radii[: surfaces.bodies], np.zeros(len(surfaces.container.walls)))
+        self.arms = np.append(surfaces.arms, np.zeros(len(surfaces.container.walls)))
         self.origin = np.concatenate([links.first, links.second])
         self.step = np.concatenate([links.step, -links.step])
-        self.angle = np.arctan2(self.step[:, 1], self.step[:, 0])
+        self.along = np.concatenate([links.along, -links.along])
+        self.foot = np.concatenate([links.feet[:, 0], links.feet[:, 1]])
+        self.angle = links.turns.T.ravel()
         for wall, curve in enumerate(surfaces.container.outline()):
             leave = np.flatnonzero(self.origin == surfaces.bodies + wall)
             begin, end = curve.ends
@@ -110,6 +112,13 @@ class HalfLinks:
         period: Array = end - begin
         return period
 
+    def corners(self, stretch: Stretch) -> Array:
+        """What a stretch leaves of a piece, inside the body or along its outline, (n, 2)."""
+        if stretch.node >= self.surfaces.bodies or not self.surfaces.placed:
+            return np.array([stretch.centre, stretch.leaves])
+        body = self.surfaces.placed[stretch.node].moved(stretch.centre)
+        return body.between(stretch.end / TURN, stretch.start / TURN)[::-1]
+
     def meet(self, one: Array, other: Array) -> bool:
         """Whether two places are the same."""
         return bool(np.hypot(*(one - other)) < TOGETHER * self.surfaces.container.size())
@@ -118,8 +127,8 @@ class HalfLinks:
         """What to say where the links do not divide the domain into pieces that have every body once."""
         narrowest = int(self.links.gap.argmin())
         place, gap = self.surfaces.centres[int(self.links.first[narrowest])], self.links.gap[narrowest]
-        text = "the periodic domain cannot be opened; its narrowest gap, of the disc at {}, is {}: widen it"
-        return MeshError(text, place, gap)
+        text = "the periodic domain cannot be opened; its narrowest gap, of the {} at {}, is {}: widen it"
+        return MeshError(text.replace("{}", self.surfaces.word, 1), place, gap)
 
 
 @dataclass(frozen=True)
@@ -175,13 +184,10 @@ class Faces:
         Raises MeshError where not exactly one image of a body lies in one piece.
         """
         surfaces, lattice = self.halves.surfaces, self.halves.surfaces.lattice
-        polygons = [
-            np.array([corner for stretch in face for corner in (stretch.centre, stretch.leaves)])
-            for face in self.faces
-        ]
+        polygons = [np.concatenate([*map(self.halves.corners, face)]) for face in self.faces]
         extent = np.ceil(np.abs(lattice.coordinates(np.concatenate(polygons))).max(axis=0)).astype(int) + 1
         m = np.array(list(product(*(range(-k, k + 1) for k in extent))), dtype=np.int64)
-        images = surfaces.centres[bodies][:, None] + lattice.shift(m)
+        images = surfaces.inside(bodies)[:, None] + lattice.shift(m)
         inside = np.stack([_inside(polygon, images.reshape(-1, 2)) for polygon in polygons], axis=1)
         inside = inside.reshape(len(bodies), len(m) * len(polygons))  # by image, then by piece
         if not np.all(inside.sum(axis=1) == 1):

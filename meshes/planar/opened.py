@@ -14,6 +14,7 @@ from fsi.meshes.geometry.container import Array
 from fsi.meshes.geometry.curves import segment
 from fsi.meshes.planar.cut import cut
 from fsi.meshes.planar.faces import Faces, HalfLinks
+from fsi.meshes.planar.outlines import outline_arcs, outline_rings
 from fsi.meshes.planar.rings import arcs, rings
 from fsi.meshes.planar.sizing import INSIDE, Curve, Surfaces
 from fsi.meshes.planar.spread import Indices
@@ -25,7 +26,7 @@ LINK_PIECES = 16  # of a link, to begin with
 def opened(surfaces: Surfaces) -> list[Curve]:
     """Whole bodies, then what bounds the pieces: arcs, walls, links. Raises MeshError where bodies touch."""
     links = cut(surfaces)
-    if links.gap.min(initial=np.inf) <= 0.0:
+    if links.gap.min(initial=np.inf) <= 0.0:  # of outlines that has been found before
         nearest = int(links.gap.argmin())
         place = surfaces.centres[int(links.first[nearest])]
         raise TouchingError("the disc at {} touches a disc or wall, or overlaps it; move it", place)
@@ -33,7 +34,8 @@ def opened(surfaces: Surfaces) -> list[Curve]:
     on_links = {stretch.node for face in faces.faces for stretch in face}
     whole = [i for i in range(surfaces.bodies) if i not in on_links]
     shifts, pieces = faces.shifts(whole)
-    holes = zip(rings(surfaces, whole), shifts, pieces.tolist(), strict=True)
+    around = outline_rings if surfaces.placed else rings
+    holes = zip(around(surfaces, whole), shifts, pieces.tolist(), strict=True)
     return [replace(_moved(hole, shift), pieces=(piece,)) for hole, shift, piece in holes] + _outer(faces)
 
 
@@ -63,10 +65,10 @@ def _link_curves(faces: Faces) -> dict[int, Curve]:
 
 def _half_curve(faces: Faces, half: int, away: Array) -> Curve:
     """One side of a link on the cut, its nodes by how far they are away from a surface it joins."""
-    halves, step = faces.halves, faces.halves.step[half]
-    along, s = step / np.hypot(*step), np.abs(away - away[0])
+    halves, s = faces.halves, np.abs(away - away[0])
+    begin, arm = faces.places[half] + halves.foot[half], halves.arms[halves.origin[half]]
     tag = halves.surfaces.bodies + len(halves.surfaces.container.walls) + 1
-    nodes = faces.places[half] + (halves.radii[halves.origin[half]] + s)[:, None] * along
+    nodes = begin + (arm + s)[:, None] * halves.along[half]
     return Curve(tag, nodes, pieces=(faces.face_of[half],))
 
 
@@ -75,7 +77,8 @@ def _stretch_curves(faces: Faces) -> Iterator[Curve]:
     surfaces, every = faces.halves.surfaces, [stretch for face in faces.faces for stretch in face]
     on_bodies = [stretch for stretch in every if stretch.node < surfaces.bodies]
     angles = np.array([(stretch.end, stretch.start) for stretch in on_bodies]).reshape(-1, 2)
-    pieces = iter(arcs(surfaces, [stretch.node for stretch in on_bodies], angles))
+    of_bodies = outline_arcs if surfaces.placed else arcs
+    pieces = iter(of_bodies(surfaces, [stretch.node for stretch in on_bodies], angles))
     for stretch in every:
         if stretch.node < surfaces.bodies:
             arc = _moved(next(pieces), stretch.centre - surfaces.centres[stretch.node])
@@ -89,11 +92,11 @@ def _on_links(halves: HalfLinks) -> list[Array]:
     """Distances of the nodes of each link from the surface of its first node, from 0 to the gap."""
     links, surfaces = halves.links, halves.surfaces
     n, walls = surfaces.bodies, np.zeros((2, 2))  # where a link begins that has no body
-    begin, radius = np.vstack([surfaces.centres[:n], walls])[links.first], halves.radii[links.first]
-    along = links.step / np.hypot(links.step[:, 0], links.step[:, 1])[:, None]
+    begin = np.vstack([surfaces.centres[:n], walls])[links.first] + links.feet[:, 0]
+    arm = halves.arms[links.first]
 
     def at(s: Array, k: Indices) -> Array:
-        x: Array = begin[k] + (radius[k] + s)[:, None] * along[k]
+        x: Array = begin[k] + (arm[k] + s)[:, None] * links.along[k]
         return x
 
     return surfaces.lines(at, np.column_stack([np.zeros(len(links)), links.gap]), LINK_PIECES)
@@ -101,4 +104,5 @@ def _on_links(halves: HalfLinks) -> list[Array]:
 
 def _moved(curve: Curve, shift: Array) -> Curve:
     centre = None if curve.centre is None else curve.centre + shift
-    return replace(curve, nodes=curve.nodes + shift, centre=centre)
+    body = None if curve.body is None else curve.body.moved(curve.body.centre + shift)
+    return replace(curve, nodes=curve.nodes + shift, centre=centre, body=body)

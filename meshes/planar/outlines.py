@@ -6,101 +6,141 @@ disc. Nodes stand where derivatives of an outline jump, and where the narrowest 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import ceil, floor
+
 import numpy as np
 
-from fsi.meshes.errors import TouchingError
+from fsi.meshes.errors import MeshError, TouchingError
 from fsi.meshes.geometry.container import Array, wall_feet
+from fsi.meshes.geometry.outline import AT_JOINT
 from fsi.meshes.geometry.placed import Foot, Placed
 from fsi.meshes.planar.sizing import SHORTEST, Curve, Surfaces
 from fsi.meshes.planar.spread import Indices, resolve_all, spread
 
 FEWEST = 8  # elements around a body
-AT_JOINT = 1e-6  # of an outline: a narrowest gap so near to a joint is there
 
 
-def outline_rings(surfaces: Surfaces) -> list[Curve]:
-    """The nodes around all bodies. Raises TouchingError where one touches another or a wall."""
-    return [_ring(surfaces, i) for i in range(surfaces.bodies)]
+def outline_rings(surfaces: Surfaces, bodies: Sequence[int]) -> list[Curve]:
+    """The nodes around these bodies, with an axis from end to end.
 
-
-def _reach(surfaces: Surfaces, i: int) -> float:
-    """The gap up to which body i has smaller elements."""
-    resolution = surfaces.resolution
-    return float(resolution.cells_per_gap * resolution.on_body(surfaces.radii[i]) / SHORTEST)
-
-
-def _near(surfaces: Surfaces, i: int) -> list[Placed]:
-    """The bodies within that reach of body i."""
-    gaps = np.hypot(*(surfaces.centres - surfaces.centres[i]).T) - surfaces.radii - surfaces.radii[i]
-    gaps[i] = np.inf
-    return [surfaces.placed[j] for j in np.flatnonzero(gaps < _reach(surfaces, i))]
+    Raises TouchingError where one touches another or a wall.
+    """
+    return [_ring(surfaces, i) for i in bodies]
 
 
 def _ring(surfaces: Surfaces, i: int) -> Curve:
-    body, resolution, container = surfaces.placed[i], surfaces.resolution, surfaces.container
-    others = _near(surfaces, i)
-    start = _start(surfaces, i, others)
+    near = _Near.of(surfaces, i)
+    narrowest, poles = near.narrowest(), near.body.outline.poles
+    if poles is None:
+        start = narrowest or 0.0
+        t, x, normal = (values[:-1] for values in near.nodes(start, start + 1.0))
+    else:
+        t, x, normal = near.nodes(*poles, [] if narrowest is None else [narrowest])
+        x[[0, -1]], normal[[0, -1], 0] = surfaces.on_axis(i), 0.0
+    return Curve(i + 1, x, poles is None, opening=near.opening(t, x, normal), body=near.body)
 
-    def beside(t: Array, x: Array) -> tuple[Array, Array]:
+
+def outline_arcs(surfaces: Surfaces, bodies: Sequence[int], angles: Array) -> list[Curve]:
+    """The nodes on bodies between two angles 2 pi t each, start < end, (n, 2)."""
+    arcs = []
+    for i, (start, end) in zip(bodies, angles / (2.0 * np.pi), strict=True):
+        if end - start < AT_JOINT:
+            place = surfaces.centres[i]
+            raise MeshError("two narrowest gaps of the body at {} are at the same place; move it", place)
+        near = _Near.of(surfaces, i)
+        t, x, normal = near.nodes(start, end)
+        arcs.append(Curve(i + 1, x, False, opening=near.opening(t, x, normal), body=near.body))
+    return arcs
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Near:
+    """A body and what is so near to it that it has smaller elements there.
+
+    Attributes:
+        body: where it is.
+        others: the bodies and images near it.
+        reach: the gap up to which it has smaller elements.
+        surfaces: all of them.
+    """
+
+    body: Placed
+    others: list[Placed]
+    reach: float
+    surfaces: Surfaces
+
+    @staticmethod
+    def of(surfaces: Surfaces, i: int) -> _Near:
+        """Of body i."""
+        resolution = surfaces.resolution
+        reach = float(resolution.cells_per_gap * resolution.on_body(surfaces.radii[i]) / SHORTEST)
+        gaps = np.hypot(*(surfaces.centres - surfaces.centres[i]).T) - surfaces.radii - surfaces.radii[i]
+        gaps[i] = np.inf
+        others = [surfaces.placed[j] for j in np.flatnonzero(gaps < reach)]
+        return _Near(surfaces.placed[i], others, reach, surfaces)
+
+    def beside(self, t: Array, x: Array) -> tuple[Array, Array]:
         """The width of the gap at points x of the outline, and the smaller radius beside it."""
+        container = self.surfaces.container
         to_walls = container.distances(x)
-        gap, radius = to_walls.min(axis=1, initial=np.inf), body.outline.bend(t)
+        gap, radius = to_walls.min(axis=1, initial=np.inf), self.body.outline.bend(t)
         if not all(container.plane):
             nearest = to_walls.argmin(axis=1)
             radius = np.minimum(radius, container.bends(x)[np.arange(len(x)), nearest])
-        for other in others:
+        for other in self.others:
             distance, bend = other.distance_and_bend(x)
             radius = np.where(distance < gap, np.minimum(radius, bend), radius)
             gap = np.minimum(gap, distance)
         return gap, radius
 
-    def size(t: Array, _: Indices) -> Array:
-        x, dx, _ddx = body.at(t)
-        in_gap = resolution.across(*beside(t, x))
-        sizes: Array = np.minimum(in_gap, resolution.on_body(body.outline.bend(t)))
+    def size(self, t: Array, _: Indices) -> Array:
+        """Of elements, by t."""
+        outline, resolution = self.body.outline, self.surfaces.resolution
+        x, dx, _ddx = self.body.at(t)
+        in_gap = resolution.across(*self.beside(t, x))
+        sizes: Array = np.minimum(in_gap, resolution.on_body(outline.bend(t)))
         sizes /= np.hypot(*dx.T)
         return sizes
 
-    breaks = _breaks(body, start)
-    t, h, piece = resolve_all(size, np.column_stack([breaks[:-1], breaks[1:]]), resolution.cells_per_circle)
-    placed = [
-        spread(t[piece == k], h[piece == k], (), FEWEST * length)[:-1]
-        for k, length in enumerate(np.diff(breaks))
-    ]
-    closed = body.outline.poles is None
-    t = np.concatenate(placed if closed else [*placed, breaks[-1:]])
-    x, normal = body.at(t).x, body.normals(t)
-    if not closed:
-        x[[0, -1]], normal[[0, -1], 0] = surfaces.on_axis(i), 0.0
-    half = 0.5 * resolution.opened(*beside(t, x))
-    return Curve(i + 1, x, closed, opening=-half[:, None] * normal, body=body)
+    def nodes(self, start: float, end: float, fixed: Sequence[float] = ()) -> tuple[Array, Array, Array]:
+        """From t = start to end, both included, at all joints between and some other t, (n,); (n, 2); normals."""
+        breaks = self.breaks(start, end, fixed)
+        ends, resolution = np.column_stack([breaks[:-1], breaks[1:]]), self.surfaces.resolution
+        t, h, piece = resolve_all(self.size, ends, resolution.cells_per_circle)
+        placed = [
+            spread(t[piece == k], h[piece == k], (), FEWEST * length)[:-1]
+            for k, length in enumerate(np.diff(breaks))
+        ]
+        t = np.concatenate([*placed, [end]])
+        return t, self.body.at(t).x, self.body.normals(t)
 
+    def breaks(self, start: float, end: float, fixed: Sequence[float]) -> Array:
+        """Where nodes must stand, ascending."""
+        every = [
+            k + t for t in (*self.body.outline.joints, *fixed) for k in range(floor(start), ceil(end) + 1)
+        ]
+        inner = np.sort(every)
+        apart = (inner > start + AT_JOINT) & (inner < end - AT_JOINT)
+        apart[1:] &= np.diff(inner) > AT_JOINT
+        return np.concatenate([[start], inner[apart], [end]])
 
-def _breaks(body: Placed, start: float | None) -> Array:
-    """Where nodes must stand: at a narrow gap, at joints, of a body of revolution at its ends; ascending."""
-    fixed = [*body.outline.joints] if start is None else [start, *body.outline.joints]
-    first, last = body.outline.poles or (0.0 if start is None else start, np.nan)
-    last = first + 1.0 if np.isnan(last) else last
-    inner = np.sort([first + (t - first) % 1.0 for t in fixed])
-    apart = (inner > first + AT_JOINT) & (inner < last - AT_JOINT)
-    apart[1:] &= np.diff(inner) > AT_JOINT
-    return np.concatenate([[first], inner[apart], [last]])
+    def opening(self, t: Array, x: Array, normal: Array) -> Array:
+        """Into the body, where a gap beside it is opened, (n, 2)."""
+        half: Array = 0.5 * self.surfaces.resolution.opened(*self.beside(t, x))
+        return -half[:, None] * normal
 
-
-def _start(surfaces: Surfaces, i: int, others: list[Placed]) -> float | None:
-    """The t of the narrowest gap of body i, of a joint if one is there; None if all gaps are wide."""
-    body = surfaces.placed[i]
-    feet: list[Foot] = [body.gap_to(other) for other in others]
-    feet += wall_feet(body, surfaces.container)
-    narrowest = min(feet, key=lambda foot: foot.gap, default=None)
-    if narrowest is None or narrowest.gap >= _reach(surfaces, i):
-        return None
-    if narrowest.gap <= 0.0:
-        raise TouchingError("the body at {} touches a body or wall; move it", body.centre)
-    t = narrowest.t
-    if body.outline.poles is not None:  # of two mirror images the one with r > 0
-        t = float(body.nearest(np.abs(narrowest.x[None]) * [1.0, np.sign(narrowest.x[1])])[0])
-    away = [abs((t - joint + 0.5) % 1.0 - 0.5) for joint in body.outline.joints]
-    if min(away, default=1.0) < AT_JOINT:
-        return body.outline.joints[int(np.argmin(away))]
-    return t
+    def narrowest(self) -> float | None:
+        """The t of its narrowest gap, of a joint if one is there; None if all gaps are wide."""
+        feet: list[Foot] = [self.body.gap_to(other) for other in self.others]
+        feet += wall_feet(self.body, self.surfaces.container)
+        narrowest = min(feet, key=lambda foot: foot.gap, default=None)
+        if narrowest is None or narrowest.gap >= self.reach:
+            return None
+        if narrowest.gap <= 0.0:
+            raise TouchingError("the body at {} touches a body or wall; move it", self.body.centre)
+        t = narrowest.t
+        if self.body.outline.poles is not None:  # of two mirror images the one with r > 0
+            t = float(self.body.nearest(np.abs(narrowest.x[None]) * [1.0, np.sign(narrowest.x[1])])[0])
+        return self.body.outline.snapped(t)

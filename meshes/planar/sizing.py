@@ -38,7 +38,7 @@ import scipy  # its modules load when they are used
 
 from fsi.meshes.geometry.container import Array, Container, FluidDomain
 from fsi.meshes.geometry.curves import WallCurve
-from fsi.meshes.geometry.lattice import Lattice
+from fsi.meshes.geometry.lattice import Integers, Lattice
 from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.planar.facing import FINEST, LONGEST, NARROW, FacedGap, foot_on, on_wall
 from fsi.meshes.planar.grading import Grading
@@ -118,17 +118,19 @@ class Surfaces:
     Attributes:
         container: what encloses the fluid.
         centres: of the bodies, in one cell of a periodic container, then of their images next to it, (n, 2).
+        shifts: the integers by which each N of these are moved, (n / N, k).
         radii: of all of these, (n,).
         tree: over the centres.
         bodies: N.
         lattice: of the container's periods.
         resolution: how fine the mesh is.
         grading: towards singular corners.
-        placed: the bodies by their outlines; empty where all are discs.
+        placed: the bodies and images by their outlines; empty where all are discs.
     """
 
     container: Container
     centres: Array
+    shifts: Integers
     radii: Array
     tree: scipy.spatial.cKDTree
     bodies: int
@@ -141,18 +143,39 @@ class Surfaces:
     def of(domain: FluidDomain, resolution: Resolution) -> Surfaces:
         """The bodies of a domain, and their images if it is periodic."""
         lattice = Lattice(domain.container.periods)
-        m = lattice.near()
+        m = lattice.near(2.0 * float(domain.radii.max()) if domain.placed else 0.0)
         images = (lattice.shift(m)[:, None] + lattice.wrapped(domain.centres)).reshape(-1, 2)
         radii = np.tile(domain.radii, len(m))
         grading = Grading.of(domain, resolution.growth)
         tree, bodies = scipy.spatial.cKDTree(images), len(domain.radii)
-        placed = domain.placed
-        return Surfaces(domain.container, images, radii, tree, bodies, lattice, resolution, grading, placed)
+        each = zip(domain.placed * len(m), images, strict=False)
+        placed = tuple(body.moved(centre) for body, centre in each)
+        return Surfaces(
+            domain.container, images, m, radii, tree, bodies, lattice, resolution, grading, placed
+        )
+
+    @property
+    def arms(self) -> Array:
+        """How far from the centres of bodies links begin along themselves, (N,): radii, 0 of outlines."""
+        of_discs = self.radii[: self.bodies]
+        return np.zeros_like(of_discs) if self.placed else of_discs
+
+    @property
+    def word(self) -> str:
+        """What the bodies are."""
+        return "body" if self.placed else "disc"
+
+    def inside(self, bodies: list[int]) -> Array:
+        """A point inside each of these, (n, 2)."""
+        if not self.placed:
+            return self.centres[bodies]
+        return np.array([self.placed[i].inside for i in bodies]).reshape(-1, 2)
 
     def nearest(self, x: Array) -> tuple[Array, Array | float]:
         """Distance of points (n, 2) to the nearest body, and the radius that counts there, (n,) or one."""
         if not self.placed:
             return self.to_bodies(x), float(self.radii.min(initial=np.inf))
+        x = self.lattice.wrapped(x)
         distance, bend = np.full(len(x), np.inf), np.full(len(x), np.inf)
         for body, radius in zip(self.placed, self.radii.tolist(), strict=True):
             near = np.flatnonzero(np.hypot(*(x - body.centre).T) - radius < distance)

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.meshes.geometry.container import Array
-from fsi.meshes.planar.cut import NeighbourLinks, joined, neighbours, shortest_tree
+from fsi.meshes.planar.cut import shortest_tree
+from fsi.meshes.planar.links import NeighbourLinks, joined, neighbours
 from fsi.meshes.planar.sizing import Surfaces
 
 BODIES = 40  # in a strip
@@ -53,10 +54,8 @@ def _strips(surfaces: Surfaces) -> int:
 
 def _is_clear(links: NeighbourLinks, surfaces: Surfaces) -> NDArray[np.bool_]:
     """Whether no other surface reaches into the circle over each link."""
-    n = surfaces.bodies
-    radius = surfaces.radii[:n][links.first]
-    length = np.hypot(*links.step.T)
-    middle = surfaces.centres[links.first] + ((radius + 0.5 * links.gap) / length)[:, None] * links.step
+    begin = surfaces.centres[links.first] + links.feet[:, 0]
+    middle = begin + (surfaces.arms[links.first] + 0.5 * links.gap)[:, None] * links.along
     walls: Array = surfaces.container.distances(surfaces.lattice.wrapped(middle)).min(axis=1)
-    clear: NDArray[np.bool_] = np.minimum(surfaces.to_bodies(middle), walls) >= CLEAR * 0.5 * links.gap
+    clear: NDArray[np.bool_] = np.minimum(surfaces.nearest(middle)[0], walls) >= CLEAR * 0.5 * links.gap
     return clear

@@ -10,10 +10,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PatchCollection
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, Polygon
+from matplotlib.patches import Circle, Patch, Polygon
 from numpy.typing import NDArray
 
-from fsi.arrangements.arrangement import Arrangement, Array, SimulationCell
+from fsi.arrangements.arrangement import Arrangement
+from fsi.arrangements.cell import Array, SimulationCell
 from fsi.bodies.configuration import Configuration
 from fsi.case.case import Case
 from fsi.errors import InputError
@@ -23,6 +24,7 @@ from fsi.postprocess.plots.figure import ORANGE, saved_figure
 
 CLOSE = 0.1  # gaps below this many mean radii are joined by a line
 _FRAME = "#222222"
+_SIDES = 96  # of what stands for a body that is no disc
 _LONGEST_SIDE = 8.0  # of the figure, inches
 
 
@@ -67,13 +69,16 @@ def _draw_bodies(figure: Figure, arrangement: Arrangement) -> Axes:
     centres, radii = arrangement.centres[:, [0, -1]], arrangement.radii
     depth = arrangement.centres[:, 1] if cell.dimension == 3 else np.zeros(len(radii))
     order = np.argsort(-depth, kind="stable")
-    _add_circles(axes, centres[order], radii[order])
+    rims = None if arrangement.oriented is None else arrangement.oriented.rims(_SIDES)
+    _add_bodies(axes, centres[order], radii[order], rims if rims is None else rims[order])
     periods = [(-1, 0, 1) if so else (0,) for so in (cell.periodic[0], cell.periodic[-1])]
     shifts = [np.array(shift) for shift in itertools.product(*periods) if any(shift)]
     moved = np.concatenate([np.empty((0, 2)), *(centres + shift * sides for shift in shifts)])
     a = np.tile(radii, len(shifts))
-    inside = np.all((moved > -a[:, None]) & (moved < sides + a[:, None]), axis=1)
-    _add_circles(axes, moved[inside], a[inside], image=True)
+    reach = a if rims is None else np.tile(np.hypot(*rims.T).max(axis=0), len(shifts))
+    inside = np.all((moved > -reach[:, None]) & (moved < sides + reach[:, None]), axis=1)
+    of_images = None if rims is None else np.tile(rims, (len(shifts), 1, 1))[inside]
+    _add_bodies(axes, moved[inside], a[inside], of_images, image=True)
     _draw_frame(axes, cell)
     return axes
 
@@ -86,7 +91,7 @@ def _draw_lattice(figure: Figure, container: Container, q: Configuration) -> tup
     axes = _new_axes(figure, *(_LONGEST_SIDE * sides / sides.max()))
     corners = np.array([np.zeros(2), a, a + b, b])
     for e in lattice.shift(lattice.near())[::-1]:
-        _add_circles(axes, home + e, q.radii, image=bool(e.any()))
+        _add_bodies(axes, home + e, q.radii, image=bool(e.any()))
     axes.add_patch(Polygon(corners, closed=True, fill=False, ls="--", lw=0.9, ec=_FRAME, zorder=4))
     room = q.radii.max()
     (left, low), (right, high) = corners.min(axis=0) - room, corners.max(axis=0) + room
@@ -103,17 +108,23 @@ def _new_axes(figure: Figure, width: float, height: float) -> Axes:
     return axes
 
 
-def _add_circles(axes: Axes, centres: Array, radii: Array, image: bool = False) -> None:
-    """Bodies, or images of them."""
+def _add_bodies(
+    axes: Axes, centres: Array, radii: Array, rims: Array | None = None, image: bool = False
+) -> None:
+    """Bodies, or images of them: discs, or what the rims (N, n, 2) around their centres say."""
     face, edge, width = ("#eaf3f9", "#a9c4d8", 0.6) if image else ("#9ecae1", "#20507a", 0.7)
-    circles = [Circle((x, y), a) for (x, y), a in zip(centres, radii, strict=True)]
+    patches: list[Patch] = [Circle((x, y), a) for (x, y), a in zip(centres, radii, strict=True)]
+    if rims is not None:
+        patches = [Polygon(rim) for rim in centres[:, None] + rims]
     zorder = 1 if image else 2
-    drawn = PatchCollection(circles, facecolors=face, edgecolors=edge, linewidths=width, zorder=zorder)
+    drawn = PatchCollection(patches, facecolors=face, edgecolors=edge, linewidths=width, zorder=zorder)
     axes.add_collection(drawn)
 
 
 def close_links(arrangement: Arrangement, close: float = CLOSE) -> NDArray[np.float64]:
-    """Segments, shape (P, 2, 2), between the centres of pairs whose gap is below `close` mean radii."""
+    """Segments, (P, 2, 2), between the centres of discs or spheres whose gap is below `close` mean radii."""
+    if arrangement.oriented is not None:
+        return np.empty((0, 2, 2))
     cell, radii = arrangement.cell, arrangement.radii
     reach = 2.0 * float(radii.max()) + close * float(radii.mean())
     i, j = cell.near_pairs(arrangement.centres, reach).T

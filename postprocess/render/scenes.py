@@ -124,7 +124,7 @@ def scene(run: Run, step: int, fluid: pv.UnstructuredGrid, view: View, tractions
     bodies = run.mesh(step, "surface") if tractions else None
     if axisymmetric:
         fluid, bodies = mirrored(fluid), None if bodies is None else mirrored(bodies)
-    lattice, home = Lattice(container.periods), q.centres
+    lattice = Lattice(container.periods)
     if lattice.dimension:
         cells, q = tiled(fluid, container, view), images(q, container, view)
         bodies = None if bodies is None else tiled(bodies, container, view)
@@ -138,10 +138,10 @@ def scene(run: Run, step: int, fluid: pv.UnstructuredGrid, view: View, tractions
     cells["r"] = cells.points[:, 0].copy()
     cells.points = view.local(cells.points)
     if bodies is not None:
-        bodies = bodies.copy()
+        bodies, here = bodies.copy(), run.configuration(step)
         # The centre of the body, or of its image, that each cell belongs to, (cells, 2).
-        centre = home[bodies.cell_data["body"]]
-        centre = centre + lattice.shift(lattice.nearest(bodies.cell_centers().points[:, :2] - centre))
+        body, x = bodies.cell_data["body"], bodies.cell_centers().points[:, :2]
+        centre = here.centres[body] + here.to_images(lattice, body, x)
         bodies.cell_data["inside"], bodies.points = view.local(centre), view.local(bodies.points)
     return Scene(view, cells, bodies, q, axisymmetric, run.case.fluid.viscosity)
 
@@ -192,15 +192,14 @@ def _rise(grid: pv.UnstructuredGrid, e: Array) -> float:
 
 
 def images(q: Configuration, container: Container, view: View) -> Configuration:
-    """The images of the bodies that meet the window; outlines have none, nor periods."""
-    if q.outlines:
-        return q
+    """The images of the bodies that meet the window."""
     lattice = Lattice(container.periods)
     shifts = lattice.shift(_near(lattice, np.zeros(2), view, 2.0 * lattice.longest()))
     centres = (shifts[:, None] + lattice.wrapped(q.centres)).reshape(-1, 2)
     angles, radii = np.tile(q.angles, len(shifts)), np.tile(q.radii, len(shifts))
     seen = np.all(np.abs(centres - view.centre) <= view.reach + radii[:, None], axis=1)
-    return Configuration(centres[seen], angles[seen], radii[seen])
+    outlines = tuple(outline for outline, so in zip(q.outlines * len(shifts), seen, strict=False) if so)
+    return Configuration(centres[seen], angles[seen], radii[seen], outlines)
 
 
 def _near(lattice: Lattice, centre: Array, view: View, length: float) -> Integers:

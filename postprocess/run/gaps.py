@@ -48,7 +48,11 @@ def gap_between(
     """
     i, j = sides
     if q.outlines:
-        foot = foot_between(q, i, j) if j < len(q) else wall_feet(q.placed[i], container)[j - len(q)]
+        if j >= len(q):
+            foot = wall_feet(q.placed[i], container)[j - len(q)]
+        else:
+            images = _images_near(q, container, sides) if away is None else [away]
+            foot = min((foot_between(q, i, j, e) for e in images), key=lambda foot: foot.gap)
         return SurfaceGap(foot.gap, 0.5 * (foot.x + foot.opposite), sides, 0.0 - foot.normal)
     if j < len(q):
         towards = q.centres[j] - q.centres[i]
@@ -61,6 +65,13 @@ def gap_between(
         width = float(container.distances(x)[0, wall]) - q.radii[i]
     reach, normal = q.radii[i] + 0.5 * width, towards / np.linalg.norm(towards)
     return SurfaceGap(float(width), q.centres[i] + reach * normal, sides, normal)
+
+
+def _images_near(q: Configuration, container: Container, sides: tuple[int, int]) -> Array:
+    """How far those images of a body lie from it that may be nearest to another one, (n, 2)."""
+    lattice, (i, j) = Lattice(container.periods), sides
+    m = lattice.nearest((q.centres[i] - q.centres[j])[None])
+    return lattice.shift(m + lattice.near(2.0 * float(q.radii.max())))
 
 
 def parse_sides(text: str, names: tuple[str, ...], walls: tuple[str, ...]) -> tuple[int, int]:

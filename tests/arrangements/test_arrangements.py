@@ -12,7 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fsi.arrangements import kinds, packing
-from fsi.arrangements.arrangement import Arrangement, SimulationCell, Wanted
+from fsi.arrangements.arrangement import Arrangement, Wanted
+from fsi.arrangements.cell import SimulationCell
 from fsi.arrangements.kinds import KINDS, radii_of
 from fsi.arrangements.packing import _proposal, largest_fraction, random_arrangement
 from fsi.errors import InputError

@@ -101,10 +101,6 @@ def test_a_shape_and_a_radius_contradict_each_other() -> None:
         ({"model": "reduced", "reduced": {"drag": 10.0}}, 'model = "reduced" knows discs only'),
         ({"model": "pores"}, 'model = "pores" knows discs only'),
         (
-            {"domain": {"lower": [-8.0, -8.0], "upper": [8.0, 8.0], "periodic": ["x"]}},
-            "periodic domains take discs only",
-        ),
-        (
             {
                 "forces": [
                     {"kind": "repulsion", "law": "exponential", "strength": 1.0, "length": 1.0, "cutoff": 1.0}

@@ -14,7 +14,7 @@ from fsi.meshes.geometry.container import Array, Container, FluidDomain
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.lattice import Cell, Lattice, matching_points, reduced
 from fsi.meshes.planar.boundary import boundary
-from fsi.meshes.planar.cut import NeighbourLinks, neighbours
+from fsi.meshes.planar.links import NeighbourLinks, neighbours
 from fsi.meshes.planar.sizing import Resolution, Surfaces
 from fsi.meshes.planar.triangulate import triangulate
 

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import fsi.meshes.backend  # noqa: F401
+
+import dolfinx
 import numpy as np
 import pytest
+import ufl
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -18,10 +22,13 @@ from fsi.case.shapes.stadium import Stadium
 from fsi.case.shapes.superellipse import Superellipse
 from fsi.case.shapes.tip import Tip
 from fsi.integration.gap_limiter import greatest_approach
-from fsi.meshes.geometry.container import Array, wall_feet
+from fsi.meshes.build import build
+from fsi.meshes.geometry.container import Array, FluidDomain, wall_feet
 from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.geometry.outline import Outline
 from fsi.meshes.geometry.placed import Placed
+from fsi.meshes.planar.sizing import Resolution
 
 ELLIPSE = Ellipse(kind="ellipse", axes=(2.0, 1.0))
 ROUGH = FourierShape(kind="fourier", radius=1.0, orders=(12,), cosines=(0.05,))
@@ -175,3 +182,42 @@ def test_curves_that_cross_themselves_are_known() -> None:
     eight = Spline(kind="spline", points=loop)
     assert eight.outline.crosses_itself()
     assert not any(shape.outline.crosses_itself() for shape in EVERY)
+
+
+def test_gaps_to_images_are_those_across_periods() -> None:
+    """Of an ellipse to its own image, and of slanted rods longer than their period: L sin 45 - 2 r."""
+    channel = Box((0.0, 0.0), (5.0, 9.0), periodic=("x",))
+    q = Configuration(np.array([[0.3, 4.0]]), np.zeros(1), np.array([2.0]), (ELLIPSE.outline,))
+    gaps = find_gaps(q, channel)
+    np.testing.assert_array_equal(gaps.pairs, [[0, 0]])
+    np.testing.assert_allclose(gaps.pair_gaps, [1.0], rtol=1e-14)
+    narrow, rod = Box((0.0, 0.0), (2.0, 9.0), periodic=("x",)), STADIUM.outline.scaled(0.8)
+    q = Configuration(np.array([[0.3, 4.0]]), np.array([0.25 * np.pi]), np.array([1.2]), (rod,))
+    assert find_gaps(q, narrow).smallest() == pytest.approx(2.0 * np.sqrt(0.5) - 0.8, rel=1e-13)
+
+
+def test_a_gap_to_an_image_that_a_shear_brings_near_is_seen() -> None:
+    """An ellipse at rest whose upper image is carried over it: the gap 0.2 is lost on the way."""
+    cell = Cell(((8.0, 0.0), (4.0, 2.2)), ((0.0, 1.0), (0.0, 0.0)))
+    outline = ELLIPSE.outline
+    q = Configuration(np.array([[0.0, 0.0]]), np.zeros(1), np.array([2.0]), (outline,))
+    still = np.zeros((1, 3))
+    assert find_gaps(q, cell).smallest() > 0.9
+    # After the strain 1.8 the image is at (8, 2.2) - (8, 0), straight above: the gap 0.2.
+    assert greatest_approach(q, cell, still, 0.5, 4.0 / 2.2).loss > 0.5
+    assert greatest_approach(q, cell, still, 0.5, 0.05).loss < 0.2
+
+
+@each_shape
+def test_the_mesh_of_a_periodic_domain_has_the_area_that_bodies_leave(shape: BodyShape) -> None:
+    """Its cut goes through the bodies: each arc follows its own image. Order 3: areas of order 6."""
+    cell = Cell(((6.0, 0.0), (1.0, 6.0)), ((0.0, 0.0), (0.0, 0.0)))
+    placed = (
+        Placed(shape.outline, np.array([0.4, 0.3]), 0.7), Placed(Outline.disc(0.6), np.array([3.4, 3.2]), 0.0)
+    )  # fmt: skip
+    centres, radii = np.array([body.centre for body in placed]), np.array([shape.outline.radius, 0.6])
+    domain = FluidDomain(cell, centres, radii, placed=placed)
+    fluid = build(domain, Resolution(), 3)
+    area = dolfinx.fem.assemble_scalar(dolfinx.fem.form(1.0 * ufl.dx(fluid.mesh)))
+    left = 36.0 - shape.outline.area - np.pi * 0.36
+    assert area == pytest.approx(left, rel=1e-6)

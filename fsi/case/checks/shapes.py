@@ -20,8 +20,6 @@ def check_shapes(case: Case) -> None:
         _check_symmetric(case)
     if case.model != "resolved":
         raise InputError(f'{here}: model = "{case.model}" knows {round_} only; give "resolved", or a radius')
-    if len(case.container().periods):
-        raise InputError(f"{here}: periodic domains take {round_} only; give walls, or a radius")
     if case.domain.mesh is not None:
         raise InputError(f"{here}: a mesh of your own is for {round_}; drop domain.mesh, or give a radius")
     if case.calibration is not None:

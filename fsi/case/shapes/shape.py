@@ -7,7 +7,7 @@ found by themselves; from outside the decorator alone does.
 from __future__ import annotations
 
 from abc import abstractmethod
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import nan
 from typing import Annotated, Any, ClassVar, override
 
@@ -50,11 +50,17 @@ class BodyShape(Registered):
     @cached_property
     def outline(self) -> Outline:
         """The same as geometry."""
-        return Outline.of(self.curve(), self.joints, self.fewest)
+        return _outline(self)
 
     def revolved(self, angle: float) -> BodyOfRevolution:
         """Turned by an angle in the plane of (r, z) and then around the axis."""
         return BodyOfRevolution.about_axis(self.curve(), self.joints, angle)
+
+
+@lru_cache(maxsize=256)
+def _outline(shape: BodyShape) -> Outline:
+    """One for all bodies of a suspension that are alike."""
+    return Outline.of(shape.curve(), shape.joints, shape.fewest)
 
 
 class ShapeOfArcs(BodyShape):

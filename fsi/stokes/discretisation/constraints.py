@@ -160,8 +160,8 @@ def rigid_modes(layout: DofLayout, nodes: BoundaryNodes, q: Configuration, latti
     """
     node, component = np.divmod(layout.on_body, layout.dimension)
     acting = np.array(ACTING[layout.dimension])[component]
-    r = nodes.x[node] - q.centres[layout.body]
-    r -= lattice.shift(lattice.nearest(r))
+    x = nodes.x[node]
+    r = x - q.centres[layout.body] - q.to_images(lattice, layout.body, x)
     values = np.take_along_axis(rigid_motion(r)[np.arange(len(r)), component], acting, axis=1)
     columns = layout.modes_of_each * layout.body[:, None] + acting
     rows = layout.on_body

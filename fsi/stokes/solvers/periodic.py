@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
 from fsi.meshes.build import FluidMesh
+from fsi.meshes.geometry.images import to_images
 from fsi.meshes.geometry.lattice import matching_points
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.discretisation.nodes import facets_with
@@ -73,9 +74,9 @@ class Jumps:
 
     def __init__(self, system: StokesSystem) -> None:
         self.layout, fluid, q = system.layout, system.problem.fluid, system.problem.q
-        r = system.nodes.x[self.layout.on_body // q.dimension] - q.centres[self.layout.body]
+        x = system.nodes.x[self.layout.on_body // q.dimension]
         # How far the node of each row on a body lies from that of the body at q_i, (on_body, d).
-        self._to_body = fluid.lattice.shift(fluid.lattice.nearest(r))
+        self._to_body = q.to_images(fluid.lattice, self.layout.body, x)
         # Lattice vectors e and the nodal <n, v> over all that lies at e, on slaves and on opened bodies.
         self._normals = _normals(fluid, system.forms, q)
 
@@ -109,7 +110,7 @@ def _normals(fluid: FluidMesh, forms: Forms, q: Configuration) -> list[tuple[Arr
     m = np.zeros((len(facets), lattice.dimension), dtype=np.int64)
     on_body = tags <= fluid.bodies
     body = tags[on_body] - 1
-    m[on_body] = lattice.nearest(middle[on_body] - q.centres[body])
+    m[on_body] = to_images(lattice, q.centres, q.placed, body, middle[on_body])
     first = np.full((fluid.bodies, lattice.dimension), np.iinfo(np.int64).max)
     np.minimum.at(first, body, m[on_body])
     comm.Allreduce(MPI.IN_PLACE, first, op=MPI.MIN)
