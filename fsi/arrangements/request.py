@@ -49,7 +49,8 @@ def wanted(kind: Kind, common: Mapping[str, Any], options: Mapping[str, Any], sp
         ("aspect", asked.aspect, 0.0), ("spread", asked.spread, 1.0 if sizes == "bidisperse" else 0.0),
         ("ratio", asked.ratio, 1.0), ("aligned", asked.aligned or 0.0, -360.0),
     ):  # fmt: skip
-        if not least <= value < float("inf") or (value == 0.0 and name not in ("gap", "spread", "aligned")):
+        at_least = name in ("gap", "spread", "aligned")
+        if not least <= value < float("inf") or (value == least and not at_least):
             raise InputError(f"{spelled(name, value)}: out of range; give a number above {least:g}")
     if asked.fraction >= 1.0:
         given = spelled("area_fraction", asked.fraction)

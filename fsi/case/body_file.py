@@ -125,7 +125,8 @@ def _body(path: Path, number: int, row: Any) -> dict[str, Any]:
     here = f"row {number}"
     if not isinstance(row, dict):
         raise _refusal(path, f"{here} = {toml_text(row)}: not an object; give it radius, x and y")
-    columns, needed = COLUMNS, _NEEDED
+    columns: Sequence[str] = COLUMNS
+    needed: Sequence[str] = _NEEDED
     if "shape" in row:
         columns, needed = (*COLUMNS, "shape"), ("x", "y")
         if "radius" in row:

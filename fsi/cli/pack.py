@@ -100,11 +100,12 @@ def _make(kind: Kind, wanted: Wanted, output: Path, drawn: Path) -> None:
     from fsi.postprocess.plots.arrangement import draw_arrangement
 
     arrangement = arrange(kind, wanted)
+    unused = ("shape", "ratio", "aligned") if arrangement.shape is None else ()
     described = {
         "kind": kind,
         "area_fraction": arrangement.fraction(),
         "gap": wanted.gap,
-        **{name: getattr(wanted, name) for name in KINDS[kind].options},
+        **{name: getattr(wanted, name) for name in KINDS[kind].options if name not in unused},
     }
     write_arrangement(arrangement, output, described)
     draw_arrangement(arrangement, drawn)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from fsi.meshes.geometry.placed import Placed
 
 
 def to_images(
-    lattice: Lattice, centres: Array, placed: Sequence[Placed], body: NDArray[np.intp], x: Array
+    lattice: Lattice, centres: Array, placed: Sequence[Placed], body: NDArray[np.integer[Any]], x: Array
 ) -> Integers:
     """The integers m (n, k) of the images at `centres + m @ vectors` that points x (n, d) of bodies are on.
 

@@ -130,9 +130,9 @@ def outline_links_to_walls(surfaces: Surfaces) -> NeighbourLinks:
             on_wall = x[0] - container.distances(x)[0, wall] * container.normals(x)[0, wall]
             ends.append(LinkEnds((t, 0.0), np.array([x[0] - body.centre, np.zeros(2)])))
             steps.append(on_wall - body.centre)
-    first, wall = np.divmod(np.arange(n * walls), max(walls, 1))
-    shift, steps = np.zeros((n * walls, surfaces.lattice.dimension), np.int64), np.array(steps).reshape(-1, 2)
-    links = NeighbourLinks.straight(first, n + wall, shift, steps, np.zeros(n * walls))
+    first, of = np.divmod(np.arange(n * walls), max(walls, 1))
+    shift, step = np.zeros((n * walls, surfaces.lattice.dimension), np.int64), np.array(steps).reshape(-1, 2)
+    links = NeighbourLinks.straight(first, n + of, shift, step, np.zeros(n * walls))
     return _with_ends(links, ends)
 
 

@@ -105,7 +105,7 @@ class _Near:
         return sizes
 
     def nodes(self, start: float, end: float, fixed: Sequence[float] = ()) -> tuple[Array, Array, Array]:
-        """From t = start to end, both included, at all joints between and some other t, (n,); (n, 2); normals."""
+        """From t = start to end, at joints between and other fixed t: (n,), places and normals, (n, 2)."""
         breaks = self.breaks(start, end, fixed)
         ends, resolution = np.column_stack([breaks[:-1], breaks[1:]]), self.surfaces.resolution
         t, h, piece = resolve_all(self.size, ends, resolution.cells_per_circle)
@@ -118,9 +118,8 @@ class _Near:
 
     def breaks(self, start: float, end: float, fixed: Sequence[float]) -> Array:
         """Where nodes must stand, ascending."""
-        every = [
-            k + t for t in (*self.body.outline.joints, *fixed) for k in range(floor(start), ceil(end) + 1)
-        ]
+        turns, stops = range(floor(start), ceil(end) + 1), (*self.body.outline.joints, *fixed)
+        every = [turn + t for t in stops for turn in turns]
         inner = np.sort(every)
         apart = (inner > start + AT_JOINT) & (inner < end - AT_JOINT)
         apart[1:] &= np.diff(inner) > AT_JOINT

@@ -15,7 +15,7 @@ from fsi.arrangements import kinds, packing
 from fsi.arrangements.arrangement import Arrangement, Wanted
 from fsi.arrangements.cell import SimulationCell
 from fsi.arrangements.kinds import KINDS, radii_of
-from fsi.arrangements.packing import _proposal, largest_fraction, random_arrangement
+from fsi.arrangements.packing import largest_fraction, proposal, random_arrangement
 from fsi.errors import InputError
 
 CELLS = ["channel", "periodic", "box"]
@@ -78,7 +78,7 @@ def test_random(number: int, fraction: float, gap: float, cell: str, sizes: str,
     spread = {"equal": 0.0, "bidisperse": 1.4, "lognormal": 0.2}[sizes]
     wanted = Wanted(number, fraction, gap, cell=cell, seed=seed, sizes=sizes, spread=spread)
     try:
-        with patch.object(packing, "_MOVES", 100):  # enough to see a move that makes an overlap
+        with patch.object(packing, "MOVES", 100):  # enough to see a move that makes an overlap
             found = KINDS["random"].arranged(wanted)
     except InputError as error:
         largest = largest_fraction(radii_of(wanted), wanted.periodic, 1.0, gap)
@@ -230,6 +230,6 @@ def test_bodies_that_move_at_once_never_meet() -> None:
     found, random = random_discs(200, 0.4, 0.02, "periodic"), np.random.default_rng(0)
     width, length = found.cell.sides[0] / 8.0 * (1.0 - 1e-12), 1.0
     for _ in range(50):
-        moved, trying = _proposal(found.cell, found.centres, width, length, random)
+        moved, trying = proposal(found.cell, found.centres, width, length, random)
         assert trying.any()
         assert len(found.cell.near_pairs(moved[trying], width * (1.0 - 1e-12))) == 0

@@ -33,6 +33,21 @@ def test_what_it_writes_is_what_a_case_takes(tmp_path: Path) -> None:
     assert (tmp_path / "discs.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_ellipses_are_what_a_case_takes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("fsi.arrangements.oriented_packing.MOVES", 20)
+        given = {"area_fraction": 0.3, "shape": "ellipse", "ratio": 3.0, "aligned": 0.0}
+        pack("random", output=tmp_path / "ellipses.json", number=12, **given)  # type: ignore[arg-type]
+    lines = capsys.readouterr().out.splitlines()[1:-1]
+    text = ['name = "packed"', 'bodies_from = "ellipses.json"', "fluid.viscosity = 1.0", *lines]
+    (tmp_path / "case.toml").write_text("\n".join(text))
+    case = load_case(tmp_path / "case.toml")
+    assert case.fraction == pytest.approx(0.3, rel=1e-12)
+    assert case.names[0] == "ellipse0001"
+    assert {body.angle for body in case.bodies} == {0.0}
+    assert (tmp_path / "ellipses.png").read_bytes().startswith(b"\x89PNG")
+
+
 @pytest.mark.parametrize("cell", ["channel", "periodic", "box"])
 def test_what_it_prints_is_the_domain(
     cell: Literal["channel", "periodic", "box"], tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -58,6 +73,9 @@ def test_what_it_prints_is_the_domain(
         ({"radius": -1.0}, ["--radius -1"]),
         ({"gap": -0.1}, ["--gap -0.1"]),
         ({"spread": 2.0}, ["--spread 2", "equal", "--sizes"]),
+        ({"ratio": 3.0}, ["--ratio 3", "discs have none", "--shape ellipse"]),
+        ({"shape": "rod", "ratio": 1.0}, ["--ratio 1", "above 1"]),
+        ({"shape": "rod", "dimension": 3}, ["--shape rod", "--dimension 2"]),
         ({"sizes": "bidisperse", "spread": 0.5}, ["--spread 0.5", "above 1"]),
         ({"kind": "chains", "number": 10, "length": 4}, ["number = 10", "give 8"]),
         ({"kind": "chains", "number": 8, "angle": 0.0}, ["angle = 0", "take rows"]),
