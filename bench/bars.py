@@ -27,6 +27,7 @@ from bench.random_cases import random_case
 from bench.random_walls import KINDS
 from fsi.bodies.configuration import Array, Configuration
 from fsi.case.case import Case
+from fsi.case.sections import MOST_FEW
 from fsi.errors import SolveError
 from fsi.integration.errors import ErrorEstimate
 from fsi.meshes.build import FluidMesh, build
@@ -40,8 +41,9 @@ from fsi.stokes.solution import StokesSolution
 from fsi.stokes.walls import singular_pairs
 
 OF_ALL, OF_EACH, MEDIAN = 0.99, 0.97, 0.05
-# How much finer the reference is, and its degree: in space one refinement costs ten times as much.
-FINER = {2: 2.0, 3: 1.3}
+# How much finer the reference is, and its degree: in space one refinement costs ten times as much, of many
+# bodies it takes 10 GB.
+FINER, OF_MANY = {2: 2.0, 3: 1.3}, 1.4
 DEGREE = {2: 5, 3: 4}
 HALVINGS = 20
 EDGES = 1.5  # how much finer cells beside edges in space are
@@ -74,7 +76,7 @@ class Reference(StokesModel):
     """The model of a case with finer sizes, and in the plane graded walls."""
 
     def __init__(self, case: Case) -> None:
-        now, finer = case.discretisation, FINER[case.dimension]
+        now, finer = case.discretisation, OF_MANY if len(case.bodies) > MOST_FEW else FINER[case.dimension]
         sizes = {
             "cells_per_gap": finer * now.cells_per_gap,
             "cells_per_circle": int(np.ceil(finer * now.cells_per_circle)),

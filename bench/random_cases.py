@@ -25,7 +25,7 @@ def random_case(kind: str, seed: int) -> Case:
     """The case of a kind with this seed."""
     rng = np.random.default_rng([seed, *kind.encode()])
     walls = KINDS[kind](rng)
-    q = _bodies(rng, walls)
+    q = walls.crowd or _bodies(rng, walls)
     bodies = [
         {"name": f"body {i}", "radius": float(a), "position": x.tolist()} | _motion(rng, walls)
         for i, (x, a) in enumerate(zip(q.centres, q.radii, strict=True))
@@ -50,11 +50,26 @@ def _sizes(rng: Random, walls: Walls) -> Data:
             "cells_per_circle": int(rng.integers(6, 10)),
             "growth": float(rng.uniform(0.6, 1.0)),
         }
+    if walls.crowd is not None:
+        return _sizes_of_many(rng)
     return {
         "degree": int(rng.choice([2, 3, 3, 4])),
         "cells_per_gap": float(10.0 ** rng.uniform(-0.6, 0.0)),
         "cells_per_circle": int(rng.integers(10, 40)),
         "growth": float(10.0 ** rng.uniform(-0.6, 0.0)),
+    }
+
+
+def _sizes_of_many(rng: Random) -> Data:
+    """In every other case those that the program has for many bodies, else around them."""
+    if rng.random() < 0.5:
+        return {}
+    return {
+        "degree": int(rng.choice([3, 4, 4])),
+        "cells_per_gap": float(rng.uniform(0.2, 0.45)),
+        "cells_per_circle": int(rng.integers(14, 30)),
+        "growth": float(rng.uniform(0.2, 0.45)),
+        "interior": str(rng.choice(["graded", "sparse"])),
     }
 
 

@@ -8,6 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from fsi.arrangements.arrangement import CELLS, Wanted
+from fsi.arrangements.kinds import arrange
+from fsi.bodies.configuration import Configuration
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.geometry.lattice import Cell
@@ -18,11 +21,12 @@ type Data = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Walls:
-    """A container, its section [domain] of a case file, and how many bodies it may have."""
+    """A container, its section [domain] of a case file, and how many bodies it may have, or those it has."""
 
     container: Container
     domain: Data
     most: int = 3
+    crowd: Configuration | None = None
 
     @property
     def geometry(self) -> str:
@@ -203,3 +207,32 @@ def _in_space(rng: Random) -> Walls:
 def _lids_in_space(rng: Random) -> Walls:
     lids = _lids(rng, "spatial")
     return Walls(lids.container, lids.domain, most=1)
+
+
+@kind("suspension")
+def _suspension(rng: Random) -> Walls:
+    """Some thirty discs between sliding walls, in a box at rest, or in a sheared or stretched cell."""
+    cell, gap = str(rng.choice([*CELLS])), float(10.0 ** rng.uniform(-3.0, -1.0))
+    sizes, seed = str(rng.choice(["equal", "bidisperse"])), int(rng.integers(1000))
+    wanted = Wanted(
+        number=int(rng.integers(21, 40)),
+        fraction=float(rng.uniform(0.1, 0.55)),
+        gap=gap,
+        cell=cell,
+        sizes=sizes,
+        spread=1.4,
+        seed=seed,
+    )
+    found = arrange("random", wanted)
+    q, (width, height) = Configuration.unturned(found.centres, found.radii), found.cell.sides
+    if cell == "periodic":
+        vectors = ((width, 0.0), (0.0, height))
+        flow = {str(rng.choice(["shear", "extension"])): float(rng.uniform(-2.0, 2.0))}
+        domain = {"shape": "cell", "vectors": vectors} | flow
+        return Walls(Cell(vectors, ((0.0, 0.0), (0.0, 0.0))), domain, crowd=q)
+    domain = {"lower": (0.0, 0.0), "upper": (width, height)}
+    if cell == "box":
+        return Walls(Box((0.0, 0.0), (width, height)), domain, crowd=q)
+    channel = Box((0.0, 0.0), (width, height), periodic=("x",))
+    walls = {"bottom": [float(rng.uniform(-2.0, 2.0)), 0.0], "top": [float(rng.uniform(-2.0, 2.0)), 0.0]}
+    return Walls(channel, domain | {"periodic": ["x"], "walls": walls}, crowd=q)

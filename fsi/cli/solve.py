@@ -39,7 +39,7 @@ def solve(
 ) -> None:
     """Solve a case at time 0: velocities, forces of the fluid on the bodies with their errors, checks.
 
-    The errors bound what the mesh and the elements do, estimated with one degree more. A case with
+    The errors bound what the mesh and the elements do, estimated with another degree. A case with
     discretisation.tolerance is refined until the largest, relative, is below it. Masses play no part: free
     bodies have the velocity that their loads give them, where fsi run starts heavy ones from rest.
 

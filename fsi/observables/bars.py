@@ -73,7 +73,7 @@ def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> St
     off = [each.factor * abs(lost - getattr(each.results, "dissipation", nan)) for each in others]
     dissipation = max(sum(off), _rounding(results) * lost)  # nan of an infinite one
     viscosity = _of_viscosity(results, other, factor)
-    errors = ErrorEstimate(U, F, dissipation, viscosity, _of_stress(results, other, factor))
+    errors = ErrorEstimate(U, F, dissipation, viscosity, _of_stress(results, others[0]))
     relative = relative_change(results, errors, motion.held, arms, scales)
     mu = getattr(results, "apparent_viscosity", None)
     if mu is not None and viscosity is not None:
@@ -117,8 +117,10 @@ def _of_viscosity(results: Results, other: Results, factor: float) -> float | No
     )
 
 
-def _of_stress(results: Results, other: Results, factor: float) -> StressErrors | None:
+def _of_stress(results: Results, other: Compared) -> StressErrors | None:
     """The same for the stress of a periodic flow."""
     bulk: BulkStress | None = getattr(results, "bulk", None)
-    of_other: BulkStress | None = getattr(other, "bulk", None)
-    return None if bulk is None or of_other is None else bulk.errors(of_other, factor, _rounding(results))
+    of_other: BulkStress | None = getattr(other.results, "bulk", None)
+    if bulk is None or of_other is None:
+        return None
+    return bulk.errors(of_other, other.factor, other.chance, _rounding(results))

@@ -56,17 +56,27 @@ class BulkStress:
         second = self.second_difference
         return {"N_1": self.normal_stress_difference} | ({} if second is None else {"N_2": second})
 
-    def errors(self, other: Self, factor: float, rounding: float) -> StressErrors:
-        """The factor times the differences from another, at least that part of the largest for rounding."""
+    def errors(self, other: Self, factor: float, chance: float, rounding: float) -> StressErrors:
+        """The factor times the differences from another, at least a part of the largest of its kind.
+
+        Args:
+            other: of the same bodies, computed otherwise.
+            factor: what makes a difference a bound.
+            chance: the part of the largest difference to which each is known: by chance some cancel.
+            rounding: the part of the largest value that rounding leaves.
+        """
+
+        def least(value: Array, reference: Array) -> float:
+            difference = factor * np.abs(value - reference).max(initial=0.0)
+            return float(max(chance * difference, rounding * np.abs(value).max(initial=0.0)))
 
         def bound(value: Array, reference: Array) -> Array:
-            least = rounding * float(np.abs(value).max(initial=0.0))
-            return np.asarray(np.maximum(factor * np.abs(value - reference), least))
+            return np.asarray(np.maximum(factor * np.abs(value - reference), least(value, reference)))
 
         fluid, mean = bound(self.fluid, other.fluid), bound(self.mean, other.mean)
         of_bodies = bound(self.stresslets, other.stresslets)
-        least, of_other = rounding * float(np.abs(self.mean).max()), other.differences
-        between = {name: max(factor * abs(N - of_other[name]), least) for name, N in self.differences.items()}
+        of_mean, N = least(self.mean, other.mean), self.differences
+        between = {name: max(factor * abs(N[name] - other.differences[name]), of_mean) for name in N}
         return StressErrors(fluid, mean, of_bodies, between, self.pressure)
 
     @property

@@ -82,6 +82,37 @@ def test_in_the_plane_one_degree_more_is_the_error(degree: int, walls: dict[str,
     assert comparisons(case) == (Comparison(degree + 1, finer, 1.5),)
 
 
+@pytest.mark.parametrize(
+    ("bodies", "sizes", "walls", "flow"),
+    [
+        (21, {}, {}, Comparison(3, 1.0, 0.25, 0.2)),
+        (20, {}, {}, Comparison(5, 1.0, 1.5)),
+        (21, {"degree": 3}, {}, Comparison(4, 1.0, 1.5)),
+        (21, {}, {"top": [1.0, 0.0]}, Comparison(5, 2.0, 1.5)),
+    ],
+)
+def test_of_many_bodies_one_degree_less_tells_the_error(
+    bodies: int, sizes: dict[str, Any], walls: dict[str, Any], flow: Comparison
+) -> None:
+    """Of quartic elements, where data do not jump."""
+    discs = [{"name": f"{i}", "radius": 0.5, "position": [1.5 * i + 1.5, 1.5]} for i in range(bodies)]
+    case = parse_case(
+        {
+            "name": "x", "fluid": {"viscosity": 1.0}, "bodies": discs, "discretisation": sizes,
+            "domain": {"lower": [0.0] * 2, "upper": [40.0, 3.0], "walls": walls},
+        }
+    )  # fmt: skip
+    assert comparisons(case) == (flow,)
+
+
+@pytest.mark.slow
+def test_bars_of_suspensions() -> None:
+    """Without a part of the largest difference 14 stresslets of 1856 values were outside, by up to 15."""
+    found, refused = measured(["suspension"], 4, SEED)
+    assert not refused
+    assert holds(found, ["suspension"])
+
+
 def test_bars_hold_of_what_is_small_by_chance() -> None:
     """A velocity of 0.04 beside one of 1, one of 0.01 under a lid of 1.8: off by 2.4 and 1.2 bars before."""
     for kind, seed in (("half-plane", 7), ("cylinder", 11)):
@@ -126,7 +157,7 @@ def test_the_finer_solve_has_converged(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.slow
 def test_bars_of_many_cases() -> None:
-    kinds = [kind for kind in KINDS if not kind.startswith("space")]
+    kinds = [kind for kind in KINDS if not kind.startswith(("space", "suspension"))]
     found, refused = measured(kinds, 3 * len(kinds), SEED)
     assert len(refused) <= len(kinds) // 4
     assert holds(found, kinds)
