@@ -73,6 +73,8 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
         data |= {"chi2": fit.chi2, "degrees_of_freedom": fit.dof, "used": int(fit.used.sum())}
         if not np.isnan(fit.exponent):
             data |= {"exponent": fit.exponent, "exponent_error": fit.exponent_error}
+    if result.leading is not None:
+        data["leading"] = asdict(result.leading)
     if test is not None:
         data["held_out_passed"] = test.passed
     return data

@@ -9,18 +9,20 @@ nor torque is felt far away. With the normal n, a tangent t, m = n x t, and the 
     shear      forces t with torques -l_i m, -l_j m      t.(u_i - u_j) - (l_i omega_i + l_j omega_j).m
     rotation   a couple, of equal bodies                 (omega_i - omega_j).m
 
-where the arms l_i = a_i d/(a_i + a_j) meet between the surfaces. A couple on bodies of two radii makes their
-surfaces slide too; no such law is calibrated. Loads, forces, motions, masses and velocities in the case do
-not count.
+where the arms l_i = a_i d/(a_i + a_j) meet between the surfaces. A couple on bodies of two radii makes
+their surfaces slide too; no such law is calibrated. Where a body or the wall has a shape n is the normal at
+the closest points, bodies move along it and do not turn, and only squeeze is calibrated. Loads, forces,
+motions, masses and velocities in the case do not count.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from typing import Any
 
 import numpy as np
 
 from fsi.bodies.configuration import Array
+from fsi.bodies.gaps import find_gaps, foot_between
 from fsi.case.case import Case
 from fsi.case.checks.surfaces import slip_lengths
 from fsi.case.load import parse_case
@@ -28,14 +30,20 @@ from fsi.case.section import refusal, toml_text
 from fsi.case.sections import Calibration
 from fsi.errors import InputError
 from fsi.integration.state import Results
-from fsi.lubrication.expansions import Shape
+from fsi.lubrication.expansions import LawShape
+from fsi.meshes.geometry.container import wall_feet
+from fsi.meshes.geometry.placed import Foot
 
 # Sections of a case that its samples do not have.
 _LEFT_OUT = {"calibration", "time", "output", "expected", "sweep", "forces", "reduced"}
+# Of a body, its samples have these keys.
+_PLACE = ("name", "radius", "shape", "angle", "position")
 # Radii are equal to this, relative.
 _EQUAL = 1e-9
 # A wall is plane if a body moved along its normal is as far away as it should be, relative to its radius.
 _FLAT = 1e-9
+# Of a gap: what closest points of shapes may be off it.
+_SAME_GAP = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +56,7 @@ class Pair:
         second: index of the other, None for a wall.
         normal: unit vector from the other to the first, shape (d,).
         gap: between them in the case.
+        shaped: whether one of them is no disc, sphere or plane.
     """
 
     case: Case
@@ -55,6 +64,7 @@ class Pair:
     second: int | None
     normal: Array
     gap: float
+    shaped: bool = False
 
     @property
     def plan(self) -> Calibration:
@@ -63,8 +73,10 @@ class Pair:
         return self.case.calibration
 
     @property
-    def shape(self) -> Shape:
+    def shape(self) -> LawShape:
         """What the bodies are."""
+        if self.shaped:
+            return "shapes"
         return "discs" if self.case.geometry == "planar" else "spheres"
 
     @property
@@ -87,7 +99,7 @@ class Pair:
         data: dict[str, Any] = self.case.model_dump(exclude_none=True, exclude=_LEFT_OUT)
         data["bodies"] = list(data["bodies"])
         for i, body in enumerate(data["bodies"]):
-            place = {key: body[key] for key in ("name", "radius", "position")}
+            place = {key: body[key] for key in _PLACE if key in body}
             data["bodies"][i] = place | self._motion(i, gap)
         data["bodies"][self.first]["position"] = tuple(centre.tolist())
         try:
@@ -95,6 +107,24 @@ class Pair:
         except InputError as error:
             here = f"calibration.range: at the gap {gap:g}"
             raise InputError(f"{here} the case is not sound: {error}") from None
+
+    def require_gap(self, gap: float) -> None:
+        """Raise InputError where bodies have no room at this gap, or it is another one between shapes."""
+        case = self.at(gap)
+        if not self.shaped:
+            return
+        found = find_gaps(case.configuration(), case.container(), np.inf)
+        walls = case.container().walls
+        here = (
+            found.pair_gaps[0]
+            if self.second is not None
+            else found.wall_gaps[self.first, walls.index(self.plan.pair[1])]
+        )
+        if abs(here - gap) > _SAME_GAP * gap:
+            raise InputError(
+                f"calibration.range: at the gap {gap:g} other points are closest, {here:g} apart; move the "
+                "bodies so that the same points are at all gaps"
+            )
 
     def resistance(self, gap: float, results: Results, errors: Results) -> tuple[float, float]:
         """F/U, and its error, from U and F of the case at this gap and their errors."""
@@ -123,6 +153,8 @@ class Pair:
         if self.second is not None:
             loads = self._unit_loads(i, gap).tolist()
             given: dict[str, Any] = {"force": tuple(loads[:d])}
+            if self.shaped:
+                return given | {"angular_velocity": 0.0}
             return given if self.plan.mode == "squeeze" else given | {"torque": _turning(loads[d:])}
         motion = self._unit_motion().tolist()
         return {"velocity": tuple(motion[:d]), "angular_velocity": _turning(motion[d:])}
@@ -156,6 +188,8 @@ def pair_of(case: Case) -> Pair:
         distance = float(np.linalg.norm(apart))
         gap = distance - float(q.radii[first] + q.radii[second])
         pair = Pair(case, first, second, apart / distance, gap)
+        if q.outlines:
+            pair = _at_closest_points(pair, foot_between(q, first, second))
     elif plan.pair[1] in case.container().walls:
         pair = _beside_wall(case, first, plan.pair[1])
     else:
@@ -169,10 +203,17 @@ def pair_of(case: Case) -> Pair:
         raise InputError(f'{here}: bodies on an axis of symmetry do not slide or turn; give "squeeze"')
     if plan.mode == "rotation" and pair.second is not None and pair.ratio > 1.0 + _EQUAL:
         raise InputError(f"{here}: bodies of two radii slide as a couple turns them; give equal radii")
+    if plan.mode != "squeeze" and pair.shaped:
+        raise InputError(f'{here}: laws of shapes are those along the normal; give "squeeze"')
     _check_surroundings(case)
     for gap in plan.range:
-        pair.at(gap)
+        pair.require_gap(gap)
     return pair
+
+
+def _at_closest_points(pair: Pair, foot: Foot) -> Pair:
+    """The pair with the normal and the gap of shapes."""
+    return replace(pair, normal=foot.normal, gap=foot.gap, shaped=True)
 
 
 def _turning(values: list[float]) -> float | tuple[float, ...]:
@@ -190,6 +231,9 @@ def _beside_wall(case: Case, first: int, wall: str) -> Pair:
     """The normal of the wall points to where moving along it increases the distance as much."""
     container, q = case.container(), case.configuration()
     k = container.walls.index(wall)
+    if q.outlines and container.spheres[k] is None:
+        foot = wall_feet(q.placed[first], container)[k]
+        return _at_closest_points(Pair(case, first, None, foot.normal, foot.gap), foot)
     axis = container.corner_axes[k]
     normal = np.zeros(q.centres.shape[1])
     normal[axis] = 1.0

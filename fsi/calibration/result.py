@@ -11,8 +11,10 @@ from fsi.calibration.pair import Pair
 from fsi.calibration.sampling import Sample, Samples, as_arrays
 from fsi.case.law_file import LawFile, SeriesSection, TableSection
 from fsi.errors import SolveError
-from fsi.lubrication.expansions import EXPONENTS, basis, coefficients
-from fsi.lubrication.fitting import Fit, fit_series
+from fsi.lubrication.expansions import EXPONENTS, LawShape, basis, coefficients
+from fsi.lubrication.fitting import CONFIDENCE, Fit, fit_series
+from fsi.lubrication.free_exponent import fit_exponent
+from fsi.lubrication.laws import Term
 from fsi.run_folder.provenance import launch
 
 
@@ -58,6 +60,23 @@ class HeldOut:
 
 
 @dataclass(frozen=True, slots=True)
+class LeadingTerm:
+    """kappa / mu = coefficient d^-exponent at small gaps d, in the units of the case.
+
+    Attributes:
+        coefficient: C.
+        coefficient_interval: half of its 95 % interval.
+        exponent: m.
+        exponent_interval: half of its 95 % interval.
+    """
+
+    coefficient: float
+    coefficient_interval: float
+    exponent: float
+    exponent_interval: float
+
+
+@dataclass(frozen=True, slots=True)
 class CalibrationResult:
     """Samples and what has been made of them.
 
@@ -75,6 +94,16 @@ class CalibrationResult:
     coefficients: list[Coefficient]
     test: HeldOut | None
 
+    @property
+    def leading(self) -> LeadingTerm | None:
+        """Of a law between shapes; None of others, whose exponents are known."""
+        if self.fit is None or not self.pair.shaped:
+            return None
+        m, width = -self.fit.exponent, CONFIDENCE * self.fit.exponent_error
+        a, c = self.pair.reduced_radius, float(self.fit.coefficients[0])
+        of_c = float(self.fit.intervals[0]) + abs(c * np.log(a)) * width
+        return LeadingTerm(c * a**m, of_c * a**m, m, width)
+
 
 def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
     """The law that a case (file `case`) asks for. Raises SolveError: samples do not decrease with the gap."""
@@ -84,12 +113,18 @@ def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
     if np.any(K <= 0.0) or np.any(np.diff(K) >= 0.0):
         raise SolveError("the sampled resistances do not decrease with the gap; refine the discretisation")
     common: dict[str, Any] = {"form": pair.plan.form, "shape": pair.shape, "mode": pair.plan.mode}
-    common["ratio"] = None if pair.second is None else pair.ratio
+    common["ratio"] = None if pair.second is None or pair.shaped else pair.ratio
     common |= {"viscosity": pair.case.fluid.viscosity, "source": _source(pair, case, samples)}
     if pair.plan.form == "table":
         table = TableSection(s=tuple(s.tolist()), K=tuple(K.tolist()))
         return CalibrationResult(pair, samples, LawFile(**common, table=table), None, [], None)
-    fit = fit_series(s, K, bars, basis(pair.shape, pair.plan.mode))
+    shape: LawShape = pair.shape
+    known: dict[Term, float] = {}
+    if shape == "shapes":
+        fit = fit_exponent(s, K, bars)
+    else:
+        fit = fit_series(s, K, bars, basis(shape, pair.plan.mode))
+        known = coefficients(shape, pair.plan.mode, pair.ratio)
     common["source"] |= {"chi2": fit.chi2, "degrees_of_freedom": fit.dof, "used": int(fit.used.sum())}
     series = SeriesSection(
         powers=tuple(term.power for term in fit.terms),
@@ -98,7 +133,6 @@ def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
         covariance=tuple(map(tuple, fit.covariance.tolist())),
     )
     law = LawFile(**common, range=fit.range, series=series)
-    known = coefficients(pair.shape, pair.plan.mode, pair.ratio)
     values = zip(fit.terms, fit.coefficients.tolist(), fit.intervals.tolist(), strict=True)
     compared = [Coefficient(str(term), value, width, known.get(term)) for term, value, width in values]
     return CalibrationResult(pair, samples, law, fit, compared, _tested(pair, samples, law))

@@ -33,7 +33,7 @@ from fsi.case.complaints import explain
 from fsi.case.section import Positive, Section, toml_data, tuples
 from fsi.errors import InputError
 from fsi.files import replace
-from fsi.lubrication.expansions import EXPONENTS, Mode, Shape
+from fsi.lubrication.expansions import EXPONENTS, LawShape, Mode, Shape
 from fsi.lubrication.fitting import band
 from fsi.lubrication.laws import LubricationLaw, Profile, ScaledLaw, Series, TabulatedProfile, Term
 from fsi.lubrication.named_laws import LAWS, GapFilm, names_of_laws
@@ -104,8 +104,8 @@ class LawFile(Section):
     """What a law file holds."""
 
     form: str = Field(description=f'"series", "table" or a name: {names_of_laws()}')
-    shape: Shape = "spheres"
-    '"spheres" or "discs"'
+    shape: LawShape = "spheres"
+    '"spheres", "discs" or, of surfaces that are neither, "shapes"'
     mode: Mode = "squeeze"
     '"squeeze", "shear" or "rotation"'
     ratio: Positive | None = None
@@ -135,6 +135,10 @@ class LawFile(Section):
                 raise ValueError(f'a law needs the section [{form}] if and only if its form is "{form}"')
         if self.form == "series" and (self.range is None or not 0.0 <= self.range[0] < self.range[1]):
             raise ValueError("a series needs a range of s")
+        if (self.shape, self.mode) not in EXPONENTS:
+            raise ValueError(f'a law between "{self.shape}" is one of mode = "squeeze"')
+        if self.form in LAWS and self.shape == "shapes":
+            raise ValueError(f'the form "{self.form}" is known for spheres and discs only')
         if self.form in LAWS and self.mode not in LAWS[self.form].modes:
             raise ValueError(f'the form "{self.form}" is not known for mode = "{self.mode}"')
         return self
@@ -143,6 +147,7 @@ class LawFile(Section):
         """The law, linear in mu: at this viscosity, or its own; `extrapolate` beyond the range of gaps."""
         mu = self.viscosity if viscosity is None else viscosity
         if self.form in LAWS:
+            assert self.shape != "shapes"  # by `_complete`
             return LAWS[self.form].of(GapFilm(self.shape, mu, self.ratio or inf, extrapolate, self.mode))
         return ScaledLaw(self._profile(), mu, EXPONENTS[self.shape, self.mode], extrapolate)
 

@@ -117,7 +117,7 @@ class Calibration(Section):
     """For `fsi calibrate`: which resistance is sampled, at which gaps, and what becomes of it."""
 
     pair: tuple[str, str]
-    """two names, ["ball", "plane"]: a body, and a body or plane wall"""
+    """two names, ["ball", "plane"]: a body, and a body or plane wall, or in the plane any shapes"""
     mode: Literal["squeeze", "shear", "rotation"] = "squeeze"
     '"squeeze", "shear" or, of a body beside a wall or two equal ones, "rotation"'
     range: tuple[float, float]

@@ -25,6 +25,7 @@ from typing import Literal
 from fsi.lubrication.laws import Series, Term
 
 type Shape = Literal["spheres", "discs"]
+type LawShape = Shape | Literal["shapes"]  # of a pair of which one is of another shape, or a wall is
 type Mode = Literal["squeeze", "shear", "rotation"]
 
 SHAPES: tuple[Shape, ...] = ("spheres", "discs")
@@ -32,13 +33,14 @@ MODES: tuple[Mode, ...] = ("squeeze", "shear", "rotation")
 
 _HIGHEST = 4  # power of the last terms; at s = 1, where the first left out counts most, samples tell of it
 
-EXPONENTS: dict[tuple[Shape, Mode], int] = {
+EXPONENTS: dict[tuple[LawShape, Mode], int] = {
     ("spheres", "squeeze"): 1,
     ("spheres", "shear"): 1,
     ("spheres", "rotation"): 3,
     ("discs", "squeeze"): 0,
     ("discs", "shear"): 0,
     ("discs", "rotation"): 2,
+    ("shapes", "squeeze"): 0,
 }
 
 

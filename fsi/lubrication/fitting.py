@@ -83,7 +83,7 @@ def fit_series(s: Array, K: Array, bars: Array, terms: tuple[Term, ...], free: i
     for n in range(len(s), free, -1):
         # |c1| is known well enough by the first sample
         widths = np.full(len(terms) - free, abs(K[0] / terms[0].value(s[:1])[0]))
-        c, covariance, misfit = _solve(design(terms, s[:n]), K[:n], bars[:n], widths)
+        c, covariance, misfit = regression(design(terms, s[:n]), K[:n], bars[:n], widths)
         if scipy.stats.chi2.sf(misfit, n - free) >= CONSISTENT:
             break
     exponent, error = _leading_exponent(s[:n], K[:n], bars[:n], terms, widths)
@@ -93,7 +93,7 @@ def fit_series(s: Array, K: Array, bars: Array, terms: tuple[Term, ...], free: i
     )  # fmt: skip
 
 
-def _solve(phi: Array, K: Array, bars: Array, widths: Array) -> tuple[Array, Array, float]:
+def regression(phi: Array, K: Array, bars: Array, widths: Array) -> tuple[Array, Array, float]:
     """Coefficients, their covariance, and the minimum; `widths` belong to the last columns of phi."""
     root = scipy.linalg.cholesky(np.diag(bars**2) + np.outer(bars, bars), lower=True)
     data = scipy.linalg.solve_triangular(root, np.column_stack([phi, K]), lower=True)
@@ -115,10 +115,10 @@ def _leading_exponent(
     others = design(terms[1:], s)
 
     def misfit(p: float) -> float:
-        return _solve(np.column_stack([s**p, others]), K, bars, widths)[2]
+        return regression(np.column_stack([s**p, others]), K, bars, widths)[2]
 
     bounds, options = (terms[0].power - 0.5, terms[0].power + 0.5), {"xatol": 1e-10}
     p = float(scipy.optimize.minimize_scalar(misfit, bounds=bounds, method="bounded", options=options).x)
     # c1 s^(p + e) = c1 s^p + c1 e s^p ln s: the second coefficient has the variance of c1 e
-    c, covariance, _ = _solve(np.column_stack([s**p, s**p * np.log(s), others]), K, bars, widths)
+    c, covariance, _ = regression(np.column_stack([s**p, s**p * np.log(s), others]), K, bars, widths)
     return p, float(np.sqrt(covariance[1, 1]) / abs(c[0]))

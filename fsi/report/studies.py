@@ -172,7 +172,12 @@ def lines(result: CalibrationResult) -> list[str]:
     if fit is not None:
         used = f"{fit.used.sum()} of {len(fit.used)} samples"
         said[0] += f": {used} agree with it, chi^2 = {fit.chi2:.2g} for {fit.dof} degrees of freedom"
-        if not np.isnan(fit.exponent):
+        if (first := result.leading) is not None:
+            said.append(
+                f"leading term: ({first.coefficient:.6g} ± {first.coefficient_interval:.1e}) mu "
+                f"d^-({first.exponent:.6f} ± {first.exponent_interval:.1e}), 95 % intervals"
+            )
+        elif not np.isnan(fit.exponent):
             said.append(f"leading exponent, if free: {fit.exponent:.6f} ± {fit.exponent_error:.1e}")
     if test is not None:
         worst = np.max(np.abs(test.law / test.samples.kappa - 1.0))

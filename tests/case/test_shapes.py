@@ -108,7 +108,6 @@ def test_a_shape_and_a_radius_contradict_each_other() -> None:
             },
             "act between discs",
         ),
-        ({"calibration": {"pair": ["body", "bottom"], "range": [0.01, 1.0]}}, "calibrated for discs"),
     ],
 )
 def test_what_knows_discs_only_refuses_shapes(sections: dict[str, Any], message: str) -> None:

@@ -10,7 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fsi.lubrication.expansions import SHAPES, Mode, Shape, basis, coefficients
-from fsi.lubrication.fitting import Fit, _solve, band, design, fit_series
+from fsi.lubrication.fitting import Fit, band, design, fit_series, regression
 from fsi.lubrication.laws import Array
 from fsi.lubrication.named_laws import exact_resistance
 
@@ -102,7 +102,7 @@ def weighted(phi: Array, bars: Array, widths: Array) -> Array:
 def test_the_covariance_of_a_mean_is_that_of_a_mean() -> None:
     """n samples of a constant with bars b: b^2/n of what is independent and b^2 of what is common."""
     n, b = 8, 0.03
-    _, covariance, _ = _solve(np.ones((n, 1)), np.full(n, 5.0), np.full(n, b), np.empty(0))
+    _, covariance, _ = regression(np.ones((n, 1)), np.full(n, 5.0), np.full(n, b), np.empty(0))
     assert_allclose(covariance, [[b**2 * (1.0 + 1.0 / n)]], rtol=1e-12)
 
 

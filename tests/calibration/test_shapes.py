@@ -1,0 +1,76 @@
+"""Calibration of pairs of any shape: closest points, and the leading terms of lubrication."""
+
+from __future__ import annotations
+
+from math import gamma
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import fsi
+from fsi.calibration.pair import pair_of
+from fsi.case.load import load_case, parse_case
+from fsi.errors import InputError
+
+TIP = Path(__file__).parents[2] / "cases" / "calibration" / "tip_wall.toml"
+
+
+def leading(alpha: float) -> tuple[float, float]:
+    """m and 24/(1 + alpha) B(b, 3 - b), b = 3/(1 + alpha), of a gap q + |x|^(1 + alpha)."""
+    b = 3.0 / (1.0 + alpha)
+    return 3.0 * alpha / (1.0 + alpha), 24.0 / (1.0 + alpha) * gamma(b) * gamma(3.0 - b) / gamma(3.0)
+
+
+def ellipses(**calibration: Any) -> dict[str, Any]:
+    shape = {"kind": "ellipse", "axes": [2.0, 1.0]}
+    bodies = [
+        {"name": "one", "shape": shape, "position": [0.0, 1.5]},
+        {"name": "other", "shape": shape, "position": [0.0, -1.5]},
+    ]
+    plan = {"pair": ["one", "other"], "range": [1e-4, 0.1]} | calibration
+    data = {"name": "ellipses", "fluid": {"viscosity": 1.0}, "bodies": bodies, "calibration": plan}
+    return data | {"domain": {"shape": "round", "radius": 100.0}}
+
+
+def test_shapes_approach_each_other_along_the_normal_at_their_closest_points() -> None:
+    pair = pair_of(parse_case(ellipses()))
+    assert pair.shape == "shapes"
+    assert pair.gap == pytest.approx(1.0, rel=1e-12)
+    case = pair.at(0.05)
+    np.testing.assert_allclose(case.configuration().centres, [[0.0, 0.55], [0.0, -1.5]], atol=1e-12)
+    motion = case.motion(0.0)
+    np.testing.assert_array_equal(motion.held, [[False, False, True]] * 2)
+    np.testing.assert_allclose(motion.F, [[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]], atol=1e-12)
+
+
+def test_what_no_law_of_shapes_can_be_is_refused_by_name() -> None:
+    with pytest.raises(InputError, match=r'calibration\.mode = "shear": laws of shapes are those along'):
+        pair_of(parse_case(ellipses(mode="shear")))
+    data = ellipses(pair=["one", "far"])
+    data["bodies"] = data["bodies"][:1]
+    with pytest.raises(InputError, match=r"calibration\.pair\.1 = .*not plane"):
+        pair_of(parse_case(data))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("alpha", [1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0])
+def test_tips_have_the_exponents_and_coefficients_of_lubrication(alpha: float, tmp_path: Path) -> None:
+    """Exponents within 0.005, coefficients within 1 %; the next tip of the four is 0.15 and 40 % away."""
+    changes = [f"bodies.0.shape.alpha={alpha!r}", "calibration.samples=8", "calibration.held_out=2"]
+    found = fsi.calibrate(load_case(TIP, changes), tmp_path / "law").leading
+    assert found is not None
+    m, coefficient = leading(alpha)
+    assert found.exponent == pytest.approx(m, abs=0.005)
+    assert found.coefficient == pytest.approx(coefficient, rel=0.01)
+
+
+@pytest.mark.slow
+def test_two_ellipses_have_the_coefficient_of_their_curvatures(tmp_path: Path) -> None:
+    """3 sqrt(2) pi / kappa^(3/2), kappa the sum of both curvatures, b / a^2 = 1/4 of each."""
+    plan = {"range": [1e-5, 1e-2], "samples": 8, "held_out": 2}
+    found = fsi.calibrate(parse_case(ellipses(**plan)), tmp_path / "law").leading
+    assert found is not None
+    assert found.exponent == pytest.approx(1.5, abs=0.005)
+    assert found.coefficient == pytest.approx(3.0 * np.sqrt(2.0) * np.pi / 0.5**1.5, rel=0.01)

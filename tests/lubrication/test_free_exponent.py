@@ -1,0 +1,48 @@
+"""Leading exponents that are not known before, from samples of series whose exponents are."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fsi.lubrication.fitting import CONFIDENCE
+from fsi.lubrication.free_exponent import fit_exponent
+from fsi.lubrication.named_laws import exact_resistance
+
+S = np.geomspace(1e-6, 1e-2, 16)
+
+
+@settings(max_examples=8, deadline=None)
+@given(
+    m=st.floats(0.4, 1.5),
+    c=st.tuples(*[st.floats(-3.0, 3.0)] * 3),
+    seed=st.integers(0, 1000),
+)
+def test_the_exponent_of_a_series_is_found_within_its_interval(
+    m: float, c: tuple[float, ...], seed: int
+) -> None:
+    """s^-m + c_2 s^(-m/3) + c_3 + c_4 s^(m/3), off by its bars: within four of their deviations."""
+    noise = 1e-6 * np.random.default_rng(seed).standard_normal(len(S))
+    K = (S[:, None] ** (m * np.array([-1.0, -1.0 / 3.0, 0.0, 1.0 / 3.0])) * [1.0, *c]).sum(axis=1)
+    if np.any(K <= 0.0):
+        return
+    fit = fit_exponent(S, K * (1.0 + noise), 1e-6 * K)
+    assert abs(fit.exponent + m) < 4.0 * fit.exponent_error
+    assert abs(fit.coefficients[0] - 1.0) < 4.0 / CONFIDENCE * fit.intervals[0]
+    # Samples of 1e-6 over four decades give it to 1e-7 alone; terms that are close by, to 4e-5 at m = 0.4.
+    assert fit.exponent_error < 1e-4
+
+
+def test_a_disc_beside_a_plane_has_its_own_exponent() -> None:
+    """3/2 and 3 sqrt(2) pi (Jeffrey and Onishi 1981), by a fit that does not know them."""
+    K = exact_resistance("discs", "squeeze", S, np.inf)
+    fit = fit_exponent(S, K, 1e-6 * K)
+    assert fit.exponent == pytest.approx(-1.5, abs=1e-5)
+    assert fit.coefficients[0] == pytest.approx(3.0 * np.sqrt(2.0) * np.pi, rel=1e-4)
+
+
+def test_too_few_samples_are_refused() -> None:
+    with pytest.raises(ValueError, match="4 samples: a fit needs more than 4"):
+        fit_exponent(S[:4], 1.0 / S[:4], S[:4])
