@@ -4,6 +4,7 @@ import hashlib
 import json
 import multiprocessing
 import os
+import shutil
 import signal
 import threading
 import time
@@ -27,6 +28,7 @@ from fsi.integration.errors import ErrorEstimate
 from fsi.meshes.errors import MeshError
 from fsi.models import flow_solvers, make_model
 from fsi.observables.truncation import halved
+from fsi.workers import Pool, outcomes
 
 DIGITS = 8  # of a gap over a radius
 _PACKAGE = Path(__file__).parents[1]
@@ -151,11 +153,13 @@ class Sampling:
         cache: folder of all samples ever computed.
         workers: local processes; on several ranks they work together on one sample after the other instead.
         show: is told how many samples there are of how many.
+        cluster: opens what takes them instead, anywhere the cache is seen; None: this machine.
     """
 
     cache: Path
     workers: int = 1
     show: Callable[[int, int], None] = lambda *_: None
+    cluster: Pool | None = None
 
 
 def take_samples(pair: Pair, sampling: Sampling) -> list[Sample]:
@@ -189,6 +193,9 @@ def _cached(tasks: list[Task], cache: Path) -> dict[str, Sample]:
 
 def _computed(pair: Pair, tasks: list[Task], sampling: Sampling) -> Iterator[Outcome]:
     cache, workers = sampling.cache, sampling.workers
+    if sampling.cluster is not None and tasks:
+        yield from _handed_out(pair, tasks, cache, sampling.cluster)
+        return
     if parallel.size() > 1 or workers == 1 or len(tasks) < 2:
         yield from (_compute(pair, task, cache) for task in tasks)
         return
@@ -202,6 +209,33 @@ def _computed(pair: Pair, tasks: list[Task], sampling: Sampling) -> Iterator[Out
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
+
+
+COMMAND, REQUEST = "sample-run", "request.json"
+
+
+def _handed_out(pair: Pair, tasks: list[Task], cache: Path, cluster: Pool) -> Iterator[Outcome]:
+    """Each sample by a process of its own, which finds what is asked for in a folder of the cache."""
+    case, asked = pair.case.model_dump(mode="json", exclude_none=True), dict[Path, Task]()
+    with cluster() as pool:
+        for task in tasks:
+            folder = cache.absolute() / "asked" / task[2]
+            folder.mkdir(parents=True, exist_ok=True)
+            replace(folder / REQUEST, json.dumps({"case": case, "task": task}).encode())
+            asked[folder] = task
+        for folder, failure in outcomes(pool, COMMAND, list(asked)):
+            _, held_out, key = asked[folder]
+            shutil.rmtree(folder)
+            yield key, None if failure else read_sample(cache, key, held_out=held_out), failure
+
+
+def compute_sample(folder: Path) -> None:
+    """Take the sample that is asked for in a folder of a cache. Raises SolveError: it fails."""
+    asked = json_of(folder / REQUEST, "repeat the calibration")
+    gap, held_out, key = asked["task"]
+    _, _, failure = _compute_case(asked["case"], (gap, held_out, key), folder.parents[1])
+    if failure:
+        raise SolveError(failure)
 
 
 def _leave_with_parent() -> None:

@@ -14,6 +14,7 @@ from fsi.errors import InputError
 
 if TYPE_CHECKING:  # what a command needs is imported in it: `fsi --help` must be quick
     from fsi.case.case import Case
+    from fsi.workers import Pool
 
 
 def option(text: str, default: str | bool = True, *names: str, **more: Any) -> Any:
@@ -40,6 +41,9 @@ Overrides = Annotated[
     ),
 ]
 Step = Annotated[int | None, option("Which step.", "the last with fields")]
+Scheduler = Annotated[
+    str | None, option("Let the workers of this Dask scheduler do it.", "this machine", metavar="ADDRESS")
+]
 AsJson = Annotated[bool, option("Print one JSON object and nothing else.", True, "--json")]
 
 
@@ -53,6 +57,19 @@ def warn(line: str) -> None:
     """Say on stderr, on root, that what follows takes long."""
     if parallel.is_root():
         typer.echo(f"note: {line}", err=True)
+
+
+def pool_of(scheduler: str | None, workers: int | None, ranks: int = 1) -> Pool:
+    """What opens who does the runs of a study. Raises InputError: both are given, or there is no mpiexec."""
+    from fsi.workers import cluster, local, mpiexec
+
+    if scheduler is not None:
+        if workers is not None:
+            raise InputError(f"--workers {workers}: the cluster has its own; drop it, or --scheduler")
+        return lambda: cluster(scheduler)
+    if ranks > 1:
+        mpiexec()
+    return lambda: local(workers or max((os.cpu_count() or 1) // ranks, 1))
 
 
 def load(path: Path, overrides: list[str] | None) -> Case:

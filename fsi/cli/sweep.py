@@ -2,27 +2,27 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 import fsi.parallel as parallel
-from fsi.cli.arguments import CaseFile, Overrides, option, output_to
+from fsi.cli.arguments import CaseFile, Overrides, Scheduler, option, output_to, pool_of
 from fsi.errors import InputError, SolveError
 from fsi.report.console import standard_output
 
 if TYPE_CHECKING:
-    from concurrent.futures import Executor
-    from contextlib import AbstractContextManager
-
     from fsi.studies.sweep import SweepPlan, SweepRow, SweptKey
+    from fsi.workers import Pool
 
 EXAMPLE = (
     "Example: fsi sweep cases/suspensions/fractions.toml --vary arrangement.area_fraction=0.2,0.4 --seeds 10 "
     '--quantity "apparent viscosity"'
 )
+
+
+COMMAND = "sweep-run"
 
 
 def sweep(
@@ -52,9 +52,7 @@ def sweep(
     output: Annotated[Path | None, output_to("The folder of the sweep.", "runs/sweep/<case file>")] = None,
     workers: Annotated[int | None, option("How many runs at a time.", "one for each CPU", min=1)] = None,
     ranks: Annotated[int, option("MPI ranks of each run.", min=1)] = 1,
-    scheduler: Annotated[
-        str | None, option("Let the workers of this Dask scheduler do it.", "this machine", metavar="ADDRESS")
-    ] = None,
+    scheduler: Scheduler = None,
     overrides: Overrides = None,
 ) -> None:
     """Run a case for all combinations of values and seeds, and average over the seeds.
@@ -69,12 +67,11 @@ def sweep(
 
     if parallel.size() > 1:
         raise InputError("fsi sweep: starts its processes itself; run it without mpiexec, with --ranks")
-    if scheduler is not None and workers is not None:
-        raise InputError(f"--workers {workers}: the cluster has its own; drop it, or --scheduler")
+    pool = pool_of(scheduler, workers, ranks)
     keys = [_swept_key(text) for text in vary or ()]
     folder = output or Path("runs") / "sweep" / case_file.stem
     plan = SweepPlan(case_file, overrides or (), keys, seeds, tuple(dict.fromkeys(quantity)), motion, folder)
-    rows = _done(plan, _pool(scheduler, workers, ranks), ranks)
+    rows = _done(plan, pool, ranks)
     found = averages(plan, rows)
     write_tables(plan, rows, found)
     plot_sweep(plan, rows, found, folder / "sweep.png")
@@ -86,7 +83,7 @@ def sweep(
 def sweep_run(folder: Path) -> None:
     """Do one run of a sweep in its folder; ends when standard input does."""
     from fsi.studies.member import compute
-    from fsi.studies.workers import end_with_parent
+    from fsi.workers import end_with_parent
 
     end_with_parent()
     compute(folder)
@@ -109,22 +106,12 @@ def _swept_key(text: str) -> SweptKey:
     return SweptKey(key, found)
 
 
-def _pool(scheduler: str | None, workers: int | None, ranks: int) -> AbstractContextManager[Executor]:
-    from fsi.studies.workers import cluster, local, mpiexec
-
-    if scheduler is not None:
-        return cluster(scheduler)
-    if ranks > 1:
-        mpiexec()
-    return local(workers or max((os.cpu_count() or 1) // ranks, 1))
-
-
-def _done(plan: SweepPlan, pool: AbstractContextManager[Executor], ranks: int) -> list[SweepRow]:
+def _done(plan: SweepPlan, pool: Pool, ranks: int) -> list[SweepRow]:
     """All runs of a plan after those that were not done yet have been done."""
     from fsi.files import require_folder
     from fsi.report.progress import counting
     from fsi.studies.sweep import SweepRow
-    from fsi.studies.workers import outcomes
+    from fsi.workers import outcomes
 
     requests = plan.requests()
     require_folder(plan.folder)
@@ -135,10 +122,10 @@ def _done(plan: SweepPlan, pool: AbstractContextManager[Executor], ranks: int) -
     with counting("runs") as show:
         show(there := len(requests) - len(left), len(requests))
         if left:
-            with pool as open_pool:
+            with pool() as open_pool:
                 for request in requests:
                     request.write()
-                for failed, said in outcomes(open_pool, left, ranks):
+                for failed, said in outcomes(open_pool, COMMAND, left, ranks):
                     failures[failed] = said
                     show(there := there + 1, len(requests))
     return [SweepRow(request, request.result(), failures.get(request.folder, "")) for request in requests]

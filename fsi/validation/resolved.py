@@ -25,26 +25,37 @@ from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.model import StokesModel
 from fsi.validation.rows import Row, chosen_cases, reference, swept, write_rows
 
+# Case files, and a folder for the runs of those with [time], to rows as `rows_of` gives them.
+type Solve = Callable[[Sequence[Path], Path], Iterator[list[Row]]]
+
 
 def validate_cases(
-    folder: Path, names: Sequence[str], output: Path, show: Callable[[list[Row]], None]
+    folder: Path,
+    names: Sequence[str],
+    output: Path,
+    show: Callable[[list[Row]], None],
+    solve: Solve | None = None,
 ) -> list[Row]:
     """Validate the named cases of a folder, or all; collective.
 
     output: a new folder, for validation.json, validation.csv and the runs. show: is told the rows of each
-    case, or of each value of its sweep. Raises InputError: no such case, or the output folder is not new.
+    case, or of each value of its sweep. solve: gives them, in their order; None: this process does. Raises
+    InputError: no such case, or the output folder is not new.
     """
-    from fsi.validation.resolved import rows_of
-
     paths = parallel.on_root(lambda: chosen_cases(folder, names))
     parallel.on_root(lambda: _make(output))
     rows: list[Row] = []
-    for path in paths:
-        for rows_of_case in rows_of(path, output / "runs"):
-            rows += rows_of_case
-            show(rows_of_case)
+    for found in (solve or one_by_one)(paths, output / "runs"):
+        rows += found
+        show(found)
     parallel.on_root(lambda: write_rows(rows, output))
     return rows
+
+
+def one_by_one(paths: Sequence[Path], runs: Path) -> Iterator[list[Row]]:
+    """The rows of case files, case after case, as `rows_of`."""
+    for path in paths:
+        yield from rows_of(path, runs)
 
 
 def require_passed(rows: Sequence[Row]) -> None:
@@ -77,13 +88,23 @@ def rows_of(path: Path, runs: Path) -> Iterator[list[Row]]:
     that fails gives rows without value.
     """
     for value, case in swept(path):
-        try:
-            results = _instant(case) if case.time is None else _history(case, runs / path.stem)
-        except (SolveError, MeshError) as error:
-            parallel.settle(error)
-            results = [Computed(np.nan, np.nan, np.nan, str(error))] * len(case.expected)
-        pairs = zip(case.expected, results, strict=True)
-        yield [_row(path.stem, value, case, row, result) for row, result in pairs]
+        yield rows_at(path.stem, value, case, runs)
+
+
+def rows_at(name: str, value: float | None, case: Case, runs: Path) -> list[Row]:
+    """The rows of a case of that name at one value of its sweep, as `rows_of`; collective."""
+    try:
+        results = _instant(case) if case.time is None else _history(case, runs / name)
+    except (SolveError, MeshError) as error:
+        parallel.settle(error)
+        return failed_rows(name, value, case, str(error))
+    return [_row(name, value, case, row, found) for row, found in zip(case.expected, results, strict=True)]
+
+
+def failed_rows(name: str, value: float | None, case: Case, failure: str) -> list[Row]:
+    """The rows of a case that has failed."""
+    none = Computed(np.nan, np.nan, np.nan, failure)
+    return [_row(name, value, case, row, none) for row in case.expected]
 
 
 class Computed(NamedTuple):

@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 import csv
-import json
 import math
 import os
 import signal
-import subprocess
-import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -20,12 +15,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fsi import workers
 from fsi.case.load import toml_values
 from fsi.errors import FsiError
-from fsi.studies import workers
 from fsi.studies.evaluate import FoundValue
 from fsi.studies.member import LAUNCHES, RESULT, compute
 from fsi.studies.sweep import SEED, SweepPlan, SweepRow, SweptKey, averages
+from tests.cluster import process, scheduler, wait_until
 from tests.commands import fsi_command
 
 ROOT = Path(__file__).parents[2]
@@ -54,7 +50,7 @@ def here(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Runs in this process, one after the other, and in which order they were begun."""
     begun: list[str] = []
 
-    def launched(folder: str, _: int) -> str:
+    def launched(_: str, folder: str, __: int) -> str:
         begun.append(Path(folder).name)
         try:
             compute(Path(folder))
@@ -252,28 +248,10 @@ def test_a_scheduler_that_is_not_there_is_one_line(
 
 # ---- processes that are killed ---------------------------------------------------------------------------
 
-PROGRAM = [sys.executable, "-m"]
-
-
-@contextmanager
-def process(*arguments: object) -> Iterator[subprocess.Popen[str]]:
-    command = [*PROGRAM, *map(str, arguments)]
-    with subprocess.Popen(
-        command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
-    ) as one:
-        try:
-            yield one
-        finally:
-            one.kill()
-
 
 def wait_for_results(folder: Path, count: int) -> None:
     """Until so many runs are done."""
-    for _ in range(6000):
-        if len(list(folder.glob(f"runs/*/{RESULT}"))) >= count:
-            return
-        time.sleep(0.1)
-    raise TimeoutError
+    wait_until(lambda: len(list(folder.glob(f"runs/*/{RESULT}"))) >= count)
 
 
 def launches(folder: Path) -> dict[str, int]:
@@ -324,23 +302,16 @@ def test_a_cluster_gives_the_table_of_a_serial_sweep(case: Path, tmp_path: Path,
     """100 runs over two workers in processes of their own, one killed half-way: all done, none twice."""
     folder, serial = tmp_path / "cluster", tmp_path / "serial"
     words = ["sweep", case, "--vary", f"{FRACTION}=0.1,0.2,0.25,0.3,0.35", "--seeds", 20, *QUANTITY, "-o"]
-    contact = tmp_path / "scheduler.json"
-    with process(
-        "distributed.cli.dask_scheduler", "--port", 0, "--no-dashboard", "--scheduler-file", contact
+    with (
+        scheduler(tmp_path) as (address, worker),
+        process(*worker) as first,
+        process(*worker),
+        process("fsi", *words, folder, "--scheduler", address) as it,
     ):
-        while not contact.exists():
-            time.sleep(0.1)
-        address = json.loads(contact.read_text())["address"]
-        worker = ("distributed.cli.dask_worker", address, "--nthreads", 1, "--no-nanny", "--no-dashboard")
-        with (
-            process(*worker) as first,
-            process(*worker),
-            process("fsi", *words, folder, "--scheduler", address) as it,
-        ):
-            wait_for_results(folder, 40)
-            os.kill(first.pid, signal.SIGKILL)
-            said, _ = it.communicate()
-            assert it.returncode == 0, said
+        wait_for_results(folder, 40)
+        os.kill(first.pid, signal.SIGKILL)
+        said, _ = it.communicate()
+        assert it.returncode == 0, said
     begun = launches(folder)
     assert len(begun) == 100
     assert sorted(begun.values())[:99] == [1] * 99  # only the killed one was begun twice

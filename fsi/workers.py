@@ -1,7 +1,8 @@
-"""Who does the runs of a sweep: processes on this machine, or the workers of a Dask cluster.
+"""Who does the runs of a study: processes on this machine, or the workers of a Dask cluster.
 
-A run is a process of its own, of one rank or several: if it crashes, it alone has failed. It ends with
-whoever has started it, by whatever death: it reads from a pipe that the other holds open.
+A run has a folder, in which a command of this program finds what is asked for and leaves what it has found.
+It is a process of its own, of one rank or several: if it crashes, it alone has failed. It ends with whoever
+has started it, by whatever death: it reads from a pipe that the other holds open.
 """
 
 import os
@@ -9,15 +10,17 @@ import shutil
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor, as_completed
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
 import fsi.parallel as parallel
 from fsi.errors import InputError
 
-COMMAND = "sweep-run"
+# Opens what takes runs.
+type Pool = Callable[[], AbstractContextManager[Executor]]
+
 _PATIENCE = 10.0  # seconds, for a scheduler and its first worker
 
 
@@ -55,21 +58,23 @@ def cluster(address: str) -> Iterator[Executor]:
             yield pool
 
 
-def outcomes(pool: Executor, folders: Sequence[Path], ranks: int) -> Iterator[tuple[Path, str]]:
-    """Folder after folder as it is done, and why it failed; empty if it did not."""
-    running = {pool.submit(launched, str(folder), ranks): folder for folder in folders}
+def outcomes(
+    pool: Executor, command: str, folders: Sequence[Path], ranks: int = 1
+) -> Iterator[tuple[Path, str]]:
+    """Folder after folder as the command has done it, and why it failed; empty if it did not."""
+    running = {pool.submit(launched, command, str(folder), ranks): folder for folder in folders}
     for done in as_completed(running):
         lost = done.exception()  # of the cluster: a run itself has its words
         yield running[done], done.result() if lost is None else " ".join(str(lost).split())
 
 
-def launched(folder: str, ranks: int) -> str:
+def launched(command: str, folder: str, ranks: int) -> str:
     """Do one run in a process, or in several ranks, to its end; gives why it failed, empty if it did not."""
-    command = [sys.executable, "-m", "fsi", COMMAND, folder]
+    words = [sys.executable, "-m", "fsi", command, folder]
     if ranks > 1:
-        command = [mpiexec(), "-n", str(ranks), *command]
+        words = [mpiexec(), "-n", str(ranks), *words]
     with subprocess.Popen(
-        command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+        words, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
     ) as process:
         assert process.stderr is not None  # and stdin stays open until it has ended
         said = process.stderr.read()
