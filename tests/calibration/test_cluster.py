@@ -38,9 +38,7 @@ def test_samples_are_those_of_one_process(
     pair, serial, cache = pair_of(small_case()), tmp_path / "serial", tmp_path / "cache"
     elsewhere = Sampling(cache, 1, silent, lambda: ThreadPoolExecutor(1))
     model.fails = {4}
-    with pytest.raises(
-        SolveError, match=r"1 of 10 samples failed, first at the gap .*: singular"
-    ):
+    with pytest.raises(SolveError, match=r"1 of 10 samples failed, first at the gap .*: singular"):
         take_samples(pair, elsewhere)
     assert len(model.asked) == 10
     found = take_samples(pair, elsewhere)
