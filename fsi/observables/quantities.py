@@ -2,8 +2,13 @@
 
 from collections.abc import Mapping
 
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from fsi.bodies.configuration import Array
 from fsi.case.case import Case
-from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION
+from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, TIME_AT_GAP
+from fsi.errors import InputError
 from fsi.integration.state import Measured
 
 
@@ -32,3 +37,17 @@ def stress_driven(wall_speeds: Mapping[str, float], shear_rate: float | None) ->
     """Columns of steps.csv: what a stress drives, speeds of walls and the rate of shear of a cell."""
     speeds = {f"speed_{wall}": speed for wall, speed in wall_speeds.items()}
     return speeds if shear_rate is None else {**speeds, "shear_rate": shear_rate}
+
+
+def time_at(gap: float, t: Array, gaps: Array) -> float:
+    """When the smallest gap first became `gap`, by a spline of t over ln gap. Raises InputError: never."""
+    if (smallest := gaps.min()) > gap:
+        here = f"{TIME_AT_GAP}{gap:g}: the smallest gap of the run"
+        raise InputError(f"{here} is {smallest:.3g}; raise time.end")
+    last = int(np.argmax(gaps <= gap))
+    rises = np.flatnonzero(np.diff(gaps[: last + 1]) >= 0.0)
+    first = int(rises[-1]) + 1 if len(rises) else 0
+    later = np.flatnonzero(np.diff(gaps[last:]) >= 0.0)
+    end = last + int(later[0]) + 1 if len(later) else len(gaps)
+    y, s = np.log(gaps[first:end][::-1]), t[first:end][::-1]
+    return float(CubicSpline(y, s)(np.log(gap)))

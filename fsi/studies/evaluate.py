@@ -14,10 +14,10 @@ import fsi.parallel as parallel
 from fsi.bodies.configuration import LOADS, MODES, PLACES
 from fsi.case.case import Case
 from fsi.case.checks.expected import check_quantity
-from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, QUANTITY, TIME_AT_GAP, Expected
+from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, QUANTITY, TIME_AT_GAP, Expected, gap_of
 from fsi.errors import InputError, SolveError
 from fsi.models import flow_solvers, require_instant
-from fsi.observables.quantities import component, computed
+from fsi.observables.quantities import component, computed, time_at
 from fsi.reduced.model import ReducedModel
 from fsi.run_folder.folder import BODIES, CASE, STEPS
 from fsi.runs import resume, run
@@ -80,8 +80,8 @@ def of_motion(case: Case, folder: Path, quantities: Iterable[str]) -> Evaluation
 def require_quantity(case: Case, quantity: str, *, moving: bool = False) -> None:
     """Raise InputError if a case has no such quantity, at one instant or, moving, of a run."""
     here = f"--quantity {quantity}"
-    known = re.fullmatch(QUANTITY, quantity) and not quantity.startswith(TIME_AT_GAP)
-    if not known or (".position." in quantity and not moving):
+    of_run = ".position." in quantity or quantity.startswith(TIME_AT_GAP)
+    if not re.fullmatch(QUANTITY, quantity) or (of_run and not moving):
         raise InputError(f"{here}: no such number at an instant; give {Expected.describe('quantity')}")
     check_quantity(case, quantity, here)
 
@@ -96,6 +96,9 @@ def _finite(value: float, quantity: str) -> float:
 def _moved(case: Case, folder: Path, quantity: str) -> float:
     if quantity in _RATES:
         return _mean(np.genfromtxt(folder / STEPS, delimiter=",", names=True), _RATES[quantity], quantity)
+    if quantity.startswith(TIME_AT_GAP):
+        table = np.genfromtxt(folder / STEPS, delimiter=",", names=True)
+        return time_at(gap_of(quantity), table["t"], table["smallest_gap"])
     body, mode = component(case, quantity)
     kind = quantity.split(".")[1]
     names = {"position": PLACES, "force": LOADS, "torque": LOADS}.get(kind, MODES)[case.dimension]

@@ -5,19 +5,18 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.bodies.gaps import nearest_gaps
 from fsi.case.case import Case
-from fsi.case.sections import TIME_AT_GAP, Expected, gap_of
+from fsi.case.sections import Expected, gap_of
 from fsi.errors import InputError, SolveError, ValidationError
 from fsi.integration.errors import ErrorEstimate
 from fsi.integration.schemes import scheme_for
 from fsi.lubrication.exact_results import EXACT
 from fsi.meshes.errors import MeshError
-from fsi.observables.quantities import computed
+from fsi.observables.quantities import computed, time_at
 from fsi.observables.truncation import halved
 from fsi.run_folder.folder import STEPS
 from fsi.runs import run
@@ -177,17 +176,3 @@ def _run(case: Case, folder: Path) -> tuple[Array, Array, Array]:
     run(case, folder)
     table = parallel.on_root(lambda: np.genfromtxt(folder / STEPS, delimiter=",", names=True))
     return table["t"], table["smallest_gap"], table["h"] * table["err_U"]
-
-
-def time_at(gap: float, t: Array, gaps: Array) -> float:
-    """When the smallest gap first became `gap`, by a spline of t over ln gap. Raises InputError: never."""
-    if (smallest := gaps.min()) > gap:
-        here = f"{TIME_AT_GAP}{gap:g}: the smallest gap of the run"
-        raise InputError(f"{here} is {smallest:.3g}; raise time.end")
-    last = int(np.argmax(gaps <= gap))
-    rises = np.flatnonzero(np.diff(gaps[: last + 1]) >= 0.0)
-    first = int(rises[-1]) + 1 if len(rises) else 0
-    later = np.flatnonzero(np.diff(gaps[last:]) >= 0.0)
-    end = last + int(later[0]) + 1 if len(later) else len(gaps)
-    y, s = np.log(gaps[first:end][::-1]), t[first:end][::-1]
-    return float(CubicSpline(y, s)(np.log(gap)))

@@ -7,6 +7,7 @@ import math
 import os
 import signal
 import time
+import tomllib
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -16,9 +17,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fsi import workers
-from fsi.case.load import toml_values
+from fsi.case.load import parse_case, toml_values
 from fsi.errors import FsiError
-from fsi.studies.evaluate import FoundValue
+from fsi.studies.evaluate import FoundValue, of_motion
 from fsi.studies.member import LAUNCHES, RESULT, compute
 from fsi.studies.sweep import SEED, SweepPlan, SweepRow, SweptKey, averages
 from tests.cluster import process, scheduler, wait_until
@@ -33,6 +34,19 @@ domain.walls.top = [1.0, 0.0]
 arrangement = { kind = "random", number = 4, area_fraction = 0.3, gap = 0.02 }
 reduced = { drag = 10.0, cutoff = 1.0, shear_law = "exact", rotation_law = "exact" }
 time = { end = 0.2, first_step = 0.1 }
+"""
+PUSHED = """
+name = "two spheres that are pushed together"
+geometry = "axisymmetric"
+model = "reduced"
+fluid.viscosity = 1.0
+domain = { shape = "round", radius = 100.0 }
+reduced.wall_law = "leading"
+time = { end = 8.0, tolerance = 1e-2 }
+bodies = [
+    { name = "upper", radius = 1.0, position = [0.0, 1.25], force = [0.0, -2.0] },
+    { name = "lower", radius = 1.0, position = [0.0, -1.25], velocity = [0.0, 0.0] },
+]
 """
 FRACTION, VISCOSITY = "arrangement.area_fraction", "apparent viscosity"
 QUANTITY = ["--quantity", VISCOSITY]
@@ -224,6 +238,26 @@ def test_tables_have_a_row_for_each_point_whatever_failed(values: list[float], s
         assert one.failed == (seeds >= 2)
         expected = one.point["x"] + (2.0 if seeds == 3 else 1.0)  # of 1, or of 1 and 3
         assert one.mean == pytest.approx(expected, rel=1e-12, abs=1e-6)
+
+
+def test_the_bar_of_a_mean_is_the_largest() -> None:
+    """Of runs that have one."""
+    plan = SweepPlan(Path(), (), [SweptKey("x", [1.0])], 3, ("q",), False, Path())
+    bars = (1e-4, 3e-4, None)
+    found = [SweepRow(SimpleNamespace(), {"q": FoundValue(2.0, bar)}) for bar in bars]  # type: ignore[arg-type]
+    assert [mean.error for mean in averages(plan, found)] == [3e-4]
+
+
+def test_the_force_at_the_end_of_a_run_is_that_of_the_fluid(tmp_path: Path) -> None:
+    """Of two spheres that are pushed together; the gap of 0.5 falls below 0.3 between two steps."""
+    case = parse_case(tomllib.loads(PUSHED))
+    found = of_motion(case, tmp_path / "run", ["upper.force.z", "time at gap 0.3"]).values
+    assert found["upper.force.z"].value == pytest.approx(2.0, rel=1e-9)  # the push is -2
+    steps = rows(tmp_path / "run" / "steps.csv")
+    gaps = [float(step["smallest_gap"]) for step in steps]
+    after = next(k for k, gap in enumerate(gaps) if gap < 0.3)
+    t = [float(step["t"]) for step in steps]
+    assert t[after - 1] < found["time at gap 0.3"].value < t[after]
 
 
 def test_values_are_toml() -> None:

@@ -15,9 +15,8 @@ from fsi.errors import InputError
 from fsi.integration.errors import ErrorEstimate
 from fsi.lubrication.exact_results import EXACT as RESULTS
 from fsi.lubrication.exact_results import ExactProblem, Fitting, exact_result
-from fsi.observables.quantities import computed
+from fsi.observables.quantities import computed, time_at
 from fsi.report.studies import summary
-from fsi.validation.resolved import time_at
 from fsi.validation.rows import Row, chosen_cases, exact_value, reference, swept
 from tests.case_data import changed
 from tests.cli.test_commands import MPIEXEC, ROOT, call, fsi, needs_mpi
