@@ -57,6 +57,8 @@ def solution_json(
         "seconds": float(sum(solution.seconds.values())),
         "seconds_by_phase": {phase: float(spent) for phase, spent in solution.seconds.items()},
     }
+    if solution.slip_dissipation is not None:
+        data["slip_dissipation"] = float(solution.slip_dissipation)
     data |= driven_json(solution.wall_speeds, solution.shear_rate)
     if solution.mesh_instead:
         data["mesh_instead"] = solution.mesh_instead

@@ -26,14 +26,12 @@ class StokesSolution(SolvedFlow):
         flow: velocity and pressure, of this rank.
         surface: the bodies' surfaces, on root.
         pressure_gradient: the mean one of a periodic flow, (2,).
-        slip_dissipation: (mu / b) int |slip|^2 over the surfaces along which fluid slides.
     """
 
     problem: StokesProblem = field(repr=False)
     flow: Flow = field(repr=False)
     surface: Surface = field(repr=False)
     pressure_gradient: Array | None = None
-    slip_dissipation: float = 0.0
 
     @property
     def mesh_instead(self) -> str:
@@ -71,7 +69,7 @@ class StokesSolution(SolvedFlow):
         record = {"dofs": self.dofs, "cells": self.cells, "worst_cell": self.problem.fluid.quality}
         record["mesh_instead"] = int(bool(self.mesh_instead))
         record["dissipation"] = self.dissipation
-        if self.problem.sliding:
+        if self.slip_dissipation is not None:
             record["slip_dissipation"] = self.slip_dissipation
         if self.U.shape[1] == len(MODES[3]):
             record["iterations"] = self.iterations

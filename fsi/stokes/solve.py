@@ -196,5 +196,5 @@ def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clo
         nodal.U, F, traction_F, inf if jumping else dissipation, checks, forms.dofs, problem.fluid.cells(),
         nodal.iterations, clock.seconds, bulk, jumping, problem, flow, surface, nodal.pressure_gradient,
         wall_speeds=nodal.wall_speeds, shear_rate=nodal.shear_rate,
-        slip_dissipation=friction_power(system, nodal),
+        slip_dissipation=friction_power(system, nodal) if problem.sliding else None,
     )  # fmt: skip

@@ -166,13 +166,14 @@ class Units:
         loads, fluid = self.loads(d), replace(problem.fluid, container=problem.container)
         speeds = {wall: speed * self.length for wall, speed in solution.wall_speeds.items()}
         boundary = problem.boundary.faster(speeds, solution.shear_rate or 0.0)
+        sliding = solution.slip_dissipation
         return replace(
             solution,
             U=solution.U * self.velocities(d),
             F=solution.F * loads,
             traction_F=solution.traction_F * loads,
             dissipation=solution.dissipation * self.power,
-            slip_dissipation=solution.slip_dissipation * self.power,
+            slip_dissipation=None if sliding is None else sliding * self.power,
             bulk=None if solution.bulk is None else self._user_bulk(solution.bulk, problem.container),
             problem=replace(problem, fluid=fluid, boundary=boundary),
             wall_speeds=speeds,

@@ -89,6 +89,13 @@ def test_the_table_shows_reaction_traction_and_checks(case: Case) -> None:
     )
 
 
+def test_what_friction_of_slip_takes_is_told_where_fluid_slides(case: Case) -> None:
+    stuck = solved(U=np.array([[0.0, -1.0, 0.5]]), F=np.array([[0.0, -466.0, 0.0]]))
+    sliding = replace(stuck, slip_dissipation=0.25)
+    assert "slip_dissipation" not in solution_json(case, stuck, ERRORS, None)
+    assert solution_json(case, sliding, ERRORS, None)["slip_dissipation"] == 0.25
+
+
 def test_an_infinite_dissipation_is_said_in_place_of_digits(case: Case) -> None:
     finite = solved(U=np.array([[0.0, -1.0, 0.5]]), F=np.array([[0.0, -466.0, 0.0]]))
     solution = replace(finite, dissipation=np.inf, jumps=(("left", "top"), ("right", "top")))
