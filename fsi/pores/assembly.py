@@ -126,8 +126,8 @@ def _batches(pores: Pores, shapes: PoreShapes, numbering: Numbering) -> Iterator
             level.neck_bubbles,
         )
         alike = np.flatnonzero(np.all(kinds == kind, axis=1))
-        along, across, inside = level.points
-        numbers = orders.total * 3 * (2 * along * across + inside**2)
+        along, across, _ = level.points
+        numbers = orders.total * 3 * (2 * along * across + level.rule.third.shape[1])
         for some in np.array_split(alike, 1 + len(alike) * numbers // _NUMBERS):
             forms = pore_forms(shapes.of(some), level.rule, orders)
             yield Batch(some, _unknowns(pores, some, orders, numbering), orders, level.rule, forms)

@@ -14,7 +14,7 @@ class Level(NamedTuple):
         fluid: order of fluid discs.
         bubbles: degree of the bubbles of a pore.
         neck_bubbles: degrees + 1 of the bubbles of a neck, along and across.
-        points: of quadrature along necks, across them, and inside.
+        points: of quadrature along necks and across them, and the degree inside.
     """
 
     modes: int
@@ -33,15 +33,15 @@ class Level(NamedTuple):
 _PER_GATHERING = 2.0
 
 LEVELS = (
-    Level(0, 3, 4, 0, (5, 7, 5)),
-    Level(1, 4, 4, 0, (5, 7, 5)),
-    Level(2, 5, 5, 0, (5, 7, 5)),
-    Level(4, 6, 6, 0, (7, 9, 6)),
-    Level(6, 6, 7, 0, (8, 9, 7)),
-    Level(8, 8, 8, 2, (9, 10, 8)),
-    Level(10, 8, 9, 3, (11, 12, 9)),
-    Level(12, 10, 10, 4, (13, 12, 10)),
-    Level(16, 12, 12, 6, (19, 15, 14)),
+    Level(0, 3, 4, 0, (3, 6, 10)),
+    Level(1, 4, 4, 0, (3, 6, 10)),
+    Level(2, 5, 5, 0, (3, 6, 10)),
+    Level(4, 6, 6, 0, (4, 8, 12)),
+    Level(6, 6, 7, 0, (5, 9, 14)),
+    Level(8, 8, 8, 2, (9, 10, 13)),
+    Level(10, 8, 9, 3, (11, 12, 15)),
+    Level(12, 10, 10, 4, (13, 12, 17)),
+    Level(16, 12, 12, 6, (19, 15, 25)),
 )
 
 

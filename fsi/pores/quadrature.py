@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import roots_jacobi
 
 from fsi.bodies.configuration import Array
 from fsi.pores.compiled import compiled, inlined, internal
@@ -33,6 +32,7 @@ from fsi.pores.pore_data import (
     Complex,
     planar,
 )
+from fsi.pores.triangle import third
 
 # Rows of points.
 X, Y, DISTANCE, ROOT, WEIGHT = 0, 1, 2, 5, 6  # three distances; the root of the weight's size
@@ -49,16 +49,15 @@ class Rule(NamedTuple):
         first: how many points the first list has.
         gathering: points more for each unit of T.
         across: strips.
-        outwards: from the middle of the triangle, with the weight u du.
-        around: it, along each of its sides.
+        third: points of a third of the triangle, u from its middle outwards and t along its side, and weights
+            whose sum is 1/2, (3, .).
     """
 
     along: Array
     first: int
     gathering: float
     across: Array
-    outwards: Array
-    around: Array
+    third: Array
 
 
 class Points(NamedTuple):
@@ -75,19 +74,18 @@ class Points(NamedTuple):
 
 @cache
 def rule(along: int, across: int, inside: int, gathering: float) -> Rule:
-    """Gauss points: `along` strips and more where they gather, `across` them, `inside` the triangle."""
+    """Gauss points `along` strips, more where they gather, and `across` them; of a degree inside."""
     lists = int(gathering * _LONGEST)
     table = np.zeros((lists, 2, along + lists - 1))
     for n, row in enumerate(table, along):
         row[:, :n] = _gauss(n)
-    u, du = roots_jacobi(inside - 1, 0.0, 1.0)
-    outwards = np.stack([(u + 1.0) / 2.0, du / 4.0])
-    return Rule(table, along, gathering, _gauss(across), outwards, _gauss(inside))
+    return Rule(table, along, gathering, _gauss(across), third(inside))
 
 
 def uniform(along: Array, across: Array, inside: Array) -> Rule:
     """The same points in all strips; without weights."""
-    return Rule(along[None], along.shape[1], 0.0, across, inside, inside)
+    u, t = (x.ravel() for x in np.meshgrid(inside[0], inside[0], indexing="ij"))
+    return Rule(along[None], along.shape[1], 0.0, across, np.stack([u, t, np.zeros_like(u)]))
 
 
 @cache
@@ -119,7 +117,7 @@ def most_points(data: Complex, rule: Rule) -> int:
     """Of any of these pores."""
     asked = ceil(rule.gathering * float(data[..., GATHERING].real.max(initial=0.0)))
     along = rule.first + min(asked, len(rule.along) - 1)
-    return int(3 * (along * rule.across.shape[1] + rule.outwards.shape[1] * rule.around.shape[1]))
+    return int(3 * (along * rule.across.shape[1] + rule.third.shape[1]))
 
 
 @compiled
@@ -177,15 +175,14 @@ def _triangle(pore: Complex, v: int, rule: Rule, rows: Array, q: int) -> int:
     middle = pore[v, MIDDLE]
     first, second = pore[(v + 1) % 3, TOUCH] - middle, pore[(v + 2) % 3, TOUCH] - middle
     area = _cross(first, second)
-    for k in range(rule.outwards.shape[1]):
-        for m in range(rule.around.shape[1]):
-            u, t = rule.outwards[0, k], rule.around[0, m]
-            x = middle + u * ((1.0 - t) * first + t * second)
-            rows[X, q], rows[Y, q] = x.real, x.imag
-            rows[WEIGHT, q] = area * rule.outwards[1, k] * rule.around[1, m]
-            for surface in range(3):
-                rows[DISTANCE + surface, q] = _distance(pore, surface, x)
-            q += 1
+    for k in range(rule.third.shape[1]):
+        u, t = rule.third[0, k], rule.third[1, k]
+        x = middle + u * ((1.0 - t) * first + t * second)
+        rows[X, q], rows[Y, q] = x.real, x.imag
+        rows[WEIGHT, q] = area * rule.third[2, k]
+        for surface in range(3):
+            rows[DISTANCE + surface, q] = _distance(pore, surface, x)
+        q += 1
     return q
 
 
