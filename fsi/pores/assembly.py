@@ -11,7 +11,7 @@ from fsi.pores.forms import PoreForms, pore_forms
 from fsi.pores.inner import inner_form
 from fsi.pores.levels import LEVELS, level_of
 from fsi.pores.orders import RIGID, STRAINED, Orders, numbers_of
-from fsi.pores.pattern import Index, Pattern, add_forms, pattern_of
+from fsi.pores.pattern import Index, add_forms, pattern_of
 from fsi.pores.quadrature import Rule
 from fsi.pores.regions import PoreShapes
 from fsi.pores.surfaces import DISC
@@ -68,6 +68,23 @@ class Batch:
 
 
 @dataclass(frozen=True, slots=True)
+class FluidForms:
+    """The forms inside fluid discs of one order.
+
+    Attributes:
+        disc: which surfaces, (n,).
+        unknown: their numbers, (n, m).
+        K: the form of a disc of radius 1, (m, m).
+        per_area: 1 over the square of their radii, (n,).
+    """
+
+    disc: Index
+    unknown: Index
+    K: Array
+    per_area: Array
+
+
+@dataclass(frozen=True, slots=True)
 class Assembly:
     """The assembled form.
 
@@ -75,11 +92,21 @@ class Assembly:
         K: symmetric, positive semidefinite, (n, n); of fluid of viscosity 1.
         batches: the forms of the pores.
         numbering: of the unknowns.
+        fluid: the forms inside fluid discs.
     """
 
     K: sp.csr_matrix
     batches: list[Batch]
     numbering: Numbering
+    fluid: list[FluidForms]
+
+    def inside(self, y: Array) -> Array:
+        """What fluid discs add to K y."""
+        found = np.zeros(len(y))
+        for forms in self.fluid:
+            own = forms.unknown
+            found[own] = forms.per_area[:, None] * (y[own] @ forms.K)
+        return found
 
 
 def number(pores: Pores, modes: Index) -> Numbering:
@@ -110,8 +137,10 @@ def assemble(pores: Pores, shapes: PoreShapes, modes: Index) -> Assembly:
     entries = np.zeros(len(pattern.indices))
     for batch in batches:
         add_forms(entries, pattern, members[batch.pore], batch.forms.K)
-    _add_fluid_forms(entries, pattern, pores, numbering)
-    return Assembly(pattern.matrix(entries), batches, numbering)
+    fluid = list(_fluid_forms(pores, numbering))
+    for forms in fluid:
+        add_forms(entries, pattern, forms.disc[:, None], forms.per_area[:, None, None] * forms.K)
+    return Assembly(pattern.matrix(entries), batches, numbering, fluid)
 
 
 def _batches(pores: Pores, shapes: PoreShapes, numbering: Numbering) -> Iterator[Batch]:
@@ -144,10 +173,11 @@ def _unknowns(pores: Pores, chosen: Index, orders: Orders, numbering: Numbering)
     return np.concatenate(parts, axis=1)
 
 
-def _add_fluid_forms(entries: Array, pattern: Pattern, pores: Pores, numbering: Numbering) -> None:
-    """Add the dissipation inside fluid discs."""
+def _fluid_forms(pores: Pores, numbering: Numbering) -> Iterator[FluidForms]:
+    """The dissipation inside fluid discs."""
     for order in np.unique(numbering.order[pores.surfaces.fluid]):
         fluid = np.flatnonzero(numbering.order == order)
         fluid = fluid[fluid >= pores.surfaces.hollow]
         own = np.pad(inner_form(int(order)), (RIGID, 0))
-        add_forms(entries, pattern, fluid[:, None], own / pores.surfaces.radius[fluid, None, None] ** 2)
+        unknown = numbering.surface[fluid, None] + np.arange(len(own))
+        yield FluidForms(fluid, unknown, own, 1.0 / pores.surfaces.radius[fluid] ** 2)

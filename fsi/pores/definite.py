@@ -1,4 +1,4 @@
-"""Sparse symmetric positive definite systems by Cholesky's factors, scaled to unit diagonal and refined once.
+"""Sparse symmetric positive definite systems by Cholesky's factors, scaled to unit diagonal.
 
 The factors L L^T are those of CHOLMOD (Chen, Davis, Hager, Rajamanickam 2008, ACM Trans. Math. Softw. 35:22),
 as CVXOPT brings it. Where bodies slide in several very narrow gaps rounding may leave a pivot that is not
@@ -18,31 +18,41 @@ from fsi.pores.compiled import compiled
 _TINY = float(np.finfo(float).tiny)
 
 
-def solve_definite(A: sp.csr_matrix, b: Array) -> tuple[Array, float]:
-    """x and the largest relative residual of A x = b; b (n,), or one right side a column, (n, k).
+class Cholesky:
+    """The factors of the rows and columns of K + diag(D) that are free, n of all."""
 
-    The columns of each row of A are in ascending order. Raises SolveError: A is not positive definite.
-    """
-    from cvxopt import cholmod, matrix, spmatrix  # takes 0.2 s to load: not where nothing is solved
+    def __init__(self, K: sp.csr_matrix, free: NDArray[np.bool_], D: Array | None = None) -> None:
+        """K symmetric, the columns of each row in ascending order; D of all rows.
 
-    diagonal = A.diagonal()
-    if not np.all(diagonal > 0.0):
-        raise SolveError("pores: the motion is not determined: a free body meets no fluid")
-    scale = 1.0 / np.sqrt(diagonal)
-    lower = [matrix(part) for part in _scaled_lower(A.indptr, A.indices, A.data, scale)]
-    factors = _factors(spmatrix(*lower, A.shape, "d"))
+        Raises SolveError: it is not positive definite.
+        """
+        from cvxopt import matrix, spmatrix  # takes 0.2 s to load: not where nothing is solved
 
-    def solved(right: Array) -> Array:
-        x = matrix((right.T * scale).T)
-        cholmod.solve(factors, x)
-        found: Array = (np.array(x).reshape(right.shape).T * scale).T
+        diagonal = K.diagonal() if D is None else K.diagonal() + D
+        if not np.all(diagonal[free] > 0.0):
+            raise SolveError("pores: the motion is not determined: a free body meets no fluid")
+        scale = np.zeros(len(free))
+        scale[free] = 1.0 / np.sqrt(diagonal[free])
+        number = np.where(free, np.cumsum(free) - 1, -1)
+        n, self._scale = int(np.count_nonzero(free)), scale[free]
+        entries = [matrix(part) for part in _scaled_lower(K.indptr, K.indices, K.data, (scale, number))]
+        lower = spmatrix(*entries, (n, n), "d")
+        del entries  # more than all the rest while factors are made
+        self._factors = _factors(lower)
+
+    def solve(self, b: Array) -> Array:
+        """x; b (n,), or one right side a column, (n, k)."""
+        from cvxopt import cholmod, matrix
+
+        x = matrix((b.T * self._scale).T)
+        cholmod.solve(self._factors, x)
+        found: Array = (np.array(x).reshape(b.shape).T * self._scale).T
         return found
 
-    x = solved(b)
-    x += solved(b - A @ x)
-    defect = ((b - A @ x).T * scale).T
-    size = np.abs((b.T * scale).T).max(axis=0, initial=0.0) + _TINY
-    return x, float(np.max(np.abs(defect).max(axis=0, initial=0.0) / size, initial=0.0))
+    def residual(self, defect: Array, b: Array) -> float:
+        """The largest defect over the largest right side of its column, both scaled."""
+        largest, size = (np.abs((r.T * self._scale).T).max(axis=0, initial=0.0) for r in (defect, b))
+        return float(np.max(largest / (size + _TINY), initial=0.0))
 
 
 def _factors(lower: Any) -> Any:
@@ -64,22 +74,28 @@ type Index = NDArray[np.int64]
 
 @compiled
 def _scaled_lower(
-    indptr: NDArray[np.int32], indices: NDArray[np.int32], data: Array, scale: Array
+    indptr: NDArray[np.int32], indices: NDArray[np.int32], data: Array, of: tuple[Array, Index]
 ) -> tuple[Array, Index, Index]:
-    """Values, rows and columns of the lower triangle of A scaled on both sides, one column after the other.
+    """Values, rows and columns of the lower triangle, column by column, scaled to unit diagonal.
 
-    A is symmetric: its rows from the diagonal on are these columns.
+    Of all rows: their scales, and their numbers, -1 where they are left out. The matrix is symmetric: its
+    rows from the diagonal on are these columns.
     """
+    scale, number = of
     n = 0
     for i in range(len(scale)):
-        for p in range(indptr[i], indptr[i + 1]):
-            n += indices[p] >= i
+        if number[i] >= 0:
+            for p in range(indptr[i], indptr[i + 1]):
+                n += indices[p] >= i and number[indices[p]] >= 0
     values, row, column = np.empty(n), np.empty(n, np.int64), np.empty(n, np.int64)
     n = 0
     for i in range(len(scale)):
+        if number[i] < 0:
+            continue
         for p in range(indptr[i], indptr[i + 1]):
             j = indices[p]
-            if j >= i:
-                values[n], row[n], column[n] = scale[i] * data[p] * scale[j], j, i
+            if j >= i and number[j] >= 0:
+                values[n] = scale[i] * data[p] * scale[j] if j > i else 1.0
+                row[n], column[n] = number[j], number[i]
                 n += 1
     return values, row, column

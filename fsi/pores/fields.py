@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array
 from fsi.pores.assembly import Batch
+from fsi.pores.carrier import stream
 from fsi.pores.forms import values, with_bubbles
 from fsi.pores.inner import inner_flow
 from fsi.pores.orders import numbers_of
@@ -19,7 +20,7 @@ from fsi.pores.pattern import Index
 from fsi.pores.pore_data import Complex, gathering, pore_data
 from fsi.pores.quadrature import DISTANCE, Points, Rule, X, Y, points_at, pore_points, uniform
 from fsi.pores.regions import PoreShapes, cross
-from fsi.pores.solve import PoreFlow, stream
+from fsi.pores.solve import PoreFlow
 from fsi.pores.system import PoreSystem
 
 _PATCHES = 0.75  # of a strip, for each unit of T by which points gather in it

@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.pores.assembly import Batch
+from fsi.pores.carrier import stream
 from fsi.pores.fields import stream_function
 from fsi.pores.forms import strain_rates, with_bubbles
 from fsi.pores.pore_data import pore_data
 from fsi.pores.quadrature import pore_points, uniform
 from fsi.pores.regions import NEXT, OTHER
-from fsi.pores.solve import PoreFlow, stream
+from fsi.pores.solve import PoreFlow
 
 # Hardly off the feet of a neck.
 _FEET = np.array([[1e-9, 1.0 - 1e-9], [1.0, 1.0]])

@@ -22,7 +22,7 @@ from fsi.observables.bars import DrivenBodies
 from fsi.observables.resistance import Resistance, ResistanceErrors
 from fsi.pores.accuracy import missed, with_modes
 from fsi.pores.bars import bar_factor, finer, reference_modes
-from fsi.pores.definite import solve_definite
+from fsi.pores.definite import Cholesky
 from fsi.pores.fineness import Fineness
 from fsi.pores.model import make_system
 from fsi.pores.orders import RIGID
@@ -102,9 +102,11 @@ def _schur_complement(system: PoreSystem) -> tuple[Array, Checked]:
         free[walls[1, 3]] = True  # the flux through a channel is a result
     f = np.flatnonzero(free)
     B = K[f][:, body].toarray()
-    X, residual = solve_definite(K[f][:, f], B)
+    factors, inner = Cholesky(K, free), K[f][:, f]
+    X = factors.solve(B)
+    X += factors.solve(B - inner @ X)
     R = K[body][:, body].toarray() - B.T @ X
     x = np.zeros((system.size, len(body)))
     x[f], x[body] = np.abs(X), np.eye(len(body))
     terms = np.einsum("nj,nj->j", x, abs(K) @ x)
-    return R, Checked(residual, EPSILON * terms / np.diag(R))
+    return R, Checked(factors.residual(B - inner @ X, B), EPSILON * terms / np.diag(R))

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Inertia, Motion
 from fsi.pores.assembly import Batch
-from fsi.pores.definite import solve_definite
+from fsi.pores.carrier import Carrier, carried, mean_flow, product
+from fsi.pores.definite import Cholesky
 from fsi.pores.orders import RIGID
 from fsi.pores.system import PoreSystem
 
@@ -65,7 +65,7 @@ class PoreFlow:
         system: whose numbers these are.
         loading: what drives it.
         x: all numbers, those of the images of surfaces less the mean flow, (n,).
-        y: what they have more than surfaces that the mean flow carries along, (n,): small in a large cell.
+        y: what they have more than surfaces carried along (`Carrier`), (n,): small in a large domain.
         U: velocities of bodies, (N, 3).
         F: loads on them less their inertia, those that hold them too, (N, 3): minus those of the fluid.
         reactions: mu K x with the mean flow, (n,): the power that a unit of each number takes.
@@ -82,6 +82,11 @@ class PoreFlow:
     reactions: Array
     dissipation: float
     checks: dict[str, float]
+
+    @property
+    def carrier(self) -> Carrier:
+        """The flow that carries all along."""
+        return Carrier.of(self.system, self.loading.gradient, self.loading.walls)
 
     @property
     def wall_forces(self) -> Array:
@@ -115,7 +120,7 @@ class PoreFlow:
 
     def local_numbers(self, batch: Batch) -> Array:
         """The same but for a translation of each pore, which costs nothing: few digits cancel in them."""
-        found: Array = self.y[batch.unknown] + carried(self.system, batch, self.loading.gradient)
+        found: Array = self.y[batch.unknown] + carried(self.system, batch, self.carrier.G)
         return found
 
     def power_of_mean(self, gradient: Array) -> float:
@@ -138,9 +143,9 @@ class PoreFlow:
 def solve_pores(system: PoreSystem, loading: PoreLoading) -> PoreFlow:
     """The flow that a loading drives. Raises SolveError: bodies overlap, or the motion is not determined."""
     mu, n, N = system.viscosity, system.size, system.bodies
-    K = mu * system.assembly.K
     body = system.assembly.numbering.surface[:N, None] + np.arange(3)
-    base = _carried_along(system, loading.gradient) + _sliding_along(system, loading.walls)
+    carrier = Carrier.of(system, loading.gradient, loading.walls)
+    base = carrier.numbers(system)
     given, held = _prescribed(system, loading)
     y = np.where(held, given - base, 0.0)
     if not len(loading.walls):
@@ -149,104 +154,33 @@ def solve_pores(system: PoreSystem, loading: PoreLoading) -> PoreFlow:
     if loading.inertia is not None:
         D[body] = loading.inertia.D
         b[body] += loading.inertia.D * loading.inertia.U0
-    images, mean_power = _of_mean_flow(system, loading.gradient)
-    free = np.flatnonzero(~held)
-    rhs = b - images - K @ y - D * base
-    A = (K + sp.diags(D))[free][:, free]
-    y[free], residual = solve_definite(A, rhs[free])
+    of_base, base_power = carrier.power(system)
+    free = ~held
+
+    def left(y: Array) -> Array:
+        """Of the equations of free numbers."""
+        return np.asarray(b - of_base - mu * product(system, y) - D * (y + base))[free]
+
+    rhs = left(y)
+    factors = Cholesky(system.assembly.K, free, D / mu)
+    y[free] = factors.solve(rhs) / mu
+    y[free] += factors.solve(left(y)) / mu
+    Ky = mu * product(system, y)
+    residual = factors.residual((b - of_base - Ky - D * (y + base))[free], rhs)
     x = y + base
     if not len(loading.walls):
         first = system.assembly.numbering.surface[:-1]
         x[first + 3] -= x[first[0] + 3]
     U = x[body]
-    reactions = K @ y + images
+    reactions = Ky + of_base
     # On free modes what they are given, less what inertia takes; what holds the others is found.
     inertia = D[body] * (U - loading.inertia.U0) if loading.inertia else np.zeros_like(U)
     F = np.where(loading.motion.held, reactions[body], loading.motion.F - inertia)
-    dissipation = float(y @ (K @ y) + 2.0 * images @ y + mean_power)
+    dissipation = float(y @ Ky + 2.0 * of_base @ y + base_power)
     flow = PoreFlow(system, loading, x, y, U, F, reactions, dissipation, {})
     flow.checks.update(residual=residual, power=_power(flow, flow.power_of_mean(loading.gradient)))
     flow.checks.update(_translations(flow))
     return flow
-
-
-def mean_flow(system: PoreSystem, batch: Batch, gradient: Array) -> Array:
-    """What images of surfaces have more than the surfaces in u = G x + periodic, (n, m).
-
-    Their velocities, and as c the flux of G x between the surface and its image.
-    """
-    pores = system.pores
-    periods = np.zeros((2, 2))
-    periods[: len(pores.surfaces.periods)] = pores.surfaces.periods
-    shift = pores.image[batch.pore] @ periods
-    image = system.shapes.reference[batch.pore]
-    U, c = shift @ gradient.T, stream(gradient, image) - stream(gradient, image - shift)
-    q, at = np.zeros(batch.unknown.shape), 0
-    first = system.assembly.numbering.surface
-    for v in range(3):
-        body = pores.vertices[batch.pore, v]
-        q[:, at], q[:, at + 1], q[:, at + 3] = U[:, v, 0], U[:, v, 1], c[:, v]
-        at += int(first[body[0] + 1] - first[body[0]])
-    return q
-
-
-def carried(system: PoreSystem, batch: Batch, gradient: Array) -> Array:
-    """The numbers of surfaces that u = G x carries along, seen from the first of each pore, (n, m).
-
-    A surface v moves with the velocity G x_v of its centre; psi there is that of the flow.
-    """
-    centre, reference = system.shapes.centre[batch.pore], system.shapes.reference[batch.pore]
-    U, c = _carried(centre - centre[:, :1], reference - centre, gradient)
-    q, at = np.zeros(batch.unknown.shape), 0
-    first = system.assembly.numbering.surface
-    for v in range(3):
-        body = system.pores.vertices[batch.pore, v]
-        q[:, at], q[:, at + 1], q[:, at + 3] = U[:, v, 0], U[:, v, 1], c[:, v]
-        at += int(first[body[0] + 1] - first[body[0]])
-    return q
-
-
-def _carried(centre: Array, arm: Array, G: Array) -> tuple[Array, Array]:
-    """Velocities (..., 2) of surfaces, and psi (...) at their references, at arms from their centres."""
-    U = centre @ G.T
-    return U, stream(G, centre) + U[..., 0] * arm[..., 1] - U[..., 1] * arm[..., 0]
-
-
-def _carried_along(system: PoreSystem, gradient: Array) -> Array:
-    """The numbers of all surfaces that u = G x carries along, (n,)."""
-    base, first = np.zeros(system.size), system.assembly.numbering.surface[:-1]
-    if np.any(gradient):
-        centre = system.pores.surfaces.centre
-        U, base[first + 3] = _carried(centre, system.reference - centre, gradient)
-        base[first], base[first + 1] = U.T
-    return base
-
-
-def _sliding_along(system: PoreSystem, walls: Array) -> Array:
-    """The numbers of all surfaces that move along with the mean of the walls of a channel, (n,)."""
-    base, first = np.zeros(system.size), system.assembly.numbering.surface[:-1]
-    if len(walls) == 2 and np.any(U := walls[:, :2].mean(axis=0)):
-        x = system.reference - system.reference[system.pores.surfaces.discs]  # psi of the first wall is zero
-        base[first], base[first + 1], base[first + 3] = *U, x @ (-U[1], U[0])
-    return base
-
-
-def stream(G: Array, x: Array) -> Array:
-    """psi of u = G x, G of trace 0."""
-    psi: Array = G[0, 0] * x[..., 0] * x[..., 1] + 0.5 * (G[0, 1] * x[..., 1] ** 2 - G[1, 0] * x[..., 0] ** 2)
-    return psi
-
-
-def _of_mean_flow(system: PoreSystem, gradient: Array) -> tuple[Array, float]:
-    """mu K q for surfaces that the mean flow carries along, q, (n,), and mu q^T K q."""
-    images, power = np.zeros(system.size), 0.0
-    if np.any(gradient):
-        for batch in system.assembly.batches:
-            q = carried(system, batch, gradient)
-            Kq = system.viscosity * np.einsum("eij,ej->ei", batch.forms.K, q)
-            np.add.at(images, batch.unknown.ravel(), Kq.ravel())
-            power += float(np.sum(q * Kq))
-    return images, power
 
 
 def _prescribed(system: PoreSystem, loading: PoreLoading) -> tuple[Array, NDArray[np.bool_]]:

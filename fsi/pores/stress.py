@@ -23,7 +23,8 @@ import numpy as np
 from fsi.bodies.configuration import Array
 from fsi.observables.bars import DrivenBodies
 from fsi.observables.bulk_stress import BulkStress, area_fraction
-from fsi.pores.solve import PoreFlow, PoreLoading, stream
+from fsi.pores.carrier import stream
+from fsi.pores.solve import PoreFlow, PoreLoading
 
 
 def mean_strain_rate(bodies: DrivenBodies, loading: PoreLoading) -> Array:

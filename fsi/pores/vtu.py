@@ -20,9 +20,9 @@ from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.observables.bars import DrivenBodies
 from fsi.observables.bulk_stress import strain_rate, vorticity
+from fsi.pores.carrier import stream
 from fsi.pores.fields import FlowFields, PoreMesh
 from fsi.pores.necks import Necks
-from fsi.pores.solve import stream
 from fsi.run_folder.paraview import in_space, write_lines
 
 ORDER = 4
