@@ -94,7 +94,7 @@ def resume(
     run = RunFolder.reopen(folder)
     case, changed = on_root(lambda: _case_of(run, overrides))
     if run.checkpoint is not None:
-        state = _with_outlines(case, run.checkpoint.state)
+        state = _with_shapes(case, run.checkpoint.state)
         contact = _in_contact(case, state)
         if contact or state.t >= case.timing.end:
             return Outcome(state, 0, contact)
@@ -139,7 +139,7 @@ def _drive(case: Case, run: RunFolder, evolution: Evolution, progress: Progress)
     if run.checkpoint is None:
         state = keep(evolution.start(), began)
     else:
-        state = _with_outlines(case, run.checkpoint.state)
+        state = _with_shapes(case, run.checkpoint.state)
     first = state.step
     while state.t < evolution.schedule.end and not _in_contact(case, state):
         began = process_time()
@@ -147,9 +147,9 @@ def _drive(case: Case, run: RunFolder, evolution: Evolution, progress: Progress)
     return Outcome(state, state.step - first, _in_contact(case, state))
 
 
-def _with_outlines(case: Case, state: State) -> State:
+def _with_shapes(case: Case, state: State) -> State:
     """A state that was read, with what the case says of its bodies."""
-    return state.of_outlines(case.configuration().outlines)
+    return state.of_shapes(case.configuration())
 
 
 def _in_contact(case: Case, state: State) -> bool:

@@ -19,10 +19,12 @@ import numpy as np
 import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
+from fsi.meshes.geometry.ellipsoid import Ellipsoid, PlacedEllipsoid
 from fsi.meshes.geometry.images import to_images
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.geometry.outline import Outline
 from fsi.meshes.geometry.placed import Placed
+from fsi.meshes.geometry.rotations import turn_between
 
 Array = NDArray[np.float64]
 
@@ -70,13 +72,15 @@ class Configuration:
     centres: q_i, shape (N, d); angles: rotation of each body since the start, in the plane radians,
     shape (N,), in space a rotation vector, its length the angle, shape (N, 3); radii: a_i > 0, shape (N,), of
     a body with an outline that of the smallest circle around its centre that holds it; outlines: of all
-    bodies in the plane or on an axis, empty where all are discs or spheres.
+    bodies in the plane or on an axis, empty where all are discs or spheres; ellipsoids: the same of bodies in
+    space, whose radii are their largest half axes.
     """
 
     centres: Array
     angles: Array
     radii: Array
     outlines: tuple[Outline, ...] = ()
+    ellipsoids: tuple[Ellipsoid, ...] = ()
 
     @classmethod
     def unturned(cls, centres: Array, radii: Array) -> Configuration:
@@ -98,6 +102,17 @@ class Configuration:
         each = zip(self.outlines, self.centres, self.angles.ravel().tolist(), strict=False)
         return tuple(Placed(outline, centre, angle) for outline, centre, angle in each)
 
+    @cached_property
+    def standing(self) -> tuple[PlacedEllipsoid, ...]:
+        """The ellipsoids where they are; empty where all bodies are spheres."""
+        each = zip(self.ellipsoids, self.centres, self.angles, strict=False)
+        return tuple(PlacedEllipsoid(form, centre, angle) for form, centre, angle in each)
+
+    @property
+    def shaped(self) -> bool:
+        """Whether bodies are no discs or spheres, so that what turns them moves their surfaces."""
+        return bool(self.outlines or self.ellipsoids)
+
     def to_images(self, lattice: Lattice, body: NDArray[np.intp], x: Array) -> Array:
         """How far from the bodies their images lie that points x (n, d) on them belong to, (n, d)."""
         return lattice.shift(to_images(lattice, self.centres, self.placed, body, x))
@@ -112,8 +127,9 @@ class Configuration:
     @property
     def volumes(self) -> Array:
         """Of each body, (N,): of spheres, in the plane the areas; not for spheres on an axis."""
-        if self.outlines:
-            return np.array([outline.volume for outline in self.outlines])
+        if self.shaped:
+            volumes = [outline.volume for outline in self.outlines]
+            return np.array(volumes + [form.volume for form in self.ellipsoids])
         return self.areas if self.dimension == 2 else 4.0 / 3.0 * np.pi * self.radii**3
 
     @property
@@ -126,13 +142,16 @@ class Configuration:
 
         What turns a disc or sphere moves nothing but itself.
         """
-        ways: Array = np.linalg.norm(displacement[:, : self.dimension], axis=1)
-        return ways + self.radii * np.abs(displacement[:, 2]) if self.outlines else ways
+        d = self.dimension
+        ways: Array = np.linalg.norm(displacement[:, :d], axis=1)
+        return ways + self.radii * np.linalg.norm(displacement[:, d:], axis=1) if self.shaped else ways
 
     def way_to(self, other: Configuration) -> Array:
-        """The displacements (N, d) to another configuration; with outlines along all modes, (N, M)."""
+        """The displacements (N, d) to another configuration; of shapes along all modes, (N, M)."""
         apart = other.centres - self.centres
-        return np.column_stack([apart, other.angles - self.angles]) if self.outlines else apart
+        if not self.shaped:
+            return apart
+        return np.column_stack([apart, turn_between(self.angles, other.angles)])
 
     def moved(self, displacement: Array) -> Configuration:
         """The configuration after displacements (N, M) along the modes; rotations in space are composed."""

@@ -11,7 +11,7 @@ import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.meshes.geometry.container import Container, wall_feet
+from fsi.meshes.geometry.container import Container, feet_in_space, wall_feet
 from fsi.meshes.geometry.lattice import Integers, Lattice
 from fsi.meshes.geometry.placed import Foot
 
@@ -59,8 +59,8 @@ class Gaps:
 
 def pair_gaps(q: Configuration, pairs: NDArray[np.intp], away: Array | float = 0.0) -> Array:
     """Gaps `|q_i - q_j - away| - a_i - a_j` of the given pairs (P, 2), of outlines the true ones, (P,)."""
-    if q.outlines:
-        away = np.broadcast_to(away, (len(pairs), 2))
+    if q.shaped:
+        away = np.broadcast_to(away, (len(pairs), q.dimension))
         each = zip(pairs.tolist(), away, strict=True)
         return np.array([foot_between(q, i, j, e).gap for (i, j), e in each])
     i, j = pairs[:, 0], pairs[:, 1]
@@ -71,17 +71,24 @@ def pair_gaps(q: Configuration, pairs: NDArray[np.intp], away: Array | float = 0
 
 def wall_gaps(q: Configuration, container: Container) -> Array:
     """The distance of each body's surface to each wall, negative where they overlap, (N, walls)."""
-    if q.outlines:
-        gaps = [[foot.gap for foot in wall_feet(body, container)] for body in q.placed]
+    if q.shaped:
+        gaps = [[foot.gap for foot in feet_on_walls(q, i, container)] for i in range(len(q))]
         return np.array(gaps).reshape(len(q), len(container.walls))
     gaps_of_discs: Array = container.distances(q.centres) - q.radii[:, None]
     return gaps_of_discs
 
 
 def foot_between(q: Configuration, i: int, j: int, away: Array | float = 0.0) -> Foot:
-    """The gap of body i with an outline to body j, or to its image that lies `away` from it, (2,)."""
+    """The gap of body i with a shape to body j, or to its image that lies `away` from it, (d,)."""
+    if q.ellipsoids:
+        return q.standing[i].gap_to(q.standing[j])  # which have no images
     other = q.placed[j]
     return q.placed[i].gap_to(other.moved(other.centre + away))
+
+
+def feet_on_walls(q: Configuration, i: int, container: Container) -> list[Foot]:
+    """The gaps of body i with a shape to all walls."""
+    return wall_feet(q.placed[i], container) if q.outlines else feet_in_space(q.standing[i], container)
 
 
 def find_gaps(q: Configuration, container: Container, reach: float | None = None) -> Gaps:
@@ -132,13 +139,13 @@ def narrowest_gap(q: Configuration, container: Container) -> NarrowestGap | None
     if of_walls.min(initial=np.inf) <= gaps.pair_gaps.min(initial=np.inf):
         i, k = divmod(int(of_walls.argmin()), of_walls.shape[1])
         other, gap = len(q) + k, float(of_walls[i, k])
-        if q.outlines:
-            return NarrowestGap((i, other), gap, wall_feet(q.placed[i], container)[k].opposite)
+        if q.shaped:
+            return NarrowestGap((i, other), gap, feet_on_walls(q, i, container)[k].opposite)
         towards = -container.normals(q.centres[[i]])[0, k]
     else:
         pair = int(gaps.pair_gaps.argmin())
         (i, other), gap = gaps.pairs[pair].tolist(), float(gaps.pair_gaps[pair])
-        if q.outlines:
+        if q.shaped:
             return NarrowestGap((i, other), gap, foot_between(q, i, other, gaps.away[pair]).opposite)
         between = q.centres[other] + gaps.away[pair] - q.centres[i]
         towards = between / np.linalg.norm(between)
@@ -152,7 +159,7 @@ def smallest_of_each(q: Configuration, container: Container) -> Array:
     surface can be: `|q_i - q_j| <= |q_i - q_b| - a_b + max a`.
     """
     least, largest = find_gaps(q, container).smallest_of_each(), float(q.radii.max(initial=0.0))
-    if q.outlines:
+    if q.shaped:
         return find_gaps(q, container, np.inf).smallest_of_each() if np.any(least > 2.0 * largest) else least
     far = np.flatnonzero(least > 2.0 * largest)
     if len(far) == 0 or len(q) + len(container.periods) < 2:

@@ -2,8 +2,9 @@
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property
+from math import nan
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -20,6 +21,7 @@ from pydantic_core import PydanticCustomError
 
 from fsi.case.complaints import explain
 from fsi.case.section import (
+    Geometry,
     Name,
     NotNegative,
     Positive,
@@ -34,6 +36,7 @@ from fsi.case.series import Angle, Component, Series, Spin, Torque
 from fsi.case.shapes.shape import Shape
 from fsi.errors import InputError
 from fsi.machine import require_memory
+from fsi.meshes.geometry.ellipsoid import Ellipsoid
 from fsi.meshes.geometry.outline import Outline
 from fsi.meshes.geometry.revolved import BodyOfRevolution
 
@@ -52,7 +55,7 @@ class Body(Section):
     name: Name
     """a name of letters, digits, blanks, - and _"""
     shape: Shape | None = None
-    """the shape of a body of the plane or on an axis, a table with its kind; a disc or sphere if not given"""
+    """the shape of a body, a table with its kind; a disc or sphere if not given"""
     angle: Angle
     """the angle at time 0 in radians (in space a rotation vector), 0 if not given"""
     radius: Positive = Field(default=None, validate_default=True)
@@ -125,8 +128,12 @@ class Body(Section):
             if radius is not None:
                 raise ValueError("the shape says how large the body is; drop one of them")
             shape, angle = info.data["shape"], info.data.get("angle", 0.0)
-            axial = told(info).geometry == "axisymmetric"
-            return (shape.revolved(angle) if axial else shape.outline).radius
+            forms: dict[Geometry, Callable[[], Outline | Ellipsoid]] = {
+                "planar": lambda: shape.outline,
+                "axisymmetric": lambda: shape.revolved(angle),
+                "spatial": lambda: shape.ellipsoid,
+            }
+            return forms[told(info).geometry]().radius
         if radius is None and "shape" in info.data:
             raise PydanticCustomError("missing", "missing")
         return 1.0 if radius is None else radius  # the shape is refused already
@@ -151,9 +158,16 @@ class Body(Section):
         return self.shape.revolved(self.angle)
 
     @property
+    def ellipsoid(self) -> Ellipsoid:
+        """Of a body in space."""
+        return Ellipsoid(np.full(3, self.radius)) if self.shape is None else self.shape.ellipsoid
+
+    @property
     def half_axes(self) -> tuple[float, float, float]:
-        """Of an ellipsoid or sphere, those of a spheroid on an axis with that last; NaN of other bodies."""
-        return (self.radius,) * 3 if self.shape is None else self.shape.half_axes
+        """Of an ellipsoid along x, y and z, of a spheroid on an axis with that last; NaN of other bodies."""
+        if self.shape is None:
+            return (self.radius,) * 3
+        return (nan,) * 3 if np.any(self.angle) else self.shape.half_axes
 
     @property
     def inertia(self) -> tuple[float, float] | None:

@@ -5,6 +5,7 @@ the plane.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
@@ -38,7 +39,6 @@ from fsi.case.walls import WallVelocity
 from fsi.errors import InputError
 from fsi.levels import LEVELS, ModelLevel
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.outline import Outline
 
 type ModelName = Literal["resolved", "pores", "reduced", "gluey", "macroscopic"]
 MODELS: tuple[str, ...] = get_args(ModelName.__value__)
@@ -189,12 +189,14 @@ class Case(Section):
             np.array([body.radius for body in self.bodies], dtype=float),
         )
         angles = np.array([body.angle for body in self.bodies], dtype=float)
-        round_ = all(body.shape is None for body in self.bodies) and not self.domain.profiled
-        outlines = () if round_ else tuple(self._outline(body) for body in self.bodies)
-        return Configuration(q.centres, angles.reshape(q.angles.shape), q.radii, outlines)
-
-    def _outline(self, body: Body) -> Outline:
-        return body.revolved if self.axisymmetric else body.outline
+        placed = replace(q, angles=angles.reshape(q.angles.shape))
+        if all(body.shape is None for body in self.bodies) and not self.domain.profiled:
+            return placed
+        if self.dimension == 3:
+            return replace(placed, ellipsoids=tuple(body.ellipsoid for body in self.bodies))
+        axial = self.axisymmetric
+        outlines = tuple(body.revolved if axial else body.outline for body in self.bodies)
+        return replace(placed, outlines=outlines)
 
     def held(self) -> NDArray[np.bool_]:
         """Which modes are prescribed, or not there, at all times, (N, M)."""
@@ -267,7 +269,7 @@ class Case(Section):
         """What gravity acts on."""
         masses = np.array([body.mass or 0.0 for body in self.bodies])
         q = self.configuration()
-        return Bulk(masses, q.volumes) if q.outlines else Bulk.of(masses, q.radii, spheres=self.spheres)
+        return Bulk(masses, q.volumes) if q.shaped else Bulk.of(masses, q.radii, spheres=self.spheres)
 
     def knots(self) -> tuple[float, ...]:
         """The times at which a table has a kink, increasing."""

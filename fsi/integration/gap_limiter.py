@@ -77,7 +77,7 @@ def _reach(
         return np.inf
     relative = displacement.copy()
     relative[:, : q.dimension] -= q.centres @ strain
-    fastest, least = float(q.ways(relative).max(initial=0.0)), 0.0 if q.outlines else 2.0 * largest
+    fastest, least = float(q.ways(relative).max(initial=0.0)), 0.0 if q.shaped else 2.0 * largest
     return max(least, 2.0 * (fastest + rate * largest) / (gap_loss - rate))
 
 
@@ -92,8 +92,8 @@ def greatest_approach(
     lose half of it, or all if none can. Containers are convex, so that the gap to a wall is smallest at an
     end of the way.
     """
-    if q.outlines:
-        return _approach_of_outlines(q, container, displacement, gap_loss, duration)
+    if q.shaped:
+        return _approach_of_shapes(q, container, displacement, gap_loss, duration)
     displacement = displacement[:, : q.dimension]
     gaps = find_gaps(q, container, _reach(q, container, displacement, gap_loss, duration))
     away_moves = container.carried(gaps.away, duration) - gaps.away
@@ -109,7 +109,7 @@ def greatest_approach(
     return Approach(float(loss[worst]), float(before[worst]), _sides(worst, gaps.pairs, gaps.wall_gaps.shape))
 
 
-def _approach_of_outlines(
+def _approach_of_shapes(
     q: Configuration, container: Container, displacement: Array, gap_loss: float, duration: float
 ) -> Approach:
     """The same for bodies that are no discs, which turn on their way.

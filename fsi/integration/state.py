@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Configuration, Inertia
 from fsi.integration.errors import StepErrors
 from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.outline import Outline
 
 # A step that ends this close to a stop is stretched to land on it; `limiter.SAFETY` allows for it.
 STRETCH = 1.1
@@ -171,9 +170,11 @@ class State:
     h: float
     past: Past | None = None
 
-    def of_outlines(self, outlines: tuple[Outline, ...]) -> State:
-        """The same with the outlines of the bodies, which no file keeps."""
-        return replace(self, q=replace(self.q, outlines=outlines)) if outlines else self
+    def of_shapes(self, start: Configuration) -> State:
+        """The same with the shapes of the bodies, which no file keeps, from where they started."""
+        if not start.shaped:
+            return self
+        return replace(self, q=replace(self.q, outlines=start.outlines, ellipsoids=start.ellipsoids))
 
 
 @dataclass(frozen=True, slots=True)

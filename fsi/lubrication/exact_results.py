@@ -36,7 +36,7 @@ class ExactProblem:
         slip_length: of the first body.
         far_slip: of the container, where it is round.
         swimming: B_1 of the first body.
-        half_axes: of the first body where it is an ellipsoid, NaN elsewhere, (3,).
+        half_axes: of the first body where it is an ellipsoid along the axes, NaN elsewhere, (3,).
     """
 
     viscosity: float
@@ -165,6 +165,16 @@ def spheroid(problem: ExactProblem) -> float:
     mu, axis = problem.viscosity, problem.mode + 1  # z of (r, z) is the third
     R = float(ellipsoids.translation_resistance(np.array(problem.half_axes), mu)[axis])
     return -ellipsoids.in_far_ball(R, 0.5 * problem.size, mu) * float(problem.U[0, problem.mode])
+
+
+@exact_result(Fitting("spatial", "round", 1, "force", enclosed=True))
+def ellipsoid(problem: ExactProblem) -> float:
+    """An ellipsoid with its axes along x, y and z, moving or turning at the centre of such a container."""
+    axes, mu, speed = np.array(problem.half_axes), problem.viscosity, float(problem.U[0, problem.mode])
+    if problem.mode < 3:
+        R = float(ellipsoids.translation_resistance(axes, mu)[problem.mode])
+        return -ellipsoids.in_far_ball(R, 0.5 * problem.size, mu) * speed
+    return -float(ellipsoids.rotation_resistance(axes, mu)[problem.mode - 3]) * speed
 
 
 @exact_result(Fitting("planar", "round", 1, "force", enclosed=True))

@@ -265,7 +265,7 @@ def _case_table(case: Case) -> Table:
 def _nearest(case: Case, i: int) -> tuple[float, str]:
     """The smallest gap of body i and the name of what lies there, a body or a wall."""
     q, container = case.configuration(), case.container()
-    if q.outlines:
+    if q.shaped:
         found = find_gaps(q, container, np.inf)
         of_i = np.flatnonzero((found.pairs == i).any(axis=1))
         least = np.append(found.pair_gaps[of_i], found.wall_gaps[i])

@@ -124,7 +124,7 @@ class StokesModel:
         here, container = self.units.scaled_configuration(q), self._container().at(t)
         try:
             domain = FluidDomain(
-                container, here.centres, here.radii, self._corners, self._edges, placed=here.placed
+                container, here.centres, here.radii, self._corners, self._edges, here.placed, here.standing
             )
             return build(domain, resolution, order)
         except MeshError as error:
@@ -139,13 +139,13 @@ class StokesModel:
         if self._mover is None:
             return {}
         meshed = {"meshed_centres": self._meshed.centres, "meshed_time": np.array(self._meshed_time)}
-        return meshed | ({"meshed_angles": self._meshed.angles} if self._meshed.outlines else {})
+        return meshed | ({"meshed_angles": self._meshed.angles} if self._meshed.shaped else {})
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Mesh again where the mesh in use was made."""
         if self._moving and "meshed_centres" in state:
             q = self.case.configuration()
-            angles = state["meshed_angles"] if q.outlines else q.angles
+            angles = state["meshed_angles"] if q.shaped else q.angles
             q = replace(q, centres=state["meshed_centres"], angles=angles)
             self._remesh(q, float(state["meshed_time"]))
 
@@ -154,7 +154,7 @@ class StokesModel:
         if self._mover is not None:
             container, duration = self._container(), t - self._meshed_time
             places = self.units.scaled_places(q.centres)
-            angles = q.angles if q.outlines else None
+            angles = q.angles if q.shaped else None
             quality = self._mover.move(places, lambda e: container.carried(e, duration), angles)
             if quality is not None:
                 return self._mover.fluid.moved(quality, container.at(t))
@@ -165,6 +165,6 @@ class StokesModel:
         if self._mover is not None:
             self._mover.close()
         here = self.units.scaled_configuration(q)
-        self._mover = Mover(self.scaled_mesh(q, t), here.centres, here.placed)
+        self._mover = Mover(self.scaled_mesh(q, t), here.centres, here.placed, here.standing)
         self._meshed, self._meshed_time = q, t
         return self._mover.fluid

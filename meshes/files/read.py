@@ -197,6 +197,9 @@ def _tags(ends: Array, domain: FluidDomain) -> Indices:
         if domain.placed:
             off, _ = domain.placed[i].moved(centre).signed_distance(ends[near].reshape(-1, 2))
             away = np.abs(off).reshape(-1, 2).max(axis=1, initial=0.0)
+        elif domain.ellipsoids:
+            off = domain.ellipsoids[i].off(ends[near].reshape(-1, 3))
+            away = np.abs(off).reshape(-1, 3).max(axis=1, initial=0.0)
         else:
             away = np.abs(np.hypot.reduce(ends[near] - centre, axis=2) - radius).max(axis=1, initial=0.0)
         tags[near[away < ON_SURFACE * radius]] = i + 1

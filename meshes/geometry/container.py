@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.curves import Sphere, WallCurve
+from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
 from fsi.meshes.geometry.placed import Foot, Opposite, Placed
 
 Array = NDArray[np.float64]
@@ -233,6 +234,7 @@ class FluidDomain:
         corners: where a planar mesh is graded towards corners of the container, (n, 2).
         edges: the pairs of walls towards whose common edge a mesh in space is graded.
         placed: the bodies of a planar domain by their outlines; empty where all are discs.
+        ellipsoids: those of a domain in space; empty where all are spheres.
     """
 
     container: Container
@@ -241,6 +243,17 @@ class FluidDomain:
     corners: Array = field(default_factory=lambda: np.empty((0, 2)))
     edges: tuple[tuple[int, int], ...] = ()
     placed: tuple[Placed, ...] = ()
+    ellipsoids: tuple[PlacedEllipsoid, ...] = ()
+
+
+def feet_in_space(body: PlacedEllipsoid, container: Container) -> list[Foot]:
+    """The gaps of an ellipsoid to all walls, which are planes or the sphere around it."""
+    here = body.centre[None]
+    each = zip(container.spheres, container.distances(here)[0], container.normals(here)[0], strict=True)
+    return [
+        body.gap_to_plane(float(distance), normal) if sphere is None else body.gap_within(sphere)
+        for sphere, distance, normal in each
+    ]
 
 
 def wall_feet(body: Placed, container: Container) -> list[Foot]:

@@ -39,6 +39,21 @@ class Sphere:
         onto: Array = self.centre + self.radius * from_centre / length
         return onto
 
+    # An ellipsoid answers these as the sphere that it is before it is stretched.
+
+    @property
+    def unit(self) -> "Sphere":
+        """Itself."""
+        return self
+
+    def unstretched(self, x: Array) -> Array:
+        """Points as they are."""
+        return x
+
+    def stretched(self, y: Array) -> Array:
+        """Vectors as they are."""
+        return y
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WallCurve:

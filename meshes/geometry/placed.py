@@ -52,9 +52,9 @@ class Foot:
 
     Attributes:
         gap: its width, negative where the two overlap.
-        t: of the point on the body's outline.
-        x: that point, (2,).
-        normal: of what is opposite, towards the body, (2,).
+        t: of the point on the body's outline, NaN in space.
+        x: that point, (d,).
+        normal: of what is opposite, towards the body, (d,).
     """
 
     gap: float
@@ -64,7 +64,7 @@ class Foot:
 
     @property
     def opposite(self) -> Array:
-        """The point opposite, (2,)."""
+        """The point opposite, (d,)."""
         return np.asarray(self.x - self.gap * self.normal)
 
 

@@ -17,7 +17,7 @@ from typing import override
 import numpy as np
 import scipy  # its modules load when they are used
 
-from fsi.meshes.geometry.jets import Array, JetOf, circle
+from fsi.meshes.geometry.jets import Array, circle
 from fsi.meshes.geometry.outline import Outline
 
 SYMMETRIC = 1e-9  # of the radius, by which the mirror image of an outline may be off it
@@ -34,11 +34,9 @@ class BodyOfRevolution(Outline):
     angle: float = 0.0
 
     @classmethod
-    def about_axis(
-        cls, formula: JetOf, joints: tuple[float, ...] = (), angle: float = 0.0
-    ) -> BodyOfRevolution:
+    def about_axis(cls, outline: Outline, angle: float = 0.0) -> BodyOfRevolution:
         """The curve of a formula, whose origin is on the axis, moved along that."""
-        body = cls(formula, joints, angle=angle)
+        body = cls(outline.formula, outline.joints, fewest=outline.fewest, angle=angle)
         if np.isnan(body.poles[0]):
             return body  # on no axis; who asks for it sees that it is not symmetric
         (r, z), weights = body._half()

@@ -31,9 +31,11 @@ from petsc4py import PETSc
 from fsi.meshes.build import FluidMesh, columns_of_masters, coordinate_element, matching_nodes
 from fsi.meshes.cells.curved import SIMPLEX, determinant, scaled_jacobian
 from fsi.meshes.geometry.container import Array
+from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
 from fsi.meshes.geometry.images import to_images
 from fsi.meshes.geometry.placed import Placed
-from fsi.meshes.moving.slip import CurvedBoundaryCells, Extension, Slip, along, linear_weights, turned
+from fsi.meshes.geometry.rotations import turn_between, turned
+from fsi.meshes.moving.slip import CurvedBoundaryCells, Extension, Slip, along, linear_weights
 
 # A moved cell may differ from its base by this ratio of stretches at most, and keeps this scaled Jacobian.
 LARGEST_DISTORTION = 2.0
@@ -43,14 +45,22 @@ SMALLEST_JACOBIAN = 0.2
 class Mover:
     """Moves one base mesh and keeps its factorised Laplace matrix; `close` frees that."""
 
-    def __init__(self, fluid: FluidMesh, centres: Array, placed: Sequence[Placed] = ()) -> None:
+    def __init__(
+        self,
+        fluid: FluidMesh,
+        centres: Array,
+        placed: Sequence[Placed] = (),
+        ellipsoids: Sequence[PlacedEllipsoid] = (),
+    ) -> None:
         """Prepare to move `fluid`, which was built around bodies at `centres` (N, dimension); collective.
 
         placed: the bodies of the plane, if some are no discs, whose nodes turn with them; none of discs.
+        ellipsoids: the same in space.
         """
         self.fluid = fluid
         self.centres = centres
-        self.angles = np.array([body.angle for body in placed]) if placed else None
+        angles = [body.angle for body in placed] or [body.angle for body in ellipsoids]
+        self.angles = np.array(angles) if angles else None
         self._x = fluid.mesh.geometry.x[:, : fluid.dimension].copy()
         self._vertices = fem.functionspace(fluid.mesh, vertex_element(fluid.dimension))
         self._inverse_sides = np.linalg.inv(_sides(self._x[fluid.mesh.geometry.dofmaps[0]]))
@@ -79,12 +89,12 @@ class Mover:
         carried: Callable[[Array], Array] = np.copy,
         angles: Array | None = None,
     ) -> float | None:
-        """Move the bodies to `centres` (N, dimension), with outlines to `angles` (N,); in place, collective.
+        """Move the bodies to `centres` (N, dimension), shapes to `angles`; in place, collective.
 
         `carried` says what vectors (n, 2) between images have become. Gives the worst scaled Jacobian, or
         None (and the base mesh again) if the moved mesh is not good enough.
         """
-        turned_by = None if angles is None or self.angles is None else angles - self.angles
+        turned_by = None if angles is None or self.angles is None else turn_between(self.angles, angles)
         known, turns = self._known(centres - self.centres, carried, turned_by)
         geometry = self.fluid.mesh.geometry
         linear, d = linear_weights(self.fluid.order, self.fluid.dimension), self.fluid.dimension
@@ -144,9 +154,9 @@ class Mover:
     def _known(
         self, displacements: Array, carried: Callable[[Array], Array], turns: Array | None
     ) -> tuple[Array, Array]:
-        """What is known of d at this rank's vertices, (n, 2), and by which angles bodies' nodes turn, (N,).
+        """What is known of d at this rank's vertices, (n, 2), and by what bodies' nodes turn, as angles are.
 
-        turns: these angles where they are given.
+        turns: these where they are given.
         """
         known = np.zeros((len(self._tags), self.fluid.dimension))
         known[self._on_body] = displacements[self._body] + carried(self._to_image) - self._to_image

@@ -76,12 +76,13 @@ class Extension:
 
 @dataclass(frozen=True, slots=True)
 class CurvedBoundaryCells:
-    """This rank's cells with an edge on a disc.
+    """This rank's cells with an edge on a body.
 
     Attributes:
         cells: their numbers, (n,).
-        body: whose edge it is, (n,).
-        off_straight: how far their nodes are from where a straight cell has them, (n, nodes, 2).
+        body: whose edge it is, (n,); in space, where a cell may have edges on two bodies, of each node that
+            on which two corners of its side lie, (n, nodes).
+        off_straight: how far their nodes are from where a straight cell has them, (n, nodes, d).
     """
 
     cells: NDArray[np.intp]
@@ -103,15 +104,13 @@ class CurvedBoundaryCells:
         nodes = x[fluid.mesh.geometry.dofmaps[0][cells]]
         weights = linear_weights(fluid.order, fluid.dimension)
         straight = np.einsum("kc,tcd->tkd", weights, nodes[:, : fluid.dimension + 1])
-        return CurvedBoundaryCells(cells, body[cells] - 1, nodes - straight)
-
-
-def turned(r: Array, angle: Array) -> Array:
-    """What vectors r (n, ..., 2) change by if they turn by angles (n,), counterclockwise: (R - 1) r."""
-    angle = angle.reshape(-1, *[1] * (r.ndim - 2))
-    # cos - 1 without cancellation.
-    lost, s = -2.0 * np.sin(0.5 * angle) ** 2, np.sin(angle)
-    return np.stack([lost * r[..., 0] - s * r[..., 1], s * r[..., 0] + lost * r[..., 1]], axis=-1)
+        of_nodes = body[cells]
+        if fluid.dimension == 3:
+            beside = np.sort(np.where(weights > 0.0, tags[cells][:, None], 0), axis=2)
+            on_two = (beside[..., 1:] == beside[..., :-1]) & (beside[..., 1:] <= fluid.bodies)
+            # Where no two corners are on one body the node is that of a straight cell, whichever is meant.
+            of_nodes = np.maximum(np.where(on_two, beside[..., 1:], 0).max(axis=2), 1)
+        return CurvedBoundaryCells(cells, of_nodes - 1, nodes - straight)
 
 
 def along(lattice: Lattice) -> Array:

@@ -1,4 +1,4 @@
-"""Curved tetrahedra of order k: the nodes of isoparametric cells around spheres, in NumPy.
+"""Curved tetrahedra of order k: the nodes of isoparametric cells around spheres and ellipsoids, in NumPy.
 
 Let p(X) be the straight place of a point of a facet on a sphere of radius a around c, and
 
@@ -14,6 +14,9 @@ and Babuska, Finite Element Analysis, 1991, section 6.1):
 
 zero on all other sides. The derivatives of order m of the map are O(h^m) (Lenoir 1986, SIAM J. Numer. Anal.
 23:562), as Phi is one smooth map for edges and facets.
+
+An ellipsoid is a sphere that is stretched: facets bend before that, and their bends are stretched. Such maps
+take polynomials to such of the same degree, and volumes to volumes times one number.
 """
 
 from collections.abc import Mapping
@@ -25,16 +28,19 @@ import numpy as np
 from fsi.meshes.cells.curved import CurvedCells, along_side, barycentric, reference_points
 from fsi.meshes.geometry.container import Array
 from fsi.meshes.geometry.curves import Sphere
+from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
 from fsi.meshes.planar.triangulate import Indices, StraightCells, places_of
+
+type RoundSurface = Sphere | PlacedEllipsoid
 
 NEWTON_STEPS = 3  # for the radial place of a facet: linear but for (h / a)^2
 
 
-def curve_tets(straight: StraightCells, spheres: Mapping[int, Sphere], order: int) -> CurvedCells:
+def curve_tets(straight: StraightCells, spheres: Mapping[int, RoundSurface], order: int) -> CurvedCells:
     """Cells of the given order from straight ones.
 
     Args:
-        straight: the cells; the vertices of the facets on a sphere lie on it.
+        straight: the cells; the vertices of the facets on a sphere or ellipsoid lie on it.
         spheres: the surface of a tag, where that is curved.
         order: 1 ... 4.
     """
@@ -56,15 +62,16 @@ def curve_tets(straight: StraightCells, spheres: Mapping[int, Sphere], order: in
 
 
 def _bent(
-    straight: StraightCells, tag: int, sphere: Sphere, order: int
+    straight: StraightCells, tag: int, surface: RoundSurface, order: int
 ) -> tuple[Indices, Array, Indices, Array]:
-    """Edges (E, 2) of a sphere and how they bend, its facets (F, 3) and the coefficients of their bubbles."""
-    vertices, faces = straight.vertices, np.sort(straight.facets[straight.tags == tag], axis=1)
+    """Edges (E, 2) of a surface and how they bend, its facets (F, 3) and coefficients of their bubbles."""
+    faces = np.sort(straight.facets[straight.tags == tag], axis=1)
     edges = np.unique(faces[:, [0, 1, 0, 2, 1, 2]].reshape(-1, 2), axis=0)
-    bends = _edge_bends(vertices[edges], sphere, order)
-    if order < 3:
-        return edges, bends, faces, np.empty((len(faces), 0, 3))
-    return edges, bends, faces, _face_bends(vertices[faces], bends, _find(faces, edges), sphere, order)
+    ends, corners = (surface.unstretched(straight.vertices[some]) for some in (edges, faces))
+    bends, bubbles = _edge_bends(ends, surface.unit, order), np.empty((len(faces), 0, 3))
+    if order > 2:
+        bubbles = _face_bends(corners, bends, _find(faces, edges), surface.unit, order)
+    return edges, surface.stretched(bends), faces, surface.stretched(bubbles)
 
 
 def _keys(rows: Indices, n: int) -> Indices:

@@ -13,6 +13,13 @@ lubrication length sqrt(a gap), thus
 a: the smaller radius. No element is larger than a quarter of a box, or than 2 pi R / cells_per_circle in a
 container of radius R; towards edges where the flow is singular they are smaller (see `grading`). The law is
 said in gmsh's own language: a function in Python takes ten times as long.
+
+Around ellipsoids a is the radius 1 / H of the mean curvature, and b the distance to first order: with a point
+y before space is stretched by the half axes a_k, k = |y|, and p = k / |y_k / a_k|,
+
+    b = p (k - 1),      H = p^3 (sum a_k^2 - sum (a_k y_k / k)^2) / (2 prod a_k^2).
+
+Their gaps have no layers of prisms: cells there are at most ELONGATED times as long as the gap is wide.
 """
 
 from dataclasses import dataclass
@@ -20,12 +27,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from fsi.meshes.errors import TouchingError
-from fsi.meshes.geometry.container import Array, FluidDomain, lengths
+from fsi.meshes.geometry.container import Array, FluidDomain, feet_in_space, lengths
+from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.spatial.grading import edge_sizes
 from fsi.meshes.spatial.sides import Sides
 
 LENGTH, SHORTEST, LONGEST = 0.3, 0.3, 10.0
+ELONGATED, NARROWEST = (
+    1.5,
+    0.02,
+)  # of gaps of ellipsoids: cells' lengths, and the least width over a half axis
 
 
 def in_gap(gap: Array | float, radius: Array | float, resolution: Resolution) -> Array:
@@ -73,6 +85,8 @@ class Spacing:
 
     def close_pairs(self) -> list[ClosePair]:
         """All gaps where h_gap is smaller than the size on the larger body. Raises MeshError at contacts."""
+        if self.domain.ellipsoids:
+            return self._close_ellipsoids()
         centres, radii = self.domain.centres, self.domain.radii
         close, size = [], self.resolution.on_body(radii)
         to_walls = self.domain.container.distances(centres) - radii[:, None]
@@ -87,6 +101,22 @@ class Spacing:
             close += [ClosePair(i, int(j), float(smallest[j])) for j in narrow[narrow > i]]
         return close
 
+    def _close_ellipsoids(self) -> list[ClosePair]:
+        """The same of ellipsoids; `smallest` is the smallest half axis. Raises MeshError at narrow gaps."""
+        every, container, close = self.domain.ellipsoids, self.domain.container, list[ClosePair]()
+        for i, body in enumerate(every):
+            feet = [body.gap_to(other) for other in every[i + 1 :]] + feet_in_space(body, container)
+            for j, foot in enumerate(feet, i + 1):  # from the last body on, walls
+                least = min(float(each.form.half_axes.min()) for each in (body, *every[j : j + 1]))
+                if foot.gap <= 0.0:
+                    raise TouchingError("the ellipsoid at {} touches a body or wall; move it", body.centre)
+                if foot.gap < NARROWEST * least:
+                    what = f"is below {NARROWEST:g} of its smallest half axis"
+                    raise TouchingError(f"a gap of the ellipsoid at {{}} {what}; widen it", body.centre)
+                if self.in_gap(foot.gap, least) < self.resolution.on_body(body.form.radius):
+                    close.append(ClosePair(i, j, least))
+        return close
+
     def apply(self) -> None:
         """Make it gmsh's background size."""
         import gmsh  # here, as the estimate of a mesh asks for the law alone
@@ -96,13 +126,17 @@ class Spacing:
             f"(sqrt((x-({c[0]!r}))^2+(y-({c[1]!r}))^2+(z-({c[2]!r}))^2)-{a!r})"
             for c, a in zip(centres.tolist(), radii.tolist(), strict=True)
         ]
+        on_bodies, longest = [repr(h) for h in self.resolution.on_body(radii).tolist()], LONGEST
+        if self.domain.ellipsoids:
+            pairs = [_formulas(body) for body in self.domain.ellipsoids]
+            bodies, longest = [distance for distance, _ in pairs], ELONGATED
+            on_bodies = [f"{self.resolution.on_body(1.0)!r}*{bend}" for _, bend in pairs]
         away = [*bodies, *container.distance_formulas()]
-        on_bodies = self.resolution.on_body(radii).tolist()
         growth = float(self.resolution.growth)
-        sizes = [f"{h!r}+{growth!r}*{b}" for h, b in zip(on_bodies, bodies, strict=True)]
+        sizes = [f"{h}+{growth!r}*{b}" for h, b in zip(on_bodies, bodies, strict=True)]
         for gap in self.close_pairs():
             d, across = f"({away[gap.body]}+{away[gap.other]})", float(self.resolution.cells_per_gap)
-            along = f"min({LENGTH!r}*sqrt({gap.smallest!r}*abs({d})),{LONGEST!r}*{d})"
+            along = f"min({LENGTH!r}*sqrt({gap.smallest!r}*abs({d})),{longest!r}*{d})"
             sizes.append(f"max({along},{SHORTEST!r}*{d})/{across!r}")
         sizes += edge_sizes(self.domain, growth)
         sizes.append(repr(container.largest_element(self.resolution.cells_per_circle)))
@@ -114,3 +148,17 @@ class Spacing:
         smallest = field.add("Min")
         field.setNumbers(smallest, "FieldsList", numbers)
         field.setAsBackgroundMesh(smallest)
+
+
+def _formulas(body: PlacedEllipsoid) -> tuple[str, str]:
+    """The distance to an ellipsoid and 1 / H where it is nearest, in x, y, z."""
+    rows, a = body.rotation.T / body.form.half_axes[:, None], body.form.half_axes.tolist()
+    from_centre = [f"({s}-({c!r}))" for s, c in zip("xyz", body.centre.tolist(), strict=True)]
+    y = ["+".join(f"({w!r})*{r}" for w, r in zip(row, from_centre, strict=True)) for row in rows.tolist()]
+    squares = [f"({part})^2" for part in y]
+    k = f"sqrt({'+'.join(squares)})"
+    p = f"({k}/sqrt({'+'.join(f'{s}/{ak**2!r}' for s, ak in zip(squares, a, strict=True))}))"
+    nearest = "+".join(f"{ak**2!r}*{s}" for s, ak in zip(squares, a, strict=True))
+    twice, total = 2.0 * float(np.prod(np.square(a))), float(np.sum(np.square(a)))
+    bend = f"({twice!r}/({p}^3*({total!r}-({nearest})/{k}^2)))"
+    return f"({p}*({k}-1))", f"min({body.form.radius!r},{bend})"

@@ -1,4 +1,4 @@
-"""Tetrahedra in the fluid around spheres: gmsh fills it but for the layers of prisms in narrow gaps.
+"""Tetrahedra in the fluid around bodies: gmsh fills it but for layers of prisms in narrow gaps of spheres.
 
 gmsh's spheres are turned so that their seams spare those. A sphere of gmsh has an edge, the half circle from
 pole to pole at which its longitude begins. Where that crosses the edge of a layer of prisms it splits a side
@@ -19,9 +19,10 @@ from fsi.meshes.cells.curved import CurvedCells
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.container import Array, FluidDomain, lengths
 from fsi.meshes.geometry.curves import Sphere, rescaled
+from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import Indices, StraightCells, gmsh_model, require_boundary
-from fsi.meshes.spatial.curved_tetrahedra import curve_tets
+from fsi.meshes.spatial.curved_tetrahedra import RoundSurface, curve_tets
 from fsi.meshes.spatial.gap_prisms import (
     CLEARANCE,
     WIDEST,
@@ -50,7 +51,10 @@ def fill(domain: FluidDomain, resolution: Resolution, order: int) -> CurvedCells
     """
     unit = float(domain.radii.max(initial=0.0)) or domain.container.size()
     centres, radii = (rescaled(x, 1.0 / unit) for x in (domain.centres, domain.radii))
-    in_units = FluidDomain(domain.container.scaled(1.0 / unit), centres, radii, edges=domain.edges)
+    ellipsoids = tuple(body.rescaled(1.0 / unit) for body in domain.ellipsoids)
+    in_units = FluidDomain(
+        domain.container.scaled(1.0 / unit), centres, radii, edges=domain.edges, ellipsoids=ellipsoids
+    )
     make = _opened if len(in_units.container.periods) else _fill
     try:
         cells = make(Spacing(in_units, resolution), order)
@@ -76,8 +80,10 @@ def _opened(spacing: Spacing, order: int) -> CurvedCells:
 def _fill(spacing: Spacing, order: int) -> CurvedCells:
     """The cells of these sizes, valid or not."""
     domain = spacing.domain
-    layers = choose(find_gaps(spacing), spacing)
-    bodies = [Sphere(x, float(a)) for x, a in zip(domain.centres, domain.radii, strict=True)]
+    layers, bodies = list[GapPrisms](), list[RoundSurface](domain.ellipsoids)
+    if not bodies:
+        layers = choose(find_gaps(spacing), spacing)
+        bodies = [Sphere(x, float(a)) for x, a in zip(domain.centres, domain.radii, strict=True)]
     surfaces = enumerate([*bodies, *domain.container.spheres], 1)
     spheres = {tag: sphere for tag, sphere in surfaces if sphere is not None}
     cells = _outside(spacing, layers)
@@ -120,7 +126,10 @@ def _add_fluid(spacing: Spacing, layers: Sequence[GapPrisms]) -> None:
     """The container without the bodies and the cylinders of the layers."""
     occ, holes, domain = gmsh.model.occ, [], spacing.domain
     whole = domain.container.solid(occ) if spacing.sides is None else spacing.sides.solid(occ)
+    holes += [(3, _add_ellipsoid(body)) for body in domain.ellipsoids]
     for tag, (x, a) in enumerate(zip(domain.centres, domain.radii, strict=True), 1):
+        if domain.ellipsoids:
+            break
         holes.append((3, occ.addSphere(*x, a)))
         turn = seam_turn(tag, float(a), layers)
         if turn.angle:
@@ -129,6 +138,17 @@ def _add_fluid(spacing: Spacing, layers: Sequence[GapPrisms]) -> None:
     if holes:
         occ.cut([(3, whole)], holes)
     occ.synchronize()
+
+
+def _add_ellipsoid(body: PlacedEllipsoid) -> int:
+    """The unit sphere, stretched, turned and moved."""
+    occ = gmsh.model.occ
+    solid, angle = [(3, occ.addSphere(0.0, 0.0, 0.0, 1.0))], float(np.linalg.norm(body.angle))
+    occ.dilate(solid, 0.0, 0.0, 0.0, *body.form.half_axes)
+    if angle > 0.0:
+        occ.rotate(solid, 0.0, 0.0, 0.0, *(body.angle / angle), angle)
+    occ.translate(solid, *body.centre)
+    return int(solid[0][1])
 
 
 def _add_cylinder(layer: GapPrisms) -> int:
@@ -185,7 +205,9 @@ def _read(domain: FluidDomain, sides: Sequence[int], tied: Sequence[int]) -> Str
     if len(used) == 0:
         raise MeshError("gmsh made no tetrahedra; do two surfaces cross?")
     vertices = coordinates.reshape(-1, 3)[order][np.searchsorted(tags[order], used)]
-    to_bodies = [lengths(vertices - x) - a for x, a in zip(domain.centres, domain.radii, strict=True)]
+    to_bodies = [body.off(vertices) for body in domain.ellipsoids] or [
+        lengths(vertices - x) - a for x, a in zip(domain.centres, domain.radii, strict=True)
+    ]
     away = np.abs(np.column_stack([*to_bodies, domain.container.distances(vertices)]))
     facets, values = [], []
     for _, face in gmsh.model.getEntities(2):

@@ -97,7 +97,7 @@ def read_chains(run: Run, step: int | None = None, close: float = CLOSE) -> Chai
     case, steps = run.case, run.columns("steps")
     if case.geometry != "planar":
         raise InputError(f'geometry = "{case.geometry}": the lubrication law of discs needs "planar"')
-    if case.configuration().outlines:
+    if case.configuration().shaped:
         raise InputError("bodies: have shapes; the lubrication law of discs needs discs")
     if "dissipation" not in steps:
         raise InputError(

@@ -8,7 +8,9 @@ import pyvista as pv
 from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array, Configuration
+from fsi.case.shapes.ellipse import Ellipse
 from fsi.errors import InputError
+from fsi.meshes.geometry.outline import Outline
 from fsi.postprocess.render.fields import DISTURBANCE, RenderedField
 from fsi.postprocess.render.mean_flow import undisturbed
 from fsi.postprocess.render.periodic_box import PeriodicBox
@@ -57,12 +59,34 @@ class Cut:
         return x
 
     def circles(self, q: Configuration) -> Configuration:
-        """Where the plane cuts the spheres, as discs with centres (s, t), in units of half."""
+        """Where the plane cuts the bodies, as discs or ellipses with centres (s, t), in units of half."""
+        if q.ellipsoids:
+            return self._ellipses(q)
         apart = q.centres - self.centre
         squared = q.radii**2 - (apart @ self.across) ** 2
         cut = squared > 0.0
         centres = np.column_stack([apart @ self.along, apart @ self.up])[cut] / self.half
         return Configuration.unturned(centres, np.sqrt(squared[cut]) / self.half)
+
+    def _ellipses(self, q: Configuration) -> Configuration:
+        """The same of ellipsoids: |y| = 1 is a quadratic equation in (s, t)."""
+        found: list[tuple[Array, float, Outline]] = []
+        for body in q.standing:
+            start = body.unstretched(self.centre)
+            E = np.column_stack([body.unstretched(self.centre + e) - start for e in (self.along, self.up)])
+            A, b = E.T @ E, E.T @ start
+            middle = -np.linalg.solve(A, b)
+            left = 1.0 - float(start @ start + b @ middle)
+            if left > 0.0:
+                lengths, axes = np.linalg.eigh(A)
+                a, c = np.sqrt(left / lengths) / self.half
+                outline = Ellipse(kind="ellipse", axes=(float(a), float(c))).outline
+                turn = float(np.arctan2(axes[1, 0], axes[0, 0]))
+                found.append((middle / self.half, turn, outline))
+        centres = np.array([centre for centre, _, _ in found]).reshape(-1, 2)
+        outlines = tuple(outline for _, _, outline in found)
+        radii = np.array([outline.radius for outline in outlines])
+        return Configuration(centres, np.array([turn for _, turn, _ in found]), radii, outlines)
 
     @property
     def name(self) -> str:

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.bodies.gaps import foot_between, nearest_gaps
+from fsi.bodies.gaps import feet_on_walls, foot_between, nearest_gaps
 from fsi.errors import InputError
-from fsi.meshes.geometry.container import Container, wall_feet
+from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
 
 
@@ -47,9 +47,9 @@ def gap_between(
     away: how far the image of the other body that is meant lies from it; the nearest if not given.
     """
     i, j = sides
-    if q.outlines:
+    if q.shaped:
         if j >= len(q):
-            foot = wall_feet(q.placed[i], container)[j - len(q)]
+            foot = feet_on_walls(q, i, container)[j - len(q)]
         else:
             images = _images_near(q, container, sides) if away is None else [away]
             foot = min((foot_between(q, i, j, e) for e in images), key=lambda foot: foot.gap)

@@ -77,7 +77,9 @@ def _places(run: Run, points: Array, step: int) -> list[str]:
     places = np.full(len(points), OUTSIDE, dtype=object)
     for name, body in zip(run.case.names, q.placed, strict=False):
         places[body.signed_distance(points)[0] <= _TOLERANCE * body.outline.radius] = name
-    if q.outlines:
+    for name, form in zip(run.case.names, q.standing, strict=False):
+        places[form.off(points) <= _TOLERANCE * form.form.radius] = name
+    if q.shaped:
         return [str(place) for place in places]
     for name, centre, radius in zip(run.case.names, q.centres, (1.0 + _TOLERANCE) * q.radii, strict=True):
         near = np.flatnonzero(np.abs(points - centre).max(axis=1) <= radius)  # squares of others may overflow

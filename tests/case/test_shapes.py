@@ -150,11 +150,56 @@ def test_what_is_no_body_of_revolution_is_refused(shape: dict[str, Any], angle: 
         on_axis(shape, angle=angle)
 
 
-def test_shapes_of_the_plane_are_refused_in_space() -> None:
+ELLIPSOID = {"kind": "ellipsoid", "axes": [2.0, 1.0, 0.5]}
+
+
+def in_space(*more: dict[str, Any], **body: Any) -> Case:
     domain = {"lower": [-8.0] * 3, "upper": [8.0] * 3}
-    bodies = [{"name": "body", "position": [0.0] * 3, "shape": ELLIPSE}]
-    with pytest.raises(InputError, match=r'bodies\.0\.shape .*is for geometry = "planar" and "axisymmetric"'):
+    bodies = [{"name": "body", "position": [0.0] * 3, "shape": ELLIPSOID} | body, *more]
+    return parse_case(copy.deepcopy(DATA) | {"geometry": "spatial", "domain": domain, "bodies": bodies})
+
+
+def test_in_space_there_are_ellipsoids() -> None:
+    """Of volume 4/3 pi a b c; a sphere beside one is one of equal axes."""
+    case = in_space({"name": "sphere", "radius": 0.5, "position": [0.0, 3.0, 0.0]}, angle=[0.0, 0.0, 0.1])
+    q = case.configuration()
+    np.testing.assert_allclose(q.volumes, np.pi * np.array([4.0 / 3.0, 1.0 / 6.0]), rtol=1e-14)
+    np.testing.assert_array_equal(q.radii, [2.0, 0.5])
+    assert parse_case(tomllib.loads(case.as_toml())) == case
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        (
+            {"shape": ELLIPSE},
+            r'bodies\.0\.shape .*is for geometry = "planar" and "axisymmetric"; give another',
+        ),
+        ({"shape": {"kind": "ellipsoid", "axes": [1.0, 1.0]}}, r"bodies\.0\.shape\.axes"),
+        ({"mass": 1.0, "moment_of_inertia": 1.0}, r"bodies\.0\.mass = 1\.0: there are ellipsoids"),
+        ({"surface_velocity": [1.0]}, r"bodies\.0\.surface_velocity .*those of discs and spheres"),
+        ({"position": [0.0, 7.6, 0.0]}, "'body' touches or crosses wall 'back'"),
+    ],
+)
+def test_what_ellipsoids_are_not_is_refused(body: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        in_space(**body)
+
+
+def test_ellipsoids_have_no_periods() -> None:
+    domain = {"lower": [-8.0] * 3, "upper": [8.0] * 3, "periodic": ["x", "y"]}
+    bodies = [{"name": "body", "position": [0.0] * 3, "shape": ELLIPSOID}]
+    with pytest.raises(InputError, match=r"bodies\.0\.shape .*periodic domains in space take spheres only"):
         parse_case(DATA | {"geometry": "spatial", "domain": domain, "bodies": bodies})
+
+
+def test_ellipsoids_are_refused_in_the_plane_and_where_they_overlap() -> None:
+    with pytest.raises(InputError, match=r'bodies\.0\.shape .*is for geometry = "spatial"'):
+        shaped(ELLIPSOID)
+    near = {"name": "other", "position": [0.0, 0.0, 1.2], "shape": ELLIPSOID}
+    in_space(near)
+    with pytest.raises(InputError, match="'body' and 'other' overlap or touch"):
+        in_space(near, angle=[1.2, 0.0, 0.0])
 
 
 def test_bodies_of_shapes_that_overlap_are_refused() -> None:

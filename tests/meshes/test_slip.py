@@ -11,8 +11,8 @@ import pytest
 from fsi.meshes.build import build
 from fsi.meshes.geometry.container import Array, Container, FluidDomain
 from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.rotations import turned
 from fsi.meshes.moving.move import Mover
-from fsi.meshes.moving.slip import turned
 from fsi.meshes.planar.sizing import Resolution
 
 BOX = Box((-4.0, -4.0), (4.0, 4.0))

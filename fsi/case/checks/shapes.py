@@ -18,6 +18,8 @@ def check_shapes(case: Case) -> None:
     here, round_ = f"bodies.{i}.shape = {toml_text(shape)}", "spheres" if case.spheres else "discs"
     if case.axisymmetric:
         _check_symmetric(case)
+    if case.dimension == 3:
+        _check_ellipsoids(case, here)
     if case.model != "resolved":
         raise InputError(f'{here}: model = "{case.model}" knows {round_} only; give "resolved", or a radius')
     if case.domain.mesh is not None:
@@ -26,6 +28,16 @@ def check_shapes(case: Case) -> None:
         raise InputError(f"{here}: laws are calibrated for {round_}; drop [calibration], or give a radius")
     if any(force.reach > 0.0 for force in case.forces):
         raise InputError(f"{here}: [[forces]] of the gap act between {round_}; drop them, or give a radius")
+
+
+def _check_ellipsoids(case: Case, here: str) -> None:
+    """They have no inertia and no images."""
+    if len(case.container().periods):
+        raise InputError(f"{here}: periodic domains in space take spheres only; give walls, or a radius")
+    for i, body in enumerate(case.bodies):
+        if body.mass is not None:
+            mass = f"bodies.{i}.mass = {body.mass!r}"
+            raise InputError(f"{mass}: there are ellipsoids, whose inertia is not known in space; drop it")
 
 
 def _check_symmetric(case: Case) -> None:

@@ -1,7 +1,7 @@
 """The key `shape` of [[bodies]]: what bodies look like that are not discs or spheres.
 
-One more shape is one file here: a section under `@register_shape` with its curve. Files of this room are
-found by themselves; from outside the decorator alone does.
+One more shape in the plane or on an axis is one file here: a section under `@register_shape` with its curve.
+Files of this room are found by themselves; from outside the decorator alone does.
 """
 
 from __future__ import annotations
@@ -13,20 +13,56 @@ from typing import Annotated, Any, ClassVar, override
 
 from pydantic import BeforeValidator, SerializeAsAny, ValidationInfo
 
-from fsi.case.section import Registered, Registry, told
+from fsi.case.section import Geometry, Registered, Registry, told
+from fsi.meshes.geometry.ellipsoid import Ellipsoid
 from fsi.meshes.geometry.jets import ArcChain, JetOf
 from fsi.meshes.geometry.outline import FEWEST, Outline
 from fsi.meshes.geometry.revolved import BodyOfRevolution
 
 
-class BodyShape(Registered):
-    """The shape of a body at the angle 0; its position is the centre of its area.
+class AnyShape(Registered):
+    """The shape of a body at the angle 0.
+
+    Of `outline`, `revolved` and `ellipsoid` it has what `geometries` ask for.
+
+    Attributes:
+        geometries: of the cases in which bodies look so.
+    """
+
+    registry: ClassVar[Registry[Any]] = Registry("kind")
+    geometries: ClassVar[tuple[Geometry, ...]]
+
+    @property
+    def half_axes(self) -> tuple[float, float, float]:
+        """Of the ellipsoid that it is, if it turns around an axis that last; NaN if it is none."""
+        return nan, nan, nan
+
+    @property
+    def outline(self) -> Outline:
+        """In the plane."""
+        raise NotImplementedError
+
+    def revolved(self, angle: float) -> BodyOfRevolution:
+        """Turned by an angle in the plane of (r, z) and then around the axis."""
+        raise NotImplementedError
+
+    @property
+    def ellipsoid(self) -> Ellipsoid:
+        """In space."""
+        raise NotImplementedError
+
+    def check(self) -> None:
+        """Raise ValueError where no body looks so."""
+
+
+class BodyShape(AnyShape):
+    """A shape by its curve; the position of the body is the centre of its area.
 
     With an axis a curve in (r, z) that is symmetric about r = 0: the body is what it encloses when it turns
     around the axis, its position the centre of that volume.
     """
 
-    registry: ClassVar[Registry[Any]] = Registry("kind")
+    geometries: ClassVar[tuple[Geometry, ...]] = ("planar", "axisymmetric")
 
     @abstractmethod
     def curve(self) -> JetOf:
@@ -38,23 +74,25 @@ class BodyShape(Registered):
         return ()
 
     @property
-    def half_axes(self) -> tuple[float, float, float]:
-        """Of the ellipsoid that it is if it turns around an axis, that last; NaN if it is none."""
-        return nan, nan, nan
-
-    @property
     def fewest(self) -> int:
         """How many points of it overlook none of its waves."""
         return FEWEST
 
     @cached_property
+    @override
     def outline(self) -> Outline:
-        """The same as geometry."""
         return _outline(self)
 
+    @override
     def revolved(self, angle: float) -> BodyOfRevolution:
-        """Turned by an angle in the plane of (r, z) and then around the axis."""
-        return BodyOfRevolution.about_axis(self.curve(), self.joints, angle)
+        return BodyOfRevolution.about_axis(self.outline, angle)
+
+    @override
+    def check(self) -> None:
+        if self.outline.area <= 0.0:
+            raise ValueError("runs clockwise; turn the order of its points round")
+        if self.outline.crosses_itself():
+            raise ValueError("crosses itself; give a curve without crossings")
 
 
 @lru_cache(maxsize=256)
@@ -81,21 +119,19 @@ class ShapeOfArcs(BodyShape):
         return self.chain
 
 
-register_shape = BodyShape.registry.register
+register_shape = AnyShape.registry.register
 
 
-def _of_plane(value: Any, info: ValidationInfo) -> Any:
-    """The section that a table describes. Raises ValueError in space."""
+def _of_case(value: Any, info: ValidationInfo) -> Any:
+    """The section that a table describes. Raises ValueError: the case has no bodies that look so."""
     if value is None:
         return None
-    if told(info).geometry == "spatial":
-        raise ValueError('is for geometry = "planar" and "axisymmetric"; drop it')
-    shape: BodyShape = BodyShape.registry.validate(value, info)
-    if shape.outline.area <= 0.0:
-        raise ValueError("runs clockwise; turn the order of its points round")
-    if shape.outline.crosses_itself():
-        raise ValueError("crosses itself; give a curve without crossings")
+    shape: AnyShape = AnyShape.registry.validate(value, info)
+    if told(info).geometry not in shape.geometries:
+        words = " and ".join(f'"{word}"' for word in shape.geometries)
+        raise ValueError(f"is for geometry = {words}; give another kind, or a radius")
+    shape.check()
     return shape
 
 
-Shape = Annotated[SerializeAsAny[BodyShape], BeforeValidator(_of_plane)]
+Shape = Annotated[SerializeAsAny[AnyShape], BeforeValidator(_of_case)]

@@ -1,0 +1,28 @@
+"""Angles of bodies: numbers in the plane, rotation vectors in space."""
+
+import numpy as np
+import scipy  # its modules load when they are used
+
+from fsi.meshes.geometry.jets import Array
+
+
+def turn_between(angles: Array, others: Array) -> Array:
+    """What turns bodies from one set of angles to others: in the plane differences (N,), else (N, 3)."""
+    if angles.ndim == 1 or len(angles) == 0:
+        return others - angles
+    from_rotvec = scipy.spatial.transform.Rotation.from_rotvec
+    return np.asarray((from_rotvec(others) * from_rotvec(angles).inv()).as_rotvec())
+
+
+def turned(r: Array, angle: Array) -> Array:
+    """What vectors r (n, ..., d) change by if they turn by angles: (R - 1) r.
+
+    The angles are (n,) in the plane, counterclockwise, and rotation vectors (n, ..., 3) in space.
+    """
+    if r.shape[-1] == 3:
+        turn = scipy.spatial.transform.Rotation.from_rotvec(angle.reshape(-1, 3)).as_matrix() - np.eye(3)
+        return np.asarray(np.einsum("nij,nj->ni", turn, r.reshape(-1, 3)).reshape(r.shape))
+    angle = angle.reshape(-1, *[1] * (r.ndim - 2))
+    # cos - 1 without cancellation.
+    lost, s = -2.0 * np.sin(0.5 * angle) ** 2, np.sin(angle)
+    return np.stack([lost * r[..., 0] - s * r[..., 1], s * r[..., 0] + lost * r[..., 1]], axis=-1)
