@@ -119,11 +119,11 @@ def _approach_of_shapes(
     the way is at its end.
     """
     gaps = find_gaps(q, container, _reach(q, container, displacement, gap_loss, duration))
-    i, j = gaps.pairs.T
-    apart = displacement[:, :2].take(i, axis=0) - displacement[:, :2].take(j, axis=0)
+    (i, j), d = gaps.pairs.T, q.dimension
+    apart = displacement[:, :d].take(i, axis=0) - displacement[:, :d].take(j, axis=0)
     apart -= container.carried(gaps.away, duration) - gaps.away
-    turns = q.radii * np.abs(displacement[:, 2])
-    of_pairs = np.hypot(apart[:, 0], apart[:, 1]) + turns[i] + turns[j]
+    turns = q.radii * np.linalg.norm(displacement[:, d:], axis=1)
+    of_pairs = np.linalg.norm(apart, axis=1) + turns[i] + turns[j]
     losing = np.flatnonzero(of_pairs >= 0.5 * gap_loss * gaps.pair_gaps)
     gaps, of_pairs = gaps.of(losing), of_pairs[losing]
     before = np.concatenate([gaps.pair_gaps, gaps.wall_gaps.ravel()])

@@ -59,7 +59,8 @@ class Mover:
         """
         self.fluid = fluid
         self.centres = centres
-        angles = [body.angle for body in placed] or [body.angle for body in ellipsoids]
+        angles: list[float | Array] = [body.angle for body in placed]
+        angles += [body.angle for body in ellipsoids]
         self.angles = np.array(angles) if angles else None
         self._x = fluid.mesh.geometry.x[:, : fluid.dimension].copy()
         self._vertices = fem.functionspace(fluid.mesh, vertex_element(fluid.dimension))
