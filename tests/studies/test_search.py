@@ -47,6 +47,12 @@ def test_whole_numbers_are_tried_one_by_one() -> None:
     assert (wanted.found().value, len(wanted.trials)) == (8, 8)
 
 
+def test_the_last_whole_number_is_tried_too() -> None:
+    found = search(lambda k: 2.0 * k, 1, 4, 8.0, 0.1)
+    assert [trial.value for trial in found.trying()] == [1, 2, 3, 4]
+    assert found.found().quantity == 8.0
+
+
 def test_out_of_reach_is_refused_with_the_range() -> None:
     wanted = search(lambda x: 1.0 + x * x, -1.0, 2.0, 7.0, 1e-3)
     assert len(list(wanted.trying())) == PARTS + 1
