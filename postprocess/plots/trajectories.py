@@ -95,10 +95,7 @@ def plot_space_time(run: Run, output: Path, theme: Theme = LIGHT) -> None:
 
 def space_time_figure(run: Run, figure: Figure) -> Figure:
     """The figure with a panel for each. Raises InputError."""
-    table = run.table("profiles")
-    steps = table["step"].nunique()
-    names = ("t", "x", *_PROFILES)
-    grids = {name: table[name].to_numpy(dtype=float).reshape(steps, -1) for name in names}
+    grids = _over_space_and_time(run)
     x, t = grids["x"], grids["t"]
     panels = figure.subplots(1, len(_PROFILES), sharex=True, sharey=True)
     for axes, (name, (label, colours)) in zip(panels, _PROFILES.items(), strict=True):
@@ -113,3 +110,17 @@ def space_time_figure(run: Run, figure: Figure) -> Figure:
         figure.colorbar(drawn, ax=axes)
     panels[0].set_ylabel("t")
     return figure
+
+
+def _over_space_and_time(run: Run) -> dict[str, Array]:
+    """x, t and the profiles, a row for each step. Raises InputError: the rows are no such grid."""
+    table = run.table("profiles")
+    steps = table["step"].nunique()
+    values = {name: table[name].to_numpy(dtype=float) for name in ("t", "x", *_PROFILES)}
+    if len(table) % steps == 0:
+        grids = {name: column.reshape(steps, -1) for name, column in values.items()}
+        if (np.diff(grids["x"], axis=1) > 0.0).all() and (np.diff(grids["t"], axis=0) > 0.0).all():
+            return grids
+    raise InputError(
+        f"{run.path / 'profiles.csv'}: x and t do not ascend in it; it was changed: run the case again"
+    )

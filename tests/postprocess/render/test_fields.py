@@ -67,6 +67,12 @@ def test_a_constant_field_has_a_range() -> None:
         assert 0.0 < low < high
 
 
+@pytest.mark.parametrize(("span", "shown"), [((0.0, 4.0), 0.25), ((0.25, 4.0), 0.5), ((-4.0, 4.0), 0.625)])
+def test_a_range_from_zero_is_in_proportion(span: Span, shown: float) -> None:
+    """Where 1 lies in it: logarithmic colours have no zero."""
+    assert rendered_field("dissipation").scale.norm(span)(1.0) == pytest.approx(shown)
+
+
 @pytest.fixture
 def upwards(monkeypatch: pytest.MonkeyPatch) -> RenderedField:
     """A field from outside the package, for the time of a test: u_x + p."""

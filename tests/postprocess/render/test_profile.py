@@ -79,3 +79,13 @@ def test_space_and_time_of_a_macroscopic_run(blocks: Run) -> None:
     np.testing.assert_allclose(u[:, [5, 35]], np.tile([1.0, -0.5], (3, 1)))
     assert fsi_command("plot", blocks.path, "-o", blocks.path / "st.svg") == 0
     assert (blocks.path / "st.svg").read_bytes().startswith(b"<?xml")
+
+
+def test_profiles_that_were_changed_are_refused(blocks: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    table = blocks.table("profiles")
+    for column, row, value in (("x", 3, 9.0), ("t", 0, 0.3), ("step", 1, 7)):
+        changed = table.copy()
+        changed.loc[row, column] = value
+        monkeypatch.setattr(Run, "table", lambda *_, table=changed: table)
+        with pytest.raises(InputError, match=r"profiles\.csv: x and t do not ascend in it"):
+            space_time_figure(blocks, Figure())
