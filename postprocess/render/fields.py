@@ -66,8 +66,8 @@ class Scale(ABC):
 class Logarithmic(Scale):
     """For values of one sign: from what is exceeded on most of the area to what is on hardly any.
 
-    A decade where all values are the same; on a plane half the decades below the largest value. A range that is
-    asked for and begins at 0 or below has colours in proportion.
+    A decade where all values are the same; on a plane half the decades below the largest value. A range
+    that is asked for and begins at 0 or below has colours in proportion.
 
     Attributes:
         decades: the most that differ in colour.
