@@ -105,6 +105,7 @@ _RUNS = "history|attraction|no_attraction|collapse|couette|pores_history|spheres
 EXPENSIVE = {
     r"fsi run cases/(suspensions|pores|gluey/collapse|gluey/layers|spheres_in|couette)": "minutes",
     r"fsi run cases/(settling_disc\.|sheared_cell)": "a minute: tests/test_run_resolved.py has their like",
+    r"fsi run cases/shapes/sliding": "a minute: tests/stokes/test_contact.py runs it",
     rf" runs/({_RUNS})|runs/settling_disc($| )": "of a run of minutes",
     r"fsi (sweep|search) ": "tens of runs: tests/studies has smaller ones",
     r"fsi compare ": "runs at several levels: tests/comparison has smaller ones",
