@@ -94,9 +94,9 @@ def test_the_six_resistances_of_an_ellipsoid() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("axes", [(1.0, 0.5, 0.5), (1.0, 1.0, 0.5), (1.0, 0.2, 0.2), (1.0, 1.0, 0.2)])
+@pytest.mark.parametrize("axes", [(1.0, 0.5, 0.5), (1.0, 1.0, 0.5), (1.0, 0.2, 0.2)])
 def test_spheroids_along_across_and_turning(axes: tuple[float, float, float]) -> None:
-    """Prolate and oblate, of ratio 2 and 5, to 2e-3."""
+    """Prolate and oblate of ratio 2, prolate of ratio 5, to 2e-3."""
     found = case_resistance(in_ball(axes))
     along = [in_far_ball(R, BALL, 1.0) for R in translation_resistance(np.array(axes), 1.0)]
     exact = np.array([*along, *rotation_resistance(np.array(axes), 1.0)])
