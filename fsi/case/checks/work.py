@@ -35,7 +35,7 @@ _BYTES, _SECONDS = {2: 4.5e3, 3: 12e3}, {2: 14e-6, 3: 90e-6}
 # Of the other levels, for each body or parcel: bytes, and seconds of a step.
 _BODY_BYTES, _BODY_SECONDS = 20e3, 2e-5
 # Of pores, bytes and seconds of a step for each body, with so many modes.
-_MODES, _PORE_BYTES, _PORE_SECONDS = (1, 4, 8, 16), (1.6e5, 3.7e5, 7.6e5, 2e6), (2e-3, 4.4e-3, 1.1e-2, 7e-2)
+_MODES, _PORE_BYTES, _PORE_SECONDS = (1, 4, 8, 16), (1.9e5, 3.7e5, 7.6e5, 2e6), (2e-3, 4.4e-3, 1.1e-2, 7e-2)
 _ROW, _BODY_ROW, _FIELD = 200.0, 150.0, 40.0  # bytes of a step, of a body in it, of an unknown in a file
 _SAMPLE = 4096.0  # bytes of a sample's file
 _LIMIT_STEP = 400.0  # bytes of a step of the slides' scheme
