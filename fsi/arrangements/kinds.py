@@ -1,9 +1,9 @@
 """The kinds of arrangement by name, as `fsi pack` makes them, and the file that it writes.
 
-The ordered ones are arrays, flow-aligned rows, oblique chains and wall-to-wall columns of equal discs of
-radius a in the plane. Each cell has exactly the area fraction phi that is asked for. Neighbours in rows,
-chains and columns have the gap g, and s = 2 a + g is the distance of their centres. Walls, where the cell has
-them, are above and below.
+Those of spheres are random or crystals (see `crystals`). In the plane the ordered ones are arrays,
+flow-aligned rows, oblique chains and wall-to-wall columns of equal discs of radius a. Each cell has exactly
+the area fraction phi that is asked for. Neighbours in rows, chains and columns have the gap g, and
+s = 2 a + g is the distance of their centres. Walls, where the cell has them, are above and below.
 """
 
 import dataclasses
@@ -18,6 +18,7 @@ import numpy as np
 
 from fsi.arrangements.arrangement import Arrangement, Wanted
 from fsi.arrangements.cell import Array, SimulationCell
+from fsi.arrangements.crystals import BODY_CENTRED, CLOSE_PACKED, CUBIC, FACE_CENTRED, crystal
 from fsi.arrangements.oriented_packing import oriented_arrangement
 from fsi.arrangements.packing import random_arrangement
 from fsi.errors import InputError
@@ -167,10 +168,14 @@ def at_random(w: Wanted) -> Arrangement:
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """What makes it, and its options besides number, area fraction, radius, gap and cell."""
+    """What makes it, its options besides number, area fraction, radius, gap and cell, and its dimension.
+
+    That of random arrangements is an option.
+    """
 
     arranged: Callable[[Wanted], Arrangement]
     options: tuple[str, ...]
+    dimension: int = 2
 
 
 KINDS: Mapping[str, Kind] = {
@@ -183,6 +188,10 @@ KINDS: Mapping[str, Kind] = {
     "rows": Kind(flow_aligned_rows, ("rows",)),
     "chains": Kind(oblique_chains, ("rows", "length", "angle")),
     "columns": Kind(wall_to_wall_columns, ("length", "angle")),
+    "simple-cubic": Kind(crystal(CUBIC), (), 3),
+    "body-centred": Kind(crystal(BODY_CENTRED), (), 3),
+    "face-centred": Kind(crystal(FACE_CENTRED), (), 3),
+    "close-packed": Kind(crystal(CLOSE_PACKED), (), 3),
 }
 
 

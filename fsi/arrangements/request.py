@@ -26,7 +26,7 @@ def wanted(kind: Kind, common: Mapping[str, Any], options: Mapping[str, Any], sp
     """
     for name, value in options.items():
         if name not in KINDS[kind].options:
-            takes = ", ".join(KINDS[kind].options)
+            takes = ", ".join(KINDS[kind].options) or "none"
             raise InputError(
                 f"{spelled(name, value)}: {kind} has no such option; drop it ({kind} takes {takes})"
             )
@@ -42,7 +42,11 @@ def wanted(kind: Kind, common: Mapping[str, Any], options: Mapping[str, Any], sp
     elif options.get("dimension", 2) == 3:
         given, remedy = (spelled(*each) for each in (("shape", options["shape"]), ("dimension", 2)))
         raise InputError(f"{given}: is for the plane; give {remedy}, or drop it")
-    filled = {"spread": _SPREADS[sizes]} | _shape(kind, common["number"]) | dict(options)
+    filled = (
+        {"spread": _SPREADS[sizes], "dimension": KINDS[kind].dimension}
+        | _shape(kind, common["number"])
+        | dict(options)
+    )
     asked = Wanted(**common, **filled)
     for name, value, least in (
         ("area_fraction", asked.fraction, 0.0), ("radius", asked.radius, 0.0), ("gap", asked.gap, 0.0),

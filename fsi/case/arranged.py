@@ -26,7 +26,8 @@ class Arranged(Section):
     """
 
     kind: Kind
-    '"random", "square", "hexagonal", "rows", "chains" or "columns"'
+    """"random", "square", "hexagonal", "rows", "chains" or "columns", or "simple-cubic", "body-centred",
+    "face-centred" or "close-packed" of spheres"""
     number: int = Field(ge=1)
     """how many bodies, a number > 0"""
     area_fraction: float

@@ -196,8 +196,9 @@ def _check_sides(path: Path, sides: tuple[float, ...] | None, domain: Any) -> No
 
 def _check_cell(path: Path, sides: tuple[float, ...], vectors: Any) -> None:
     """The vectors of a cell must span the lattice of the file's box: integer combinations of its sides."""
-    corners = [_sides((0.0, 0.0), vector) for vector in vectors] if isinstance(vectors, list | tuple) else []
-    if len(corners) != len(sides) or any(corner is None for corner in corners):
+    zero, given = (0.0,) * len(sides), vectors if isinstance(vectors, list | tuple) else ()
+    corners = [_sides(zero, vector) for vector in given]
+    if len(corners) != len(sides) or any(corner is None or len(corner) != len(sides) for corner in corners):
         return  # the schema says what is wrong
     counts = np.array(corners) / sides
     off = np.abs(counts - np.rint(counts)).max()

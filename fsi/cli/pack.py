@@ -68,7 +68,7 @@ def pack(
     angle: Annotated[float | None, option("Of chains and columns: degrees from the flow.", "135; 90")] = None,
     picture: Annotated[Path | None, option("The picture.", "beside the file, .png")] = None,
 ) -> None:
-    """Arrange bodies at an area fraction: at random, in arrays, rows, oblique chains or wall-to-wall columns.
+    """Arrange bodies at an area fraction: at random, in arrays, rows, chains, columns, or crystals.
 
     The file is one that a case takes by `bodies_from`; it is drawn as well. The cell begins at the origin,
     and the area fraction determines its size. Random is the equilibrium fluid of hard bodies.

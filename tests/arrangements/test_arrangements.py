@@ -159,6 +159,49 @@ def test_spheres() -> None:
     check(found, 0.4, 0.02)
 
 
+@settings(max_examples=100)
+@given(
+    kind=st.sampled_from(["simple-cubic", "body-centred", "face-centred", "close-packed"]),
+    number=st.integers(1, 60), fraction=st.floats(0.01, 0.8), gap=st.floats(0.0, 0.3),
+    radius=st.floats(0.1, 10.0), cell=st.sampled_from(CELLS),
+)  # fmt: skip
+def test_crystals(kind: str, number: int, fraction: float, gap: float, radius: float, cell: str) -> None:
+    wanted = Wanted(number, fraction, gap * radius, radius, cell, dimension=3)
+    try:
+        found = KINDS[kind].arranged(wanted)
+    except InputError as error:
+        assert any(word in str(error) for word in ("largest possible", "no multiple"))  # noqa: PT017
+    else:
+        check(found, fraction, gap * radius)
+        assert len(found.radii) == number
+
+
+@pytest.mark.parametrize(
+    ("kind", "number", "densest", "neighbours", "next_ones"),
+    [
+        ("simple-cubic", 27, pi / 6, 6, 2.0),
+        ("body-centred", 54, sqrt(3) * pi / 8, 8, 4 / 3),
+        ("face-centred", 108, pi / sqrt(18), 12, 2.0),
+        ("close-packed", 96, pi / sqrt(18), 12, 2.0),
+    ],
+)
+def test_crystals_touch_where_they_are_densest(
+    kind: str, number: int, densest: float, neighbours: int, next_ones: float
+) -> None:
+    """Kittel, Introduction to Solid State Physics, chapter 1: neighbours, the square of the next distance.
+
+    Of face-centred cubic and close-packed arrays the third distances differ: s^2 = 3 and 8/3.
+    """
+    full = KINDS[kind].arranged(Wanted(number, densest, 0.0, cell="periodic", dimension=3))
+    between = full.cell.separation(full.centres[1:], full.centres[0])
+    squares = np.sort((between**2).sum(axis=1) / 4.0).round(9)
+    assert np.sum(squares == 1.0) == neighbours
+    assert squares[neighbours] == pytest.approx(next_ones)
+    assert (np.any(squares == round(8.0 / 3.0, 9))) == (kind in ("body-centred", "close-packed"))
+    with pytest.raises(InputError, match="the largest possible is"):
+        KINDS[kind].arranged(Wanted(number, densest + 1e-4, 0.0, cell="periodic", dimension=3))
+
+
 def test_too_large_a_fraction_is_refused_with_the_largest() -> None:
     largest = largest_fraction(np.ones(100), (True, True), 1.0, 0.02)
     assert largest == pytest.approx(0.78 / 1.01**2)  # the grown discs fill 0.78

@@ -5,10 +5,12 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from fsi.case.body_file import read_bodies
 from fsi.case.load import load_case
+from fsi.cli.pack import pack
 from fsi.errors import InputError
 from fsi.runs import run
 from tests.exact_model import DiscsBesidePlane, by
@@ -174,3 +176,18 @@ def test_the_vectors_of_a_cell_span_the_box_of_the_file(tmp_path: Path, sheared:
 def test_another_cell_than_that_of_the_file_is_refused(tmp_path: Path, second: str) -> None:
     with pytest.raises(InputError, match=r"its box is 19.816636 x 19.816636, but .* give vectors = \[\["):
         load_case(in_cell(tmp_path, f"[[19.816636, 0.0], {second}]"))
+
+
+def test_spheres_of_a_file_in_a_cell(tmp_path: Path) -> None:
+    """The vectors that `fsi pack` prints are taken; others are refused with those that fit."""
+    pack("face-centred", output=tmp_path / "spheres.json", number=4, cell="periodic", area_fraction=0.2)
+    side = float((80.0 * np.pi / 3.0) ** (1.0 / 3.0))
+    text = 'name = "packed"\ngeometry = "spatial"\nbodies_from = "spheres.json"\nfluid.viscosity = 1.0\n'
+    for factor in (1.0, 1.5):
+        vectors = (factor * side * np.eye(3)).tolist()
+        (tmp_path / "case.toml").write_text(f'{text}domain = {{ shape = "cell", vectors = {vectors} }}\n')
+        if factor == 1.0:
+            assert load_case(tmp_path / "case.toml").configuration().centres.shape == (4, 3)
+        else:
+            with pytest.raises(InputError, match=r"give vectors = \[\[4\.37"):
+                load_case(tmp_path / "case.toml")

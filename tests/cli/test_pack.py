@@ -83,6 +83,8 @@ def test_what_it_prints_is_the_domain(
         ({"kind": "rows", "cell": "box"}, ["periodic along x"]),
         ({"kind": "hexagonal", "cell": "periodic", "number": 15, "rows": 3}, ["rows = 3", "even"]),
         ({"kind": "rows", "area_fraction": 0.8}, ["area fraction = 0.8", "largest possible is 0.7623"]),
+        ({"kind": "body-centred", "number": 7}, ["number = 7", "no multiple of 2", "give 6"]),
+        ({"kind": "face-centred", "number": 4, "seed": 3}, ["--seed 3", "face-centred takes none"]),
         ({"output": Path("a.csv")}, ["a.csv", ".json"]),
         ({"output": Path("/nowhere/a.json")}, ["/nowhere/a.json", "no file can be written"]),
     ],
