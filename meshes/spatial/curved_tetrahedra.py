@@ -44,9 +44,17 @@ def curve_tets(straight: StraightCells, spheres: Mapping[int, RoundSurface], ord
         spheres: the surface of a tag, where that is curved.
         order: 1 ... 4.
     """
+    x, weights = curved_places(straight, spheres, order), barycentric(reference_points(order, 3))
+    nodes, cells = _numbered(x, straight.cells, np.rint(order * weights).astype(np.int64))
+    nodes[: len(straight.vertices)] = straight.vertices
+    return CurvedCells(nodes, cells, straight.facets, straight.tags, order)
+
+
+def curved_places(straight: StraightCells, spheres: Mapping[int, RoundSurface], order: int) -> Array:
+    """The nodes of each cell, (T, nodes, 3); as `curve_tets`, with the facets near these cells."""
     vertices, tets = straight.vertices, straight.cells
     l = barycentric(reference_points(order, 3))  # noqa: E741
-    x = np.einsum("nv,tvd->tnd", l, vertices[tets])
+    x: Array = np.einsum("nv,tvd->tnd", l, vertices[tets])
     parts = [_bent(straight, tag, sphere, order) for tag, sphere in spheres.items() if tag in straight.tags]
     if parts:
         edges, bends, faces, bubbles = (np.concatenate(each) for each in zip(*parts, strict=True))
@@ -56,9 +64,7 @@ def curve_tets(straight: StraightCells, spheres: Mapping[int, RoundSurface], ord
         for ijk in permutations(range(4), 3) if order > 2 else ():
             cells, rows = _matches(tets[:, ijk], faces)
             x[cells] += np.einsum("nm,cmd->cnd", _bubbles(l[:, ijk], order), bubbles[rows])
-    nodes, cells = _numbered(x, tets, np.rint(order * l).astype(np.int64))
-    nodes[: len(vertices)] = vertices
-    return CurvedCells(nodes, cells, straight.facets, straight.tags, order)
+    return x
 
 
 def _bent(

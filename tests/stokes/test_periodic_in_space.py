@@ -17,6 +17,7 @@ from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution
+from tests.cubic_arrays import EXTENSION, LATTICES, SHEAR, Array, drag, viscosity
 
 MPIEXEC = Path(sys.executable).with_name("mpiexec")
 LIGHT = {"degree": 2, "cells_per_circle": 10, "cells_per_gap": 0.5, "growth": 0.8}
@@ -54,18 +55,59 @@ def ball(position: list[float], **motion: Any) -> dict[str, Any]:
 HELD = {"velocity": [0.0, 1.0, 0.0], "angular_velocity": [0.0, 0.0, 0.0]}
 
 
-@pytest.mark.slow
-def test_drag_of_a_simple_cubic_array() -> None:
-    """Zick and Homsy 1982, J. Fluid Mech. 115:13, table 2: K = 2.810 at c = 0.064.
+ARRAYS = [
+    ("simple cubic", 0.064, 2.8102), ("body-centred", 0.064, 2.8894), ("body-centred", 0.343, 16.3350),
+    ("face-centred", 0.064, 2.8888), ("face-centred", 0.343, 16.6390),
+]  # fmt: skip
+# Zick and Homsy 1982, J. Fluid Mech. 115:13, table 2, simple cubic.
+ZICK_HOMSY = {0.027: 2.008, 0.064: 2.810, 0.125: 4.292, 0.216: 7.442, 0.343: 15.4}
 
-    On so coarse a mesh degree 3 is good to 2e-3; at rest at infinity K would be 1.
-    """
-    sizes = {"degree": 3, "cells_per_circle": 15, "growth": 0.6}
-    found = solved(case(cubic(0.064), [ball([0.1, 0.2, 0.3], **HELD)], **sizes))
-    assert found.F[0, 1] / (6.0 * np.pi * 0.7) == pytest.approx(2.810, rel=2e-3)
+
+@pytest.mark.slow
+def test_stokeslets_have_the_drag_of_zick_and_homsy() -> None:
+    """All digits printed there, and the first digits of what other tests expect of other lattices."""
+    for c, K in ZICK_HOMSY.items():
+        assert drag("simple cubic", c, 700) == pytest.approx(K, abs=5e-2 if K > 10.0 else 5.1e-4)
+    for kind, c, K in ARRAYS:
+        assert drag(kind, c, 700) == pytest.approx(K, rel=3e-5)
+
+
+def test_stokeslets_have_the_drag_of_hasimoto() -> None:
+    """1 / K = 1 - A c^(1/3) + c + O(c^2), Hasimoto 1959: A = 1.7601, 1.7918, 1.7917, here to 4e-4."""
+    c = 1e-4
+    for kind, A in (("simple cubic", 1.7601), ("body-centred", 1.7918), ("face-centred", 1.7917)):
+        assert (1.0 + c - 1.0 / drag(kind, c, 300)) / c ** (1.0 / 3.0) == pytest.approx(A, abs=6e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "c", "K"), ARRAYS)
+def test_drag_of_arrays(kind: str, c: float, K: float) -> None:
+    """By Stokeslets of the lattice. On such meshes degree 3 is good to 2e-3; of one sphere alone K = 1."""
+    a = (0.75 * c * abs(np.linalg.det(LATTICES[kind])) / np.pi) ** (1.0 / 3.0)
+    cell = {"shape": "cell", "vectors": (LATTICES[kind] / a).tolist()}
+    sizes = {"degree": 3, "cells_per_circle": 16, "growth": 0.5}
+    found = solved(case(cell, [ball([0.0, 0.0, 0.0], **HELD)], **sizes))
+    assert found.F[0, 1] / (6.0 * np.pi * 0.7) == pytest.approx(K, rel=2e-3)
     assert found.pressure_gradient is not None
-    volume = 4.0 * np.pi / 3.0 / 0.064
+    volume = abs(np.linalg.det(LATTICES[kind] / a))
     assert found.pressure_gradient[1] * volume == pytest.approx(found.F[0, 1], rel=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("flow", "E", "c", "mu"),
+    [
+        ("extension", EXTENSION, 0.064, 1.20189), ("shear", SHEAR, 0.064, 1.15515),
+        ("extension", EXTENSION, 0.216, 2.23297), ("shear", SHEAR, 0.216, 1.54237),
+    ],
+)  # fmt: skip
+def test_viscosities_of_simple_cubic_arrays(flow: str, E: Array, c: float, mu: float) -> None:
+    """By Stokeslets of the lattice; the two moduli differ by 4 % and 45 %."""
+    assert viscosity("simple cubic", c, E, 700) == pytest.approx(mu, rel=1e-5)
+    found = solved(
+        case(cubic(c, **{flow: 1.0}), [ball([0.1, 0.2, 0.3])], degree=3, cells_per_circle=16, growth=0.5)
+    )
+    assert found.apparent_viscosity == pytest.approx(mu, rel=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,143 @@
+"""Move vertices so that curved cells become valid.
+
+A facet bulges from its plane by h^2 / 6 a, of elements of size h on a sphere of radius a. gmsh knows of
+straight cells alone: a flat one over a facet, good enough as it is, turns over when it is curved. To mesh
+again with smaller elements costs more than all else, and most cells were good. So the vertices of bad cells
+are moved, away from the opposite side, towards the middle of their neighbours or along an axis, where that
+makes the worst of the cells around them better. Those on one sphere stay on it, those on walls and sides stay
+where they are; a mesh without bad cells is left as it is.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsi.meshes.cells.curved import WORST_ACCEPTED, CurvedCells, scaled_jacobian
+from fsi.meshes.geometry.container import Array, lengths
+from fsi.meshes.geometry.curves import Sphere
+from fsi.meshes.planar.triangulate import Indices, StraightCells
+from fsi.meshes.spatial.curved_tetrahedra import curve_tets, curved_places
+
+WANTED = 2.0 * WORST_ACCEPTED  # of the cells of a mesh that is mended at all
+SWEEPS = 20
+# Steps over the longest edge of the opposite side; over the whole way to the middle; over that edge, on axes.
+AWAY, MIDDLE, ALONG = (0.05, 0.1, 0.2, 0.35), (0.25, 0.5, 1.0), (-0.15, -0.05, 0.05, 0.15)
+MOST = 0.02  # of all cells: with more bad ones a mesh is too coarse, and is not mended
+
+
+def curved_and_valid(straight: StraightCells, spheres: Mapping[int, Sphere], order: int) -> CurvedCells:
+    """`curve_tets`, with vertices moved where cells would not be valid, as far as that helps."""
+    tangle = _Tangle(straight, spheres, order)
+    quality = tangle.quality(straight.vertices, np.arange(len(straight.cells)))
+    if not 0 < np.sum(quality <= WORST_ACCEPTED) <= MOST * len(quality):
+        return curve_tets(straight, spheres, order)
+    vertices, idle = straight.vertices.copy(), 0
+    for _ in range(SWEEPS):
+        bad = np.flatnonzero(quality <= WANTED)
+        movable = tangle.apart(bad[np.argsort(quality[bad])])
+        idle = 0 if len(movable) and _moved(tangle, vertices, quality, movable) else idle + 1
+        if idle == 4:  # each of the vertices of a cell has come first
+            break
+    return curve_tets(replace(straight, vertices=vertices), spheres, order)
+
+
+@dataclass(frozen=True, slots=True)
+class _Movable:
+    """A vertex, the bad cell that it is moved for, and all cells around it."""
+
+    vertex: int
+    cell: int
+    around: Indices
+
+
+class _Tangle:
+    """Cells whose vertices move."""
+
+    def __init__(self, straight: StraightCells, spheres: Mapping[int, Sphere], order: int) -> None:
+        self.straight, self._spheres, self._order = straight, spheres, order
+        n = len(straight.vertices)
+        low, high = np.full(n, np.iinfo(np.int64).max), np.zeros(n, dtype=np.int64)
+        corners, tags = straight.facets.ravel(), np.repeat(straight.tags, 3)
+        np.minimum.at(low, corners, tags)
+        np.maximum.at(high, corners, tags)
+        # 0: inside; else the tag of the one surface that a vertex is on.
+        self._surface = np.where(low == high, high, 0)
+        self._movable = (high == 0) | np.isin(self._surface, list(spheres))
+        self._by_vertex = np.argsort(straight.cells.ravel(), kind="stable") // 4
+        self._first = np.searchsorted(np.sort(straight.cells.ravel()), np.arange(n + 1))
+        self._round = np.isin(straight.tags, list(spheres))
+        self._tried = 0
+
+    def around(self, vertex: int) -> Indices:
+        """The cells of a vertex."""
+        return self._by_vertex[self._first[vertex] : self._first[vertex + 1]]
+
+    def quality(self, vertices: Array, some: Indices) -> Array:
+        """Scaled Jacobians of some cells, with the vertices (n, 3) where they are now."""
+        here, mesh = np.zeros(len(vertices), dtype=bool), self.straight
+        here[mesh.cells[some]] = True
+        near = self._round & (here[mesh.facets].sum(axis=1) >= 2)
+        part = StraightCells(vertices, mesh.cells[some], mesh.facets[near], mesh.tags[near])
+        return scaled_jacobian(curved_places(part, self._spheres, self._order), self._order)
+
+    def apart(self, bad: Indices) -> list[_Movable]:
+        """Vertices of these cells that may move, the worst cells first, no two of one cell.
+
+        Of the vertices of a cell another one comes first in each call.
+        """
+        taken, chosen = np.zeros(len(self.straight.cells), dtype=bool), list[_Movable]()
+        for cell in bad.tolist():
+            corners = np.roll(self.straight.cells[cell], self._tried)
+            for vertex in corners[self._movable[corners]].tolist():
+                around = self.around(vertex)
+                if not taken[around].any():
+                    taken[around] = True
+                    chosen.append(_Movable(vertex, cell, around))
+                    break
+        self._tried += 1
+        return chosen
+
+    def steps(self, vertices: Array, movable: list[_Movable]) -> Iterator[Array]:
+        """How far each vertex could move, (m, 3)."""
+        mesh, moving = self.straight, np.array([each.vertex for each in movable])
+        corners = mesh.cells[[each.cell for each in movable]]
+        others = corners[corners != moving[:, None]].reshape(-1, 3)
+        a, b, c = (vertices[others[:, k]] for k in range(3))
+        normal: Array = np.cross(b - a, c - a)
+        normal /= lengths(normal)[:, None]
+        normal *= np.copysign(1.0, np.einsum("md,md->m", vertices[moving] - a, normal))[:, None]
+        edges = np.column_stack([lengths(b - a), lengths(c - b), lengths(a - c)])
+        longest = edges.max(axis=1)[:, None]
+        middles = [
+            vertices[np.setdiff1d(mesh.cells[each.around], each.vertex)].mean(axis=0) for each in movable
+        ]
+        yield from (step * longest * normal for step in AWAY)
+        yield from (step * (np.array(middles) - vertices[moving]) for step in MIDDLE)
+        yield from (step * longest * axis for step in ALONG for axis in np.eye(3))
+
+    def on_surfaces(self, moving: Indices, x: Array) -> Array:
+        """Places x (m, 3) of these vertices, those on a sphere put back on it."""
+        placed, surface = x.copy(), self._surface[moving]
+        for tag in np.unique(surface[surface > 0]).tolist():
+            placed[surface == tag] = self._spheres[tag].project(x[surface == tag])
+        return placed
+
+
+def _moved(tangle: _Tangle, vertices: Array, quality: Array, movable: list[_Movable]) -> bool:
+    """Move each of these vertices where it is best, and tell whether any was; the arrays are changed."""
+    moving = np.array([each.vertex for each in movable])
+    some = np.concatenate([each.around for each in movable])
+    starts = np.cumsum([0, *(len(each.around) for each in movable[:-1])])
+    best, place = np.minimum.reduceat(quality[some], starts), vertices[moving].copy()
+    for step in tangle.steps(vertices, movable):
+        tried = vertices.copy()
+        tried[moving] = tangle.on_surfaces(moving, vertices[moving] + step)
+        worst = np.minimum.reduceat(tangle.quality(tried, some), starts)
+        better: NDArray[np.bool_] = worst > best + 1e-3
+        best, place = np.maximum(best, worst), np.where(better[:, None], tried[moving], place)
+    changed = bool(np.any(place != vertices[moving]))
+    vertices[moving] = place
+    quality[some] = tangle.quality(vertices, some)
+    return changed
