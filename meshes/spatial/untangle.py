@@ -4,7 +4,8 @@ A facet bulges from its plane by h^2 / 6 a, of elements of size h on a sphere of
 straight cells alone: a flat one over a facet, good enough as it is, turns over when it is curved. To mesh
 again with smaller elements costs more than all else, and most cells were good. So the vertices of bad cells
 are moved, away from the opposite side, towards the middle of their neighbours or along an axis, where that
-makes the worst of the cells around them better. Those on one sphere stay on it, those on walls and sides stay
+makes the worst of the cells around them better and none of them flat, which the scaled Jacobian does not see
+and the iterative solver suffers from. Those on one sphere stay on it, those on walls and sides stay
 where they are; a mesh without bad cells is left as it is.
 """
 
@@ -24,6 +25,7 @@ WANTED = 2.0 * WORST_ACCEPTED  # of the cells of a mesh that is mended at all
 SWEEPS = 20
 # Steps over the longest edge of the opposite side; over the whole way to the middle; over that edge, on axes.
 AWAY, MIDDLE, ALONG = (0.05, 0.1, 0.2, 0.35), (0.25, 0.5, 1.0), (-0.15, -0.05, 0.05, 0.15)
+FLATTEST = 0.04  # height of a cell that is moved, over that of a regular one; flatter ones get no flatter
 MOST = 0.02  # of all cells: with more bad ones a mesh is too coarse, and is not mended
 
 
@@ -69,6 +71,7 @@ class _Tangle:
         self._first = np.searchsorted(np.sort(straight.cells.ravel()), np.arange(n + 1))
         self._round = np.isin(straight.tags, list(spheres))
         self._tried = 0
+        self._least = np.minimum(_shape(straight.vertices[straight.cells]), FLATTEST)
 
     def around(self, vertex: int) -> Indices:
         """The cells of a vertex."""
@@ -81,6 +84,10 @@ class _Tangle:
         near = self._round & (here[mesh.facets].sum(axis=1) >= 2)
         part = StraightCells(vertices, mesh.cells[some], mesh.facets[near], mesh.tags[near])
         return scaled_jacobian(curved_places(part, self._spheres, self._order), self._order)
+
+    def flatter(self, vertices: Array, some: Indices) -> NDArray[np.bool_]:
+        """Which of some cells have become too flat."""
+        return np.asarray(_shape(vertices[self.straight.cells[some]]) < self._least[some])
 
     def apart(self, bad: Indices) -> list[_Movable]:
         """Vertices of these cells that may move, the worst cells first, no two of one cell.
@@ -134,10 +141,19 @@ def _moved(tangle: _Tangle, vertices: Array, quality: Array, movable: list[_Mova
     for step in tangle.steps(vertices, movable):
         tried = vertices.copy()
         tried[moving] = tangle.on_surfaces(moving, vertices[moving] + step)
-        worst = np.minimum.reduceat(tangle.quality(tried, some), starts)
+        tried_quality = np.where(tangle.flatter(tried, some), -1.0, tangle.quality(tried, some))
+        worst = np.minimum.reduceat(tried_quality, starts)
         better: NDArray[np.bool_] = worst > best + 1e-3
         best, place = np.maximum(best, worst), np.where(better[:, None], tried[moving], place)
     changed = bool(np.any(place != vertices[moving]))
     vertices[moving] = place
     quality[some] = tangle.quality(vertices, some)
     return changed
+
+
+def _shape(x: Array) -> Array:
+    """Volume of tetrahedra (n, 4, 3) over that of a regular one with their longest edge."""
+    edges = np.stack([x[:, i] - x[:, j] for i in range(4) for j in range(i)], axis=1)
+    longest = np.sqrt((edges**2).sum(axis=2).max(axis=1))
+    shape: Array = np.abs(np.linalg.det(x[:, 1:] - x[:, :1])) * np.sqrt(2.0) / longest**3
+    return shape

