@@ -5,8 +5,8 @@ straight cells alone: a flat one over a facet, good enough as it is, turns over 
 again with smaller elements costs more than all else, and most cells were good. So the vertices of bad cells
 are moved, away from the opposite side, towards the middle of their neighbours or along an axis, where that
 makes the worst of the cells around them better and none of them flat, which the scaled Jacobian does not see
-and the iterative solver suffers from. Those on one sphere stay on it, those on walls and sides stay
-where they are; a mesh without bad cells is left as it is.
+and the iterative solver suffers from. Those on one sphere or ellipsoid stay on it, those on
+walls and sides stay where they are; a mesh without bad cells is left as it is.
 """
 
 from collections.abc import Iterator, Mapping
@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 
 from fsi.meshes.cells.curved import WORST_ACCEPTED, CurvedCells, scaled_jacobian
 from fsi.meshes.geometry.container import Array, lengths
-from fsi.meshes.geometry.curves import Sphere
 from fsi.meshes.planar.triangulate import Indices, StraightCells
-from fsi.meshes.spatial.curved_tetrahedra import curve_tets, curved_places
+from fsi.meshes.spatial.curved_tetrahedra import RoundSurface, curve_tets, curved_places
 
 WANTED = 2.0 * WORST_ACCEPTED  # of the cells of a mesh that is mended at all
 SWEEPS = 20
@@ -29,7 +28,7 @@ FLATTEST = 0.04  # height of a cell that is moved, over that of a regular one; f
 MOST = 0.02  # of all cells: with more bad ones a mesh is too coarse, and is not mended
 
 
-def curved_and_valid(straight: StraightCells, spheres: Mapping[int, Sphere], order: int) -> CurvedCells:
+def curved_and_valid(straight: StraightCells, spheres: Mapping[int, RoundSurface], order: int) -> CurvedCells:
     """`curve_tets`, with vertices moved where cells would not be valid, as far as that helps."""
     tangle = _Tangle(straight, spheres, order)
     quality = tangle.quality(straight.vertices, np.arange(len(straight.cells)))
@@ -57,7 +56,7 @@ class _Movable:
 class _Tangle:
     """Cells whose vertices move."""
 
-    def __init__(self, straight: StraightCells, spheres: Mapping[int, Sphere], order: int) -> None:
+    def __init__(self, straight: StraightCells, spheres: Mapping[int, RoundSurface], order: int) -> None:
         self.straight, self._spheres, self._order = straight, spheres, order
         n = len(straight.vertices)
         low, high = np.full(n, np.iinfo(np.int64).max), np.zeros(n, dtype=np.int64)
