@@ -23,12 +23,12 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from bench.random_cases import random_case
+from bench.random_cases import SHAPED, random_case
 from bench.random_walls import KINDS
 from fsi.bodies.configuration import Array, Configuration
 from fsi.case.case import Case
 from fsi.case.sections import MOST_FEW
-from fsi.errors import SolveError
+from fsi.errors import InputError, SolveError
 from fsi.integration.errors import ErrorEstimate
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.errors import MeshError
@@ -40,6 +40,7 @@ from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.walls import singular_pairs
 
+ALL = [*KINDS, *SHAPED]
 OF_ALL, OF_EACH, MEDIAN = 0.99, 0.97, 0.05
 # How much finer the reference is, and its degree: in space one refinement costs ten times as much, of many
 # bodies it takes 10 GB.
@@ -89,8 +90,8 @@ class Reference(StokesModel):
     def scaled_mesh(self, q: Configuration, t: float = 0.0, order: int | None = None) -> FluidMesh:
         """A new mesh in the units of the model."""
         container = graded(self.units.scaled_container(self.case.container()).at(t))
-        centres, radii = self.units.scaled_places(q.centres), self.units.scaled_lengths(q.radii)
-        domain = FluidDomain(container, centres, radii, edges=self._edges)
+        here = self.units.scaled_configuration(q)
+        domain = FluidDomain(container, here.centres, here.radii, edges=self._edges, placed=here.placed)
         return build(domain, self.resolution, order or self.case.discretisation.degree)
 
 
@@ -170,7 +171,7 @@ def measured(kinds: list[str], cases: int, seed: int) -> tuple[list[Value], dict
         kind, own = kinds[n % len(kinds)], seed + n // len(kinds)
         try:
             found += values(kind, own)
-        except (MeshError, SolveError) as error:
+        except (InputError, MeshError, SolveError) as error:
             refused[f"{kind}, {own}"] = str(error)
     return found, refused
 
@@ -206,16 +207,17 @@ def holds(found: list[Value], kinds: list[str]) -> bool:
 
 def main(
     kinds: Annotated[
-        list[str] | None, typer.Option(help=f"One of: {'; '.join(KINDS)}.", show_default="all")
+        list[str] | None,
+        typer.Option(help=f"One of: {'; '.join(ALL)}; shapes for all of these.", show_default="all of discs"),
     ] = None,
     cases: Annotated[int, typer.Option(help="How many, in turn of each kind.")] = 200,
     seed: Annotated[int, typer.Option(help="The first case of each kind has this seed.")] = 0,
     outside: Annotated[bool, typer.Option(help="List the values outside their bars.")] = False,
 ) -> None:
     """Solve random cases with their bars and without, print a table, and fail where bars do not hold."""
-    chosen = kinds or list(KINDS)
-    for unknown in set(chosen) - set(KINDS):
-        raise typer.BadParameter(f"{unknown}: not a kind; known: {'; '.join(KINDS)}")
+    chosen = [name for kind in kinds or KINDS for name in (SHAPED if kind == "shapes" else [kind])]
+    for unknown in set(chosen) - set(ALL):
+        raise typer.BadParameter(f"{unknown}: not a kind; known: {'; '.join(ALL)}")
     found, refused = measured(chosen, cases, seed)
     console = Console(width=140)
     console.print(shown(found, chosen))

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from bench.random_shapes import random_bodies
 from bench.random_walls import KINDS, Data, Random, Walls
 from fsi.bodies.configuration import Array, Configuration
 from fsi.bodies.gaps import find_gaps
@@ -21,14 +22,27 @@ TRIES = 200
 CLOSE = 0.7  # how often a body is put close to another, or to a wall
 
 
+SHAPED = {  # kinds of walls of the plane with bodies of all shapes
+    f"shapes, {name}": name
+    for name in KINDS
+    if name.split(",")[0] in ("box", "channel", "cell", "half-plane", "round container")
+}
+
+
 def random_case(kind: str, seed: int) -> Case:
     """The case of a kind with this seed."""
     rng = np.random.default_rng([seed, *kind.encode()])
-    walls = KINDS[kind](rng)
-    q = walls.crowd or _bodies(rng, walls)
+    walls = KINDS[SHAPED.get(kind, kind)](rng)
+    if kind in SHAPED:
+        q, shapes = random_bodies(rng, walls)
+        each = zip(shapes, q.angles.tolist(), strict=True)
+        sizes: list[Data] = [{"shape": shape.model_dump(), "angle": angle} for shape, angle in each]
+    else:
+        q = walls.crowd or _bodies(rng, walls)
+        sizes = [{"radius": float(a)} for a in q.radii]
     bodies = [
-        {"name": f"body {i}", "radius": float(a), "position": x.tolist()} | _motion(rng, walls)
-        for i, (x, a) in enumerate(zip(q.centres, q.radii, strict=True))
+        {"name": f"body {i}", "position": x.tolist()} | size | _motion(rng, walls)
+        for i, (x, size) in enumerate(zip(q.centres, sizes, strict=True))
     ]
     return parse_case(
         {

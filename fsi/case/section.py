@@ -71,6 +71,12 @@ class Section(BaseModel):
                 refuse_unknown(key, cls.model_fields)
         return data
 
+    def __getstate__(self) -> dict[Any, Any]:
+        """The values alone, as they go to other ranks: cached properties, often formulas, are made again."""
+        state = super().__getstate__()
+        values = {key: state["__dict__"][key] for key in type(self).model_fields if key in state["__dict__"]}
+        return state | {"__dict__": values}
+
     @classmethod
     def alternatives(cls) -> Sequence[type[Section]]:
         """The sections that may stand where this one is asked for: itself."""

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import nearest_gaps
+from fsi.bodies.order import order_columns
 from fsi.integration.state import Advance, Schedule, State, Step, StepRecord
 from fsi.integration.strayed import Strayed
 
@@ -105,6 +106,7 @@ class SteppedEvolution:
         state, instant = step.state, step.instant
         errors = self.stepper.model.errors(state.q, state.t, instant) if self.estimated else None
         columns = {**instant.record, **(errors.columns if errors else {})}
+        columns |= order_columns(state.q, instant.U)
         # Only some models know more of each body than velocity and load.
         of_bodies = {**getattr(instant, "body_columns", {}), **(errors.body_columns if errors else {})}
         q, U, F, container = state.q, instant.U, instant.F, self.stepper.container

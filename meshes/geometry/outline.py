@@ -23,11 +23,13 @@ FEWEST = 128  # pieces of a sample
 TURN = 0.1  # of the tangent along a piece, at most, in radians
 THIN = 0.2  # longest piece over area / diameter, so that the two sides of a thin body are told apart
 ROUNDS = 40
+MOST = 20_000  # pieces, beyond which nothing is made finer
 GAUSS = 12  # points on a piece
 NEWTON = 60
 NEIGHBOURS = 16  # of a point in the sample
 SHARPEST = 1e-3  # smallest radius of curvature that sizes of elements follow, over the largest radius
 ROUND = 1e-14  # of the radius, by which the sample of a circle is off it
+LONGER = 1e-6  # by which the larger second moment exceeds the smaller one of a body with a long axis
 AT_JOINT = 1e-6  # of the curve: a place so near to a joint is there
 SPREAD = 1.5  # how fast the radius that sizes follow grows along the curve
 
@@ -100,10 +102,15 @@ class Outline:
             extent = float(np.hypot(*np.ptp(x, axis=0)))
             area = 0.5 * abs(float(cross(x, np.roll(x, -1, axis=0)).sum()))
             long = (angle > TURN) | (np.hypot(*to.T) > THIN * area / extent)
-            if not long.any():
+            if not long.any() or len(t) > MOST:
                 break
             t = np.insert(t, np.flatnonzero(long) + 1, 0.5 * (closed[:-1] + closed[1:])[long])
         return t
+
+    @property
+    def is_resolved(self) -> bool:
+        """Whether the sample is as fine as it shall be: not of what is too slender or too jagged."""
+        return len(self.t) <= MOST
 
     @cached_property
     def sample(self) -> Jet:
@@ -170,6 +177,17 @@ class Outline:
         """int |x|^2 dA around its centre; times mass over area the moment of inertia of a uniform body."""
         curve, weights = self._integrated()
         return 0.25 * float((weights * (curve.x**2).sum(axis=1)) @ cross(curve.x, curve.dx))
+
+    @cached_property
+    def long_axis(self) -> float | None:
+        """The angle of the axis along which int x x^T dA is largest; None of squares, which have none."""
+        curve, weights = self._integrated()
+        swept = weights * cross(curve.x, curve.dx)
+        moments = 0.25 * np.einsum("n,ni,nj->ij", swept, curve.x, curve.x)
+        least, most = np.linalg.eigvalsh(moments)
+        if self.poles is not None or most - least < LONGER * most:
+            return None
+        return float(0.5 * np.arctan2(2.0 * moments[0, 1], moments[0, 0] - moments[1, 1]))
 
     @cached_property
     def radius(self) -> float:

@@ -146,6 +146,8 @@ register_panel("gap", _gaps)
 register_panel("speed", lambda asked: asked.each(asked.sizes("V")) if asked.bodies else {})
 register_panel("load", _loads)
 register_panel(VISCOSITY, of_steps("apparent_viscosity"))
+register_panel("order parameter", of_steps("order_parameter"))
+register_panel("tumbling rate", of_steps("tumbling_rate"))
 register_panel(ADDED_VISCOSITY, of_steps("lubrication_viscosity"))
 
 

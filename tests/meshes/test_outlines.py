@@ -221,3 +221,68 @@ def test_the_mesh_of_a_periodic_domain_has_the_area_that_bodies_leave(shape: Bod
     area = dolfinx.fem.assemble_scalar(dolfinx.fem.form(1.0 * ufl.dx(fluid.mesh)))
     left = 36.0 - shape.outline.area - np.pi * 0.36
     assert area == pytest.approx(left, rel=1e-6)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    one=st.sampled_from(EVERY), other=st.sampled_from(EVERY), turn=st.floats(-7.0, 7.0),
+    angles=st.tuples(st.floats(0.0, 7.0), st.floats(0.0, 7.0)), away=st.floats(2.0, 6.0),
+    shift=st.tuples(st.floats(-5.0, 5.0), st.floats(-5.0, 5.0)),
+)  # fmt: skip
+def test_gaps_are_symmetric_and_do_not_change_when_all_is_moved(
+    one: BodyShape,
+    other: BodyShape,
+    turn: float,
+    angles: tuple[float, float],
+    away: float,
+    shift: tuple[float, float],
+) -> None:
+    """Of both bodies turned about the origin and shifted; the feet turn along, and lie on both outlines."""
+    a, b = (
+        Placed(shape.outline, x, angle)
+        for shape, x, angle in zip((one, other), (np.zeros(2), np.array([away, 0.3])), angles, strict=True)
+    )
+    c, s = np.cos(turn), np.sin(turn)
+    rows = np.array([[c, s], [-s, c]])
+    a2, b2 = (Placed(body.outline, shift + body.centre @ rows, body.angle + turn) for body in (a, b))
+    gap = a.gap_to(b).gap
+    if gap > 0.0:
+        found = [b.gap_to(a).gap, a2.gap_to(b2).gap, b2.gap_to(a2).gap]
+        np.testing.assert_allclose(found, gap, rtol=1e-11, atol=1e-13)
+        foot = a.gap_to(b)
+        assert abs(a.signed_distance(foot.x[None])[0][0]) < 1e-12
+        assert abs(b.signed_distance(foot.opposite[None])[0][0]) < 1e-12
+    else:
+        assert a2.gap_to(b2).gap < 1e-12
+
+
+@settings(max_examples=25, deadline=None)
+@given(shape=st.sampled_from(EVERY), factor=st.floats(1e-3, 1e3), start=st.floats(0.0, 1.0))
+def test_integrals_scale_and_do_not_depend_on_where_the_curve_begins(
+    shape: BodyShape, factor: float, start: float
+) -> None:
+    """Areas as squares, second moments as fourth powers; the centre stays where it is."""
+    outline, formula = shape.outline, shape.curve()
+    joints = tuple(sorted((joint - start) % 1.0 for joint in shape.joints))
+    moved = Outline.of(lambda t: formula(np.mod(t + start, 1.0)), joints, shape.fewest)
+    np.testing.assert_allclose(moved.shift, outline.shift, atol=1e-9 * outline.radius)
+    assert moved.area == pytest.approx(outline.area, rel=1e-9)
+    assert moved.second_moment == pytest.approx(outline.second_moment, rel=1e-9)
+    scaled = outline.scaled(factor)
+    assert scaled.area == pytest.approx(factor**2 * outline.area, rel=1e-12)
+    assert scaled.second_moment == pytest.approx(factor**4 * outline.second_moment, rel=1e-12)
+    assert scaled.radius == pytest.approx(factor * outline.radius, rel=1e-12)
+
+
+def test_the_long_axis_is_that_of_the_largest_second_moment() -> None:
+    """Of a rod along x, of one at 30 degrees given by its corners; squares have none."""
+    assert ELLIPSE.outline.long_axis == pytest.approx(0.0, abs=1e-12)
+    c, s = np.cos(np.pi / 6.0), np.sin(np.pi / 6.0)
+    corners = tuple(
+        (c * x - s * y, s * x + c * y) for x, y in ((0.0, 0.0), (3.0, 0.0), (3.0, 1.0), (0.0, 1.0))
+    )
+    slanted = Polygon(kind="polygon", corners=corners, rounding=0.2)
+    assert slanted.outline.long_axis == pytest.approx(np.pi / 6.0, abs=1e-12)
+    even = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+    assert Polygon(kind="polygon", corners=even, rounding=0.2).outline.long_axis is None
+    assert Outline.disc(1.0).long_axis is None

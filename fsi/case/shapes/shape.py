@@ -11,6 +11,7 @@ from functools import cached_property, lru_cache
 from math import nan
 from typing import Annotated, Any, ClassVar, override
 
+import numpy as np
 from pydantic import BeforeValidator, SerializeAsAny, ValidationInfo
 
 from fsi.case.section import Geometry, Registered, Registry, told
@@ -55,6 +56,9 @@ class AnyShape(Registered):
         """Raise ValueError where no body looks so."""
 
 
+SMALLEST = 1e-60  # size of a shape, whose fourth power is a number
+
+
 class BodyShape(AnyShape):
     """A shape by its curve; the position of the body is the centre of its area.
 
@@ -89,6 +93,12 @@ class BodyShape(AnyShape):
 
     @override
     def check(self) -> None:
+        with np.errstate(all="ignore"):
+            size = float(np.ptp(self.curve()(np.linspace(0.1, 0.9, 9)).x, axis=0).max())
+        if not SMALLEST < size < 1.0 / SMALLEST:
+            raise ValueError("is too small or too large for numbers; give lengths in another unit")
+        if not self.outline.is_resolved:
+            raise ValueError("is too slender or too jagged; give one that is rounder")
         if self.outline.area <= 0.0:
             raise ValueError("runs clockwise; turn the order of its points round")
         if self.outline.crosses_itself():

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal, override
 
 import numpy as np
 import scipy  # its modules load when they are used
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
 from fsi.case.shapes.shape import BodyShape, register_shape
 from fsi.meshes.geometry.jets import Array, Jet, JetOf
@@ -32,6 +32,13 @@ class ShapeThroughPoints(BodyShape):
         except (OSError, ValueError) as error:
             raise ValueError(f"cannot be read ({str(error).splitlines()[0]})") from None
         return tuple(map(tuple, table.tolist()))
+
+    @model_validator(mode="after")
+    def _moves_on(self) -> "ShapeThroughPoints":
+        x = np.array([*self.around, self.around[0]])
+        if not np.all(np.diff(x, axis=0).any(axis=1)):
+            raise ValueError("has the same point twice in a row, the first also after the last; drop one")
+        return self
 
     @property
     def _knots(self) -> tuple[Array, Array]:
