@@ -150,9 +150,8 @@ class Run:
         if step is None:
             return int(written[-1])
         if step not in written:
-            ends = [written[0], written[1], "...", written[-1]]
-            some = ", ".join(map(str, written if len(written) < 5 else ends))
-            raise InputError(f"step = {step}: has no fields; give one of {some}")
+            some = written if len(written) < 5 else [written[0], written[1], "...", written[-1]]
+            raise InputError(f"step = {step}: has no fields; give one of {', '.join(map(str, some))}")
         return step
 
     def nearest(self, time: float, series: str = "fluid") -> int:

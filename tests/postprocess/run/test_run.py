@@ -37,6 +37,14 @@ def test_a_step_without_fields(run: Path) -> None:
         fsi.open_run(run).mesh(1)
 
 
+def test_a_step_that_is_not_the_only_one(run: Path) -> None:
+    """A run that was stopped at its start has one."""
+    lines = (run / "fluid.pvd").read_text().splitlines(keepends=True)
+    (run / "fluid.pvd").write_text("".join(line for line in lines if 'timestep="2.0"' not in line))
+    with pytest.raises(InputError, match=r"step = 2: has no fields; give one of 0$"):
+        fsi.open_run(run).mesh(2)
+
+
 def test_a_run_without_fields(run: Path) -> None:
     (run / "fluid.pvd").unlink()
     opened = fsi.open_run(run)
