@@ -228,9 +228,9 @@ def _suspension(rng: Random) -> Walls:
     if cell == "periodic":
         vectors = ((width, 0.0), (0.0, height))
         flow = {str(rng.choice(["shear", "extension"])): float(rng.uniform(-2.0, 2.0))}
-        domain = {"shape": "cell", "vectors": vectors} | flow
-        return Walls(Cell(vectors, ((0.0, 0.0), (0.0, 0.0))), domain, crowd=q)
-    domain = {"lower": (0.0, 0.0), "upper": (width, height)}
+        cell_of = {"shape": "cell", "vectors": vectors} | flow
+        return Walls(Cell(vectors, ((0.0, 0.0), (0.0, 0.0))), cell_of, crowd=q)
+    domain: Data = {"lower": [0.0, 0.0], "upper": [width, height]}
     if cell == "box":
         return Walls(Box((0.0, 0.0), (width, height)), domain, crowd=q)
     channel = Box((0.0, 0.0), (width, height), periodic=("x",))

@@ -114,10 +114,10 @@ def test_forces_between_gluey_bodies_act_over_the_gap(tmp_path: Path) -> None:
     """A repulsion that is 3 everywhere drives two unit masses apart: gap 1 + 3 t^2, of first order."""
     force = {"kind": "repulsion", "law": "table", "gaps": [0.0, 40.0], "values": [3.0, 3.0]}
     free = [body | {"force": [0.0, 0.0]} for body in pair("gluey")["bodies"]]
-    case = parse_case(pair("gluey", bodies=free, forces=[force], time={"end": 1.0, "step": 1e-3}))
+    case = parse_case(pair("gluey", bodies=free, forces=[force], time={"end": 1.0, "step": 5e-3}))
     run(case, tmp_path / "run")
     x = open_run(tmp_path / "run").bodies["x"].to_numpy()[-2:]
-    assert x[1] - x[0] - 2.0 == pytest.approx(4.0, abs=3.1e-3)  # 3 h t of an explicit step
+    assert x[1] - x[0] - 2.0 == pytest.approx(4.0, abs=1.6e-2)  # 3 h t of an explicit step
 
 
 def test_what_stands_for_infinity_ends_a_gluey_run_that_gets_there(tmp_path: Path) -> None:

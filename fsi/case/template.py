@@ -64,5 +64,5 @@ def _meanings() -> dict[tuple[str, str], str]:
     for section in sections_of_case():
         title = _SECTION.search(section.title)
         for key in section.keys:
-            found.setdefault((title[1] if title else "", key.name), key.meaning)
+            found.setdefault((title[1] if title else "", key.name), " ".join(key.meaning.split()))
     return found

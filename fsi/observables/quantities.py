@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy  # its modules load when they are used
 
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
@@ -50,4 +50,4 @@ def time_at(gap: float, t: Array, gaps: Array) -> float:
     later = np.flatnonzero(np.diff(gaps[last:]) >= 0.0)
     end = last + int(later[0]) + 1 if len(later) else len(gaps)
     y, s = np.log(gaps[first:end][::-1]), t[first:end][::-1]
-    return float(CubicSpline(y, s)(np.log(gap)))
+    return float(scipy.interpolate.CubicSpline(y, s)(np.log(gap)))

@@ -35,14 +35,14 @@ def drawn(folder: Path, choice: Choice) -> NDArray[np.float32]:
 def test_a_plane_of_ones_choice(tmp_path: Path) -> None:
     """At a distance of 0.3 from its centre the ball of radius 0.5 is cut in a disc of radius 0.4."""
     write_spatial_run(tmp_path)
-    for plane in ("x=0.3", "y=-0.3", "z=0.3"):
-        panel = drawn(tmp_path, Choice("pressure", plane=plane, span=(-5.0, 5.0), size=200))
+    planes = ("x=0.3", "y=-0.3", "z=0.3")
+    panels = [drawn(tmp_path, Choice("pressure", plane=at, span=(-1.0, 1.0), size=200)) for at in planes]
+    for plane, panel in zip(planes, panels, strict=True):
         body = np.all(np.abs(panel * 255.0 - (0xF3, 0xEF, 0xE6)) <= 2.0, axis=2)
         assert body.mean() == pytest.approx(0.64 * np.pi / 4.0 / 2.42**2, rel=0.06), plane
     # The pressure is x: on z = 0.3 it grows to the right, on x = 0.3 it is the same everywhere.
-    right = drawn(tmp_path, Choice("pressure", plane="z=0.3", span=(-1.0, 1.0), size=200))
+    same, _, right = panels
     assert (right[90:110, 180:190].mean(axis=(0, 1)) - right[90:110, 10:20].mean(axis=(0, 1)))[0] > 0.3
-    same = drawn(tmp_path, Choice("pressure", plane="x=0.3", span=(-1.0, 1.0), size=200))
     assert np.ptp(same[5:15, 5:195], axis=(0, 1)).max() < 0.1
 
 
