@@ -22,7 +22,7 @@ from fsi.meshes.geometry.curves import Sphere, rescaled
 from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import Indices, StraightCells, gmsh_model, require_boundary
-from fsi.meshes.spatial.curved_tetrahedra import RoundSurface
+from fsi.meshes.spatial.curved_tetrahedra import RoundSurface, curve_tets
 from fsi.meshes.spatial.gap_prisms import (
     CLEARANCE,
     WIDEST,
@@ -39,6 +39,8 @@ from fsi.meshes.spatial.untangle import curved_and_valid
 
 OVERLAP = 0.25  # how far a layer's cylinder enters either surface, in radii of the smaller body
 ON_CURVE = 1e-5  # of a layer's radius: where gmsh's intersections lie
+# Elements around a body: what misses more than elements of two degrees tell is made again with smaller ones.
+MENDED_FROM = 10
 TRIANGLE, TETRAHEDRON = 2, 4  # as gmsh calls them
 
 
@@ -97,7 +99,8 @@ def _fill(spacing: Spacing, order: int) -> CurvedCells:
     for layer in layers:
         cells = _with_prisms(cells, layer, spacing)
     require_boundary(cells.cells, cells.facets)
-    return curved_and_valid(replace(cells, cells=_upright(cells)), spheres, order)
+    mends = spacing.resolution.cells_per_circle >= MENDED_FROM
+    return (curved_and_valid if mends else curve_tets)(replace(cells, cells=_upright(cells)), spheres, order)
 
 
 def _outside(spacing: Spacing, layers: Sequence[GapPrisms]) -> StraightCells:
