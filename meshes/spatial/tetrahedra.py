@@ -40,7 +40,7 @@ from fsi.meshes.spatial.untangle import curved_and_valid
 OVERLAP = 0.25  # how far a layer's cylinder enters either surface, in radii of the smaller body
 ON_CURVE = 1e-5  # of a layer's radius: where gmsh's intersections lie
 # Elements around a body: what misses more than elements of two degrees tell is made again with smaller ones.
-MENDED_FROM = 10
+MENDED_FROM = 14
 TRIANGLE, TETRAHEDRON = 2, 4  # as gmsh calls them
 
 
