@@ -70,7 +70,10 @@ def test_an_error_goes_on_if_all_ranks_have_it_and_else_ends_them_all(
 @pytest.mark.mpi
 @pytest.mark.parametrize(
     ("rank", "file", "name"),
-    [(0, "stokes/identities.py", "Comm.Allreduce"), (1, "stokes/solvers/mumps.py", "KSP.setUp")],
+    [
+        (0, "stokes/identities.py", "Comm.Allreduce"),
+        pytest.param(1, "stokes/solvers/mumps.py", "KSP.setUp", marks=pytest.mark.slow),
+    ],
 )
 def test_an_error_on_one_rank_alone_ends_a_solve(rank: int, file: str, name: str, tmp_path: Path) -> None:
     """In the evaluation, behind clean-ups for which PETSc needs all ranks, and in the factorisation."""

@@ -120,6 +120,7 @@ def test_forces_between_gluey_bodies_act_over_the_gap(tmp_path: Path) -> None:
     assert x[1] - x[0] - 2.0 == pytest.approx(4.0, abs=1.6e-2)  # 3 h t of an explicit step
 
 
+@pytest.mark.slow
 def test_what_stands_for_infinity_ends_a_gluey_run_that_gets_there(tmp_path: Path) -> None:
     body = pair("gluey")["bodies"][0] | {"force": [1.0, 0.0], "velocity": ["free", "free"]}
     domain = {"shape": "half-plane", "radius": 4.0}

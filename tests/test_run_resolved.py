@@ -191,6 +191,7 @@ def test_with_inertia_discs_approach_their_quasi_static_velocities(case_file: Pa
     np.testing.assert_allclose(V[-1], quasi_static, rtol=0.01)
 
 
+@pytest.mark.slow
 def test_pushed_then_pulled_comes_back(tmp_path: Path) -> None:
     """The row that the case expects; half-way the disc is 0.415 nearer."""
     settings = ["discretisation.cells_per_circle=24", "discretisation.growth=0.5", "output.fields=false"]

@@ -234,6 +234,7 @@ def test_a_wrong_reference_gives_exit_code_4_after_all_is_written(tmp_path: Path
     assert len(json.loads((output / "validation.json").read_text())) == 2
 
 
+@pytest.mark.slow
 @pytest.mark.mpi
 @needs_mpi
 def test_two_ranks_give_the_same_verdicts(tmp_path: Path) -> None:

@@ -31,6 +31,7 @@ def drawn(folder: Path, choice: Choice) -> NDArray[np.float32]:
     return np.asarray(picture[28:228, 6:206, :3])
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("drawing")
 def test_a_plane_of_ones_choice(tmp_path: Path) -> None:
     """At a distance of 0.3 from its centre the ball of radius 0.5 is cut in a disc of radius 0.4."""
