@@ -80,7 +80,7 @@ def _alone(points: int, group: list[tuple[Array, float]]) -> Array:
 
 def stokeslets(x: Array, lattice: Array) -> Array:
     """Velocity (n, 3, 3) at x (n, 3) for unit forces on the points of a lattice, mu = 1, of zero mean."""
-    volume, I, n = abs(np.linalg.det(lattice)), np.eye(3), 5  # noqa: E741
+    volume, unit, n = abs(np.linalg.det(lattice)), np.eye(3), 5
     xi = np.sqrt(np.pi) / volume ** (1.0 / 3.0)
     x = x - np.rint(x @ np.linalg.inv(lattice)) @ lattice
     G = np.zeros((len(x), 3, 3))
@@ -92,12 +92,12 @@ def stokeslets(x: Array, lattice: Array) -> Array:
         r2 = (y * y).sum(axis=1)[:, None, None]
         near = np.exp(-xi * xi * r2) / np.sqrt(np.pi)
         radial = 2.0 * xi * near / r2 + scipy.special.erfc(xi * np.sqrt(r2)) / r2**1.5
-        G += radial * (r2 * I + y[:, :, None] * y[:, None, :]) - 4.0 * xi * near * I
+        G += radial * (r2 * unit + y[:, :, None] * y[:, None, :]) - 4.0 * xi * near * unit
     waves = 2.0 * np.pi * np.linalg.inv(lattice).T
     for t in product(range(-n, n + 1), repeat=3):
         k = np.array(t) @ waves
         s = k @ k / (4.0 * xi * xi)
         if 0.0 < s < 40.0:
             factor = 8.0 * np.pi * (1.0 + s) * np.exp(-s) / ((k @ k) ** 2 * volume)
-            G += np.cos(x @ k)[:, None, None] * factor * (k @ k * I - np.outer(k, k))
+            G += np.cos(x @ k)[:, None, None] * factor * (k @ k * unit - np.outer(k, k))
     return G / (8.0 * np.pi)

@@ -28,7 +28,8 @@ from fsi.integration.errors import ErrorEstimate
 from fsi.meshes.errors import MeshError
 from fsi.models import flow_solvers, make_model
 from fsi.observables.truncation import halved
-from fsi.workers import Pool, outcomes
+from fsi.workers.launch import outcomes
+from fsi.workers.pools import Pool
 
 DIGITS = 8  # of a gap over a radius
 _PACKAGE = Path(__file__).parents[1]

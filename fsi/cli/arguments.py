@@ -14,7 +14,7 @@ from fsi.errors import InputError
 
 if TYPE_CHECKING:  # what a command needs is imported in it: `fsi --help` must be quick
     from fsi.case.case import Case
-    from fsi.workers import Pool
+    from fsi.workers.pools import Pool
 
 
 def option(text: str, default: str | bool = True, *names: str, **more: Any) -> Any:
@@ -61,7 +61,8 @@ def warn(line: str) -> None:
 
 def pool_of(scheduler: str | None, workers: int | None, ranks: int = 1) -> Pool:
     """What opens who does the runs of a study. Raises InputError: both are given, or there is no mpiexec."""
-    from fsi.workers import cluster, local, mpiexec
+    from fsi.workers.launch import mpiexec
+    from fsi.workers.pools import cluster, local
 
     if scheduler is not None:
         if workers is not None:

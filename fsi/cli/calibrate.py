@@ -14,7 +14,7 @@ from fsi.errors import InputError
 from fsi.report.console import standard_error, standard_output
 
 if TYPE_CHECKING:
-    from fsi.workers import Pool
+    from fsi.workers.pools import Pool
 
 # Hidden commands: one part of the work, in a process of its own.
 SAMPLE, PART = "sample-run", "validate-run"
@@ -61,7 +61,7 @@ def calibrate(
 def sample_run(folder: Path) -> None:
     """Take one sample of a calibration; ends when standard input does."""
     from fsi.calibration.sampling import compute_sample
-    from fsi.workers import end_with_parent
+    from fsi.workers.launch import end_with_parent
 
     end_with_parent()
     compute_sample(folder)
@@ -70,7 +70,7 @@ def sample_run(folder: Path) -> None:
 def validate_run(folder: Path) -> None:
     """Solve one part of a validation; ends when standard input does."""
     from fsi.validation.parts import compute_part
-    from fsi.workers import end_with_parent
+    from fsi.workers.launch import end_with_parent
 
     end_with_parent()
     compute_part(folder)

@@ -14,7 +14,7 @@ from fsi.report.console import standard_output
 
 if TYPE_CHECKING:
     from fsi.studies.sweep import SweepPlan, SweepRow, SweptKey
-    from fsi.workers import Pool
+    from fsi.workers.pools import Pool
 
 EXAMPLE = (
     "Example: fsi sweep cases/suspensions/fractions.toml --vary arrangement.area_fraction=0.2,0.4 --seeds 10 "
@@ -83,7 +83,7 @@ def sweep(
 def sweep_run(folder: Path) -> None:
     """Do one run of a sweep in its folder; ends when standard input does."""
     from fsi.studies.member import compute
-    from fsi.workers import end_with_parent
+    from fsi.workers.launch import end_with_parent
 
     end_with_parent()
     compute(folder)
@@ -111,7 +111,7 @@ def _done(plan: SweepPlan, pool: Pool, ranks: int) -> list[SweepRow]:
     from fsi.files import require_folder
     from fsi.report.progress import counting
     from fsi.studies.sweep import SweepRow
-    from fsi.workers import outcomes
+    from fsi.workers.launch import outcomes
 
     requests = plan.requests()
     require_folder(plan.folder)

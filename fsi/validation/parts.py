@@ -12,7 +12,8 @@ from pathlib import Path
 from fsi.files import json_of, replace
 from fsi.validation.resolved import Solve, failed_rows, rows_at
 from fsi.validation.rows import Row, swept
-from fsi.workers import Pool, outcomes
+from fsi.workers.launch import outcomes
+from fsi.workers.pools import Pool
 
 COMMAND = "validate-run"
 REQUEST, ROWS, _REMEDY = "request.json", "rows.json", "validate again"

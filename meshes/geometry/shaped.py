@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 from fsi.meshes.geometry.container import Array, Container
 from fsi.meshes.geometry.curves import Sphere, WallCurve
+from fsi.meshes.geometry.derived import DerivedContainer
 from fsi.meshes.geometry.relief import Heights, Relief
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ShapedWalls(Container):
+class ShapedWalls(DerivedContainer):
     """Another container in the plane, whose walls `reliefs` name are not straight but follow these.
 
     Attributes:
@@ -19,7 +20,6 @@ class ShapedWalls(Container):
         reliefs: one for each wall with a shape.
     """
 
-    inner: Container
     reliefs: tuple[Relief, ...]
 
     @classmethod
@@ -28,21 +28,6 @@ class ShapedWalls(Container):
         curves, axes = {curve.wall: curve for curve in inner.outline()}, inner.corner_axes
         walls = {inner.walls.index(name): heights for name, heights in shapes.items()}
         return cls(inner, tuple(Relief.over(curves[k], h, 1 - axes[k]) for k, h in walls.items()))
-
-    @property
-    def walls(self) -> tuple[str, ...]:
-        """As before."""
-        return self.inner.walls
-
-    @property
-    def far_walls(self) -> tuple[str, ...]:
-        """As before."""
-        return self.inner.far_walls
-
-    @property
-    def corner_axes(self) -> tuple[int, ...]:
-        """As before: the shapes leave corners alone."""
-        return self.inner.corner_axes
 
     @property
     def spheres(self) -> tuple[Sphere | None, ...]:

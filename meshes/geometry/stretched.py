@@ -5,12 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsi.meshes.geometry.container import Array, Container
+from fsi.meshes.geometry.container import Array
 from fsi.meshes.geometry.curves import Sphere, WallCurve, stretched
+from fsi.meshes.geometry.derived import DerivedContainer
 
 
 @dataclass(frozen=True, slots=True)
-class Stretched(Container):
+class Stretched(DerivedContainer):
     """Another container with all lengths times a factor: its point `factor x` is x of that.
 
     Attributes:
@@ -18,7 +19,6 @@ class Stretched(Container):
         factor: times its lengths, > 0.
     """
 
-    inner: Container
     factor: float
 
     @property
@@ -30,21 +30,6 @@ class Stretched(Container):
     def axisymmetric(self) -> bool:
         """As before."""
         return self.inner.axisymmetric
-
-    @property
-    def walls(self) -> tuple[str, ...]:
-        """As before."""
-        return self.inner.walls
-
-    @property
-    def far_walls(self) -> tuple[str, ...]:
-        """As before."""
-        return self.inner.far_walls
-
-    @property
-    def corner_axes(self) -> tuple[int, ...]:
-        """As before."""
-        return self.inner.corner_axes
 
     def distances(self, x: Array) -> Array:
         """Times the factor, shape (n, walls)."""

@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fsi import workers
 from fsi.calibration.pair import pair_of
 from fsi.calibration.sampling import Sampling, compute_sample, take_samples
 from fsi.case.law_file import read_law_file
 from fsi.errors import FsiError, SolveError
+from fsi.workers import launch
 from tests.calibration.test_sampling import CASE, SMALL, ExactModel, model, silent, small_case
 from tests.cluster import process, scheduler, wait_until
 from tests.commands import fsi_command
@@ -36,7 +36,7 @@ def test_samples_are_those_of_one_process(
             return str(error)
         return ""
 
-    monkeypatch.setattr(workers, "launched", launched)
+    monkeypatch.setattr(launch, "launched", launched)
     pair, serial, cache = pair_of(small_case()), tmp_path / "serial", tmp_path / "cache"
     elsewhere = Sampling(cache, 1, silent, lambda: ThreadPoolExecutor(1))
     model.fails = {4}

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from fsi.case.shapes.ellipse import Ellipse
 from fsi.case.shapes.fourier import FourierShape
-from fsi.case.shapes.profile import Profile
+from fsi.case.shapes.profile import HalfOutline
 from fsi.case.shapes.stadium import Stadium
 from fsi.case.shapes.tip import Tip
 from fsi.meshes.geometry.container import wall_feet
@@ -48,11 +48,11 @@ def test_an_egg_stands_at_the_centre_of_its_volume() -> None:
 
 def test_a_coin_and_a_rod_are_one_outline_at_two_angles() -> None:
     """Of radius a and length l: a rod pi a^2 l + 4/3 pi a^3; a coin by Pappus's theorem."""
-    stadium, a, l = Stadium(kind="stadium", length=2.0, radius=0.5), 0.5, 2.0  # noqa: E741
+    stadium, a, length = Stadium(kind="stadium", length=2.0, radius=0.5), 0.5, 2.0
     rod, coin = stadium.revolved(0.5 * np.pi), stadium.revolved(0.0)
-    assert rod.volume == pytest.approx(np.pi * a**2 * l + 4.0 / 3.0 * np.pi * a**3, rel=1e-13)
-    rim = 2.0 * np.pi * (0.5 * np.pi * a**2) * (0.5 * l + 4.0 * a / (3.0 * np.pi))
-    assert coin.volume == pytest.approx(np.pi * (0.5 * l) ** 2 * 2.0 * a + rim, rel=1e-13)
+    assert rod.volume == pytest.approx(np.pi * a**2 * length + 4.0 / 3.0 * np.pi * a**3, rel=1e-13)
+    rim = 2.0 * np.pi * (0.5 * np.pi * a**2) * (0.5 * length + 4.0 * a / (3.0 * np.pi))
+    assert coin.volume == pytest.approx(np.pi * (0.5 * length) ** 2 * 2.0 * a + rim, rel=1e-13)
     ends = Placed(rod, np.array([0.0, 1.0]), rod.angle).at(np.array(rod.poles)).x
     np.testing.assert_allclose(ends, [[0.0, -0.5], [0.0, 2.5]], atol=1e-13)
     assert rod.is_symmetric
@@ -65,7 +65,7 @@ def test_a_profile_is_mirrored() -> None:
     theta = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 17)
     points = tuple((abs(float(r)) if 0 < k < 16 else 0.0, float(z)) for k, (r, z) in
                    enumerate(zip(np.cos(theta), np.sin(theta), strict=True)))  # fmt: skip
-    body = Profile(kind="profile", points=points).revolved(0.0)
+    body = HalfOutline(kind="profile", points=points).revolved(0.0)
     assert body.is_symmetric
     assert body.volume == pytest.approx(4.0 / 3.0 * np.pi, rel=5e-5)
     assert body.scaled(2.0).volume == pytest.approx(8.0 * body.volume, rel=1e-13)

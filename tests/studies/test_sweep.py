@@ -16,12 +16,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fsi import workers
 from fsi.case.load import parse_case, toml_values
 from fsi.errors import FsiError
 from fsi.studies.evaluate import FoundValue, of_motion
 from fsi.studies.member import LAUNCHES, RESULT, compute
 from fsi.studies.sweep import SEED, SweepPlan, SweepRow, SweptKey, averages
+from fsi.workers import launch, pools
 from tests.cluster import process, scheduler, wait_until
 from tests.commands import fsi_command
 
@@ -72,7 +72,7 @@ def here(monkeypatch: pytest.MonkeyPatch) -> list[str]:
             return str(error)
         return ""
 
-    monkeypatch.setattr(workers, "launched", launched)
+    monkeypatch.setattr(launch, "launched", launched)
     return begun
 
 
@@ -144,7 +144,7 @@ def test_runs_that_fail_are_named_and_the_others_go_on(
     lost = rows(folder / "runs.csv")[2]["folder"]
     (folder / lost / RESULT).unlink()
     with monkeypatch.context() as patch:
-        patch.setattr(workers, "launched", lambda *_: "the mesh is not valid")
+        patch.setattr(launch, "launched", lambda *_: "the mesh is not valid")
         assert swept(case, folder) == 3
     assert f"1 of 4 runs failed, first {Path(lost).name}: the mesh is not valid" in capfd.readouterr().err
     table, means = rows(folder / "runs.csv"), rows(folder / "sweep.csv")
@@ -273,7 +273,7 @@ def test_values_are_toml() -> None:
 def test_a_scheduler_that_is_not_there_is_one_line(
     case: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(workers, "_PATIENCE", 0.3)
+    monkeypatch.setattr(pools, "_PATIENCE", 0.3)
     given = [f"{FRACTION}=0.2", *QUANTITY, "-o", tmp_path / "s", "--scheduler", "tcp://127.0.0.1:9"]
     assert fsi_command("sweep", case, "--vary", *given) == 2
     assert "--scheduler tcp://127.0.0.1:9: no scheduler answers there" in capfd.readouterr().err

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from fsi import workers
 from fsi.validation.parts import ROWS, compute_part
+from fsi.workers import launch
 from tests.cluster import process, scheduler, wait_until
 from tests.commands import fsi_command
 from tests.validation.test_validate import QUICK, folder_with
@@ -33,7 +33,7 @@ def test_rows_are_those_of_one_process(tmp_path: Path, monkeypatch: pytest.Monke
         compute_part(Path(part))
         return ""
 
-    monkeypatch.setattr(workers, "launched", launched)
+    monkeypatch.setattr(launch, "launched", launched)
     crashing = False
     assert validated(folder, tmp_path / "parts", "--workers", 1) == 0
     assert asked == ["validate-run ball-0", "validate-run ball-1", "validate-run other-0"]

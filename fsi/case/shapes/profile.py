@@ -10,7 +10,7 @@ from fsi.case.shapes.spline import Place, ShapeThroughPoints
 
 
 @register_shape
-class Profile(ShapeThroughPoints):
+class HalfOutline(ShapeThroughPoints):
     """The spline through the points of its right half and their mirror images at x = 0 (r = 0)."""
 
     kind: Literal["profile"]
@@ -19,7 +19,7 @@ class Profile(ShapeThroughPoints):
     the path of a CSV file of x, y"""
 
     @model_validator(mode="after")
-    def _right_half(self) -> "Profile":
+    def _right_half(self) -> "HalfOutline":
         x, y = np.array(self.points).T
         if x[0] != 0.0 or x[-1] != 0.0 or x[1:-1].min() <= 0.0:
             raise ValueError("has points that do not go from x = 0 to x = 0 with x > 0 between")

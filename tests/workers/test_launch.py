@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from fsi import workers
+from fsi.workers import launch
 
 
 def test_a_run_that_is_lost_has_failed(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -18,8 +18,8 @@ def test_a_run_that_is_lost_has_failed(monkeypatch: pytest.MonkeyPatch) -> None:
             raise RuntimeError("the worker\n  has died")
         return f"{command} {folder} {ranks}" if folder == "failed" else ""
 
-    monkeypatch.setattr(workers, "launched", launched)
+    monkeypatch.setattr(launch, "launched", launched)
     folders = [Path(name) for name in ("done", "lost", "failed")]
     with ThreadPoolExecutor(2) as pool:
-        found = dict(workers.outcomes(pool, "sweep-run", folders, 3))
+        found = dict(launch.outcomes(pool, "sweep-run", folders, 3))
     assert found == dict(zip(folders, ("", "the worker has died", "sweep-run failed 3"), strict=True))

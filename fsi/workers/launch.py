@@ -1,8 +1,7 @@
-"""Who does the runs of a study: processes on this machine, or the workers of a Dask cluster.
+"""The runs of a study, each a process of its own, of one rank or several: if it crashes, it alone has failed.
 
 A run has a folder, in which a command of this program finds what is asked for and leaves what it has found.
-It is a process of its own, of one rank or several: if it crashes, it alone has failed. It ends with whoever
-has started it, by whatever death: it reads from a pipe that the other holds open.
+It ends with whoever has started it, by whatever death: it reads from a pipe that the other holds open.
 """
 
 import os
@@ -10,52 +9,12 @@ import shutil
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, ThreadPoolExecutor, as_completed
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor, as_completed
 from pathlib import Path
 
 import fsi.parallel as parallel
 from fsi.errors import InputError
-
-# Opens what takes runs.
-type Pool = Callable[[], AbstractContextManager[Executor]]
-
-_PATIENCE = 10.0  # seconds, for a scheduler and its first worker
-
-
-@contextmanager
-def local(workers: int) -> Iterator[Executor]:
-    """So many processes at a time on this machine."""
-    with ThreadPoolExecutor(workers) as pool:
-        try:
-            yield pool
-        except BaseException:
-            pool.shutdown(cancel_futures=True)
-            raise
-
-
-@contextmanager
-def cluster(address: str) -> Iterator[Executor]:
-    """The workers of a Dask scheduler. Raises InputError: none answers there, or it has no workers."""
-    here = f"--scheduler {address}"
-    try:
-        from distributed import Client
-    except ModuleNotFoundError:
-        raise InputError(f"{here}: needs Dask; pip install 'fsi-stokes[cluster]'") from None
-    try:
-        client = Client(address, timeout=_PATIENCE, set_as_default=False)
-    except (OSError, ValueError, TimeoutError):
-        raise InputError(
-            f"{here}: no scheduler answers there; start one with `dask scheduler`, it prints its address"
-        ) from None
-    with client:
-        try:
-            client.wait_for_workers(1, timeout=_PATIENCE)
-        except TimeoutError:
-            raise InputError(f"{here}: has no workers; start some with `dask worker {address}`") from None
-        with client.get_executor(pure=False) as pool:
-            yield pool
 
 
 def outcomes(
