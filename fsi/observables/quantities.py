@@ -40,10 +40,19 @@ def stress_driven(wall_speeds: Mapping[str, float], shear_rate: float | None) ->
 
 
 def time_at(gap: float, t: Array, gaps: Array) -> float:
-    """When the smallest gap first became `gap`, by a spline of t over ln gap. Raises InputError: never."""
+    """When the smallest gap first became `gap`, by a spline of t over ln gap.
+
+    Raises InputError: never, or the run began with a smaller one.
+    """
     if (smallest := gaps.min()) > gap:
         here = f"{TIME_AT_GAP}{gap:g}: the smallest gap of the run"
         raise InputError(f"{here} is {smallest:.3g}; raise time.end")
+    if gaps[0] < gap:
+        raise InputError(
+            f"{TIME_AT_GAP}{gap:g}: the run begins at a gap of {gaps[0]:.3g}; give a smaller one"
+        )
+    if gaps[0] == gap:
+        return float(t[0])
     last = int(np.argmax(gaps <= gap))
     rises = np.flatnonzero(np.diff(gaps[: last + 1]) >= 0.0)
     first = int(rises[-1]) + 1 if len(rises) else 0

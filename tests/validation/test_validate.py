@@ -92,6 +92,9 @@ def test_the_time_at_a_gap_is_exact_for_exponential_decay_and_ignores_what_came_
     assert time_at(0.1, np.concatenate([[-2.0, -1.0], t]), rising) == pytest.approx(np.log(10.0), rel=1e-12)
     with pytest.raises(InputError, match=r"the smallest gap of the run is 0\.00674; raise time\.end"):
         time_at(1e-3, t, gaps)
+    assert time_at(float(gaps[0]), t, gaps) == t[0]
+    with pytest.raises(InputError, match="time at gap 2: the run begins at a gap of 1; give a smaller one"):
+        time_at(2.0, t, gaps)
 
 
 @pytest.mark.parametrize("path", sorted(FOLDER.glob("*.toml")), ids=lambda path: path.stem)
