@@ -8,13 +8,18 @@ cells beside edges where the flow is singular. A value is inside
 where it is no farther from the finer one than its bar. The bench ends with exit code 1 unless 99 % of all
 values are inside, 97 % of each kind, and the median ratio of error to bar is at least 0.05, so that bars are
 not made to hold by making them long.
+
+Cases are independent: with `--keep FILE` each is written down as soon as it is done, and a later run with the
+same file solves the others only, so that many cases can be tried in pieces.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
 from itertools import pairwise
+from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
@@ -164,16 +169,61 @@ def quantities(of: Any, stress: Any) -> dict[str, Array]:
     return {name: np.array(value, dtype=float) for name, value in found.items() if value is not None}
 
 
-def measured(kinds: list[str], cases: int, seed: int) -> tuple[list[Value], dict[str, str]]:
-    """The values of so many cases, in turn of each kind, and the refusals of the others."""
-    found, refused = list[Value](), dict[str, str]()
-    for n in track(range(cases), "cases", console=Console(stderr=True)):
-        kind, own = kinds[n % len(kinds)], seed + n // len(kinds)
+@dataclass(frozen=True, slots=True)
+class Tried:
+    """What became of a case: its values, or why it was refused."""
+
+    kind: str
+    seed: int
+    values: list[Value]
+    refused: str | None = None
+
+    @staticmethod
+    def of(kind: str, seed: int) -> Tried:
+        """Of this case, solved now."""
         try:
-            found += values(kind, own)
+            return Tried(kind, seed, values(kind, seed))
         except (InputError, MeshError, SolveError) as error:
-            refused[f"{kind}, {own}"] = str(error)
-    return found, refused
+            return Tried(kind, seed, [], str(error))
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """Cases tried before, in a file with one on each line; without a file none."""
+
+    file: Path | None = None
+
+    def read(self) -> dict[tuple[str, int], Tried]:
+        """All of them by kind and seed."""
+        lines = self.file.read_text().splitlines() if self.file is not None and self.file.exists() else []
+        each = (json.loads(line) for line in lines)
+        return {
+            (one["kind"], one["seed"]): Tried(**one | {"values": [Value(**v) for v in one["values"]]})
+            for one in each
+        }
+
+    def add(self, tried: Tried) -> None:
+        """Write down one more."""
+        if self.file is not None:
+            with self.file.open("a") as file:
+                file.write(json.dumps(asdict(tried)) + "\n")
+
+
+def measured(kinds: list[str], cases: int, seed: int, kept: Kept) -> list[Tried]:
+    """So many cases in turn of each kind, those that are kept as they are there."""
+    known, every = kept.read(), list[Tried]()
+    chosen = [(kinds[n % len(kinds)], seed + n // len(kinds)) for n in range(cases)]
+    for case in track(chosen, "cases", console=Console(stderr=True)):
+        if case not in known:
+            known[case] = Tried.of(*case)
+            kept.add(known[case])
+        every.append(known[case])
+    return every
+
+
+def values_of(tried: list[Tried]) -> list[Value]:
+    """Those of all these cases."""
+    return [value for case in tried for value in case.values]
 
 
 def shown(found: list[Value], kinds: list[str]) -> Table:
@@ -213,16 +263,22 @@ def main(
     cases: Annotated[int, typer.Option(help="How many, in turn of each kind.")] = 200,
     seed: Annotated[int, typer.Option(help="The first case of each kind has this seed.")] = 0,
     outside: Annotated[bool, typer.Option(help="List the values outside their bars.")] = False,
+    keep: Annotated[
+        Path | None,
+        typer.Option(help="Cases tried are written here, and not solved again.", show_default="none"),
+    ] = None,
 ) -> None:
     """Solve random cases with their bars and without, print a table, and fail where bars do not hold."""
     chosen = [name for kind in kinds or KINDS for name in (SHAPED if kind == "shapes" else [kind])]
     for unknown in set(chosen) - set(ALL):
         raise typer.BadParameter(f"{unknown}: not a kind; known: {'; '.join(ALL)}")
-    found, refused = measured(chosen, cases, seed)
+    tried = measured(chosen, cases, seed, Kept(keep))
+    found = values_of(tried)
     console = Console(width=140)
     console.print(shown(found, chosen))
-    for case, why in refused.items():
-        console.print(f"refused: {case}: {why}")
+    console.print(f"{len(tried)} cases, {sum(case.refused is not None for case in tried)} of them refused")
+    for case in (case for case in tried if case.refused is not None):
+        console.print(f"refused: {case.kind}, {case.seed}: {case.refused}")
     for value in (value for value in found if outside and not value.inside):
         console.print(
             f"{value.kind}, seed {value.seed}: {value.name} errs by {value.error:.2g}, bar {value.bar:.2g}"

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from bench.bars import Reference, holds, measured, reference, values
+from bench.bars import Kept, Reference, Value, holds, measured, reference, values, values_of
 from bench.random_cases import random_case
 from bench.random_walls import KINDS
 from fsi.bodies.configuration import Configuration, Motion
 from fsi.case.load import parse_case
+from fsi.meshes.errors import MeshError
 from fsi.observables.bars import Compared, DrivenBodies, step_errors
 from fsi.stokes.comparisons import Comparison, comparisons
 from fsi.stokes.resistance import _resistance, resistance_with_error
@@ -108,9 +110,26 @@ def test_of_many_bodies_one_degree_less_tells_the_error(
 @pytest.mark.slow
 def test_bars_of_suspensions() -> None:
     """Without a part of the largest difference 14 stresslets of 1856 values were outside, by up to 15."""
-    found, refused = measured(["suspension"], 4, SEED)
-    assert not refused
-    assert holds(found, ["suspension"])
+    tried = measured(["suspension"], 4, SEED, Kept())
+    assert not any(case.refused for case in tried)
+    assert holds(values_of(tried), ["suspension"])
+
+
+def test_cases_that_are_kept_are_not_solved_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    solved = []
+
+    def value_or_refusal(kind: str, seed: int) -> list[Value]:
+        solved.append(seed)
+        if seed == 1:
+            raise MeshError("one of them is refused")
+        return [Value(kind, seed, "U[0, 1]", 0.1 * seed, np.inf)]
+
+    monkeypatch.setattr("bench.bars.values", value_or_refusal)
+    kept = Kept(tmp_path / "cases.jsonl")
+    first = measured(["cell"], 2, 0, kept)
+    assert measured(["cell"], 4, 0, kept)[:2] == first
+    assert solved == [0, 1, 2, 3]
+    assert [case.refused for case in first] == [None, "one of them is refused"]
 
 
 def test_bars_hold_of_what_is_small_by_chance() -> None:
@@ -158,9 +177,9 @@ def test_the_finer_solve_has_converged(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.slow
 def test_bars_of_many_cases() -> None:
     kinds = [kind for kind in KINDS if not kind.startswith(("space", "suspension"))]
-    found, refused = measured(kinds, 3 * len(kinds), SEED)
-    assert len(refused) <= len(kinds) // 4
-    assert holds(found, kinds)
+    tried = measured(kinds, 3 * len(kinds), SEED, Kept())
+    assert sum(case.refused is not None for case in tried) <= len(kinds) // 4
+    assert holds(values_of(tried), kinds)
 
 
 @pytest.mark.parametrize("kind", ["box, walls at rest", "half-plane", "cylinder", "round container"])
