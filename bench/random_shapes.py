@@ -13,7 +13,8 @@ from fsi.case.section import tuples
 from fsi.case.shapes.shape import BodyShape
 from fsi.errors import InputError
 from fsi.meshes.geometry.container import wall_feet
-from fsi.meshes.geometry.placed import Foot, Placed
+from fsi.meshes.geometry.feet import Foot
+from fsi.meshes.geometry.placed import Placed
 
 # Gaps over the radius of the smallest circle that holds the body, equal in the logarithm.
 NARROWEST, WIDEST = 1e-4, 1.0

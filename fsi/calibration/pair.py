@@ -32,7 +32,7 @@ from fsi.errors import InputError
 from fsi.integration.state import Results
 from fsi.lubrication.expansions import LawShape
 from fsi.meshes.geometry.container import wall_feet
-from fsi.meshes.geometry.placed import Foot
+from fsi.meshes.geometry.feet import Foot
 
 # Sections of a case that its samples do not have.
 _LEFT_OUT = {"calibration", "time", "output", "expected", "sweep", "forces", "reduced"}

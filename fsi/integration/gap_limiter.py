@@ -1,12 +1,13 @@
 """The gap limiter: what fraction of the gaps, of bodies and walls, a displacement closes."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.bodies.gaps import Gaps, find_gaps, pair_gaps, wall_gaps
+from fsi.bodies.feet import Feet
+from fsi.bodies.gaps import Gaps, find_gaps
 from fsi.meshes.geometry.container import Container
 
 # What is predicted from the present velocity aims below the limit, so that the stages, whose
@@ -116,28 +117,31 @@ def _approach_of_shapes(
 
     A gap closes by no more than the ways of its two bodies' points, one seen from the other. So from each
     place on the way they go on by what leaves the gap above its limit whatever they do, until one is there or
-    the way is at its end.
+    the way is at its end. Of a pair all gaps count, also those that are not its narrowest.
     """
-    gaps = find_gaps(q, container, _reach(q, container, displacement, gap_loss, duration))
-    (i, j), d = gaps.pairs.T, q.dimension
+    reach = _reach(q, container, displacement, gap_loss, duration)
+    gaps, d = find_gaps(q, container, reach), q.dimension
+    i, j = gaps.pairs.T
     apart = displacement[:, :d].take(i, axis=0) - displacement[:, :d].take(j, axis=0)
     apart -= container.carried(gaps.away, duration) - gaps.away
     turns = q.radii * np.linalg.norm(displacement[:, d:], axis=1)
     of_pairs = np.linalg.norm(apart, axis=1) + turns[i] + turns[j]
     losing = np.flatnonzero(of_pairs >= 0.5 * gap_loss * gaps.pair_gaps)
     gaps, of_pairs = gaps.of(losing), of_pairs[losing]
-    before = np.concatenate([gaps.pair_gaps, gaps.wall_gaps.ravel()])
+    feet = Feet.at(q, container, gaps, reach)
+    before = feet.gaps
     if len(before) == 0:
         return Approach(-np.inf, np.inf, (0, 0))
-    closing = np.concatenate([of_pairs, np.repeat(q.ways(displacement), gaps.wall_gaps.shape[1])])
+    of_walls = np.repeat(q.ways(displacement), gaps.wall_gaps.shape[1])
+    closing = np.concatenate([of_pairs, of_walls])[feet.of]
     done, least, left = 0.0, before, before
     for _ in range(MOST_PLACES):
         room = np.maximum(left - (1.0 - gap_loss) * before, LEAST_ROOM * before)
         further = np.divide(room, closing, out=np.full(len(room), np.inf), where=closing > 0.0)
         done = min(1.0, done + float(further.min()))
         moved = q.moved(done * displacement)
-        away = container.carried(gaps.away, done * duration)
-        left = np.concatenate([pair_gaps(moved, gaps.pairs, away), wall_gaps(moved, container).ravel()])
+        there = replace(gaps, away=container.carried(gaps.away, done * duration))
+        left = feet.followed(Feet.at(moved, container, there, reach), done * closing)
         least = np.minimum(least, left)
         if done == 1.0 or np.any(left < (1.0 - gap_loss) * before):
             break
@@ -147,7 +151,8 @@ def _approach_of_shapes(
     lost = float(loss[worst]) / done
     if done < 1.0 and lost <= gap_loss:
         lost = gap_loss / done  # beyond that nobody has looked
-    return Approach(lost, float(before[worst]), _sides(worst, gaps.pairs, gaps.wall_gaps.shape))
+    first, second = feet.sides[worst].tolist()
+    return Approach(lost, float(before[worst]), (first, second))
 
 
 def _sides(index: int, pairs: NDArray[np.intp], bodies_walls: tuple[int, ...]) -> tuple[int, int]:

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Inertia
-from fsi.bodies.gaps import find_gaps, nearest_gaps, pair_gaps, wall_gaps
+from fsi.bodies.feet import Feet
+from fsi.bodies.gaps import Gaps, find_gaps, nearest_gaps, pair_gaps, wall_gaps
 from fsi.errors import SolveError, apart
 from fsi.integration.errors import StepErrors
 from fsi.integration.gap_limiter import Approach, GapRefusedError, greatest_approach, limited_step
@@ -125,10 +126,20 @@ class Stepper:
             return np.zeros(1)
         small = 1e-3 * min(gaps.smallest(), float(q.radii.min())) / furthest
         moved = q.moved(small * displacement)
+        if q.shaped:
+            return self._shape_gap_changes(q, t, moved, gaps) / small
         walls = wall_gaps(moved, self.container)
         of_pairs = (pair_gaps(moved, gaps.pairs, gaps.away) - gaps.pair_gaps) / gaps.pair_gaps
         of_walls = (walls - gaps.wall_gaps) / gaps.wall_gaps
         return np.abs(np.concatenate([of_pairs, of_walls.ravel()])) / small
+
+    def _shape_gap_changes(self, q: Configuration, t: float, moved: Configuration, gaps: Gaps) -> Array:
+        """By how much of itself each of all gaps of bodies with shapes changes on a small way."""
+        container, reach = self.container.at(t), 2.0 * float(q.radii.max())
+        feet = Feet.at(q, container, gaps, reach)
+        ways = np.full(len(feet.feet), 2.0 * float(q.ways(q.way_to(moved)).max()))
+        later = feet.followed(Feet.at(moved, container, gaps, reach), ways)
+        return np.abs(later - feet.gaps) / feet.gaps
 
     def _first_step(self, q: Configuration, U: Array) -> float:
         """The step whose error is the tolerance if it is that power of the displacement, both relative."""

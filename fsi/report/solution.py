@@ -21,6 +21,7 @@ from fsi.meshes.geometry.lattice import Lattice
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.truncation import SolvedFlow
 from fsi.report.console import checks_table, print_mesh_instead, table
+from fsi.report.gaps import gaps_json, gaps_table
 
 if TYPE_CHECKING:
     from fsi.reduced.model import ReducedInstant
@@ -59,6 +60,8 @@ def solution_json(
     }
     if solution.slip_dissipation is not None:
         data["slip_dissipation"] = float(solution.slip_dissipation)
+    if case.configuration().shaped:
+        data["gaps"] = gaps_json(case)
     data |= driven_json(solution.wall_speeds, solution.shear_rate)
     if solution.mesh_instead:
         data["mesh_instead"] = solution.mesh_instead
@@ -136,6 +139,8 @@ def print_solution(
 ) -> None:
     """The same for a reader: a table of the bodies, then one of the checks."""
     console.print(_bodies_table(case, solution, errors))
+    if case.configuration().shaped:
+        console.print(gaps_table(case))
     if solution.bulk is not None and errors.stress is not None:
         console.print(_stress_table(solution.bulk, errors, errors.stress))
     console.print(checks_table("check, relative", solution.checks | truncation_checks(truncated)))
@@ -227,6 +232,8 @@ def print_case(console: Console, case: Case) -> None:
     rows = [(name, "at rest" if wall.rests else toml_text(wall)) for name, wall in case.domain.walls.items()]
     if case.bodies:
         console.print(_case_table(case))
+        if case.configuration().shaped:
+            console.print(gaps_table(case))
     if len(case.bodies) > _MOST:
         console.print(f"... {len(case.bodies) - _MOST} more bodies")
     if rows:

@@ -26,7 +26,8 @@ from numpy.typing import NDArray
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.curves import Sphere, WallCurve
 from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
-from fsi.meshes.geometry.placed import Foot, Opposite, Placed
+from fsi.meshes.geometry.feet import Foot, Opposite
+from fsi.meshes.geometry.placed import Placed
 
 Array = NDArray[np.float64]
 
@@ -258,11 +259,16 @@ def feet_in_space(body: PlacedEllipsoid, container: Container) -> list[Foot]:
 
 def wall_feet(body: Placed, container: Container) -> list[Foot]:
     """The gaps of a body to all walls."""
+    return [body.gap_to_surface(_opposite(container, k)) for k in range(len(container.walls))]
 
-    def opposite(wall: int) -> Opposite:
-        return lambda x: container.to_wall(wall, x)
 
-    return [body.gap_to_surface(opposite(wall)) for wall in range(len(container.walls))]
+def all_wall_feet(body: Placed, container: Container, reach: float) -> list[list[Foot]]:
+    """All gaps of a body to each wall up to `reach`, the narrowest first and whatever its width."""
+    return [body.feet_on(_opposite(container, k), reach) for k in range(len(container.walls))]
+
+
+def _opposite(container: Container, wall: int) -> Opposite:
+    return lambda x: container.to_wall(wall, x)
 
 
 class WithoutWalls(Container):

@@ -20,8 +20,8 @@ import numpy as np
 import scipy  # its modules load when they are used
 
 from fsi.meshes.geometry.curves import Sphere
+from fsi.meshes.geometry.feet import Foot
 from fsi.meshes.geometry.jets import Array
-from fsi.meshes.geometry.placed import Foot
 
 ROUNDS, STARTS = 60, 24
 ZERO = 1e-15

@@ -30,6 +30,7 @@ NEIGHBOURS = 16  # of a point in the sample
 SHARPEST = 1e-3  # smallest radius of curvature that sizes of elements follow, over the largest radius
 ROUND = 1e-14  # of the radius, by which the sample of a circle is off it
 LONGER = 1e-6  # by which the larger second moment exceeds the smaller one of a body with a long axis
+STRAIGHT = 1e-9  # curvature times radius: what rounding makes of straight sides
 AT_JOINT = 1e-6  # of the curve: a place so near to a joint is there
 SPREAD = 1.5  # how fast the radius that sizes follow grows along the curve
 
@@ -211,6 +212,11 @@ class Outline:
             kappa = cross(dx, ddx) / np.hypot(dx[:, 0], dx[:, 1]) ** 3
         bent: Array = np.where(np.isnan(kappa), np.inf, kappa)
         return bent
+
+    @cached_property
+    def is_convex(self) -> bool:
+        """Whether it is bent inwards nowhere."""
+        return bool(np.all(self.radius * self.curvature(self.t) >= -STRAIGHT))
 
     def bend(self, t: Array) -> Array:
         """The radius that sizes of elements follow at t, (n,): that of the curvature, but near tighter bends.

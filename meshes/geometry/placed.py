@@ -7,65 +7,14 @@ overlap, also where one lies within the other.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fsi.meshes.geometry.feet import Foot, Opposite, low_points, root, separate
 from fsi.meshes.geometry.jets import Array, Jet
 from fsi.meshes.geometry.normals import CommonNormals, common_normals
 from fsi.meshes.geometry.outline import Outline
-
-ROUNDS = 30
-ZERO, SHORT = 1e-14, 1e-15  # of the values where a root is looked for, and of t
-
-type Opposite = Callable[[Array], tuple[Array, Array]]
-
-
-def _root(rising: Callable[[Array], Array], low: Array, high: Array) -> Array:
-    """Where functions that rise through zero between two arguments each have it, (n,).
-
-    By the method of false position with halved ends (Illinois), and by bisection each third time.
-    """
-    below, above = -np.abs(rising(low)), np.abs(rising(high))
-    smallest, root = np.where(-below < above, -below, above), np.where(-below < above, low, high)
-    enough = ZERO * np.maximum(-below, above)
-    for k in range(ROUNDS):
-        with np.errstate(invalid="ignore", divide="ignore"):
-            falsi = (low * above - high * below) / (above - below)
-        after = np.where((falsi >= low) & (falsi <= high) & (k % 3 < 2), falsi, 0.5 * (low + high))
-        value = rising(after)
-        up = value > 0.0
-        above, below = np.where(up, value, 0.5 * above), np.where(up, 0.5 * below, value)
-        low, high = np.where(up, low, after), np.where(up, after, high)
-        better = np.abs(value) < smallest
-        smallest, root = np.where(better, np.abs(value), smallest), np.where(better, after, root)
-        if np.all((smallest <= enough) | (high - low < SHORT)):
-            break
-    return root
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Foot:
-    """Where a gap is narrowest.
-
-    Attributes:
-        gap: its width, negative where the two overlap.
-        t: of the point on the body's outline, NaN in space.
-        x: that point, (d,).
-        normal: of what is opposite, towards the body, (d,).
-    """
-
-    gap: float
-    t: float
-    x: Array
-    normal: Array
-
-    @property
-    def opposite(self) -> Array:
-        """The point opposite, (d,)."""
-        return np.asarray(self.x - self.gap * self.normal)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -136,8 +85,44 @@ class Placed:
 
     def gap_to_surface(self, opposite: Opposite) -> Foot:
         """The gap to a surface with this signed distance and gradient."""
+        return self._foot(opposite, opposite(self._sample())[0])
+
+    def feet_on(self, opposite: Opposite, reach: float = np.inf) -> list[Foot]:
+        """All its gaps up to `reach`, and the narrowest, which comes first."""
+        distance = opposite(self._sample())[0]
+        return self._apart(self._foot(opposite, distance), self._feet(opposite, distance, reach), distance)
+
+    def feet_to(self, other: Placed, reach: float = np.inf) -> list[Foot]:
+        """All gaps to another body up to `reach`, and the narrowest, which comes first."""
+        narrowest, spacing = self.gap_to(other), self.outline.spacing + other.outline.spacing
+        if (self.outline.is_convex and other.outline.is_convex) or narrowest.gap > reach:
+            return [narrowest]
+        if other.outline.spacing < self.outline.spacing:  # along whose sample none is overlooked
+            feet = [self._seen_from_here(foot) for foot in other.feet_to(self, reach)]
+            return [narrowest, *feet[1:]]
         x = self._sample()
-        return self._foot(opposite, opposite(x)[0], np.arange(len(x)))
+        near = other.outline.coarse_distance(other.seen(x))[0] <= reach + spacing
+        distance = np.full(len(x), np.inf)
+        distance[near] = other.signed_distance(x[near])[0]
+        return self._apart(narrowest, self._feet(other.signed_distance, distance, reach), distance)
+
+    def _apart(self, narrowest: Foot, feet: list[Foot], distance: Array) -> list[Foot]:
+        """The narrowest foot, and others between which the distance rises, of mirror images one.
+
+        What is opposite lies outside of the body there: beyond its far side there is none.
+        """
+        if narrowest.gap <= 0.0:
+            return [narrowest]
+        facing = [foot for foot in feet if self.normals(np.array([foot.t]))[0] @ foot.normal < 0.0]
+        chosen = list(separate(narrowest, facing, self.outline.t, distance))
+        if self.outline.poles is None:
+            return chosen
+        return [foot for k, foot in enumerate(chosen) if not any(map(foot.mirrors, chosen[:k]))]
+
+    def _seen_from_here(self, foot: Foot) -> Foot:
+        """A foot of another body on this one as a foot of this one."""
+        x = foot.opposite
+        return Foot(foot.gap, float(self.nearest(x[None])[0]), x, 0.0 - foot.normal)
 
     def gap_to(self, other: Placed) -> Foot:
         """The gap to another body."""
@@ -155,7 +140,7 @@ class Placed:
         if self.signed_distance(inside)[0][0] < 0.0 < distance.min():
             depth, out = self.signed_distance(inside)
             return Foot(float(depth[0]), float(self.nearest(inside)[0]), inside[0], -out[0])
-        return self._foot(other.signed_distance, distance, near)
+        return self._foot(other.signed_distance, distance)
 
     def gap_to_disc(self, centre: Array, radius: float) -> Foot:
         """The gap to a disc."""
@@ -172,26 +157,26 @@ class Placed:
     def _sample(self) -> Array:
         return np.asarray(self.centre + self.outline.sample.x @ self._rows)
 
-    def _foot(self, opposite: Opposite, distance: Array, near: NDArray[np.intp]) -> Foot:
-        """Where f is least, from its values at the sample, those in `near` known."""
-        t, m = self.outline.t, len(distance)
-        lowest = near[
-            (distance[near] <= distance[near - 1])
-            & (distance[near] <= distance[(near + 1) % m])
-            & (distance[near] <= distance.min() + self.outline.spacing)
-        ]
+    def _foot(self, opposite: Opposite, distance: Array) -> Foot:
+        """Where f is least, from its values at the sample, infinite where they are not asked for."""
+        feet = self._feet(opposite, distance, float(distance.min()) + self.outline.spacing)
+        return min(feet, key=lambda foot: foot.gap)
+
+    def _feet(self, opposite: Opposite, distance: Array, highest: float) -> list[Foot]:
+        """The same of all local minima up to some value, each twice where it is at a point of the sample."""
+        t, low_ones = self.outline.t, low_points(distance, highest)
         closed = np.concatenate([[t[-1] - 1.0], t, [1.0]])
-        here = closed[lowest + 1]
+        here = closed[low_ones + 1]
         slope = self._slope(opposite, here)
         low, high = (
-            np.where(slope > 0.0, closed[lowest], here),
-            np.where(slope > 0.0, here, closed[lowest + 2]),
+            np.where(slope > 0.0, closed[low_ones], here),
+            np.where(slope > 0.0, here, closed[low_ones + 2]),
         )
-        tried = np.concatenate([here, _root(lambda t: self._slope(opposite, t), low, high)])
+        tried = np.concatenate([here, root(lambda t: self._slope(opposite, t), low, high)])
         x = self.at(tried).x
         gaps, normals = opposite(x)
-        k = int(np.argmin(gaps))
-        return Foot(float(gaps[k]), float(tried[k] % 1.0), x[k], normals[k])
+        each = zip(gaps.tolist(), (tried % 1.0).tolist(), x, normals, strict=True)
+        return [Foot(*foot) for foot in each]
 
     def _slope(self, opposite: Opposite, t: Array) -> Array:
         """f' along the outline."""

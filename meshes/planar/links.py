@@ -10,8 +10,9 @@ from scipy.spatial import cKDTree
 
 from fsi.meshes.errors import TouchingError
 from fsi.meshes.geometry.container import Array, wall_feet
+from fsi.meshes.geometry.feet import Foot
 from fsi.meshes.geometry.lattice import Integers, positive
-from fsi.meshes.geometry.placed import Foot, Placed
+from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.planar.sizing import Surfaces
 
 Indices = NDArray[np.int64]

@@ -14,8 +14,9 @@ import numpy as np
 
 from fsi.meshes.errors import MeshError, TouchingError
 from fsi.meshes.geometry.container import Array, wall_feet
+from fsi.meshes.geometry.feet import Foot
 from fsi.meshes.geometry.outline import AT_JOINT
-from fsi.meshes.geometry.placed import Foot, Placed
+from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.planar.sizing import SHORTEST, Curve, Surfaces
 from fsi.meshes.planar.spread import Indices, resolve_all, spread
 

@@ -15,6 +15,7 @@ from fsi.case.load import load_case, parse_case
 from fsi.integration.errors import ErrorEstimate
 from fsi.observables.truncation import SolvedFlow, halved, truncation
 from fsi.report.console import standard_output
+from fsi.report.gaps import gaps_json
 from fsi.report.solution import print_case, print_solution, solution_json
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -153,3 +154,25 @@ def test_a_lone_body_of_a_periodic_cell_is_nearest_to_its_own_image() -> None:
     print_case(console, parse_case(data))
     rows = [line.replace("│", " ").split() for line in console.file.getvalue().splitlines()]  # type: ignore[attr-defined]
     assert ["disc", "1,", "1", "1", "3", "disc", "free", "free", "free"] in rows
+
+
+def test_all_gaps_of_shapes_are_listed() -> None:
+    """A rod, its ends 1.25 from its centre, 0.1 off it in a circle of radius 2."""
+    sizes = {"name": "x", "fluid": {"viscosity": 1.0}}
+    rod = {"name": "rod", "shape": {"kind": "stadium", "length": 2.0, "radius": 0.25}, "position": [0.1, 0.0]}
+    case = parse_case(sizes | {"domain": {"shape": "round", "radius": 2.0}, "bodies": [rod]})
+    shown = gaps_json(case)
+    assert [gap["between"] for gap in shown] == [["rod", "far"]] * 2
+    assert [gap["gap"] for gap in shown] == pytest.approx([0.65, 0.85], rel=1e-12)
+    assert shown[0]["at"] == pytest.approx([1.675, 0.0], abs=1e-9)
+    listed = standard_output_of(case)
+    assert "0.65" in listed
+    assert "0.85" in listed
+
+
+def standard_output_of(case: Case) -> str:
+    """What `fsi check` prints of it."""
+    console = Console(file=io.StringIO(), width=140)
+    print_case(console, case)
+    text: str = console.file.getvalue()  # type: ignore[attr-defined]
+    return text

@@ -1,0 +1,108 @@
+"""All gaps of a pair of surfaces: those of rods in circles and of peanuts, each one followed on its way."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fsi.bodies.configuration import Array, Configuration
+from fsi.bodies.feet import Feet, find_feet
+from fsi.bodies.gaps import find_gaps
+from fsi.case.shapes.fourier import FourierShape
+from fsi.case.shapes.stadium import Stadium
+from fsi.integration.gap_limiter import greatest_approach
+from fsi.meshes.geometry.container import Unbounded
+from fsi.meshes.geometry.containers import Box, Round
+from fsi.meshes.geometry.outline import Outline
+
+PEANUT = FourierShape(kind="fourier", radius=1.0, orders=(2,), cosines=(0.4,)).outline
+ROD = Stadium(kind="stadium", length=2.0, radius=0.25).outline  # between the ends' centres
+FAR = 10.0
+BOX = Box((-3.0, 0.0), (3.0, 9.0))
+BOTTOM = BOX.walls.index("bottom")
+
+
+def standing(*bodies: tuple[Outline, tuple[float, float], float]) -> Configuration:
+    outlines = tuple(outline for outline, _, _ in bodies)
+    radii = np.array([outline.radius for outline in outlines])
+    centres, angles = np.array([x for _, x, _ in bodies]), np.array([angle for *_, angle in bodies])
+    return Configuration(centres, angles, radii, outlines)
+
+
+def widths(feet: Feet, *between: int) -> Array:
+    return np.sort(feet.gaps[(feet.sides == between).all(axis=1)])
+
+
+@pytest.mark.parametrize("off", [0.0, 0.1, -0.3])
+def test_a_rod_in_a_circle_has_a_gap_at_either_end(off: float) -> None:
+    """Its ends are 1.25 from its centre, the circle 2."""
+    feet = find_feet(standing((ROD, (off, 0.0), 0.0)), Round(2.0), FAR)
+    np.testing.assert_allclose(widths(feet, 0, 1), [0.75 - abs(off), 0.75 + abs(off)], atol=1e-12)
+
+
+def test_a_rod_along_a_wall_has_one_gap() -> None:
+    feet = find_feet(standing((ROD, (0.0, 0.35), 0.0)), BOX, FAR)
+    np.testing.assert_allclose(widths(feet, 0, 1 + BOTTOM), [0.1], rtol=1e-12)
+
+
+def test_a_peanut_lies_on_its_two_lobes() -> None:
+    """r = 1 + 0.4 cos 2 theta dips lowest where d(r sin theta) = 0: sin^2 theta = (1 + 0.4) / (6 0.4)."""
+    sine = np.sqrt(1.4 / 2.4)
+    depth = (1.0 + 0.4 * (1.0 - 2.0 * sine**2)) * sine
+    q = standing((PEANUT, (0.0, 2.0), 0.0))
+    feet = find_feet(q, BOX, FAR)
+    np.testing.assert_allclose(widths(feet, 0, 1 + BOTTOM), [2.0 - depth] * 2, rtol=1e-12)
+
+
+@settings(max_examples=8, deadline=None)
+@given(
+    angle=st.floats(0.0, 6.3), turn=st.floats(0.0, 6.3), lobes=st.integers(2, 9), gap=st.floats(-4.0, -0.5)
+)
+def test_gaps_of_a_pair_are_the_same_from_both_sides_the_narrowest_first(
+    angle: float, turn: float, lobes: int, gap: float
+) -> None:
+    """A shape with lobes beside a peanut. One that is only just a gap may be none from the other side."""
+    star = FourierShape(kind="fourier", radius=1.0, orders=(lobes,), cosines=(0.2,)).outline
+    away = star.radius + PEANUT.radius + 10.0**gap
+    bodies = ((star, (0.0, 0.0), turn), (PEANUT, (away, 0.0), angle))
+    one, other = standing(*bodies), standing(*bodies[::-1])
+    feet, back = (find_feet(q, Unbounded(), 1.0) for q in (one, other))
+    pair = find_gaps(one, Unbounded(), 1.0).pair_gaps
+    assert feet.gaps[0] == pair[0]
+    assert feet.gaps.min() >= pair[0] * (1.0 - 1e-12)
+    assert back.gaps[0] == pytest.approx(pair[0], rel=1e-9)
+    for foot in feet.feet:
+        distance, normal = one.placed[1].signed_distance(foot.x[None])
+        assert distance[0] == pytest.approx(foot.gap, rel=1e-9, abs=1e-12)
+        np.testing.assert_allclose(normal[0], foot.normal, atol=1e-6)
+
+
+def test_a_gap_that_is_not_the_narrowest_closes_unseen_by_the_narrowest_alone() -> None:
+    """A rod 0.1 and 1.4 off both sides of a circle goes 1.2 to the wider one: that loses 6/7 of itself."""
+    q = standing((ROD, (0.65, 0.0), 0.0))
+    approach = greatest_approach(q, Round(2.0), np.array([[-1.2, 0.0, 0.0]]), 0.5)
+    assert approach.gap == pytest.approx(1.4, rel=1e-12)
+    assert 0.5 < approach.loss <= 6.0 / 7.0 + 1e-9
+    whole = greatest_approach(q, Round(2.0), np.array([[-1.2, 0.0, 0.0]]), 0.9)
+    assert whole.loss == pytest.approx(6.0 / 7.0, rel=1e-9)
+
+
+def test_a_gap_that_vanishes_is_not_taken_for_its_neighbour() -> None:
+    """A peanut on its lobes, rolls until the higher one is none."""
+    q = standing((PEANUT, (0.0, 2.0), 0.0))
+    gaps = find_gaps(q, BOX, FAR)
+    feet = Feet.at(q, BOX, gaps, FAR)
+    for angle, left in ((0.2, 2), (0.9, 1)):
+        turned = replace(q, angles=np.array([angle]))
+        later = Feet.at(turned, BOX, gaps, FAR)
+        assert len(widths(later, 0, 1 + BOTTOM)) == left
+    ways = np.full(len(feet.feet), 1e-3)  # too short to make the one of the other
+    followed = feet.followed(Feet.at(replace(q, angles=np.array([0.9])), BOX, gaps, FAR), ways)
+    of_wall = (feet.sides == (0, 1 + BOTTOM)).all(axis=1)
+    narrowest, other = followed[of_wall]
+    assert narrowest != feet.gaps[of_wall][0]
+    assert other == feet.gaps[of_wall][1]
