@@ -14,8 +14,13 @@ import numpy as np
 
 from fsi.lubrication import ellipsoids, exact, spheres
 from fsi.lubrication import sphere_beside_plane as beside
+from fsi.lubrication import two_spheres as pair
 from fsi.lubrication.concentric import Concentric
 from fsi.lubrication.exact import Array
+
+NEAR_CENTRE = (
+    10.0  # a ball that is so many times as far as spheres reach leaves out 1e-3 of their largest loads
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +68,15 @@ class ExactProblem:
     def beside_plane(self) -> tuple[float, float, float]:
         """Gap, radius and viscosity of the first body beside the plane y = 0 (in space z = 0)."""
         return float(self.centres[0, -1] - self.radii[0]), float(self.radii[0]), self.viscosity
+
+    def pair_mobility(self) -> Array:
+        """Of two spheres near the centre of a ball, (12, 12). Raises ValueError where they are not."""
+        reach = float((np.linalg.norm(self.centres, axis=1) + self.radii).max())
+        if 0.5 * self.size < NEAR_CENTRE * reach:
+            raise ValueError(f"domain.radius = {0.5 * self.size:g}: need {NEAR_CENTRE * reach:g} at least")
+        a, b = self.radii.tolist()
+        alone = np.linalg.inv(pair.pair_matrix(self.centres, (a, b), self.viscosity))
+        return pair.in_far_ball(alone, 0.5 * self.size, self.viscosity)
 
     def between(self, axis: int) -> float:
         """The gap between two bodies on an axis of coordinates."""
@@ -139,6 +153,19 @@ def two_spheres(problem: ExactProblem) -> float:
     """Two spheres moving along their line of centres (Stimson and Jeffery 1926, Maude 1961)."""
     a, b, V, W = *problem.radii, *problem.U[:, 1]
     return -float(spheres.line_forces(problem.between(1), (a, b), problem.viscosity, (V, W))[problem.body])
+
+
+@exact_result(Fitting("spatial", "round", 2, "force", enclosed=True))
+def sphere_pair(problem: ExactProblem) -> float:
+    """Two spheres that move and turn near the centre of a large ball (Jeffrey and Onishi 1984)."""
+    loads = np.linalg.solve(problem.pair_mobility(), problem.U.ravel()).reshape(2, 6)
+    return -float(loads[problem.body, problem.mode])
+
+
+@exact_result(Fitting("spatial", "round", 2, "velocity", enclosed=True))
+def free_sphere_pair(problem: ExactProblem) -> float:
+    """Two spheres under forces and torques near the centre of a large ball."""
+    return float((problem.pair_mobility() @ problem.F.ravel()).reshape(2, 6)[problem.body, problem.mode])
 
 
 @exact_result(Fitting("axisymmetric", "round", 1, "force", enclosed=True))

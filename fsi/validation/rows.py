@@ -47,7 +47,10 @@ def exact_value(case: Case, name: str, quantity: str) -> float:
         0.0 if far is None else far.shear, body, mode, gap,
         *_surfaces(case), case.bodies[0].half_axes,
     )  # fmt: skip
-    found = EXACT[name].value(problem)
+    try:
+        found = EXACT[name].value(problem)
+    except ValueError as error:  # where the function is not known
+        raise InputError(f'exact = "{name}": {error}; give a value') from None
     if np.isnan(found):
         raise InputError(f'exact = "{name}": is not known for the shape of {case.names[0]!r}; give a value')
     return found
