@@ -58,7 +58,7 @@ class StokesSystem:
         b: loads, this rank's rows.
         g: given velocities of walls and of what moves along bodies, this rank's rows.
         weights: int q over the fluid for each of this rank's rows of p.
-        mass: mass matrix of the pressure / mu for the iterative solver, None for the direct one.
+        mass: -S' of the iterative solver, None for the direct one.
         coarse: velocities of degree 1 for the iterative solver, None for the direct one.
         workspace: whose cells these are, and that keeps the factors.
         facets: along which fluid slides, None where it sticks everywhere.

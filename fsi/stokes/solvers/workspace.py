@@ -26,9 +26,10 @@ from fsi.stokes.solvers.reduced import Added, Elimination
 
 
 def pressure_mass(forms: Forms) -> PETSc.Mat:
-    """The mass matrix of the pressure over mu."""
+    """The mass matrix of the pressure over - 2 mu, which stands for - B A^-1 B^T."""
     mass = assemble_matrix(forms.bind("pressure mass"))
     mass.assemble()
+    mass.scale(-0.5)
     return mass
 
 
