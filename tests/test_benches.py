@@ -14,7 +14,8 @@ SMALLEST = {
     "reduced": ["200", "--scheme", "distance"],
     "gluey": ["agitated", "100", "--steps", "1"],
 }
-SLOW = {"space": ["P2"], "pore_speed": ["50", "--modes", "1"]}
+AGAINST_ITSELF = [str(ROOT), "--turns", "1", "--most", "9", "--cases", "disc_beside_plane"]
+SLOW = {"against": AGAINST_ITSELF, "space": ["P2"], "pore_speed": ["50", "--modes", "1"]}
 
 
 @pytest.mark.parametrize("name", [*SMALLEST, *(pytest.param(name, marks=pytest.mark.slow) for name in SLOW)])

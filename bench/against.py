@@ -1,0 +1,99 @@
+"""What a solve costs here and in another checkout, in turns: `python bench/against.py FOLDER`.
+
+    git worktree add /tmp/before COMMIT
+    python bench/against.py /tmp/before
+
+Each of the two solves the same case files in a process of its own, warm, mesh included. They are asked for
+one solve each in turn, so that other work on the machine slows down both, and their CPU seconds are compared:
+those of the cheapest solve, and the quartiles of the ratio of the two of each turn. The bench ends with exit
+code 1 where a median is above `--most`.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from contextlib import closing
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.table import Table
+
+ROOT = Path(__file__).parents[1]
+CASES = ["disc_beside_plane", "two_discs", "disc_in_box", "couette_N10", "sheared_cell"]
+# Read by both: for each path in the input one solve, and its CPU seconds in the output.
+SERVE = """
+import sys, time, fsi
+from pathlib import Path
+from fsi.case.load import load_case
+from fsi.stokes.model import StokesModel
+
+assert Path(fsi.__file__).is_relative_to(sys.argv[1]), f"{fsi.__file__} is not of {sys.argv[1]}"
+models = {}
+for path in map(str.strip, sys.stdin):
+    if path not in models:
+        case = load_case(Path(path), [])
+        models[path] = StokesModel(case), case.configuration()
+    model, q = models[path]
+    start = time.process_time()
+    model(q, 0.0)
+    print(time.process_time() - start, flush=True)
+"""
+
+
+class Checkout:
+    """The process of one checkout."""
+
+    def __init__(self, folder: Path) -> None:
+        environment = os.environ | {"PYTHONPATH": str(folder), "OMP_NUM_THREADS": "1"}
+        command = [sys.executable, "-c", SERVE, str(folder)]
+        self.process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment, cwd=folder
+        )
+
+    def seconds(self, case: str) -> float:
+        """CPU seconds of one solve of a case. Raises typer.Exit where its process has ended."""
+        asked, answers = self.process.stdin, self.process.stdout
+        assert asked is not None
+        assert answers is not None
+        asked.write(f"{ROOT / 'cases' / case}.toml\n")
+        asked.flush()
+        answer = answers.readline()
+        if not answer:
+            raise typer.Exit(1)
+        return float(answer)
+
+    def close(self) -> None:
+        """End the process."""
+        self.process.communicate()
+
+
+def main(
+    other: Annotated[Path, typer.Argument(help="The other checkout.", exists=True, file_okay=False)],
+    turns: Annotated[int, typer.Option(help="Solves of each case by each of them.")] = 20,
+    most: Annotated[float, typer.Option(help="How many times as dear a solve may be.")] = 1.03,
+    cases: Annotated[list[str] | None, typer.Option(help="Of the folder cases.", show_default="five")] = None,
+) -> None:
+    """Solve cases in turns, print a table, and fail where they have become dearer."""
+    table = Table(title="CPU seconds of a warm solve", title_justify="left")
+    for heading in ("case", "there", "here", "quartiles of here / there, each turn"):
+        table.add_column(heading, justify="left" if heading == "case" else "right")
+    medians = []
+    with closing(Checkout(ROOT)) as here, closing(Checkout(other.resolve())) as there:
+        for case in cases or CASES:
+            taken = np.array([(there.seconds(case), here.seconds(case)) for _ in range(turns + 1)])[1:]
+            quartiles = np.quantile(taken[:, 1] / taken[:, 0], [0.25, 0.5, 0.75])
+            medians.append(quartiles[1])
+            shown = (f"{ratio:.3f}" for ratio in quartiles)
+            table.add_row(case, *(f"{least:.4f}" for least in taken.min(axis=0)), " ".join(shown))
+    Console(width=100).print(table)
+    if max(medians) > most:
+        raise typer.Exit(1)
+
+
+if __name__ == "__main__":
+    typer.run(main)
