@@ -113,6 +113,11 @@ class Container(ABC):
         """Whether each wall is plane, (walls,)."""
         return tuple(sphere is None for sphere in self.spheres)
 
+    @property
+    def waves(self) -> tuple[float, ...]:
+        """How far it is on each wall from crest to crest, infinite on plane and round ones."""
+        return (np.inf,) * len(self.walls)
+
     def bends(self, x: Array) -> Array:
         """The radius that sizes of elements follow on each wall where it is nearest to points x, (n, walls).
 
@@ -259,12 +264,14 @@ def feet_in_space(body: PlacedEllipsoid, container: Container) -> list[Foot]:
 
 def wall_feet(body: Placed, container: Container) -> list[Foot]:
     """The gaps of a body to all walls."""
-    return [body.gap_to_surface(_opposite(container, k)) for k in range(len(container.walls))]
+    waves = enumerate(container.waves)
+    return [body.gap_to_surface(_opposite(container, k), wave) for k, wave in waves]
 
 
 def all_wall_feet(body: Placed, container: Container, reach: float) -> list[list[Foot]]:
     """All gaps of a body to each wall up to `reach`, the narrowest first and whatever its width."""
-    return [body.feet_on(_opposite(container, k), reach) for k in range(len(container.walls))]
+    waves = enumerate(container.waves)
+    return [body.feet_on(_opposite(container, k), reach, wave) for k, wave in waves]
 
 
 def _opposite(container: Container, wall: int) -> Opposite:

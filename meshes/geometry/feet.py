@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,14 +81,23 @@ def low_points(distance: Array, highest: float) -> NDArray[np.intp]:
     return np.flatnonzero(low & (distance <= highest))
 
 
-def separate(narrowest: Foot, feet: Sequence[Foot], t: Array, distance: Array) -> Iterator[Foot]:
-    """The narrowest and then those of others between which the distance rises, ascending.
+class Sampled(NamedTuple):
+    """Distances at points of an outline.
 
-    t: the sample of the outline, ascending from 0 on, (m,); distance: there, (m,), infinite where it is far.
+    Attributes:
+        t: where on it, ascending from 0 on, (m,).
+        distance: to what is opposite, infinite where it is not asked for, (m,).
     """
+
+    t: Array
+    distance: Array
+
+
+def separate(narrowest: Foot, feet: Sequence[Foot], sampled: Sampled) -> Iterator[Foot]:
+    """The narrowest and then those of others between which the distance rises, ascending."""
     chosen = list[Foot]()
     for foot in (narrowest, *sorted(feet, key=lambda foot: foot.gap)):
-        over = t[distance > (1.0 + RISE) * foot.gap]
+        over = sampled.t[sampled.distance > (1.0 + RISE) * foot.gap]
         if all(_rises(over, foot.t, other.t) for other in chosen):
             chosen.append(foot)
             yield foot

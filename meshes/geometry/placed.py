@@ -11,10 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsi.meshes.geometry.feet import Foot, Opposite, low_points, root, separate
+from fsi.meshes.geometry.feet import Foot, Opposite, Sampled, low_points, root, separate
 from fsi.meshes.geometry.jets import Array, Jet
 from fsi.meshes.geometry.normals import CommonNormals, common_normals
 from fsi.meshes.geometry.outline import Outline
+
+PER_WAVE = 8  # points of a sample beside waves of a wall
+FINER = 0.5  # spacing over spacing, below which the other sample is taken
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,14 +86,14 @@ class Placed:
         t = self.outline.nearest(seen)
         return np.hypot(*(seen - self.outline.jet(t).x).T), self.outline.bend(t)
 
-    def gap_to_surface(self, opposite: Opposite) -> Foot:
-        """The gap to a surface with this signed distance and gradient."""
-        return self._foot(opposite, opposite(self._sample())[0])
+    def gap_to_surface(self, opposite: Opposite, wave: float = np.inf) -> Foot:
+        """The gap to a surface with this signed distance and gradient, and so far from crest to crest."""
+        return self._foot(opposite, self._sampled(opposite, 0.0, wave))
 
-    def feet_on(self, opposite: Opposite, reach: float = np.inf) -> list[Foot]:
+    def feet_on(self, opposite: Opposite, reach: float = np.inf, wave: float = np.inf) -> list[Foot]:
         """All its gaps up to `reach`, and the narrowest, which comes first."""
-        distance = opposite(self._sample())[0]
-        return self._apart(self._foot(opposite, distance), self._feet(opposite, distance, reach), distance)
+        sampled = self._sampled(opposite, reach, wave)
+        return self._apart(self._foot(opposite, sampled), self._feet(opposite, sampled, reach), sampled)
 
     def feet_to(self, other: Placed, reach: float = np.inf) -> list[Foot]:
         """All gaps to another body up to `reach`, and the narrowest, which comes first."""
@@ -104,9 +107,24 @@ class Placed:
         near = other.outline.coarse_distance(other.seen(x))[0] <= reach + spacing
         distance = np.full(len(x), np.inf)
         distance[near] = other.signed_distance(x[near])[0]
-        return self._apart(narrowest, self._feet(other.signed_distance, distance, reach), distance)
+        sampled = Sampled(self.outline.t, distance)
+        return self._apart(narrowest, self._feet(other.signed_distance, sampled, reach), sampled)
 
-    def _apart(self, narrowest: Foot, feet: list[Foot], distance: Array) -> list[Foot]:
+    def _sampled(self, opposite: Opposite, reach: float, wave: float) -> Sampled:
+        """f at the sample, which is made finer than waves of what is opposite where that is near."""
+        t, spacing = self.outline.t, self.outline.spacing
+        distance = opposite(self._sample())[0]
+        parts = int(np.ceil(PER_WAVE * spacing / wave))
+        if parts < 2:
+            return Sampled(t, distance)
+        near = np.minimum(distance, np.roll(distance, -1)) <= max(reach, float(distance.min())) + spacing
+        here, step = t[near], np.diff(t, append=1.0)[near]
+        between = (here[:, None] + step[:, None] * np.arange(1, parts) / parts).ravel()
+        every = np.concatenate([t, between])
+        order = np.argsort(every)
+        return Sampled(every[order], np.append(distance, opposite(self.at(between).x)[0])[order])
+
+    def _apart(self, narrowest: Foot, feet: list[Foot], sampled: Sampled) -> list[Foot]:
         """The narrowest foot, and others between which the distance rises, of mirror images one.
 
         What is opposite lies outside of the body there: beyond its far side there is none.
@@ -114,7 +132,7 @@ class Placed:
         if narrowest.gap <= 0.0:
             return [narrowest]
         facing = [foot for foot in feet if self.normals(np.array([foot.t]))[0] @ foot.normal < 0.0]
-        chosen = list(separate(narrowest, facing, self.outline.t, distance))
+        chosen = list(separate(narrowest, facing, sampled))
         if self.outline.poles is None:
             return chosen
         return [foot for k, foot in enumerate(chosen) if not any(map(foot.mirrors, chosen[:k]))]
@@ -125,7 +143,9 @@ class Placed:
         return Foot(foot.gap, float(self.nearest(x[None])[0]), x, 0.0 - foot.normal)
 
     def gap_to(self, other: Placed) -> Foot:
-        """The gap to another body."""
+        """The gap to another body, found along the outline of the finer sample."""
+        if other.outline.spacing < FINER * self.outline.spacing:
+            return self._seen_from_here(other.gap_to(self))
         x, spacing = self._sample(), self.outline.spacing + other.outline.spacing
         coarse, beside = other.outline.coarse_distance(other.seen(x))
         lowest = (coarse <= np.roll(coarse, 1)) & (coarse <= np.roll(coarse, -1))
@@ -140,7 +160,7 @@ class Placed:
         if self.signed_distance(inside)[0][0] < 0.0 < distance.min():
             depth, out = self.signed_distance(inside)
             return Foot(float(depth[0]), float(self.nearest(inside)[0]), inside[0], -out[0])
-        return self._foot(other.signed_distance, distance)
+        return self._foot(other.signed_distance, Sampled(self.outline.t, distance))
 
     def gap_to_disc(self, centre: Array, radius: float) -> Foot:
         """The gap to a disc."""
@@ -157,14 +177,14 @@ class Placed:
     def _sample(self) -> Array:
         return np.asarray(self.centre + self.outline.sample.x @ self._rows)
 
-    def _foot(self, opposite: Opposite, distance: Array) -> Foot:
-        """Where f is least, from its values at the sample, infinite where they are not asked for."""
-        feet = self._feet(opposite, distance, float(distance.min()) + self.outline.spacing)
+    def _foot(self, opposite: Opposite, sampled: Sampled) -> Foot:
+        """Where f is least, from its values at a sample."""
+        feet = self._feet(opposite, sampled, float(sampled.distance.min()) + self.outline.spacing)
         return min(feet, key=lambda foot: foot.gap)
 
-    def _feet(self, opposite: Opposite, distance: Array, highest: float) -> list[Foot]:
+    def _feet(self, opposite: Opposite, sampled: Sampled, highest: float) -> list[Foot]:
         """The same of all local minima up to some value, each twice where it is at a point of the sample."""
-        t, low_ones = self.outline.t, low_points(distance, highest)
+        t, low_ones = sampled.t, low_points(sampled.distance, highest)
         closed = np.concatenate([[t[-1] - 1.0], t, [1.0]])
         here = closed[low_ones + 1]
         slope = self._slope(opposite, here)

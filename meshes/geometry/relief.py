@@ -82,6 +82,7 @@ class Relief:
         outline: of what is solid below it, around its own centre of area.
         centre: that centre in (s, y), (2,).
         depth: how far the solid reaches at least below y = 0.
+        wave: how far it is from crest to crest.
     """
 
     wall: int
@@ -92,6 +93,7 @@ class Relief:
     outline: Outline
     centre: Array
     depth: float
+    wave: float
 
     @classmethod
     def over(cls, curve: WallCurve, heights: Heights, axis: int) -> Relief:
@@ -103,7 +105,9 @@ class Relief:
         outline, depth = _solid(heights)
         origin = curve.ends[0] - (curve.ends[0] @ along) * along
         joints = np.array([heights.interval[0], *heights.joints, heights.interval[1]])
-        return cls(curve.wall, origin, along, heights.interval, joints, outline, outline.shift.copy(), depth)
+        centre, (begin, end) = outline.shift.copy(), heights.interval
+        wave = (end - begin) / heights.waves
+        return cls(curve.wall, origin, along, heights.interval, joints, outline, centre, depth, wave)
 
     @property
     def _frame(self) -> Array:
@@ -127,6 +131,7 @@ class Relief:
             outline=self.outline.scaled(factor),
             centre=factor * self.centre,
             depth=factor * self.depth,
+            wave=factor * self.wave,
         )
 
     def seen_from(self, origin: Array) -> Relief:

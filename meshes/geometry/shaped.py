@@ -76,6 +76,14 @@ class ShapedWalls(DerivedContainer):
                 return nearest.distance, nearest.normal
         return self.inner.to_wall(wall, x)
 
+    @property
+    def waves(self) -> tuple[float, ...]:
+        """Of the shaped walls theirs."""
+        waves = list(self.inner.waves)
+        for relief in self.reliefs:
+            waves[relief.wall] = relief.wave
+        return tuple(waves)
+
     def bends(self, x: Array) -> Array:
         """Of the shaped walls where they are nearest."""
         bends = self.inner.bends(x)
