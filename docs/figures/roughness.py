@@ -8,7 +8,7 @@ and the force of smooth discs there is exact (`fsi.lubrication.named_laws`). Of 
 
     touch       the d at which crests touch
     delta       the d at which the force is 1.1 times the smooth one
-    shift       how far the smooth wall would stand out to have this force at d = 0.3
+    shift       by how much smooth discs with this force at d = 0.3 would be larger
     delta_2     the d at which it is twice the smooth one
     gamma_min   - mu int kappa dd from delta_2 to 1: the memory that is stored by then
     roughness   the gap at which the memory of smooth discs is as large: d less the shift
@@ -36,7 +36,8 @@ from fsi.postprocess.plots.figure import BLUE, GREEN, GREY, ORANGE, saved_figure
 
 FAR, LEFT, RIGHT = 200.0, 1.1, 2.0  # the container; ratios of forces at delta and delta_2
 WIDE, WIDEST = 0.3, 1.0  # the d of the shift, and from which memory counts
-GAPS = np.geomspace(1e-4, WIDEST, 14)
+GAPS = np.geomspace(1e-4, WIDEST, 27)
+GROWN = 0.1  # more than any shift is
 
 
 @dataclass(frozen=True)
@@ -92,6 +93,18 @@ class Pair:
         s, ratio = (2.0 * np.asarray(d), 1.0) if self.two else (np.asarray(d), inf)
         return np.asarray(exact_resistance("discs", "squeeze", s, ratio))
 
+    def shift(self, d: float, force: float) -> float:
+        """By how much the radii of smooth discs are larger that have this force with the same centres.
+
+        Waves that are many and low let the flow begin at eps^2 n, to second order.
+        """
+        discs = 2.0 if self.two else 1.0
+
+        def excess(s: float) -> float:
+            return float(self.smooth((d - discs * s) / (1.0 + s))) / force - 1.0
+
+        return float(brentq(excess, -GROWN, GROWN, xtol=1e-12))
+
 
 ROUGH = (
     Pair("crest to plane", 0.02, 20, 0.0),
@@ -115,7 +128,8 @@ def sampled(pair: Pair, folder: Path) -> tuple[float, np.ndarray, np.ndarray]:
     table = folder / f"{pair.name.replace(' ', '_').replace(',', '')}.csv"
     if not table.exists():
         touch = touching(pair)
-        rows = [(touch, touch + q, pair.force(touch + q)) for q in GAPS.tolist()]
+        distances = np.sort(np.append(touch + GAPS, WIDE)).tolist()
+        rows = [(touch, d, pair.force(d)) for d in distances]
         folder.mkdir(parents=True, exist_ok=True)
         with table.open("w", encoding="utf-8", newline="") as file:
             csv.writer(file).writerows([("touch", "d", "force"), *rows])
@@ -125,12 +139,8 @@ def sampled(pair: Pair, folder: Path) -> tuple[float, np.ndarray, np.ndarray]:
 
 def crossing(d: np.ndarray, ratio: np.ndarray, value: float) -> float:
     """The largest d at which the ratio is this value, NaN if at none."""
-    above = np.flatnonzero(ratio > value)
-    if len(above) == 0 or above[-1] + 1 == len(d):
-        return np.nan
-    k = above[-1]
-    part = np.log(ratio[k] / value) / np.log(ratio[k] / ratio[k + 1])
-    return float(np.exp(np.log(d[k]) + part * np.log(d[k + 1] / d[k])))
+    places = CubicSpline(np.log(d), np.log(ratio)).solve(np.log(value), extrapolate=False)
+    return float(np.exp(places.max())) if len(places) else np.nan
 
 
 def memory(d: np.ndarray, force: np.ndarray) -> Callable[[float], float]:
@@ -144,20 +154,10 @@ def memory(d: np.ndarray, force: np.ndarray) -> Callable[[float], float]:
     return gamma
 
 
-def shifts(pair: Pair, d: np.ndarray, force: np.ndarray) -> np.ndarray:
-    """How far the smooth wall would stand out to have these forces."""
-
-    def at(F: float) -> float:
-        return float(brentq(lambda x: float(pair.smooth(x)) / F - 1.0, 1e-8, 10.0 * WIDEST, rtol=1e-10))
-
-    shift: np.ndarray = d - np.array([at(F) for F in force.tolist()])
-    return shift
-
-
 def row(pair: Pair, touch: float, d: np.ndarray, force: np.ndarray) -> str:
     """What is printed of a pair."""
     ratio = force / pair.smooth(d)
-    shift = float(np.interp(np.log(WIDE), np.log(d), shifts(pair, d, force)))
+    shift = pair.shift(WIDE, float(force[d == WIDE][0]))
     near = np.geomspace(1e-4, WIDEST, 400)
     delta, twice = (crossing(d, ratio, value) for value in (LEFT, RIGHT))
     gamma = memory(d, force)(twice) if np.isfinite(twice) else np.nan
