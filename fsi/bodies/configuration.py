@@ -24,7 +24,7 @@ from fsi.meshes.geometry.images import to_images
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.geometry.outline import Outline
 from fsi.meshes.geometry.placed import Placed
-from fsi.meshes.geometry.rotations import turn_between
+from fsi.meshes.geometry.rotations import turn_between, turning_rate
 
 Array = NDArray[np.float64]
 
@@ -160,6 +160,13 @@ class Configuration:
         if d == 2:
             return replace(self, centres=centres, angles=self.angles + displacement[:, 2])
         return replace(self, centres=centres, angles=turned(self.angles, displacement[:, d:]))
+
+    def rates(self, displacement: Array, U: Array) -> Array:
+        """The rates (N, M) of displacements from here, where bodies so displaced move with U (N, M)."""
+        d = self.dimension
+        if d == 2:
+            return U
+        return np.column_stack([U[:, :d], turning_rate(displacement[:, d:], U[:, d:])])
 
 
 @dataclass(frozen=True, slots=True)

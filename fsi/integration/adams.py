@@ -1,11 +1,12 @@
 """The scheme of one solve a step: it remembers velocities instead of asking for more of them."""
 
 from dataclasses import dataclass
+from itertools import combinations
 from typing import ClassVar
 
 import numpy as np
 
-from fsi.bodies.configuration import Array, Configuration
+from fsi.bodies.configuration import MODES, Array, Configuration
 from fsi.integration.state import Instant, Model, Past, State, Trial
 
 # How many velocities the predictor takes, which is its order.
@@ -23,8 +24,9 @@ class Adams:
         p_{n+1} = q_n + h sum_k b_k U_k,     U_{n+1} = U(p_{n+1}, t_{n+1}),     K <= 3
         q_{n+1} = q_n + h sum_k a_k U_k,     now with U_{n+1} too
 
-    where the weights integrate what interpolates these velocities, whatever the steps were. The instant of a
-    step is that at p_{n+1}, so that forces and fields belong to the place that is written; the correction
+    where the weights integrate what interpolates these velocities, whatever the steps were. In space turns
+    do not commute: 1/2 int int_{s < t} omega(t) x omega(s) ds dt of what interpolates is added (Magnus 1954).
+    The instant of a step is that at p_{n+1}, so that forces and fields are those there; the correction
     q_{n+1} - p_{n+1}, which is the error of p_{n+1}, goes into the next step and does not add up. Order 4;
     the correction is of order h^(K+1). It begins with K = 1, at the start and after each kink of the data,
     and takes one more at each step.
@@ -40,11 +42,11 @@ class Adams:
         """One step; the error is the correction of where it ends."""
         past, h = _with_the_present(state), t_end - state.t
         x = (past.t - state.t) / h
-        predicted = h * np.tensordot(_weights(x), past.U, 1)
+        predicted = _displacement(h, x, past.U)
         q_end = state.q.moved(past.correction + predicted)
         instant = model(q_end, t_end)
         U = np.concatenate([instant.U[None], past.U])
-        correction = h * np.tensordot(_weights(np.append(1.0, x)), U, 1) - predicted
+        correction = _displacement(h, np.append(1.0, x), U) - predicted
         return Trial(q_end, instant, correction, Past(past.t, past.U, correction))
 
 
@@ -54,6 +56,17 @@ def _with_the_present(state: State) -> Past:
         return Past(np.array([state.t]), state.U[None], np.zeros_like(state.U))
     t = np.append(state.t, state.past.t)[:ORDER]
     return Past(t, np.concatenate([state.U[None], state.past.U])[:ORDER], state.past.correction)
+
+
+def _displacement(h: float, x: Array, U: Array) -> Array:
+    """In the time h, (N, M), by what interpolates velocities U (K, N, M) at times x h."""
+    displacement: Array = h * np.tensordot(_weights(x), U, 1)
+    if U.shape[2] == len(MODES[3]):
+        c = np.tensordot(np.linalg.inv(np.vander(x, increasing=True)), U[:, :, 3:], 1)
+        for j, k in combinations(range(len(x)), 2):
+            weight = 0.5 * h**2 * (1.0 / (k + 1) - 1.0 / (j + 1)) / (j + k + 2)
+            displacement[:, 3:] += weight * np.cross(c[j], c[k])
+    return displacement
 
 
 def _weights(x: Array) -> Array:

@@ -129,7 +129,9 @@ class BogackiShampine:
     P. Bogacki & L. F. Shampine, A 3(2) pair of Runge-Kutta formulas, Appl. Math. Lett. 2 (1989) 321.
 
     The last stage lies at the end of the step: it is the instant recorded there and the first stage
-    of the next step. Order 3; the difference of its two members is of order h^3.
+    of the next step. Order 3; the difference of its two members is of order h^3. Stages are rates of the
+    displacement since the step began, which in space, where turns do not commute, are not the velocities
+    (Runge-Kutta-Munthe-Kaas).
     """
 
     error_order: ClassVar[int] = 3
@@ -142,11 +144,18 @@ class BogackiShampine:
         """One step; the error is the difference of the two members of the pair."""
         t, q, U1 = state.t, state.q, state.U
         h = t_end - t
-        U2 = model(q.moved(h / 2 * U1), t + h / 2).U
-        U3 = model(q.moved(3 * h / 4 * U2), t + 3 * h / 4).U
-        q_end = q.moved(h * (2 / 9 * U1 + 1 / 3 * U2 + 4 / 9 * U3))
+        U2 = _rates(model, q, h / 2 * U1, t + h / 2)
+        U3 = _rates(model, q, 3 * h / 4 * U2, t + 3 * h / 4)
+        displacement = h * (2 / 9 * U1 + 1 / 3 * U2 + 4 / 9 * U3)
+        q_end = q.moved(displacement)
         instant = model(q_end, t_end)
-        return Trial(q_end, instant, h * (-5 / 72 * U1 + 1 / 12 * U2 + 1 / 9 * U3 - 1 / 8 * instant.U))
+        U4 = q.rates(displacement, instant.U)
+        return Trial(q_end, instant, h * (-5 / 72 * U1 + 1 / 12 * U2 + 1 / 9 * U3 - 1 / 8 * U4))
+
+
+def _rates(model: Model, q: Configuration, displacement: Array, t: float) -> Array:
+    """Of displacements from q, (N, M), after those."""
+    return q.rates(displacement, model(q.moved(displacement), t).U)
 
 
 register_scheme("bogacki-shampine", 3)(lambda _: BogackiShampine())

@@ -17,6 +17,7 @@ from fsi.lubrication import sphere_beside_plane as beside
 from fsi.lubrication import two_spheres as pair
 from fsi.lubrication.concentric import Concentric
 from fsi.lubrication.exact import Array
+from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
 
 NEAR_CENTRE = (
     10.0  # a ball that is so many times as far as spheres reach leaves out 1e-3 of their largest loads
@@ -42,6 +43,7 @@ class ExactProblem:
         far_slip: of the container, where it is round.
         swimming: B_1 of the first body.
         half_axes: of the first body where it is an ellipsoid along the axes, NaN elsewhere, (3,).
+        ellipsoids: the bodies where they are ellipsoids in space, turned in any way.
     """
 
     viscosity: float
@@ -58,6 +60,7 @@ class ExactProblem:
     far_slip: float = 0.0
     swimming: float = 0.0
     half_axes: tuple[float, float, float] = (nan, nan, nan)
+    ellipsoids: tuple[PlacedEllipsoid, ...] = ()
 
     def concentric(self, *, spheres: bool) -> Concentric:
         """The first body at the centre of its container."""
@@ -202,6 +205,18 @@ def ellipsoid(problem: ExactProblem) -> float:
         R = float(ellipsoids.translation_resistance(axes, mu)[problem.mode])
         return -ellipsoids.in_far_ball(R, 0.5 * problem.size, mu) * speed
     return -float(ellipsoids.rotation_resistance(axes, mu)[problem.mode - 3]) * speed
+
+
+@exact_result(Fitting("spatial", "round", 1, "velocity", sheared=True, enclosed=True))
+def ellipsoid_in_shear(problem: ExactProblem) -> float:
+    """A free ellipsoid at the centre of such a container in the shear flow u = z e_x (Jeffery 1922)."""
+    if not problem.ellipsoids:
+        return nan
+    body, shear = problem.ellipsoids[0], np.zeros((3, 3))
+    shear[0, 2] = problem.shear_rate
+    own = body.rotation
+    omega = own @ ellipsoids.free_rotation(body.form.half_axes, own.T @ shear @ own)
+    return float((0.0, 0.0, 0.0, *omega)[problem.mode])
 
 
 @exact_result(Fitting("planar", "round", 1, "force", enclosed=True))

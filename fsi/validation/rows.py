@@ -45,7 +45,7 @@ def exact_value(case: Case, name: str, quantity: str) -> float:
     problem = ExactProblem(
         case.fluid.viscosity, q.centres, q.radii, motion.U, motion.F, case.container().size(),
         0.0 if far is None else far.shear, body, mode, gap,
-        *_surfaces(case), case.bodies[0].half_axes,
+        *_surfaces(case), case.bodies[0].half_axes, q.standing,
     )  # fmt: skip
     try:
         found = EXACT[name].value(problem)
