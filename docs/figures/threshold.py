@@ -36,7 +36,7 @@ def settled(alpha: float, folder: Path) -> tuple[np.ndarray, np.ndarray]:
         # The tip stands at the origin of its formula, so that it begins at y = 1.
         height = 1.0 + float(Tip(kind="tip", radius=1.0, alpha=alpha, length=1.0).outline.shift[1])
         changes = [f"bodies.0.shape.alpha={alpha!r}", f"bodies.0.position=[0.0, {height!r}]"]
-        changes += [f"time.end={ENDS[alpha]}", f"time.contact_gap={NARROWEST}"]
+        changes += [f"time.end={ENDS[alpha]}", f"time.contact_gap={NARROWEST}", "time.tolerance=1e-5"]
         fsi.run(fsi.load_case(CASE, changes), folder)
     steps = fsi.open_run(folder).columns("steps")
     return steps["t"], steps["smallest_gap"]
