@@ -9,14 +9,29 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from fsi.integration.contact import contact_time
+from fsi.lubrication.ellipsoids import spheroid_axis
+
 pytestmark = pytest.mark.slow
 DOCS = Path(__file__).parents[1] / "docs"
 
 
+def script(name: str) -> SimpleNamespace:
+    """What `docs/figures/name.py` has."""
+    return SimpleNamespace(**runpy.run_path(str(DOCS / "figures" / f"{name}.py")))
+
+
 @pytest.fixture(scope="module")
 def roughness() -> SimpleNamespace:
-    """What `docs/figures/roughness.py` has."""
-    return SimpleNamespace(**runpy.run_path(str(DOCS / "figures" / "roughness.py")))
+    """The figure of rough discs."""
+    return script("roughness")
+
+
+def table(heading: str) -> list[list[str]]:
+    """The rows of the table on the page of contact that begins with this."""
+    page = (DOCS / "contact.md").read_text(encoding="utf-8")
+    rows = page[page.index(heading) :].partition("\n\n")[0].splitlines()[2:]
+    return [row.strip("| ").split(" | ") for row in rows]
 
 
 def test_many_low_waves_make_a_disc_larger_by_their_homogenised_shift(roughness: SimpleNamespace) -> None:
@@ -38,9 +53,7 @@ def test_the_page_has_the_numbers_of_the_figure(roughness: SimpleNamespace, k: i
     """A row of its table, computed anew, to the digits there: regression, but for where crests touch."""
     pair = roughness.ROUGH[k]
     computed = roughness.row(pair, *roughness.sampled(pair, tmp_path)).removeprefix(pair.name).split()
-    page = (DOCS / "contact.md").read_text(encoding="utf-8")
-    table = page[page.index("| eps | in front") :].splitlines()[2:]
-    eps, front, *printed = table[k].strip("| ").split(" | ")
+    eps, front, *printed = table("| eps | in front")[k]
     assert (float(eps), *front.split(", ")) == (pair.eps, *pair.name.split(", ")[0].split(" to "))
     for number, text in zip(computed, printed, strict=True):
         if number == "nan":
@@ -60,3 +73,34 @@ def test_crests_alone_and_in_pairs_resist_as_in_theory(
     touch, gaps = roughness.touching(pair), (1e-5, 1e-4)
     force = [pair.force(touch + q) for q in gaps]
     assert np.log10(force[0] / force[1]) == pytest.approx(power, abs=0.01)
+
+
+@pytest.mark.parametrize(("alpha", "row"), [(1.0 / 3.0, 2), (1.0 / 4.0, 3)])
+def test_tips_meet_a_plane_when_their_resolved_forces_say(alpha: float, row: int, tmp_path: Path) -> None:
+    """The time of a run to 1e-6, extrapolated, is int K dq within its error, and that of the page.
+
+    K are resolved forces over speeds at Gauss's points of q^(1/4), of which K dq is a smooth function. With
+    steps as long as a tolerance of 1e-3 allows both times are off by more than their errors.
+    """
+    threshold = script("threshold")
+    found = contact_time(*threshold.settled(alpha, tmp_path / "run"))
+    assert found is not None
+    points, weights = np.polynomial.legendre.leggauss(12)
+    u = 0.5 * (points + 1.0)
+    K = np.array([1.0 / threshold.speed(alpha, q) for q in (u**4).tolist()])
+    assert found.time == pytest.approx(float(np.sum(0.5 * weights * 4.0 * u**3 * K)), abs=found.error)
+    m = 3.0 * alpha / (1.0 + alpha)
+    assert found.exponent == pytest.approx(m, abs=found.exponent_error)
+    assert found.time == pytest.approx(float(table("| alpha | m | m of")[row][3].split()[0]), rel=2e-4)
+
+
+def test_a_run_follows_jefferys_orbit(tmp_path: Path) -> None:
+    """A quarter of the period of a free spheroid, r = 2, that leaves the plane of shear: its axis to 2e-3.
+
+    A sphere in its place is off by 0.2, and a scheme whose turns commute by 4e-3, with the same steps.
+    """
+    orbit = script("orbit")
+    t, d = orbit.followed(tmp_path / "run")
+    assert t[-1] == pytest.approx(0.25 * 2.0 * np.pi * 2.5, rel=1e-12)
+    exact = [spheroid_axis(2.0, orbit.SHEAR, d[0], at) for at in t.tolist()]
+    np.testing.assert_allclose(d, exact, atol=2e-3)

@@ -21,6 +21,7 @@ from scipy.special import beta
 import fsi
 from fsi.case.shapes.tip import Tip
 from fsi.integration.contact import ContactTime, contact_time
+from fsi.models import make_model
 from fsi.postprocess.plots.figure import BLUE, GREEN, GREY, ORANGE, saved_figure
 
 CASE = Path(__file__).parents[2] / "cases" / "shapes" / "settling_tip.toml"
@@ -30,12 +31,23 @@ NAMES = dict(zip(ENDS, ("1", "1/2", "1/3", "1/4"), strict=True))
 COLOURS = dict(zip(ENDS, (GREY, GREEN, BLUE, ORANGE), strict=True))
 
 
+def above(alpha: float, gap: float) -> list[str]:
+    """The tip at that gap, as changes of the case."""
+    # It stands at the origin of its formula.
+    height = gap + float(Tip(kind="tip", radius=1.0, alpha=alpha, length=1.0).outline.shift[1])
+    return [f"bodies.0.shape.alpha={alpha!r}", f"bodies.0.position=[0.0, {height!r}]"]
+
+
+def speed(alpha: float, gap: float) -> float:
+    """With which it settles there."""
+    case = fsi.load_case(CASE, above(alpha, gap))
+    return -float(make_model(case)(case.configuration(), 0.0).U[0, 1])
+
+
 def settled(alpha: float, folder: Path) -> tuple[np.ndarray, np.ndarray]:
     """Times and gaps of the run of a tip."""
     if not folder.exists():
-        # The tip stands at the origin of its formula, so that it begins at y = 1.
-        height = 1.0 + float(Tip(kind="tip", radius=1.0, alpha=alpha, length=1.0).outline.shift[1])
-        changes = [f"bodies.0.shape.alpha={alpha!r}", f"bodies.0.position=[0.0, {height!r}]"]
+        changes = above(alpha, 1.0)
         changes += [f"time.end={ENDS[alpha]}", f"time.contact_gap={NARROWEST}", "time.tolerance=1e-5"]
         fsi.run(fsi.load_case(CASE, changes), folder)
     steps = fsi.open_run(folder).columns("steps")

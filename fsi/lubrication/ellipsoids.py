@@ -55,6 +55,20 @@ def free_rotation(axes: Array, gradient: Array) -> Array:
     return omega
 
 
+def spheroid_axis(ratio: float, gradient: Array, axis: Array, t: float) -> Array:
+    """Where the axis d (3,) of a free spheroid, that many times as long as wide, points after the time t.
+
+    In the flow u = G x (3, 3) d' = (W + B E) d but for what keeps its length 1, with the antisymmetric and
+    the symmetric part of G and B = (r^2 - 1) / (r^2 + 1) (Jeffery 1922, Bretherton 1962): in shear it comes
+    back after 2 pi (r + 1/r) / gamma.
+    """
+    B = (ratio**2 - 1.0) / (ratio**2 + 1.0)
+    rate = 0.5 * (gradient - gradient.T) + 0.5 * B * (gradient + gradient.T)
+    d = scipy.linalg.expm(t * rate) @ axis
+    there: Array = d / np.linalg.norm(d)
+    return there
+
+
 def in_far_ball(resistance: float, radius: float, viscosity: float) -> float:
     """The resistance at the centre of a ball of some radius, but for (a / radius)^3 of it (Brenner 1962).
 

@@ -11,6 +11,7 @@ from fsi.lubrication.ellipsoids import (
     free_rotation,
     in_far_ball,
     rotation_resistance,
+    spheroid_axis,
     translation_resistance,
 )
 from fsi.lubrication.spheres import concentric_resistance
@@ -65,3 +66,20 @@ def test_a_far_ball_counts_as_it_does_for_a_sphere() -> None:
     exact, R = float(concentric_resistance(99.0, 1.0, 1.0)), 6.0 * np.pi
     assert in_far_ball(R, 100.0, 1.0) == pytest.approx(exact, rel=5e-6)
     assert exact / R > 1.02
+
+
+def test_the_axis_of_a_spheroid_in_shear_comes_back_after_jefferys_period() -> None:
+    """In 2 pi (r + 1/r) / gamma, after half of it the other way round; in the plane by its tangent.
+
+    It begins to turn as the free rotation of its half axes says.
+    """
+    shear, r = np.array([[0.0, 0.0, 2.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]), 3.0
+    d, period = np.array([0.6, 0.0, 0.8]), np.pi * (r + 1.0 / r)
+    np.testing.assert_allclose(spheroid_axis(r, shear, d, period), d, atol=1e-12)
+    np.testing.assert_allclose(spheroid_axis(r, shear, d, 0.5 * period), -d, atol=1e-12)
+    x, _, z = spheroid_axis(r, shear, np.array([1.0, 0.0, 0.0]), 0.3)
+    assert -z / x == pytest.approx(np.tan(0.6 / (r + 1.0 / r)) / r, rel=1e-12)
+    own = np.array([[0.6, 0.0, -0.8], [0.0, 1.0, 0.0], [0.8, 0.0, 0.6]])  # d and two axes across
+    omega = own @ free_rotation(np.array([3.0, 1.0, 1.0]), own.T @ shear @ own)
+    moved = (spheroid_axis(r, shear, d, 1e-5) - spheroid_axis(r, shear, d, -1e-5)) / 2e-5
+    np.testing.assert_allclose(moved, np.cross(omega, d), atol=1e-8)

@@ -19,10 +19,7 @@ from fsi.lubrication.ellipsoids import (
     translation_resistance,
 )
 from fsi.observables.quantities import computed
-from fsi.postprocess.run.run import open_run
-from fsi.runs import run
 from fsi.stokes.model import StokesModel
-from fsi.stokes.resistance import case_resistance
 from fsi.validation.rows import reference
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -88,26 +85,6 @@ def test_the_period_of_a_free_spheroid_in_shear() -> None:
 
 
 @pytest.mark.slow
-def test_a_run_follows_jefferys_orbit(tmp_path: Path) -> None:
-    """A quarter of the period of a spheroid, r = 2, that leaves the plane of shear: its axis d to 2e-3.
-
-    d' = (W + 3/5 E) d but for its length, which is 1 (Bretherton 1962), 3/5 = (r^2 - 1) / (r^2 + 1). A sphere
-    in its place is off by 0.2, and a scheme whose turns commute by 4e-3, with these steps.
-    """
-    angle, end = [0.3, 0.2, 1.0], 0.25 * 5.0 * np.pi
-    changes = [
-        "bodies.0.shape.axes=[1.0, 0.5, 0.5]", f"bodies.0.angle={angle}", f"time.end={end}",
-        "discretisation.cells_per_circle=20", "output.fields=false",
-    ]  # fmt: skip
-    run(load_case(CASES / "shapes" / "ellipsoid_in_shear.toml", changes), tmp_path / "run")
-    bodies = open_run(tmp_path / "run").columns("bodies")
-    turned = [bodies[key][-1] for key in ("angle_x", "angle_y", "angle_z")]
-    first, last = scipy.spatial.transform.Rotation.from_rotvec([angle, turned]).as_matrix()[:, :, 0]
-    exact = scipy.linalg.expm(end * (0.5 * (SHEAR - SHEAR.T) + 0.3 * (SHEAR + SHEAR.T))) @ first
-    np.testing.assert_allclose(last, exact / np.linalg.norm(exact), atol=2e-3)
-
-
-@pytest.mark.slow
 def test_the_six_resistances_of_an_ellipsoid() -> None:
     case = load_case(CASES / "validation" / "ellipsoid.toml")
     solution = StokesModel(case)(case.configuration(), 0.0)
@@ -116,14 +93,16 @@ def test_the_six_resistances_of_an_ellipsoid() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("axes", [(1.0, 0.5, 0.5), (1.0, 1.0, 0.5), (1.0, 0.2, 0.2)])
+@pytest.mark.parametrize("axes", [(1.0, 0.5, 0.5), (1.0, 1.0, 0.5), (1.0, 0.2, 0.2), (1.0, 1.0, 0.2)])
 def test_spheroids_along_across_and_turning(axes: tuple[float, float, float]) -> None:
-    """Prolate and oblate of ratio 2, prolate of ratio 5, to 2e-3."""
-    found = case_resistance(in_ball(axes))
+    """Prolate and oblate of ratio 2 and 5, all six to 2e-3; the ball alone changes drags by some 4 %."""
+    moving = {"velocity": [1.0] * 3, "angular_velocity": [1.0] * 3, "position": [0.0] * 3}
+    body = {"name": "body", "shape": {"kind": "ellipsoid", "axes": list(axes)}} | moving
+    case = in_ball(axes, domain={"shape": "round", "radius": BALL}, bodies=[body])
+    F = StokesModel(case)(case.configuration(), 0.0).F[0]
     along = [in_far_ball(R, BALL, 1.0) for R in translation_resistance(np.array(axes), 1.0)]
     exact = np.array([*along, *rotation_resistance(np.array(axes), 1.0)])
-    np.testing.assert_allclose(np.diag(found.R), exact, rtol=2e-3)
-    np.testing.assert_allclose(found.R - np.diag(np.diag(found.R)), 0.0, atol=2e-3 * exact.max())
+    np.testing.assert_allclose(F, exact, rtol=2e-3)
 
 
 def in_box(body: dict[str, Any], **sections: Any) -> Case:
