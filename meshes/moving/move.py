@@ -5,11 +5,11 @@ The displacement d of the vertices extends those of the bodies harmonically,
     div( (1 / volume) grad d ) = 0,    d = displacement of body i on its surface,
 
 where `volume`, in the plane the area, of the cell in the base mesh, makes small cells stiff. On the two sides
-of the cut of a periodic domain d differs by what the lattice has moved. In the plane nodes on discs, and on
-the walls of a channel, slip along their surfaces where that saves the mesh (see `slip`); other walls keep
-theirs. Curved nodes follow by linear interpolation; how far they are off a straight cell turns with their
-disc, so that discs and spheres stay exactly what they are. Every move starts from the base mesh: it depends
-on where the bodies are, not on how they came there.
+of the cut of a periodic domain d differs by what the lattice has moved. Nodes on discs and spheres, and in
+the plane on the walls of a channel, slip along their surfaces where that saves the mesh (see `slip`); other
+walls keep theirs. Curved nodes follow by linear interpolation; how far they are off a straight cell turns
+with their body, so that discs and spheres stay exactly what they are. Every move starts from the base mesh:
+it depends on where the bodies are, not on how they came there.
 """
 
 from collections.abc import Callable, Sequence
@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fsi.meshes.build import FluidMesh, columns_of_masters, coordinate_element, matching_nodes
-from fsi.meshes.cells.curved import SIMPLEX, determinant, scaled_jacobian
+from fsi.meshes.cells.curved import SIMPLEX, WORST_ACCEPTED, determinant, scaled_jacobian
 from fsi.meshes.geometry.container import Array
 from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
 from fsi.meshes.geometry.images import to_images
@@ -37,9 +37,10 @@ from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.geometry.rotations import turn_between, turned
 from fsi.meshes.moving.slip import CurvedBoundaryCells, Extension, Slip, along, linear_weights
 
-# A moved cell may differ from its base by this ratio of stretches at most, and keeps this scaled Jacobian.
+# A moved cell may differ from its base by this ratio of stretches at most, and keeps this scaled Jacobian, by
+# dimension: in space that of a new mesh, for the flat cells of gaps begin with little more.
 LARGEST_DISTORTION = 2.0
-SMALLEST_JACOBIAN = 0.2
+SMALLEST_JACOBIAN = {2: 0.2, 3: WORST_ACCEPTED}
 
 
 class Mover:
@@ -76,7 +77,7 @@ class Mover:
         self._slave, self._away, P = self._inside()
         stiffness, modes = self._laplace(), self._slip_modes()
         self._extension = Extension(stiffness, P)
-        self._slip = None if modes is None else Slip(stiffness, P, modes)
+        self._slip = None if modes is None else Slip(stiffness, P, modes, fluid.dimension)
 
     def close(self) -> None:
         """Free matrix and factors."""
@@ -155,7 +156,7 @@ class Mover:
     def _known(
         self, displacements: Array, carried: Callable[[Array], Array], turns: Array | None
     ) -> tuple[Array, Array]:
-        """What is known of d at this rank's vertices, (n, 2), and by what bodies' nodes turn, as angles are.
+        """What is known of d at this rank's vertices, (n, d), and by what bodies' nodes turn, as angles are.
 
         turns: these where they are given.
         """
@@ -167,19 +168,22 @@ class Mover:
             return known, turns
         if self._slip is None:
             return known, np.zeros(self.fluid.bodies)
-        turns, slides = np.split(self._slip.of(known), [self.fluid.bodies])
+        of_bodies = self.fluid.bodies * (3 if self.fluid.dimension == 3 else 1)
+        turns, slides = np.split(self._slip.of(known), [of_bodies])
+        if self.fluid.dimension == 3:
+            turns = turns.reshape(-1, 3)
         known[self._on_body] += turned(self._r, turns[self._body])
         for k, slide in enumerate(slides):
             known[self._tags == self.fluid.bodies + 1 + k] = slide * along(self.fluid.lattice)
         return known, turns
 
     def _slip_modes(self) -> sp.csr_matrix | None:
-        """Discs turn, and the walls of a channel slide; None with an axis, in space, and with outlines."""
+        """Discs and spheres turn, and the walls of a channel slide; None with an axis, and with outlines."""
         fluid = self.fluid
-        if self.angles is not None:
+        if self.angles is not None or fluid.container.axisymmetric or fluid.bodies == 0:
             return None
-        if fluid.dimension == 3 or fluid.container.axisymmetric or fluid.bodies == 0:
-            return None
+        if fluid.dimension == 3:
+            return self._turns_of_spheres()
         quarter = np.column_stack([-self._r[:, 1], self._r[:, 0]])
         sliding = len(fluid.container.walls) if fluid.lattice.dimension == 1 else 0
         on_wall = np.flatnonzero((self._tags > fluid.bodies) & (self._tags <= fluid.bodies + sliding))
@@ -188,6 +192,14 @@ class Mover:
         rows, by = 2 * vertex[:, None] + np.arange(2), np.concatenate([quarter, direction])
         size = (2 * len(self._tags), fluid.bodies + sliding)
         return sp.csr_matrix((by.ravel(), (rows.ravel(), np.repeat(mode, 2))), size)
+
+    def _turns_of_spheres(self) -> sp.csr_matrix:
+        """theta_i x r on sphere i: three modes for each, (3 vertices, 3 N)."""
+        by = np.cross(np.eye(3), self._r[:, None])  # mode, component
+        rows = np.broadcast_to(3 * self._on_body[:, None, None] + np.arange(3), by.shape)
+        columns = np.broadcast_to(3 * self._body[:, None, None] + np.arange(3)[:, None], by.shape)
+        size = (3 * len(self._tags), 3 * self.fluid.bodies)
+        return sp.csr_matrix((by.ravel(), (rows.ravel(), columns.ravel())), size)
 
     def _at_corners(self, known: Array) -> Array:
         """Displacements of the corners of this rank's cells (T, d + 1, d) from what is known at vertices."""
@@ -206,7 +218,8 @@ class Mover:
         distortion = float(_distortion(_sides(x) @ self._inverse_sides).max(initial=1.0))
         worst = MPI.COMM_WORLD.allreduce(worst, op=MPI.MIN)
         distortion = MPI.COMM_WORLD.allreduce(distortion, op=MPI.MAX)
-        return worst if worst >= SMALLEST_JACOBIAN and distortion <= LARGEST_DISTORTION else None
+        least = SMALLEST_JACOBIAN[self.fluid.dimension]
+        return worst if worst >= least and distortion <= LARGEST_DISTORTION else None
 
 
 def vertex_element(dimension: int = 2) -> basix.ufl._ElementBase:

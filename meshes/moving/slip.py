@@ -1,14 +1,15 @@
-"""Nodes that may slip along their surfaces: how far circles turn and walls slide when a mesh is moved.
+"""Nodes that may slip along their surfaces: how far circles and spheres turn and walls slide as a mesh moves.
 
-Nobody sees where on a circle its nodes are, nor on a straight wall along the period of a channel. When discs
-are displaced by s_i, their circles turn by theta_i and the walls slide by sigma_k, so that the mesh is
-distorted least: of all
+Nobody sees where on a circle or a sphere its nodes are, nor on a straight wall along the period of a
+channel. When bodies are displaced by s_i, they turn by theta_i and walls slide by sigma_k, so that the mesh
+is distorted least: of all
 
     d = s_i + theta_i e_z x r   on disc i,      d = sigma_k e   on wall k,  e along the period,
+    d = s_i + theta_i x r       on sphere i,
 
 those for which the energy  int (1 / area) |grad d|^2  of the harmonic extension is smallest. Two discs that
 go round each other then carry the mesh in their gap along as it is, where it would be sheared by their way
-over the gap; in a dense sheared suspension that is thirty times as much. The curved cells around a disc turn
+over the gap; in a dense sheared suspension that is thirty times as much. The curved cells around a body turn
 with the nodes on it.
 """
 
@@ -130,21 +131,23 @@ def linear_weights(order: int, dimension: int) -> Array:
 class Slip:
     """Finds the slip of least distortion; `close` frees the factors."""
 
-    def __init__(self, stiffness: PETSc.Mat, P: PETSc.Mat, modes: sp.csr_matrix) -> None:
+    def __init__(self, stiffness: PETSc.Mat, P: PETSc.Mat, modes: sp.csr_matrix, dimension: int) -> None:
         """Prepare.
 
         Args:
             stiffness: of `int (1 / area) grad d . grad v`, for one component of d at all vertices.
             P: its vertices by the free ones.
-            modes: by which slipping moves this rank's vertices, none of them free, (2 vertices, modes).
+            modes: by which slipping moves this rank's vertices, none of them free, (d vertices, modes).
+            dimension: d.
         """
-        self._comm, self._free = MPI.COMM_WORLD, 2 * P.getLocalSize()[1]
+        d = dimension
+        self._comm, self._free = MPI.COMM_WORLD, d * P.getLocalSize()[1]
         # Rank 0 owns the modes, after its own free vertices.
         before = self._comm.bcast(self._free)
-        free = _of_both(P)
+        free = _of_all(P, d)
         every = sp.hstack([free[:, :before], modes, free[:, before:]], "csr")
         columns_here = self._free + (modes.shape[1] if self._comm.rank == 0 else 0)
-        K = _matrix(_of_both(stiffness), 2 * stiffness.getLocalSize()[1], stiffness)
+        K = _matrix(_of_all(stiffness, d), d * stiffness.getLocalSize()[1], stiffness)
         self._extension = Extension(K, _matrix(every, columns_here, stiffness))
         self.close = self._extension.close
 
@@ -152,18 +155,18 @@ class Slip:
         """How far each mode slips, on all ranks.
 
         Args:
-            known: displacements (n, 2) of this rank's vertices without slips, zero where they are free.
+            known: displacements (n, d) of this rank's vertices without slips, zero where they are free.
         """
         y, _ = self._extension(known.ravel())
         amounts: Array = self._comm.bcast(y[self._free :])
         return amounts
 
 
-def _of_both(matrix: PETSc.Mat) -> sp.csr_matrix:
-    """This rank's rows of a matrix that acts on each of two components, which lie side by side."""
+def _of_all(matrix: PETSc.Mat, components: int) -> sp.csr_matrix:
+    """This rank's rows of a matrix that acts on each of some components, which lie side by side."""
     indptr, indices, values = matrix.getValuesCSR()
     rows = sp.csr_matrix((values, indices, indptr), (len(indptr) - 1, matrix.getSize()[1]))
-    return sp.kron(rows, sp.eye_array(2), "csr")
+    return sp.kron(rows, sp.eye_array(components), "csr")
 
 
 def _matrix(rows: sp.csr_matrix, columns_here: int, like: PETSc.Mat) -> PETSc.Mat:
