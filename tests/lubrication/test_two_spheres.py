@@ -52,6 +52,7 @@ def test_turning_about_the_line_of_centres(gap: float) -> None:
     assert_allclose(of[0, 0] - of[0, 1], terms.sum(), rtol=1e-11)
 
 
+@pytest.mark.slow
 def test_a_small_sphere_sees_a_plane() -> None:
     """Beside a resting sphere that is ever larger; extrapolated linearly in its curvature."""
     gap = 0.5

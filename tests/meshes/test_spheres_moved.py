@@ -57,7 +57,7 @@ def test_spheres_stay_exactly_spheres_when_moved() -> None:
     moving.close()
 
 
-@pytest.mark.parametrize("angle", [0.1, -0.2])
+@pytest.mark.parametrize("angle", [0.1, pytest.param(-0.2, marks=pytest.mark.slow)])
 def test_spheres_that_go_round_each_other_take_the_mesh_of_their_gap_with_them(angle: float) -> None:
     """Without turns the gap would be sheared by 1.7 |angle| / 0.1 = 1.7, 3.4, and the move refused."""
     centres = np.array([[-0.9, 0.0, 0.0], [0.9, 0.0, 0.0]])
@@ -73,6 +73,7 @@ def test_spheres_that_go_round_each_other_take_the_mesh_of_their_gap_with_them(a
     np.testing.assert_allclose(fluid.mesh.geometry.x[near], base[near] @ turn.T, atol=0.25 * abs(angle))
 
 
+@pytest.mark.slow
 def test_a_cell_that_is_sheared_takes_its_mesh_along() -> None:
     """Sides still match, and the flow is that on a new mesh, but for mesh errors."""
     data = {
