@@ -33,6 +33,7 @@ from fsi.integration.state import Results
 from fsi.lubrication.expansions import LawShape
 from fsi.meshes.geometry.container import wall_feet
 from fsi.meshes.geometry.feet import Foot
+from fsi.meshes.geometry.outline import Outline
 
 # Sections of a case that its samples do not have.
 _LEFT_OUT = {"calibration", "time", "output", "expected", "sweep", "forces", "reduced"}
@@ -44,6 +45,8 @@ _EQUAL = 1e-9
 _FLAT = 1e-9
 # Of a gap: what closest points of shapes may be off it.
 _SAME_GAP = 1e-6
+# Of a radius: what closest points on an axis may be off it.
+_ON_AXIS = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,6 +208,9 @@ def pair_of(case: Case) -> Pair:
         raise InputError(f"{here}: bodies of two radii slide as a couple turns them; give equal radii")
     if plan.mode != "squeeze" and pair.shaped:
         raise InputError(f'{here}: laws of shapes are those along the normal; give "squeeze"')
+    if case.axisymmetric and any(_is_sharp(outline) for outline in case.configuration().outlines):
+        here = f"calibration.pair = {toml_text(plan.pair)}"
+        raise InputError(f"{here}: laws of bodies on an axis are those of smooth ones; drop the tip")
     _check_surroundings(case)
     for gap in plan.range:
         pair.require_gap(gap)
@@ -212,8 +218,21 @@ def pair_of(case: Case) -> Pair:
 
 
 def _at_closest_points(pair: Pair, foot: Foot) -> Pair:
-    """The pair with the normal and the gap of shapes."""
-    return replace(pair, normal=foot.normal, gap=foot.gap, shaped=True)
+    """The pair with the normal and the gap of shapes. Raises InputError: on an axis they are off it."""
+    if not pair.case.axisymmetric:
+        return replace(pair, normal=foot.normal, gap=foot.gap, shaped=True)
+    r = abs(float(foot.x[0]))
+    if r > _ON_AXIS * pair.case.configuration().radii[pair.first]:
+        here = f"calibration.pair = {toml_text(pair.plan.pair)}"
+        raise InputError(
+            f"{here}: their closest points are at r = {r:.3g}, laws are those on the axis; turn them"
+        )
+    return replace(pair, normal=np.array([0.0, np.sign(foot.normal[1])]), gap=foot.gap, shaped=True)
+
+
+def _is_sharp(outline: Outline) -> bool:
+    """Whether it has the end of a tip."""
+    return bool(np.isinf(outline.curvature(np.array(outline.joints))).any())
 
 
 def _turning(values: list[float]) -> float | tuple[float, ...]:

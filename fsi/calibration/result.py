@@ -13,7 +13,7 @@ from fsi.case.law_file import LawFile, SeriesSection, TableSection
 from fsi.errors import SolveError
 from fsi.lubrication.expansions import EXPONENTS, LawShape, basis, coefficients
 from fsi.lubrication.fitting import CONFIDENCE, Fit, fit_series
-from fsi.lubrication.free_exponent import fit_exponent
+from fsi.lubrication.free_exponent import PLANAR, REVOLVED, fit_exponent
 from fsi.lubrication.laws import Term
 from fsi.run_folder.provenance import launch
 
@@ -121,7 +121,7 @@ def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
     shape: LawShape = pair.shape
     known: dict[Term, float] = {}
     if shape == "shapes":
-        fit = fit_exponent(s, K, bars)
+        fit = fit_exponent(s, K, bars, REVOLVED if pair.case.axisymmetric else PLANAR)
     else:
         fit = fit_series(s, K, bars, basis(shape, pair.plan.mode))
         known = coefficients(shape, pair.plan.mode, pair.ratio)

@@ -54,6 +54,38 @@ def test_what_no_law_of_shapes_can_be_is_refused_by_name() -> None:
         pair_of(parse_case(data))
 
 
+def on_an_axis(shape: dict[str, Any], **changes: Any) -> dict[str, Any]:
+    """A body towards a plane."""
+    body = {"name": "one", "shape": shape, "position": [0.0, 2.5]}
+    plan = {"pair": ["one", "plane"], "range": [1e-4, 0.1], "samples": 8, "held_out": 2} | changes
+    data = {"name": "x", "geometry": "axisymmetric", "fluid": {"viscosity": 1.0}, "bodies": [body]}
+    return data | {"domain": {"shape": "half-plane", "radius": 1000.0}, "calibration": plan}
+
+
+def test_bodies_of_revolution_have_laws_of_smooth_surfaces_on_the_axis() -> None:
+    assert pair_of(parse_case(on_an_axis({"kind": "ellipse", "axes": [1.0, 0.5]}))).normal.tolist() == [
+        0.0,
+        1.0,
+    ]
+    dimpled = {"kind": "fourier", "radius": 1.0, "orders": [2], "cosines": [0.4]}
+    with pytest.raises(InputError, match=r"calibration\.pair = .* closest points are at r = 0\.602"):
+        pair_of(parse_case(on_an_axis(dimpled)))
+    tip = {"kind": "tip", "radius": 1.0, "alpha": 0.5, "length": 1.0}
+    with pytest.raises(InputError, match=r"calibration\.pair = .* are those of smooth ones; drop the tip"):
+        pair_of(parse_case(on_an_axis(tip)))
+    assert pair_of(parse_case(on_an_axis(tip | {"alpha": 1.0}))).shape == "shapes"
+
+
+@pytest.mark.slow
+def test_a_spheroid_has_the_exponent_and_coefficient_of_its_curvature(tmp_path: Path) -> None:
+    """6 pi mu R^2 / d, R = a^2 / b = 2 where the flat side of an oblate one is (Cox 1974)."""
+    case = parse_case(on_an_axis({"kind": "ellipse", "axes": [1.0, 0.5]}))
+    found = fsi.calibrate(case, tmp_path / "law").leading
+    assert found is not None
+    assert found.exponent == pytest.approx(1.0, abs=0.005)
+    assert found.coefficient == pytest.approx(24.0 * np.pi, rel=0.01)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("alpha", [1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0])
 def test_tips_have_the_exponents_and_coefficients_of_lubrication(alpha: float, tmp_path: Path) -> None:

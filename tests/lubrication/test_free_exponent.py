@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fsi.lubrication.fitting import CONFIDENCE
-from fsi.lubrication.free_exponent import fit_exponent
+from fsi.lubrication.free_exponent import REVOLVED, fit_exponent
 from fsi.lubrication.named_laws import exact_resistance
 
 S = np.geomspace(1e-6, 1e-2, 16)
@@ -41,6 +41,18 @@ def test_a_disc_beside_a_plane_has_its_own_exponent() -> None:
     fit = fit_exponent(S, K, 1e-6 * K)
     assert fit.exponent == pytest.approx(-1.5, abs=1e-5)
     assert fit.coefficients[0] == pytest.approx(3.0 * np.sqrt(2.0) * np.pi, rel=1e-4)
+
+
+@pytest.mark.parametrize(("low", "high"), [(1e-4, 1e-1), (1e-5, 1e-2)])
+def test_a_sphere_beside_a_plane_has_its_own_exponent(low: float, high: float) -> None:
+    """1 and 6 pi (Brenner 1961); with the powers of the plane the exponent is three intervals off, 2e-5."""
+    s = np.geomspace(low, high, 12)
+    K = exact_resistance("spheres", "squeeze", s, np.inf)
+    fit = fit_exponent(s, K, 1e-6 * K, REVOLVED)
+    assert abs(fit.exponent + 1.0) < 2e-6
+    assert abs(fit.exponent + 1.0) < CONFIDENCE * fit.exponent_error
+    assert abs(fit.coefficients[0] - 6.0 * np.pi) < fit.intervals[0]
+    assert fit.used.all()
 
 
 def test_too_few_samples_are_refused() -> None:

@@ -24,7 +24,7 @@ def check_shapes(case: Case) -> None:
         raise InputError(f'{here}: model = "{case.model}" knows {round_} only; give "resolved", or a radius')
     if case.domain.mesh is not None:
         raise InputError(f"{here}: a mesh of your own is for {round_}; drop domain.mesh, or give a radius")
-    if case.calibration is not None and case.spheres:
+    if case.calibration is not None and case.dimension == 3:
         raise InputError(f"{here}: laws are calibrated for {round_}; drop [calibration], or give a radius")
     if any(force.reach > 0.0 for force in case.forces):
         raise InputError(f"{here}: [[forces]] of the gap act between {round_}; drop them, or give a radius")
