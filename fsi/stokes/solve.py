@@ -25,7 +25,6 @@ from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solvers import elimination
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, friction_power, load_of, nodal_vector
-from fsi.stokes.solvers.fgmres import coarse_velocities
 from fsi.stokes.solvers.multiplier import solve_multiplier
 from fsi.stokes.solvers.periodic import Solver, solve_periodic
 from fsi.stokes.solvers.workspace import Workspace, pressure_mass
@@ -105,18 +104,17 @@ def assembled(
         b = _loads(problem, forms, layout.rows)
         clock.lap("setup")
         mass = pressure_mass(forms) if iterative else None
-        coarse = coarse_velocities(problem, forms) if iterative else None
         rigid = rigid_modes(layout, nodes, problem.q, fluid.lattice)
         facets = sliding_facets(problem, forms, cells.shared, nodes, g) if problem.sliding else None
         system = StokesSystem(
-            problem, forms, nodes, layout, cells, rigid, b, g, weights, mass, coarse, workspace, facets
+            problem, forms, nodes, layout, cells, rigid, b, g, weights, mass, workspace, facets
         )
         clock.lap("assemble")
         try:
             with parallel.together():
                 yield system
         finally:
-            for used in (rigid.matrix, mass, None if coarse is None else coarse.nodal):
+            for used in (rigid.matrix, mass):
                 if used is not None:
                     used.destroy()
 

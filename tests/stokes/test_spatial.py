@@ -140,7 +140,7 @@ def test_solvers_and_forms_agree() -> None:
 
 def test_a_coarse_matrix_may_be_left_to_multigrid(monkeypatch: pytest.MonkeyPatch) -> None:
     factorised = solved(case(BOX, solver="iterative"))
-    monkeypatch.setattr("fsi.stokes.solvers.fgmres.MOST_FACTORISED", 0)
+    monkeypatch.setattr("fsi.stokes.solvers.gmres.MOST_FACTORISED", 0)
     multigrid = solved(case(BOX, solver="iterative"))
     assert_allclose(multigrid.F, factorised.F, atol=1e-9 * np.abs(factorised.F).max())
     assert multigrid.iterations < 1.5 * factorised.iterations
@@ -155,7 +155,7 @@ def test_iterations_do_not_grow_with_the_mesh() -> None:
 
 
 def test_a_stagnating_iteration_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("fsi.stokes.solvers.fgmres.MOST_ITERATIONS", 5)
+    monkeypatch.setattr("fsi.stokes.solvers.gmres.MOST_ITERATIONS", 5)
     words = r'relative residual \S+ after 5 .*bound 1e-10\); set discretisation.solver = "direct", or change'
     with pytest.raises(SolveError, match=f"iterative solver stagnates: {words}"):
         solved(case(BOX, solver="iterative"))

@@ -17,9 +17,11 @@ import basix.ufl
 import numpy as np
 import ufl
 from dolfinx import fem
+from dolfinx.fem.petsc import assemble_matrix
 from dolfinx.mesh import exterior_facet_indices
 from mpi4py import MPI
 from numpy.typing import NDArray
+from petsc4py import PETSc
 
 from fsi.bodies.configuration import Array
 from fsi.meshes.build import FluidMesh, coordinate_element
@@ -45,6 +47,12 @@ type Form = fem.Form[np.float64]
 def velocity_element(degree: int, dimension: int) -> basix.ufl._ElementBase:
     """Continuous vector elements of the given degree; equispaced nodes, which VTK draws as they are."""
     return basix.ufl.element("Lagrange", SIMPLEX[dimension], degree, EQUISPACED, shape=(dimension,))
+
+
+@cache
+def component_element(degree: int) -> basix.ufl._ElementBase:
+    """One component of the velocity in space."""
+    return basix.ufl.element("Lagrange", SIMPLEX[3], degree, EQUISPACED)
 
 
 @cache
@@ -163,6 +171,16 @@ def compile_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -
     return Compiled(compiled, spaces, {"u": u_h, "f": f_h, "p": p_h}, mu)
 
 
+@cache
+def compile_gradients(order: int, degree: int) -> tuple[fem.forms.CompiledForm, ufl.Constant]:
+    """int mu grad u.grad v of one component of the velocity in space, with mu; exact on straight cells."""
+    omega = ufl.Mesh(coordinate_element(order, 3))
+    W, mu = ufl.FunctionSpace(omega, component_element(degree)), ufl.Constant(omega)
+    u, v = ufl.TrialFunction(W), ufl.TestFunction(W)
+    dx = ufl.dx(omega, metadata={"quadrature_degree": 2 * (degree - 1)})
+    return compile_form(mu * ufl.inner(ufl.grad(u), ufl.grad(v)) * dx), mu
+
+
 class Forms:
     """The compiled forms, bound to one mesh.
 
@@ -228,6 +246,18 @@ class Forms:
             subdomains[CELL] = [(EVERYWHERE, cells)]
         functions = {f: getattr(self, letter) for letter, f in compiled.coefficients.items()}
         return fem.create_form(form, spaces, self.mesh, subdomains, functions, self._constants)
+
+    def gradients(self) -> PETSc.Mat:
+        """The matrix of int mu grad u.grad v over all nodes of V, for one component; in space; collective."""
+        mesh, mu = self.mesh, fem.Constant(self.mesh, self.viscosity)
+        form, placeholder = compile_gradients(mesh.geometry.cmap.degree, self.degree)
+        W = fem.functionspace(mesh, component_element(self.degree))
+        assert np.array_equal(W.dofmap.list, self.V.dofmap.list), "spaces of one mesh number nodes alike"
+        cells = np.arange(mesh.topology.index_map(mesh.topology.dim).size_local, dtype=np.int32)
+        subdomains = {CELL: [(EVERYWHERE, cells)]}
+        matrix = assemble_matrix(fem.create_form(form, [W, W], mesh, subdomains, {}, {placeholder: mu}))
+        matrix.assemble()
+        return matrix
 
     def kernels(self, name: str) -> NDArray[np.uint64]:
         """The addresses of what tabulates a matrix on single cells of each kind."""

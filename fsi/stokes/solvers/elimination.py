@@ -36,7 +36,8 @@ from fsi.stokes.discretisation.nodes import BoundaryNodes
 from fsi.stokes.discretisation.slip import SlidingFacets
 from fsi.stokes.problem import StokesProblem
 from fsi.stokes.solvers.extended import multiply, multiply_transpose
-from fsi.stokes.solvers.fgmres import Coarse, Iteration, SchurBlocks, transfer
+from fsi.stokes.solvers.gmres import Iteration, SchurBlocks
+from fsi.stokes.solvers.multigrid import levels
 from fsi.stokes.solvers.mumps import Factorisation
 from fsi.stokes.solvers.reduced import Added, Elimination
 from fsi.stokes.solvers.workspace import Workspace
@@ -59,7 +60,6 @@ class StokesSystem:
         g: given velocities of walls and of what moves along bodies, this rank's rows.
         weights: int q over the fluid for each of this rank's rows of p.
         mass: -S' of the iterative solver, None for the direct one.
-        coarse: velocities of degree 1 for the iterative solver, None for the direct one.
         workspace: whose cells these are, and that keeps the factors.
         facets: along which fluid slides, None where it sticks everywhere.
     """
@@ -74,7 +74,6 @@ class StokesSystem:
     g: Array
     weights: Array
     mass: PETSc.Mat | None
-    coarse: Coarse | None
     workspace: Workspace
     facets: SlidingFacets | None = None
 
@@ -190,16 +189,13 @@ def factorised(system: StokesSystem) -> Iterator[Responses]:
     unknown = system.unknown_modes
     added = Added(mode_equations(system)[0], system.facets)
     elimination = system.workspace.elimination(system.layout, system.rigid, unknown, added)
-    if system.mass is None or system.coarse is None:
+    if system.mass is None:
         factors = elimination.factors(lasting=system.workspace.lasting)
         factors.extended = _is_narrow(system.problem)
         yield lambda systems: _respond(systems, elimination, factors)
         return
     try:
-        with (
-            parallel.together(),
-            _iteration(system, system.mass, system.coarse, elimination) as iteration,
-        ):
+        with parallel.together(), _iteration(system, system.mass, elimination) as iteration:
             yield lambda systems: _respond(systems, elimination, iteration)
     finally:
         system.workspace.forget_elimination()
@@ -211,7 +207,7 @@ def _is_narrow(problem: StokesProblem) -> bool:
     return narrowest is not None and narrowest.gap < NARROW * problem.q.radii[narrowest.between[0]]
 
 
-def _iteration(system: StokesSystem, mass: PETSc.Mat, coarse: Coarse, elimination: Elimination) -> Iteration:
+def _iteration(system: StokesSystem, mass: PETSc.Mat, elimination: Elimination) -> Iteration:
     """The iterative solver; it changes the matrix."""
     reduced, first_mode = elimination.reduced, elimination.first_mode
     layout, start = system.layout, reduced.getOwnershipRange()[0]
@@ -219,15 +215,15 @@ def _iteration(system: StokesSystem, mass: PETSc.Mat, coarse: Coarse, eliminatio
     reduced.zeroRowsColumns((start + first_mode + held).astype(PETSc.IntType), diag=1.0)
     pressures = int(layout.free[layout.velocities :].sum())
     modes = np.arange(first_mode, first_mode + system.modes_here)
-    blocks = SchurBlocks(
-        u=start + np.concatenate([np.arange(first_mode - pressures), modes]),
-        p=start + np.arange(first_mode - pressures, first_mode),
-        transfer=transfer(coarse, layout.free[: layout.velocities], system.problem.motion.held.ravel()),
-        rigid=coarse.rigid,
-        mass=elimination.tied_mass(mass, np.arange(first_mode - pressures, first_mode)),
-        closed=not system.problem.boundary.pressures,
-    )
-    return Iteration(reduced, blocks)
+    with levels(system.problem, system.forms) as hierarchy:
+        blocks = SchurBlocks(
+            u=start + np.concatenate([np.arange(first_mode - pressures), modes]),
+            p=start + np.arange(first_mode - pressures, first_mode),
+            levels=hierarchy,
+            mass=elimination.tied_mass(mass, np.arange(first_mode - pressures, first_mode)),
+            closed=not system.problem.boundary.pressures,
+        )
+        return Iteration(reduced, blocks)
 
 
 def _respond(

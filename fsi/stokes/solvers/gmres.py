@@ -1,0 +1,203 @@
+"""The iterative solver of large systems in space: GMRES with a block preconditioner.
+
+With the velocities u and the modes of the bodies together in the first block, the reduced system is
+
+    [ A  B^T ] [ u ]   [ f ]
+    [ B   0  ] [ p ] = [ 0 ]
+
+and its preconditioner (Elman, Silvester and Wathen, Finite Elements and Fast Iterative Solvers, section 9.2)
+
+    [ A'  B^T ]                 A' approximates A,  S' = mass matrix of the pressure / 2 mu
+    [ 0   -S' ]
+
+S' is spectrally equivalent to the Schur complement B A^-1 B^T whatever the mesh size: beside the mass
+matrix / mu that has eigenvalues s from the square of the inf-sup constant to 1 for gradients of u in place
+of its strain rates, and s / (1 + s) for these, whose energy has the square of div u besides.
+
+A' is one cycle of multigrid through velocities of all degrees down to 1 on the same mesh (see `multigrid`),
+smoothed by a polynomial in the matrix over its diagonal. The coarsest matrix of up to MOST_FACTORISED
+unknowns is factorised; beyond, it gets one cycle of smoothed aggregation. So the number of iterations does
+not grow with the mesh, nor in narrow gaps.
+"""
+
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+import fsi.parallel as parallel
+from fsi.bodies.configuration import Array
+from fsi.errors import SolveError, apart
+from fsi.stokes.solvers.multigrid import COMPONENTS, Levels
+
+# Of the residual relative to the right-hand side: errors of forces, and of identities, whose bound is 1e-8,
+# are up to a few times as large (2e-10 of the force on a sphere beside a plane).
+TOLERANCE = 1e-10
+MOST_ITERATIONS = 600
+RESTART = 150
+
+MOST_FACTORISED = 20_000
+COARSE = "fieldsplit_u_mg_coarse_"
+FACTORS = {f"{COARSE}pc_type": "cholesky", f"{COARSE}pc_factor_mat_solver_type": "mumps"}
+AGGREGATION = {f"{COARSE}ksp_type": "preonly", f"{COARSE}pc_type": "gamg"}
+OPTIONS = {
+    "fieldsplit_u_ksp_type": "preonly",
+    "fieldsplit_u_pc_type": "mg",
+    "fieldsplit_u_mg_levels_pc_type": "jacobi",
+    "fieldsplit_u_mg_levels_ksp_type": "chebyshev",
+    "fieldsplit_u_mg_levels_ksp_max_it": 2,
+    "fieldsplit_p_ksp_type": "chebyshev",
+    "fieldsplit_p_ksp_max_it": 4,
+    "fieldsplit_p_pc_type": "jacobi",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class SchurBlocks:
+    """What the preconditioner knows of a reduced system.
+
+    Attributes:
+        u: this rank's rows of velocities and modes, global numbers, three to a node.
+        p: its rows of pressures.
+        levels: the hierarchy of the rows u.
+        mass: -S'.
+        closed: whether a constant pressure changes nothing.
+    """
+
+    u: NDArray[np.int64]
+    p: NDArray[np.int64]
+    levels: Levels
+    mass: PETSc.Mat
+    closed: bool
+
+
+class Iteration(AbstractContextManager["Iteration"]):
+    """GMRES on a symmetric indefinite matrix of that form; use it in a `with` statement."""
+
+    def __init__(self, matrix: PETSc.Mat, blocks: SchurBlocks) -> None:
+        self.matrix, self.iterations = matrix, 0
+        self._closed = blocks.closed
+        self._constant = matrix.createVecRight()
+        self._constant.array[blocks.p - matrix.getOwnershipRange()[0]] = 1.0
+        self._constant.normalize()
+        if blocks.closed:
+            null_space = PETSc.NullSpace().create(vectors=[self._constant], comm=matrix.comm)
+            matrix.setNullSpace(null_space)
+            null_space.destroy()
+        self._ksp = _solver(matrix, blocks)
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        parallel.settle(error)
+        self._ksp.destroy()
+        self._constant.destroy()
+
+    def solve(self, b: Array) -> tuple[Array, Array]:
+        """Solutions of `M x = b` for all columns of b, one after the other; collective.
+
+        b, x: this rank's rows, (rows, k); with x the relative residuals |b - M x| / |b|, (k,), on all ranks.
+        Raises SolveError: the iteration stagnates.
+        """
+        solutions, residuals = zip(*(self._solve_one(column) for column in b.T), strict=True)
+        return np.column_stack(solutions), np.array(residuals)
+
+    def _solve_one(self, b: Array) -> tuple[Array, float]:
+        x, right = self.matrix.createVecs()
+        right.array[:] = b
+        if self._closed:
+            right.axpy(-right.dot(self._constant), self._constant)
+        self._ksp.solve(right, x)
+        self.iterations = max(self.iterations, self._ksp.getIterationNumber())
+        size = right.norm()
+        residual = right.duplicate()
+        self.matrix.mult(x, residual)
+        residual.axpy(-1.0, right)
+        relative = float(residual.norm() / size) if size > 0.0 else 0.0
+        if self._ksp.getConvergedReason() <= 0 or not relative <= 2.0 * TOLERANCE:
+            raise SolveError(
+                f"the iterative solver stagnates: relative residual {apart(relative, TOLERANCE)} after "
+                f"{self._ksp.getIterationNumber()} iterations (bound {TOLERANCE:g}); "
+                'set discretisation.solver = "direct", or change discretisation.cells_per_gap'
+            )
+        values: Array = x.array.copy()
+        for used in (x, right, residual):
+            used.destroy()
+        return values, relative
+
+
+def _solver(matrix: PETSc.Mat, blocks: SchurBlocks) -> PETSc.KSP:
+    ksp, prefix = PETSc.KSP().create(matrix.comm), "fsi_stokes_"
+    ksp.setOptionsPrefix(prefix)
+    numbers = (rows.astype(PETSc.IntType) for rows in (blocks.u, blocks.p))
+    u, p = parts = [PETSc.IS().createGeneral(rows, matrix.comm) for rows in numbers]
+    B, finest = matrix.createSubMatrix(p, u), blocks.levels.matrix
+    B_T = B.transpose(PETSc.Mat())
+    approximate = PETSc.Mat().createNest(
+        [[finest, B_T], [B, blocks.mass]], isrows=parts, iscols=parts, comm=matrix.comm
+    )
+    ksp.setOperators(matrix, approximate)
+    # What is measured is the residual itself, not what the preconditioner makes of it.
+    ksp.setType(PETSc.KSP.Type.GMRES)
+    ksp.setPCSide(PETSc.PC.Side.RIGHT)
+    ksp.setGMRESRestart(RESTART)
+    ksp.setTolerances(rtol=TOLERANCE, max_it=MOST_ITERATIONS)
+    pc = ksp.getPC()
+    pc.setType(PETSc.PC.Type.FIELDSPLIT)
+    pc.setFieldSplitIS(("u", u), ("p", p))
+    pc.setFieldSplitType(PETSc.PC.CompositeType.SCHUR)
+    pc.setFieldSplitSchurFactType(PETSc.PC.SchurFactType.UPPER)
+    pc.setFieldSplitSchurPreType(PETSc.PC.SchurPreType.USER, blocks.mass)
+    options = PETSc.Options(prefix)
+    coarsest = blocks.levels.transfers[-1].size[1]
+    chosen = OPTIONS | (AGGREGATION if coarsest > MOST_FACTORISED else FACTORS)
+    for name, value in chosen.items():
+        options[name] = value
+    ksp.setFromOptions()
+    pc.setUp()
+    of_u, of_p = pc.getFieldSplitSubKSP()
+    _cycle(of_u.getPC(), blocks.levels)
+    of_p.setOperators(blocks.mass, blocks.mass)
+    ksp.setUp()
+    of_u.setUp()
+    for name in chosen:
+        options.delValue(name)
+    for used in (*parts, pc, B, B_T, approximate):
+        used.destroy()
+    return ksp
+
+
+def _cycle(pc: PETSc.PC, levels: Levels) -> None:
+    """One cycle through the levels; the matrix of each is that of the finer one between its velocities."""
+    pc.setMGLevels(len(levels.transfers) + 1)
+    matrix = levels.matrix
+    for level, transfer in reversed(list(enumerate(reversed(levels.transfers), 1))):
+        pc.setMGInterpolation(level, transfer)
+        coarser = matrix.ptap(transfer)
+        coarser.setBlockSize(COMPONENTS)
+        coarser.setOption(PETSc.Mat.Option.SPD, True)
+        smoother = pc.getMGCoarseSolve() if level == 1 else pc.getMGSmoother(level - 1)
+        smoother.setOperators(coarser)
+        if matrix is not levels.matrix:
+            matrix.destroy()
+        matrix = coarser
+    _tell_translations(matrix, levels.translations)
+    pc.setFromOptions()
+    matrix.destroy()
+
+
+def _tell_translations(A: PETSc.Mat, translations: Array) -> None:
+    """Give the aggregation its near null space: an orthonormal basis of the translations."""
+    gram = np.ascontiguousarray(translations.T @ translations)
+    A.comm.tompi4py().Allreduce(MPI.IN_PLACE, gram)
+    orthonormal = np.linalg.solve(np.linalg.cholesky(gram), translations.T)
+    vectors = []
+    for values in orthonormal:
+        vector = A.createVecRight()
+        vector.array[:] = values
+        vectors.append(vector)
+    null_space = PETSc.NullSpace().create(vectors=vectors, comm=A.comm)
+    A.setNearNullSpace(null_space)
+    for used in (*vectors, null_space):
+        used.destroy()

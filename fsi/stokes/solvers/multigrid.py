@@ -1,0 +1,130 @@
+"""Velocities of all degrees on one mesh, for the multigrid cycle in the preconditioner of `gmres`.
+
+What is approximated is not A itself, the form of strain rates, but that of the gradients of each component:
+
+    L = int mu grad u : grad v,       int 2 mu e(u) : e(u) = int mu |grad u|^2 + int mu (div u)^2
+
+for velocities u that are zero or rigid on the boundary (but for the rotations of bodies, which grad u would
+count within them too). So L <= A <= 2 L whatever the mesh, A = L for velocities without divergence and
+A = 2 L for gradients: the matrix is MIDDLE L. Its components do not meet each other but on bodies, so that it
+has a third of the entries of A.
+
+Every velocity of degree d - 1 on a mesh is one of degree d: its nodal values there are I times its own. With
+the constraints of its degree (zero on the walls, rigid on the bodies, images tied) these are P z, where z are
+its values at free nodes and the modes of the bodies. So the columns of I P carry one level into the next.
+Narrow gaps, where cells are longer than wide, do no harm: what one level does not know of the next is within
+single cells.
+"""
+
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from types import TracebackType
+
+import numpy as np
+import scipy.sparse as sp
+from dolfinx import fem
+from dolfinx.fem.petsc import interpolation_matrix
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from fsi.bodies.configuration import Array, rigid_motion
+from fsi.meshes.build import FunctionSpace
+from fsi.stokes.discretisation.constraints import DofLayout, Prolongation, dof_layout, rigid_modes
+from fsi.stokes.discretisation.forms import Forms
+from fsi.stokes.discretisation.images import tied
+from fsi.stokes.discretisation.nodes import locate
+from fsi.stokes.problem import StokesProblem
+
+COMPONENTS = 3
+MIDDLE = 1.5
+
+
+@dataclass(frozen=True, slots=True)
+class Levels(AbstractContextManager["Levels"]):
+    """The hierarchy; z of each level has its free nodal values and, last on rank 0, all modes.
+
+    Attributes:
+        matrix: MIDDLE L on the finest level, with ones on the diagonal for modes that are held.
+        transfers: from each level to the next finer one, the finest first.
+        translations: of everything, in z of the coarsest, this rank's rows, (rows, 3).
+    """
+
+    matrix: PETSc.Mat
+    transfers: list[PETSc.Mat]
+    translations: Array
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        for used in (self.matrix, *self.transfers):
+            used.destroy()
+
+
+def levels(problem: StokesProblem, forms: Forms) -> Levels:
+    """The levels of a mesh, with zero velocity on walls with a given one; collective."""
+    held = problem.motion.held.ravel()
+    layout, P = _constrained(problem, forms.V)
+    gradients = _of_components(forms.gradients())
+    matrix = gradients.ptap(P)
+    matrix.scale(MIDDLE)
+    first_mode = matrix.getOwnershipRange()[1] - layout.modes
+    rows = first_mode + np.flatnonzero(held)[: layout.modes_here]
+    matrix.zeroRowsColumns(rows.astype(PETSc.IntType), diag=1.0)
+    for used in (gradients, P):
+        used.destroy()
+    transfers, space = [], forms.V
+    for degree in range(forms.degree - 1, 0, -1):
+        coarser = fem.functionspace(forms.mesh, ("Lagrange", degree, (COMPONENTS,)))
+        layout_of_coarser, P = _constrained(problem, coarser)
+        interpolation = interpolation_matrix(coarser, space)
+        interpolation.assemble()
+        nodal = interpolation.matMult(P)
+        transfers.append(_transfer(nodal, layout.free, held))
+        for used in (interpolation, P, nodal):
+            used.destroy()
+        space, layout = coarser, layout_of_coarser
+    of_nodes = np.tile(np.eye(COMPONENTS), (int(layout.free.sum()) // COMPONENTS, 1))
+    of_bodies = rigid_motion(problem.q.centres)[..., :COMPONENTS].reshape(layout.modes, COMPONENTS)
+    return Levels(matrix, transfers, np.concatenate([of_nodes, of_bodies[: layout.modes_here]]))
+
+
+def _constrained(problem: StokesProblem, space: FunctionSpace) -> tuple[DofLayout, PETSc.Mat]:
+    """The rows of velocities of a degree, and their P with all modes."""
+    fluid, q = problem.fluid, problem.q
+    nodes = locate(fluid, space)
+    layout = dof_layout(fluid, nodes, problem.boundary.velocities, 0, None)
+    layout = tied(layout, fluid, [(space, nodes.with_ghosts)])
+    rigid = rigid_modes(layout, nodes, q, fluid.lattice)
+    P = Prolongation(layout, rigid, np.ones(layout.modes, dtype=bool)).matrix
+    rigid.matrix.destroy()
+    return layout, P
+
+
+def _of_components(scalar: PETSc.Mat) -> PETSc.Mat:
+    """The matrix of vectors that acts on each component as the given one, which is destroyed."""
+    indptr, column, value = scalar.getValuesCSR()
+    rows, comm = (COMPONENTS * (len(indptr) - 1), None), scalar.comm
+    every = sp.csr_matrix((value, column, indptr), shape=(len(indptr) - 1, scalar.size[1]))
+    scalar.destroy()
+    every = sp.kron(every, sp.eye_array(COMPONENTS), "csr")
+    csr = (every.indptr.astype(PETSc.IntType), every.indices.astype(PETSc.IntType), every.data)
+    return PETSc.Mat().createAIJ(size=(rows, rows), csr=csr, comm=comm)
+
+
+def _transfer(nodal: PETSc.Mat, free: NDArray[np.bool_], held: NDArray[np.bool_]) -> PETSc.Mat:
+    """From z of one level to that of the next; collective.
+
+    nodal: from z to all nodal values of the next. free: which of this rank's rows there are unknowns. held:
+    modes that move nothing but themselves, (M N,).
+    """
+    indptr, column, value = nodal.getValuesCSR()
+    first_mode = nodal.getOwnershipRangesColumn()[1] - len(held)
+    value[np.isin(column, first_mode + np.flatnonzero(held))] = 0.0
+    T = sp.csr_matrix((value, column, indptr), shape=(len(free), nodal.size[1]))[free]
+    T.eliminate_zeros()
+    if nodal.comm.rank == 0:
+        modes = sp.eye_array(len(held), nodal.size[1], k=first_mode, format="csr")
+        T = sp.vstack([T, modes], "csr")
+    size = ((T.shape[0], None), (nodal.getLocalSize()[1], None))
+    csr = (T.indptr.astype(PETSc.IntType), T.indices.astype(PETSc.IntType), T.data)
+    return PETSc.Mat().createAIJ(size=size, csr=csr, comm=nodal.comm)
