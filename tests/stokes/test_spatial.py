@@ -128,7 +128,8 @@ def test_solvers_and_forms_agree() -> None:
     iterative = solved(case(BOX, solver="iterative"))
     multiplier = solved(case(BOX, formulation="multiplier"))
     assert (direct.iterations, multiplier.iterations) == (0, 0)
-    assert 10 < iterative.iterations < 120
+    # With S' twice as large they are 39, with L in place of 1.5 L 42, with the other sign of S' 83.
+    assert 10 < iterative.iterations < 37
     for other, tolerance in ((iterative, 1e-9), (multiplier, 1e-11)):
         assert_allclose(other.U, direct.U, atol=tolerance * np.abs(direct.U).max())
         assert_allclose(other.F, direct.F, atol=tolerance * np.abs(direct.F).max())
