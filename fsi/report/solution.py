@@ -108,7 +108,7 @@ def bodies_json(case: Case, U: Array, F: Array) -> list[dict[str, Any]]:
 
 
 def _solver(solution: SolvedFlow) -> str:
-    return f"FGMRES with {solution.iterations} iterations" if solution.iterations else "direct solver"
+    return f"GMRES with {solution.iterations} iterations" if solution.iterations else "direct solver"
 
 
 def _add_stress(data: dict[str, Any], bulk: BulkStress, errors: ErrorEstimate, bars: StressErrors) -> None:

@@ -250,7 +250,7 @@ class Forms:
     def gradients(self) -> PETSc.Mat:
         """The matrix of int mu grad u.grad v over all nodes of V, for one component; in space; collective."""
         mesh, mu = self.mesh, fem.Constant(self.mesh, self.viscosity)
-        form, placeholder = compile_gradients(mesh.geometry.cmap.degree, self.degree)
+        form, placeholder = compile_gradients(mesh.geometry.cmaps[0].degree, self.degree)
         W = fem.functionspace(mesh, component_element(self.degree))
         assert np.array_equal(W.dofmap.list, self.V.dofmap.list), "spaces of one mesh number nodes alike"
         cells = np.arange(mesh.topology.index_map(mesh.topology.dim).size_local, dtype=np.int32)
