@@ -16,8 +16,7 @@ from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
 from fsi.case.load import parse_case
 
-# Gaps over the smaller radius, equal in the logarithm.
-NARROWEST, WIDEST = 3e-3, 1.0
+WIDEST = 1.0  # of gaps over the smaller radius, which are equal in the logarithm
 TRIES = 200
 CLOSE = 0.7  # how often a body is put close to another, or to a wall
 
@@ -93,7 +92,7 @@ def _motion(rng: Random, walls: Walls) -> Data:
     turning = 3 if d == 3 else 1
     held = rng.random(d + turning) < rng.choice([0.0, 0.5, 1.0])
     given = rng.uniform(-2.0, 2.0, d + turning)
-    if walls.container.dimension == 2 and not len(walls.container.walls):
+    if not len(walls.container.walls):
         given[:] = 0.0  # a load on all bodies of a cell together drives fluid through it
     if axisymmetric:
         velocity: list[Any] = [0.0, float(given[1]) if held[1] else "free"]
@@ -114,12 +113,12 @@ def _bodies(rng: Random, walls: Walls) -> Configuration:
     """One or more bodies, one after the other where there is room for it, often close to what is there."""
     container, d = walls.container, walls.container.dimension
     q = Configuration.unturned(np.empty((0, d)), np.empty(0))
-    wanted = int(rng.integers(1, walls.most + 1))
+    wanted = int(rng.integers(walls.least, walls.most + 1))
     for _ in range(TRIES):
         radius = float(rng.uniform(0.3, 0.9))
         centre = _place(rng, walls, q, radius)
         more = Configuration.unturned(np.vstack([q.centres, centre]), np.append(q.radii, radius))
-        if find_gaps(more, container).smallest() >= 0.9 * NARROWEST * more.radii.min():
+        if find_gaps(more, container).smallest() >= 0.9 * walls.narrowest * more.radii.min():
             q = more
         if len(q) == wanted:
             return q
@@ -146,7 +145,7 @@ def _place(rng: Random, walls: Walls, q: Configuration, radius: float) -> Array:
     if container.axisymmetric:
         towards = [k for k in towards if abs(container.normals(centre[None])[0, k, 0]) < 0.5]
     k = int(rng.integers(len(towards) + len(q))) if len(towards) + len(q) else 0
-    gap = radius * NARROWEST * (WIDEST / NARROWEST) ** rng.random()
+    gap = radius * walls.narrowest * (WIDEST / walls.narrowest) ** rng.random()
     if k < len(towards):
         n, away = (
             part[0, towards[k]]

@@ -21,12 +21,17 @@ type Data = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Walls:
-    """A container, its section [domain] of a case file, and how many bodies it may have, or those it has."""
+    """A container, its section [domain] of a case file, and how many bodies it may have, or those it has.
+
+    narrowest: the narrowest gap that is asked for, over the smaller radius.
+    """
 
     container: Container
     domain: Data
     most: int = 3
     crowd: Configuration | None = None
+    least: int = 1
+    narrowest: float = 3e-3
 
     @property
     def geometry(self) -> str:
@@ -207,6 +212,24 @@ def _in_space(rng: Random) -> Walls:
 def _lids_in_space(rng: Random) -> Walls:
     lids = _lids(rng, "spatial")
     return Walls(lids.container, lids.domain, most=1)
+
+
+@kind("spheres in a box")
+def _spheres_in_a_box(rng: Random) -> Walls:
+    """Two to eight, some walls sliding in every other case."""
+    walls = (_solid_box, _lids)[rng.integers(2)](rng, "spatial")
+    return Walls(walls.container, walls.domain, most=8, least=2, narrowest=1e-2)
+
+
+@kind("spheres in a cell")
+def _spheres_in_a_cell(rng: Random) -> Walls:
+    """Two to eight in an oblique cell, in shear or in extension."""
+    sides = np.diag(rng.uniform(3.5, 4.5, 3)) + np.tril(rng.uniform(-1.0, 1.0, (3, 3)), -1)
+    vectors = tuple(map(tuple, sides.tolist()))
+    flow = {str(rng.choice(["shear", "extension", "uniaxial"])): float(rng.uniform(-2.0, 2.0))}
+    domain = {"shape": "cell", "vectors": vectors} | flow
+    still = ((0.0, 0.0, 0.0),) * 3
+    return Walls(Cell(vectors, still), domain, most=8, least=2, narrowest=1e-2)
 
 
 @kind("suspension")
