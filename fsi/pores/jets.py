@@ -5,9 +5,11 @@ A jet is (f, f_z, f_zz, f_zzb), zb the conjugate of z:
     f_z = (f_x - i f_y) / 2,    f_zz = (f_xx - f_yy - 2 i f_xy) / 4,    f_zzb = (f_xx + f_yy) / 4.
 
 Products follow Leibniz' rule, so that trial functions are written as in a textbook and their strain rates
-are exact. Loops run over the points of a pore, always AT_ONCE of them, whose jets stay in the processor's
-cache. A function's jets there are one row, its six numbers one after the other AT_ONCE times each: of known
-distances a compiler sees that nothing overlaps, and takes several points at once.
+are exact. Complex numbers are multiplied and added by functions of their parts: in `*` and `+` Numba makes
+complex numbers of real factors, and keeps to the order of roundings. Loops run over the points of a pore,
+always AT_ONCE of them, whose jets stay in the processor's cache. A function's jets there are one row, its six
+numbers one after the other AT_ONCE times each: of known distances a compiler sees that nothing overlaps, and
+takes several points at once.
 """
 
 import numpy as np
@@ -42,13 +44,31 @@ def store(f: Array, w: int, jet: Jet) -> None:
 
 
 @inlined
+def scaled(alpha: float, z: complex) -> complex:
+    """alpha z."""
+    return complex(alpha * z.real, alpha * z.imag)
+
+
+@inlined
+def combined(alpha: float, z: complex, beta: float, w: complex) -> complex:
+    """alpha z + beta w."""
+    return complex(alpha * z.real + beta * w.real, alpha * z.imag + beta * w.imag)
+
+
+@inlined
+def times(z: complex, w: complex) -> complex:
+    """z w."""
+    return complex(z.real * w.real - z.imag * w.imag, z.real * w.imag + z.imag * w.real)
+
+
+@inlined
 def product(f: Jet, g: Jet) -> Jet:
     """f g."""
     mixed = f[1].real * g[1].real + f[1].imag * g[1].imag
     return (
         f[0] * g[0],
-        f[0] * g[1] + g[0] * f[1],
-        f[0] * g[2] + g[0] * f[2] + 2.0 * (f[1] * g[1]),
+        combined(f[0], g[1], g[0], f[1]),
+        combined(1.0, combined(f[0], g[2], g[0], f[2]), 2.0, times(f[1], g[1])),
         f[0] * g[3] + g[0] * f[3] + 2.0 * mixed,
     )
 
@@ -58,8 +78,8 @@ def plus(alpha: float, f: Jet, beta: float, g: Jet) -> Jet:
     """alpha f + beta g."""
     return (
         alpha * f[0] + beta * g[0],
-        alpha * f[1] + beta * g[1],
-        alpha * f[2] + beta * g[2],
+        combined(alpha, f[1], beta, g[1]),
+        combined(alpha, f[2], beta, g[2]),
         alpha * f[3] + beta * g[3],
     )
 
@@ -67,7 +87,7 @@ def plus(alpha: float, f: Jet, beta: float, g: Jet) -> Jet:
 @inlined
 def shifted(alpha: float, f: Jet, beta: float) -> Jet:
     """alpha f + beta."""
-    return alpha * f[0] + beta, alpha * f[1], alpha * f[2], alpha * f[3]
+    return alpha * f[0] + beta, scaled(alpha, f[1]), scaled(alpha, f[2]), alpha * f[3]
 
 
 @inlined
@@ -76,7 +96,7 @@ def reciprocal(f: Jet) -> Jet:
     v = 1.0 / f[0]
     d, dd = -v * v, 2.0 * v * v * v
     mixed = f[1].real * f[1].real + f[1].imag * f[1].imag
-    return v, d * f[1], d * f[2] + dd * (f[1] * f[1]), d * f[3] + dd * mixed
+    return v, scaled(d, f[1]), combined(d, f[2], dd, times(f[1], f[1])), d * f[3] + dd * mixed
 
 
 @vectorised

@@ -113,6 +113,8 @@ def adapted(bodies: DrivenBodies, tolerance: float, fineness: Fineness) -> tuple
         errors = step_errors(bodies, found, Compared(finer, SAFETY))
         largest = max(errors.relative.values(), default=0.0)
         if largest <= tolerance:
+            for flow in (pair.coarse, fine):
+                flow.system.factors.forget()
             return found, errors
         system, aim = pair.coarse.system, 0.5 * aim * tolerance / largest
 
@@ -123,6 +125,7 @@ def _solved(
     """The sound flow of a system that was assembled in so many seconds."""
     began = process_time()
     flow = solve_pores(system, drive_of(bodies, inertia).on(system))
+    system.factors.forget()
     instant = PoreInstant(bodies, flow, {"assemble": assembled, "solve": process_time() - began})
     instant.require_sound()
     return instant

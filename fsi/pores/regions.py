@@ -10,9 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
+from fsi.pores.compiled import compiled, internal
 from fsi.pores.surfaces import CONTAINER, DISC, WALL
 from fsi.pores.topology import Pores
 
+# Of Newton's method: at most so many steps, the last of this part of the radius; normals that are parallel.
+_ROUNDS, _CLOSE, _ALIKE = 12, 1e-10, 1e-9
 NEXT, OTHER = [1, 2, 0], [2, 0, 1]  # the vertices v + 1 and v + 2, between which side v lies
 
 
@@ -54,7 +57,7 @@ class PoreShapes(NamedTuple):
 
 
 class Vertex(NamedTuple):
-    """One surface of each of E pores, as in `PoreShapes`."""
+    """One surface of each of E pores, or all three, as in `PoreShapes`."""
 
     kind: NDArray[np.int8]
     centre: Array
@@ -153,7 +156,8 @@ def _meeting(first: Vertex, second: Vertex) -> Array:
 
 def _touch(vertices: list[Vertex], foot: Array) -> Array:
     """Where the inscribed circle touches, kept between 0.2 and 0.8 of each arc, (E, 3, 2)."""
-    middle = _inscribed(vertices, foot.mean(axis=(1, 2)))
+    bounds = Vertex(*(np.stack(part, axis=1) for part in zip(*vertices, strict=True)))
+    middle = _inscribed(bounds, foot.mean(axis=(1, 2)))
     touch = np.empty((len(foot), 3, 2))
     for v, vertex in enumerate(vertices):
         start, end = foot[:, OTHER[v], 0], foot[:, NEXT[v], 1]
@@ -185,25 +189,36 @@ def _rotated(s: Array, angle: Array) -> Array:
     return np.stack([cos * s[:, 0] - sin * s[:, 1], sin * s[:, 0] + cos * s[:, 1]], 1)
 
 
-def _inscribed(vertices: list[Vertex], start: Array) -> Array:
-    """Centres of the circles that touch the three surfaces, by Newton's method, (E, 2)."""
-    x, rho = start.copy(), np.zeros(len(start))
-    for _ in range(12):
-        distances, normals = zip(*(_distance(vertex, x) for vertex in vertices), strict=True)
-        d, J = np.stack(distances, 1), np.concatenate([np.stack(normals, 1), -np.ones((len(x), 3, 1))], 2)
-        # Where no circle touches all three the start stays.
-        regular = np.abs(np.linalg.det(J)) > 1e-9
-        step = np.zeros((len(x), 3))
-        step[regular] = np.linalg.solve(J[regular], (d - rho[:, None])[regular][..., None])[..., 0]
-        x, rho = x - step[:, :2], rho - step[:, 2]
-    return x
+@compiled
+def _inscribed(bounds: Vertex, start: Array) -> Array:
+    """Centres of the circles that touch the three surfaces, (E, 3, ...), by Newton's method, (E, 2)."""
+    found, d, n = start.copy(), np.empty(3), np.empty((3, 2))
+    for e in range(len(found)):
+        x, rho = found[e], 0.0
+        for _ in range(_ROUNDS):
+            for v in range(3):
+                d[v] = _distance(bounds, e, v, x, n[v])
+            # n_v . s - t = d_v - rho for the steps s of x and t of rho
+            ax, ay, bx, by = n[1, 0] - n[0, 0], n[1, 1] - n[0, 1], n[2, 0] - n[0, 0], n[2, 1] - n[0, 1]
+            p, q, area = d[1] - d[0], d[2] - d[0], ax * by - ay * bx
+            if abs(area) <= _ALIKE:  # where no circle touches all three the start stays
+                break
+            sx, sy = (p * by - q * ay) / area, (ax * q - bx * p) / area
+            x[0], x[1] = x[0] - sx, x[1] - sy
+            rho = d[0] - n[0, 0] * sx - n[0, 1] * sy
+            if max(abs(sx), abs(sy)) <= _CLOSE * abs(rho):
+                break
+    return found
 
 
-def _distance(vertex: Vertex, x: Array) -> tuple[Array, Array]:
-    """Distance of points to surfaces, (E,), and its gradient, (E, 2)."""
-    wall, inside = vertex.kind == WALL, vertex.kind == CONTAINER
-    r = x - vertex.centre
-    length = np.linalg.norm(r, axis=1)
-    sign = np.where(inside, -1.0, 1.0)
-    n = np.where(wall[:, None], vertex.normal, r * (sign / np.where(length > 0.0, length, 1.0))[:, None])
-    return np.where(wall, np.sum(r * vertex.normal, axis=1), sign * (length - vertex.radius)), n
+@internal
+def _distance(bounds: Vertex, e: int, v: int, x: Array, normal: Array) -> float:
+    """Distance of a point to surface v of pore e, and its gradient, (2,)."""
+    rx, ry = x[0] - bounds.centre[e, v, 0], x[1] - bounds.centre[e, v, 1]
+    if bounds.kind[e, v] == WALL:
+        normal[:] = bounds.normal[e, v]
+        return float(rx * normal[0] + ry * normal[1])
+    length, sign = np.sqrt(rx * rx + ry * ry), -1.0 if bounds.kind[e, v] == CONTAINER else 1.0
+    over = sign / length if length > 0.0 else 0.0
+    normal[0], normal[1] = over * rx, over * ry
+    return float(sign * (length - bounds.radius[e, v]))

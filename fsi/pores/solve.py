@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Inertia, Motion
 from fsi.pores.assembly import Batch
 from fsi.pores.carrier import Carrier, carried, mean_flow, product
-from fsi.pores.definite import Cholesky
 from fsi.pores.orders import RIGID
 from fsi.pores.system import PoreSystem
 
@@ -162,7 +161,7 @@ def solve_pores(system: PoreSystem, loading: PoreLoading) -> PoreFlow:
         return np.asarray(b - of_base - mu * product(system, y) - D * (y + base))[free]
 
     rhs = left(y)
-    factors = Cholesky(system.assembly.K, free, D / mu)
+    factors = system.factors.of(system.assembly.K, free, D / mu)
     y[free] = factors.solve(rhs) / mu
     y[free] += factors.solve(left(y)) / mu
     Ky = mu * product(system, y)

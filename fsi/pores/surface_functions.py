@@ -4,7 +4,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.pores.compiled import inlined, vectorised
-from fsi.pores.jets import AT_ONCE, Jet, load, plus, product
+from fsi.pores.jets import AT_ONCE, Jet, combined, load, plus, product, scaled, times
 from fsi.pores.orders import CUBIC
 from fsi.pores.pore_data import CENTRE, IS_WALL, RADIUS, REFERENCE, SIGN, Complex
 from fsi.pores.quadrature import DISTANCE, Y
@@ -115,7 +115,7 @@ def _at(f: Array, w: int) -> complex:
 @vectorised
 def _multiply(f: Array, g: Array, out: Array) -> None:
     for w in range(AT_ONCE):
-        power = _at(f, w) * _at(g, w)
+        power = times(_at(f, w), _at(g, w))
         out[w], out[AT_ONCE + w] = power.real, power.imag
 
 
@@ -143,34 +143,57 @@ def _both_parts(
     (n, A, B), (points, powers), (b, sx, sy), (re, im) = of, at, weights, out
     centre, inverse = surface[CENTRE], 1.0 / surface[RADIUS].real
     second, third = inverse * inverse, inverse * inverse * inverse
+    # Im f = Re (-i f); of decaying functions it is that of the conjugate.
+    sign = 1.0 if n < 0 else -1.0
     a1, a2, a3 = n * A, n * (n - 1) * A, n * (n - 1) * (n - 2) * A
     b1, b2, b3 = (n + 1) * B, (n + 1) * n * B, (n + 1) * n * (n - 1) * B
-    # Im f = Re (-i f); of decaying functions it is that of the conjugate.
-    i = complex(0.0, 1.0 if n < 0 else -1.0)
     q3, q2, q1, q0, q = powers
     for w in range(AT_ONCE):
         zb = complex(inverse * (points[w] - centre.real), -inverse * (points[Y * AT_ONCE + w] - centre.imag))
         p, p0, p1, p2, p3 = _at(q, w), _at(q0, w), _at(q1, w), _at(q2, w), _at(q3, w)
         # phi^(j) + zb chi^(j), then chi^(j)
-        g0, g1 = A * p0 + B * (zb * p), inverse * (a1 * p1 + b1 * (zb * p0))
-        g2, g3 = second * (a2 * p2 + b2 * (zb * p1)), third * (a3 * p3 + b3 * (zb * p2))
-        c0, c1, c2 = inverse * B * p, second * b1 * p0, third * b2 * p1
-        made = (load(b, w), load(sx, w), load(sy, w))
-        put(re, points, w, _extended(made, (g0, g1, g2, g3, c0, c1, c2)))
-        put(im, points, w, _extended(made, (i * g0, i * g1, i * g2, i * g3, i * c0, i * c1, i * c2)))
+        g0, g1 = combined(A, p0, B, times(zb, p)), combined(inverse * a1, p1, inverse * b1, times(zb, p0))
+        g2 = combined(second * a2, p2, second * b2, times(zb, p1))
+        g3 = combined(third * a3, p3, third * b3, times(zb, p2))
+        c0, c1, c2 = scaled(inverse * B, p), scaled(second * b1, p0), scaled(third * b2, p1)
+        f, made = (g0, g1, g2, g3, c0, c1, c2), (load(b, w), load(sx, w), load(sy, w))
+        put(re, points, w, _extended(made, f))
+        put(im, points, w, _extended(made, _turned(f, sign)))
 
 
 type Goursat = tuple[complex, complex, complex, complex, complex, complex, complex]
 
 
 @inlined
+def _turned(f: Goursat, sign: float) -> Goursat:
+    """These times i, or -i."""
+    g0, g1, g2, g3, c0, c1, c2 = f
+    a0, a1, a2, a3 = _times_i(g0, sign), _times_i(g1, sign), _times_i(g2, sign), _times_i(g3, sign)
+    return a0, a1, a2, a3, _times_i(c0, sign), _times_i(c1, sign), _times_i(c2, sign)
+
+
+@inlined
+def _times_i(z: complex, sign: float) -> complex:
+    return complex(-sign * z.imag, sign * z.real)
+
+
+@inlined
 def _extended(weights: tuple[Jet, Jet, Jet], f: Goursat) -> Jet:
     """The trial function of F = Re (phi + zb chi) on a surface: blend F + slope . grad F."""
     (blend, slope_x, slope_y), (g0, g1, g2, g3, c0, c1, c2) = weights, f
-    first, second, mixed = 0.5 * (g1 + c0.conjugate()), 0.5 * g2, c1.real
-    third, beside = 0.5 * g3, 0.5 * c2  # F_zzz and F_zzzb
+    first, second, mixed = (
+        complex(0.5 * (g1.real + c0.real), 0.5 * (g1.imag - c0.imag)),
+        scaled(0.5, g2),
+        c1.real,
+    )
+    third, beside = scaled(0.5, g3), scaled(0.5, c2)  # F_zzz and F_zzzb
     F = (g0.real, first, second, mixed)
-    F_x = (2.0 * first.real, second + mixed, third + beside, c2.real)
-    over, up = second - mixed, third - beside  # F_y = i (F_z - F_zb)
-    F_y = (-2.0 * first.imag, complex(-over.imag, over.real), complex(-up.imag, up.real), -c2.imag)
+    F_x = (
+        2.0 * first.real,
+        complex(second.real + mixed, second.imag),
+        combined(1.0, third, 1.0, beside),
+        c2.real,
+    )
+    over, up = complex(second.real - mixed, second.imag), combined(1.0, third, -1.0, beside)
+    F_y = (-2.0 * first.imag, _times_i(over, 1.0), _times_i(up, 1.0), -c2.imag)  # i (F_z - F_zb)
     return plus(1.0, product(blend, F), 1.0, plus(1.0, product(slope_x, F_x), 1.0, product(slope_y, F_y)))

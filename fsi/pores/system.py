@@ -9,6 +9,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.pores.assembly import Assembly, assemble
+from fsi.pores.definite import LastFactors
 from fsi.pores.fluid_discs import with_fluid_discs
 from fsi.pores.orders import RIGID
 from fsi.pores.pattern import Index
@@ -28,6 +29,7 @@ class PoreSystem:
         assembly: the form, for viscosity 1.
         viscosity: mu.
         seconds: of the processor: topology, forms.
+        factors: of the last flow.
     """
 
     bodies: int
@@ -36,6 +38,7 @@ class PoreSystem:
     assembly: Assembly
     viscosity: float
     seconds: dict[str, float] = field(default_factory=dict)
+    factors: LastFactors = field(default_factory=LastFactors, repr=False)
 
     @classmethod
     def make(cls, surfaces: BoundingSurfaces, modes: int, viscosity: float) -> PoreSystem:

@@ -7,7 +7,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.pores.compiled import inlined, vectorised
-from fsi.pores.jets import AT_ONCE, Jet, load, plus, product, reciprocal, shifted, store
+from fsi.pores.jets import AT_ONCE, Jet, load, plus, product, reciprocal, scaled, shifted, store, times
 from fsi.pores.pore_data import (
     CENTRE,
     DIRECTION,
@@ -81,7 +81,7 @@ def _distance(surface: Complex, points: Array, d: Array, out: Array) -> None:
         rx, ry = x[w] - centre.real, y[w] - centre.imag
         bend = (1.0 - wall) * sign / np.sqrt(rx * rx + ry * ry + wall)
         slope = complex(0.5 * (normal.real + bend * rx), -0.5 * (normal.imag + bend * ry))
-        store(out, w, (d[w], slope, -bend * (slope * slope), 0.25 * bend))
+        store(out, w, (d[w], slope, scaled(-bend, times(slope, slope)), 0.25 * bend))
 
 
 @vectorised

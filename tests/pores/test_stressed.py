@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from fsi.case.load import load_case
 from fsi.observables.resistance import KNOWN_TO
+from fsi.pores import definite
 from fsi.pores.accuracy import solve_with_errors
 from fsi.pores.instant import PoreInstant
 from fsi.pores.model import PoreModel
@@ -52,6 +54,20 @@ def test_a_pressure_gradient_and_a_stress_drive_together() -> None:
     force = STRESS * container.periods[0, 0]
     assert again.flow.wall_forces[top, 0] == pytest.approx(force, rel=1e-7)
     np.testing.assert_allclose(found.U, again.U, rtol=0.0, atol=1e-9)
+
+
+def test_a_stress_takes_one_set_of_factors(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its three flows, without the wall, of the wall alone and of both, have one matrix."""
+    made = []
+
+    def counted(lower: Any) -> Any:
+        made.append(lower.size)
+        return factors(lower)
+
+    factors = definite._factors
+    monkeypatch.setattr(definite, "_factors", counted)
+    solved(CHANNEL, f"domain.walls.top={{stress = {STRESS}}}")
+    assert len(made) == 1
 
 
 @pytest.mark.parametrize("modes", [1, 4])
