@@ -26,6 +26,7 @@ from fsi.bodies.gaps import find_gaps, foot_between
 from fsi.case.case import Case
 from fsi.case.checks.surfaces import slip_lengths
 from fsi.case.load import parse_case
+from fsi.case.profiles.profile import WallProfile
 from fsi.case.section import refusal, toml_text
 from fsi.case.sections import Calibration
 from fsi.errors import InputError
@@ -34,6 +35,7 @@ from fsi.lubrication.expansions import LawShape
 from fsi.meshes.geometry.container import wall_feet
 from fsi.meshes.geometry.feet import Foot
 from fsi.meshes.geometry.outline import Outline
+from fsi.meshes.geometry.placed import Placed
 
 # Sections of a case that its samples do not have.
 _LEFT_OUT = {"calibration", "time", "output", "expected", "sweep", "forces", "reduced"}
@@ -192,7 +194,8 @@ def pair_of(case: Case) -> Pair:
         gap = distance - float(q.radii[first] + q.radii[second])
         pair = Pair(case, first, second, apart / distance, gap)
         if q.outlines:
-            pair = _at_closest_points(pair, foot_between(q, first, second))
+            foot = _straightened(foot_between(q, first, second), q.placed[second])
+            pair = _at_closest_points(pair, foot)
     elif plan.pair[1] in case.container().walls:
         pair = _beside_wall(case, first, plan.pair[1])
     else:
@@ -211,6 +214,9 @@ def pair_of(case: Case) -> Pair:
     if case.axisymmetric and any(_is_sharp(outline) for outline in case.configuration().outlines):
         here = f"calibration.pair = {toml_text(plan.pair)}"
         raise InputError(f"{here}: laws of bodies on an axis are those of smooth ones; drop the tip")
+    if len(set(_sharpness(case, pair))) > 1:
+        here = f"calibration.pair = {toml_text(plan.pair)}"
+        raise InputError(f"{here}: between a tip and what is curved there are more powers; give a plane wall")
     _check_surroundings(case)
     for gap in plan.range:
         pair.require_gap(gap)
@@ -228,6 +234,24 @@ def _at_closest_points(pair: Pair, foot: Foot) -> Pair:
             f"{here}: their closest points are at r = {r:.3g}, laws are those on the axis; turn them"
         )
     return replace(pair, normal=np.array([0.0, np.sign(foot.normal[1])]), gap=foot.gap, shaped=True)
+
+
+def _straightened(foot: Foot, other: Placed) -> Foot:
+    """With the normal along the way across, which the end of a tip, bent without bound, tells less well."""
+    way = foot.x - other.at(other.nearest(foot.x[None])).x[0]
+    length = float(np.hypot(*way))
+    return replace(foot, normal=way / length) if length > _SAME_GAP * other.outline.radius else foot
+
+
+def _sharpness(case: Case, pair: Pair) -> list[bool]:
+    """Of each side that is curved, whether it is as the end of a tip is: without bound."""
+    outlines = case.configuration().outlines
+    sharp = [_is_sharp(outline) for outline in outlines]
+    profiles: dict[str, WallProfile] = getattr(case.domain, "profiles", {})
+    if pair.plan.pair[1] in profiles:
+        heights = profiles[pair.plan.pair[1]].heights()
+        sharp.append(bool(np.isinf(heights.at(np.array(heights.joints))[2]).any()))
+    return sharp
 
 
 def _is_sharp(outline: Outline) -> bool:
