@@ -48,7 +48,7 @@ def test_shapes_approach_each_other_along_the_normal_at_their_closest_points() -
 def test_two_tips_meet_at_their_ends() -> None:
     """Moved along the normal by 1.5; along that of the end of a tip, 2e-5 off, they missed each other.
 
-    Opposite what is curved otherwise the series has other powers: the exponent was 1e-3 off, its interval 6e-6.
+    Opposite what is curved otherwise there are other powers: the exponent was 1e-3 off, its interval 6e-6.
     """
     tip = {"kind": "tip", "radius": 1.0, "alpha": 1.0 / 3.0, "length": 1.0}
     data = ellipses(range=[1e-6, 1e-2])
