@@ -18,6 +18,8 @@ from fsi.meshes.geometry.lattice import Integers, Lattice
 _WIDER = 1.0 + 1e-12  # so that rounding leaves out no pair at the very end of a reach
 # Of the smallest radius: what rounding makes of a gap in contact, and how deep a contact may be solved.
 ROUNDING, OVERLAP = 1e-12, 1e-10
+# A tree that is asked once is made in half the time like this, and answers as fast.
+_QUICK = {"balanced_tree": False, "compact_nodes": False}
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,12 +258,12 @@ def neighbours(x: Array, container: Container, cutoff: float) -> tuple[NDArray[n
         return pairs[near], np.empty((near.sum(), 0), np.int64)
     m = -np.floor(lattice.coordinates(x)).astype(np.int64)
     home = x + lattice.shift(m)
-    tree = scipy.spatial.cKDTree(home)
+    tree = scipy.spatial.cKDTree(home, **_QUICK)
     pairs = tree.query_pairs(cutoff, output_type="ndarray").astype(np.intp, copy=False).reshape(-1, 2)
     if lattice.dimension == 0:
         return pairs, np.empty((len(pairs), 0), np.int64)
     original, cell = lattice.images(home, cutoff)
-    images = scipy.spatial.cKDTree(home[original] + lattice.shift(cell))
+    images = scipy.spatial.cKDTree(home[original] + lattice.shift(cell), **_QUICK)
     across = tree.sparse_distance_matrix(images, cutoff, output_type="ndarray")
     inside = len(pairs)
     pairs = np.concatenate([pairs, np.column_stack([across["i"], original[across["j"]]])])
@@ -278,6 +280,9 @@ def row_numbers(*tables: NDArray[np.int64]) -> list[NDArray[np.int64]]:
     every = np.concatenate(tables)
     if len(every) == 0:
         return [np.empty(0, np.int64) for _ in tables]
-    low, high = every.min(axis=0), every.max(axis=0)
-    numbers = np.ravel_multi_index(tuple((every - low).T), tuple(high - low + 1))
+    numbers = np.zeros(len(every), np.int64)
+    for column in np.ascontiguousarray(every.T):  # least and greatest of columns are slow to find in rows
+        low, high = column.min(), column.max()
+        numbers *= high - low + 1
+        numbers += column - low
     return np.split(numbers, np.cumsum([len(table) for table in tables[:-1]]))

@@ -12,6 +12,7 @@ d, the `ln d` or `-2 d^(-1/2)` of the distance equation; its constant is the law
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import reduce
 from typing import Protocol
 
 import numpy as np
@@ -122,15 +123,21 @@ class CutLaw:
     def kappa(self, d: ArrayLike, radius: ArrayLike) -> Array:
         """The law at d less the law at d_c where d < d_c, else 0."""
         near = np.minimum(d, self.cut)
-        rise = self.law.kappa(near, radius) - self.law.kappa(self.cut, radius)
+        rise = self.law.kappa(near, radius) - self.law.kappa(self.cut, _different(radius))
         return np.where(np.less(d, self.cut), rise, 0.0)  # powers of arrays and of numbers round differently
 
     def integral(self, d: ArrayLike, radius: ArrayLike) -> Array:
         """The integral of `kappa` from d_c to d, so 0 beyond d_c."""
-        near = np.minimum(d, self.cut)
-        constant = self.law.kappa(self.cut, radius) * (near - self.cut)
-        integral = self.law.integral(near, radius) - self.law.integral(self.cut, radius) - constant
+        near, different = np.minimum(d, self.cut), _different(radius)
+        constant = self.law.kappa(self.cut, different) * (near - self.cut)
+        integral = self.law.integral(near, radius) - self.law.integral(self.cut, different) - constant
         return np.where(np.less(d, self.cut), integral, 0.0)
+
+
+def _different(radius: ArrayLike) -> Array:
+    """The radii of films, (1,) if all are one: what depends on them alone is then the same for all."""
+    a = np.asarray(radius, dtype=np.float64)
+    return a[:1] if a.ndim == 1 and len(a) > 1 and np.all(a == a[0]) else a
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,7 +189,8 @@ class Series:
         return self._sum(term.integral(s) for term in self.terms)
 
     def _sum(self, values: Iterable[Array]) -> Array:
-        return np.sum([c * v for c, v in zip(self.coefficients, values, strict=True)], axis=0)
+        terms = (c * v for c, v in zip(self.coefficients, values, strict=True))
+        return reduce(np.add, terms)  # without a copy of all, as a sum of a list would make
 
 
 @dataclass(frozen=True, slots=True)

@@ -47,10 +47,14 @@ class FirstIntegral:
         h, D0, active = self.h, np.exp(self.x0), np.arange(len(self.x0))
         if np.any((self.g == 0.0) & (D0 + h * self.w <= 0.0)):
             raise SolveError("a gap between bodies or walls that are all held is closed by their motion")
-        F, _, _ = self._residual(self.x0, active)
-        # K increases, so that e^x <= e^x0 - h F(x0) if the gap opens: the start is never left of the root.
-        x = np.where(F < 0.0, np.log(D0 - h * np.minimum(F, 0.0) + _LEAST), self.x0)
-        low, high = np.full(len(x), -np.inf), x.copy()
+        F, slope, _ = self._residual(self.x0, active)
+        # K increases, so that e^x <= e^x0 - h F(x0) if the gap opens. There Newton's first step is one in D,
+        # in which the equation is nearly linear, elsewhere one in x, which keeps D positive.
+        opens, ahead = F < 0.0, -np.minimum(F, 0.0)
+        x = np.where(opens, np.log(D0 * (1.0 + ahead / slope) + _LEAST), self.x0 - F / slope)
+        low = np.where(opens, self.x0, -np.inf)
+        high = np.where(opens, np.log(D0 + h * ahead + _LEAST), self.x0)
+        x = np.minimum(x, high)
         for _ in range(_ITERATIONS):
             at = x[active]
             F, slope, size = self._residual(at, active)

@@ -49,6 +49,11 @@ class Films:
     overlap: Array
     is_wall: NDArray[np.bool_]
 
+    @property
+    def places(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Which films are between bodies, and which beside walls."""
+        return np.flatnonzero(~self.is_wall), np.flatnonzero(self.is_wall)
+
     def of(self, some: NDArray[np.intp]) -> "Films":
         """Some of them."""
         return Films(self.radius[some], self.overlap[some], self.is_wall[some])
@@ -119,8 +124,8 @@ class GapLaws:
 
     def _each(self, method: Literal["kappa", "integral"], D: Array, films: Films) -> Array:
         values = np.empty(len(D))
-        for law, here in ((self.bodies, ~films.is_wall), (self.walls, films.is_wall)):
-            if np.any(here):
+        for law, here in zip((self.bodies, self.walls), films.places, strict=True):
+            if len(here):
                 try:
                     values[here] = law.each(method, D[here], films.radius[here], films.overlap[here])
                 except RangeError as error:

@@ -54,7 +54,8 @@ def gradient(pairs: Pairs, bodies: int) -> sp.csr_matrix:
 
 def own_mobility(G: sp.csr_matrix, Z_inverse: Array) -> Array:
     """`g = G.Z^-1 G` of each gap, (P,)."""
-    g: Array = G.multiply(G) @ Z_inverse.ravel()
+    squares = sp.csr_matrix((G.data**2, G.indices, G.indptr), G.shape)
+    g: Array = squares @ Z_inverse.ravel()
     return g
 
 

@@ -47,6 +47,14 @@ class Pairs:
         return len(self.gap)
 
     @property
+    def across_period(self) -> NDArray[np.bool_]:
+        """Which pairs are of a body and a periodic image, (P,)."""
+        moved: NDArray[np.bool_] = np.zeros(len(self), dtype=bool)
+        for component in self.shift.T:
+            moved |= component != 0.0
+        return moved
+
+    @property
     def films(self) -> Films:
         """What laws are told."""
         return Films(self.radius, self.overlap, self.is_wall)
@@ -74,7 +82,7 @@ def find_pairs(
 def _distinct(key: NDArray[np.int64]) -> NDArray[np.int64]:
     """The rows in order, each once."""
     (number,) = row_numbers(key)
-    order = np.argsort(number)
+    order = np.argsort(number, kind="stable")  # quick where parts are in order already
     new = np.diff(number[order], prepend=-1) > 0
     return key[order[new]]
 
@@ -92,7 +100,8 @@ def of_keys(q: Configuration, enclosure: Enclosure, key: NDArray[np.int64]) -> P
     radius = q.radii[i] * q.radii[other] / (q.radii[i] + q.radii[other])
     curvature = 1.0 / np.where(distance > 0.0, distance, 1.0)
     if np.any(is_wall):
-        walls, at = wall_gaps(enclosure.container, q.centres, q.radii), (i[is_wall], j[is_wall] - len(q))
+        beside, at = i[is_wall], (np.arange(np.count_nonzero(is_wall)), j[is_wall] - len(q))
+        walls = wall_gaps(enclosure.container, q.centres.take(beside, axis=0), q.radii[beside])
         n[is_wall], gap[is_wall] = walls.normal[at], walls.gap[at]
         curvature[is_wall] = walls.curvature[at]
         radius[is_wall] = walls.radius[at]

@@ -159,7 +159,7 @@ def identities(
     sums = loads[:, :d].sum(axis=0) - from_walls.sum(axis=0)
     defects: dict[str, float] = {"momentum": float(np.abs(sums).max()) / total}
     defects["angular_momentum"] = 0.0
-    if not np.any(pairs.shift):
+    if not np.any(pairs.across_period):
         arm = q.centres - q.centres.mean(axis=0)
         moments = _moments(arm, loads[:, :d]).sum(axis=0)
         if network.modes > d:
@@ -182,13 +182,16 @@ def _kernel(network: GapNetwork, q: Configuration) -> float:
     pairs, N, d = network.pairs, len(q), q.dimension
     between = ~pairs.is_wall
     i, j = pairs.i[between], pairs.j[between]
-    clusters, label = connected_components(sp.csr_matrix((np.ones(len(i)), (i, j)), (N, N)), directed=False)
+    starts = np.searchsorted(i, np.arange(N + 1))  # pairs are in the order of i
+    graph = sp.csr_matrix((np.ones(len(i)), j, starts), (N, N))
+    clusters, label = connected_components(graph, directed=False)
     size = np.bincount(label, minlength=clusters)
     middle = np.column_stack([np.bincount(label, x) / size for x in q.centres.T])
     arm = q.centres - middle[label]
     turns = np.ones(clusters)
-    turns[label[i[np.any(pairs.shift[between] != 0.0, axis=1)]]] = 0.0
-    spin = turns / np.maximum(np.sqrt(np.bincount(label, (arm**2).sum(axis=1)) / size), q.radii.max())
+    turns[label[pairs.i[between & pairs.across_period]]] = 0.0
+    squares = np.einsum("nk,nk->n", arm, arm)
+    spin = turns / np.maximum(np.sqrt(np.bincount(label, squares) / size), q.radii.max())
     turning = np.zeros_like(arm)
     turning[:, 0], turning[:, 1] = -spin[label] * arm[:, 1], spin[label] * arm[:, 0]
     U = np.zeros((N, network.modes))
