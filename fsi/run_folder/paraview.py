@@ -6,7 +6,6 @@ from pathlib import Path
 from xml.etree import ElementTree
 from xml.sax.saxutils import quoteattr
 
-import meshio
 import numpy as np
 from numpy.typing import NDArray
 
@@ -71,6 +70,8 @@ def in_space(vectors: Array) -> Array:
 
 def _write(path: Path, x: Array, cells: Cells, **data: dict[str, object]) -> None:
     """Write under a temporary name that is then the path's."""
+    import meshio  # takes a tenth of a second to load
+
     try:
         with appearing(path) as partial:
             meshio.Mesh(in_space(x), cells, **data).write(partial, file_format="vtu")

@@ -11,18 +11,20 @@ elements jump from cell to cell. At a node that cells share the file has the mea
 as drawings want it, and the same on any number of ranks. `fsi probe` gives the values of each cell itself.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import basix
-import meshio
 import numpy as np
+import scipy  # its modules load when they are used
 import scipy.sparse as sp
 from dolfinx import fem, la
 from dolfinx.common import IndexMap
 from mpi4py import MPI
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
@@ -34,6 +36,9 @@ from fsi.meshes.geometry.lattice import SAME_PLACE, Integers, Lattice, on_torus
 from fsi.observables.bulk_stress import hoop_rate, strain_rate, vorticity
 from fsi.stokes.discretisation.forms import EQUISPACED, Forms
 from fsi.stokes.solvers.elimination import StokesSystem
+
+if TYPE_CHECKING:
+    import meshio
 
 # How far beyond its cell a point counts as in it, in sizes of the cell: one that is on a body to rounding.
 BEYOND = 1e-4
@@ -157,7 +162,9 @@ def places(surface: Surface) -> Integers:
     of_node = np.empty(len(x))
     of_node[surface.facets] = surface.body[:, None]
     torus = np.column_stack([on_torus(x, lattice), lattice.longest() * of_node])
-    one, other = cKDTree(torus).query_pairs(SAME_PLACE * lattice.longest(), output_type="ndarray").T
+    one, other = (
+        scipy.spatial.cKDTree(torus).query_pairs(SAME_PLACE * lattice.longest(), output_type="ndarray").T
+    )
     place[np.maximum(one, other)] = np.minimum(one, other)
     return np.unique(place, return_inverse=True)[1]
 
@@ -218,11 +225,15 @@ def write_surface(surface: Surface, traction: Array, folder: Path, step: int) ->
 
 def _mesh(x: Array, cells: NDArray[np.int64], dimension: int) -> meshio.Mesh:
     """Nodes x (n, d) and curved cells of that dimension, nodes in the order of basix."""
+    import meshio  # takes a tenth of a second to load
+
     return meshio.Mesh(in_space(x), [(CELLS[dimension], cells[:, vtk_order(cells.shape[1], dimension)])])
 
 
 def _write(path: Path, mesh: meshio.Mesh) -> None:
     """Write a VTU file to a temporary name and rename it. Raises SolveError: the disk refuses."""
+    import meshio  # takes a tenth of a second to load
+
     try:
         with appearing(path) as partial:
             meshio.write(partial, mesh, file_format="vtu")

@@ -4,17 +4,19 @@ Field files hold the curved cells, of one rank each; the tags of the boundary fo
 walls were.
 """
 
+from __future__ import annotations
+
 import io
 from collections.abc import Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from itertools import product
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import fsi.meshes.backend  # noqa: F401
 
-import meshio
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy  # its modules load when they are used
 
 from fsi.meshes.build import FluidMesh, shared
 from fsi.meshes.cells.curved import CurvedCells, curve, reference_points
@@ -25,6 +27,9 @@ from fsi.meshes.geometry.container import Array, FluidDomain
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.planar.sizing import Curve
 from fsi.meshes.planar.triangulate import Indices, StraightCells, boundary_sides, clockwise
+
+if TYPE_CHECKING:
+    import meshio
 
 MISPLACED = 1e-3  # how far, in radii or sizes of the container, a tagged edge may lie off its body or wall
 
@@ -53,6 +58,8 @@ def read_mesh(path: Path, names: Sequence[str], domain: FluidDomain, order: int)
 
 def _read_gmsh(path: Path) -> meshio.Mesh:
     """The file as meshio gives it; what meshio prints is dropped."""
+    import meshio  # takes a tenth of a second to load
+
     try:
         with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
             return meshio.gmsh.read(path)
@@ -161,6 +168,8 @@ def recover(parts: Sequence[Path], domain: FluidDomain) -> CurvedCells:
 
 def _read_vtu(path: Path, d: int) -> tuple[Array, Indices]:
     """Nodes (n, d) and simplices of a field file."""
+    import meshio  # takes a tenth of a second to load
+
     try:
         with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
             mesh = meshio.vtu.read(path)
@@ -176,7 +185,7 @@ def _read_vtu(path: Path, d: int) -> tuple[Array, Indices]:
 def _merged(x: Array, cells: Indices, distance: float) -> tuple[Array, Indices]:
     """Nodes that coincide become one."""
     same = np.arange(len(x))
-    pairs = cKDTree(x).query_pairs(distance, output_type="ndarray")
+    pairs = scipy.spatial.cKDTree(x).query_pairs(distance, output_type="ndarray")
     np.minimum.at(same, pairs.max(axis=1), pairs.min(axis=1))
     distinct, number = np.unique(same, return_inverse=True)
     return x[distinct], number[cells]
@@ -189,7 +198,7 @@ def _tags(ends: Array, domain: FluidDomain) -> Indices:
     centres = lattice.wrapped(domain.centres)
     home = lattice.wrapped(ends.mean(axis=1))
     ends = ends - (ends.mean(axis=1) - home)[:, None]
-    middles = cKDTree(home)
+    middles = scipy.spatial.cKDTree(home)
     reach = 2.0 * float(radii.max()) if domain.placed else 0.0
     for i, m in product(range(len(radii)), lattice.near(reach)):
         centre, radius = centres[i] + lattice.shift(m[None])[0], radii[i]

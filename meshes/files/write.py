@@ -6,12 +6,14 @@ groups that bear the names of the bodies and walls, as `fsi.meshes.files.read` w
 are the cell data `tag`.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import fsi.meshes.backend  # noqa: F401
 
-import meshio
 import numpy as np
 from dolfinx import cpp
 from dolfinx.mesh import CellType, entities_to_geometry
@@ -26,6 +28,9 @@ from fsi.meshes.geometry.container import Array
 from fsi.meshes.planar.triangulate import Indices, places_of, side_keys
 
 VTK_CELLS = {1: CellType.interval, 2: CellType.triangle, 3: CellType.tetrahedron}
+if TYPE_CHECKING:
+    import meshio
+
 # Names that meshio gives to cells of order 1 ... 4, nodes in gmsh's order.
 LINES = ("line", "line3", "line4", "line5")
 TRIANGLES = ("triangle", "triangle6", "triangle10", "triangle15")
@@ -81,6 +86,8 @@ def write_cells(cells: CurvedCells, path: Path, names: Sequence[str]) -> None:
     Path and errors are those of `write_mesh`; the names are those of the tags 1, 2, ...: bodies, then walls.
     """
     require_suffix(path)
+    import meshio  # takes a tenth of a second to load
+
     file_format, convert = FORMATS[path.suffix]
     temporary = path.with_name(f".partial-{path.name}")
     try:
@@ -92,6 +99,8 @@ def write_cells(cells: CurvedCells, path: Path, names: Sequence[str]) -> None:
 
 def _gmsh_mesh(cells: CurvedCells, names: Sequence[str]) -> meshio.Mesh:
     """Cells and tagged facets in physical groups: the names, and `fluid`."""
+    import meshio  # takes a tenth of a second to load
+
     d, order = cells.nodes.shape[1], cells.order
     # meshio takes this one kind in VTK's order and turns it itself.
     columns = vtk_order(10, 3) if (d, order) == (3, 2) else gmsh_order(order, d)
@@ -108,6 +117,8 @@ def _gmsh_mesh(cells: CurvedCells, names: Sequence[str]) -> meshio.Mesh:
 
 def _vtu_mesh(cells: CurvedCells, names: Sequence[str]) -> meshio.Mesh:
     """Lagrange cells and facets with the cell data `tag`."""
+    import meshio  # takes a tenth of a second to load
+
     d = cells.nodes.shape[1]
     inside, facets = cells.cells[:, vtk_order(cells.cells.shape[1], d)], _facet_nodes(cells)
     if d == 3:

@@ -6,7 +6,6 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from fsi.meshes.errors import TouchingError
 from fsi.meshes.geometry.container import Array, wall_feet
@@ -63,8 +62,8 @@ def neighbours(surfaces: Surfaces, reach: float) -> NeighbourLinks:
     n, m, lattice = surfaces.bodies, surfaces.shifts, surfaces.lattice
     centres, radii = surfaces.centres[:n], surfaces.radii[:n]
     farthest = 2.0 * radii.max(initial=0.0) + reach
-    pairs = cKDTree(centres).sparse_distance_matrix(surfaces.tree, farthest, output_type="ndarray")
-    first, (which, second) = pairs["i"], np.divmod(pairs["j"], max(n, 1))
+    first, image = surfaces.nearby.pairs(centres, farthest)
+    which, second = np.divmod(image, max(n, 1))
     # Each link once: to a later body, or to the body's own image by the first of two opposite shifts.
     once = (second > first) | ((second == first) & positive(m[which]))
     first, second, shift = first[once], second[once], m[which[once]]

@@ -75,7 +75,7 @@ def _neighbourhoods(surfaces: Surfaces, bodies: Sequence[int]) -> list[Neighbour
     centres, radii = surfaces.centres[chosen], surfaces.radii[chosen]
     # Where h_gap reaches h_body: farther surfaces do not change the size of the elements.
     reach = surfaces.resolution.cells_per_gap * surfaces.resolution.on_body(radii) / SHORTEST
-    near = surfaces.tree.query_ball_point(centres, radii + surfaces.radii.max() + reach, return_sorted=True)
+    near = surfaces.nearby.within(centres, radii + surfaces.radii.max() + reach)
     walls = zip(container.distances(centres) - radii[:, None], container.normals(centres), strict=True)
     each = zip(bodies, near, reach.tolist(), walls, strict=True)
     return [_neighbourhood(surfaces, *about) for about in each]

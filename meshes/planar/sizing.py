@@ -34,11 +34,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import scipy  # its modules load when they are used
 
 from fsi.meshes.geometry.container import Array, Container, FluidDomain
 from fsi.meshes.geometry.curves import WallCurve
 from fsi.meshes.geometry.lattice import Integers, Lattice
+from fsi.meshes.geometry.nearby import Nearby
 from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.planar.facing import FINEST, LONGEST, NARROW, FacedGap, foot_on, on_wall
 from fsi.meshes.planar.grading import Grading
@@ -120,7 +120,7 @@ class Surfaces:
         centres: of the bodies, in one cell of a periodic container, then of their images next to it, (n, 2).
         shifts: the integers by which each N of these are moved, (n / N, k).
         radii: of all of these, (n,).
-        tree: over the centres.
+        nearby: which of these centres are near.
         bodies: N.
         lattice: of the container's periods.
         resolution: how fine the mesh is.
@@ -132,7 +132,7 @@ class Surfaces:
     centres: Array
     shifts: Integers
     radii: Array
-    tree: scipy.spatial.cKDTree
+    nearby: Nearby
     bodies: int
     lattice: Lattice
     resolution: Resolution
@@ -147,11 +147,11 @@ class Surfaces:
         images = (lattice.shift(m)[:, None] + lattice.wrapped(domain.centres)).reshape(-1, 2)
         radii = np.tile(domain.radii, len(m))
         grading = Grading.of(domain, resolution.growth)
-        tree, bodies = scipy.spatial.cKDTree(images), len(domain.radii)
+        nearby, bodies = Nearby(images), len(domain.radii)
         each = zip(domain.placed * len(m), images, strict=False)
         placed = tuple(body.moved(centre) for body, centre in each)
         return Surfaces(
-            domain.container, images, m, radii, tree, bodies, lattice, resolution, grading, placed
+            domain.container, images, m, radii, nearby, bodies, lattice, resolution, grading, placed
         )
 
     @property
@@ -198,7 +198,7 @@ class Surfaces:
             return np.full(len(x), np.inf)
         x = self.lattice.wrapped(x)
         k = min(len(self.radii), NEIGHBOURS)
-        away, body = self.tree.query(x, k=[*range(1, k + 1)])
+        away, body = self.nearby.nearest(x, k)
         nearest: Array = (away - self.radii[body]).min(axis=1)
         # A body beyond the k nearest centres can only be nearer if it is larger.
         unsure = (away[:, -1] - self.radii.max() < nearest) & (k < len(self.radii))

@@ -1,0 +1,58 @@
+"""Points that say which of them are near: by a tree, whose library takes long to load, only where many are."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+import scipy  # its modules load when they are used
+from numpy.typing import NDArray
+
+from fsi.meshes.geometry.container import Array
+
+type Indices = NDArray[np.intp]
+
+_FEW = 6
+
+
+class Nearby:
+    """Points in the plane that are asked for those near others."""
+
+    def __init__(self, points: Array) -> None:
+        """The points, (n, 2)."""
+        self.points = points
+
+    def nearest(self, x: Array, k: int) -> tuple[Array, Indices]:
+        """Distances of each x (m, 2) to its k <= n nearest points, and which these are, both (m, k)."""
+        if len(self.points) > _FEW:
+            away, which = self._tree.query(x, k=[*range(1, k + 1)])
+            return away, which
+        distances = self._distances(x)
+        order = np.argsort(distances, axis=1, kind="stable")[:, :k]
+        return np.take_along_axis(distances, order, axis=1), order
+
+    def within(self, x: Array, reach: Array) -> list[list[int]]:
+        """Of each x (m, 2) the points no farther than its reach (m,), in their order."""
+        if len(self.points) > _FEW:
+            found: list[list[int]] = self._tree.query_ball_point(x, reach, return_sorted=True).tolist()
+            return found
+        return [np.flatnonzero(near).tolist() for near in self._distances(x) <= reach[:, None]]
+
+    def pairs(self, x: Array, farthest: float) -> tuple[Indices, Indices]:
+        """Which of x (m, 2) and which points are no farther apart than this; each pair once."""
+        if len(self.points) > _FEW:
+            tree = scipy.spatial.cKDTree(x)
+            found = tree.sparse_distance_matrix(self._tree, farthest, output_type="ndarray")
+            return found["i"], found["j"]
+        of_x, point = np.nonzero(self._distances(x) <= farthest)
+        return of_x, point
+
+    def _distances(self, x: Array) -> Array:
+        """From each x to each point, (m, n)."""
+        step = x[:, None] - self.points
+        distances: Array = np.sqrt(np.square(step).sum(axis=2))
+        return distances
+
+    @cached_property
+    def _tree(self) -> scipy.spatial.cKDTree:
+        return scipy.spatial.cKDTree(self.points)
