@@ -13,6 +13,7 @@ SMALLEST = {
     "suspension": ["1"],
     "reduced": ["200", "--scheme", "distance"],
     "gluey": ["agitated", "100", "--steps", "1"],
+    "start": ["--times", "1"],
 }
 AGAINST_ITSELF = [str(ROOT), "--turns", "1", "--most", "9", "--cases", "disc_beside_plane"]
 SLOW = {"against": AGAINST_ITSELF, "space": ["P2"], "pore_speed": ["50", "--modes", "1"]}

@@ -10,8 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
-from scipy.linalg.lapack import dgejsv
+import scipy  # its modules load when they are used
 
 from fsi.bodies.configuration import LOADS, MODES, Array, arms
 from fsi.errors import RefusedError, apart
@@ -133,7 +132,9 @@ def positive_eigenvalues(R: Array, scale: Array, *, resting: bool) -> Array:
     if not resting:
         return np.asarray(np.linalg.eigvalsh(R / np.outer(scale, scale)))
     # One-sided Jacobi on the factor keeps the digits of small ones, in a corner 1e-16 of the largest.
-    singular, *_, work, _, _ = dgejsv(np.linalg.cholesky(R / np.outer(scale, scale)), jobu=3, jobv=3)
+    singular, *_, work, _, _ = scipy.linalg.lapack.dgejsv(
+        np.linalg.cholesky(R / np.outer(scale, scale)), jobu=3, jobv=3
+    )
     eigenvalues: Array = np.sort((singular * (work[0] / work[1])) ** 2)
     return eigenvalues
 
@@ -143,7 +144,7 @@ def inverse(R: Array) -> Array:
 
     Cholesky's factors bear rows of any size, so that units and small gaps cost no digits.
     """
-    mobility: Array = cho_solve(cho_factor(R), np.eye(len(R)))
+    mobility: Array = scipy.linalg.cho_solve(scipy.linalg.cho_factor(R), np.eye(len(R)))
     return 0.5 * (mobility + mobility.T)
 
 

@@ -1,4 +1,4 @@
-"""Points that say which of them are near: by a tree, whose library takes long to load, only where many are."""
+"""Points that say which of them are near: by a tree, whose library loads slowly, only where they are many."""
 
 from __future__ import annotations
 

@@ -17,8 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
+import scipy  # its modules load when they are used
 
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.container import Array
@@ -73,7 +72,8 @@ def shortest_tree(links: NeighbourLinks, root: int, nodes: int) -> Tree:
     best = order[np.append(True, keys[1:] != keys[:-1])] if len(keys) else order
     best = best[low[best] != high[best]]
     weights = np.maximum(links.gap[best], np.finfo(float).tiny) ** 2
-    graph = csr_array((weights, (low[best], high[best])), shape=(nodes, nodes))
+    graph = scipy.sparse.csr_array((weights, (low[best], high[best])), shape=(nodes, nodes))
+    dijkstra = scipy.sparse.csgraph.dijkstra
     length, parent = dijkstra(graph, directed=False, indices=root, return_predecessors=True)
     of_pair = dict(zip((low * nodes + high)[best].tolist(), best.tolist(), strict=True))
     reached = np.flatnonzero(parent >= 0)

@@ -30,7 +30,10 @@ def loaded(*command: str) -> set[str]:
 
 @pytest.mark.parametrize(
     ("command", "not_needed"),
-    [("check", SLOW | SOLVER), ("solve", SLOW | {"fsi.pores.instant", "numba"})],
+    [
+        ("check", SLOW | SOLVER),
+        ("solve", SLOW | {"fsi.pores.instant", "numba", "meshio", "scipy.spatial", "scipy.special"}),
+    ],
     ids=["check", "solve"],
 )
 def test_a_command_loads_only_what_it_needs(command: str, not_needed: set[str]) -> None:

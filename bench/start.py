@@ -1,0 +1,57 @@
+"""CPU seconds of whole processes, `fsi check` and `fsi solve` of one disc: what loading takes, mostly.
+
+With another checkout its commands are run in turns with those of this one, by the same Python, and the
+median of the ratios is printed: machines differ, and one differs from minute to minute.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import resource
+import subprocess
+import sys
+from pathlib import Path
+from statistics import median
+
+HERE = Path(__file__).parents[1]
+CASE = "cases/disc_in_box.toml"
+
+
+def seconds(checkout: Path, command: str) -> float:
+    """CPU seconds of a command of a checkout, on one thread."""
+    environment = os.environ | {"PYTHONPATH": str(checkout), "OMP_NUM_THREADS": "1"}
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run(
+        [sys.executable, "-m", "fsi", command, str(checkout / CASE)],
+        cwd=checkout, env=environment, stdout=subprocess.DEVNULL, check=True,
+    )  # fmt: skip
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def row(command: str, times: int, other: Path | None) -> str:
+    """A row of the table."""
+    here, there = [], []
+    for _ in range(times):
+        here.append(seconds(HERE, command))
+        there += [seconds(other, command)] if other else []
+    ratio = f"{median(a / b for a, b in zip(here, there, strict=True)):.2f}" if other else ""
+    return f"| fsi {command} | {min(here):.2f} | {median(here):.2f} | {ratio} |"
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("other", nargs="?", type=Path, help="a checkout to compare with")
+    parser.add_argument("--times", type=int, default=5, help="how often each is run (5)")
+    given = parser.parse_args()
+    other = given.other.resolve() if given.other else None
+    print("| command | CPU s, least | median | of the other |")
+    print("|---|---|---|---|")
+    for command in ("check", "solve"):
+        print(row(command, given.times, other), flush=True)
+
+
+if __name__ == "__main__":
+    main()
