@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from fsi.case.case import Case
-from fsi.case.checks.determined import check_moving_lattice
+from fsi.case.checks.determined import check_strayed_lattice
 from fsi.case.checks.time import check_own_mesh
 from fsi.errors import InputError
 from fsi.integration.errors import ErrorEstimate
@@ -90,7 +90,7 @@ def flow_solvers(case: Case) -> FlowSolvers:
 def make_evolution(case: Case) -> Evolution:
     """What moves the bodies of a case in time. Raises InputError: no [time], or a mesh that they leave."""
     _ = case.timing
-    check_moving_lattice(case)
+    check_strayed_lattice(case)
     if case.model == "resolved":
         check_own_mesh(case)
     return EVOLUTIONS[case.model](case) if case.model in EVOLUTIONS else stepped(case, make_model(case))

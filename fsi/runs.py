@@ -155,4 +155,7 @@ def _with_shapes(case: Case, state: State) -> State:
 def _in_contact(case: Case, state: State) -> bool:
     """Whether the smallest gap is so small that the run ends."""
     least = case.timing.contact_gap
-    return least is not None and nearest_gaps(state.q, case.container().at(state.t)).smallest() <= least
+    if least is None:
+        return False
+    container = case.container().at(state.t, state.q.strain)
+    return nearest_gaps(state.q, container).smallest() <= least

@@ -73,7 +73,8 @@ class Configuration:
     shape (N,), in space a rotation vector, its length the angle, shape (N, 3); radii: a_i > 0, shape (N,), of
     a body with an outline that of the smallest circle around its centre that holds it; outlines: of all
     bodies in the plane or on an axis, empty where all are discs or spheres; ellipsoids: the same of bodies in
-    space, whose radii are their largest half axes.
+    space, whose radii are their largest half axes; strain: by which a stress has sheared the lattice around
+    them since time 0, zero in all other containers.
     """
 
     centres: Array
@@ -81,6 +82,7 @@ class Configuration:
     radii: Array
     outlines: tuple[Outline, ...] = ()
     ellipsoids: tuple[Ellipsoid, ...] = ()
+    strain: float = 0.0
 
     @classmethod
     def unturned(cls, centres: Array, radii: Array) -> Configuration:
@@ -153,8 +155,18 @@ class Configuration:
             return apart
         return np.column_stack([apart, turn_between(self.angles, other.angles)])
 
+    def strain_of(self, displacement: Array) -> float:
+        """Of the lattice, where displacements or velocities (N + 1, M) have a further row; else zero."""
+        return float(displacement[len(self) :, 0].sum())
+
     def moved(self, displacement: Array) -> Configuration:
-        """The configuration after displacements (N, M) along the modes; rotations in space are composed."""
+        """The configuration after displacements (N, M) along the modes; rotations in space are composed.
+
+        A further row begins with a strain of the lattice.
+        """
+        if len(displacement) > len(self):
+            strained = replace(self, strain=self.strain + self.strain_of(displacement))
+            return strained.moved(displacement[: len(self)])
         d = self.dimension
         centres = self.centres + displacement[:, :d]
         if d == 2:

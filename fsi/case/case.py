@@ -218,12 +218,14 @@ class Case(Section):
         if not self.forces:
             return motion
         F = np.zeros_like(motion.F)
-        F[:, : self.dimension] = external_forces(self.forces, q, self.container().at(t), self.bulk(), t)
+        F[:, : self.dimension] = external_forces(
+            self.forces, q, self.container().at(t, q.strain), self.bulk(), t
+        )
         return Motion(motion.held, motion.U, motion.F + np.where(motion.held, 0.0, F))
 
     def interaction_moment(self, q: Configuration, t: float) -> Array:
         """Sum of r (x) F of the `forces` between bodies, and bodies and walls, at q and time t, (d, d)."""
-        return moment_of_forces(self.forces, q, self.container().at(t))
+        return moment_of_forces(self.forces, q, self.container().at(t, q.strain))
 
     def masses(self) -> Array | None:
         """m or I of each mode, 0 for bodies without, shape (N, M); None when no body has inertia."""

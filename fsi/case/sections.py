@@ -191,9 +191,12 @@ class Reduced(Section):
 
 APPARENT_VISCOSITY = "apparent viscosity"
 DISSIPATION = "dissipation"
+SHEAR_RATE = "shear rate"  # of a cell that a stress shears
+WALL_SPEED = "wall speed"  # of the wall that a stress moves
 TIME_AT_GAP = "time at gap "
 _COMPONENT = r"(velocity|force|position|angular_velocity|torque)\.[xyrz]|angular_velocity|torque"
-QUANTITY = rf"^({DISSIPATION}|{APPARENT_VISCOSITY}|{TIME_AT_GAP}[\d.e-]+|[\w -]+\.({_COMPONENT}))$"
+_NUMBERS = "|".join((DISSIPATION, APPARENT_VISCOSITY, SHEAR_RATE, WALL_SPEED))
+QUANTITY = rf"^({_NUMBERS}|{TIME_AT_GAP}[\d.e-]+|[\w -]+\.({_COMPONENT}))$"
 
 
 def gap_of(quantity: str) -> float:
@@ -206,13 +209,14 @@ class Expected(Section):
 
     quantity: `dissipation`, `apparent viscosity`, or of a body `disc.velocity.x`, `disc.force.y` (by the
     fluid on the body), `disc.angular_velocity`, `disc.torque`, at the end of a run `disc.position.y`; for a
-    run also `time at gap 0.1`, the first time at which the smallest gap is 0.1.
+    run also `time at gap 0.1`, the first time at which the smallest gap is 0.1; of a cell or a wall that a
+    stress moves the `shear rate` or the `wall speed`.
     """
 
     quantity: str = Field(
         pattern=QUANTITY,
         description='"dissipation", "apparent viscosity", "BODY.force.x" (velocity, position; y), '
-        '"BODY.torque", "time at gap 0.1"',
+        '"BODY.torque", "time at gap 0.1"; of what a stress moves "shear rate" or "wall speed"',
     )
     value: float | None = None
     """the expected number, or give `exact`"""

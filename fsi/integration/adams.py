@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from fsi.bodies.configuration import MODES, Array, Configuration
-from fsi.integration.state import Instant, Model, Past, State, Trial
+from fsi.integration.state import Instant, Model, Past, State, Trial, velocities
 
 # How many velocities the predictor takes, which is its order.
 ORDER = 3
@@ -45,7 +45,7 @@ class Adams:
         predicted = _displacement(h, x, past.U)
         q_end = state.q.moved(past.correction + predicted)
         instant = model(q_end, t_end)
-        U = np.concatenate([instant.U[None], past.U])
+        U = np.concatenate([velocities(instant)[None], past.U])
         correction = _displacement(h, np.append(1.0, x), U) - predicted
         return Trial(q_end, instant, correction, Past(past.t, past.U, correction))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -67,6 +67,8 @@ class ErrorEstimate:
         dissipation: of `2 mu int e:e`, not a number where that is infinite.
         apparent_viscosity: of that of a periodic flow, not a number without a strain rate.
         stress: of a periodic flow.
+        wall_speeds: of the walls that a stress moves, along x.
+        shear_rate: of a cell that a stress shears, else None.
     """
 
     U: Array
@@ -74,6 +76,8 @@ class ErrorEstimate:
     dissipation: float = 0.0
     apparent_viscosity: float | None = None
     stress: StressErrors | None = None
+    wall_speeds: Mapping[str, float] = field(default_factory=dict)
+    shear_rate: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +107,9 @@ class StepErrors:
         columns["err_dissipation"] = self.errors.dissipation
         if self.errors.apparent_viscosity is not None:
             columns["err_apparent_viscosity"] = self.errors.apparent_viscosity
+        columns |= {f"err_speed_{wall}": error for wall, error in self.errors.wall_speeds.items()}
+        if self.errors.shear_rate is not None:
+            columns["err_shear_rate"] = self.errors.shear_rate
         stress = self.errors.stress
         return columns if stress is None else {**columns, **stress.columns}
 

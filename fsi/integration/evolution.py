@@ -107,6 +107,7 @@ class SteppedEvolution:
         errors = self.stepper.model.errors(state.q, state.t, instant) if self.estimated else None
         columns = {**instant.record, **(errors.columns if errors else {})}
         columns |= order_columns(state.q, instant.U)
+        columns |= {"strain": state.q.strain} if "shear_rate" in columns else {}
         # Only some models know more of each body than velocity and load.
         of_bodies = {**getattr(instant, "body_columns", {}), **(errors.body_columns if errors else {})}
         q, U, F, container = state.q, instant.U, instant.F, self.stepper.container
@@ -114,6 +115,6 @@ class SteppedEvolution:
             self.strayed.follow(step, errors, self.stepper.model, container)
             columns |= self.strayed.columns(state, container)
             of_bodies |= self.strayed.body_columns(q)
-        gap = nearest_gaps(q, container.at(state.t)).smallest()
+        gap = nearest_gaps(q, container.at(state.t, q.strain)).smallest()
         record = StepRecord(state.step, state.t, step.h, gap, step.rejected, q, U, F, columns, of_bodies)
         return Moment(state, record, self.names, lambda folder: instant.write(folder, state.step))

@@ -167,7 +167,11 @@ def _sides(index: int, pairs: NDArray[np.intp], bodies_walls: tuple[int, ...]) -
 def limited_step(
     q: Configuration, container: Container, velocity: Array, h: float, gap_loss: float
 ) -> tuple[float, Approach]:
-    """The longest step up to h in which velocities (N, M) close no gap by more than `gap_loss`; that gap."""
+    """The longest step up to h in which velocities (N, M) close no gap by more than `gap_loss`; that gap.
+
+    With the row of a lattice they shear the container too.
+    """
+    container, velocity = container.sheared(q.strain_of(velocity)), velocity[: len(q)]
     approach = greatest_approach(q, container, h * velocity, gap_loss, h)
     while approach.loss > gap_loss:
         h *= SAFETY * gap_loss / approach.loss

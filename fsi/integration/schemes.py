@@ -12,7 +12,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Array, Configuration, Inertia
 from fsi.integration.adams import Adams
-from fsi.integration.state import Instant, Model, Scheme, State, Trial
+from fsi.integration.state import Instant, Model, Scheme, State, Trial, velocities
 from fsi.levels import VISCOUS
 
 
@@ -113,13 +113,13 @@ class AscherRuuthSpiteri:
         t, q, U = state.t, state.q, state.U
         h = t_end - t
         D = self.beginning.masses / (GAMMA * h)
-        U1 = model(q.moved(GAMMA * h * U), t + GAMMA * h, Inertia(D, U)).U
+        U1 = velocities(model(q.moved(GAMMA * h * U), t + GAMMA * h, Inertia(D, U[: len(D)])))
         # Each stage leaves h m^-1 (F_ext - F) = (U_i - U0_i) / gamma.
         U0 = U + (1.0 - GAMMA) / GAMMA * (U1 - U)
         displacement = h * (DELTA * U + (1.0 - DELTA) * U1)
         q_end = q.moved(displacement)
-        instant = model(q_end, t_end, Inertia(D, U0))
-        return Trial(q_end, instant, displacement - h / 2 * (U + instant.U))
+        instant = model(q_end, t_end, Inertia(D, U0[: len(D)]))
+        return Trial(q_end, instant, displacement - h / 2 * (U + velocities(instant)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,13 +149,13 @@ class BogackiShampine:
         displacement = h * (2 / 9 * U1 + 1 / 3 * U2 + 4 / 9 * U3)
         q_end = q.moved(displacement)
         instant = model(q_end, t_end)
-        U4 = q.rates(displacement, instant.U)
+        U4 = q.rates(displacement, velocities(instant))
         return Trial(q_end, instant, h * (-5 / 72 * U1 + 1 / 12 * U2 + 1 / 9 * U3 - 1 / 8 * U4))
 
 
 def _rates(model: Model, q: Configuration, displacement: Array, t: float) -> Array:
     """Of displacements from q, (N, M), after those."""
-    return q.rates(displacement, model(q.moved(displacement), t).U)
+    return q.rates(displacement, velocities(model(q.moved(displacement), t)))
 
 
 register_scheme("bogacki-shampine", 3)(lambda _: BogackiShampine())

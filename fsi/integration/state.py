@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar, Protocol
 
+import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Inertia
@@ -116,6 +117,19 @@ class Instant(Protocol):
         """
 
 
+def velocities(instant: Instant) -> Array:
+    """What moves bodies and their images: U (N, M), and where a stress shears a lattice a row more.
+
+    That row begins with the rate; only models of a flow know one.
+    """
+    rate = getattr(instant, "shear_rate", None)
+    if rate is None:
+        return instant.U
+    of_lattice = np.zeros((1, instant.U.shape[1]))
+    of_lattice[0, 0] = rate
+    return np.concatenate([instant.U, of_lattice])
+
+
 class Model(Protocol):
     """Gives the velocities of the bodies; all ranks call it together."""
 
@@ -158,7 +172,7 @@ class State:
     Attributes:
         t: time.
         step: its number.
-        U: velocities at (q, t), shape (N, M).
+        U: velocities at (q, t), shape (N, M), or with the row of a lattice (see `velocities`).
         h: the next step to try.
         past: None of a scheme of one step, and at the start.
     """
@@ -184,7 +198,7 @@ class Trial:
     Attributes:
         q: where it ends.
         instant: there.
-        error: of its displacement, as estimated, (N, M).
+        error: of its displacement, as estimated, of the shape of velocities.
         past: what the scheme wants to have at the next step.
     """
 

@@ -6,7 +6,7 @@ makes steps again with a finer model until their estimated error is below `discr
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
@@ -19,7 +19,7 @@ from fsi.bodies.gaps import Gaps, find_gaps, nearest_gaps, pair_gaps, wall_gaps
 from fsi.errors import SolveError, apart
 from fsi.integration.errors import StepErrors
 from fsi.integration.gap_limiter import Approach, GapRefusedError, greatest_approach, limited_step
-from fsi.integration.state import Advance, Instant, Model, Schedule, Scheme, State, Step
+from fsi.integration.state import Advance, Instant, Model, Schedule, Scheme, State, Step, velocities
 from fsi.meshes.geometry.container import Container
 
 # Step controller of Hairer, Norsett & Wanner, Solving ODEs I, section II.4.
@@ -39,8 +39,9 @@ class _Guarded:
     gap_loss: float
 
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> Instant:
-        displacement = self.start.way_to(q)
-        approach = greatest_approach(self.start, self.container, displacement, self.gap_loss, t - self.begin)
+        displacement, duration = self.start.way_to(q), t - self.begin
+        container = self.container.sheared((q.strain - self.start.strain) / duration)
+        approach = greatest_approach(self.start, container, displacement, self.gap_loss, duration)
         if not approach.loss <= self.gap_loss:  # also where it is not a number
             raise GapRefusedError(approach)
         return self.model(q, t, inertia)
@@ -76,18 +77,19 @@ class Stepper:
     def start(self, q: Configuration, first_step: float | None = None) -> Step:
         """The step of length 0 that begins a run."""
         instant = self.scheme.start(self.model, q)
-        h = self._first_step(q, instant.U) if first_step is None else first_step
-        return Step(State(0.0, 0, q, instant.U, h), instant, 0.0, 0)
+        U = velocities(instant)
+        h = self._first_step(q, U) if first_step is None else first_step
+        return Step(State(0.0, 0, q, U, h), instant, 0.0, 0)
 
     def advance(self, state: State) -> Step:
         """One accepted step; a rejected one is cut. Raises SolveError below `smallest_step`."""
-        h, rejected = state.h, 0
+        h, rejected, container = state.h, 0, self.container.at(state.t, state.q.strain)
         while True:
-            h, approach = limited_step(state.q, self.container.at(state.t), state.U, h, self.gap_loss)
+            h, approach = limited_step(state.q, container, state.U, h, self.gap_loss)
             if not h >= self.smallest_step:
                 raise self._blocked(state, approach)
             t_end = self.schedule.landing(state.t, h)
-            model = _Guarded(self.model, state.q, state.t, self.container.at(state.t), self.gap_loss)
+            model = _Guarded(self.model, state.q, state.t, container, self.gap_loss)
             try:
                 trial = self.scheme.step(model, state, t_end)
                 error = self._norm(state.q, state.t, trial.error)
@@ -104,41 +106,54 @@ class Stepper:
         q, instant, past = trial.q, trial.instant, trial.past
         if past is not None and self.schedule.is_knot(t_end):
             past = past.forgotten()
-        new = State(t_end, state.step + 1, q, instant.U, self._next_step(h, used, factor, rejected), past)
+        following = self._next_step(h, used, factor, rejected)
+        new = State(t_end, state.step + 1, q, velocities(instant), following, past)
         return Step(new, instant, used, rejected, trial.error)
 
     def _norm(self, q: Configuration, t: float, displacement: Array) -> float:
         """Largest error that displacements (N, M) make, relative to what is tolerated: accepted up to 1.
 
-        Each displacement counts over the radius, each angle in radians, and each gap's change over the gap,
-        which is what lubrication feels; bodies that are close and move together are not held to their gap.
+        Each displacement counts over the radius, each angle in radians, a strain of the lattice as it is, and
+        each gap's change over the gap, which is what lubrication feels; bodies that are close and move
+        together are not held to their gap.
         """
-        d = q.dimension
-        of_bodies = np.linalg.norm(displacement[:, :d], axis=1) / q.radii
-        errors = [of_bodies, np.abs(displacement[:, d:]), self._gap_changes(q, t, displacement)]
+        d, of_all = q.dimension, displacement[: len(q)]
+        of_bodies = np.linalg.norm(of_all[:, :d], axis=1) / q.radii
+        errors = [of_bodies, np.abs(of_all[:, d:]), self._gap_changes(q, t, displacement)]
+        errors.append(np.array([abs(q.strain_of(displacement))]))
         return float(max(e.max(initial=0.0) for e in errors)) / self.tolerance
 
     def _gap_changes(self, q: Configuration, t: float, displacement: Array) -> Array:
         """|gap'| / gap of all near pairs and walls, for gaps that change at the rate of the displacements."""
-        gaps = find_gaps(q, self.container.at(t))
-        furthest = float(q.ways(displacement).max(initial=0.0))
+        container, strain = self.container.at(t, q.strain), q.strain_of(displacement)
+        gaps = find_gaps(q, container)
+        of_images = abs(strain) * container.size() if strain else 0.0
+        furthest = max(float(q.ways(displacement[: len(q)]).max(initial=0.0)), of_images)
         if furthest == 0.0:
             return np.zeros(1)
         small = 1e-3 * min(gaps.smallest(), float(q.radii.min())) / furthest
         moved = q.moved(small * displacement)
+        away = container.carried(gaps.away, 0.0, small * strain)
         if q.shaped:
-            return self._shape_gap_changes(q, t, moved, gaps) / small
-        walls = wall_gaps(moved, self.container)
-        of_pairs = (pair_gaps(moved, gaps.pairs, gaps.away) - gaps.pair_gaps) / gaps.pair_gaps
+            return self._shape_gap_changes(q, t, moved, (gaps, replace(gaps, away=away))) / small
+        walls = wall_gaps(moved, container)
+        of_pairs = (pair_gaps(moved, gaps.pairs, away) - gaps.pair_gaps) / gaps.pair_gaps
         of_walls = (walls - gaps.wall_gaps) / gaps.wall_gaps
         return np.abs(np.concatenate([of_pairs, of_walls.ravel()])) / small
 
-    def _shape_gap_changes(self, q: Configuration, t: float, moved: Configuration, gaps: Gaps) -> Array:
-        """By how much of itself each of all gaps of bodies with shapes changes on a small way."""
-        container, reach = self.container.at(t), 2.0 * float(q.radii.max())
-        feet = Feet.at(q, container, gaps, reach)
-        ways = np.full(len(feet.feet), 2.0 * float(q.ways(q.way_to(moved)).max()))
-        later = feet.followed(Feet.at(moved, container, gaps, reach), ways)
+    def _shape_gap_changes(
+        self, q: Configuration, t: float, moved: Configuration, gaps: tuple[Gaps, Gaps]
+    ) -> Array:
+        """By how much of itself each of all gaps of bodies with shapes changes on a small way.
+
+        gaps: those before, and the same with the images where they are after.
+        """
+        container, reach = self.container.at(t, q.strain), 2.0 * float(q.radii.max())
+        before, after = gaps
+        feet = Feet.at(q, container, before, reach)
+        of_images = float(np.abs(after.away - before.away).max(initial=0.0))
+        ways = np.full(len(feet.feet), 2.0 * float(q.ways(q.way_to(moved)).max()) + of_images)
+        later = feet.followed(Feet.at(moved, container, after, reach), ways)
         return np.abs(later - feet.gaps) / feet.gaps
 
     def _first_step(self, q: Configuration, U: Array) -> float:
@@ -180,13 +195,14 @@ class FixedStepper:
     def start(self, q: Configuration, first_step: float | None = None) -> Step:  # noqa: ARG002
         """The step of length 0 that begins a run; the length of all others is given."""
         instant = self.scheme.start(self.model, q)
-        return Step(State(0.0, 0, q, instant.U, self.h), instant, 0.0, 0)
+        return Step(State(0.0, 0, q, velocities(instant), self.h), instant, 0.0, 0)
 
     def advance(self, state: State) -> Step:
         """One step. Raises SolveError."""
         t_end = self.schedule.landing(state.t, self.h)
         trial = self.scheme.step(self.model, state, t_end)
-        new = State(t_end, state.step + 1, trial.q, trial.instant.U, self.h, trial.past)
+        U = velocities(trial.instant)
+        new = State(t_end, state.step + 1, trial.q, U, self.h, trial.past)
         return Step(new, trial.instant, t_end - state.t, 0)
 
 
@@ -256,7 +272,7 @@ class RefiningStepper:
             if error <= self.tolerance:
                 return step
             self.refinable.refine(q, t, step.instant)
-        gap, size = nearest_gaps(q, self.container.at(t)).smallest(), apart(error, self.tolerance)
+        gap, size = nearest_gaps(q, self.container.at(t, q.strain)).smallest(), apart(error, self.tolerance)
         raise SolveError(
             f"{self.refinable.tolerance_key} = {self.tolerance!r}: missed at t = {t:.9g}, where the error is "
             f"{size} with the finest that was tried, and the smallest gap {gap:.3g}; raise it"

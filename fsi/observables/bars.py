@@ -4,6 +4,7 @@ The difference times a factor, which the model knows, bounds the error; it is at
 and what chance may hide in one result of many. Where errors have several causes the bounds of each add up.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import nan
 
@@ -73,7 +74,8 @@ def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> St
     off = [each.factor * abs(lost - getattr(each.results, "dissipation", nan)) for each in others]
     dissipation = max(sum(off), _rounding(results) * lost)  # nan of an infinite one
     viscosity = _of_viscosity(results, other, factor)
-    errors = ErrorEstimate(U, F, dissipation, viscosity, _of_stress(results, others[0]))
+    driven = _of_driven(results, other, factor)
+    errors = ErrorEstimate(U, F, dissipation, viscosity, _of_stress(results, others[0]), *driven)
     relative = relative_change(results, errors, motion.held, arms, scales)
     mu = getattr(results, "apparent_viscosity", None)
     if mu is not None and viscosity is not None:
@@ -115,6 +117,18 @@ def _of_viscosity(results: Results, other: Results, factor: float) -> float | No
         if mu is None or mu_other is None
         else max(factor * abs(mu - mu_other), _rounding(results) * abs(mu))
     )
+
+
+def _of_driven(results: Results, other: Results, factor: float) -> tuple[Mapping[str, float], float | None]:
+    """The same for the speeds of walls that a stress moves, and for the rate of shear of a cell."""
+
+    def bound(value: float, value_of_other: float) -> float:
+        return max(factor * abs(value - value_of_other), _rounding(results) * abs(value))
+
+    speeds, of_other = (getattr(each, "wall_speeds", {}) for each in (results, other))
+    rate, rate_of_other = (getattr(each, "shear_rate", None) for each in (results, other))
+    of_walls = {wall: bound(speed, of_other[wall]) for wall, speed in speeds.items()}
+    return of_walls, None if rate is None or rate_of_other is None else bound(rate, rate_of_other)
 
 
 def _of_stress(results: Results, other: Compared) -> StressErrors | None:

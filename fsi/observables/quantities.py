@@ -1,13 +1,14 @@
 """Numbers of a solved case by the names that [[expected]] rows and `fsi search` give them."""
 
 from collections.abc import Mapping
+from typing import Protocol, cast
 
 import numpy as np
 import scipy  # its modules load when they are used
 
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
-from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, TIME_AT_GAP
+from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, SHEAR_RATE, TIME_AT_GAP, WALL_SPEED
 from fsi.errors import InputError
 from fsi.integration.state import Measured
 
@@ -18,6 +19,9 @@ def computed(case: Case, results: Measured, quantity: str) -> float:
         return results.dissipation
     if quantity == APPARENT_VISCOSITY:
         return float("nan") if results.apparent_viscosity is None else results.apparent_viscosity
+    if quantity in (SHEAR_RATE, WALL_SPEED):
+        # Only a model that a stress moves gives these, and the case was checked for that.
+        return stress_driven(cast(Driven, results))[stress_column(case, quantity)]
     body, mode = component(case, quantity)
     values = results.U if quantity.split(".")[1] in ("velocity", "angular_velocity") else -results.F
     return float(values[body, mode])
@@ -33,10 +37,27 @@ def component(case: Case, quantity: str) -> tuple[int, int]:
     return body, turning + "xyz".index(axis[0])
 
 
-def stress_driven(wall_speeds: Mapping[str, float], shear_rate: float | None) -> dict[str, float]:
+class Driven(Protocol):
+    """What a stress moves, or the errors of that."""
+
+    @property
+    def wall_speeds(self) -> Mapping[str, float]:
+        """Along x, of the walls that a stress moves."""
+
+    @property
+    def shear_rate(self) -> float | None:
+        """Of a cell that a stress shears, else None."""
+
+
+def stress_driven(driven: Driven) -> dict[str, float]:
     """Columns of steps.csv: what a stress drives, speeds of walls and the rate of shear of a cell."""
-    speeds = {f"speed_{wall}": speed for wall, speed in wall_speeds.items()}
-    return speeds if shear_rate is None else {**speeds, "shear_rate": shear_rate}
+    speeds = {f"speed_{wall}": speed for wall, speed in driven.wall_speeds.items()}
+    return speeds if driven.shear_rate is None else {**speeds, "shear_rate": driven.shear_rate}
+
+
+def stress_column(case: Case, quantity: str) -> str:
+    """That of the rate of shear or of the wall in steps.csv."""
+    return "shear_rate" if quantity == SHEAR_RATE else f"speed_{next(iter(case.wall_stress(0.0)))}"
 
 
 def time_at(gap: float, t: Array, gaps: Array) -> float:

@@ -149,7 +149,7 @@ class PoreInstant:
         record["dissipation"] = self.dissipation
         if self.bulk is not None:
             record |= self.bulk.record
-        record |= stress_driven(self.wall_speeds, self.shear_rate)
+        record |= stress_driven(self)
         return record | self.checks | {f"cpu_{phase}": spent for phase, spent in self.seconds.items()}
 
     @property

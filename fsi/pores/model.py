@@ -133,7 +133,7 @@ def _solved(
 
 def make_system(bodies: DrivenBodies, fineness: Fineness) -> PoreSystem:
     """Pores and their matrix. Raises SolveError: no pores there, with the names of bodies and walls."""
-    case, container = bodies.case, bodies.case.container().at(bodies.t)
+    case, container = bodies.case, bodies.case.container().at(bodies.t, bodies.q.strain)
     surfaces = surfaces_of(bodies.q, container)
     try:
         pores = triangulate(with_fluid_discs(surfaces))

@@ -13,11 +13,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fsi.bodies.configuration import Array, Inertia, Motion
+from fsi.meshes.geometry.lattice import unit_shear
 from fsi.pores.solve import PoreFlow, PoreLoading, solve_pores
 from fsi.pores.stress import viscous_stress
 from fsi.pores.system import PoreSystem
-
-SHEAR = np.array([[0.0, 1.0], [0.0, 0.0]])  # of u = y e_x
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +61,7 @@ class StressedLoading:
 
     def _faster(self, loading: PoreLoading, speed: float) -> PoreLoading:
         if self.wall is None:
-            return replace(loading, gradient=loading.gradient + speed * SHEAR)
+            return replace(loading, gradient=loading.gradient + speed * unit_shear(2))
         walls: Array = loading.walls.copy()
         walls[self.wall, 0] += speed
         return replace(loading, walls=walls)

@@ -33,7 +33,9 @@ _PATCH = _SIDE**2  # points of a patch, row by row
 def write_flow(bodies: DrivenBodies, fields: FlowFields, path: Path) -> None:
     """Write the flow. Raises SolveError: the disk refuses."""
     mesh = fields.mesh(ORDER)
-    x, u, psi = _in_one_period(mesh, bodies.case.container().at(bodies.t), fields.flow.loading.gradient)
+    x, u, psi = _in_one_period(
+        mesh, bodies.case.container().at(bodies.t, bodies.q.strain), fields.flow.loading.gradient
+    )
     G = mesh.field.gradient
     known = np.column_stack([x, u, psi, vorticity(G), strain_rate(G)]).reshape(-1, _PATCH, 7)
     pore, ends = mesh.pore, mesh.ends
@@ -94,7 +96,7 @@ def _in_one_period(mesh: PoreMesh, container: Container, E: Array) -> tuple[Arra
 
 def write_necks(bodies: DrivenBodies, necks: Necks, path: Path) -> None:
     """Lines from centre to centre, or to the wall; gap, what is dissipated, and what flows through."""
-    q, container = bodies.q, bodies.case.container().at(bodies.t)
+    q, container = bodies.q, bodies.case.container().at(bodies.t, bodies.q.strain)
     lattice, i, j = Lattice(container.periods), necks.sides[:, 0], necks.sides[:, 1]
     start = lattice.wrapped(q.centres[i]) if lattice.dimension else q.centres[i]
     wall, image = j >= len(q), lattice.shift(necks.image[:, : lattice.dimension])

@@ -57,7 +57,7 @@ def solution_json(
         "seconds": float(sum(found.seconds.values())),
         "seconds_by_phase": {phase: float(spent) for phase, spent in found.seconds.items()},
     }
-    data |= _stress(found, errors) | driven_json(found.wall_speeds, found.shear_rate)
+    data |= _stress(found, errors) | driven_json(found, errors)
     return data if truncated is None else data | {"truncation": dict(truncated)}
 
 
@@ -106,7 +106,7 @@ def print_solution(
     console.print(bodies_table(case, ("velocity", "±", "force of the fluid", "±"), numbers, caption))
     if len(found.necks.gap):
         console.print(_necks_table(case, found))
-    for line in (*_stress_lines(found, errors), *driven_lines(found.wall_speeds, found.shear_rate)):
+    for line in (*_stress_lines(found, errors), *driven_lines(found, errors)):
         console.print(Text(line))
     console.print(checks_table("check, relative", found.checks | truncation_checks(truncated)))
     phases = ", ".join(f"{phase} {spent:.2f}" for phase, spent in found.seconds.items())

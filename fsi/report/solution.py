@@ -19,6 +19,7 @@ from fsi.integration.errors import ErrorEstimate, StressErrors
 from fsi.integration.schemes import scheme_for
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.observables.bulk_stress import BulkStress
+from fsi.observables.quantities import Driven
 from fsi.observables.truncation import SolvedFlow
 from fsi.report.console import checks_table, print_mesh_instead, table
 from fsi.report.gaps import gaps_json, gaps_table
@@ -62,7 +63,7 @@ def solution_json(
         data["slip_dissipation"] = float(solution.slip_dissipation)
     if case.configuration().shaped:
         data["gaps"] = gaps_json(case)
-    data |= driven_json(solution.wall_speeds, solution.shear_rate)
+    data |= driven_json(solution, errors)
     if solution.mesh_instead:
         data["mesh_instead"] = solution.mesh_instead
     if solution.bulk is not None and errors.stress is not None:
@@ -70,18 +71,24 @@ def solution_json(
     return data if truncated is None else data | {"truncation": dict(truncated)}
 
 
-def driven_json(wall_speeds: Mapping[str, float], shear_rate: float | None) -> dict[str, Any]:
-    """What a stress drives."""
-    speeds: dict[str, Any] = {"wall_speeds": dict(wall_speeds)} if wall_speeds else {}
-    return speeds if shear_rate is None else speeds | {"shear_rate": shear_rate}
+def driven_json(driven: Driven, errors: Driven) -> dict[str, Any]:
+    """What a stress drives, with its estimated errors."""
+    data: dict[str, Any] = {}
+    if driven.wall_speeds:
+        data |= {"wall_speeds": dict(driven.wall_speeds), "wall_speed_errors": dict(errors.wall_speeds)}
+    if driven.shear_rate is not None:
+        data |= {"shear_rate": driven.shear_rate, "shear_rate_error": errors.shear_rate}
+    return data
 
 
-def driven_lines(wall_speeds: Mapping[str, float], shear_rate: float | None) -> Iterator[str]:
+def driven_lines(driven: Driven, errors: Driven) -> Iterator[str]:
     """The same for a reader."""
-    for wall, speed in wall_speeds.items():
-        yield f"{wall} slides at {speed:.8g} along x, as its stress drives it"
-    if shear_rate is not None:
-        yield f"the cell is sheared at the rate {shear_rate:.8g}, as its stress drives it"
+    for wall, speed in driven.wall_speeds.items():
+        error = errors.wall_speeds[wall]
+        yield f"{wall} slides at {speed:.8g} ± {error:.0e} along x, as its stress drives it"
+    if driven.shear_rate is not None:
+        rate = f"{driven.shear_rate:.8g} ± {errors.shear_rate:.0e}"
+        yield f"the cell is sheared at the rate {rate}, as its stress drives it"
 
 
 def _dissipation_json(solution: SolvedFlow, errors: ErrorEstimate) -> dict[str, Any]:
@@ -144,7 +151,7 @@ def print_solution(
     if solution.bulk is not None and errors.stress is not None:
         console.print(_stress_table(solution.bulk, errors, errors.stress))
     console.print(checks_table("check, relative", solution.checks | truncation_checks(truncated)))
-    for line in driven_lines(solution.wall_speeds, solution.shear_rate):
+    for line in driven_lines(solution, errors):
         console.print(line, highlight=False)
     console.print(_cost(case, solution, errors))
     print_mesh_instead(console, solution.mesh_instead)

@@ -34,6 +34,7 @@ def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
     state = checkpoint.state
     arrays: dict[str, Any] = {"t": state.t, "step": state.step, "h": state.h, "U": state.U}
     arrays |= {"centres": state.q.centres, "angles": state.q.angles, "radii": state.q.radii}
+    arrays["strain"] = state.q.strain
     if state.past is not None:
         arrays |= {f"past/{field.name}": getattr(state.past, field.name) for field in fields(Past)}
     for group in ("model", "lengths", "entries"):
@@ -64,8 +65,8 @@ def _checkpoint(arrays: Mapping[str, NDArray[Any]]) -> Checkpoint:
         prefix = f"{name}/"
         return {key.removeprefix(prefix): value for key, value in arrays.items() if key.startswith(prefix)}
 
-    q = Configuration(arrays["centres"], arrays["angles"], arrays["radii"])
-    if len({len(part) for part in (q.centres, q.angles, q.radii, arrays["U"])}) > 1:
+    q = Configuration(arrays["centres"], arrays["angles"], arrays["radii"], strain=float(arrays["strain"]))
+    if len({len(part) for part in (q.centres, q.angles, q.radii, arrays["U"][: len(q)])}) > 1:
         raise ValueError("its arrays are of different numbers of bodies")
     past = Past(**group("past")) if group("past") else None
     return Checkpoint(

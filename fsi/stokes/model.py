@@ -93,23 +93,23 @@ class StokesModel:
     def problem(self, fluid: FluidMesh, q: Configuration, t: float, motion: Motion) -> StokesProblem:
         """What the case asks for at q and t, without inertia, on a mesh in the units of the model."""
         case, boundary = self.case, boundary_of(self.case, t)
-        container, mu, moment = case.container().at(t), case.fluid.viscosity, case.interaction_moment(q, t)
+        container, mu, moment = self._around(q, t), case.fluid.viscosity, case.interaction_moment(q, t)
         return StokesProblem(
             fluid, container, q, motion, boundary, mu, interaction=moment, surfaces=surfaces_of(case)
         )
 
     def mesh(self, q: Configuration, t: float = 0.0) -> FluidMesh:
         """A new mesh around the bodies at q and t, or the user's own."""
-        return self.units.user_mesh(self.scaled_mesh(q, t), self.case.container().at(t))
+        return self.units.user_mesh(self.scaled_mesh(q, t), self._around(q, t))
 
     def scaled_mesh(self, q: Configuration, t: float = 0.0, order: int | None = None) -> FluidMesh:
         """The same mesh in the units of the model; of the case's order if not given."""
         case, order = self.case, order or self.case.discretisation.degree
         if case.domain.mesh is None:
             return self._built(q, t, self.resolution, order)
-        domain = FluidDomain(case.container().at(t), q.centres, q.radii)
+        domain = FluidDomain(self._around(q, t), q.centres, q.radii)
         fluid = read_mesh(Path(case.domain.mesh), case.names, domain, order)
-        return fluid.scaled(1.0 / self.units.length, self._container().at(t))
+        return fluid.scaled(1.0 / self.units.length, self._container().at(t, q.strain))
 
     def compared_mesh(self, comparison: Comparison, q: Configuration, t: float = 0.0) -> FluidMesh:
         """The mesh for `compared`; one of the model's own where it is to be another one."""
@@ -121,7 +121,7 @@ class StokesModel:
 
     def _built(self, q: Configuration, t: float, resolution: Resolution, order: int) -> FluidMesh:
         """A new mesh in the units of the model, whatever the user has."""
-        here, container = self.units.scaled_configuration(q), self._container().at(t)
+        here, container = self.units.scaled_configuration(q), self._container().at(t, q.strain)
         try:
             domain = FluidDomain(
                 container, here.centres, here.radii, self._corners, self._edges, here.placed, here.standing
@@ -129,6 +129,10 @@ class StokesModel:
             return build(domain, resolution, order)
         except MeshError as error:
             raise error.in_units(self.units.length, self.units.origin) from error
+
+    def _around(self, q: Configuration, t: float) -> Container:
+        """What encloses the fluid around the bodies at q and t, in the units of the case."""
+        return self.case.container().at(t, q.strain)
 
     def _container(self) -> Container:
         """At time 0, in the units of the model."""
@@ -139,6 +143,7 @@ class StokesModel:
         if self._mover is None:
             return {}
         meshed = {"meshed_centres": self._meshed.centres, "meshed_time": np.array(self._meshed_time)}
+        meshed["meshed_strain"] = np.array(self._meshed.strain)
         return meshed | ({"meshed_angles": self._meshed.angles} if self._meshed.shaped else {})
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
@@ -146,18 +151,20 @@ class StokesModel:
         if self._moving and "meshed_centres" in state:
             q = self.case.configuration()
             angles = state["meshed_angles"] if q.shaped else q.angles
-            q = replace(q, centres=state["meshed_centres"], angles=angles)
+            strain = float(state["meshed_strain"])
+            q = replace(q, centres=state["meshed_centres"], angles=angles, strain=strain)
             self._remesh(q, float(state["meshed_time"]))
 
     def _moved(self, q: Configuration, t: float) -> FluidMesh:
         """The mesh in use, moved to q and t, or a new one where it would be too distorted."""
         if self._mover is not None:
             container, duration = self._container(), t - self._meshed_time
+            strain = q.strain - self._meshed.strain
             places = self.units.scaled_places(q.centres)
             angles = q.angles if q.shaped else None
-            quality = self._mover.move(places, lambda e: container.carried(e, duration), angles)
+            quality = self._mover.move(places, lambda e: container.carried(e, duration, strain), angles)
             if quality is not None:
-                return self._mover.fluid.moved(quality, container.at(t))
+                return self._mover.fluid.moved(quality, container.at(t, q.strain))
         return self._remesh(q, t)
 
     def _remesh(self, q: Configuration, t: float) -> FluidMesh:

@@ -10,6 +10,7 @@ import numpy as np
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.container import Container
+from fsi.meshes.geometry.lattice import unit_shear
 
 type Field = Callable[[Array], Array]
 
@@ -143,11 +144,6 @@ class SolverOptions:
     degree: int = 3
     formulation: str = "eliminated"
     solver: str = "automatic"
-
-
-def unit_shear(d: int) -> Array:
-    """The gradient of u = y e_x, in space z e_x, (d, d)."""
-    return np.outer(np.eye(d)[0], np.eye(d)[-1])
 
 
 def channel_walls(channel: Container) -> dict[str, float]:

@@ -75,7 +75,7 @@ class StokesSolution(SolvedFlow):
             record["iterations"] = self.iterations
         if self.bulk is not None:
             record |= self.bulk.record
-        record |= stress_driven(self.wall_speeds, self.shear_rate)
+        record |= stress_driven(self)
         record |= self.checks
         if self.bulk is not None:
             record |= {name: self.checks.get(name, nan) for name in VISCOSITY_CHECKS}

@@ -100,7 +100,7 @@ class Units:
         centres, radii = self.scaled_places(q.centres), self.scaled_lengths(q.radii)
         outlines = tuple(outline.scaled(1.0 / self.length) for outline in q.outlines)
         ellipsoids = tuple(form.scaled(1.0 / self.length) for form in q.ellipsoids)
-        return Configuration(centres, q.angles, radii, outlines, ellipsoids)
+        return Configuration(centres, q.angles, radii, outlines, ellipsoids, q.strain)
 
     def scaled_container(self, container: Container) -> Container:
         """What encloses the fluid."""

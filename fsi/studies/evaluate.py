@@ -14,16 +14,22 @@ import fsi.parallel as parallel
 from fsi.bodies.configuration import LOADS, MODES, PLACES
 from fsi.case.case import Case
 from fsi.case.checks.expected import check_quantity
-from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, QUANTITY, TIME_AT_GAP, Expected, gap_of
+from fsi.case.sections import (
+    APPARENT_VISCOSITY,
+    DISSIPATION,
+    QUANTITY,
+    SHEAR_RATE,
+    TIME_AT_GAP,
+    WALL_SPEED,
+    Expected,
+    gap_of,
+)
 from fsi.errors import InputError, SolveError
 from fsi.models import flow_solvers, require_instant
-from fsi.observables.quantities import component, computed, time_at
+from fsi.observables.quantities import component, computed, stress_column, time_at
 from fsi.reduced.model import ReducedModel
 from fsi.run_folder.folder import BODIES, CASE, STEPS
 from fsi.runs import resume, run
-
-# The columns of steps.csv that are averaged over the time of a run.
-_RATES = {DISSIPATION: "dissipation", APPARENT_VISCOSITY: "apparent_viscosity"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,9 +99,16 @@ def _finite(value: float, quantity: str) -> float:
     return value
 
 
+def _column(case: Case, quantity: str) -> str | None:
+    """Which column of steps.csv is averaged over the time of a run; None where none is."""
+    if quantity in (SHEAR_RATE, WALL_SPEED):
+        return stress_column(case, quantity)
+    return {DISSIPATION: "dissipation", APPARENT_VISCOSITY: "apparent_viscosity"}.get(quantity)
+
+
 def _moved(case: Case, folder: Path, quantity: str) -> float:
-    if quantity in _RATES:
-        return _mean(np.genfromtxt(folder / STEPS, delimiter=",", names=True), _RATES[quantity], quantity)
+    if (column := _column(case, quantity)) is not None:
+        return _mean(np.genfromtxt(folder / STEPS, delimiter=",", names=True), column, quantity)
     if quantity.startswith(TIME_AT_GAP):
         table = np.genfromtxt(folder / STEPS, delimiter=",", names=True)
         return time_at(gap_of(quantity), table["t"], table["smallest_gap"])

@@ -182,12 +182,16 @@ class Container(ABC):
         velocity: Array = x @ self.mean_gradient.T
         return velocity
 
-    def at(self, t: float) -> Container:  # noqa: ARG002
-        """The container at time t; only a sheared cell changes."""
+    def at(self, t: float, strain: float = 0.0) -> Container:  # noqa: ARG002
+        """The container at time t; only a cell changes, by its mean flow and by what a stress strained it."""
         return self
 
-    def carried(self, e: Array, duration: float) -> Array:  # noqa: ARG002
-        """What vectors e (n, d) between images become after some time."""
+    def sheared(self, rate: float) -> Container:  # noqa: ARG002
+        """The container as it is, if a stress shears it at that rate from now on; only a cell is."""
+        return self
+
+    def carried(self, e: Array, duration: float, strain: float = 0.0) -> Array:  # noqa: ARG002
+        """What vectors e (n, d) between images become after some time, and a strain by a stress."""
         return e
 
     @property

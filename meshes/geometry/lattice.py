@@ -140,12 +140,18 @@ def reduced(vectors: Array) -> Array:
             return vectors
 
 
+def unit_shear(dimension: int) -> Array:
+    """The gradient of u = y e_x, in space of u = z e_x, (d, d)."""
+    return np.outer(np.eye(dimension)[0], np.eye(dimension)[-1])
+
+
 @dataclass(frozen=True, slots=True)
 class Cell(WithoutWalls):
     """The plane or space with a lattice that moves with the mean flow `u = E x`.
 
     The lattice at time t is that of `exp(E t)` times the vectors, given by its reduced basis: a sheared
-    lattice returns to itself at whole strains, and no cell is ever more oblique than it must be.
+    lattice returns to itself at whole strains, and no cell is ever more oblique than it must be. A stress
+    shears it besides, by a strain that no time tells.
 
     Attributes:
         vectors: d lattice vectors at time 0.
@@ -172,9 +178,11 @@ class Cell(WithoutWalls):
         diagonals = np.column_stack([np.ones(len(signs)), signs]) @ self.periods
         return float(lengths(diagonals).max())
 
-    def carried(self, e: Array, duration: float) -> Array:
-        """Vectors e (n, d) carried along by the mean flow: exp(E t) e."""
+    def carried(self, e: Array, duration: float, strain: float = 0.0) -> Array:
+        """Vectors e (n, d) carried along by the mean flow and by a strain: exp(E t) (1 + strain e_x e_d)."""
         E = self.mean_gradient
+        if strain:
+            e = e + strain * e @ unit_shear(self.dimension).T
         if self.dimension == 3:  # in a shear E^2 = 0: to the last bit the lattice returns at whole strains
             sheared = not (E @ E).any()
             carried: Array = e @ (np.eye(3) + duration * E if sheared else scipy.linalg.expm(duration * E)).T
@@ -198,9 +206,17 @@ class Cell(WithoutWalls):
         d = self.dimension
         return float(np.sqrt(d) * self.volume ** (1.0 / d))
 
-    def at(self, t: float) -> Cell:
-        """The cell at time t."""
-        return Cell(self.vectors, self.gradient, t)
+    def at(self, t: float, strain: float = 0.0) -> Cell:
+        """The cell at time t, which a stress has strained besides since time 0."""
+        strained = self.carried(np.array(self.vectors), 0.0, strain)
+        return Cell(tuple(map(tuple, strained.tolist())) if strain else self.vectors, self.gradient, t)
+
+    def sheared(self, rate: float) -> Cell:
+        """The cell as it is, its time 0, sheared at that rate besides from now on."""
+        if rate == 0.0:
+            return self
+        gradient = self.mean_gradient + rate * unit_shear(self.dimension)
+        return Cell(tuple(map(tuple, self.periods.tolist())), tuple(map(tuple, gradient.tolist())))
 
     def scaled(self, factor: float) -> Cell:
         """All vectors times the factor."""

@@ -78,13 +78,17 @@ class Stretched(DerivedContainer):
         """As before: a rate."""
         return self.inner.mean_gradient
 
-    def at(self, t: float) -> "Stretched":
+    def at(self, t: float, strain: float = 0.0) -> "Stretched":
         """The same of the other at time t."""
-        return Stretched(self.inner.at(t), self.factor)
+        return Stretched(self.inner.at(t, strain), self.factor)
 
-    def carried(self, e: Array, duration: float) -> Array:
+    def sheared(self, rate: float) -> "Stretched":
+        """The same of the other: a rate."""
+        return Stretched(self.inner.sheared(rate), self.factor)
+
+    def carried(self, e: Array, duration: float, strain: float = 0.0) -> Array:
         """As before: a linear map."""
-        return self.inner.carried(e, duration)
+        return self.inner.carried(e, duration, strain)
 
     @property
     def middle(self) -> Array:

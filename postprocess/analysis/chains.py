@@ -109,6 +109,11 @@ def read_chains(run: Run, step: int | None = None, close: float = CLOSE) -> Chai
             f"domain.walls.{wall} = {toml_text(case.domain.walls[wall])}: links to a wall that a stress "
             "moves are not told; give a run of which the velocities of walls are given"
         )
+    if (mean := case.domain.mean_drive().mean_stress) is not None:
+        raise InputError(
+            f"domain.stress = {mean!r}: links to images that a stress moves are not told; give a run with "
+            "domain.shear"
+        )
     row = _row_of(run, steps, step)
     step, t = int(steps["step"][row]), float(steps["t"][row])
     q = run.configuration(step)

@@ -30,10 +30,11 @@ def shear_rate(case: Case, t: float) -> float | None:
 def _mean_gradient(case: Case, t: float) -> Array | None:
     """Rows (dV_i / dx_j) of a cell, or of what both walls of a channel impose, (2, 2); else None.
 
-    None too where a stress moves a wall: the case does not know the rate, `speed_top` of steps.csv does.
+    None too where a stress moves a wall or a cell: the case does not know the rate, steps.csv does, by
+    `speed_top` or `shear_rate`.
     """
     container = case.container()
-    if not len(container.periods):
+    if not len(container.periods) or case.domain.mean_drive().mean_stress is not None:
         return None
     if not container.walls:
         return container.mean_gradient

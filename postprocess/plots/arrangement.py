@@ -42,7 +42,7 @@ def draw_case(figure: Figure, case: Case, q: Configuration, t: float) -> tuple[A
 
     Raises InputError: they are neither in a box nor in a cell.
     """
-    container = case.container().at(t)
+    container = case.container().at(t, q.strain)
     if len(container.periods) == container.dimension:
         return _draw_lattice(figure, container, q)
     arrangement = _arrangement_of(case, q)

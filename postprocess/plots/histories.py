@@ -122,8 +122,8 @@ def _gaps(asked: Asked) -> Curves:
     run = asked.run
     if not asked.bodies:
         return {}
-    q, container = map(run.configuration, run.steps["step"]), run.case.container()
-    moments = zip(q, map(container.at, run.steps["t"]), strict=True)
+    steps, container = run.steps["step"].astype(int), run.case.container()
+    moments = ((run.configuration(step), run.container(step)) for step in steps)
     if asked.gap is None:
         table = np.array([smallest_of_each(*moment) for moment in moments])
         return asked.each(np.where(np.isfinite(table), table, np.nan))  # a lone body, without walls
@@ -188,6 +188,11 @@ class RunHistory:
     axisymmetric: bool
 
 
+def _strain(run: Run, t: Array) -> Array | None:
+    """As it was found where a stress shears a cell, else as the case gives it."""
+    return run.steps["strain"].to_numpy() if "strain" in run.steps else accumulated_strain(run.case, t)
+
+
 def read_history(
     run: Run, gap: str | None = None, singly: int = len(COLOURS), curves: str | None = None
 ) -> RunHistory:
@@ -201,7 +206,7 @@ def read_history(
         with suppress(InputError):  # no exact law for this case
             laws = {"exact": exact_gap(run.case, t), "asymptote": asymptotic_gap(run.case, t)}
     sheared = VISCOSITY in panels or ADDED_VISCOSITY in panels
-    strain = accumulated_strain(run.case, t) if sheared else None
+    strain = _strain(run, t) if sheared else None
     return RunHistory(run.path.resolve().name, t, strain, panels, laws, run.case.axisymmetric)
 
 

@@ -160,8 +160,16 @@ class Run:
         return int((self.times_of(series) - time).abs().idxmin())
 
     def container(self, step: int) -> Container:
-        """What encloses the fluid at a step; the lattice of a sheared cell moves."""
-        return self.case.container().at(float(self.times[step]))
+        """What encloses the fluid at a step; the lattice of a sheared cell moves, as its stress drives it."""
+        row = self.steps.loc[self.steps["step"] == step].iloc[0]
+        now = self.case.container().at(float(row["t"]), self.strain(step))
+        return now.sheared(float(row["shear_rate"])) if "shear_rate" in row else now
+
+    def strain(self, step: int) -> float:
+        """By which a stress has sheared the lattice at a step; zero where none does."""
+        if "strain" not in self.steps:
+            return 0.0
+        return float(self.steps.loc[self.steps["step"] == step, "strain"].iloc[0])
 
     def configuration(self, step: int) -> Configuration:
         """Where the bodies were at a step."""
@@ -169,7 +177,8 @@ class Run:
         if not len(start):
             return start
         place = self.bodies.loc[self.bodies["step"] == step, list(PLACES[d])].to_numpy()
-        return replace(start, centres=place[:, :d], angles=place[:, d:].reshape(start.angles.shape))
+        angles = place[:, d:].reshape(start.angles.shape)
+        return replace(start, centres=place[:, :d], angles=angles, strain=self.strain(step))
 
     def wall_distances(self, x: Array) -> Array:
         """Distance of points (n, d) to each wall, (n, walls); in gluey runs not to those far away."""

@@ -37,3 +37,22 @@ def test_vectors_are_carried_by_the_exponential_of_the_gradient(
     assert_allclose(cell.carried(e, 0.5), e @ expm(0.5 * np.array(gradient)).T, rtol=1e-13)
     if gradient == ((0.0, 2.0), (0.0, 0.0)):
         assert_allclose(cell.carried(e, 0.5)[0], [3.0, 3.0])
+
+
+def test_a_cell_that_a_stress_strained_is_that_of_the_mean_flow_at_the_same_strain() -> None:
+    """A shear at rate 2 over the time 0.3, and from there on with the rate that the stress gives by then."""
+    vectors = ((4.0, 0.0), (1.0, 3.0))
+    still, sheared = (Cell(vectors, ((0.0, rate), (0.0, 0.0))) for rate in (0.0, 2.0))
+    e = np.array([[0.0, 3.0], [1.0, -2.0]])
+    assert_allclose(still.at(0.3, strain=0.6).periods, sheared.at(0.3).periods, rtol=1e-14)
+    assert_allclose(still.carried(e, 0.3, strain=0.6), sheared.carried(e, 0.3), rtol=1e-14)
+    assert_allclose(
+        still.at(0.3, strain=0.6).sheared(2.0).at(0.1).periods, sheared.at(0.4).periods, rtol=1e-14
+    )
+    assert_allclose(still.sheared(2.0).mean_gradient, sheared.mean_gradient)
+    assert sheared.sheared(0.0) is sheared
+
+
+def test_a_cell_of_space_is_strained_along_x_over_z() -> None:
+    still = Cell(((4.0, 0.0, 0.0), (0.0, 5.0, 0.0), (0.0, 0.0, 3.0)), ((0.0,) * 3,) * 3)
+    assert_allclose(still.carried(np.array([[0.0, 5.0, 3.0]]), 0.0, strain=0.5), [[1.5, 5.0, 3.0]])

@@ -7,14 +7,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from fsi.case.load import load_case
+from fsi.errors import InputError
 from fsi.observables.resistance import KNOWN_TO
 from fsi.pores import definite
 from fsi.pores.accuracy import solve_with_errors
 from fsi.pores.instant import PoreInstant
 from fsi.pores.model import PoreModel
+from fsi.postprocess.run.run import Run, open_run
 from fsi.runs import run
+from fsi.studies.evaluate import at_instant, require_quantity
 
 CASES = Path(__file__).parents[2] / "cases"
 CHANNEL, CELL = CASES / "couette_N10.toml", CASES / "sheared_cell.toml"
@@ -90,6 +94,27 @@ def test_attraction_carries_a_part_of_the_stress_of_a_cell() -> None:
     assert found.bulk.mean[0, 1] == pytest.approx(STRESS, rel=1e-8)
 
 
+def test_the_rate_of_a_cell_has_a_bar_and_a_name() -> None:
+    """Six modes are off by less than the bar; a wall has them too."""
+    cell = ["model=pores", f"fluid.viscosity={VISCOSITY}", "domain.shear=0.0", f"domain.stress={STRESS}"]
+    case = load_case(CELL, cell)
+    found = at_instant(case, ["shear rate"]).values["shear rate"]
+    finer = solved(CELL, *cell[2:], "pores.modes=6").shear_rate
+    assert finer is not None
+    assert found.error is not None
+    assert abs(found.value - finer) < found.error < 0.1 * found.value
+    channel = load_case(CHANNEL, ["model=pores", f"domain.walls.top={{stress = {STRESS}}}"])
+    top = at_instant(channel, ["wall speed"]).values["wall speed"]
+    assert top.error is not None
+    assert 0.0 < top.error < 0.1 * abs(top.value)
+    for case, quantity, remedy in (
+        (channel, "shear rate", "give domain.stress"),
+        (load_case(CELL), "wall speed", "give domain.walls.top"),
+    ):
+        with pytest.raises(InputError, match=rf"--quantity {quantity}: .*{remedy}"):
+            require_quantity(case, quantity)
+
+
 def test_with_a_tolerance_both_flows_that_are_compared_have_the_stress() -> None:
     changes = ["model=pores", "domain.shear=0.0", f"domain.stress={STRESS}", "pores.tolerance=1e-4"]
     found = solve_with_errors(load_case(CELL, changes))
@@ -118,6 +143,36 @@ def test_a_run_under_a_stress(tmp_path: Path) -> None:
     assert len(table) >= 3
     driven = table["speed_top"] * table["apparent_viscosity"]
     np.testing.assert_allclose(driven, expected, rtol=1e-8, atol=0.0)
+
+
+def test_a_cell_under_a_stress_takes_the_way_of_one_whose_rate_is_given(
+    tmp_path: Path,
+) -> None:
+    """Bodies without loads move with the rate, so that places and viscosity belong to the strain alone.
+
+    The time that a strain takes is the integral of viscosity times apparent viscosity over the stress. Discs
+    in a lattice at rest would be off by 0.014, in one that has 0.99 of its strain by 1.6e-4.
+    """
+    changes = ["model=pores", "pores.modes=1", f"fluid.viscosity={VISCOSITY}", "output.fields=false"]
+    found = moved([*changes, "domain.shear=0.0", f"domain.stress={STRESS}"], 2.0, tmp_path / "stress")
+    table = found.steps
+    strain, mu = table["strain"].to_numpy(), table["apparent_viscosity"].to_numpy()
+    np.testing.assert_allclose(table["shear_rate"] * mu, STRESS / VISCOSITY, rtol=1e-8, atol=0.0)
+    assert table["power"].max() < 1e-8
+    given = moved([*changes, "domain.shear=1.0"], float(strain[-1]), tmp_path / "rate")
+    last = [each.configuration(int(each.steps["step"].iloc[-1])) for each in (found, given)]
+    np.testing.assert_allclose(last[0].centres, last[1].centres, rtol=0.0, atol=5e-5)
+    np.testing.assert_allclose(last[0].angles, last[1].angles, rtol=0.0, atol=5e-5)
+    at_strain = given.steps["apparent_viscosity"].to_numpy()
+    assert mu[-1] == pytest.approx(at_strain[-1], rel=1e-5)
+    time = float(CubicSpline(given.steps["t"], at_strain).integrate(0.0, strain[-1])) * VISCOSITY / STRESS
+    assert time == pytest.approx(2.0, rel=5e-3)
+
+
+def moved(changes: list[str], end: float, folder: Path) -> Run:
+    """A run of three discs in a cell."""
+    run(load_case(CELL, [*changes, f"time={{end={end!r}, tolerance=1e-3}}"]), folder)
+    return open_run(folder)
 
 
 def test_channels_that_slide_along_as_a_whole_keep_their_digits() -> None:

@@ -11,8 +11,11 @@ import pytest
 from fsi.case.case import Case
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
+from fsi.integration.state import StepRecord
+from fsi.postprocess.analysis.chains import read_chains
 from fsi.postprocess.analysis.strain import shear_rate
-from fsi.runs import run
+from fsi.postprocess.run.run import open_run
+from fsi.runs import resume, run
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution
 
@@ -110,9 +113,42 @@ def test_cells_under_a_stress_are_refused_where_nothing_would_follow_it(tmp_path
         load_case(CELL, [f"domain.stress={STRESS}"])
     with pytest.raises(InputError, match=r'model = "reduced" is not moved by a stress; give domain\.shear'):
         load_case(CELL, [*DRIVEN, "model=reduced"])
-    with pytest.raises(InputError, match=r"domain\.stress = 0\.7: in a run the lattice moves at a rate"):
-        run(load_case(CELL, DRIVEN), tmp_path / "run")
+    with pytest.raises(InputError, match=r"a run under domain\.stress = 0\.7 does not tell"):
+        run(load_case(CELL, [*DRIVEN, "output.error_estimates=true"]), tmp_path / "run")
     assert not (tmp_path / "run").exists()
+
+
+class StoppedError(Exception):
+    """The run is broken off."""
+
+
+def test_a_run_of_a_cell_under_a_stress_goes_on_as_if_it_had_not_been_broken_off(tmp_path: Path) -> None:
+    """Its lattice and the mesh that moves with it too; at each step the rate is the stress over viscosity."""
+    light = ["discretisation.degree=2", "discretisation.cells_per_circle=10"]
+    of_run = ["time={end=1.5, tolerance=1e-2, first_step=0.5, remesh='when-needed'}", "output.fields=false"]
+    case = load_case(CELL, [*DRIVEN, f"fluid.viscosity={VISCOSITY}", *light, *of_run])
+
+    def stop(record: StepRecord) -> None:
+        if record.step == 1:
+            raise StoppedError
+
+    run(case, tmp_path / "whole")
+    with pytest.raises(StoppedError):
+        run(case, tmp_path / "broken", stop)
+    resume(tmp_path / "broken")
+    whole, broken = (open_run(tmp_path / name) for name in ("whole", "broken"))
+    table, again = whole.steps, broken.steps
+    assert len(table) >= 3
+    for column in ("t", "strain", "shear_rate", "apparent_viscosity", "smallest_gap"):
+        np.testing.assert_array_equal(table[column], again[column])
+    expected = STRESS / VISCOSITY
+    np.testing.assert_allclose(table["shear_rate"] * table["apparent_viscosity"], expected, rtol=1e-8)
+    assert table["power"].max() < 1e-8
+    last = int(table["step"].iloc[-1])
+    assert whole.configuration(last).strain == table["strain"].iloc[-1] > 0.1
+    np.testing.assert_allclose(whole.container(last).mean_gradient[0, 1], table["shear_rate"].iloc[-1])
+    with pytest.raises(InputError, match=r"domain\.stress = 0\.7: links to images that a stress moves"):
+        read_chains(whole)
 
 
 def channel(bodies: list[dict[str, Any]], stress: Any, **more: Any) -> Case:

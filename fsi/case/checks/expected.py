@@ -2,7 +2,7 @@
 
 from fsi.case.case import Case
 from fsi.case.section import nearest_word, toml_text
-from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, Expected
+from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, SHEAR_RATE, WALL_SPEED, Expected
 from fsi.errors import InputError
 from fsi.lubrication.exact_results import EXACT, Fitting
 
@@ -27,6 +27,12 @@ def check_quantity(case: Case, quantity: str, here: str) -> None:
         _check_component(case, quantity, here)
     elif quantity == APPARENT_VISCOSITY and not len(case.container().periods):
         raise InputError(f"{here}: is that of a periodic domain; drop it")
+    elif quantity == SHEAR_RATE and case.domain.mean_drive().mean_stress is None:
+        raise InputError(f"{here}: is found in a cell under a stress; give domain.stress")
+    elif quantity == WALL_SPEED and not case.wall_stress(0.0):
+        raise InputError(
+            f"{here}: is found in a channel under a stress; give domain.walls.top = {{ stress = 1.0 }}"
+        )
 
 
 def _check_component(case: Case, quantity: str, here: str) -> None:
