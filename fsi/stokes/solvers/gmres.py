@@ -32,7 +32,7 @@ from petsc4py import PETSc
 import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError, apart
-from fsi.stokes.solvers.multigrid import COMPONENTS, Levels
+from fsi.stokes.solvers.multigrid import COMPONENTS, Levels, between
 
 # Of the residual relative to the right-hand side: errors of forces, and of identities, whose bound is 1e-8,
 # are up to a few times as large (2e-10 of the force on a sphere beside a plane).
@@ -176,7 +176,7 @@ def _cycle(pc: PETSc.PC, levels: Levels) -> None:
     matrix = levels.matrix
     for level, transfer in reversed(list(enumerate(reversed(levels.transfers), 1))):
         pc.setMGInterpolation(level, transfer)
-        coarser = matrix.ptap(transfer)
+        coarser = between(matrix, transfer)
         coarser.setBlockSize(COMPONENTS)
         coarser.setOption(PETSc.Mat.Option.SPD, True)
         smoother = pc.getMGCoarseSolve() if level == 1 else pc.getMGSmoother(level - 1)
