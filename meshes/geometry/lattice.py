@@ -69,8 +69,8 @@ class Lattice:
 
     def _widths(self, distance: float) -> Array:
         """How far a distance goes at most along each vector, in lattice coordinates, (k,)."""
-        if self.dimension == 0:
-            return np.empty(0)
+        if self.dimension == 0 or distance == 0.0:  # asked for often in a step
+            return np.zeros(self.dimension)
         return np.asarray(distance * np.linalg.norm(np.linalg.pinv(self.vectors), axis=0))
 
     def nearest(self, d: Array) -> Integers:
