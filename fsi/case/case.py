@@ -28,6 +28,7 @@ from fsi.case.sections import (
     Discretisation,
     Expected,
     Fluid,
+    Lubrication,
     Output,
     PoreResolution,
     Reduced,
@@ -97,6 +98,8 @@ class Case(Section):
     """a section [pores]"""
     reduced: Reduced = Field(default_factory=Reduced)
     """a section [reduced]"""
+    lubrication: Lubrication = Field(default_factory=Lubrication)
+    """a section [lubrication]"""
     gluey: Gluey = Field(default_factory=Gluey)
     """a section [gluey]"""
     macroscopic: Macroscopic = Field(default_factory=Macroscopic)

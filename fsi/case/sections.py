@@ -189,6 +189,13 @@ class Reduced(Section):
         return {key: Path(law).name for key in keys if (law := getattr(self, key)) is not None}
 
 
+class Lubrication(Section):
+    """Laws in place of cells in the narrowest gaps of the resolved model."""
+
+    below: Positive | None = None
+    """the gap below which the mesh has this one and the exact laws add the rest, a length > 0, or none"""
+
+
 APPARENT_VISCOSITY = "apparent viscosity"
 DISSIPATION = "dissipation"
 SHEAR_RATE = "shear rate"  # of a cell that a stress shears

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Self
 
 import numpy as np
 
@@ -36,6 +37,13 @@ class StressErrors:
     stresslets: Array
     differences: Mapping[str, float]
     pressure: bool = True
+
+    def __add__(self, other: Self) -> Self:
+        """The errors of two causes together."""
+        differences = {name: error + other.differences[name] for name, error in self.differences.items()}
+        fluid, mean = self.fluid + other.fluid, self.mean + other.mean
+        stresslets = self.stresslets + other.stresslets
+        return replace(self, fluid=fluid, mean=mean, stresslets=stresslets, differences=differences)
 
     @property
     def normal_stress_difference(self) -> float:

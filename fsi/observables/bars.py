@@ -4,8 +4,10 @@ The difference times a factor, which the model knows, bounds the error; it is at
 and what chance may hide in one result of many. Where errors have several causes the bounds of each add up.
 """
 
+import operator
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import reduce
 from math import nan
 
 import numpy as np
@@ -62,9 +64,9 @@ class Compared:
 
 
 def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> StepErrors:
-    """Estimated errors of results from one or more others, the first with all that these have."""
+    """Estimated errors of results from one or more others, whose bounds add up."""
     case, motion, arms = bodies.case, bodies.motion, bodies.q.arms
-    other, factor, scales = others[0].results, others[0].factor, flow_scales(case, bodies.t)
+    scales = flow_scales(case, bodies.t)
     speed, force = scales.largest(results, arms)
     units = np.stack([speed / arms, force * arms])
     computed = np.stack([~motion.held, motion.held]) & case.modes
@@ -73,9 +75,13 @@ def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> St
     lost = getattr(results, "dissipation", nan)
     off = [each.factor * abs(lost - getattr(each.results, "dissipation", nan)) for each in others]
     dissipation = max(sum(off), _rounding(results) * lost)  # nan of an infinite one
-    viscosity = _of_viscosity(results, other, factor)
-    driven = _of_driven(results, other, factor)
-    errors = ErrorEstimate(U, F, dissipation, viscosity, _of_stress(results, others[0]), *driven)
+    every = (_of_viscosity(results, each.results, each.factor) for each in others)
+    of_viscosity = [part for part in every if part is not None]
+    viscosity = sum(of_viscosity) if of_viscosity else None
+    of_stress = [part for each in others if (part := _of_stress(results, each)) is not None]
+    stress = reduce(operator.add, of_stress) if of_stress else None
+    driven = _of_driven(results, others[0].results, others[0].factor)
+    errors = ErrorEstimate(U, F, dissipation, viscosity, stress, *driven)
     relative = relative_change(results, errors, motion.held, arms, scales)
     mu = getattr(results, "apparent_viscosity", None)
     if mu is not None and viscosity is not None:

@@ -45,6 +45,7 @@ class SolvedFlow:
         jumps: the walls with different velocities that meet, by their names.
         wall_speeds: along x, of the walls that a stress moves.
         shear_rate: of a cell that a stress shears, else None.
+        law_dissipation: of the laws below a gap, beside that of the flow; None without such laws.
         slip_dissipation: (mu / b) int |slip|^2 over the surfaces along which fluid slides; None without any.
     """
 
@@ -62,6 +63,7 @@ class SolvedFlow:
     wall_speeds: Mapping[str, float] = field(default_factory=dict, kw_only=True)
     shear_rate: float | None = field(default=None, kw_only=True)
     slip_dissipation: float | None = field(default=None, kw_only=True)
+    law_dissipation: float | None = field(default=None, kw_only=True)
 
     @property
     def mesh_instead(self) -> str:

@@ -61,6 +61,8 @@ def solution_json(
     }
     if solution.slip_dissipation is not None:
         data["slip_dissipation"] = float(solution.slip_dissipation)
+    if solution.law_dissipation is not None:
+        data["law_dissipation"] = float(solution.law_dissipation)
     if case.configuration().shaped:
         data["gaps"] = gaps_json(case)
     data |= driven_json(solution, errors)
@@ -114,6 +116,17 @@ def bodies_json(case: Case, U: Array, F: Array) -> list[dict[str, Any]]:
     return bodies
 
 
+def _laws_line(case: Case, dissipation: float) -> str:
+    """Which gaps the mesh has wider than they are, and what the laws there dissipate."""
+    below, q, container = case.lubrication.below, case.configuration(), case.container()
+    assert below is not None  # with whom there are laws
+    gaps = find_gaps(q, container, below)
+    walls = [k for k, name in enumerate(container.walls) if name not in container.far_walls]
+    opened = int((gaps.pair_gaps < below).sum() + (gaps.wall_gaps[:, walls] < below).sum())
+    meshed = f"{opened} gaps below {below:g} are meshed at least as wide as that"
+    return f"{meshed}; laws there dissipate {dissipation:.6g} beside the flow"
+
+
 def _solver(solution: SolvedFlow) -> str:
     return f"GMRES with {solution.iterations} iterations" if solution.iterations else "direct solver"
 
@@ -151,6 +164,8 @@ def print_solution(
     if solution.bulk is not None and errors.stress is not None:
         console.print(_stress_table(solution.bulk, errors, errors.stress))
     console.print(checks_table("check, relative", solution.checks | truncation_checks(truncated)))
+    if solution.law_dissipation is not None:
+        console.print(_laws_line(case, solution.law_dissipation), highlight=False)
     for line in driven_lines(solution, errors):
         console.print(line, highlight=False)
     console.print(_cost(case, solution, errors))

@@ -10,6 +10,7 @@
 - momentum, angular_momentum: reactions of bodies and walls and the loads sum to zero (the latter not in a
   periodic domain, whose sides exert a moment on each other)
 - balance: rigid^T lambda = (F, T) on every free mode
+- lubrication: the rates of laws below a gap are their forces over their resistances
 - net_flux: int u.n over the whole boundary vanishes
 - residual: of the linear system
 """
@@ -26,6 +27,7 @@ from fsi.stokes.corners import distance, jumps
 from fsi.stokes.solvers.elimination import (
     NodalSolution,
     StokesSystem,
+    law_loads,
     mode_equations,
     nodal_vector,
     slip_of,
@@ -101,10 +103,12 @@ def identities(system: StokesSystem, nodal: NodalSolution, F: Array, dissipation
         "power": _relative(dissipation - power, scales.power),
         "momentum": _relative(float(np.linalg.norm(force_sum)), scales.force),
         "angular_momentum": _relative(float(np.linalg.norm(moment_sum)), scales.moment),
-        "balance": _balance(system, nodal.U, F, scales.force),
+        "balance": _balance(system, nodal.U, F + law_loads(system, nodal), scales.force),
         "net_flux": _relative(system.forms.integrate("flux"), scales.flux),
         "residual": nodal.residual,
     }
+    if (laws := system.problem.laws) is not None:
+        defects["lubrication"] = laws.defect(nodal.law_forces, nodal.U)
     if system.problem.periodic:  # the traction on the two sides has no force, but a moment
         del defects["angular_momentum"]
     return defects

@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Configuration, Inertia, Motion
+from fsi.bodies.opened import opened
 from fsi.case.case import Case
 from fsi.integration.errors import StepErrors
 from fsi.integration.state import Results
+from fsi.lubrication.below import OpenedGaps
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.errors import MeshError
 from fsi.meshes.files.read import read_mesh
@@ -21,6 +23,7 @@ from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.spatial.grading import COARSEST
 from fsi.observables.bars import Compared, DrivenBodies, motion_of, step_errors
 from fsi.stokes.comparisons import Comparison, comparisons
+from fsi.stokes.laws import pair_laws
 from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.refusal import explained
 from fsi.stokes.solution import StokesSolution
@@ -28,6 +31,9 @@ from fsi.stokes.solve import Clock, solve
 from fsi.stokes.solvers.workspace import Workspace
 from fsi.stokes.units import Units
 from fsi.stokes.walls import boundary_of, singular_corners, singular_pairs, surfaces_of
+
+# What laws below a gap miss is at least linear in the gap: half of it is seen at half the gap.
+OF_LAWS = 2.0
 
 
 class StokesModel:
@@ -70,6 +76,12 @@ class StokesModel:
         clock = Clock()
         return self._solved(self.problem(self.scaled_mesh(q, t, degree), q, t, motion), degree, clock)
 
+    def _of_half_the_gap(self, below: float, q: Configuration, t: float, motion: Motion) -> StokesSolution:
+        """The flow in which laws act below half the gap: it differs by most of what they miss."""
+        half = self.case.lubrication.model_copy(update={"below": 0.5 * below})
+        model = StokesModel(self.case.model_copy(update={"lubrication": half}))
+        return model.of_degree(self.options.degree, q, t, motion)
+
     def _solved(self, problem: StokesProblem, degree: int, clock: Clock) -> StokesSolution:
         with explained(problem, self.case.names):
             found = solve(self.units.scaled(problem), replace(self.options, degree=degree), clock)
@@ -80,6 +92,8 @@ class StokesModel:
     ) -> StepErrors:
         """The estimated errors of an instant of this model at q and t; a solve or two more, collective.
 
+        Where laws act below a gap one more solve, with half of this gap, tells what they miss.
+
         motion: what held and drove the bodies; None: that of the case at this instant. Raises MeshError,
         SolveError: as for the flow, with the other degree.
         """
@@ -88,15 +102,29 @@ class StokesModel:
             Compared(self.compared(each, q, t, motion), each.factor, each.chance)
             for each in comparisons(self.case)
         ]
+        if (below := self.case.lubrication.below) is not None:
+            others.append(Compared(self._of_half_the_gap(below, q, t, motion), OF_LAWS))
         return step_errors(DrivenBodies(self.case, q, t, motion), instant, *others)
 
     def problem(self, fluid: FluidMesh, q: Configuration, t: float, motion: Motion) -> StokesProblem:
         """What the case asks for at q and t, without inertia, on a mesh in the units of the model."""
         case, boundary = self.case, boundary_of(self.case, t)
         container, mu, moment = self._around(q, t), case.fluid.viscosity, case.interaction_moment(q, t)
-        return StokesProblem(
-            fluid, container, q, motion, boundary, mu, interaction=moment, surfaces=surfaces_of(case)
+        meshed = self._meshed_at(q, t)
+        problem = StokesProblem(
+            fluid, container, meshed, motion, boundary, mu, interaction=moment, surfaces=surfaces_of(case)
         )
+        if (below := case.lubrication.below) is None:
+            return problem
+        gaps = OpenedGaps(q, meshed, container, below, tuple(boundary.velocities), case.spheres, mu)
+        return replace(problem, laws=pair_laws(gaps.rates(), problem))
+
+    def _meshed_at(self, q: Configuration, t: float) -> Configuration:
+        """The bodies as they are meshed: moved apart where laws take over from the mesh."""
+        below = self.case.lubrication.below
+        if below is None:
+            return q
+        return opened(q, self._around(q, t), below, tuple(boundary_of(self.case, t).velocities))
 
     def mesh(self, q: Configuration, t: float = 0.0) -> FluidMesh:
         """A new mesh around the bodies at q and t, or the user's own."""
@@ -121,7 +149,8 @@ class StokesModel:
 
     def _built(self, q: Configuration, t: float, resolution: Resolution, order: int) -> FluidMesh:
         """A new mesh in the units of the model, whatever the user has."""
-        here, container = self.units.scaled_configuration(q), self._container().at(t, q.strain)
+        here = self.units.scaled_configuration(self._meshed_at(q, t))
+        container = self._container().at(t, q.strain)
         try:
             domain = FluidDomain(
                 container, here.centres, here.radii, self._corners, self._edges, here.placed, here.standing
@@ -160,7 +189,7 @@ class StokesModel:
         if self._mover is not None:
             container, duration = self._container(), t - self._meshed_time
             strain = q.strain - self._meshed.strain
-            places = self.units.scaled_places(q.centres)
+            places = self.units.scaled_places(self._meshed_at(q, t).centres)
             angles = q.angles if q.shaped else None
             quality = self._mover.move(places, lambda e: container.carried(e, duration, strain), angles)
             if quality is not None:
@@ -171,7 +200,7 @@ class StokesModel:
         self._workspace.close()
         if self._mover is not None:
             self._mover.close()
-        here = self.units.scaled_configuration(q)
+        here = self.units.scaled_configuration(self._meshed_at(q, t))
         self._mover = Mover(self.scaled_mesh(q, t), here.centres, here.placed, here.standing)
         self._meshed, self._meshed_time = q, t
         return self._mover.fluid

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
 from fsi.meshes.build import FluidMesh
@@ -75,6 +76,65 @@ class SurfaceConditions:
 
 
 @dataclass(frozen=True, slots=True)
+class PairLaws:
+    """Rates of relative motion, G U - b, that laws resist on top of what is resolved (see `fsi.stokes.laws`).
+
+    Attributes:
+        G: over the modes of all bodies, (R, N M).
+        own: b, what walls and images move by themselves, (R,).
+        resistance: kappa, force over rate, (R,).
+        strains: S, the rates by a mean gradient W are S : W, (R, d, d).
+        along: what a rate has of the other side's velocity, (R, d).
+        wall: the number of the wall, -1 of two bodies, (R,).
+        body: i and j, twice i beside a wall, (R, 2).
+    """
+
+    G: Array
+    own: Array
+    resistance: Array
+    strains: Array
+    along: Array
+    wall: NDArray[np.intp]
+    body: NDArray[np.intp]
+
+    def at_rest(self) -> PairLaws:
+        """The same between walls and images at rest."""
+        return replace(self, own=np.zeros_like(self.own))
+
+    def rates(self, U: Array) -> Array:
+        """G U - b of velocities (N, M), (R,)."""
+        return np.asarray(self.G @ U.ravel() - self.own)
+
+    def loads(self, forces: Array, shape: tuple[int, ...]) -> Array:
+        """G^T f, what the forces add to the loads of the bodies, (N, M)."""
+        return np.asarray((self.G.T @ forces).reshape(shape))
+
+    def dissipation(self, forces: Array, U: Array) -> float:
+        """f.(G U - b)."""
+        return float(forces @ self.rates(U))
+
+    def stresslets(self, forces: Array, bodies: int) -> Array:
+        """f S, half of each to either body, (N, d, d)."""
+        S = np.zeros((bodies, *self.strains.shape[1:]))
+        for side in self.body.T:
+            np.add.at(S, side, 0.5 * forces[:, None, None] * self.strains)
+        return S
+
+    def wall_force(self, forces: Array, wall: int) -> Array:
+        """What moves a wall against these forces, along it, (d - 1,)."""
+        here = self.wall == wall
+        return np.asarray(-forces[here] @ self.along[here, :-1])
+
+    def defect(self, forces: Array, U: Array) -> float:
+        """By how much rates differ from f / kappa, over the largest parts of a rate."""
+        if not len(forces):
+            return 0.0
+        parts = np.abs(self.G) @ np.abs(U.ravel()) + np.abs(self.own)
+        defect = np.abs(self.rates(U) - forces / self.resistance).max()
+        return float(defect / max(float(parts.max()), float(np.finfo(float).tiny)))
+
+
+@dataclass(frozen=True, slots=True)
 class StokesProblem:
     """Stokes flow around rigid bodies at one instant.
 
@@ -87,6 +147,7 @@ class StokesProblem:
         viscosity: mu.
         inertia: of an implicit step; None: quasi-static.
         interaction: sum of r (x) F of forces between bodies, (d, d), for the mean stress; None: zero.
+        laws: of pairs, on top of what is resolved; None: no law acts anywhere.
         surfaces: those of bodies; at rest on the bodies, and fluid sticks to them, if not given.
     """
 
@@ -99,6 +160,7 @@ class StokesProblem:
     inertia: Inertia | None = None
     interaction: Array | None = None
     surfaces: SurfaceConditions = field(default_factory=SurfaceConditions)
+    laws: PairLaws | None = None
 
     @property
     def periodic(self) -> bool:

@@ -17,6 +17,7 @@ import numpy as np
 from fsi.bodies.configuration import Array, Configuration, Motion
 from fsi.case.case import Case
 from fsi.case.checks.determined import require_still
+from fsi.errors import InputError
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.container import Container
 from fsi.observables import resistance as matrix
@@ -84,6 +85,11 @@ def _resistance(case: Case, model: StokesModel, mesh: Mesher, degree: int) -> Re
     """With elements of this degree on a mesh in the units of the model."""
     container, q, clock = case.container(), case.configuration(), Clock()
     require_still(case)
+    if case.lubrication.below is not None:
+        raise InputError(
+            f"lubrication.below = {case.lubrication.below!r}: a resistance matrix is that of resolved gaps; "
+            "drop it"
+        )
     fluid = mesh(q)
     clock.lap("mesh")
     problem = held_at_rest(fluid, container, q, case.fluid.viscosity, case.wall_pressure())

@@ -69,6 +69,8 @@ class StokesSolution(SolvedFlow):
         record = {"dofs": self.dofs, "cells": self.cells, "worst_cell": self.problem.fluid.quality}
         record["mesh_instead"] = int(bool(self.mesh_instead))
         record["dissipation"] = self.dissipation
+        if self.law_dissipation is not None:
+            record["law_dissipation"] = self.law_dissipation
         if self.slip_dissipation is not None:
             record["slip_dissipation"] = self.slip_dissipation
         if self.U.shape[1] == len(MODES[3]):

@@ -21,10 +21,19 @@ from fsi.stokes.discretisation.images import tied
 from fsi.stokes.discretisation.nodes import facets_with, inner_nodes, locate
 from fsi.stokes.discretisation.slip import sliding_facets, with_slip
 from fsi.stokes.identities import identities, require
+from fsi.stokes.laws import with_laws
 from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solvers import elimination
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, friction_power, load_of, nodal_vector
+from fsi.stokes.solvers.elimination import (
+    NodalSolution,
+    StokesSystem,
+    friction_power,
+    law_dissipation,
+    law_loads,
+    load_of,
+    nodal_vector,
+)
 from fsi.stokes.solvers.multiplier import solve_multiplier
 from fsi.stokes.solvers.periodic import Solver, solve_periodic
 from fsi.stokes.solvers.workspace import Workspace, pressure_mass
@@ -67,7 +76,7 @@ def solve(
     """
     clock = clock or Clock()
     with assembled(problem, options, clock, workspace) as system:
-        solve_system, loads = FORMULATIONS[options.formulation], system.b
+        solve_system, loads = with_laws(FORMULATIONS[options.formulation]), system.b
         if problem.periodic:
             system, nodal = solve_periodic(system, solve_system)
         else:
@@ -171,12 +180,13 @@ def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clo
     here = np.array([system.weights @ nodal.x[system.layout.velocities :], system.weights.sum()])
     of_p, area = system.layout.comm.allreduce(here)
     mean_pressure = float(of_p / area)
-    F, dissipation = nodal.load, forms.integrate("dissipation")
-    checks, bulk = identities(system, nodal, F, dissipation), None
+    dissipation, more = forms.integrate("dissipation"), law_loads(system, nodal)
+    checks, bulk = identities(system, nodal, nodal.load, dissipation), None
     if problem.periodic:
         bulk = bulk_stress(system, nodal, mean_pressure)
         if is_force_free(system):
-            checks |= viscosity_checks(problem, bulk, dissipation + friction_power(system, nodal))
+            elsewhere = friction_power(system, nodal) + law_dissipation(system, nodal)
+            checks |= viscosity_checks(problem, bulk, dissipation + elsewhere)
     require(checks)
     if not problem.boundary.pressures:
         forms.p.x.array[:] -= mean_pressure
@@ -188,11 +198,13 @@ def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clo
     integral = -jump_load
     on_bodies = facets_with(problem.fluid, 1, problem.fluid.bodies)
     integral[: system.layout.velocities] += nodal_vector(forms.bind("traction", on_bodies))
-    traction_F = load_of(system, integral)
+    traction_F = load_of(system, integral) + more
     clock.lap("checks")
     return StokesSolution(
-        nodal.U, F, traction_F, inf if jumping else dissipation, checks, forms.dofs, problem.fluid.cells(),
-        nodal.iterations, clock.seconds, bulk, jumping, problem, flow, surface, nodal.pressure_gradient,
+        nodal.U, nodal.load + more, traction_F, inf if jumping else dissipation, checks,
+        forms.dofs, problem.fluid.cells(), nodal.iterations, clock.seconds, bulk, jumping, problem,
+        flow, surface, nodal.pressure_gradient,
         wall_speeds=nodal.wall_speeds, shear_rate=nodal.shear_rate,
+        law_dissipation=None if problem.laws is None else law_dissipation(system, nodal),
         slip_dissipation=friction_power(system, nodal) if problem.sliding else None,
     )  # fmt: skip

@@ -45,6 +45,9 @@ def bulk_stress(system: StokesSystem, solution: NodalSolution, mean_pressure: fl
     moments, of_unit_pressure = both
     moments -= mean_pressure * of_unit_pressure
     S = -0.5 * (moments + moments.swapaxes(1, 2))
+    laws, f = problem.laws, solution.law_forces
+    if laws is not None:
+        S += laws.stresslets(f, len(q))
     carried = np.zeros((d, d)) if problem.interaction is None else 0.0 - problem.interaction / volume
     bulk = BulkStress(fluid, S, carried, volume, None)
     E = problem.mean_strain_rate
@@ -52,7 +55,10 @@ def bulk_stress(system: StokesSystem, solution: NodalSolution, mean_pressure: fl
         return bulk
     power = float(np.sum(bulk.mean * E))
     if system.nodes.wall_nodes:  # in a channel by the mean shear stress on both walls
+        names = problem.container.walls
         force = {wall: wall_force(system, solution.reaction, wall) for wall in system.nodes.wall_nodes}
+        if laws is not None:
+            force = {wall: of + laws.wall_force(f, names.index(wall)) for wall, of in force.items()}
         power = float((force["top"] - force["bottom"]) @ E[:-1, -1]) / wall_area(problem.container)
     return replace(bulk, apparent_viscosity=power / float(2.0 * problem.viscosity * np.sum(E**2)))
 

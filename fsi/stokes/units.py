@@ -35,7 +35,7 @@ from fsi.meshes.geometry.curves import rescaled
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.resistance import Modes, Resistance
 from fsi.stokes.fields import Flow, Surface
-from fsi.stokes.problem import Boundary, Field, StokesProblem, SurfaceConditions
+from fsi.stokes.problem import Boundary, Field, PairLaws, StokesProblem, SurfaceConditions
 from fsi.stokes.solution import StokesSolution
 
 NARROW = 5e-5  # of a radius
@@ -124,7 +124,14 @@ class Units:
             None if inertia is None else Inertia(inertia.D * (speeds / loads), inertia.U0 / speeds),
             None if interaction is None else interaction / self.power,
             self._scaled_surfaces(problem.surfaces),
+            None if problem.laws is None else self._scaled_laws(problem.laws, q),
         )
+
+    def _scaled_laws(self, laws: PairLaws, q: Configuration) -> PairLaws:
+        a = self.length
+        G = laws.G * np.tile(self.velocities(q.dimension) / a, len(q))
+        own, resistance = laws.own / a, laws.resistance * (a / self.force)
+        return replace(laws, G=G, own=own, resistance=resistance, strains=laws.strains / a)
 
     def _scaled_boundary(self, boundary: Boundary) -> Boundary:
         """Its fluxes are of a channel, in the plane per unit length."""
@@ -167,13 +174,14 @@ class Units:
         loads, fluid = self.loads(d), replace(problem.fluid, container=problem.container)
         speeds = {wall: speed * self.length for wall, speed in solution.wall_speeds.items()}
         boundary = problem.boundary.faster(speeds, solution.shear_rate or 0.0)
-        sliding = solution.slip_dissipation
+        sliding, of_laws = solution.slip_dissipation, solution.law_dissipation
         return replace(
             solution,
             U=solution.U * self.velocities(d),
             F=solution.F * loads,
             traction_F=solution.traction_F * loads,
             dissipation=solution.dissipation * self.power,
+            law_dissipation=None if of_laws is None else of_laws * self.power,
             slip_dissipation=None if sliding is None else sliding * self.power,
             bulk=None if solution.bulk is None else self._user_bulk(solution.bulk, problem.container),
             problem=replace(problem, fluid=fluid, boundary=boundary),

@@ -11,6 +11,7 @@ from fsi.bodies.gaps import find_gaps, wall_gaps
 from fsi.case.case import Case
 from fsi.case.checks.determined import check_determined, check_flux, check_stress
 from fsi.case.checks.levels import check_gluey, check_macroscopic, check_reduced
+from fsi.case.checks.lubrication import check_lubrication
 from fsi.case.checks.pores import check_pores
 from fsi.case.checks.shapes import check_shapes
 from fsi.case.checks.surfaces import check_surfaces
@@ -40,6 +41,7 @@ def check_case(case: Case) -> None:
     check_stress(case)
     check_shapes(case)
     check_surfaces(case)
+    check_lubrication(case)
     if case.level.viscous:
         _check_fluid(case)
     if case.model in _OF_LEVEL:

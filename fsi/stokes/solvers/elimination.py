@@ -103,6 +103,7 @@ class NodalSolution:
         pressure_gradient: G of a periodic flow, (2,).
         wall_speeds: along x, of the walls that a stress moves.
         shear_rate: of a cell that a stress shears, else None.
+        law_forces: of the laws of the problem, (R,).
     """
 
     x: Array
@@ -114,6 +115,7 @@ class NodalSolution:
     pressure_gradient: Array | None = None
     wall_speeds: Mapping[str, float] = field(default_factory=dict)
     shear_rate: float | None = None
+    law_forces: Array = field(default_factory=lambda: np.empty(0))
 
 
 type Responses = Callable[[Sequence[StokesSystem]], Iterator[NodalSolution]]
@@ -157,6 +159,18 @@ def friction_power(system: StokesSystem, nodal: NodalSolution) -> float:
         return 0.0
     _, of_rank = system.facets.forces(slip_of(system, nodal))
     return float(system.layout.comm.allreduce(of_rank))
+
+
+def law_loads(system: StokesSystem, nodal: NodalSolution) -> Array:
+    """What laws below a gap add to the loads of the bodies, (N, M)."""
+    laws = system.problem.laws
+    return np.zeros_like(nodal.U) if laws is None else laws.loads(nodal.law_forces, nodal.U.shape)
+
+
+def law_dissipation(system: StokesSystem, nodal: NodalSolution) -> float:
+    """What they dissipate."""
+    laws = system.problem.laws
+    return 0.0 if laws is None else laws.dissipation(nodal.law_forces, nodal.U)
 
 
 def mode_equations(system: StokesSystem) -> tuple[Array, Array]:

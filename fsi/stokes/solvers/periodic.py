@@ -153,7 +153,8 @@ def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, 
     drives, boundary = _drives(system, mean, jump), problem.boundary
     resting = Motion(held, np.zeros_like(motion.U), np.zeros_like(motion.F))
     inertia = problem.inertia and Inertia(problem.inertia.D, np.zeros_like(problem.inertia.U0))
-    at_rest = replace(problem, motion=resting, inertia=inertia, interaction=None)
+    laws = problem.laws and problem.laws.at_rest()
+    at_rest = replace(problem, motion=resting, inertia=inertia, interaction=None, laws=laws)
     alone = [replace(known, g=each.g, b=each.b, problem=at_rest) for each in drives]
     solution, *driven = solver(known, *alone)
     total_g, total_b, sizes = known.g, known.b, np.zeros(len(drives))
@@ -196,4 +197,5 @@ def _sum(one: NodalSolution, other: NodalSolution, s: float) -> NodalSolution:
     x, reaction = one.x + s * other.x, one.reaction + s * other.reaction
     load, U = one.load + s * other.load, one.U + s * other.U
     residual, iterations = max(one.residual, other.residual), max(one.iterations, other.iterations)
-    return NodalSolution(x, reaction, load, U, residual, iterations)
+    forces = one.law_forces + s * other.law_forces
+    return NodalSolution(x, reaction, load, U, residual, iterations, law_forces=forces)

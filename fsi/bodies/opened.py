@@ -1,0 +1,80 @@
+"""The nearest configuration in which no gap is narrower than a given one.
+
+The displacements x - q of the centres are the least, in the sum of their squares, with every gap D of bodies,
+images and walls at least c: with D linear about the last x this is a problem of least distance,
+
+    min |x - q|^2   with   D_k + G_k (x - x_k) >= c,
+
+solved by non-negative least squares (C. L. Lawson and R. J. Hanson, Solving Least Squares Problems (1974),
+chapter 23). Distances of centres are convex, so that each solution has gaps of at least c between bodies.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import scipy  # its modules load when they are used
+from numpy.typing import NDArray
+
+from fsi.bodies.configuration import Array, Configuration
+from fsi.bodies.gaps import find_gaps
+from fsi.errors import SolveError
+from fsi.meshes.geometry.container import Container
+
+_ROUNDS = 30
+# Of the gap: what is left of a violation, and how much room the residual of an infeasible problem leaves.
+_TOLERANCE, _INFEASIBLE = 1e-9, 1e-10
+
+
+def opened(q: Configuration, container: Container, least: float, solid: tuple[str, ...]) -> Configuration:
+    """The nearest configuration of discs or spheres with gaps of at least this, q itself where q is one.
+
+    Of walls those count that are `solid` and do not stand for infinity. Raises
+    SolveError: there is none near.
+    """
+    x = q
+    for _ in range(_ROUNDS):
+        G, gap = _gaps(x, container, 3.0 * least, lubricating(container, solid))
+        if gap.min(initial=np.inf) >= least * (1.0 - _TOLERANCE):
+            return x
+        moved = _least_distance(G, least - gap + G @ (x.centres - q.centres).ravel())
+        if moved is None:
+            break
+        x = replace(q, centres=q.centres + moved.reshape(q.centres.shape))
+    raise SolveError(
+        f"lubrication.below = {least:g}: the bodies have no room to be moved apart to gaps of this; give a "
+        "smaller one, or drop it"
+    )
+
+
+def lubricating(container: Container, solid: tuple[str, ...]) -> NDArray[np.bool_]:
+    """Which walls are solid and no part of infinity, (walls,)."""
+    return np.array([w in solid and w not in container.far_walls for w in container.walls], dtype=bool)
+
+
+def _gaps(
+    q: Configuration, container: Container, reach: float, near: NDArray[np.bool_]
+) -> tuple[Array, Array]:
+    """The rows G = grad D over all centres, (P, N d), and D, (P,), of gaps up to a reach."""
+    found, (N, d) = find_gaps(q, container, reach), q.centres.shape
+    i, j = found.pairs.T
+    between = q.centres[i] - q.centres[j] - found.away
+    n = between / np.linalg.norm(between, axis=1)[:, None]
+    body, wall = np.nonzero((found.wall_gaps <= reach) & near)
+    G, pairs = np.zeros((len(i) + len(body), N, d)), np.arange(len(i))
+    np.add.at(G, (pairs, i), n)
+    np.add.at(G, (pairs, j), -n)
+    if len(body):
+        G[len(i) + np.arange(len(body)), body] = container.normals(q.centres)[body, wall]
+    return G.reshape(len(G), N * d), np.append(found.pair_gaps, found.wall_gaps[body, wall])
+
+
+def _least_distance(G: Array, h: Array) -> Array | None:
+    """The shortest x with G x >= h; None where there is none."""
+    scale = float(np.abs(h).max())
+    rows = np.vstack([G.T, h / scale])
+    target = np.append(np.zeros(G.shape[1]), 1.0)
+    dual, _ = scipy.optimize.nnls(rows, target)
+    rest = rows @ dual - target
+    if -rest[-1] <= _INFEASIBLE:
+        return None
+    return np.asarray(-scale * rest[:-1] / rest[-1])
