@@ -1,4 +1,4 @@
-"""What the pages tell a reader to type can be typed: all of it is understood, and what is quick is run."""
+"""What the pages tell a reader to type can be typed: all of it is understood, and run."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def test_a_command_of_the_pages_is_understood(command: str) -> None:
     require_understood(command)
 
 
-# What is not run here, and why; some of these are run by tests of their own.
+# What only `pytest -m hours` runs, and why; some of these are run by tests of their own.
 _RUNS = "history|attraction|no_attraction|collapse|couette|pores_history|spheres_in_space|layers|sheared_cell"
 EXPENSIVE = {
     r"fsi run cases/(suspensions|pores|gluey/collapse|gluey/layers|spheres_in|couette)": "minutes",
@@ -128,19 +128,61 @@ def runs_here(page: str, command: str) -> bool:
 RUN = {page: [one for one in found if runs_here(page, one)] for page, found in PRINTED.items()}
 
 
+def run_in_order(typed: list[str], folder: Path) -> None:
+    """Type commands in a folder that has the cases and pages of a checkout; all must end well."""
+    for name in ("cases", "docs"):
+        shutil.copytree(ROOT / name, folder / name)
+    failed, environment = [], os.environ | {"PYTHONPATH": str(ROOT)}
+    for command in typed:
+        for made_anew in ("validation", "sweep"):  # these want a new folder
+            shutil.rmtree(folder / "runs" / made_anew, ignore_errors=True)
+        line = [sys.executable, "-m", *shlex.split(command)]
+        done = subprocess.run(line, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            failed.append(f"{command}: {done.stderr}")
+    assert failed == []
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("page", [page for page, found in RUN.items() if found])
 def test_quick_commands_of_a_page_run_in_their_order(page: str, tmp_path: Path) -> None:
-    for folder in ("cases", "docs"):
-        (tmp_path / folder).symlink_to(ROOT / folder)
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
-    for command in RUN[page]:
-        shutil.rmtree(tmp_path / "runs" / "validation", ignore_errors=True)  # a new folder is wanted
-        line = [sys.executable, "-m", *shlex.split(command)]
-        done = subprocess.run(
-            line, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
-        )
-        assert done.returncode == 0, f"{command}: {done.stderr}"
+    run_in_order(RUN[page], tmp_path)
+
+
+def folder_of(command: str) -> str | None:
+    """Where `fsi run` of a command writes, "runs/NAME"; None of another command."""
+    words = shlex.split(command)
+    if words[:2] != ["fsi", "run"]:
+        return None
+    if "-o" in words:
+        return words[words.index("-o") + 1]
+    return f"runs/{Path(words[2]).stem}"
+
+
+MAKERS = {folder: command for command in reversed(ALL) if (folder := folder_of(command))}
+
+
+def with_makers(typed: list[str]) -> list[str]:
+    """Commands, before each those that make the runs it reads where none before it has."""
+    whole: list[str] = []
+    for command in typed:
+        there = {folder_of(each) for each in whole}
+        needed = [word for word in shlex.split(command) if word in MAKERS and word != folder_of(command)]
+        whole += [MAKERS[folder] for folder in needed if folder not in there]
+        whole += [command] if command not in whole else []
+    return whole
+
+
+EVERY = {
+    page: with_makers([each for each in found if each.startswith("fsi ") and each != REFUSED])
+    for page, found in PRINTED.items()
+}
+
+
+@pytest.mark.hours
+@pytest.mark.parametrize("page", [page for page, found in EVERY.items() if found != RUN[page]])
+def test_every_command_of_a_page_runs_in_its_order(page: str, tmp_path: Path) -> None:
+    run_in_order(EVERY[page], tmp_path)
 
 
 def script_of(words: list[str]) -> Path:

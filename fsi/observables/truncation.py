@@ -35,7 +35,7 @@ class SolvedFlow:
         U: velocities of the bodies, (N, M).
         F: loads int sigma n, n out of the fluid, by the reactions, (N, M): external; the fluid exerts -F.
         traction_F: the same from the traction integral of sigma_h n, less accurate, a cross-check.
-        dissipation: int 2 mu e : e, infinite where the velocities of walls jump.
+        dissipation: int 2 mu e : e and that of laws below a gap, infinite where the velocities of walls jump.
         checks: the relative defects of the identities.
         dofs: unknowns (u, p) before constraints.
         cells: number of cells over all ranks.
@@ -45,7 +45,7 @@ class SolvedFlow:
         jumps: the walls with different velocities that meet, by their names.
         wall_speeds: along x, of the walls that a stress moves.
         shear_rate: of a cell that a stress shears, else None.
-        law_dissipation: of the laws below a gap, beside that of the flow; None without such laws.
+        law_dissipation: what of it the laws below a gap have; None without such laws.
         slip_dissipation: (mu / b) int |slip|^2 over the surfaces along which fluid slides; None without any.
     """
 

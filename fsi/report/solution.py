@@ -124,7 +124,7 @@ def _laws_line(case: Case, dissipation: float) -> str:
     walls = [k for k, name in enumerate(container.walls) if name not in container.far_walls]
     opened = int((gaps.pair_gaps < below).sum() + (gaps.wall_gaps[:, walls] < below).sum())
     meshed = f"{opened} gaps below {below:g} are meshed at least as wide as that"
-    return f"{meshed}; laws there dissipate {dissipation:.6g} beside the flow"
+    return f"{meshed}; {dissipation:.6g} of the dissipation is that of laws there"
 
 
 def _solver(solution: SolvedFlow) -> str:

@@ -181,11 +181,12 @@ def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clo
     of_p, area = system.layout.comm.allreduce(here)
     mean_pressure = float(of_p / area)
     dissipation, more = forms.integrate("dissipation"), law_loads(system, nodal)
+    of_laws = law_dissipation(system, nodal)
     checks, bulk = identities(system, nodal, nodal.load, dissipation), None
     if problem.periodic:
         bulk = bulk_stress(system, nodal, mean_pressure)
         if is_force_free(system):
-            elsewhere = friction_power(system, nodal) + law_dissipation(system, nodal)
+            elsewhere = friction_power(system, nodal) + of_laws
             checks |= viscosity_checks(problem, bulk, dissipation + elsewhere)
     require(checks)
     if not problem.boundary.pressures:
@@ -201,10 +202,10 @@ def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clo
     traction_F = load_of(system, integral) + more
     clock.lap("checks")
     return StokesSolution(
-        nodal.U, nodal.load + more, traction_F, inf if jumping else dissipation, checks,
+        nodal.U, nodal.load + more, traction_F, inf if jumping else dissipation + of_laws, checks,
         forms.dofs, problem.fluid.cells(), nodal.iterations, clock.seconds, bulk, jumping, problem,
         flow, surface, nodal.pressure_gradient,
         wall_speeds=nodal.wall_speeds, shear_rate=nodal.shear_rate,
-        law_dissipation=None if problem.laws is None else law_dissipation(system, nodal),
+        law_dissipation=None if problem.laws is None else of_laws,
         slip_dissipation=friction_power(system, nodal) if problem.sliding else None,
     )  # fmt: skip

@@ -37,6 +37,7 @@ def test_a_sphere_near_a_plane_has_the_force_of_brenner(gap: float) -> None:
     """Measured 4e-7; without the law the force is that at 0.01: 1 % and a factor 1e4 off."""
     found = solved([BALL | {"position": [0.0, 1.0 + gap]}], 0.01, geometry="axisymmetric")
     assert_allclose(found.F[0, 1], -spheres.normal_resistance((1.0 + gap) - 1.0, 1.0, 2.0), rtol=1e-5)
+    assert_allclose(found.dissipation, (found.U * found.F).sum(), rtol=1e-9)
 
 
 def test_a_disc_near_a_plane_has_all_exact_loads_of_jeffrey_and_onishi() -> None:
