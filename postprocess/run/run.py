@@ -161,15 +161,21 @@ class Run:
 
     def container(self, step: int) -> Container:
         """What encloses the fluid at a step; the lattice of a sheared cell moves, as its stress drives it."""
-        row = self.steps.loc[self.steps["step"] == step].iloc[0]
-        now = self.case.container().at(float(row["t"]), self.strain(step))
-        return now.sheared(float(row["shear_rate"])) if "shear_rate" in row else now
+        t = float(self.times[step]) if step in self.times.index else self._of_step(step, "t")
+        now = self.case.container().at(t, self.strain(step))
+        return now.sheared(self._of_step(step, "shear_rate")) if self._stressed else now
 
     def strain(self, step: int) -> float:
         """By which a stress has sheared the lattice at a step; zero where none does."""
-        if "strain" not in self.steps:
-            return 0.0
-        return float(self.steps.loc[self.steps["step"] == step, "strain"].iloc[0])
+        return self._of_step(step, "strain") if self._stressed else 0.0
+
+    @property
+    def _stressed(self) -> bool:
+        """Whether a stress shears a cell."""
+        return self.case.domain.mean_drive().mean_stress is not None
+
+    def _of_step(self, step: int, column: str) -> float:
+        return float(self.steps.loc[self.steps["step"] == step, column].iloc[0])
 
     def configuration(self, step: int) -> Configuration:
         """Where the bodies were at a step."""
