@@ -77,6 +77,17 @@ def test_a_scheme_of_several_steps_goes_on_as_if_it_had_not_been_broken_off(
     assert contents(tmp_path / "run") == contents(tmp_path / "unbroken")
 
 
+def test_a_run_from_before_cells_were_sheared_by_a_stress_goes_on(unbroken: Path, tmp_path: Path) -> None:
+    """Its state has no strain."""
+    folder = tmp_path / "run"
+    break_off(folder, small_case(), step=4)
+    with np.load(folder / "state.npz") as state:
+        arrays = {name: state[name] for name in state.files if name != "strain"}
+    np.savez(folder / "state.npz", **arrays)
+    assert resume(folder, make=by(make_model)).steps > 0
+    assert contents(folder) == contents(unbroken)
+
+
 def test_lost_rows_are_noticed(tmp_path: Path) -> None:
     break_off(tmp_path / "run", small_case(), step=4)
     (tmp_path / "run" / "bodies.csv").write_text("step\n")

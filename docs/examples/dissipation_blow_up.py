@@ -60,9 +60,9 @@ def draw(found: dict[tuple[str, str], Array], path: Path) -> None:
     """The dissipation against the gap, on the leading terms."""
     with saved_figure(path, (6.4, 4.4)) as figure:
         axes = figure.add_subplot(xlabel="gap over radius", ylabel="dissipation, mu = 1")
-        for colour, ((lattice, what), values) in zip(COLOURS, found.items(), strict=False):
+        for colour, marker, ((lattice, what), values) in zip(COLOURS, "sxsx", found.items(), strict=False):
             axes.loglog(GAPS, LIMITS[lattice, what] * GAPS ** RATES[what], color=GREY, lw=4, alpha=0.4)
-            axes.loglog(GAPS, values, "o", color=colour, ms=5, label=f"{what}, {lattice} array")
+            axes.loglog(GAPS, values, marker, color=colour, ms=5, label=f"{what}, {lattice} array")
         axes.legend()
 
 

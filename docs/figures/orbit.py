@@ -45,8 +45,8 @@ def main(folder: Path, picture: Path) -> None:
     print(f"after {t[-1]:.4f} in {len(t) - 1} steps the axis is off by {off:.1e}")
     with saved_figure(picture, (6.0, 3.8)) as figure:
         axes = figure.add_subplot(xlabel="time times rate of shear", ylabel="axis of the spheroid")
-        for k, colour in enumerate((BLUE, GREEN, ORANGE)):
-            axes.plot(every, exact[:, k], color=colour, label="xyz"[k])
+        for k, (colour, dash) in enumerate(((BLUE, "-"), (GREEN, "--"), (ORANGE, ":"))):
+            axes.plot(every, exact[:, k], dash, color=colour, label="xyz"[k])
             axes.plot(t, d[:, k], "o", color=colour)
         axes.legend()
 

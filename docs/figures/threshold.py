@@ -29,6 +29,8 @@ NARROWEST = 1e-6
 ENDS = {1.0: 1e5, 1.0 / 2.0: 1e3, 1.0 / 3.0: 200.0, 1.0 / 4.0: 200.0}  # of time, later than the last gap
 NAMES = dict(zip(ENDS, ("1", "1/2", "1/3", "1/4"), strict=True))
 COLOURS = dict(zip(ENDS, (GREY, GREEN, BLUE, ORANGE), strict=True))
+DASHES = dict(zip(ENDS, (":", "-.", "-", "--"), strict=True))
+MARKERS = dict(zip(ENDS, "xv.s", strict=True))
 
 
 def above(alpha: float, gap: float) -> list[str]:
@@ -80,9 +82,9 @@ def main(folder: Path, picture: Path) -> None:
             assert found is not None, "the gap closes steadily"
             print(told(alpha, found), flush=True)
             line = {"color": COLOURS[alpha], "label": f"alpha = {NAMES[alpha]}"}
-            over_time.plot(t, q, **line)
+            over_time.plot(t, q, DASHES[alpha], **line)
             if np.isfinite(found.time + found.error):
-                left.plot(found.time - t, q, ".", **line)
+                left.plot(found.time - t, q, MARKERS[alpha], ms=4, **line)
                 power = 1.0 / (1.0 - 3.0 * alpha / (1.0 + alpha))
                 s = np.geomspace((NARROWEST * 0.8) ** (1.0 / power), 1.0, 50)
                 s *= coefficient(alpha) * power

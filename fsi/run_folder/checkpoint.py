@@ -65,7 +65,8 @@ def _checkpoint(arrays: Mapping[str, NDArray[Any]]) -> Checkpoint:
         prefix = f"{name}/"
         return {key.removeprefix(prefix): value for key, value in arrays.items() if key.startswith(prefix)}
 
-    q = Configuration(arrays["centres"], arrays["angles"], arrays["radii"], strain=float(arrays["strain"]))
+    strain = float(arrays.get("strain", 0.0))  # older runs have none: no stress sheared their cells
+    q = Configuration(arrays["centres"], arrays["angles"], arrays["radii"], strain=strain)
     if len({len(part) for part in (q.centres, q.angles, q.radii, arrays["U"][: len(q)])}) > 1:
         raise ValueError("its arrays are of different numbers of bodies")
     past = Past(**group("past")) if group("past") else None
