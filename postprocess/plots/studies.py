@@ -84,18 +84,19 @@ def plot_levels(paths: Trajectories, viscosities: ViscosityHistories | None, pat
     Raises InputError where it cannot be written.
     """
     panels = 2 if viscosities is None else 3
-    with saved_figure(path, (5.0 * panels, 4.0)) as figure:
-        axes = figure.subplots(1, panels)
+    with saved_figure(path, (7.0, 2.7 * panels)) as figure:
+        axes = figure.subplots(panels, 1, sharex=True)
         for level, gap in paths.smallest.items():
             style = _style(level, paths.t)
             axes[0].plot(paths.t, gap, label=level, **style)
             axes[1].semilogy(paths.t, np.where(gap > 0.0, gap, np.nan), **style)
-        axes[0].set(xlabel="time", ylabel="smallest gap")
-        axes[1].set(xlabel="time", ylabel="smallest gap (none where surfaces touch)")
+        axes[0].set(ylabel="smallest gap")
+        axes[1].set(ylabel="smallest gap above 0")
         if viscosities is not None:
             for level, mu in viscosities.mu.items():
                 axes[2].plot(viscosities.t, mu, **_style(level, viscosities.t))
-            axes[2].set(xlabel="time", ylabel="apparent viscosity")
+            axes[2].set(ylabel="apparent viscosity")
+        axes[-1].set(xlabel="time")
         axes[0].legend()
 
 
