@@ -9,7 +9,7 @@ coordinates, and moves.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial, reduce
+from functools import lru_cache, partial, reduce
 from itertools import product
 
 import numpy as np
@@ -195,7 +195,7 @@ class Cell(WithoutWalls):
     @property
     def periods(self) -> Array:
         """The reduced basis at this time, (d, d)."""
-        return reduced(self.carried(np.array(self.vectors), self.time))
+        return _periods(self)
 
     @property
     def image_reach(self) -> float:
@@ -238,6 +238,14 @@ class Cell(WithoutWalls):
         """Half of all vectors of the reduced basis."""
         middle: Array = 0.5 * self.periods.sum(axis=0)
         return middle
+
+
+@lru_cache(maxsize=8)  # a step asks for those of one cell some twenty times
+def _periods(cell: Cell) -> Array:
+    """The reduced basis of a cell."""
+    basis = reduced(cell.carried(np.array(cell.vectors), cell.time))
+    basis.flags.writeable = False
+    return basis
 
 
 @dataclass(frozen=True, slots=True)
