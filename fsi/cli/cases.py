@@ -51,7 +51,7 @@ def check(case_file: CaseFile, overrides: Overrides = None) -> None:
     case = load(case_file, overrides)
     check_expected(case)
     if parallel.is_root():
-        from fsi.report.solution import print_case
+        from fsi.report.case import print_case
 
         print_case(standard_output(), case)
 

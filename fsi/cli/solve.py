@@ -76,7 +76,7 @@ def _solve_reduced(case: Case, *, as_json: bool) -> None:
     """Without inertia, as the resolved model is solved."""
     from fsi.models import require_instant
     from fsi.reduced.model import ReducedModel
-    from fsi.report.solution import instant_json, print_instant
+    from fsi.report.network import instant_json, print_instant
 
     require_instant(case)
     found = ReducedModel(case)(case.configuration(), 0.0)

@@ -1,10 +1,10 @@
-"""What the commands show: one instant as a JSON object or as tables, and the summary of a case.
+"""What the commands show of a solved flow at one instant: a JSON object, or tables.
 
 Here, unlike in the arrays, a force is the one that the FLUID exerts on the body, `-F`.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from rich.console import Console
@@ -14,18 +14,12 @@ from rich.text import Text
 from fsi.bodies.configuration import Array
 from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
-from fsi.case.section import toml_text
 from fsi.integration.errors import ErrorEstimate, StressErrors
-from fsi.integration.schemes import scheme_for
-from fsi.meshes.geometry.lattice import Lattice
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.quantities import Driven
 from fsi.observables.truncation import SolvedFlow
 from fsi.report.console import checks_table, print_mesh_instead, table
 from fsi.report.gaps import gaps_json, gaps_table
-
-if TYPE_CHECKING:
-    from fsi.reduced.model import ReducedInstant
 
 # Changes of the results in a container of half the radius, where there is one.
 type Truncation = Mapping[str, float] | None
@@ -247,102 +241,3 @@ def _cost(case: Case, solution: SolvedFlow, errors: ErrorEstimate) -> Text:
         f"dissipation {dissipation}; {solution.cells} cells, {solution.dofs} unknowns, "
         f"{_solver(solution)}, {sum(solution.seconds.values()):.2f} CPU s ({phases})"
     )
-
-
-def print_case(console: Console, case: Case) -> None:
-    """What a case holds: bodies with their smallest gaps, what is free or held, walls, how it is stepped."""
-    rows = [(name, "at rest" if wall.rests else toml_text(wall)) for name, wall in case.domain.walls.items()]
-    if case.bodies:
-        console.print(_case_table(case))
-        if case.configuration().shaped:
-            console.print(gaps_table(case))
-    if len(case.bodies) > _MOST:
-        console.print(f"... {len(case.bodies) - _MOST} more bodies")
-    if rows:
-        console.print(table(("wall", "what holds there"), (), rows))
-    console.print(_level(case), highlight=False)
-
-
-_MOST = 60  # bodies that are listed
-
-
-def _level(case: Case) -> str:
-    """The level of a case, and how far and by which steps it goes."""
-    matter = f", {case.macroscopic.parcels} parcels" if case.model == "macroscopic" else ""
-    if case.time is None:
-        return f"{case.model}{matter}, one instant"
-    steps = f"by steps of {case.time.step:g}" if case.time.step is not None else ""
-    if case.level.viscous:
-        scheme = scheme_for(case.time.scheme, inertia=case.masses() is not None)
-        steps = f"{steps if scheme.fixed else ''} by the scheme {scheme.name}".strip()
-    return f"{case.model}{matter}, to t = {case.time.end:g} {steps}"
-
-
-def _case_table(case: Case) -> Table:
-    words = ("body", "position", "radius", "smallest gap", "to")
-    modes = (components(case)[k] for k in np.flatnonzero(case.modes))
-    shown = table((*words, *modes), (), title=case.name, title_justify="left")
-    held = case.held()
-    for i, body in enumerate(case.bodies[:_MOST]):
-        gap, neighbour = _nearest(case, i)
-        position = ", ".join(f"{x:.6g}" for x in body.position)
-        motion = ("held" if is_held else "free" for is_held in held[i, case.modes])
-        shown.add_row(body.name, position, f"{body.radius:.6g}", f"{gap:.6g}", neighbour, *motion)
-    return shown
-
-
-def _nearest(case: Case, i: int) -> tuple[float, str]:
-    """The smallest gap of body i and the name of what lies there, a body or a wall."""
-    q, container = case.configuration(), case.container()
-    if q.shaped:
-        found = find_gaps(q, container, np.inf)
-        of_i = np.flatnonzero((found.pairs == i).any(axis=1))
-        least = np.append(found.pair_gaps[of_i], found.wall_gaps[i])
-        names = [case.names[j] for j in found.pairs[of_i].sum(axis=1) - i] + list(container.walls)
-        return float(least.min()), names[int(least.argmin())]
-    lattice = Lattice(container.periods)
-    apart = q.centres - q.centres[i]
-    apart = apart - lattice.shift(lattice.nearest(apart))
-    to_bodies = np.linalg.norm(apart, axis=1) - q.radii
-    to_images = lattice.shift(lattice.near()[1:])
-    to_bodies[i] = np.linalg.norm(to_images, axis=1).min(initial=np.inf) - q.radii[i]
-    gaps = np.append(to_bodies, container.distances(q.centres[i : i + 1])) - q.radii[i]
-    return float(gaps.min()), (*case.names, *container.walls)[int(gaps.argmin())]
-
-
-# Of what a step records.
-SHOWN = (
-    "dissipation", "apparent_viscosity", "lubrication_viscosity", "momentum", "power", "balance", "residual",
-)  # fmt: skip
-
-
-def instant_json(case: Case, instant: "ReducedInstant") -> dict[str, Any]:
-    """The object that `fsi solve --json` prints; the force of a contact is positive where the gap opens."""
-    bodies, contacts = bodies_json(case, instant.U, instant.F), _contacts(case, instant)
-    record = {name: float(value) for name, value in instant.record.items()}
-    return {"name": case.name, "bodies": bodies, "contacts": contacts, **record}
-
-
-def print_instant(console: Console, case: Case, instant: "ReducedInstant") -> None:
-    """The same for a reader: the bodies, their lubricated gaps, one line of numbers."""
-
-    def numbers(i: int, k: int) -> tuple[str, str]:
-        return f"{instant.U[i, k]:.8g}", f"{0.0 - instant.F[i, k]:.8g}"
-
-    keys, contacts = ("gap", "rate", "force"), _contacts(case, instant)
-    rows = ((*row["between"], *(f"{row[key]:.8g}" for key in keys)) for row in contacts)
-    title = "lubricated gaps; forces > 0 where they open"
-    gaps = table(("gap between", "and"), ("gap", "its rate", "force"), rows, title=title)
-    console.print(bodies_table(case, ("velocity", "force of the fluid"), numbers), gaps, sep="\n")
-    shown = (f"{name} {instant.record[name]:.8g}" for name in SHOWN if name in instant.record)
-    console.print("  ".join(shown), highlight=False)
-
-
-def _contacts(case: Case, instant: "ReducedInstant") -> list[dict[str, Any]]:
-    """Each gap within the reach of its law: its sides, D, D', lambda."""
-    pairs, sides = instant.pairs, (*case.names, *case.container().walls)
-    columns = zip(pairs.i, pairs.j, pairs.gap, instant.rates, instant.force, strict=True)
-    return [
-        {"between": [sides[i], sides[j]], "gap": float(D), "rate": float(rate), "force": float(force)}
-        for i, j, D, rate, force in columns
-    ]

@@ -14,9 +14,10 @@ from fsi.case.case import Case
 from fsi.case.load import load_case, parse_case
 from fsi.integration.errors import ErrorEstimate
 from fsi.observables.truncation import SolvedFlow, halved, truncation
+from fsi.report.case import print_case
 from fsi.report.console import standard_output
 from fsi.report.gaps import gaps_json
-from fsi.report.solution import print_case, print_solution, solution_json
+from fsi.report.solution import print_solution, solution_json
 
 CASES = Path(__file__).parents[2] / "cases"
 
