@@ -117,7 +117,7 @@ def _laws_line(case: Case, dissipation: float) -> str:
     gaps = find_gaps(q, container, below)
     walls = [k for k, name in enumerate(container.walls) if name not in container.far_walls]
     opened = int((gaps.pair_gaps < below).sum() + (gaps.wall_gaps[:, walls] < below).sum())
-    meshed = f"{opened} gaps below {below:g} are meshed at least as wide as that"
+    meshed = f"gaps below {below:g}, meshed at least as wide as that: {opened}"
     return f"{meshed}; {dissipation:.6g} of the dissipation is that of laws there"
 
 
