@@ -15,7 +15,7 @@ type Indices = NDArray[np.intp]
 _FEW = 6
 
 
-class Nearby:
+class NearbyPoints:
     """Points in the plane that are asked for those near others."""
 
     def __init__(self, points: Array) -> None:

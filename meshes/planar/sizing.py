@@ -38,7 +38,7 @@ import numpy as np
 from fsi.meshes.geometry.container import Array, Container, FluidDomain
 from fsi.meshes.geometry.curves import WallCurve
 from fsi.meshes.geometry.lattice import Integers, Lattice
-from fsi.meshes.geometry.nearby import Nearby
+from fsi.meshes.geometry.nearby import NearbyPoints
 from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.planar.facing import FINEST, LONGEST, NARROW, FacedGap, foot_on, on_wall
 from fsi.meshes.planar.grading import Grading
@@ -132,7 +132,7 @@ class Surfaces:
     centres: Array
     shifts: Integers
     radii: Array
-    nearby: Nearby
+    nearby: NearbyPoints
     bodies: int
     lattice: Lattice
     resolution: Resolution
@@ -147,7 +147,7 @@ class Surfaces:
         images = (lattice.shift(m)[:, None] + lattice.wrapped(domain.centres)).reshape(-1, 2)
         radii = np.tile(domain.radii, len(m))
         grading = Grading.of(domain, resolution.growth)
-        nearby, bodies = Nearby(images), len(domain.radii)
+        nearby, bodies = NearbyPoints(images), len(domain.radii)
         each = zip(domain.placed * len(m), images, strict=False)
         placed = tuple(body.moved(centre) for body, centre in each)
         return Surfaces(

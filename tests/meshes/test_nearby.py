@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fsi.meshes.geometry.nearby import Nearby
+from fsi.meshes.geometry.nearby import NearbyPoints
 
 
 @given(st.integers(1, 12), st.integers(0, 2**32 - 1))
@@ -15,7 +15,7 @@ def test_what_is_near_is_told_by_distances_however_many_points_there_are(n: int,
     points, x, reach = random.random((n, 2)), random.random((5, 2)), random.random(5)
     distances = np.linalg.norm(x[:, None] - points, axis=2)  # of all, without a tree
     k = int(random.integers(1, n + 1))
-    nearby = Nearby(points)
+    nearby = NearbyPoints(points)
     away, which = nearby.nearest(x, k)
     np.testing.assert_allclose(away, np.sort(distances, axis=1)[:, :k], rtol=1e-14)
     np.testing.assert_allclose(np.take_along_axis(distances, which, axis=1), away, rtol=1e-14)
