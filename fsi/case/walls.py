@@ -140,7 +140,7 @@ class Stress(Section, WallCondition):
 
     tag: ClassVar[str] = "<stress>"
     stress: Series
-    """the force of a wall of a channel on the fluid along x, over its length, a series"""
+    """the force of a wall of a channel on the fluid along x, over its length (in space its area), a series"""
 
     @override
     def shear_stress(self, t: float) -> float:

@@ -108,6 +108,25 @@ def test_a_cell_of_space_under_a_stress() -> None:
     assert found.shear_rate == pytest.approx(STRESS / (VISCOSITY * given.apparent_viscosity), rel=1e-8)
 
 
+@pytest.mark.slow
+def test_a_wall_in_space_under_a_stress() -> None:
+    """One sphere between plates: what the top is pulled by is the viscosity times the rate."""
+    data: dict[str, Any] = {
+        "name": "plates", "geometry": "spatial", "fluid": {"viscosity": VISCOSITY},
+        "domain": {"lower": [0.0] * 3, "upper": [4.0, 4.0, 3.5], "periodic": ["x", "y"]},
+        "bodies": [{"name": "ball", "radius": 1.0, "position": [2.0, 2.0, 1.9]}],
+        "discretisation": {"degree": 2, "cells_per_circle": 8, "growth": 1.0, "solver": "direct"},
+    }  # fmt: skip
+    found, given = (
+        StokesModel(case)(case.configuration(), 0.0)
+        for top in ({"stress": STRESS}, [1.0, 0.0, 0.0])
+        for case in [parse_case(data | {"domain": data["domain"] | {"walls": {"top": top}}})]
+    )
+    assert given.apparent_viscosity is not None
+    rate = found.wall_speeds["top"] / 3.5
+    assert rate == pytest.approx(STRESS / (VISCOSITY * given.apparent_viscosity), rel=1e-8)
+
+
 def test_cells_under_a_stress_are_refused_where_nothing_would_follow_it(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"domain\.stress = 0\.7: a rate of shear is given too"):
         load_case(CELL, [f"domain.stress={STRESS}"])
@@ -207,5 +226,5 @@ def test_what_a_stress_does_not_move_is_refused(changes: list[str], said: str) -
 
 
 def test_a_box_has_no_wall_that_a_stress_moves() -> None:
-    with pytest.raises(InputError, match=r"a stress moves only walls of planar channels; give a velocity"):
+    with pytest.raises(InputError, match=r"a stress moves only walls of channels; give a velocity"):
         load_case(CASE.with_name("disc_in_box.toml"), ["domain.walls.top={stress = 1.0}"])

@@ -78,7 +78,7 @@ def _stopped_modes(case: Case, inertia: bool = True) -> Iterator[Array]:
 
 
 def check_stress(case: Case) -> None:
-    """A stress moves one wall of a planar channel along itself, and the other has a velocity; or a cell."""
+    """A stress moves one wall of a channel along itself, and the other has a velocity; or a cell."""
     stressed = case.wall_stress(0.0)
     container, mean = case.container(), case.domain.mean_drive().mean_stress
     keys = [(f"domain.walls.{name}", toml_text(case.domain.walls[name]), "a velocity") for name in stressed]
@@ -90,8 +90,8 @@ def check_stress(case: Case) -> None:
                 f'{here}: model = "{case.model}" is not moved by a stress; give {instead}, or add '
                 "--set model=resolved or pores"
             )
-        if stressed and (container.dimension, len(container.periods), len(container.walls)) != (2, 1, 2):
-            raise InputError(f"{here}: a stress moves only walls of planar channels; give a velocity")
+        if stressed and (len(container.periods), len(container.walls)) != (container.dimension - 1, 2):
+            raise InputError(f"{here}: a stress moves only walls of channels; give a velocity")
         if len(stressed) > 1:
             raise InputError(f"{here}: so has the other wall, and nothing fixes the velocity; give it one")
 
