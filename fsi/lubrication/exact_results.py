@@ -19,9 +19,8 @@ from fsi.lubrication.concentric import Concentric
 from fsi.lubrication.exact import Array
 from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
 
-NEAR_CENTRE = (
-    10.0  # a ball that is so many times as far as spheres reach leaves out 1e-3 of their largest loads
-)
+# A ball that is so many times as far as spheres reach leaves out 1e-3 of their largest loads.
+NEAR_CENTRE = 10.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,10 +5,11 @@ and what chance may hide in one result of many. Where errors have several causes
 """
 
 import operator
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from math import nan
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,8 +81,7 @@ def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> St
     viscosity = sum(of_viscosity) if of_viscosity else None
     of_stress = [part for each in others if (part := _of_stress(results, each)) is not None]
     stress = reduce(operator.add, of_stress) if of_stress else None
-    driven = _of_driven(results, others[0].results, others[0].factor)
-    errors = ErrorEstimate(U, F, dissipation, viscosity, stress, *driven)
+    errors = ErrorEstimate(U, F, dissipation, viscosity, stress, *_of_driven(results, others))
     relative = relative_change(results, errors, motion.held, arms, scales)
     mu = getattr(results, "apparent_viscosity", None)
     if mu is not None and viscosity is not None:
@@ -125,16 +125,17 @@ def _of_viscosity(results: Results, other: Results, factor: float) -> float | No
     )
 
 
-def _of_driven(results: Results, other: Results, factor: float) -> tuple[Mapping[str, float], float | None]:
-    """The same for the speeds of walls that a stress moves, and for the rate of shear of a cell."""
+def _of_driven(results: Results, others: Sequence[Compared]) -> tuple[Mapping[str, float], float | None]:
+    """The sum for the speeds of walls that a stress moves, and for the rate of shear of a cell."""
 
-    def bound(value: float, value_of_other: float) -> float:
-        return max(factor * abs(value - value_of_other), _rounding(results) * abs(value))
+    def bound(name: str, value_in: Callable[[Any], float]) -> float:
+        value = value_in(getattr(results, name))
+        off = (each.factor * abs(value - value_in(getattr(each.results, name))) for each in others)
+        return max(sum(off), _rounding(results) * abs(value))
 
-    speeds, of_other = (getattr(each, "wall_speeds", {}) for each in (results, other))
-    rate, rate_of_other = (getattr(each, "shear_rate", None) for each in (results, other))
-    of_walls = {wall: bound(speed, of_other[wall]) for wall, speed in speeds.items()}
-    return of_walls, None if rate is None or rate_of_other is None else bound(rate, rate_of_other)
+    walls = getattr(results, "wall_speeds", {})
+    of_walls = {wall: bound("wall_speeds", operator.itemgetter(wall)) for wall in walls}
+    return of_walls, None if getattr(results, "shear_rate", None) is None else bound("shear_rate", float)
 
 
 def _of_stress(results: Results, other: Compared) -> StressErrors | None:

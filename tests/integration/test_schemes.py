@@ -133,7 +133,7 @@ SPHEROID = Ellipsoid(np.array([1.0, 0.5, 0.5]))
 SHEAR = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]])  # u = z e_x
 
 
-def jeffery(q: Configuration, t: float) -> Array:  # noqa: ARG001
+def jeffery(q: Configuration, _: float) -> Array:
     """Of a free spheroid in shear (1922)."""
     own = q.standing[0].rotation
     omega = own @ free_rotation(SPHEROID.half_axes, own.T @ SHEAR @ own)

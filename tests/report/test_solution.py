@@ -151,9 +151,8 @@ def test_a_lone_body_of_a_periodic_cell_is_nearest_to_its_own_image() -> None:
     domain = {"shape": "cell", "vectors": [[5.0, 0.0], [0.0, 7.0]], "shear": 1.0}
     body = {"name": "disc", "radius": 1.0, "position": [1.0, 1.0]}
     data = {"name": "lone", "fluid": {"viscosity": 1.0}, "domain": domain, "bodies": [body]}
-    console = Console(file=io.StringIO(), width=120)
-    print_case(console, parse_case(data))
-    rows = [line.replace("│", " ").split() for line in console.file.getvalue().splitlines()]  # type: ignore[attr-defined]
+    printed = standard_output_of(parse_case(data))
+    rows = [line.replace("│", " ").split() for line in printed.splitlines()]
     assert ["disc", "1,", "1", "1", "3", "disc", "free", "free", "free"] in rows
 
 
@@ -173,7 +172,6 @@ def test_all_gaps_of_shapes_are_listed() -> None:
 
 def standard_output_of(case: Case) -> str:
     """What `fsi check` prints of it."""
-    console = Console(file=io.StringIO(), width=140)
-    print_case(console, case)
-    text: str = console.file.getvalue()  # type: ignore[attr-defined]
-    return text
+    printed = io.StringIO()
+    print_case(Console(file=printed, width=140), case)
+    return printed.getvalue()
