@@ -13,9 +13,9 @@ import pyvista as pv
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
 from fsi.files import replace, require_suffix, write_whole
-from fsi.meshes.cells.lagrange import order_of
+from fsi.meshes.cells.lagrange import order_of, small_simplices
 from fsi.meshes.geometry.container import FluidDomain
-from fsi.postprocess.run.run import Run, along_curves, nodes, open_run, small_triangles
+from fsi.postprocess.run.run import Run, along_curves, nodes, open_run
 from fsi.run_folder.paraview import Entry, collection
 
 SERIES = ("fluid", "surface")
@@ -56,7 +56,7 @@ def revolved(grid: pv.UnstructuredGrid, angles: Array) -> pv.UnstructuredGrid:
     if surface := grid.celltypes[0] == pv.CellType.LAGRANGE_CURVE:
         pieces = np.lib.stride_tricks.sliding_window_view(along_curves(cells), 2, axis=1).reshape(-1, 2)
     else:
-        pieces = cells[:, small_triangles(order_of(cells.shape[1]))].reshape(-1, 3)
+        pieces = cells[:, small_simplices(order_of(cells.shape[1]))].reshape(-1, 3)
     n, rings = grid.n_points, len(angles) - 1
     closed = np.isclose(angles[-1] - angles[0], 2.0 * np.pi)
     places = rings if closed else rings + 1

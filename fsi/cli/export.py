@@ -16,6 +16,7 @@ class ExportFormat(StrEnum):
     """What a run can be written as."""
 
     vtkhdf = "vtkhdf"
+    xdmf = "xdmf"
     csv = "csv"
 
 
@@ -25,31 +26,42 @@ def export(
         ExportFormat,
         typer.Option(
             "--format",
-            help="vtkhdf: the fields of all steps, on their curved cells; csv: the bodies, with radii.",
+            help="vtkhdf: the fields of all steps, on their curved cells; xdmf: the same in small straight "
+            "cells; csv: the bodies, with radii.",
         ),
     ] = ExportFormat.vtkhdf,
     output: Annotated[
         Path | None,
-        output_to("A file with that suffix.", "fields.vtkhdf or all_bodies.csv in the run folder"),
+        output_to("A file with that suffix.", "fields.vtkhdf, fields.xdmf or all_bodies.csv in its folder"),
     ] = None,
 ) -> None:
     """Write a run as one file.
 
-    ParaView and pyvista read a .vtkhdf file as a series whose mesh changes from step to step. XDMF is not
-    written: its readers have no curved cells of this kind.
+    ParaView and pyvista read .vtkhdf and .xdmf files as a series whose mesh changes from step to step. XDMF
+    has no curved cells of these orders: each is cut between its nodes. The numbers of NAME.xdmf are in the
+    folder NAME.data beside it.
     """
     from fsi.postprocess.export import write_bodies
     from fsi.postprocess.run.run import open_run
     from fsi.postprocess.vtk_hdf import write_vtkhdf
+    from fsi.postprocess.xdmf import write_xdmf
 
-    names = {ExportFormat.vtkhdf: "fields.vtkhdf", ExportFormat.csv: "all_bodies.csv"}
+    names = {
+        ExportFormat.vtkhdf: "fields.vtkhdf",
+        ExportFormat.xdmf: "fields.xdmf",
+        ExportFormat.csv: "all_bodies.csv",
+    }
     path = output or folder / names[file_format]
 
     def write() -> str:
         run = open_run(folder)
         require_writable(path)
-        if file_format is ExportFormat.csv:
-            return f"{write_bodies(run, path)} rows"
-        return f"{write_vtkhdf(run, path)} steps"
+        match file_format:
+            case ExportFormat.vtkhdf:
+                return f"{write_vtkhdf(run, path)} steps"
+            case ExportFormat.xdmf:
+                return f"{write_xdmf(run, path)} steps"
+            case ExportFormat.csv:
+                return f"{write_bodies(run, path)} rows"
 
     tell(f"wrote {path}, {parallel.on_root(write)}")

@@ -8,6 +8,7 @@ A cell of nodes x_a is the image of the reference simplex X_1, ..., X_d >= 0, su
     phi = prod_v P_{i_v}(l_v),   P_i(l) = prod_{m < i} (n l - m) / (i - m)          (Silvester 1969)
 """
 
+import itertools
 import math
 
 import numpy as np
@@ -54,6 +55,24 @@ def lattice_in_space(order: int, edges: Rows = VTK_EDGES, faces: Rows = VTK_FACE
 def order_of(nodes: int, dimension: int = 2) -> int:
     """The order of a triangle or tetrahedron with so many nodes."""
     return next(n for n in range(nodes) if math.comb(n + dimension, dimension) == nodes)
+
+
+def small_simplices(order: int, dimension: int = 2) -> Indices:
+    """The straight cells between the nodes of a cell, (order^d, d + 1), each oriented as the cell is.
+
+    With the sums y_k = i_k + ... + i_d of a node's indices the cell is order >= y_1 >= ... >= y_d >= 0. Each
+    unit cube of the y is cut along its diagonal, axis by axis in each of the d! ways (Freudenthal 1942). On a
+    side that two cells share both have the same small ones.
+    """
+    steps = lattice(order) if dimension == 2 else lattice_in_space(order)
+    at = {tuple(np.cumsum(index[::-1])[::-1].tolist()): k for k, index in enumerate(steps)}
+    small = []
+    for corner in itertools.product(range(order), repeat=dimension):
+        for axes in itertools.permutations(np.eye(dimension, dtype=int)):
+            numbers = [at.get(tuple(y)) for y in np.cumsum([corner, *axes], axis=0).tolist()]
+            if None not in numbers:
+                small.append(numbers if np.linalg.det(axes) > 0.0 else [numbers[1], numbers[0], *numbers[2:]])
+    return np.array(small, dtype=np.int64)
 
 
 def reference_nodes(order: int, dimension: int = 2) -> Array:

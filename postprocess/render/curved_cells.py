@@ -13,8 +13,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from fsi.bodies.configuration import Array
-from fsi.meshes.cells.lagrange import order_of, reference_nodes, tabulate
-from fsi.postprocess.run.run import Indices, along_curves, counted, nodes, small_triangles
+from fsi.meshes.cells.lagrange import order_of, reference_nodes, small_simplices, tabulate
+from fsi.postprocess.run.run import Indices, along_curves, counted, nodes
 
 _SEGMENTS = 8  # straight pieces that stand for a curved edge
 _MOST_HALVINGS = 4  # of the sides of a cell
@@ -46,7 +46,7 @@ def refine(fluid: pv.UnstructuredGrid, names: Sequence[str], side: float) -> pv.
     for level in np.unique(halvings):
         alike = cells[halvings == level]
         phi = tabulate(order, reference_nodes(2**level))[0].astype(np.float32)
-        small = small_triangles(2**level) + len(phi) * np.arange(len(alike))[:, None, None]
+        small = small_simplices(2**level) + len(phi) * np.arange(len(alike))[:, None, None]
         faces.append(count + small.reshape(-1, 3))
         count += len(alike) * len(phi)
         for name, values in at_nodes.items():

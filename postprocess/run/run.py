@@ -29,7 +29,6 @@ from fsi.case.load import load_case
 from fsi.errors import InputError
 from fsi.files import json_of
 from fsi.gluey.system import room
-from fsi.meshes.cells.lagrange import lattice
 from fsi.meshes.geometry.container import Container
 from fsi.postprocess.run.grids import read_grid
 from fsi.postprocess.run.tables import read_table
@@ -271,15 +270,6 @@ def nodes(grid: pv.UnstructuredGrid) -> Indices:
     """
     numbers: Indices = grid.cell_connectivity.reshape(grid.n_cells, -1)
     return numbers
-
-
-def small_triangles(order: int) -> Indices:
-    """The triangles between the nodes of a cell, (order^2, 3), as it is oriented itself."""
-    at = {index: k for k, index in enumerate(lattice(order))}
-    cells = [(i, j) for i in range(order) for j in range(order - i)]
-    up = [(at[i, j], at[i + 1, j], at[i, j + 1]) for i, j in cells]
-    down = [(at[i + 1, j], at[i + 1, j + 1], at[i, j + 1]) for i, j in cells if i + j < order - 1]
-    return np.array(up + down, dtype=np.intp)
 
 
 def along_curves(curves: Indices) -> Indices:

@@ -7,7 +7,15 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from vtkmodules.vtkCommonDataModel import vtkLagrangeTetra
 
-from fsi.meshes.cells.lagrange import gradient, invert, locate, order_of, reference_nodes, tabulate
+from fsi.meshes.cells.lagrange import (
+    gradient,
+    invert,
+    locate,
+    order_of,
+    reference_nodes,
+    small_simplices,
+    tabulate,
+)
 
 ORDERS = (1, 2, 3, 4)
 inside = st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)).map(
@@ -26,6 +34,23 @@ def test_each_shape_function_is_one_at_its_own_node_only(order: int) -> None:
     nodes = reference_nodes(order)
     assert order_of(len(nodes)) == order
     np.testing.assert_allclose(tabulate(order, nodes)[0], np.eye(len(nodes)), atol=1e-15)
+
+
+@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_straight_cells_between_the_nodes_fill_a_cell_once(dimension: int, order: int) -> None:
+    """Equal parts of its volume, turned as it is, whose free sides are those of the cell cut alike."""
+    nodes, small = reference_nodes(order, dimension), small_simplices(order, dimension)
+    assert len(small) == order**dimension
+    volume = np.linalg.det(nodes[small[:, 1:]] - nodes[small[:, :1]])
+    np.testing.assert_allclose(volume, order**-dimension, rtol=1e-12)
+    sides = np.concatenate([np.delete(small, k, axis=1) for k in range(dimension + 1)])
+    unique, count = np.unique(np.sort(sides, axis=1), axis=0, return_counts=True)
+    assert count.max() <= 2
+    outer = unique[count == 1]
+    assert len(outer) == (dimension + 1) * order ** (dimension - 1)
+    bary = np.column_stack([1.0 - nodes.sum(axis=1), nodes])[outer]
+    assert np.all(np.any(np.all(np.abs(bary) < 1e-12, axis=1), axis=1))
 
 
 @pytest.mark.parametrize("order", ORDERS)

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import pyvista as pv
 
 import fsi
 from fsi.case.case import Case
@@ -60,6 +61,15 @@ def sheared(tmp_path_factory: pytest.TempPathFactory) -> Run:
     folder = tmp_path_factory.mktemp("pores") / "run"
     run(case_of(output={"interval": 0.1, "error_estimates": True}), folder)
     return open_run(folder)
+
+
+def test_xdmf_tells_of_each_small_triangle_which_pore_it_is_in(sheared: Run, tmp_path: Path) -> None:
+    assert fsi_command("export", sheared.path, "--format", "xdmf", "-o", tmp_path / "pores.xdmf") == 0
+    read, written = pv.read(tmp_path / "pores.xdmf"), sheared.mesh(0)
+    small = read.n_cells // written.n_cells
+    assert small == 16  # of quartic ones
+    np.testing.assert_array_equal(read.cell_data["pore"], np.repeat(written.cell_data["pore"], small))
+    np.testing.assert_array_equal(read["psi"], written["psi"])
 
 
 class KilledError(Exception):

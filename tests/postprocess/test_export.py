@@ -6,10 +6,13 @@ import numpy as np
 import pandas as pd
 import pytest
 import pyvista as pv
+from meshio.xdmf import TimeSeriesReader
 from vtkmodules.vtkIOHDF import vtkHDFReader
 
 import fsi
+from fsi.postprocess.run.run import Run
 from tests.commands import fsi_command
+from tests.postprocess.spatial_run import write_spatial_run
 
 
 def test_all_steps_with_their_curved_cells_are_in_one_file(run: Path) -> None:
@@ -31,6 +34,72 @@ def test_all_steps_with_their_curved_cells_are_in_one_file(run: Path) -> None:
     assert list(run.glob(".partial*")) == []
 
 
+def require_xdmf(path: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """VTK and meshio read the instants, points and values of a run to the last bit, VTK from anywhere."""
+    steps, times = list(run.times.index), list(run.times)
+    reader = pv.get_reader(path)
+    with monkeypatch.context() as patch:
+        assert reader.time_values == times
+        patch.chdir(path.parent)  # meshio looks for files of numbers where the process runs
+        again = TimeSeriesReader(path)
+        assert again.num_steps == len(steps)
+        for k, step in enumerate(steps):
+            reader.set_active_time_value(times[k])
+            read, written, again.mesh_grid = reader.read(), run.mesh(step), again.collection[k]
+            points, (block,) = again.read_points_cells()
+            t, values, _ = again.read_data(k)
+            assert t == times[k]
+            np.testing.assert_array_equal(block.data, read.cell_connectivity.reshape(block.data.shape))
+            for x in (points, read.points):
+                np.testing.assert_array_equal(x, written.points)
+            assert set(values) == set(read.point_data) == set(written.point_data) >= {"velocity", "pressure"}
+            for name in values:
+                np.testing.assert_array_equal(values[name], written[name])
+                np.testing.assert_array_equal(read[name], written[name])
+
+
+def test_other_programs_read_xdmf(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The small cells of cubic ones have the area of these, but for what arcs are more than chords."""
+    for _ in range(2):  # the second takes the place of the first
+        assert fsi_command("export", run, "--format", "xdmf") == 0
+    of_run = fsi.open_run(run)
+    require_xdmf(run / "fields.xdmf", of_run, monkeypatch)
+    read = pv.read(run / "fields.xdmf")
+    assert set(read.celltypes) == {pv.CellType.TRIANGLE}
+    assert read.n_cells == 9 * of_run.mesh(0).n_cells
+    assert read.area == pytest.approx(of_run.mesh(0).area, rel=2e-3)
+    assert list(run.glob(".partial*")) == []
+    assert len(list((run / "fields.data").iterdir())) == 8  # points, cells and two fields, twice
+
+
+def test_xdmf_in_space(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run = fsi.open_run(write_spatial_run(tmp_path))
+    assert fsi_command("export", tmp_path, "--format", "xdmf", "-o", tmp_path / "in space.xdmf") == 0
+    require_xdmf(tmp_path / "in space.xdmf", run, monkeypatch)
+    read = pv.read(tmp_path / "in space.xdmf")
+    assert set(read.celltypes) == {pv.CellType.TETRA}
+    assert read.n_cells == 8 * run.mesh(0).n_cells
+    assert read.volume == pytest.approx(4.0**3, rel=1e-3)  # of the box, in which cells overlap by 1e-4
+
+
+def test_no_folder_of_others_is_replaced(run: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    (run / "fields.data").mkdir()
+    (run / "fields.data" / "measured.txt").touch()
+    assert fsi_command("export", run, "--format", "xdmf") == 2
+    assert "fields.data is there with other files in it; give another path" in capfd.readouterr().err
+    assert not (run / "fields.xdmf").exists()
+
+
+def test_a_broken_export_leaves_the_one_before(run: Path) -> None:
+    assert fsi_command("export", run, "--format", "xdmf") == 0
+    before = (run / "fields.xdmf").read_bytes()
+    (run / "fields" / "fluid_000002_1.vtu").write_text("no grid")
+    assert fsi_command("export", run, "--format", "xdmf") == 2
+    assert (run / "fields.xdmf").read_bytes() == before
+    assert len(list((run / "fields.data").iterdir())) == 8
+    assert list(run.glob(".partial*")) == []
+
+
 def test_bodies_with_their_radii(run: Path) -> None:
     assert fsi_command("export", run, "--format", "csv", "-o", run / "discs.csv") == 0
     table = pd.read_csv(run / "discs.csv")
@@ -41,7 +110,9 @@ def test_bodies_with_their_radii(run: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--format", "xdmf"), "'xdmf' is not one of 'vtkhdf', 'csv'"),
+        (("--format", "pvd"), "'pvd' is not one of 'vtkhdf', 'xdmf', 'csv'"),
+        (("--format", "xdmf", "-o", "fields.h5"), "fields.h5: give the path of a .xdmf file"),
+        (("--format", "xdmf", "-o", "nowhere/fields.xdmf"), "no file can be written there"),
         (("-o", "fields.h5"), "fields.h5: give the path of a .vtkhdf file"),
         (("-o", "nowhere/fields.vtkhdf"), "no file can be written there"),
         (("--format", "csv", "-o", "fields.vtkhdf"), "fields.vtkhdf: give the path of a .csv file"),
