@@ -29,6 +29,7 @@ import numpy as np
 from fsi.meshes.errors import TouchingError
 from fsi.meshes.geometry.container import Array, FluidDomain, feet_in_space, lengths
 from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
+from fsi.meshes.geometry.lattice import Integers
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.spatial.grading import edge_sizes
 from fsi.meshes.spatial.sides import Sides
@@ -64,11 +65,20 @@ class ClosePair:
 
 @dataclass(frozen=True, slots=True)
 class Spacing:
-    """The law of sizes around the bodies of a domain in space; a periodic one has sides and images."""
+    """The law of sizes around the bodies of a domain in space; a periodic one has sides and images.
+
+    of: whose images its spheres are, (n,), where it has images.
+    """
 
     domain: FluidDomain
     resolution: Resolution
     sides: Sides | None = None
+    of: Integers | None = None
+
+    @property
+    def bodies(self) -> Integers:
+        """Of which body each sphere is an image, (n,)."""
+        return np.arange(len(self.domain.radii)) if self.of is None else self.of
 
     def to_sides(self, x: Array) -> Array:
         """Distances of points (n, 3) from periodic sides, (n, 2 k); negative outside."""

@@ -76,7 +76,7 @@ def _opened(spacing: Spacing, order: int) -> CurvedCells:
     middles = np.array([gap.middle() for gap in gaps]).reshape(-1, 3)
     sides = choose_sides(domain, middles, np.array([WIDEST / CLEARANCE * gap.smallest for gap in gaps]))
     every, of = images(domain, sides, reach)
-    cells = _fill(Spacing(every, spacing.resolution, sides), order)
+    cells = _fill(Spacing(every, spacing.resolution, sides, of), order)
     return replace(cells, tags=with_bodies(cells.tags, of, len(domain.radii)))
 
 
@@ -131,13 +131,11 @@ def _add_fluid(spacing: Spacing, layers: Sequence[GapPrisms]) -> None:
     occ, holes, domain = gmsh.model.occ, [], spacing.domain
     whole = domain.container.solid(occ) if spacing.sides is None else spacing.sides.solid(occ)
     holes += [(3, _add_ellipsoid(body)) for body in domain.ellipsoids]
-    for tag, (x, a) in enumerate(zip(domain.centres, domain.radii, strict=True), 1):
-        if domain.ellipsoids:
-            break
-        holes.append((3, occ.addSphere(*x, a)))
-        turn = seam_turn(tag, float(a), layers)
-        if turn.angle:
-            occ.rotate(holes[-1:], *x, *turn.axis, turn.angle)
+    if not domain.ellipsoids:
+        for x, a, turn in zip(domain.centres, domain.radii, _seam_turns(spacing, layers), strict=True):
+            holes.append((3, occ.addSphere(*x, a)))
+            if turn.angle:
+                occ.rotate(holes[-1:], *x, *turn.axis, turn.angle)
     holes += [(3, _add_cylinder(layer)) for layer in layers]
     if holes:
         occ.cut([(3, whole)], holes)
@@ -281,24 +279,35 @@ AS_IT_IS = Turn(np.array([0.0, 0.0, 1.0]), 0.0)
 TURNS = [AS_IT_IS, *(Turn(axis, k * np.pi / 8.0) for axis in np.eye(3)[::-1] for k in range(1, 16))]
 
 
-def seam_turn(tag: int, radius: float, layers: Sequence[GapPrisms]) -> Turn:
-    """How to turn the sphere with that facet tag: not at all where its seam spares the layers as it is.
+def _seam_turns(spacing: Spacing, layers: Sequence[GapPrisms]) -> list[Turn]:
+    """Of all spheres: images of one body turn alike, so that sides cut them at the same points."""
+    of, radii = spacing.bodies, spacing.domain.radii
+    bodies, first = np.unique(of, return_index=True)
+    images = {i: np.flatnonzero(of == i) + 1 for i in bodies}
+    turns = {i: seam_turn(images[i], float(radii[k]), layers) for i, k in zip(bodies, first, strict=True)}
+    return [turns[i] for i in of]
+
+
+def seam_turn(tags: Indices, radius: float, layers: Sequence[GapPrisms]) -> Turn:
+    """How to turn a sphere and its images: not at all where their seam spares the layers as it is.
 
     It also spares a layer around a pole, whose edge has a corner on it.
+
+    tags: of their facets.
     """
-    axes, widths = _caps(tag, radius, layers)
+    axes, widths = _caps(tags, radius, layers)
     at_pole = np.abs(axes[:, 2]) > POLE
     if _clearance(AS_IT_IS, axes[~at_pole], widths[~at_pole]) > APART:
         return AS_IT_IS
     return max(TURNS, key=lambda turn: _clearance(turn, axes, widths))
 
 
-def _caps(tag: int, radius: float, layers: Sequence[GapPrisms]) -> tuple[Array, Array]:
-    """Directions of the layers on a sphere, (k, 3), and the angles from their axes to their edges, (k,)."""
-    mine = [layer for layer in layers if tag in layer.gap.tags]
-    signs = [1.0 if layer.gap.tags[0] == tag else -1.0 for layer in mine]
-    axes = np.array([sign * layer.gap.along for sign, layer in zip(signs, mine, strict=True)]).reshape(-1, 3)
-    return axes, np.arcsin(np.array([layer.rho / radius for layer in mine]))
+def _caps(tags: Indices, radius: float, layers: Sequence[GapPrisms]) -> tuple[Array, Array]:
+    """Directions of the layers on spheres, (k, 3), and the angles from their axes to their edges, (k,)."""
+    # A layer between two images of one body is on both its sides.
+    mine = [(sign, layer) for layer in layers for sign, tag in zip((1.0, -1.0), layer.gap.tags, strict=True) if tag in tags]
+    axes = np.array([sign * layer.gap.along for sign, layer in mine]).reshape(-1, 3)
+    return axes, np.arcsin(np.array([layer.rho / radius for _, layer in mine]))
 
 
 def _clearance(turn: Turn, axes: Array, widths: Array) -> float:

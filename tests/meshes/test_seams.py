@@ -38,7 +38,7 @@ def test_no_rim_crosses_a_seam(direction: list[float]) -> None:
     assert len(found) == 1
     turned = 0
     for tag, sign in ((1, 1.0), (2, -1.0)):
-        turn = seam_turn(tag, RADII[tag - 1], found)
+        turn = seam_turn(np.array([tag]), RADII[tag - 1], found)
         turned += turn is not AS_IT_IS
         seam = Rotation.from_rotvec(turn.angle * turn.axis).apply(SEAM)
         nearest = np.arccos(np.clip(sign * seam @ found[0].gap.along, -1.0, 1.0)).min()
@@ -50,8 +50,8 @@ def test_spheres_are_left_as_they_are_where_nothing_crosses() -> None:
     """Away from the seam, without any gap, and around a pole, where a corner of the rim lies on it."""
     for direction in ([0.0, 1.0, 0.2], [0.0, 0.0, 1.0]):
         found = layers(pair(np.array(direction)))
-        assert seam_turn(1, 1.0, found) is AS_IT_IS
-    assert seam_turn(1, 1.0, []) is AS_IT_IS
+        assert seam_turn(np.array([1]), 1.0, found) is AS_IT_IS
+    assert seam_turn(np.array([1]), 1.0, []) is AS_IT_IS
 
 
 def test_a_gap_on_the_seam_is_meshed() -> None:
@@ -71,7 +71,7 @@ def test_a_seam_is_turned_as_far_as_it_takes() -> None:
     spacing = Spacing(FluidDomain(BOX, centres, radii), Resolution(1.0, 14, 1.0))
     found = [layer for layer in choose(find_gaps(spacing), spacing) if 1 in layer.gap.tags]
     assert len(found) == 3
-    turn = seam_turn(1, 1.0, found)
+    turn = seam_turn(np.array([1]), 1.0, found)
     seam = Rotation.from_rotvec(turn.angle * turn.axis).apply(SEAM)
     for layer in found:
         towards = layer.gap.along if layer.gap.tags[0] == 1 else -layer.gap.along
