@@ -5,7 +5,9 @@ the parallelogram of its two. Any origin is right, so that it stands where its s
 c_k along the periods the side k is the plane c_k = s_k, and a sphere of radius a around q the interval
 c_k(q) -+ a |b_k|, with the gradient b_k of c_k. A side that nearly touches a sphere, from without or within,
 leaves slivers; one that crosses the middle of a narrow gap leaves no room for its prisms. So of all s_k in
-[0, 1) that is taken which is farthest from all ends of intervals and from all narrow gaps.
+[0, 1) that is taken which is farthest from all ends of intervals and from all narrow gaps. The lines in
+which two sides meet, and the corners, must neither touch a sphere nearly, as that leaves facets with all
+their vertices on sides: where one does, the origin is chosen again from places that are good for each side.
 
 Spheres that stand in several places are several surfaces of one body, and each of their images that meets the
 cell is cut out of it. gmsh copies the triangles of one side to the opposite one. Edges and facets on a sphere
@@ -27,7 +29,9 @@ from fsi.meshes.geometry.container import Array, Container, FluidDomain
 from fsi.meshes.geometry.lattice import Integers, Lattice
 
 PLACES = 400  # that are tried for each side
+FEW = 20  # of them that are tried together with those of the other sides
 FAR = 0.3  # of a radius: no distance of a side from a sphere is better than this
+NEAR = 0.15  # of a radius: a line where sides meet that is nearer is moved
 REMEDY = "lower discretisation.growth or raise cells_per_circle"
 SAME = 1e-6  # in periods: faces nearer to a side lie in it, and such that differ by it match
 
@@ -130,7 +134,7 @@ def choose_sides(domain: FluidDomain, middles: Array, radii: Array) -> Sides:
     sides, k = Sides(corner, edges, len(domain.container.periods)), len(domain.container.periods)
     c, of_gaps, widths = sides.coordinates(domain.centres), sides.coordinates(middles), sides.widths
     s = np.arange(PLACES) / PLACES
-    best = np.zeros(3)
+    best, scores = np.zeros(3), np.empty((k, PLACES))
     for axis in range(k):
         to_centres = np.abs(_between(c[:, axis], s)) * widths[axis]
         to_spheres = np.abs(to_centres - domain.radii) / domain.radii
@@ -138,8 +142,46 @@ def choose_sides(domain: FluidDomain, middles: Array, radii: Array) -> Sides:
         spoilt = np.maximum(0.0, 1.0 - to_gaps).sum(axis=1)
         score = np.minimum(to_spheres.min(axis=1, initial=FAR), FAR) - FAR * spoilt / max(len(radii), 1)
         # In the middle of where it is as good, so that no side is near to where it would be worse.
-        best[axis] = s[_middle_of_best(score)]
+        best[axis], scores[axis] = s[_middle_of_best(score)], score
+    here = [np.array([place]) for place in best[:k]]
+    if clear_where_sides_meet(sides, domain, here).min(initial=FAR) < NEAR:
+        best[:k] = _chosen_together(sides, domain, s, scores)
     return Sides(corner + best @ edges, edges, k)
+
+
+def _chosen_together(sides: Sides, domain: FluidDomain, s: Array, scores: Array) -> Array:
+    """The places of all sides, (k,), with the greatest least of all scores; those of each are (k, places)."""
+    good = [np.flatnonzero(score >= score.max() - 0.5 * FAR) for score in scores]
+    few = [some[np.linspace(0, len(some) - 1, min(FEW, len(some))).astype(int)] for some in good]
+    every = clear_where_sides_meet(sides, domain, [s[some] for some in few])
+    for score in np.meshgrid(*(scores[axis][some] for axis, some in enumerate(few)), indexing="ij"):
+        every = np.minimum(every, score)
+    chosen = np.unravel_index(int(every.argmax()), every.shape)
+    return np.array([s[some[i]] for some, i in zip(few, chosen, strict=True)])
+
+
+def clear_where_sides_meet(sides: Sides, domain: FluidDomain, places: Sequence[Array]) -> Array:
+    """How far lines where two sides meet, and corners, are from the nearest sphere, over its radius.
+
+    places: of each side, (m_k,); gives that of each choice, (m_0, m_1, ...).
+    """
+    k, c = sides.periods, sides.coordinates(domain.centres)
+    clear = np.full([len(s) for s in places], np.inf)
+    for meeting in (some for number in range(2, k + 1) for some in combinations(range(k), number)):
+        shape = [len(places[axis]) if axis in meeting else 1 for axis in range(k)]
+        grid = np.meshgrid(*(places[axis] for axis in meeting), indexing="ij")
+        between = np.stack(
+            [c[:, axis] - s[..., None] for axis, s in zip(meeting, grid, strict=True)], axis=-1
+        )
+        between -= np.rint(between)
+        across = sides.edges[list(meeting)]
+        for along in (sides.edges[axis] for axis in range(3) if len(meeting) == 2 and axis not in meeting):
+            across = across - np.outer(across @ along, along) / (along @ along)
+        for image in product((-1.0, 0.0, 1.0), repeat=len(meeting)):
+            away = np.linalg.norm((between + image) @ across, axis=-1)
+            off = (np.abs(away - domain.radii) / domain.radii).min(axis=-1, initial=np.inf)
+            clear = np.minimum(clear, off.reshape(shape))
+    return clear
 
 
 def _between(c: Array, s: Array) -> Array:

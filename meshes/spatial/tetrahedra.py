@@ -132,7 +132,7 @@ def _add_fluid(spacing: Spacing, layers: Sequence[GapPrisms]) -> None:
     whole = domain.container.solid(occ) if spacing.sides is None else spacing.sides.solid(occ)
     holes += [(3, _add_ellipsoid(body)) for body in domain.ellipsoids]
     if not domain.ellipsoids:
-        for x, a, turn in zip(domain.centres, domain.radii, _seam_turns(spacing, layers), strict=True):
+        for x, a, turn in zip(domain.centres, domain.radii, seam_turns(spacing, layers), strict=True):
             holes.append((3, occ.addSphere(*x, a)))
             if turn.angle:
                 occ.rotate(holes[-1:], *x, *turn.axis, turn.angle)
@@ -279,7 +279,7 @@ AS_IT_IS = Turn(np.array([0.0, 0.0, 1.0]), 0.0)
 TURNS = [AS_IT_IS, *(Turn(axis, k * np.pi / 8.0) for axis in np.eye(3)[::-1] for k in range(1, 16))]
 
 
-def _seam_turns(spacing: Spacing, layers: Sequence[GapPrisms]) -> list[Turn]:
+def seam_turns(spacing: Spacing, layers: Sequence[GapPrisms]) -> list[Turn]:
     """Of all spheres: images of one body turn alike, so that sides cut them at the same points."""
     of, radii = spacing.bodies, spacing.domain.radii
     bodies, first = np.unique(of, return_index=True)
@@ -305,7 +305,12 @@ def seam_turn(tags: Indices, radius: float, layers: Sequence[GapPrisms]) -> Turn
 def _caps(tags: Indices, radius: float, layers: Sequence[GapPrisms]) -> tuple[Array, Array]:
     """Directions of the layers on spheres, (k, 3), and the angles from their axes to their edges, (k,)."""
     # A layer between two images of one body is on both its sides.
-    mine = [(sign, layer) for layer in layers for sign, tag in zip((1.0, -1.0), layer.gap.tags, strict=True) if tag in tags]
+    mine = [
+        (sign, layer)
+        for layer in layers
+        for sign, tag in zip((1.0, -1.0), layer.gap.tags, strict=True)
+        if tag in tags
+    ]
     axes = np.array([sign * layer.gap.along for sign, layer in mine]).reshape(-1, 3)
     return axes, np.arcsin(np.array([layer.rho / radius for _, layer in mine]))
 

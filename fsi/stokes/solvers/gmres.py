@@ -39,6 +39,8 @@ from fsi.stokes.solvers.multigrid import COMPONENTS, Levels, between
 TOLERANCE = 1e-10
 MOST_ITERATIONS = 600
 RESTART = 150
+# Beside narrow gaps the residual that GMRES goes on with falls below the true one: then it starts again.
+STARTS = 3
 
 MOST_FACTORISED = 20_000
 COARSE = "fieldsplit_u_mg_coarse_"
@@ -110,17 +112,21 @@ class Iteration(AbstractContextManager["Iteration"]):
         right.array[:] = b
         if self._closed:
             right.axpy(-right.dot(self._constant), self._constant)
-        self._ksp.solve(right, x)
-        self.iterations = max(self.iterations, self._ksp.getIterationNumber())
-        size = right.norm()
-        residual = right.duplicate()
-        self.matrix.mult(x, residual)
-        residual.axpy(-1.0, right)
-        relative = float(residual.norm() / size) if size > 0.0 else 0.0
+        size, residual, iterations, relative = right.norm(), right.duplicate(), 0, np.inf
+        for start in range(STARTS):
+            self._ksp.setInitialGuessNonzero(start > 0)
+            self._ksp.solve(right, x)
+            iterations += self._ksp.getIterationNumber()
+            self.matrix.mult(x, residual)
+            residual.axpy(-1.0, right)
+            relative = float(residual.norm() / size) if size > 0.0 else 0.0
+            if relative <= 2.0 * TOLERANCE or self._ksp.getConvergedReason() <= 0:
+                break
+        self.iterations = max(self.iterations, iterations)
         if self._ksp.getConvergedReason() <= 0 or not relative <= 2.0 * TOLERANCE:
             raise SolveError(
                 f"the iterative solver stagnates: relative residual {apart(relative, TOLERANCE)} after "
-                f"{self._ksp.getIterationNumber()} iterations (bound {TOLERANCE:g}); "
+                f"{iterations} iterations (bound {TOLERANCE:g}); "
                 'set discretisation.solver = "direct", or change discretisation.cells_per_gap'
             )
         values: Array = x.array.copy()
