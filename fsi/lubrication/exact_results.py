@@ -14,6 +14,7 @@ import numpy as np
 
 from fsi.lubrication import ellipsoids, exact, spheres
 from fsi.lubrication import sphere_beside_plane as beside
+from fsi.lubrication import spheres_in_shear as pair_in_shear
 from fsi.lubrication import two_spheres as pair
 from fsi.lubrication.concentric import Concentric
 from fsi.lubrication.exact import Array
@@ -216,6 +217,22 @@ def ellipsoid_in_shear(problem: ExactProblem) -> float:
     own = body.rotation
     omega = own @ ellipsoids.free_rotation(body.form.half_axes, own.T @ shear @ own)
     return float((0.0, 0.0, 0.0, *omega)[problem.mode])
+
+
+@exact_result(Fitting("spatial", "round", 2, "velocity", sheared=True, enclosed=True))
+def spheres_in_shear(problem: ExactProblem) -> float:
+    """The velocity of one of two equal free spheres near the centre of such a container in u = z e_x.
+
+    Batchelor and Green 1972; the point half-way between them moves with the flow. Turns are not given.
+    """
+    shear = np.zeros((3, 3))
+    shear[0, 2] = problem.shear_rate
+    (one, other), (a, b) = problem.centres, problem.radii.tolist()
+    if a != b or problem.mode >= 3:
+        return nan
+    half = 0.5 * pair_in_shear.relative_velocity(other - one, a, shear)
+    velocity = shear @ (0.5 * (one + other)) + (half if problem.body else -half)
+    return float(velocity[problem.mode])
 
 
 @exact_result(Fitting("planar", "round", 1, "force", enclosed=True))

@@ -56,7 +56,7 @@ class PairFunctions(NamedTuple):
 
 def pair_functions(gap: float, radii: tuple[float, float], viscosity: float) -> PairFunctions:
     """X^A, Y^A, Y^B, X^C and Y^C of spheres of these radii at a gap from surface to surface."""
-    n = _orders(gap, radii)
+    n = orders(gap, radii)
     along = [line_forces(gap, radii, viscosity, velocities) for velocities in ((1.0, 0.0), (0.0, 1.0))]
     force, torque = (np.pi * viscosity * c * np.array(radii) ** k for c, k in ((6.0, 1), (8.0, 2)))
     # Turned by half a turn about y, the frame of the second sphere is that of the first.
@@ -93,7 +93,7 @@ def pair_matrix(centres: Array, radii: tuple[float, float], viscosity: float) ->
     return R.reshape(12, 12)
 
 
-def _orders(gap: float, radii: tuple[float, float]) -> Array:
+def orders(gap: float, radii: tuple[float, float]) -> Array:
     """The multipoles n = 1, 2, ... that are taken."""
     small, large = min(radii), max(radii)
     height = gap * (2.0 * small + gap) / (2.0 * large * (small + large + gap))
@@ -105,7 +105,7 @@ def _orders(gap: float, radii: tuple[float, float]) -> Array:
     return np.arange(1.0, np.ceil(most))
 
 
-def _couplings(n: Array, own: float, other: float, m: int) -> Array:
+def couplings(n: Array, own: float, other: float, m: int) -> Array:
     """C(n + s, n + m) t_i^n t_k^s, which stays below 1 as t_i + t_k < 1, rows n and columns s."""
     rows, s = n[:, None], n[None, :]
     logs = scipy.special.gammaln(rows + s + 1.0) - scipy.special.gammaln(rows + m + 1.0)
@@ -117,28 +117,8 @@ def _couplings(n: Array, own: float, other: float, m: int) -> Array:
 def _across(n: Array, radii: tuple[float, float], gap: float) -> Array:
     """(p_1 of both spheres, then q_1) by (V of both, then omega), (4, 4), in own frames."""
     size, r = len(n), sum(radii) + gap
-    rows, s = n[:, None], n[None, :]
     identity, zero = np.eye(size), np.zeros((size, size))
-    # Of p from the other's p, v, q; of v from its p; of q from its p and q.
-    blocks: list[dict[str, Array]] = []
-    for i in range(2):
-        t, u = radii[i] / r, radii[1 - i] / r
-        C = _couplings(n, t, u, 1)
-        below = (3 * (rows + s) - (rows * s + 1) * (2 * rows * s - s - rows + 2)) / (
-            s * (rows + s) * (2 * s - 1)
-        )
-        above = rows * (2 * rows - 1) / (2 * (rows + 1)) * t * t
-        blocks.append(
-            {
-                "pp": C / t * ((2 * rows + 1) / (2 * (rows + 1)) * below + above),
-                "pv": C / t * rows * (4 * rows**2 - 1) / (2 * (rows + 1) * (2 * s + 1)) * u * u,
-                "pq": C / t * 2 * (4 * rows**2 - 1) / (3 * (rows + 1)) * u,
-                "vp": C * t * 2 * rows / ((rows + 1) * (2 * rows + 3)),
-                "qp": C * 3 / (2 * rows * s * (rows + 1)),
-                "qq": C * s / (rows + 1) * u,
-            }
-        )
-    one, two = blocks
+    one, two = (blocks_across(n, radii[i] / r, radii[1 - i] / r) for i in range(2))
     matrix = np.block(
         [
             [identity - one["pv"] @ two["vp"], -one["pp"] - one["pv"], zero, -one["pq"]],
@@ -154,12 +134,28 @@ def _across(n: Array, radii: tuple[float, float], gap: float) -> Array:
     return found
 
 
+def blocks_across(n: Array, t: float, u: float) -> dict[str, Array]:
+    """Of p of a sphere, t = a_i / r, from p, v, q of the other, u = a_k / r; of v from p; of q from p, q."""
+    rows, s = n[:, None], n[None, :]
+    C = couplings(n, t, u, 1)
+    below = (3 * (rows + s) - (rows * s + 1) * (2 * rows * s - s - rows + 2)) / (s * (rows + s) * (2 * s - 1))
+    above = rows * (2 * rows - 1) / (2 * (rows + 1)) * t * t
+    return {
+        "pp": C / t * ((2 * rows + 1) / (2 * (rows + 1)) * below + above),
+        "pv": C / t * rows * (4 * rows**2 - 1) / (2 * (rows + 1) * (2 * s + 1)) * u * u,
+        "pq": C / t * 2 * (4 * rows**2 - 1) / (3 * (rows + 1)) * u,
+        "vp": C * t * 2 * rows / ((rows + 1) * (2 * rows + 3)),
+        "qp": C * 3 / (2 * rows * s * (rows + 1)),
+        "qq": C * s / (rows + 1) * u,
+    }
+
+
 def _about(n: Array, radii: tuple[float, float], gap: float) -> Array:
     """q_1 of both spheres by omega of both about the line of centres, (2, 2), in own frames."""
     size, r = len(n), sum(radii) + gap
     (t, u), weight = (radius / r for radius in radii), n[None, :] / (n[:, None] + 1.0)
     identity = np.eye(size)
-    of_first, of_second = _couplings(n, t, u, 0) * weight * u, _couplings(n, u, t, 0) * weight * t
+    of_first, of_second = couplings(n, t, u, 0) * weight * u, couplings(n, u, t, 0) * weight * t
     matrix = np.block([[identity, -of_first], [-of_second, identity]])
     sides = np.zeros((2 * size, 2))
     sides[[0, size], [0, 1]] = radii

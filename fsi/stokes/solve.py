@@ -12,6 +12,7 @@ from mpi4py import MPI
 
 import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
+from fsi.errors import RefusedError
 from fsi.meshes.build import FluidMesh
 from fsi.stokes import fields
 from fsi.stokes.corners import jumps
@@ -34,6 +35,7 @@ from fsi.stokes.solvers.elimination import (
     load_of,
     nodal_vector,
 )
+from fsi.stokes.solvers.gmres import SHARPER
 from fsi.stokes.solvers.multiplier import solve_multiplier
 from fsi.stokes.solvers.periodic import Solver, solve_periodic
 from fsi.stokes.solvers.workspace import Workspace, pressure_mass
@@ -76,13 +78,23 @@ def solve(
     """
     clock = clock or Clock()
     with assembled(problem, options, clock, workspace) as system:
-        solve_system, loads = with_laws(FORMULATIONS[options.formulation]), system.b
-        if problem.periodic:
-            system, nodal = solve_periodic(system, solve_system)
-        else:
-            (nodal,) = solve_system(system)
-        clock.lap("solve")
-        return _evaluated(system, nodal, system.b - loads, clock)
+        try:
+            return _solved(system, options, clock)
+        except RefusedError:
+            if system.mass is None:
+                raise
+        return _solved(replace(system, tolerance=SHARPER), options, clock)
+
+
+def _solved(system: StokesSystem, options: SolverOptions, clock: Clock) -> StokesSolution:
+    """The solution of an assembled system; collective."""
+    solve_system, loads = with_laws(FORMULATIONS[options.formulation]), system.b
+    if system.problem.periodic:
+        system, nodal = solve_periodic(system, solve_system)
+    else:
+        (nodal,) = solve_system(system)
+    clock.lap("solve")
+    return _evaluated(system, nodal, system.b - loads, clock)
 
 
 @contextmanager

@@ -9,8 +9,7 @@ from numpy.testing import assert_allclose
 from fsi.lubrication import sphere_beside_plane as beside
 from fsi.lubrication.spheres import normal_resistance
 from fsi.lubrication.two_spheres import _across as across
-from fsi.lubrication.two_spheres import _orders as orders
-from fsi.lubrication.two_spheres import in_far_ball, pair_functions, pair_matrix
+from fsi.lubrication.two_spheres import in_far_ball, orders, pair_functions, pair_matrix
 
 FORCE, COUPLING, TORQUE = 6.0 * np.pi, 4.0 * np.pi, 8.0 * np.pi
 ratios = st.floats(0.2, 5.0)

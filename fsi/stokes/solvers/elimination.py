@@ -36,7 +36,7 @@ from fsi.stokes.discretisation.nodes import BoundaryNodes
 from fsi.stokes.discretisation.slip import SlidingFacets
 from fsi.stokes.problem import StokesProblem
 from fsi.stokes.solvers.extended import multiply, multiply_transpose
-from fsi.stokes.solvers.gmres import Iteration, SchurBlocks
+from fsi.stokes.solvers.gmres import TOLERANCE, Iteration, SchurBlocks
 from fsi.stokes.solvers.multigrid import levels
 from fsi.stokes.solvers.mumps import Factorisation
 from fsi.stokes.solvers.reduced import Added, Elimination
@@ -62,6 +62,7 @@ class StokesSystem:
         mass: -S' of the iterative solver, None for the direct one.
         workspace: whose cells these are, and that keeps the factors.
         facets: along which fluid slides, None where it sticks everywhere.
+        tolerance: of residuals of the iterative solver.
     """
 
     problem: StokesProblem
@@ -76,6 +77,7 @@ class StokesSystem:
     mass: PETSc.Mat | None
     workspace: Workspace
     facets: SlidingFacets | None = None
+    tolerance: float = TOLERANCE
 
     @property
     def unknown_modes(self) -> NDArray[np.bool_]:
@@ -237,7 +239,7 @@ def _iteration(system: StokesSystem, mass: PETSc.Mat, elimination: Elimination) 
             mass=elimination.tied_mass(mass, np.arange(first_mode - pressures, first_mode)),
             closed=not system.problem.boundary.pressures,
         )
-        return Iteration(reduced, blocks)
+        return Iteration(reduced, blocks, system.tolerance)
 
 
 def _respond(
