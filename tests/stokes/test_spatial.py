@@ -192,6 +192,20 @@ def test_an_iteration_that_ends_too_early_starts_again(monkeypatch: pytest.Monke
         solved(case(BOX, solver="iterative"))
 
 
+def test_a_flow_that_misses_an_identity_is_solved_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The bound is one that the usual residual misses, and one a hundred times as small keeps."""
+    usual = solved(case(BOX, solver="iterative"))
+    monkeypatch.setattr("fsi.stokes.identities.BOUND", 0.1 * max(usual.checks.values()))
+    sharper = solved(case(BOX, solver="iterative"))
+    assert sharper.checks["residual"] <= 2.0 * gmres.SHARPER
+    assert sharper.iterations > usual.iterations
+    monkeypatch.setattr("fsi.stokes.solve.SHARPER", gmres.TOLERANCE)
+    with pytest.raises(SolveError, match="violates the identity"):
+        solved(case(BOX, solver="iterative"))
+
+
 def test_resistance_in_space() -> None:
     found = case_resistance(case(BOX))
     assert found.R.shape == (12, 12)
