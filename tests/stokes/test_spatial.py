@@ -130,8 +130,8 @@ def test_solvers_and_forms_agree() -> None:
     iterative = solved(case(BOX, solver="iterative"))
     multiplier = solved(case(BOX, formulation="multiplier"))
     assert (direct.iterations, multiplier.iterations) == (0, 0)
-    # With S' twice as large they are 39, with L in place of 1.5 L 42, with the other sign of S' 83.
-    assert 10 < iterative.iterations < 37
+    # With S' twice as large they are 40, with L in place of 1.5 L 41, with the other sign of S' 83.
+    assert 10 < iterative.iterations < 39
     for other, tolerance in ((iterative, 1e-9), (multiplier, 1e-11)):
         assert_allclose(other.U, direct.U, atol=tolerance * np.abs(direct.U).max())
         assert_allclose(other.F, direct.F, atol=tolerance * np.abs(direct.F).max())
@@ -152,7 +152,7 @@ def test_a_coarse_matrix_may_be_left_to_multigrid(monkeypatch: pytest.MonkeyPatc
 def test_iterations_do_not_grow_with_the_mesh() -> None:
     """3.5 times the unknowns; algebraic multigrid on all of them took 87 and 98 on such meshes."""
     coarse = solved(case(BOX, solver="iterative"))
-    fine = solved(case(BOX, solver="iterative", cells_per_circle=22, growth=0.4))
+    fine = solved(case(BOX, solver="iterative", cells_per_circle=24, growth=0.36))
     assert fine.dofs > 3.0 * coarse.dofs
     assert fine.iterations < 1.1 * coarse.iterations
 
