@@ -43,7 +43,7 @@ ON_CURVE = 1e-5  # of a layer's radius: where gmsh's intersections lie
 # Elements around a body: what misses more than elements of two degrees tell is made again with smaller ones.
 MENDED_FROM = 14
 TRIANGLE, TETRAHEDRON = 2, 4  # as gmsh calls them
-# Cells. For 250,000 Netgen takes three times as long as all else in gmsh, and a tenth off the errors; for fewer
+# Cells. For 250,000 Netgen takes three times as long as all else in gmsh, and a tenth off errors; for fewer
 # it takes less time for each.
 OPTIMISED = 100_000
 
