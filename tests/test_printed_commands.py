@@ -134,8 +134,8 @@ def run_in_order(typed: list[str], folder: Path) -> None:
         shutil.copytree(ROOT / name, folder / name)
     failed, environment = [], os.environ | {"PYTHONPATH": str(ROOT)}
     for command in typed:
-        for made_anew in ("validation", "sweep"):  # these want a new folder
-            shutil.rmtree(folder / "runs" / made_anew, ignore_errors=True)
+        for made_anew in ("runs/validation", "docs/validation", "runs/sweep"):  # these want a new folder
+            shutil.rmtree(folder / made_anew, ignore_errors=True)
         line = [sys.executable, "-m", *shlex.split(command)]
         done = subprocess.run(line, cwd=folder, env=environment, capture_output=True, text=True, check=False)
         if done.returncode != 0:

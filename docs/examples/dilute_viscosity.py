@@ -46,7 +46,7 @@ def main(picture: Path) -> None:
     assert abs(at_zero - 2.0) < 0.01
     assert np.all(mu >= 1.0 / (1.0 - FRACTIONS))
     with saved_figure(picture, (6.5, 4.5)) as figure:
-        axes = figure.add_subplot(xlabel="area fraction", ylabel="apparent viscosity", yscale="log")
+        axes = figure.add_subplot(xlabel="area fraction", ylabel="apparent viscosity")
         phi = np.linspace(0.0, 0.5, 100)
         axes.plot(phi, 1.0 + 2.0 * phi, color=GREY, lw=4, alpha=0.6, label="1 + 2 phi")
         axes.plot(phi, 1.0 / (1.0 - phi), "--", color=ORANGE, label="1 / (1 - phi), a lower bound")

@@ -39,16 +39,16 @@ def draw(found: dict[str, fsi.Solution], path: Path) -> None:
     widths = [solution.case.domain.upper[0] for solution in found.values()]
     flows = {name: disturbance(solution) for name, solution in found.items()}
     scale = PowerNorm(0.5, 0.0, max(float(np.nanmax(speed)) for _, _, speed in flows.values()))
-    with saved_figure(path, (11.0, 5.6)) as figure:
+    with saved_figure(path, (8.2, 5.7)) as figure:
         panels = figure.subplots(1, len(found), width_ratios=widths)
         for axes, (name, solution) in zip(panels, found.items(), strict=True):
             length, height = solution.case.domain.upper
             drawn = axes.pcolormesh(*flows[name], norm=scale, rasterized=True)
             discs(axes, solution)
-            axes.set(aspect="equal", xticks=[], yticks=[], xlim=(0.0, length), ylim=(0.0, height))
+            axes.set(aspect="equal", anchor="S", xticks=[], yticks=[], xlim=(0.0, length), ylim=(0.0, height))
             axes.set_title(f"{name}\n{solution.apparent_viscosity:.2f}")
         label = "velocity less the shear, over rate times radius"
-        figure.colorbar(drawn, ax=panels, label=label, shrink=0.6)
+        figure.colorbar(drawn, ax=panels, label=label, location="bottom", shrink=0.6, aspect=40)
 
 
 def disturbance(solution: fsi.Solution) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

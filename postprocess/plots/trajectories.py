@@ -89,7 +89,7 @@ def _draw_paths(axes: Axes, names: tuple[str, ...], x: Array, radii: Array) -> N
 
 def plot_space_time(run: Run, output: Path, theme: Theme = LIGHT) -> None:
     """Draw density, velocity and memory of a macroscopic run over x and t. Raises InputError."""
-    with saved_figure(output, (4.2 * len(_PROFILES), 4.2), theme=theme) as figure:
+    with saved_figure(output, (3.1 * len(_PROFILES), 3.4), theme=theme) as figure:
         space_time_figure(run, figure)
 
 
