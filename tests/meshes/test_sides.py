@@ -11,9 +11,9 @@ from fsi.meshes.geometry.container import Array, FluidDomain
 from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.spatial.gap_prisms import choose, find_gaps
+from fsi.meshes.spatial.seams import seam_turns
 from fsi.meshes.spatial.sides import NEAR, Sides, choose_sides, clear_where_sides_meet, images
 from fsi.meshes.spatial.sizing import Spacing
-from fsi.meshes.spatial.tetrahedra import seam_turns
 
 SIDE = 7.5
 AT_REST = ((0.0, 0.0, 0.0),) * 3
