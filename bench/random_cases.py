@@ -5,11 +5,15 @@ Walls that slide beside walls at rest, and open walls beside solid ones, make th
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from bench.random_shapes import random_bodies
+from bench.random_ellipsoids import ellipsoids, one_in_space, several_in_space
+from bench.random_revolved import bodies_on_axis, filling_bodies, sliding_bodies
+from bench.random_shapes import bodies_of_the_plane
 from bench.random_walls import KINDS, Data, Random, Walls
 from fsi.bodies.configuration import Array, Configuration
 from fsi.bodies.gaps import find_gaps
@@ -21,28 +25,38 @@ TRIES = 200
 CLOSE = 0.7  # how often a body is put close to another, or to a wall
 
 
-SHAPED = {  # kinds of walls of the plane with bodies of all shapes
-    f"shapes, {name}": name
-    for name in KINDS
-    if name.split(",")[0] in ("box", "channel", "cell", "half-plane", "round container")
+@dataclass(frozen=True, slots=True)
+class Shaped:
+    """Walls, and bodies of all shapes in them: parts of [[bodies]]."""
+
+    walls: Callable[[Random], Walls]
+    bodies: Callable[[Random, Walls], list[Data]]
+
+
+_TUBE, _AROUND_AXIS = KINDS["cylinder"], KINDS["axisymmetric half-plane and ball"]
+OF_THE_PLANE = ("box", "channel", "cell", "half-plane", "round container")
+SHAPED = {
+    f"shapes, {name}": Shaped(walls, bodies_of_the_plane)
+    for name, walls in KINDS.items()
+    if name.split(",")[0] in OF_THE_PLANE
+} | {
+    "shapes, cylinder": Shaped(_TUBE, bodies_on_axis),
+    "shapes, tight cylinder": Shaped(_TUBE, filling_bodies),
+    "shapes, axisymmetric half-plane and ball": Shaped(_AROUND_AXIS, bodies_on_axis),
+    "shapes, cylinder, slip": Shaped(_TUBE, sliding_bodies),
+    "shapes, axisymmetric half-plane and ball, slip": Shaped(_AROUND_AXIS, sliding_bodies),
+    "shapes, one in space": Shaped(one_in_space, ellipsoids),
+    "shapes, several in space": Shaped(several_in_space, ellipsoids),
 }
 
 
 def random_case(kind: str, seed: int) -> Case:
     """The case of a kind with this seed."""
     rng = np.random.default_rng([seed, *kind.encode()])
-    walls = KINDS[SHAPED.get(kind, kind)](rng)
-    if kind in SHAPED:
-        q, shapes = random_bodies(rng, walls)
-        each = zip(shapes, q.angles.tolist(), strict=True)
-        sizes: list[Data] = [{"shape": shape.model_dump(), "angle": angle} for shape, angle in each]
-    else:
-        q = walls.crowd or _bodies(rng, walls)
-        sizes = [{"radius": float(a)} for a in q.radii]
-    bodies = [
-        {"name": f"body {i}", "position": x.tolist()} | size | _motion(rng, walls)
-        for i, (x, size) in enumerate(zip(q.centres, sizes, strict=True))
-    ]
+    shaped = SHAPED.get(kind)
+    walls = shaped.walls(rng) if shaped else KINDS[kind](rng)
+    placed = shaped.bodies(rng, walls) if shaped else _spheres(walls.crowd or _bodies(rng, walls))
+    bodies = [{"name": f"body {i}"} | body | _motion(rng, walls) for i, body in enumerate(placed)]
     return parse_case(
         {
             "name": f"{kind}, seed {seed}",
@@ -53,6 +67,10 @@ def random_case(kind: str, seed: int) -> Case:
             "bodies": bodies,
         }
     )
+
+
+def _spheres(q: Configuration) -> list[Data]:
+    return [{"position": x, "radius": a} for x, a in zip(q.centres.tolist(), q.radii.tolist(), strict=True)]
 
 
 def _sizes(rng: Random, walls: Walls) -> Data:

@@ -28,19 +28,22 @@ def random_shape(rng: Random) -> BodyShape:
     for _ in range(TRIES):
         table = _table(kind, rng)
         try:
-            size = _shape(table).outline.radius
-            factor = rng.uniform(0.3, 0.9) / size
-            scaled = {
-                key: (factor * np.array(value)).tolist() if key in LENGTHS else value
-                for key, value in table.items()
-            }
-            return _shape(scaled)
+            size = sound_shape(table).outline.radius
+            return sound_shape(scaled(table, rng.uniform(0.3, 0.9) / size))
         except (ValueError, InputError):  # sides too short for their arcs
             continue
     raise ValueError(f"no sound {kind} found")
 
 
-def _shape(table: Data) -> BodyShape:
+def scaled(table: Data, factor: float) -> Data:
+    """The table of a shape with all lengths times a factor."""
+    return {
+        key: (factor * np.array(value)).tolist() if key in LENGTHS else value for key, value in table.items()
+    }
+
+
+def sound_shape(table: Data) -> BodyShape:
+    """The shape of a table. Raises ValueError, InputError: no body looks so."""
     shape: BodyShape = BodyShape.registry.section_for(table).model_validate(tuples(table))
     if shape.outline.crosses_itself():
         raise ValueError("crosses itself")
@@ -73,8 +76,17 @@ def _table(kind: str, rng: Random) -> Data:
     return {"kind": kind} | tables[kind]
 
 
-def random_bodies(rng: Random, walls: Walls) -> tuple[Configuration, list[BodyShape]]:
-    """One or more bodies, one after the other where there is room for it, often close to what is there."""
+def bodies_of_the_plane(rng: Random, walls: Walls) -> list[Data]:
+    """Where one or more bodies stand and what they look like: parts of [[bodies]]."""
+    q, shapes = _standing(rng, walls)
+    return [
+        {"position": x, "shape": shape.model_dump(), "angle": angle}
+        for x, angle, shape in zip(q.centres.tolist(), q.angles.tolist(), shapes, strict=True)
+    ]
+
+
+def _standing(rng: Random, walls: Walls) -> tuple[Configuration, list[BodyShape]]:
+    """Bodies one after the other where there is room for it, often close to what is there."""
     q, shapes = Configuration.unturned(np.empty((0, 2)), np.empty(0)), list[BodyShape]()
     wanted = int(rng.integers(1, walls.most + 1))
     for _ in range(TRIES):

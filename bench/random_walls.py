@@ -177,7 +177,8 @@ def _beside_plane(rng: Random) -> Walls:
     return _half_plane(rng, "planar")
 
 
-def _round(rng: Random, geometry: str, dimension: int = 2) -> Walls:
+def round_container(rng: Random, geometry: str, dimension: int = 2) -> Walls:
+    """A disc, or a ball."""
     radius = float(10.0 ** rng.uniform(0.5, 1.5))
     walls: Data = {}
     if geometry == "planar" and rng.random() < 0.5:
@@ -188,8 +189,8 @@ def _round(rng: Random, geometry: str, dimension: int = 2) -> Walls:
 
 
 @kind("round container")
-def _round_container(rng: Random) -> Walls:
-    return _round(rng, "planar")
+def _in_a_disc(rng: Random) -> Walls:
+    return round_container(rng, "planar")
 
 
 @kind("cylinder")
@@ -199,7 +200,7 @@ def _cylinder(rng: Random) -> Walls:
 
 @kind("axisymmetric half-plane and ball")
 def _around_axis(rng: Random) -> Walls:
-    return (_half_plane, _round)[rng.integers(2)](rng, "axisymmetric")
+    return (_half_plane, round_container)[rng.integers(2)](rng, "axisymmetric")
 
 
 @kind("space")

@@ -71,7 +71,10 @@ class BodyOfRevolution(Outline):
         def r(t: float) -> float:
             return float((self.jet(np.array([t])).x @ self._frame[0])[0])
 
-        return float(scipy.optimize.brentq(r, self.t[k], np.append(self.t, 1.0)[k + 1], xtol=1e-16))
+        low, high = float(self.t[k]), float(np.append(self.t, 1.0)[k + 1])
+        if r(low) * r(high) >= 0.0:  # a point of the sample is the pole, where rounding makes the sign
+            return min(low, high, key=lambda t: abs(r(t)))
+        return float(scipy.optimize.brentq(r, low, high, xtol=1e-16))
 
     def _half(self) -> tuple[Array, Array]:
         """r and z at points of Gauss's rule on the right half, (2, n), and the weights of dz, (n,)."""

@@ -8,7 +8,9 @@ where `distance` is that of the corner from what else there is, a body or wall, 
 sizes away from bodies. Sizes in geometric progression cost few cells: so many for each decade. Where an open
 wall meets a solid one the flow is u ~ r^0.59, and what the last cells miss of it changes a force by
 h_corner^1.19: of the order growth^7, above the sixth of what cubic elements miss elsewhere. Where velocities
-jump that power is 2.74. Below SMALLEST of the container's size gmsh no longer finds its way.
+jump that power is 2.74. Below SMALLEST of the container's size gmsh no longer finds its way, as areas of
+triangles far from the origin are rounded: of 40 boxes with cells of 1e-9 beside corners it lost a part of 14,
+with cells of 1e-8 of none.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ from fsi.meshes.geometry.container import HERE, Array, FluidDomain
 
 GROWTH = 2.0
 DEPTH = 6
-SMALLEST = 1e-9
+SMALLEST = 3e-8
 
 
 @dataclass(frozen=True, slots=True)

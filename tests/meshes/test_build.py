@@ -119,6 +119,16 @@ def test_thirty_random_discs(seed: int, gap: float) -> None:
     assert length(fluid, 2) == pytest.approx(0.4 * np.pi, rel=1e-5)
 
 
+@pytest.mark.parametrize("width", [3.5, 4.9])
+def test_cells_at_corners_are_not_too_small_for_gmsh(width: float) -> None:
+    """With cells of 1e-9 of the size beside them it loses a part of the boundary of each of these boxes."""
+    corners = np.array([[0.0, 3.3], [width, 3.3]])
+    domain = FluidDomain(Box((0.0, 0.0), (width, 3.3)), np.array([[1.2, 1.6]]), np.array([0.6]), corners)
+    fluid = build(domain, Resolution(0.5, 16, 0.08), 2)
+    assert not fluid.instead
+    assert area(fluid) == pytest.approx(3.3 * width - 0.36 * np.pi, rel=1e-4)
+
+
 def test_no_bodies() -> None:
     fluid = build(FluidDomain(SMALL_BOX, np.empty((0, 2)), np.empty(0)), Resolution(), 2)
     assert area(fluid) == pytest.approx(24.0, rel=1e-13)

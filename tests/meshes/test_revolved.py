@@ -71,6 +71,13 @@ def test_a_profile_is_mirrored() -> None:
     assert body.scaled(2.0).volume == pytest.approx(8.0 * body.volume, rel=1e-13)
 
 
+def test_a_tip_may_be_the_upper_end_of_a_body_of_any_size() -> None:
+    """Rounding puts the end of a third of them on the wrong side of the axis."""
+    tip = Tip(kind="tip", radius=1.0, alpha=0.5, length=0.64).revolved(np.pi)
+    for factor in np.linspace(0.1, 3.0, 30).tolist():
+        np.testing.assert_allclose(tip.scaled(factor).poles, [0.5, 1.0], atol=1e-12)
+
+
 def test_a_tip_is_an_end_and_a_sphere_has_the_ends_of_its_axis() -> None:
     tip = Tip(kind="tip", radius=1.0, alpha=0.5, length=1.0).revolved(0.0)
     assert tip.poles[0] == 0.0
