@@ -67,7 +67,7 @@ def test_fluid_slides_along_some_bodies_and_some_swim() -> None:
 def test_cases_of_the_plane_are_those_that_were_counted() -> None:
     """Regression: the fourth case of this kind when docs/accuracy.md was written."""
     case = random_case("shapes, cell", 3)
-    assert [body.shape.kind for body in case.bodies if body.shape] == ["spline", "ellipse"]
+    assert [body.shape.model_dump()["kind"] for body in case.bodies if body.shape] == ["spline", "ellipse"]
     np.testing.assert_allclose(case.bodies[0].position, [4.635154764951489, 3.0308265381123314], rtol=1e-12)
 
 
