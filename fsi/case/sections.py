@@ -33,7 +33,7 @@ class _Sizes(NamedTuple):
     interior: Interior = "graded"
 
 
-# Errors of the forces and of the apparent viscosity: 1e-5 or less, 5e-5, and in space 1.5e-3. In the plane and
+# Errors of the forces and of the apparent viscosity: 1e-5 or less, 5e-5, and in space 2e-3. In the plane and
 # with an axis quartic elements have a third to three quarters of the unknowns of cubic ones on a mesh that
 # errs as little; the two meshes do not mix, so that who names one size gets the others of the cubic one.
 _FEW, _MANY = _Sizes(0.45, 32, 0.33, 4), _Sizes(0.3, 20, 0.3, 4, "sparse")
