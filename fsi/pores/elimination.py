@@ -76,16 +76,25 @@ def _products(A: Array, B: Array, out: Array, upper: int) -> None:
 
 @vectorised
 def take_off(S: Array, X: Array, B: Array) -> None:
-    """S <- S - X^T B, four rows of B at a time."""
-    whole = len(B) // 4 * 4
-    for c in range(len(S)):
-        row = S[c]
+    """S <- S - X^T B, two rows of S and four of B at a time; of an odd number the last is alone."""
+    whole, pairs = len(B) // 4 * 4, len(S) // 2 * 2
+    for c in range(0, pairs, 2):
+        row, next_row = S[c], S[c + 1]
         for b in range(0, whole, 4):
             x0, x1, x2, x3 = X[b, c], X[b + 1, c], X[b + 2, c], X[b + 3, c]
+            y0, y1, y2, y3 = X[b, c + 1], X[b + 1, c + 1], X[b + 2, c + 1], X[b + 3, c + 1]
             b0, b1, b2, b3 = B[b], B[b + 1], B[b + 2], B[b + 3]
             for p in range(len(row)):
                 row[p] -= x0 * b0[p] + x1 * b1[p] + x2 * b2[p] + x3 * b3[p]
+                next_row[p] -= y0 * b0[p] + y1 * b1[p] + y2 * b2[p] + y3 * b3[p]
         for b in range(whole, len(B)):
+            last, x0, y0 = B[b], X[b, c], X[b, c + 1]
+            for p in range(len(row)):
+                row[p] -= x0 * last[p]
+                next_row[p] -= y0 * last[p]
+    for c in range(pairs, len(S)):
+        row = S[c]
+        for b in range(len(B)):
             last, x0 = B[b], X[b, c]
             for p in range(len(row)):
                 row[p] -= x0 * last[p]
