@@ -9,8 +9,9 @@ import importlib.util
 import sys
 from typing import Any
 
-import fsi.meshes.mpi  # noqa: F401  before every compiled module
+from fsi.meshes.mpi import load_mpi
 
+load_mpi()
 if importlib.util.find_spec("dolfinx_solver") is not None:
     importlib.import_module("dolfinx_solver")
 

@@ -1,7 +1,8 @@
-"""The one place that loads MPI: import it before any compiled module.
+"""The one place that loads MPI, at once in a process that something may have started as one of several.
 
-`MPI` is that of mpi4py, None where that is absent. A library loaded before it may bring another copy; two of
-them in one process show as a hang or a wrong number.
+Others do without until a mesh or a flow is wanted: to load it takes a tenth of `fsi check`. Then
+`fsi.meshes.backend` loads it before dolfinx and gmsh: a library loaded before it may bring another copy, and
+two of them in one process show as a hang or a wrong number.
 """
 
 import importlib
@@ -9,10 +10,23 @@ import importlib.util
 import os
 from typing import Any
 
+from fsi.errors import InputError
+
 # Hosts that expose RDMA devices which they will not open make MPI print errors or stop.
 os.environ.setdefault("UCX_TLS", "self,sm,tcp")
 # Without /sys (bare containers) MPI's transports and hwloc complain on stderr, and work all the same.
 os.environ.setdefault("UCX_LOG_LEVEL", "fatal")
 os.environ.setdefault("HWLOC_HIDE_ERRORS", "2")
 
-MPI: Any = importlib.import_module("mpi4py.MPI") if importlib.util.find_spec("mpi4py") is not None else None
+# Whatever starts ranks tells each which it is: PMI_RANK, PMIX_RANK, OMPI_COMM_WORLD_RANK, PALS_RANKID.
+STARTED = any("PMI" in name or "RANK" in name for name in os.environ)
+
+
+def load_mpi() -> Any:
+    """mpi4py's MPI; None where it is absent. Raises InputError: one of several, none of which was told so."""
+    if importlib.util.find_spec("mpi4py") is None:
+        return None
+    MPI = importlib.import_module("mpi4py.MPI")
+    if MPI.COMM_WORLD.size > 1 and not STARTED:
+        raise InputError("mpiexec sets no variable with PMI or RANK in its name; set one, RANKS=2, before it")
+    return MPI

@@ -1,19 +1,21 @@
 """Bodies that a case arranges itself: `[arrangement]`, which makes [[bodies]] and the domain they fill."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydantic import Field, ValidationError
 
-from fsi.arrangements.arrangement import BODY_BYTES, Arrangement
-from fsi.arrangements.kinds import arrange
 from fsi.arrangements.names import CellKind, Kind, Outline, Sizes
-from fsi.arrangements.request import wanted
 from fsi.case.complaints import explain
 from fsi.case.section import Section, toml_text, tuples
 from fsi.errors import InputError
 from fsi.machine import require_memory
+
+if TYPE_CHECKING:  # few cases arrange bodies, and what does loads SciPy and NumPy's random numbers
+    from fsi.arrangements.arrangement import Arrangement
 
 _MADE = ("lower", "upper", "periodic", "vectors", "radius")  # keys of [domain]
 
@@ -63,6 +65,10 @@ class Arranged(Section):
 
     def arrangement(self) -> Arrangement:
         """The bodies in their cell. Raises InputError."""
+        from fsi.arrangements.arrangement import BODY_BYTES
+        from fsi.arrangements.kinds import arrange
+        from fsi.arrangements.request import wanted
+
         require_memory(_spelled("number", self.number), BODY_BYTES * self.number, "give fewer")
         gap = 0.02 * self.radius if self.gap is None else self.gap
         common = {"number": self.number, "fraction": self.area_fraction, "radius": self.radius, "gap": gap}

@@ -84,6 +84,7 @@ class Open(RootModel[Literal["open"]], WallCondition):
     """An open wall without traction, as the word `open`."""
 
     tag: ClassVar[str] = "<word>"
+    model_config = ConfigDict(defer_build=True)
 
     @property
     @override
@@ -95,7 +96,7 @@ class Velocity(RootModel[tuple[Series, ...]], WallCondition):
     """A wall that moves at a velocity, as a list of its components."""
 
     tag: ClassVar[str] = "<velocity>"
-    model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(defer_build=True, frozen=True, strict=True, allow_inf_nan=False)
 
     @override
     def velocity_at(self, t: float, dimension: int) -> WallVelocity:

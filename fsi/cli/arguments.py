@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import fsi.parallel as parallel
+from fsi.cli.loading import loading
 from fsi.errors import InputError
 
 if TYPE_CHECKING:  # what a command needs is imported in it: `fsi --help` must be quick
@@ -75,11 +76,12 @@ def pool_of(scheduler: str | None, workers: int | None, ranks: int = 1) -> Pool:
 
 def load(path: Path, overrides: list[str] | None) -> Case:
     """The case of a file, with changes; all ranks. Says beforehand where it takes long."""
-    from fsi.case.checks.work import check_work
-    from fsi.case.load import load_case
+    with loading():
+        from fsi.case.checks.work import check_work
+        from fsi.case.load import load_case
 
-    case = parallel.on_root(lambda: load_case(path, overrides or ()))
-    warning = parallel.on_root(lambda: check_work(case))
+        case = parallel.on_root(lambda: load_case(path, overrides or ()))
+        warning = parallel.on_root(lambda: check_work(case))
     if warning is not None:
         warn(warning)
     return case

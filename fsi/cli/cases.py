@@ -46,9 +46,9 @@ def cases(
 
 def check(case_file: CaseFile, overrides: Overrides = None) -> None:
     """Read a case and say what it holds: bodies, gaps, what is free or held, walls. Nothing is computed."""
+    case = load(case_file, overrides)
     from fsi.case.checks.expected import check_expected
 
-    case = load(case_file, overrides)
     check_expected(case)
     if parallel.is_root():
         from fsi.report.case import print_case

@@ -5,8 +5,9 @@ program (EX_SOFTWARE of sysexits.h), 130 interrupted. Errors are one line on std
 alone prints; see `parallel.last_words` for how all ranks end together.
 """
 
+import atexit
+import gc
 import sys
-import tempfile
 import traceback
 from typing import Annotated
 
@@ -29,6 +30,7 @@ from fsi.cli import (
     solve,
     sweep,
 )
+from fsi.cli.loading import loading
 from fsi.cli.missing import explain
 from fsi.cli.streams import finish, prepare
 from fsi.errors import FsiError
@@ -96,12 +98,14 @@ def main() -> int:
     """Run the command line; returns the exit code."""
     prepare(silent=not parallel.is_root())  # help and tables once, not once a rank
     parallel.speak_with(_words)
+    atexit.register(gc.freeze)  # what is left ends with the process, and needs no look for cycles
     return finish(_command())
 
 
 def _command() -> int:
     try:
-        command = typer.main.get_command(app)
+        with loading():
+            command = typer.main.get_command(app)
         code = command.main(sys.argv[1:] or ["--help"], prog_name="fsi", standalone_mode=False) or 0
         if code != INTERRUPTED:  # typer turns Ctrl-C into this exit code, and says nothing
             return int(code)
@@ -130,6 +134,8 @@ def _words(error: BaseException) -> tuple[str, int]:
 
 def _defect(error: BaseException) -> str:
     """What went wrong in the program itself, on one line, and the file that has all of it."""
+    import tempfile
+
     what = " ".join(f"a defect of the program, {type(error).__name__}: {error}".split())[:300]
     trace = "".join(traceback.format_exception(error))
     text = f"{sys.argv}\n{trace}".encode(errors="backslashreplace")

@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import fsi.parallel as parallel
-from fsi.arrangements.arrangement import BODY_BYTES
 from fsi.arrangements.names import CellKind, Kind, Outline, Sizes
-from fsi.arrangements.request import wanted
 from fsi.cli.arguments import option, output_to, require_writable, warn
 from fsi.errors import InputError
 from fsi.machine import require_memory
@@ -73,6 +71,9 @@ def pack(
     The file is one that a case takes by `bodies_from`; it is drawn as well. The cell begins at the origin,
     and the area fraction determines its size. Random is the equilibrium fluid of hard bodies.
     """
+    from fsi.arrangements.arrangement import BODY_BYTES
+    from fsi.arrangements.request import wanted
+
     if output.suffix != ".json":
         raise InputError(f"output = {output}: ends in {output.suffix or 'nothing'}; give a .json file")
     drawn = picture or output.with_suffix(".png")

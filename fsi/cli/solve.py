@@ -21,6 +21,7 @@ from fsi.cli.arguments import (
     require_writable,
     tell,
 )
+from fsi.cli.loading import loading
 from fsi.errors import InputError
 from fsi.report.console import standard_output
 
@@ -54,11 +55,13 @@ def solve(
     if not case.level.flow:
         _solve_reduced(case, as_json=as_json)
         return
-    from fsi.models import flow_solvers, make_model
-    from fsi.observables.truncation import halved, truncation
-    from fsi.report import pores, solution
+    with loading():
+        from fsi.models import flow_solvers, make_model
+        from fsi.observables.truncation import halved, truncation
+        from fsi.report import pores, solution
 
-    solved = flow_solvers(case).solve(case)
+        solver = flow_solvers(case)
+    solved = solver.solve(case)
     case, found, half = solved.case, solved.solution, halved(solved.case)
     truncated = None
     if half is not None:

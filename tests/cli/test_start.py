@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import gc
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+
+import fsi.meshes.mpi as mpi
+from fsi.cli.loading import loading
+from fsi.errors import InputError
 
 ROOT = Path(__file__).parents[2]
 # A tenth of a second or more each: `python -X importtime -m fsi check CASE` says.
 SLOW = {"scipy.stats", "scipy.optimize", "scipy.interpolate", "matplotlib", "pandas", "pyvista"}
-SOLVER = {"dolfinx_solver", "dolfinx", "gmsh", "petsc4py", "ufl", "numba", "scipy.spatial", "scipy.sparse"}
+SOLVER = {"mpi4py", "dolfinx_solver", "dolfinx", "gmsh", "petsc4py", "ufl"}
+OTHER = {"numba", "scipy.spatial", "scipy.sparse", "numpy.random", "fsi.arrangements.kinds"}
 
 
 def loaded(*command: str) -> set[str]:
@@ -31,7 +38,7 @@ def loaded(*command: str) -> set[str]:
 @pytest.mark.parametrize(
     ("command", "not_needed"),
     [
-        ("check", SLOW | SOLVER),
+        ("check", SLOW | SOLVER | OTHER),
         ("solve", SLOW | {"fsi.pores.instant", "numba", "meshio", "scipy.spatial", "scipy.special"}),
     ],
     ids=["check", "solve"],
@@ -40,3 +47,26 @@ def test_a_command_loads_only_what_it_needs(command: str, not_needed: set[str]) 
     found = loaded(command, "cases/disc_in_box.toml")
     assert {"numpy", "fsi.case.case"} <= found
     assert not found & not_needed
+
+
+def test_what_is_loaded_is_not_looked_through_for_cycles() -> None:
+    before = gc.get_freeze_count()
+    try:
+        with loading():
+            assert not gc.isenabled()
+            loaded_now = [[] for _ in range(1000)]
+        assert gc.isenabled()
+        assert gc.get_freeze_count() - before >= len(loaded_now)
+    finally:
+        gc.unfreeze()
+
+
+def test_ranks_that_nothing_told_so_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each would take itself for the only one, and write the same files."""
+    two = SimpleNamespace(COMM_WORLD=SimpleNamespace(size=2))
+    monkeypatch.setitem(sys.modules, "mpi4py.MPI", two)
+    monkeypatch.setattr(mpi, "STARTED", True)
+    assert mpi.load_mpi() is two
+    monkeypatch.setattr(mpi, "STARTED", False)
+    with pytest.raises(InputError, match="set one, RANKS=2"):
+        mpi.load_mpi()
