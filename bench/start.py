@@ -1,7 +1,8 @@
 """CPU seconds of whole processes, `fsi check` and `fsi solve` of one disc: what loading takes, mostly.
 
 With another checkout its commands are run in turns with those of this one, by the same Python, and the
-median of the ratios is printed: machines differ, and one differs from minute to minute.
+median of the ratios is printed: machines differ, and one differs from minute to minute. What Python makes
+of the sources is kept, in a folder of its own, and made before the first run that counts.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import os
 import resource
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 from statistics import median
 
@@ -18,9 +20,10 @@ HERE = Path(__file__).parents[1]
 CASE = "cases/disc_in_box.toml"
 
 
-def seconds(checkout: Path, command: str) -> float:
-    """CPU seconds of a command of a checkout, on one thread."""
+def seconds(checkout: Path, command: str, compiled: str) -> float:
+    """CPU seconds of a command of a checkout, on one thread; compiled: the folder of compiled sources."""
     environment = os.environ | {"PYTHONPATH": str(checkout), "OMP_NUM_THREADS": "1"}
+    environment |= {"PYTHONDONTWRITEBYTECODE": "", "PYTHONPYCACHEPREFIX": compiled}
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     subprocess.run(
         [sys.executable, "-m", "fsi", command, str(checkout / CASE)],
@@ -33,9 +36,11 @@ def seconds(checkout: Path, command: str) -> float:
 def row(command: str, times: int, other: Path | None) -> str:
     """A row of the table."""
     here, there = [], []
-    for _ in range(times):
-        here.append(seconds(HERE, command))
-        there += [seconds(other, command)] if other else []
+    with tempfile.TemporaryDirectory() as compiled:
+        for _ in range(1 + times):
+            here.append(seconds(HERE, command, compiled))
+            there += [seconds(other, command, compiled)] if other else []
+    del here[0], there[:1]
     ratio = f"{median(a / b for a, b in zip(here, there, strict=True)):.2f}" if other else ""
     return f"| fsi {command} | {min(here):.2f} | {median(here):.2f} | {ratio} |"
 

@@ -19,7 +19,7 @@ type Words = Callable[[BaseException], tuple[str, int]]
 PATIENCE = 5.0  # seconds that a rank which fails waits for the others to fail with it
 TO_BE_HEARD = 1.0  # seconds that a launcher may need to pass on the last words before it ends
 
-MPI = load_mpi() if STARTED else None
+MPI: Any = load_mpi() if STARTED else None
 
 _comm: Any = None if MPI is None else MPI.COMM_WORLD
 _alarm: Any = None if MPI is None else _comm.Dup()  # its own, so that an alarm meets no other message

@@ -54,7 +54,7 @@ def test_what_is_loaded_is_not_looked_through_for_cycles() -> None:
     try:
         with loading():
             assert not gc.isenabled()
-            loaded_now = [[] for _ in range(1000)]
+            loaded_now: list[object] = [[] for _ in range(1000)]
         assert gc.isenabled()
         assert gc.get_freeze_count() - before >= len(loaded_now)
     finally:
