@@ -40,11 +40,6 @@ class Fineness:
         """That of a system."""
         return cls(_middles(system.pores, system.shapes), system.assembly.numbering.modes)
 
-    @property
-    def most(self) -> int:
-        """The most modes of a neck."""
-        return int(self.modes.max())
-
     def at(self, pores: Pores) -> Index:
         """Modes of the necks of other pores, (K,)."""
         if np.all(self.modes == self.modes[0]):

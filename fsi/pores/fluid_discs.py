@@ -34,7 +34,6 @@ class Wide:
         wall: the same beside walls and containers.
         empty: the same of a pore without bodies over the mean radius of its fluid discs.
         share: radius of a fluid disc over that of the inscribed circle.
-        again: by how much wider a pore is that has a fluid disc already.
 
     Between three fluid discs whose circles touched there is one of 1.10 radii, between two and a wall one of
     1.00 (for a share of 0.55), in a corner one of 0.65: with a lesser `empty` there would be no end of them.
@@ -44,7 +43,6 @@ class Wide:
     wall: float = 0.6
     empty: float = 1.2
     share: float = 0.55
-    again: float = 1.0
 
 
 def with_fluid_discs(surfaces: BoundingSurfaces, wide: Wide = Wide()) -> BoundingSurfaces:
@@ -114,8 +112,7 @@ def _wide_from(surfaces: BoundingSurfaces, links: Links, wide: Wide) -> Array:
     body = np.where(bound | surfaces.fluid[links.body], np.inf, radius).min(axis=1)
     mean = np.where(bound, 0.0, radius).sum(axis=1) / (~bound).sum(axis=1)
     beside = np.where(bound.any(axis=1), wide.wall, wide.least)
-    again = np.where(surfaces.fluid[links.body].any(axis=1), wide.again, 1.0)
-    limit: Array = again * np.where(np.isfinite(body), beside * body, wide.empty * mean)
+    limit: Array = np.where(np.isfinite(body), beside * body, wide.empty * mean)
     return limit
 
 

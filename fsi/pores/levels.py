@@ -2,7 +2,6 @@
 
 from typing import NamedTuple
 
-from fsi.pores.fluid_discs import Wide
 from fsi.pores.quadrature import Rule
 from fsi.pores.quadrature import rule as gauss
 
@@ -16,7 +15,6 @@ class Level(NamedTuple):
         bubbles: degree of the bubbles of a pore.
         neck_bubbles: degrees + 1 of the bubbles of a neck, along and across.
         points: of quadrature along necks and across them, and the degree inside.
-        wide: which pores take fluid discs: with few modes a void needs no small ones towards the bodies.
     """
 
     modes: int
@@ -24,7 +22,6 @@ class Level(NamedTuple):
     bubbles: int
     neck_bubbles: int
     points: tuple[int, int, int]
-    wide: Wide = Wide()
 
     @property
     def rule(self) -> Rule:
@@ -34,11 +31,10 @@ class Level(NamedTuple):
 
 # Points along a neck for each unit of T.
 _PER_GATHERING = 2.0
-_FEW = Wide(again=1.25)
 
 LEVELS = (
-    Level(0, 3, 4, 0, (2, 6, 8), _FEW),
-    Level(1, 4, 4, 0, (2, 6, 8), _FEW),
+    Level(0, 3, 4, 0, (2, 6, 8)),
+    Level(1, 4, 4, 0, (2, 6, 8)),
     Level(2, 5, 5, 0, (3, 6, 10)),
     Level(4, 6, 6, 0, (4, 8, 12)),
     Level(6, 6, 7, 0, (5, 9, 14)),

@@ -20,9 +20,8 @@ from fsi.observables.bars import Compared, DrivenBodies, motion_of, step_errors
 from fsi.pores.adapt import adapt
 from fsi.pores.bars import SAFETY, reference_system
 from fsi.pores.fineness import Fineness
-from fsi.pores.fluid_discs import Wide, with_fluid_discs
+from fsi.pores.fluid_discs import with_fluid_discs
 from fsi.pores.instant import PoreInstant
-from fsi.pores.levels import LEVELS, level_of
 from fsi.pores.solve import PoreDrive, PoreLoading, solve_pores
 from fsi.pores.stress import carried_stress
 from fsi.pores.stressed import StressedLoading
@@ -137,7 +136,7 @@ def make_system(bodies: DrivenBodies, fineness: Fineness) -> PoreSystem:
     case, container = bodies.case, bodies.case.container().at(bodies.t, bodies.q.strain)
     surfaces = surfaces_of(bodies.q, container)
     try:
-        pores = triangulate(with_fluid_discs(surfaces, _wide(case, fineness)))
+        pores = triangulate(with_fluid_discs(surfaces))
         return PoreSystem.of(len(bodies.q), pores, fineness.at(pores), case.fluid.viscosity)
     except NoPoresError as error:
         problem = error.between([*case.names, *(f"wall {name}" for name in container.walls)])
@@ -145,11 +144,6 @@ def make_system(bodies: DrivenBodies, fineness: Fineness) -> PoreSystem:
             f'model = "pores" at t = {bodies.t:.9g}: no pores are found, as {problem}; give other places '
             '(bodies.position) or a narrower domain, or model = "resolved"'
         ) from None
-
-
-def _wide(case: Case, fineness: Fineness) -> Wide:
-    """Which pores take fluid discs; where a tolerance may ask for more modes, as many as these need."""
-    return Wide() if case.pores.tolerance is not None else LEVELS[level_of(fineness.most)].wide
 
 
 def drive_of(bodies: DrivenBodies, inertia: Inertia | None = None) -> PoreDrive:

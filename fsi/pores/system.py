@@ -11,7 +11,6 @@ from fsi.bodies.configuration import Array
 from fsi.pores.assembly import Assembly, assemble
 from fsi.pores.definite import LastFactors
 from fsi.pores.fluid_discs import with_fluid_discs
-from fsi.pores.levels import LEVELS, level_of
 from fsi.pores.orders import RIGID
 from fsi.pores.pattern import Index
 from fsi.pores.regions import PoreShapes, shapes_of
@@ -46,7 +45,7 @@ class PoreSystem:
         """With the same number of modes for each neck. Raises NoPoresError: no pores fill the fluid."""
         began = process_time()
         bodies = int(np.count_nonzero(surfaces.kind == DISC))
-        pores = triangulate(with_fluid_discs(surfaces, LEVELS[level_of(modes)].wide))
+        pores = triangulate(with_fluid_discs(surfaces))
         between = process_time()
         made = cls.of(bodies, pores, np.full(len(pores.necks), modes), viscosity)
         made.seconds.update(cpu_pores=between - began, cpu_forms=process_time() - between)

@@ -7,7 +7,6 @@ import pytest
 
 from fsi.lubrication.exact import normal_resistance, parallel_resistance, rotation_resistance
 from fsi.pores.fields import FlowFields
-from fsi.pores.fluid_discs import with_fluid_discs
 from fsi.pores.forms import pore_forms, strain_rates, values
 from fsi.pores.inner import inner_flow, inner_form
 from fsi.pores.levels import LEVELS
@@ -16,7 +15,6 @@ from fsi.pores.quadrature import points_at, pore_points
 from fsi.pores.solve import PoreLoading, solve_pores
 from fsi.pores.surfaces import BoundingSurfaces
 from fsi.pores.system import PoreSystem
-from fsi.pores.topology import triangulate
 from tests.pore_surfaces import (
     REFERENCE,
     box,
@@ -176,17 +174,6 @@ def test_the_viscosity_of_ten_discs_falls_to_the_exact_one() -> None:
     assert viscosities[1] == pytest.approx(exact, rel=2.5e-2)
     assert exact * (1 - 1e-7) <= viscosities[-1] <= exact * (1 + 1e-6)
     assert pytest.approx(U, abs=3e-6) == flow.U
-
-
-def test_with_one_mode_circles_of_fluid_in_narrower_pores_gain_little() -> None:
-    """Errors of 6.3e-3 and 5.9e-3 of the viscosity, with 265 and 299 unknowns (regression)."""
-    surfaces, _, exact = couette()
-    few = PoreSystem.make(surfaces, 1, 1.0)
-    pores = triangulate(with_fluid_discs(surfaces))
-    many = PoreSystem.of(few.bodies, pores, np.full(len(pores.necks), 1), 1.0)
-    errors = [sheared(system, 8.862269).dissipation / 8.862269**2 / exact - 1.0 for system in (few, many)]
-    assert few.unknowns < 0.9 * many.unknowns
-    assert 0.0 < errors[1] < errors[0] < 1.15 * errors[1]
 
 
 @pytest.mark.parametrize(("modes", "bias"), [(1, 2e-4), (2, 6e-5)])
