@@ -80,7 +80,7 @@ def test_a_gap_of_1e_8_radii_is_taken() -> None:
 
 
 def test_what_takes_long_is_said_beforehand(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("fsi.machine.free_disk", lambda path: 1e12)  # the files take some 60 GB
+    monkeypatch.setattr("fsi.machine.free_disk", lambda _: 1e12)  # the files take some 60 GB
     assert check_work(load_case(CASES / "gluey/layers.toml")) is None
     warning = check_work(load_case(CASES / "gluey/layers.toml", ["time.step=1e-6"]))
     assert warning is not None
