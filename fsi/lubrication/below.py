@@ -1,22 +1,28 @@
 """What laws add where a flow is solved with narrow gaps opened: resisted rates of pairs of bodies and walls.
 
-Where bodies that stand at gaps d are meshed at gaps D, each near pair resists its three relative motions,
-squeeze, shear and rotation, by
+Bodies that stand at places q are meshed at places x, with gaps D in place of d. Each near pair resists its
+three relative motions, squeeze, shear and rotation, by the law R of the pair,
 
-    R(d) - R(D)     of the law of the pair,
+    + R(d)  times the rates at the places q,
+    - R(D)  times the rates at the places x,
 
-on top of what is resolved at D: for a lone pair that is its whole resistance at d, whatever D is, but for
-what D changes of the flow around it. It vanishes with the displacement, so that forces are continuous in the
-gap. Laws end at the gap REACH times that below which gaps are opened: there they are less their value at it.
+on top of what is resolved at x, which takes what the mesh resolves of the pair away again. For a lone pair
+the sum is its whole resistance at d, whatever D is, but for what D changes of the flow around it. It vanishes
+with the displacement, so that forces are continuous in the gap.
 
-The lines of centres, arms and points of contact are those of the bodies as they are meshed, so that loads
-balance, rigid motions cost nothing and power is dissipation to rounding in the geometry of the flow. The
-relative error of that is of the order of D/a, as is what D changes of the flow.
+Lines of centres, arms and points of contact are those of either place: where many bodies lean on each other
+places differ by several openings, and with them the rates at which a mean flow W x carries bodies past each
+other. For the same reason a body that moves by U at q is meshed with the velocity U + W (x - q): what W does
+to it is the same. Loads of either set of rates balance for themselves, and power is dissipation to rounding.
+
+A law counts in full up to `FULL` times the reduced radius a_r and ends, falling linearly, at a_r: of bodies
+farther apart others are nearer. Bodies nearer than `lubrication.below` are well within.
 
 Laws are the exact ones; of two spheres, and within a round wall, shear and rotation have the first term of
 their expansion, of which the difference lacks (D - d)/a ln D.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import inf
 
@@ -29,12 +35,12 @@ from fsi.bodies.gaps import find_gaps, pair_gaps, wall_gaps
 from fsi.bodies.opened import lubricating
 from fsi.errors import SolveError
 from fsi.lubrication.expansions import MODES, Mode, Shape
-from fsi.lubrication.laws import CutLaw, LubricationLaw
+from fsi.lubrication.laws import LubricationLaw
 from fsi.lubrication.named_laws import GapFilm, exact_law, leading_law
 from fsi.lubrication.sliding import Nearby, slide_and_roll, tangents
 from fsi.meshes.geometry.container import Container
 
-REACH = 10.0
+FULL = 0.5
 _STRAIGHT = 1e-9  # an axis is along a wall's normal to so much
 
 
@@ -48,19 +54,38 @@ class PairRates:
         G: over the modes of all bodies, (R, N M).
         along: what is measured of the other side's velocity, (R, d).
         place: the lattice vector of the image j, or the point on the wall, (R, d).
+        apart: from the centre of the image j, or that point, to that of i, (R, d).
         wall: the number of the wall, -1 of two bodies, (R,).
-        resistance: R(d) - R(D), (R,).
+        resistance: R(d) or - R(D), (R,).
         body: i and j, twice i beside a wall, (R, 2).
-        gaps: d and D, (R, 2).
+        meshed: whether the rate is that of the bodies where they are meshed, (R,).
     """
 
     G: Array
     along: Array
     place: Array
+    apart: Array
     wall: NDArray[np.intp]
     resistance: Array
     body: NDArray[np.intp]
-    gaps: Array
+    meshed: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class NearPairs:
+    """Pairs of bodies, and of bodies and walls, that the mesh has at other places.
+
+    Attributes:
+        body: i and j, twice i beside a wall, (P, 2).
+        wall: the number of the wall, -1 of two bodies, (P,).
+        away: the lattice vector of the image j, (P, d).
+        weight: how much the law counts, from 0 to 1, (P,).
+    """
+
+    body: NDArray[np.intp]
+    wall: NDArray[np.intp]
+    away: Array
+    weight: Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,61 +110,80 @@ class OpenedGaps:
     viscosity: float
 
     def rates(self) -> PairRates:
-        """Those of all near pairs. Raises SolveError: no law is known of one."""
-        between, beside = self._between(), self._beside()
-        parts = [part for pairs in (between, beside) for part in self._rows(*pairs)]
-        names = ("G", "along", "place", "wall", "resistance", "body", "gaps")
+        """Those of all near pairs, at both places. Raises SolveError: no law is known of one."""
+        parts = [
+            part
+            for near, sides in ((self._between(), self._sides_between), (self._beside(), self._sides_beside))
+            for q, meshed in ((self.q, False), (self.meshed, True))
+            for part in self._rows(near, *sides(near, q), meshed)
+        ]
+        names = PairRates.__slots__
         return PairRates(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
-    @property
-    def _cut(self) -> float:
-        return REACH * self.below
-
-    def _between(self) -> tuple[Nearby, Array, NDArray[np.intp], NDArray[np.intp], Array]:
-        """Pairs of bodies, their real gaps, bodies, walls (none) and images."""
-        found = find_gaps(self.q, self.container, self._cut)
+    def _between(self) -> NearPairs:
+        """Pairs of bodies of which one is displaced against the other."""
+        a, x = self.q.radii, self.meshed.centres - self.q.centres
+        found = find_gaps(self.q, self.container, 0.5 * float(a.max(initial=0.0)))
         i, j = found.pairs.T
-        x, radii = self.meshed.centres, self.q.radii
-        across = x[i] - x[j] - found.away
-        n = across / np.linalg.norm(across, axis=1)[:, None]
-        a, b = radii[i], radii[j]
-        meshed, none = pair_gaps(self.meshed, found.pairs, found.away), np.zeros(len(i))
-        sides = Nearby(n, meshed, a * b / (a + b), a, b, np.zeros(len(i), dtype=bool), none)
-        return sides, found.pair_gaps, found.pairs, np.full(len(i), -1), found.away
+        weight = _weight(found.pair_gaps, a[i] * a[j] / (a[i] + a[j]))
+        near = NearPairs(found.pairs, np.full(len(i), -1), found.away, weight)
+        return _those(near, (weight > 0.0) & np.any(x[i] != x[j], axis=1))
 
-    def _beside(self) -> tuple[Nearby, Array, NDArray[np.intp], NDArray[np.intp], Array]:
-        """Bodies and walls likewise, and the nearest points of the walls."""
-        container, radii, x = self.container, self.q.radii, self.meshed.centres
-        gaps = wall_gaps(self.q, container)
-        near = lubricating(container, self.solid)
-        i, wall = np.nonzero((gaps <= self._cut) & near)
-        n = container.normals(x)[i, wall] if len(i) else np.zeros((0, x.shape[1]))
-        meshed, a = wall_gaps(self.meshed, container)[i, wall], radii[i]
-        a_r, K = a.copy(), np.zeros(len(i))
-        for k, each in enumerate(wall):
-            if (sphere := container.spheres[each]) is not None:
-                a_r[k] = a[k] * sphere.radius / (sphere.radius - a[k])
-                K[k] = -1.0 / (sphere.radius - a[k] - meshed[k])
-        curved = self.spheres & (K != 0.0)
-        if container.axisymmetric:
+    def _beside(self) -> NearPairs:
+        """Bodies beside walls that are displaced. Raises SolveError: no law is known of one."""
+        gaps = wall_gaps(self.q, self.container)
+        i, wall = np.nonzero(lubricating(self.container, self.solid) & (gaps < np.inf))
+        n, curvature, a_r = self._of_walls(self.q, i, wall)
+        gap = gaps[i, wall]
+        curved = self.spheres & (curvature != 0.0)
+        if self.container.axisymmetric:
             curved |= np.abs(n[:, 0]) > _STRAIGHT
-        if np.any(curved & (gaps[i, wall] < self.below)):
+        if np.any(curved & (gap < self.below)):
             raise SolveError(
                 f"lubrication.below = {self.below:g}: no law is known of a sphere beside a curved wall; "
                 "give a smaller one, or drop it"
             )
-        foot = x[i] - (a + meshed)[:, None] * n
-        kept = ~curved
-        sides = Nearby(n, meshed, a_r, a, a, np.ones(len(i), dtype=bool), K)
-        sides = Nearby(*(getattr(sides, name)[kept] for name in Nearby.__slots__))
-        return sides, gaps[i, wall][kept], np.stack([i, i], axis=1)[kept], wall[kept], foot[kept]
+        weight, moved = _weight(gap, a_r), np.any(self.meshed.centres != self.q.centres, axis=1)
+        near = NearPairs(np.stack([i, i], axis=1), wall, np.zeros((len(i), self.q.dimension)), weight)
+        return _those(near, (weight > 0.0) & moved[i] & ~curved)
+
+    def _of_walls(
+        self, q: Configuration, i: NDArray[np.intp], wall: NDArray[np.intp]
+    ) -> tuple[Array, Array, Array]:
+        """Normals (P, d), curvatures of the gap and reduced radii (P,) of bodies beside walls."""
+        n = self.container.normals(q.centres)[i, wall] if len(i) else np.zeros((0, q.dimension))
+        gap, a = wall_gaps(q, self.container)[i, wall], q.radii[i]
+        a_r, K = a.copy(), np.zeros(len(i))
+        for k, each in enumerate(wall):
+            if (sphere := self.container.spheres[each]) is not None:
+                a_r[k] = a[k] * sphere.radius / (sphere.radius - a[k])
+                K[k] = -1.0 / (sphere.radius - a[k] - gap[k])
+        return n, K, a_r
+
+    def _sides_between(self, near: NearPairs, q: Configuration) -> tuple[Nearby, Array, Array]:
+        """How the bodies stand at q; the lattice vectors, and from centre to centre, (P, d)."""
+        i, j = near.body.T
+        apart = q.centres[i] - q.centres[j] - near.away
+        n = apart / np.linalg.norm(apart, axis=1)[:, None]
+        a, b, gap = q.radii[i], q.radii[j], pair_gaps(q, near.body, near.away)
+        sides = Nearby(n, gap, a * b / (a + b), a, b, np.zeros(len(i), dtype=bool), np.zeros(len(i)))
+        return sides, near.away, apart
+
+    def _sides_beside(self, near: NearPairs, q: Configuration) -> tuple[Nearby, Array, Array]:
+        """How they stand beside walls; the nearest points of these, and from there to the centres."""
+        i, a = near.body[:, 0], q.radii[near.body[:, 0]]
+        n, K, a_r = self._of_walls(q, i, near.wall)
+        gap = wall_gaps(q, self.container)[i, near.wall]
+        apart = (a + gap)[:, None] * n
+        return Nearby(n, gap, a_r, a, a, np.ones(len(i), dtype=bool), K), q.centres[i] - apart, apart
 
     def _rows(
-        self, sides: Nearby, gap: Array, bodies: NDArray[np.intp], wall: NDArray[np.intp], place: Array
-    ) -> list[PairRates]:
+        self, near: NearPairs, sides: Nearby, place: Array, apart: Array, meshed: bool
+    ) -> Iterator[PairRates]:
         """One rate of squeeze of each pair, then those along each tangent."""
-        kappa = self._more(sides, gap)
-        gaps, one, none = np.stack([gap, sides.gap], axis=1), np.ones(len(gap)), np.zeros(len(gap))
+        weight = -near.weight if meshed else near.weight
+        kappa = self._resistances(sides)
+        one, none = np.ones(len(weight)), np.zeros(len(weight))
         each = [(sides.n, one, none, none, kappa["squeeze"])]
         if not self.container.axisymmetric:
             tangential: dict[Mode, Array] = {
@@ -151,14 +195,14 @@ class OpenedGaps:
                 for t in tangents(sides.n)
                 for f in slide_and_roll(sides, tangential)
             ]
-        rates = []
+        of_pair, wall = near.body, near.wall
         for t, across, turn, turn_other, resistance in each:
             along, turns = across[:, None] * t, self._axes(sides.n, t)
-            G = self._placed(bodies[:, 0], along, turn[:, None] * turns)
-            G += (wall < 0)[:, None] * self._placed(bodies[:, 1], -along, turn_other[:, None] * turns)
+            G = self._placed(of_pair[:, 0], along, turn[:, None] * turns)
+            G += (wall < 0)[:, None] * self._placed(of_pair[:, 1], -along, turn_other[:, None] * turns)
             # A moving image has the velocity of its body and that of the lattice.
-            rates.append(PairRates(G, along, place, wall, resistance, bodies, gaps))
-        return rates
+            where = np.full(len(wall), meshed)
+            yield PairRates(G, along, place, apart, wall, weight * resistance, of_pair, where)
 
     @staticmethod
     def _axes(n: Array, t: Array) -> Array:
@@ -172,18 +216,19 @@ class OpenedGaps:
         rows[np.arange(len(body)), body] = np.hstack([along, turns])
         return rows.reshape(len(body), N * rows.shape[2])
 
-    def _more(self, sides: Nearby, gap: Array) -> dict[Mode, Array]:
-        """R(d) - R(D) of all modes, (P,) each."""
+    def _resistances(self, sides: Nearby) -> dict[Mode, Array]:
+        """R at the gaps of all pairs, of each mode, (P,)."""
         modes = MODES[:1] if self.container.axisymmetric else MODES
-        more: dict[Mode, Array] = {mode: np.zeros(len(gap)) for mode in modes}
-        for k, (d, D, a_r) in enumerate(zip(gap, sides.gap, sides.radius, strict=True)):
+        R: dict[Mode, Array] = {mode: np.zeros(len(sides.gap)) for mode in modes}
+        for k, (gap, a_r) in enumerate(zip(sides.gap, sides.radius, strict=True)):
             ratio = float(sides.b[k] / sides.a[k])
             if sides.is_wall[k]:
                 ratio = inf if sides.curvature[k] == 0.0 else float(-a_r / (a_r - sides.a[k]))
+            elif ratio < 1.0:
+                ratio = 1.0 / ratio
             for mode in modes:
-                law = CutLaw(self._law(mode, max(ratio, 1.0 / ratio) if ratio > 0.0 else ratio), self._cut)
-                more[mode][k] = law.kappa(d, a_r) - law.kappa(D, a_r)
-        return more
+                R[mode][k] = self._law(mode, ratio).kappa(gap, a_r)
+        return R
 
     def _law(self, mode: Mode, ratio: float) -> LubricationLaw:
         """The exact law where it is known."""
@@ -191,3 +236,13 @@ class OpenedGaps:
         film = GapFilm(shape, self.viscosity, ratio, extrapolate=True, mode=mode)
         is_known = mode == "squeeze" or ratio == inf or (not self.spheres and ratio > 0.0)
         return exact_law(film) if is_known else leading_law(film)
+
+
+def _weight(gap: Array, a_r: Array) -> Array:
+    """1 up to FULL a_r, 0 from a_r on."""
+    weight: Array = np.clip((1.0 - gap / a_r) / (1.0 - FULL), 0.0, 1.0)
+    return weight
+
+
+def _those(near: NearPairs, which: NDArray[np.bool_]) -> NearPairs:
+    return NearPairs(*(getattr(near, name)[which] for name in NearPairs.__slots__))

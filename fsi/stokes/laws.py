@@ -5,9 +5,10 @@ balance of the bodies is
 
     rigid^T lambda + G^T f = (F, T),      f = kappa (G U - b).
 
-U is linear in the loads, U = U_0 + sum_r f_r U_r with the flow of -G_r alone, so that f solves
+U is linear in the loads, U = U_0 - M G^T f with the mobility M of the free modes that have a share in G, each
+a flow of its own, so that f solves
 
-    (1 - kappa G [U_1 U_2 ...]) f = kappa (G U_0 - b)
+    (1 + kappa G M G^T) f = kappa (G U_0 - b)
 
 whatever the size of kappa: nothing stiff enters the matrix of the flow. The work of f is
 
@@ -21,7 +22,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fsi.bodies.configuration import MODES, Array, Motion
+from fsi.bodies.configuration import MODES, Array, Configuration, Motion
 from fsi.lubrication.below import PairRates
 from fsi.stokes.problem import PairLaws, StokesProblem
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem
@@ -37,17 +38,16 @@ def with_laws(solver: Solver) -> Solver:
         laws, free = system.problem.laws, ~system.problem.motion.held.ravel()
         if laws is None or not len(laws.own):
             return solver(*systems)
-        moving = np.flatnonzero((laws.G[:, free] != 0.0).any(axis=1))
-        solutions = solver(*systems, *(_pulled(system, -row) for row in laws.G[moving]))
+        modes = np.flatnonzero((laws.G != 0.0).any(axis=0) & free)
+        solutions = solver(*systems, *(_pulled(system, load) for load in np.eye(free.size)[modes]))
         alone, responses = solutions[: len(systems)], solutions[len(systems) :]
-        mobility = np.zeros((len(laws.own), len(laws.own)))
-        for r, response in zip(moving, responses, strict=True):
-            mobility[:, r] = -laws.G @ response.U.ravel()
+        M = np.array([response.U.ravel() for response in responses]).reshape(len(modes), free.size).T
+        mobility = laws.G @ M @ laws.G[:, modes].T
         found = []
         for each, flow in zip(systems, alone, strict=True):
             assert each.problem.laws is not None  # all have the same rates
             f = _forces(each.problem.laws, mobility, flow.U)
-            found.append(_combined(flow, responses, f[moving], f))
+            found.append(_combined(flow, responses, -f @ laws.G[:, modes], f))
         return found
 
     return solve
@@ -84,34 +84,35 @@ def _combined(
     return NodalSolution(x, reaction, load, U, residual, iterations, law_forces=forces)
 
 
-def pair_laws(rates: PairRates, problem: StokesProblem) -> PairLaws:
-    """The laws of a problem with these rates, of its walls and mean flow at this instant."""
-    names, acting = problem.container.walls, rates.resistance != 0.0
+def pair_laws(rates: PairRates, problem: StokesProblem, q: Configuration) -> PairLaws:
+    """The laws of a problem with these rates, of its walls and mean flow at this instant; bodies are at q."""
+    names, W = problem.container.walls, problem.flow_gradient
     E = problem.container.mean_gradient
     own = np.einsum("rk,rk->r", rates.along, rates.place @ E.T)
     for k in np.unique(rates.wall[rates.wall >= 0]):
         here = rates.wall == k
         velocity = problem.boundary.velocities[names[k]](rates.place[here])
         own[here] = np.einsum("rk,rk->r", rates.along[here], velocity)
+    carried = np.zeros_like(problem.motion.U)
+    carried[:, : q.dimension] = (problem.q.centres - q.centres) @ W.T
+    own -= np.where(rates.meshed, rates.G @ carried.ravel(), 0.0)
     return PairLaws(
-        rates.G[acting], own[acting], rates.resistance[acting], _strains(rates, problem)[acting],
-        rates.along[acting], rates.wall[acting], rates.body[acting],
+        rates.G, own, rates.resistance, _strains(rates), rates.along, rates.wall, rates.body, rates.meshed,
+        carried,
     )  # fmt: skip
 
 
-def _strains(rates: PairRates, problem: StokesProblem) -> Array:
+def _strains(rates: PairRates) -> Array:
     """S of each rate, the symmetric tensor of its values by the gradients e_k (x) e_l, k <= l, (R, d, d)."""
-    q, d = problem.q, problem.q.dimension
-    between = rates.wall < 0
-    i, j = rates.body.T
-    apart = q.centres[i] - np.where(between[:, None], q.centres[j], 0.0) - rates.place
-    turns = rates.G.reshape(len(i), len(q), len(MODES[d]))[:, :, d:].sum(axis=1)
-    S = np.zeros((len(i), d, d))
+    R, d = rates.apart.shape
+    M = len(MODES[d])
+    turns = rates.G.reshape(R, rates.G.shape[1] // M, M)[:, :, d:].sum(axis=1)
+    S = np.zeros((R, d, d))
     for k in range(d):
         for m in range(k, d):
             W = np.zeros((d, d))
             W[k, m] = 1.0
             spin = 0.5 * (W.T - W)
             omega = [spin[0, 1]] if d == 2 else [spin[1, 2], spin[2, 0], spin[0, 1]]
-            S[:, k, m] = S[:, m, k] = np.einsum("rk,rk->r", rates.along, apart @ W.T) + turns @ omega
+            S[:, k, m] = S[:, m, k] = np.einsum("rk,rk->r", rates.along, rates.apart @ W.T) + turns @ omega
     return S

@@ -117,7 +117,7 @@ class StokesModel:
         if (below := case.lubrication.below) is None:
             return problem
         gaps = OpenedGaps(q, meshed, container, below, tuple(boundary.velocities), case.spheres, mu)
-        return replace(problem, laws=pair_laws(gaps.rates(), problem))
+        return replace(problem, laws=pair_laws(gaps.rates(), problem, q))
 
     def _meshed_at(self, q: Configuration, t: float) -> Configuration:
         """The bodies as they are meshed: moved apart where laws take over from the mesh."""

@@ -87,6 +87,8 @@ class PairLaws:
         along: what a rate has of the other side's velocity, (R, d).
         wall: the number of the wall, -1 of two bodies, (R,).
         body: i and j, twice i beside a wall, (R, 2).
+        meshed: whether a rate is that of the bodies where they are meshed, (R,).
+        carried: how much faster than U the mean flow makes bodies move there, (N, M).
     """
 
     G: Array
@@ -96,10 +98,12 @@ class PairLaws:
     along: Array
     wall: NDArray[np.intp]
     body: NDArray[np.intp]
+    meshed: NDArray[np.bool_]
+    carried: Array
 
     def at_rest(self) -> PairLaws:
-        """The same between walls and images at rest."""
-        return replace(self, own=np.zeros_like(self.own))
+        """The same between walls and images at rest, without a mean flow."""
+        return replace(self, own=np.zeros_like(self.own), carried=np.zeros_like(self.carried))
 
     def rates(self, U: Array) -> Array:
         """G U - b of velocities (N, M), (R,)."""
@@ -124,6 +128,11 @@ class PairLaws:
         """What moves a wall against these forces, along it, (d - 1,)."""
         here = self.wall == wall
         return np.asarray(-forces[here] @ self.along[here, :-1])
+
+    def carrying_power(self, forces: Array, load: Array) -> float:
+        """What it takes to carry bodies with these loads of the flow, (N, M), past where they are."""
+        on_meshed = self.loads(np.where(self.meshed, forces, 0.0), load.shape)
+        return float(np.sum((load + on_meshed) * self.carried))
 
     def defect(self, forces: Array, U: Array) -> float:
         """By how much rates differ from f / kappa, over the largest parts of a rate."""
@@ -178,18 +187,24 @@ class StokesProblem:
         return self.container.mean_gradient + self.boundary.shear_rate * unit_shear(self.container.dimension)
 
     @property
-    def mean_strain_rate(self) -> Array:
-        """E of a periodic flow, symmetric, (d, d); between walls gammadot = (u_top - u_bottom) / H.
+    def flow_gradient(self) -> Array:
+        """W of the mean flow of a periodic domain, (d, d); between walls gammadot = (u_top - u_bottom) / H.
 
-        Zero in a channel whose walls have no given velocity.
+        Zero elsewhere, and in a channel whose walls have no given velocity.
         """
-        gradient, walls = self.mean_gradient, self.boundary.velocities
-        E: Array = 0.5 * (gradient + gradient.T)
-        if len(walls) == 2:
+        W, walls = self.mean_gradient, self.boundary.velocities
+        if self.periodic and len(walls) == 2:
             heights, d = channel_walls(self.container), self.container.dimension
             places = [np.append(np.zeros(d - 1), height)[None] for height in heights.values()]
             bottom, top = (walls[wall](x)[0, :-1] for wall, x in zip(heights, places, strict=True))
-            E[:-1, -1] = E[-1, :-1] = 0.5 * (top - bottom) / (heights["top"] - heights["bottom"])
+            W[:-1, -1] = (top - bottom) / (heights["top"] - heights["bottom"])
+        return W
+
+    @property
+    def mean_strain_rate(self) -> Array:
+        """E of a periodic flow, the symmetric part of its gradient, (d, d)."""
+        W = self.flow_gradient
+        E: Array = 0.5 * (W + W.T)
         return E
 
 

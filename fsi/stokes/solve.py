@@ -122,6 +122,9 @@ def assembled(
         corner_axes = dict(zip(container.walls, container.corner_axes, strict=True))
         g = wall_offset(layout, nodes, at_walls, corner_axes)
         g += swimming_velocity(problem, forms, nodes, layout)
+        if problem.laws is not None:
+            carried, d = problem.laws.carried, problem.q.dimension
+            g[layout.on_body] += carried[layout.body, layout.on_body % d]
         b = _loads(problem, forms, layout.rows)
         clock.lap("setup")
         mass = pressure_mass(forms) if iterative else None

@@ -7,8 +7,10 @@ With E the mean strain rate (in a channel that of its walls, gammadot = (u_top -
                    int_fluid 2 mu e = 2 mu E |Omega|
     dissipation    int 2 mu e:e = |Omega| Sigma:E                     without any other power, with friction
 
-For bodies without force and torque the three agree: the discrete flow satisfies each equality to rounding, as
-y e_x and E x are functions of the space of u. And since the mean of e over the fluid is E |Omega| / |fluid|,
+With laws below a gap walls and S have their parts, and the power of the walls that of carrying bodies past
+where they are meshed. For bodies without force and torque the three agree: the discrete flow satisfies each
+equality to rounding, as y e_x and E x are functions of the space of u. And since the mean of e over the fluid
+is E |Omega| / |fluid|,
 
     mu_app / mu >= 1 / (1 - phi)                                      (Cauchy and Schwarz).
 """
@@ -60,6 +62,8 @@ def bulk_stress(system: StokesSystem, solution: NodalSolution, mean_pressure: fl
         if laws is not None:
             force = {wall: of + laws.wall_force(f, names.index(wall)) for wall, of in force.items()}
         power = float((force["top"] - force["bottom"]) @ E[:-1, -1]) / wall_area(problem.container)
+        if laws is not None:
+            power += laws.carrying_power(f, solution.load) / volume
     return replace(bulk, apparent_viscosity=power / float(2.0 * problem.viscosity * np.sum(E**2)))
 
 

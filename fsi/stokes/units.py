@@ -131,7 +131,9 @@ class Units:
         a = self.length
         G = laws.G * np.tile(self.velocities(q.dimension) / a, len(q))
         own, resistance = laws.own / a, laws.resistance * (a / self.force)
-        return replace(laws, G=G, own=own, resistance=resistance, strains=laws.strains / a)
+        carried = laws.carried / self.velocities(q.dimension)
+        scaled = replace(laws, G=G, own=own, resistance=resistance, carried=carried)
+        return replace(scaled, strains=laws.strains / a)
 
     def _scaled_boundary(self, boundary: Boundary) -> Boundary:
         """Its fluxes are of a channel, in the plane per unit length."""
