@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING
 import basix
 import numpy as np
 import scipy  # its modules load when they are used
-import scipy.sparse as sp
 from dolfinx import fem, la
 from dolfinx.common import IndexMap
 from mpi4py import MPI
@@ -186,10 +185,10 @@ def traction(surface: Surface) -> Array:
     of_facets = place[facets]
     rows = np.repeat(of_facets, of_facets.shape[1], axis=1).ravel()
     columns = np.tile(of_facets, (1, of_facets.shape[1])).ravel()
-    mass = sp.csc_matrix((masses.ravel(), (rows, columns)))
+    mass = scipy.sparse.csc_matrix((masses.ravel(), (rows, columns)))
     reaction = np.zeros((mass.shape[0], d))
     np.add.at(reaction, place, surface.reaction)
-    t: Array = sp.linalg.spsolve(mass, reaction).reshape(-1, d)
+    t: Array = scipy.sparse.linalg.spsolve(mass, reaction).reshape(-1, d)
     return t[place]
 
 

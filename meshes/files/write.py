@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 
 import fsi.meshes.backend  # noqa: F401
 
+import dolfinx
 import numpy as np
-from dolfinx import cpp
 from dolfinx.mesh import CellType, entities_to_geometry
 from mpi4py import MPI
 from numpy.typing import NDArray
@@ -147,7 +147,7 @@ def _tags(cells: CurvedCells, groups: int) -> list[Indices]:
 
 def vtk_order(nodes: int, dimension: int = 2) -> NDArray[np.int64]:
     """Columns that put the nodes of simplices of that dimension from the order of basix into VTK's."""
-    return np.argsort(cpp.io.perm_vtk(VTK_CELLS[dimension], nodes))
+    return np.argsort(dolfinx.cpp.io.perm_vtk(VTK_CELLS[dimension], nodes))
 
 
 def gmsh_order(order: int, dimension: int = 2) -> NDArray[np.int64]:

@@ -12,18 +12,19 @@ with their body, so that discs and spheres stay exactly what they are. Every mov
 it depends on where the bodies are, not on how they came there.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from functools import cache
 from math import factorial
 
-import fsi.meshes.backend  # noqa: F401
+from fsi.meshes.backend import petsc_forms
 
 import basix.ufl
 import numpy as np
-import scipy.sparse as sp
+import scipy  # its modules load when they are used
 import ufl
 from dolfinx import fem
-from dolfinx.fem.petsc import assemble_matrix
 from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
@@ -129,7 +130,7 @@ class Mover:
         cells = np.arange(mesh.topology.index_map(d).size_local, dtype=np.int32)
         domain = {fem.IntegralType.cell: [(-1, cells)]}
         bound = fem.create_form(form, [self._vertices] * 2, mesh, domain, {weight: inverse_volume}, {})
-        matrix = assemble_matrix(bound)
+        matrix = petsc_forms().assemble_matrix(bound)
         matrix.assemble()
         return matrix
 
@@ -177,7 +178,7 @@ class Mover:
             known[self._tags == self.fluid.bodies + 1 + k] = slide * along(self.fluid.lattice)
         return known, turns
 
-    def _slip_modes(self) -> sp.csr_matrix | None:
+    def _slip_modes(self) -> scipy.sparse.csr_matrix | None:
         """Discs and spheres turn, and the walls of a channel slide; None with an axis, and with outlines."""
         fluid = self.fluid
         if self.angles is not None or fluid.container.axisymmetric or fluid.bodies == 0:
@@ -191,15 +192,15 @@ class Mover:
         vertex, mode = np.append(self._on_body, on_wall), np.append(self._body, self._tags[on_wall] - 1)
         rows, by = 2 * vertex[:, None] + np.arange(2), np.concatenate([quarter, direction])
         size = (2 * len(self._tags), fluid.bodies + sliding)
-        return sp.csr_matrix((by.ravel(), (rows.ravel(), np.repeat(mode, 2))), size)
+        return scipy.sparse.csr_matrix((by.ravel(), (rows.ravel(), np.repeat(mode, 2))), size)
 
-    def _turns_of_spheres(self) -> sp.csr_matrix:
+    def _turns_of_spheres(self) -> scipy.sparse.csr_matrix:
         """theta_i x r on sphere i: three modes for each, (3 vertices, 3 N)."""
         by = np.cross(np.eye(3), self._r[:, None])  # mode, component
         rows = np.broadcast_to(3 * self._on_body[:, None, None] + np.arange(3), by.shape)
         columns = np.broadcast_to(3 * self._body[:, None, None] + np.arange(3)[:, None], by.shape)
         size = (3 * len(self._tags), 3 * self.fluid.bodies)
-        return sp.csr_matrix((by.ravel(), (rows.ravel(), columns.ravel())), size)
+        return scipy.sparse.csr_matrix((by.ravel(), (rows.ravel(), columns.ravel())), size)
 
     def _at_corners(self, known: Array) -> Array:
         """Displacements of the corners of this rank's cells (T, d + 1, d) from what is known at vertices."""

@@ -21,7 +21,7 @@ from functools import cache
 import fsi.meshes.backend  # noqa: F401
 
 import numpy as np
-import scipy.sparse as sp
+import scipy  # its modules load when they are used
 from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
@@ -131,7 +131,9 @@ def linear_weights(order: int, dimension: int) -> Array:
 class Slip:
     """Finds the slip of least distortion; `close` frees the factors."""
 
-    def __init__(self, stiffness: PETSc.Mat, P: PETSc.Mat, modes: sp.csr_matrix, dimension: int) -> None:
+    def __init__(
+        self, stiffness: PETSc.Mat, P: PETSc.Mat, modes: scipy.sparse.csr_matrix, dimension: int
+    ) -> None:
         """Prepare.
 
         Args:
@@ -145,7 +147,7 @@ class Slip:
         # Rank 0 owns the modes, after its own free vertices.
         before = self._comm.bcast(self._free)
         free = _of_all(P, d)
-        every = sp.hstack([free[:, :before], modes, free[:, before:]], "csr")
+        every = scipy.sparse.hstack([free[:, :before], modes, free[:, before:]], "csr")
         columns_here = self._free + (modes.shape[1] if self._comm.rank == 0 else 0)
         K = _matrix(_of_all(stiffness, d), d * stiffness.getLocalSize()[1], stiffness)
         self._extension = Extension(K, _matrix(every, columns_here, stiffness))
@@ -162,14 +164,14 @@ class Slip:
         return amounts
 
 
-def _of_all(matrix: PETSc.Mat, components: int) -> sp.csr_matrix:
+def _of_all(matrix: PETSc.Mat, components: int) -> scipy.sparse.csr_matrix:
     """This rank's rows of a matrix that acts on each of some components, which lie side by side."""
     indptr, indices, values = matrix.getValuesCSR()
-    rows = sp.csr_matrix((values, indices, indptr), (len(indptr) - 1, matrix.getSize()[1]))
-    return sp.kron(rows, sp.eye_array(components), "csr")
+    rows = scipy.sparse.csr_matrix((values, indices, indptr), (len(indptr) - 1, matrix.getSize()[1]))
+    return scipy.sparse.kron(rows, scipy.sparse.eye_array(components), "csr")
 
 
-def _matrix(rows: sp.csr_matrix, columns_here: int, like: PETSc.Mat) -> PETSc.Mat:
+def _matrix(rows: scipy.sparse.csr_matrix, columns_here: int, like: PETSc.Mat) -> PETSc.Mat:
     """The distributed matrix with these rows of this rank."""
     csr = (rows.indptr.astype(PETSc.IntType), rows.indices.astype(PETSc.IntType), rows.data)
     size = ((rows.shape[0], None), (columns_here, rows.shape[1]))

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import gc
+import os
 import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -18,6 +20,8 @@ ROOT = Path(__file__).parents[2]
 # A tenth of a second or more each: `python -X importtime -m fsi check CASE` says.
 SLOW = {"scipy.stats", "scipy.optimize", "scipy.interpolate", "matplotlib", "pandas", "pyvista"}
 SOLVER = {"mpi4py", "dolfinx_solver", "dolfinx", "gmsh", "petsc4py", "ufl"}
+# Of what a flow in the plane does without, and of DOLFINx's wheel: what looks through all installed packages.
+PARTS = {"numba", "scipy.spatial", "scipy.special", "scipy.sparse", "pycparser", "dolfinx_solver"}
 OTHER = {"numba", "scipy.spatial", "scipy.sparse", "numpy.random", "fsi.arrangements.kinds"}
 
 
@@ -39,7 +43,7 @@ def loaded(*command: str) -> set[str]:
     ("command", "not_needed"),
     [
         ("check", SLOW | SOLVER | OTHER),
-        ("solve", SLOW | {"fsi.pores.instant", "numba", "meshio", "scipy.spatial", "scipy.special"}),
+        ("solve", SLOW | PARTS | {"fsi.pores.instant", "meshio"}),
     ],
     ids=["check", "solve"],
 )
@@ -70,3 +74,18 @@ def test_ranks_that_nothing_told_so_are_refused(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(mpi, "STARTED", False)
     with pytest.raises(InputError, match="set one, RANKS=2"):
         mpi.load_mpi()
+
+
+@pytest.mark.skipif(find_spec("dolfinx_solver") is None, reason="only the wheel brings a PETSc of its own")
+def test_another_petsc_is_refused_by_the_wheel(tmp_path: Path) -> None:
+    """Its own look through all packages is left out where none of these names is installed."""
+    metadata = tmp_path / "petsc-3.0.dist-info" / "METADATA"
+    metadata.parent.mkdir()
+    metadata.write_text("Metadata-Version: 2.1\nName: petsc\nVersion: 3.0\n")
+    environment = os.environ | {"PYTHONPATH": f"{ROOT}{os.pathsep}{tmp_path}"}
+    done = subprocess.run(
+        [sys.executable, "-c", "import fsi.meshes.backend"],
+        cwd=ROOT, env=environment, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 1
+    assert "ImportError: petsc is installed in this environment" in done.stderr

@@ -64,10 +64,14 @@ def test_loads_in_a_corner_do_not_drown_in_the_pressure_there(gap: float, rtol: 
 
 
 def test_a_disc_that_is_free_in_a_corner_has_digits_left() -> None:
-    """The residual was 1e-9, its bound; U is what the mobility says."""
+    """The residual was 1e-9, its bound; U is what the mobility says.
+
+    To rounding: terms of 7e19 are added up to loads of 1 in 64 bits, which leaves 3e-5 of U in one order and
+    1e-5 in another, and doubles have 11 bits less.
+    """
     free = ["velocity=['free', 'free']", "angular_velocity='free'", "force=[1.0, 0.5]", "torque=0.3"]
     pushed = in_corner(1e-8, *(f"bodies.0.{key}" for key in free))
     solution, R = StokesModel(pushed)(pushed.configuration(), 0.0), case_resistance(pushed)
     assert solution.checks["residual"] < 1e-12
     assert R.mobility is not None
-    np.testing.assert_allclose(solution.U[0], R.mobility @ [1.0, 0.5, 0.3], rtol=1e-5)
+    np.testing.assert_allclose(solution.U[0], R.mobility @ [1.0, 0.5, 0.3], rtol=2e-4)

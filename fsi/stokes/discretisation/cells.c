@@ -134,6 +134,23 @@ void add_cells(const Cells *c, const Sum *s, double *restrict values, double *re
 TIMES(times_cells, double)
 TIMES(times_cells_extended, long double)
 
+/* y += M x, or M^T x, of the rows of cells that are kept: row[k] has n entries of one cell, in its columns.
+   volatile: added in this order with every compiler, as digits depend on it where pressures of 1e18 cancel. */
+#define TIMES_KEPT(name, real)                                                                                       \
+  void name(int count, int n, int transposed, const int32_t *row, const int32_t *columns, const double *kept,        \
+            const real *x, real *y)                                                                                  \
+  {                                                                                                                  \
+    volatile real *sum = y;                                                                                          \
+    for (int k = 0; k < count; k++, columns += n, kept += n)                                                         \
+      for (int j = 0; j < n; j++)                                                                                    \
+        if (transposed)                                                                                              \
+          sum[columns[j]] += kept[j] * x[row[k]];                                                                    \
+        else                                                                                                         \
+          sum[row[k]] += kept[j] * x[columns[j]];                                                                    \
+  }
+TIMES_KEPT(times_kept, double)
+TIMES_KEPT(times_kept_extended, long double)
+
 /* The loads of inner unknowns go to the outer ones. */
 void reduce_loads(int cells, int n, int inner, const int32_t *rows, const double *factors, double *restrict b)
 {

@@ -32,6 +32,10 @@ void times_cells(int cells, int n, int size, int columns, const int32_t *rows, c
                  double *y);
 void times_cells_extended(int cells, int n, int size, int columns, const int32_t *rows, const double *E,
                     const long double *x, long double *y);
+void times_kept(int count, int n, int transposed, const int32_t *row, const int32_t *columns, const double *kept,
+                const double *x, double *y);
+void times_kept_extended(int count, int n, int transposed, const int32_t *row, const int32_t *columns,
+                         const double *kept, const long double *x, long double *y);
 void reduce_loads(int cells, int n, int inner, const int32_t *rows, const double *factors, double *b);
 void recover(int cells, int n, int inner, const int32_t *rows, const double *factors, const double *b, double *x);
 int32_t list_unknowns(int cells, int n, int outer, int w, const int32_t *rows, const int32_t *columns,

@@ -10,14 +10,15 @@ pair of element orders, without a mesh, and bound to each new mesh: compiling co
 microseconds.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
+
+from fsi.meshes.backend import petsc_forms
 
 import basix.ufl
 import numpy as np
 import ufl
 from dolfinx import fem
-from dolfinx.fem.petsc import assemble_matrix
 from dolfinx.mesh import exterior_facet_indices
 from mpi4py import MPI
 from numpy.typing import NDArray
@@ -103,24 +104,29 @@ class Coordinates:
 
 
 @dataclass(frozen=True, slots=True)
-class Compiled:
-    """Compiled forms and the placeholders in them.
+class WeakForms:
+    """Forms without a mesh, each compiled when it is first asked for, and the placeholders in them.
 
     Attributes:
-        forms: by name.
-        arguments: of each form its test and trial spaces, a letter each, "V" or "Q".
+        forms: by name, its test and trial spaces, a letter each, "V" or "Q", and what is integrated.
         coefficients: the functions u, f and p of a known flow.
         viscosity: mu.
     """
 
-    forms: dict[str, fem.forms.CompiledForm]
-    arguments: dict[str, str]
+    forms: dict[str, tuple[str, ufl.Form]]
     coefficients: dict[str, ufl.Coefficient]
     viscosity: ufl.Constant
+    _compiled: dict[str, fem.forms.CompiledForm] = field(default_factory=dict)
+
+    def compiled(self, name: str) -> fem.forms.CompiledForm:
+        """The compiled form of that name; collective when it is first asked for."""
+        if name not in self._compiled:
+            self._compiled[name] = compile_form(self.forms[name][1])
+        return self._compiled[name]
 
 
 @cache
-def compile_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -> Compiled:
+def weak_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -> WeakForms:
     """All forms for cells of the given order and velocities of the given degree.
 
     The quadrature is exact on straight cells in the plane. On curved ones, where the integrands are rational,
@@ -166,9 +172,7 @@ def compile_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -
         "normal": ("V", ufl.inner(n, v) * w * dS_of_flux),
         "traction": ("V", ufl.inner(space.traction(u_h, p_h, mu, n), v) * w * dS),
     }
-    compiled = {name: compile_form(form) for name, (_, form) in forms.items()}
-    spaces = {name: letters for name, (letters, _) in forms.items()}
-    return Compiled(compiled, spaces, {"u": u_h, "f": f_h, "p": p_h}, mu)
+    return WeakForms(forms, {"u": u_h, "f": f_h, "p": p_h}, mu)
 
 
 @cache
@@ -182,7 +186,7 @@ def compile_gradients(order: int, degree: int) -> tuple[fem.forms.CompiledForm, 
 
 
 class Forms:
-    """The compiled forms, bound to one mesh.
+    """The forms, compiled and bound to one mesh.
 
     Attributes:
         mesh: which it is.
@@ -195,7 +199,7 @@ class Forms:
 
     def __init__(self, fluid: FluidMesh, degree: int, viscosity: float) -> None:
         """Bind the forms to a mesh; degree of the velocity, at least the order of the cells."""
-        self._compiled = compile_forms(fluid.order, degree, fluid.dimension, fluid.container.axisymmetric)
+        self._weak = weak_forms(fluid.order, degree, fluid.dimension, fluid.container.axisymmetric)
         self.mesh = fluid.mesh
         self.degree, self.viscosity = degree, viscosity
         self.axisymmetric = fluid.container.axisymmetric
@@ -203,7 +207,7 @@ class Forms:
         self.V = fem.functionspace(fluid.mesh, velocity_element(degree, fluid.dimension))
         self.Q = fem.functionspace(fluid.mesh, pressure_element(degree, fluid.dimension))
         self.u, self.f, self.p = fem.Function(self.V), fem.Function(self.V), fem.Function(self.Q)
-        self._constants = {self._compiled.viscosity: fem.Constant(fluid.mesh, viscosity)}
+        self._constants = {self._weak.viscosity: fem.Constant(fluid.mesh, viscosity)}
 
     def fit(self, fluid: FluidMesh, degree: int, viscosity: float) -> bool:
         """Whether these are the forms of that mesh, which may have moved, with these parameters."""
@@ -228,9 +232,8 @@ class Forms:
 
     def bind(self, name: str, facets: NDArray[np.int32] | None = None) -> Form:
         """The form of that name; those over marked facets need the facets."""
-        compiled = self._compiled
-        form = compiled.forms[name]
-        spaces = [self.V if letter == "V" else self.Q for letter in compiled.arguments[name]]
+        form, letters = self._weak.compiled(name), self._weak.forms[name][0]
+        spaces = [self.V if letter == "V" else self.Q for letter in letters]
         subdomains: dict[fem.IntegralType, list[tuple[int, NDArray[np.int32]]]] = {}
         topology = self.mesh.topology
         if facets is not None:
@@ -244,7 +247,7 @@ class Forms:
         else:
             cells = np.arange(topology.index_map(topology.dim).size_local, dtype=np.int32)
             subdomains[CELL] = [(EVERYWHERE, cells)]
-        functions = {f: getattr(self, letter) for letter, f in compiled.coefficients.items()}
+        functions = {f: getattr(self, letter) for letter, f in self._weak.coefficients.items()}
         return fem.create_form(form, spaces, self.mesh, subdomains, functions, self._constants)
 
     def gradients(self) -> PETSc.Mat:
@@ -255,13 +258,14 @@ class Forms:
         assert np.array_equal(W.dofmap.list, self.V.dofmap.list), "spaces of one mesh number nodes alike"
         cells = np.arange(mesh.topology.index_map(mesh.topology.dim).size_local, dtype=np.int32)
         subdomains = {CELL: [(EVERYWHERE, cells)]}
-        matrix = assemble_matrix(fem.create_form(form, [W, W], mesh, subdomains, {}, {placeholder: mu}))
+        bound = fem.create_form(form, [W, W], mesh, subdomains, {}, {placeholder: mu})
+        matrix = petsc_forms().assemble_matrix(bound)
         matrix.assemble()
         return matrix
 
     def kernels(self, name: str) -> NDArray[np.uint64]:
         """The addresses of what tabulates a matrix on single cells of each kind."""
-        compiled = self._compiled.forms[name]
+        compiled = self._weak.compiled(name)
         form, ffi = compiled.ufcx_form, compiled.module.ffi
         tabulates = {form.form_integral_ids[k]: form.form_integrals[k] for k in range(len(KINDS))}
         functions = [tabulates[kind].tabulate_tensor_float64 for kind in KINDS]

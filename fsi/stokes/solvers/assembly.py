@@ -13,7 +13,6 @@ which reactions come, are kept apart.
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
@@ -39,28 +38,26 @@ class ConstrainedRows:
         row = cells.outer[cell, local]
         order = np.argsort(row, kind="stable")
         cell, local = cell[order], local[order]
+        self._row, self._columns = row[order], np.ascontiguousarray(cells.rows[cell])
         self.places: Numbers = np.full(cells.outer.shape, -1, dtype=np.int32)
         self.places[cell, local] = np.arange(len(cell))
-        count, width = np.bincount(row, minlength=self._shared.size), cells.rows.shape[1]
-        indptr = np.concatenate([[0], np.cumsum(width * count)])
-        indices = cells.rows[cell].ravel()
-        shape = (self._shared.size, self._shared.size)
-        self._matrix = sp.csr_matrix((np.empty(len(indices)), indices, indptr), shape)
-
-    @property
-    def values(self) -> Array:
-        """All entries, cell after cell, in the order of `places`."""
-        values: Array = self._matrix.data
-        return values
+        self.values: Array = np.empty(self._columns.shape)
 
     def times(self, x: Array) -> Array:
         """M x on the constrained rows, in the precision of x; collective."""
-        product = self._matrix.astype(x.dtype, copy=False) @ self._shared.with_ghosts(x)
-        return self._shared.summed(product)[self.rows]
+        return self._product(x, transposed=False)[self.rows]
 
     def transpose_times(self, g: Array) -> Array:
         """M^T g on all rows of this rank for a g that is zero elsewhere; collective."""
-        return self._shared.summed(self._matrix.T @ self._shared.with_ghosts(g))
+        return self._product(g, transposed=True)
+
+    def _product(self, x: Array, *, transposed: bool) -> Array:
+        every, lib = self._shared.with_ghosts(x), loops().lib
+        product = np.zeros_like(every)
+        loop = lib.times_kept if x.dtype == np.float64 else lib.times_kept_extended
+        arrays: tuple[NDArray[Any], ...] = (self._row, self._columns, self.values, every, product)
+        loop(*self._columns.shape, int(transposed), *map(pointer, arrays))
+        return self._shared.summed(product)
 
 
 class CellSum:

@@ -9,7 +9,7 @@ they are doubles (ARM under macOS) nothing is gained.
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
+import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
@@ -26,7 +26,8 @@ class ExtendedMatrix:
         indptr, column, value = matrix.getValuesCSR()
         rows = len(indptr) - 1
         self._comm, self._first = matrix.comm.tompi4py(), matrix.getOwnershipRangesColumn()
-        self._rows = sp.csr_matrix((value.astype(np.longdouble), column, indptr), (rows, matrix.size[1]))
+        entries = (value.astype(np.longdouble), column, indptr)
+        self._rows = scipy.sparse.csr_matrix(entries, (rows, matrix.size[1]))
 
     def times(self, x: Extended) -> Extended:
         """This rank's rows of the matrix times a vector given by this rank's values; collective."""

@@ -20,10 +20,11 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from types import TracebackType
 
+from fsi.meshes.backend import petsc_forms
+
 import numpy as np
-import scipy.sparse as sp
+import scipy  # its modules load when they are used
 from dolfinx import fem
-from dolfinx.fem.petsc import interpolation_matrix
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
@@ -76,7 +77,7 @@ def levels(problem: StokesProblem, forms: Forms) -> Levels:
     for degree in range(forms.degree - 1, 0, -1):
         coarser = fem.functionspace(forms.mesh, ("Lagrange", degree, (COMPONENTS,)))
         layout_of_coarser, P = _constrained(problem, coarser)
-        interpolation = interpolation_matrix(coarser, space)
+        interpolation = petsc_forms().interpolation_matrix(coarser, space)
         interpolation.assemble()
         nodal = interpolation.matMult(P)
         transfers.append(_transfer(nodal, layout.free, held))
@@ -112,7 +113,7 @@ def _of_components(scalar: PETSc.Mat) -> PETSc.Mat:
     """The matrix of vectors that acts on each component as the given one, which is destroyed."""
     indptr, column, value = scalar.getValuesCSR()
     here, comm = len(indptr) - 1, scalar.comm
-    rows = sp.csr_matrix((value, column, indptr), shape=(here, scalar.size[1]))
+    rows = scipy.sparse.csr_matrix((value, column, indptr), shape=(here, scalar.size[1]))
     scalar.destroy()
     rows = rows[np.repeat(np.arange(here), COMPONENTS)]
     component = np.repeat(np.tile(np.arange(COMPONENTS), here), np.diff(rows.indptr))
@@ -130,11 +131,11 @@ def _transfer(nodal: PETSc.Mat, free: NDArray[np.bool_], held: NDArray[np.bool_]
     indptr, column, value = nodal.getValuesCSR()
     first_mode = nodal.getOwnershipRangesColumn()[1] - len(held)
     value[np.isin(column, first_mode + np.flatnonzero(held))] = 0.0
-    T = sp.csr_matrix((value, column, indptr), shape=(len(free), nodal.size[1]))[free]
+    T = scipy.sparse.csr_matrix((value, column, indptr), shape=(len(free), nodal.size[1]))[free]
     T.eliminate_zeros()
     if nodal.comm.rank == 0:
-        modes = sp.eye_array(len(held), nodal.size[1], k=first_mode, format="csr")
-        T = sp.vstack([T, modes], "csr")
+        modes = scipy.sparse.eye_array(len(held), nodal.size[1], k=first_mode, format="csr")
+        T = scipy.sparse.vstack([T, modes], "csr")
     size = ((T.shape[0], None), (nodal.getLocalSize()[1], None))
     csr = (T.indptr.astype(PETSc.IntType), T.indices.astype(PETSc.IntType), T.data)
     return PETSc.Mat().createAIJ(size=size, csr=csr, comm=nodal.comm)

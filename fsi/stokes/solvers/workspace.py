@@ -12,8 +12,9 @@ from contextlib import AbstractContextManager
 from dataclasses import fields
 from functools import cache
 
+from fsi.meshes.backend import petsc_forms
+
 import numpy as np
-from dolfinx.fem.petsc import assemble_matrix
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
@@ -27,7 +28,7 @@ from fsi.stokes.solvers.reduced import Added, Elimination
 
 def pressure_mass(forms: Forms) -> PETSc.Mat:
     """The mass matrix of the pressure over - 2 mu, which stands for - B A^-1 B^T."""
-    mass = assemble_matrix(forms.bind("pressure mass"))
+    mass = petsc_forms().assemble_matrix(forms.bind("pressure mass"))
     mass.assemble()
     mass.scale(-0.5)
     return mass
