@@ -21,7 +21,8 @@ def render(
         output_to(".png: one step; .mp4 or .gif: all of them.", "flow.png in the run folder"),
     ] = None,
     field: Annotated[
-        str | None, option(f"{', '.join(field_names())}; necks; of contacts or profiles a column.", False)
+        str | None,
+        option(f"{', '.join(field_names())}; motion, necks; of contacts or profiles a column.", False),
     ] = None,
     gap: Annotated[
         str | None,

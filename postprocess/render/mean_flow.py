@@ -43,8 +43,8 @@ class UndisturbedFlow:
 
 
 def undisturbed(run: Run, step: int) -> UndisturbedFlow | None:
-    """That of a channel, of a cell, or far from bodies, at a step with fields; None where none is linear."""
-    case, container, t = run.case, run.container(step), float(run.times[step])
+    """That of a channel, of a cell, or far from bodies, at a step; None where none is linear."""
+    case, container, t = run.case, run.container(step), run.time(step)
     walls = case.wall_velocity(t)
     if not (len(container.periods) or any(wall.shear for wall in walls.values())):
         return None
@@ -80,9 +80,9 @@ class MovingWall:
 
 
 def sliding_walls(run: Run, step: int) -> list[MovingWall]:
-    """Those of a box or channel in the plane at a step with fields."""
+    """Those of a box or channel in the plane at a step."""
     container, found = run.container(step), []
-    walls = run.case.wall_velocity(float(run.times[step]))
+    walls = run.case.wall_velocity(run.time(step))
     for name, (axis, place) in container.faces.items():
         if (wall := walls.get(name)) is not None:
             speed = float(wall.velocity[1 - axis]) + (wall.shear * place if axis == 1 else 0.0)

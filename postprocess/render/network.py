@@ -112,7 +112,7 @@ class NetworkArtist(Artist):
     def _plane(self, network: ContactNetwork, view: View, shades: ScalarMappable) -> Picture:
         """Discs, and bars between their centres, the wider the larger the value."""
         panel = new_panel(view, self.choice.size, self.choice.theme)
-        if (inside := _inside(self.run, view)).n_points:
+        if (inside := inside_walls(self.run, view)).n_points:
             panel.fill(inside, self.choice.theme.page)
         panel.bodies(network.q, turning=False, rims=True)
         if len(network.values):
@@ -196,7 +196,8 @@ def _bars(network: ContactNetwork, view: View, shades: ScalarMappable) -> pv.Pol
     return bars
 
 
-def _inside(run: Run, view: View) -> pv.PolyData:
+def inside_walls(run: Run, view: View) -> pv.PolyData:
+    """What a window shows of a container, in its coordinates."""
     high = max(2, round(400 * view.aspect))
     plane = pv.Plane(i_size=2.0, j_size=2.0 * view.aspect, i_resolution=400, j_resolution=high)
     distances = run.wall_distances(view.centre + view.half * np.asarray(plane.points[:, :2], dtype=float))

@@ -3,6 +3,8 @@
 One picture is written as PNG, many as MP4 or GIF, each to a temporary name that is then renamed.
 """
 
+from __future__ import annotations
+
 import subprocess
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
@@ -14,6 +16,7 @@ from typing import Any, ClassVar, Literal
 
 import matplotlib as mpl
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
@@ -55,6 +58,20 @@ class Artist(ABC):
         """Raises InputError: there is not what is chosen."""
         self.run, self.choice = run, choice
 
+    @property
+    def times(self) -> pd.Series[float]:
+        """Of the steps that it can draw, by their numbers."""
+        return self.run.times_of(self.series)
+
+    def step(self, step: int | None) -> int:
+        """That step, or the last one, if it can be drawn. Raises InputError."""
+        return self.run.step(step, self.series)
+
+    @property
+    def film(self) -> list[int]:
+        """The steps that an animation shows."""
+        return [int(step) for step in self.times.index]
+
     def require(self, step: int) -> None:  # noqa: ARG002
         """Raise InputError where that step's files, or this machine, lack what it takes."""
         require_opengl()
@@ -65,7 +82,7 @@ class Artist(ABC):
 
     def title(self, step: int) -> str:
         """What is written above a picture."""
-        return f"{self.run.case.name},  t = {self.run.times_of(self.series)[step]:.6g}"
+        return f"{self.run.case.name},  t = {self.times[step]:.6g}"
 
 
 class FlowArtist(Artist):

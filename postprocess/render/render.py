@@ -11,6 +11,7 @@ from fsi.postprocess.render.planar import PlanarArtist
 from fsi.postprocess.render.profile import ProfileArtist
 from fsi.postprocess.render.revolved import RevolvedArtist
 from fsi.postprocess.render.spatial import SpatialArtist
+from fsi.postprocess.render.suspended import MOTION, MotionArtist
 from fsi.postprocess.render.view import Choice
 from fsi.postprocess.run.run import Run
 
@@ -20,6 +21,8 @@ def artist(run: Run, choice: Choice) -> Artist:
     if choice.field == NECKS and run.has(NECKS):
         return NeckArtist(run, replace(choice, field=None))
     require_sense(run, choice)
+    if choice.field == MOTION:
+        return MotionArtist(run, choice)
     if choice.revolved:
         return RevolvedArtist(run, choice)
     if run.series != "fluid":
@@ -49,11 +52,13 @@ def render_run(
         raise InputError(f"--size {choice.size}: give at least 100 pixels")
     painter = artist(run, choice)
     animated = output.suffix in MOVIES
-    step = step if time is None else run.nearest(time, painter.series)
+    if time is not None:
+        painter.step(None)
+        step = int((painter.times - time).abs().idxmin())
     if animated and step is not None:
         raise InputError(f"output = {output}: shows all steps; give a .png file for one step")
-    last = run.step(step, painter.series)
-    steps = [int(n) for n in run.times_of(painter.series).index] if animated else [last]
+    last = painter.step(step)
+    steps = painter.film if animated else [last]
     painter.require(steps[0])
     write_pictures(painter.pictures(steps), output)
     return output

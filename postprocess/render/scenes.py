@@ -126,7 +126,7 @@ def scene(run: Run, step: int, fluid: pv.UnstructuredGrid, view: View, tractions
         fluid, bodies = mirrored(fluid), None if bodies is None else mirrored(bodies)
     lattice = Lattice(container.periods)
     if lattice.dimension:
-        cells, q = tiled(fluid, container, view), images(q, container, view)
+        cells, (q, _) = tiled(fluid, container, view), images(q, container, view)
         bodies = None if bodies is None else tiled(bodies, container, view)
     else:
         cells = cells_within(fluid, view.low, view.high)
@@ -191,15 +191,16 @@ def _rise(grid: pv.UnstructuredGrid, e: Array) -> float:
     return float(np.mean(p[image[there]] - p[there]))
 
 
-def images(q: Configuration, container: Container, view: View) -> Configuration:
-    """The images of the bodies that meet the window."""
+def images(q: Configuration, container: Container, view: View) -> tuple[Configuration, NDArray[np.int64]]:
+    """The images of the bodies that meet the window, and of which body each is, (n,)."""
     lattice = Lattice(container.periods)
     shifts = lattice.shift(_near(lattice, np.zeros(2), view, 2.0 * lattice.longest()))
     centres = (shifts[:, None] + lattice.wrapped(q.centres)).reshape(-1, 2)
     angles, radii = np.tile(q.angles, len(shifts)), np.tile(q.radii, len(shifts))
     seen = np.all(np.abs(centres - view.centre) <= view.reach + radii[:, None], axis=1)
     outlines = tuple(outline for outline, so in zip(q.outlines * len(shifts), seen, strict=False) if so)
-    return Configuration(centres[seen], angles[seen], radii[seen], outlines)
+    which = np.flatnonzero(seen) % len(q)
+    return Configuration(centres[seen], angles[seen], radii[seen], outlines), which
 
 
 def _near(lattice: Lattice, centre: Array, view: View, length: float) -> Integers:

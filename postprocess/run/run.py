@@ -145,7 +145,10 @@ class Run:
                 what = f'model = "{self.case.model}": the run in {self.path} has no flow field'
                 raise InputError(f"{what}; use `fsi render`, `fsi plot` or `fsi report`")
             what = f"{self.path / series}.pvd: the run has written no fields"
-            raise InputError(f"{what}; set output.fields = true and run it again")
+            remedy = "set output.fields = true and run it again"
+            if self.series == "fluid" and self.case.geometry == "planar":
+                remedy += ", or see `fsi render --field motion`, which needs none"
+            raise InputError(f"{what}; {remedy}")
         if step is None:
             return int(written[-1])
         if step not in written:
@@ -158,10 +161,13 @@ class Run:
         self.step(None, series)
         return int((self.times_of(series) - time).abs().idxmin())
 
+    def time(self, step: int) -> float:
+        """Of a step, with fields or without."""
+        return float(self.times[step]) if step in self.times.index else self._of_step(step, "t")
+
     def container(self, step: int) -> Container:
         """What encloses the fluid at a step; the lattice of a sheared cell moves, as its stress drives it."""
-        t = float(self.times[step]) if step in self.times.index else self._of_step(step, "t")
-        now = self.case.container().at(t, self.strain(step))
+        now = self.case.container().at(self.time(step), self.strain(step))
         return now.sheared(self._of_step(step, "shear_rate")) if self._stressed else now
 
     def strain(self, step: int) -> float:

@@ -52,7 +52,7 @@ def test_copies_fill_the_window_without_overlap(container: Container, along: flo
 def test_images_of_bodies_against_a_plain_search(container: Container) -> None:
     q = Configuration.unturned(np.array([[0.3, 0.4], [30.0, 2.0]]), np.array([0.5, 0.3]))
     view = around_period(container)
-    found = images(q, container, view)
+    found, which = images(q, container, view)
     periods, expected = container.periods, []
     for i, a in enumerate(q.radii):
         for k in range(-20, 21):
@@ -62,3 +62,4 @@ def test_images_of_bodies_against_a_plain_search(container: Container) -> None:
                     expected.append((*x, a))
     rows = sorted(map(tuple, np.column_stack([found.centres, found.radii]).tolist()))
     np.testing.assert_allclose(rows, sorted(expected), atol=1e-9)
+    np.testing.assert_array_equal(found.radii, q.radii[which])
