@@ -18,8 +18,9 @@ to it is the same. Loads of either set of rates balance for themselves, and powe
 A law counts in full up to `FULL` times the reduced radius a_r and ends, falling linearly, at a_r: of bodies
 farther apart others are nearer. Bodies nearer than `lubrication.below` are well within.
 
-Laws are the exact ones; of two spheres, and within a round wall, shear and rotation have the first term of
-their expansion, of which the difference lacks (D - d)/a ln D.
+Laws are the exact ones. Of spheres whose radii differ by more than a factor of five, and of discs within a
+round wall, shear and rotation have the first term of their expansion, of which the difference lacks
+(D - d)/a ln D. Turning about the line of centres, which no gap resists much, is that of x.
 """
 
 from collections.abc import Iterator
@@ -34,8 +35,9 @@ from fsi.bodies.configuration import Array, Configuration
 from fsi.bodies.gaps import find_gaps, pair_gaps, wall_gaps
 from fsi.bodies.opened import lubricating
 from fsi.errors import SolveError
-from fsi.lubrication.expansions import MODES, Mode, Shape
-from fsi.lubrication.laws import LubricationLaw
+from fsi.lubrication import sliding_spheres
+from fsi.lubrication.expansions import EXPONENTS, MODES, Mode, Shape
+from fsi.lubrication.laws import LubricationLaw, ScaledLaw
 from fsi.lubrication.named_laws import GapFilm, exact_law, leading_law
 from fsi.lubrication.sliding import Nearby, slide_and_roll, tangents
 from fsi.meshes.geometry.container import Container
@@ -190,10 +192,11 @@ class OpenedGaps:
                 "shear": kappa["shear"],
                 "rotation": kappa["rotation"] / sides.radius**2,
             }
+            coupling = self._couplings(sides) if self.spheres else None
             each += [
                 (t, f.across, f.turn, f.turn_other, f.resistance)
                 for t in tangents(sides.n)
-                for f in slide_and_roll(sides, tangential)
+                for f in slide_and_roll(sides, tangential, coupling)
             ]
         of_pair, wall = near.body, near.wall
         for t, across, turn, turn_other, resistance in each:
@@ -221,21 +224,40 @@ class OpenedGaps:
         modes = MODES[:1] if self.container.axisymmetric else MODES
         R: dict[Mode, Array] = {mode: np.zeros(len(sides.gap)) for mode in modes}
         for k, (gap, a_r) in enumerate(zip(sides.gap, sides.radius, strict=True)):
-            ratio = float(sides.b[k] / sides.a[k])
-            if sides.is_wall[k]:
-                ratio = inf if sides.curvature[k] == 0.0 else float(-a_r / (a_r - sides.a[k]))
-            elif ratio < 1.0:
-                ratio = 1.0 / ratio
             for mode in modes:
-                R[mode][k] = self._law(mode, ratio).kappa(gap, a_r)
+                R[mode][k] = self._law(mode, _ratio(sides, k)).kappa(gap, a_r)
         return R
+
+    def _couplings(self, sides: Nearby) -> Array:
+        """C of sliding and rolling spheres, of pairs whose other laws are exact too, (P,)."""
+        C = np.zeros(len(sides.gap))
+        for k, (gap, a_r) in enumerate(zip(sides.gap, sides.radius, strict=True)):
+            ratio = _ratio(sides, k)
+            if ratio == inf or ratio <= sliding_spheres.MOST_UNEQUAL:
+                law = ScaledLaw(sliding_spheres.coupling(ratio), self.viscosity, 1, extrapolate=True)
+                # Seen from the other sphere sliding has the other sign, and rolling has not.
+                C[k] = law.kappa(gap, a_r) * (1.0 if sides.a[k] <= sides.b[k] else -1.0)
+        return C
 
     def _law(self, mode: Mode, ratio: float) -> LubricationLaw:
         """The exact law where it is known."""
         shape: Shape = "spheres" if self.spheres else "discs"
         film = GapFilm(shape, self.viscosity, ratio, extrapolate=True, mode=mode)
-        is_known = mode == "squeeze" or ratio == inf or (not self.spheres and ratio > 0.0)
-        return exact_law(film) if is_known else leading_law(film)
+        if mode == "squeeze" or ratio == inf or (not self.spheres and ratio > 0.0):
+            return exact_law(film)
+        if self.spheres and 0.0 < ratio <= sliding_spheres.MOST_UNEQUAL:
+            profile = sliding_spheres.profiles(ratio)[mode]
+            return ScaledLaw(profile, self.viscosity, EXPONENTS[shape, mode], extrapolate=True)
+        return leading_law(film)
+
+
+def _ratio(sides: Nearby, k: int) -> float:
+    """b/a >= 1 of a pair; infinite beside a plane, -R/a within a round wall."""
+    a, a_r = float(sides.a[k]), float(sides.radius[k])
+    if sides.is_wall[k]:
+        return inf if sides.curvature[k] == 0.0 else -a_r / (a_r - a)
+    ratio = float(sides.b[k]) / a
+    return max(ratio, 1.0 / ratio)
 
 
 def _weight(gap: Array, a_r: Array) -> Array:

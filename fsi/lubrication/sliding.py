@@ -71,29 +71,40 @@ class Factors:
     resistance: Array
 
 
-def slide_and_roll(pairs: Nearby, kappa: Mapping[Mode, Array]) -> list[Factors]:
-    """Of both rates, as far as there are laws; kappa of each, (P,), that of rotation over a_r^2."""
+def slide_and_roll(
+    pairs: Nearby, kappa: Mapping[Mode, Array], coupling: Array | None = None
+) -> list[Factors]:
+    """Of both rates, as far as there are laws; kappa of each, (P,), that of rotation over a_r^2.
+
+    coupling: C of the power S s^2 - 2 C s y + R y^2 of both, (P,), else c q S beside walls and 0 elsewhere.
+    """
     wall, a, b = pairs.is_wall, pairs.a, pairs.b
     d, a_r = a + b + pairs.gap, pairs.radius
     arm, arm_other = a * d / (a + b), b * d / (a + b)
     g = 0.5 * (1.0 / a - 1.0 / b)
     K = np.where(wall, pairs.curvature, 0.0)
     c = _COUPLING[pairs.n.shape[1]] if len(kappa) == 2 else 0.0
-    q = _ratio(kappa) if c else np.zeros_like(a)
-    along, found = 1.0 - (a + pairs.gap) * K + c * q * a * K, []
+    lean = np.where(wall, c * _ratio(kappa), 0.0) if c else np.zeros_like(a)
+    if coupling is not None:
+        lean = coupling / kappa["shear"]
+    across, turn = np.where(wall, -a * K, a_r * g), np.where(wall, a, a_r * (1.0 - g * arm))
+    turn_other = np.where(wall, 0.0, -a_r * (1.0 + g * arm_other))
+    found = []
     if "shear" in kappa:
-        across, turn = np.where(wall, along, 1.0), np.where(wall, -c * q * a, -arm)
-        found.append(Factors(across, turn, np.where(wall, 0.0, -arm_other), kappa["shear"]))
+        slid = np.where(wall, 1.0 - (a + pairs.gap) * K, 1.0) - lean * across
+        turned = np.where(wall, 0.0, -arm) - lean * turn
+        turned_other = np.where(wall, 0.0, -arm_other) - lean * turn_other
+        found.append(Factors(slid, turned, turned_other, kappa["shear"]))
     if "rotation" in kappa:
-        across, turn = np.where(wall, -a * K, a_r * g), np.where(wall, a, a_r * (1.0 - g * arm))
-        turn_other = np.where(wall, 0.0, -a_r * (1.0 + g * arm_other))
-        part = np.where(wall, 1.0 - c**2, 1.0)
-        found.append(Factors(across, turn, turn_other, part * kappa["rotation"]))
+        resistance = np.where(wall, 1.0 - c**2, 1.0) * kappa["rotation"]
+        if coupling is not None:
+            resistance = kappa["rotation"] - lean * coupling
+        found.append(Factors(across, turn, turn_other, resistance))
     return found
 
 
 def _ratio(kappa: Mapping[Mode, Array]) -> Array:
-    """q, 0 where nothing resists shear; of differences of laws, which have one sign, too."""
+    """q, 0 where nothing resists shear."""
     shear = kappa["shear"]
     q: Array = np.sqrt(np.maximum(kappa["rotation"] / np.where(shear != 0.0, shear, np.inf), 0.0))
     return q

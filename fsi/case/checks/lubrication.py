@@ -16,7 +16,6 @@ def check_lubrication(case: Case) -> None:
     stressed = case.domain.mean_drive().mean_stress is not None
     unknown = {
         f'model = "{case.model}" has no mesh for it; give "resolved"': case.model != "resolved",
-        'it is for geometry = "planar" or "axisymmetric"; give one of these': case.dimension == 3,
         "it is for discs and spheres between plane or round walls; give such bodies and walls": (
             case.configuration().shaped
         ),
