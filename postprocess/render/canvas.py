@@ -72,7 +72,8 @@ class _Canvas:
         parts = np.clip(shades.norm(surface["value"]), 0.0, 1.0)
         surface["colour"] = np.ma.filled(parts, 0.0).astype(float)
         colours = {"scalars": "colour", "cmap": shades.cmap, "clim": (0.0, 1.0), "show_scalar_bar": False}
-        self.plotter.add_mesh(surface, lighting=lit, smooth_shading=lit, **colours)
+        light = {"lighting": lit, "smooth_shading": lit, "ambient": 0.3 if lit else 0.0}
+        self.plotter.add_mesh(surface, **light, **colours)
 
 
 class Panel(_Canvas):

@@ -130,8 +130,8 @@ def through_gap(gap: SurfaceGap, q: Configuration, view: View) -> Cut:
 def flow_on(run: Run, step: int, cut: Cut, field: RenderedField, reach: float) -> Flow:
     """The part of the cut with |s|, |t| <= reach inside the walls, as a surface and its streamlines.
 
-    Points are (s, t, 0); the surface has the point data `value`. Values go on from the fluid into the bodies,
-    whose pictures hide it.
+    Periods are filled with images. Points are (s, t, 0); the surface has the point data `value`. Values go
+    on from the fluid into the bodies, whose pictures hide it.
     """
     dimensions, side = (_POINTS, _POINTS, 1), 2.0 * reach / (_POINTS - 1)
     grid = pv.ImageData(dimensions=dimensions, spacing=(side, side, 1.0), origin=(-reach, -reach, 0.0))
@@ -148,7 +148,7 @@ def flow_on(run: Run, step: int, cut: Cut, field: RenderedField, reach: float) -
     grid["value"] = field.value(known, run.case.fluid.viscosity)
     u = known[field.streamlines or "velocity"]
     grid["in plane"] = np.column_stack([u @ cut.along, u @ cut.up, np.zeros(len(x))])
-    for k, distance in enumerate((period or container).distances(x).T):
+    for k, distance in enumerate(container.distances(x).T):
         grid[f"wall {k}"] = distance
     surface = grid.extract_surface(algorithm="dataset_surface")
     lines = pv.PolyData()

@@ -1,7 +1,10 @@
-"""One period of a flow in space, as pictures show it: a box, images of spheres, the flow at all places in it.
+"""One period of a flow in space, as pictures show it: a box, images of spheres, the flow at all places.
 
-A run has the fluid of one cell, opened where that suits its mesh; a picture has the box around the middle of
-the domain. A place in it is a lattice vector e away from one in the mesh, where
+A run has the fluid of one cell, opened where that suits its mesh; a picture has an upright box around the
+middle of the domain: its edges are the periods e_k, each without its parts along those before it, and images
+of that box fill the space as those of the cell do. Periods that the mean flow leaves alone come first, so
+that the box of a cell that is sheared along one of them stands still. A place is a lattice vector e away from
+one in the mesh, where
 
     u(x + e) = u(x) + E e,      p(x + e) = p(x) + G.e.
 """
@@ -14,9 +17,9 @@ import pyvista as pv
 from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.meshes.geometry.container import Container, FluidDomain
+from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
-from fsi.meshes.spatial.sides import Sides, frame, images
+from fsi.meshes.spatial.sides import frame
 from fsi.postprocess.render.view import View
 from fsi.postprocess.run.probe import OUTSIDE, probe
 from fsi.postprocess.run.run import Run, nodes
@@ -29,17 +32,30 @@ _EDGES = np.array([(i, i + 2**k) for i in range(8) for k in range(3) if not i & 
 
 @dataclass(frozen=True, slots=True)
 class PeriodicBox:
-    """One period of a container, around its middle; `sides` are those across which it is periodic."""
+    """One period of a container.
+
+    Attributes:
+        container: what is periodic.
+        periods: its periods in their order here, (k, 3).
+        sides: the edges of the box, orthogonal, (3, 3); those beyond the periods go from wall to wall.
+        middle: of the box, (3,).
+    """
 
     container: Container
-    sides: Sides
+    periods: Array
+    sides: Array
+    middle: Array
 
     @classmethod
-    def of(cls, container: Container) -> "PeriodicBox":
-        """That of a container with periods."""
+    def of(cls, container: Container, middle: Array | None = None) -> "PeriodicBox":
+        """That of a container with periods, around that point or its own middle."""
         _, edges = frame(container)
+        k = len(container.periods)
+        moved = np.linalg.norm(container.mean_velocity(edges[:k]), axis=1)
+        order = [*np.argsort(moved, kind="stable"), *range(k, 3)]
+        Q, R = np.linalg.qr(edges[order].T)
         return cls(
-            container, Sides(container.middle - 0.5 * edges.sum(axis=0), edges, len(container.periods))
+            container, edges[order][:k], (Q * np.diag(R)).T, container.middle if middle is None else middle
         )
 
     @property
@@ -49,7 +65,7 @@ class PeriodicBox:
     @property
     def corners(self) -> Array:
         """(8, 3)."""
-        corners: Array = self.sides.origin + _BITS @ self.sides.edges
+        corners: Array = self.middle + (_BITS - 0.5) @ self.sides
         return corners
 
     @property
@@ -59,24 +75,31 @@ class PeriodicBox:
 
     def view(self) -> View:
         """The window that just shows it."""
-        return View(self.container.middle, 0.5 * _MARGIN * float(np.ptp(self.corners, axis=0).max()))
+        return View(self.middle, 0.5 * _MARGIN * float(np.ptp(self.corners, axis=0).max()))
 
-    def distances(self, x: Array) -> Array:
-        """Of points (n, 3) from all its sides, (n, 6); positive inside."""
-        return np.hstack([self.sides.distances(x), self.container.distances(x)])
+    def home(self, x: Array) -> Array:
+        """The images in the box, (n, 3), of points (n, 3)."""
+        x = x.copy()
+        for e, side in reversed(list(zip(self.periods, self.sides, strict=False))):
+            x -= np.floor((x - self.middle) @ side / (side @ side) + 0.5)[:, None] * e
+        return x
 
-    def bodies(self, q: Configuration) -> Configuration:
-        """All images of the bodies that reach into it; how they have turned is not told."""
-        inside, _ = images(FluidDomain(self.container, q.centres, q.radii), self.sides, 0.0)
-        return Configuration.unturned(inside.centres, inside.radii)
+    def bodies(self, q: Configuration, view: View) -> Configuration:
+        """All images of the bodies that reach into a window; how they have turned is not told."""
+        lattice = self._lattice
+        home = q.centres - lattice.shift(lattice.nearest(q.centres - view.centre))
+        reach = np.sqrt(3.0) * (view.half + float(q.radii.max(initial=0.0))) + lattice.longest()
+        centres = (home + lattice.shift(lattice.near(reach))[:, None]).reshape(-1, 3)
+        radii = np.tile(q.radii, len(centres) // max(len(home), 1))
+        seen = np.all(np.abs(centres - view.centre) < view.half + radii[:, None], axis=1)
+        return Configuration.unturned(centres[seen], radii[seen])
 
     def whole(self, spheres: pv.UnstructuredGrid, q: Configuration) -> pv.UnstructuredGrid:
         """The surfaces of bodies, which sides of the mesh may cut, around the centres that lie in the box."""
         body = np.asarray(spheres.cell_data["body"])
         middles, moved = np.asarray(spheres.cell_centers().points, dtype=float), spheres.copy()
         to_image = self._lattice.nearest(middles - q.centres[body])
-        c = self.sides.coordinates(q.centres)[:, : self.sides.periods]
-        shift = self._lattice.shift(to_image + np.floor(c).astype(np.int64)[body])
+        shift = self._lattice.shift(to_image) + (q.centres - self.home(q.centres))[body]
         # A node belongs to the facets of one image alone.
         of_nodes, facets = np.zeros((moved.n_points, 3)), nodes(spheres)
         of_nodes[facets] = shift[:, None]

@@ -11,7 +11,7 @@ from fsi.bodies.configuration import Array, Configuration
 from fsi.errors import InputError
 from fsi.postprocess.render.canvas import INK, Picture, new_panel, new_spatial_panel
 from fsi.postprocess.render.cut import Cut, Flow, cut_cells, flow_on, plane_of_choice, through_gap
-from fsi.postprocess.render.fields import DISTURBANCE, RenderedField, rendered_field
+from fsi.postprocess.render.fields import DISTURBANCE, RenderedField, exceeded, rendered_field
 from fsi.postprocess.render.mean_flow import is_sheared
 from fsi.postprocess.render.periodic_box import PeriodicBox
 from fsi.postprocess.render.picture import FlowArtist, Framed, compose
@@ -22,6 +22,7 @@ from fsi.postprocess.run.run import Run
 _WIDE = 2.2  # of the window over that which just holds the bodies
 _MARGIN = 1.08  # of a window around the whole domain
 _ASLANT = 1.35  # of the window in space over that of the plane: a box is seen aslant
+_FILMS = 0.01  # of the surfaces: films, which hold the largest values, have one colour
 _CURVED = 3  # times that the cells of a sphere are divided
 
 
@@ -54,16 +55,16 @@ class SpatialArtist(FlowArtist):
     def pictures(self, steps: Sequence[int]) -> Iterator[Picture]:
         """A picture of each step."""
         q = [self.run.configuration(step) for step in steps]
-        window = self._window(steps[0], np.stack([at.centres for at in q]), q[0].radii)
+        window = self._window(steps, np.stack([at.centres for at in q]), q[0].radii)
         cuts = [self._cut(step, at, window) for step, at in zip(steps, q, strict=True)]
-        drawn = [self._drawn(field, steps, cuts) for field in self.fields]
+        drawn = [self._drawn(field, steps, cuts, window.centre) for field in self.fields]
         shades = [self._shades(field, parts) for field, parts in zip(self.fields, drawn, strict=True)]
         for k, (step, at, (cut, where)) in enumerate(zip(steps, q, cuts, strict=True)):
             framed = []
             for field, parts, colours in zip(self.fields, drawn, shades, strict=True):
                 if field.on_bodies:
                     half = _ASLANT * cut.half
-                    image, title = self._space(parts[k][0], (step, cut), colours), field.title
+                    image, title = self._space(parts[k][0], (step, cut, window.centre), colours), field.title
                 else:
                     half, title = cut.half, f"{where}: {field.title}"
                     image = self._plane(field, parts[k], (step, cut, at), colours)
@@ -72,9 +73,12 @@ class SpatialArtist(FlowArtist):
             yield compose(self.title(step), framed, self.choice.theme)
 
     def _drawn(
-        self, field: RenderedField, steps: Sequence[int], cuts: Sequence[tuple[Cut, str]]
+        self, field: RenderedField, steps: Sequence[int], cuts: Sequence[tuple[Cut, str]], middle: Array
     ) -> list[Flow]:
-        """At each step the surface with the data `value` that is coloured, and the lines on it."""
+        """At each step the surface with the data `value` that is coloured, and the lines on it.
+
+        middle: of the box that shows a period.
+        """
         if not field.on_bodies:
             return [
                 flow_on(self.run, step, cut, field, 1.0) for step, (cut, _) in zip(steps, cuts, strict=True)
@@ -82,7 +86,7 @@ class SpatialArtist(FlowArtist):
         spheres = []
         for step in steps:
             grid = self.run.mesh(step, "surface")
-            if (period := self._period(step)) is not None:
+            if (period := self._period(step, middle)) is not None:
                 grid = period.whole(grid, self.run.configuration(step))
             skin = grid.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=_CURVED)
             skin["value"] = field.value(skin.point_data, self.run.case.fluid.viscosity)
@@ -91,19 +95,29 @@ class SpatialArtist(FlowArtist):
 
     def _shades(self, field: RenderedField, parts: Sequence[Flow]) -> ScalarMappable:
         """The same colours for the same values at all steps."""
-        values = np.concatenate([np.asarray(surface["value"]) for surface, _ in parts])
-        span = self.choice.span or field.scale.span_on_plane(values)
+        if self.choice.span is not None:
+            return ScalarMappable(field.scale.norm(self.choice.span), field.colour_map)
+        if field.on_bodies:
+            sized = [surface.compute_cell_sizes(length=False, volume=False) for surface, _ in parts]
+            values = np.concatenate([each.point_data_to_cell_data()["value"] for each in sized])
+            areas = np.concatenate([each["Area"] for each in sized])
+            span = field.scale.span(np.minimum(values, exceeded(values, areas, _FILMS)), areas)
+        else:
+            values = np.concatenate([np.asarray(surface["value"]) for surface, _ in parts])
+            span = field.scale.span_on_plane(values)
         return ScalarMappable(field.scale.norm(span), field.colour_map)
 
-    def _period(self, step: int) -> PeriodicBox | None:
+    def _period(self, step: int, middle: Array | None = None) -> PeriodicBox | None:
         """The box of one period, if the domain has any."""
         container = self.run.container(step)
-        return PeriodicBox.of(container) if len(container.periods) else None
+        return PeriodicBox.of(container, middle) if len(container.periods) else None
 
-    def _window(self, step: int, centres: Array, radii: Array) -> View:
+    def _window(self, steps: Sequence[int], centres: Array, radii: Array) -> View:
         """A cube around the bodies at all steps, or around the domain where that is smaller; or a period."""
+        step = steps[0]
         if (period := self._period(step)) is not None:
-            return period.view()
+            views = [PeriodicBox.of(self.run.container(at), period.middle).view() for at in steps]
+            return max(views, key=lambda view: view.half)
         near = around_all(centres, radii)
         low, high = np.array(self.run.mesh(step).bounds).reshape(3, 2).T
         whole = _MARGIN * 0.5 * float(np.max(high - low))
@@ -122,16 +136,16 @@ class SpatialArtist(FlowArtist):
         cut = through_gap(gap, q, view)
         return cut, f"{self.gap_title(gap, view)}, plane {cut.name}"
 
-    def _space(self, spheres: pv.PolyData, where: tuple[int, Cut], shades: ScalarMappable) -> Picture:
+    def _space(self, spheres: pv.PolyData, where: tuple[int, Cut, Array], shades: ScalarMappable) -> Picture:
         """The spheres in their box, and the outline of the plane."""
-        step, cut = where
+        step, cut, middle = where
         view = View(cut.centre, _ASLANT * cut.half)
         space = new_spatial_panel(view, self.choice.size, self.choice.theme)
         local = spheres.copy()
         local.points = view.local(np.asarray(spheres.points, dtype=float))
         space.colour(local, shades, lit=True)
         faces = self.run.case.container().faces
-        if (period := self._period(step)) is not None:
+        if (period := self._period(step, middle)) is not None:
             space.outline(view.local(period.edges), space.theme.ink)
         elif len(faces) == 6:
             ends = np.array([sorted(at for axis, at in faces.values() if axis == k) for k in range(3)])
@@ -154,7 +168,8 @@ class SpatialArtist(FlowArtist):
         if field.edges:
             panel.lines(cut_cells(self.run, step, cut), INK, width=2, layer=0.5)
         period = self._period(step)
-        panel.bodies(cut.circles(q if period is None else period.bodies(q)), turning=False)
+        shown = q if period is None else period.bodies(q, View(cut.centre, cut.half))
+        panel.bodies(cut.circles(shown), turning=False)
         return panel.image()
 
 

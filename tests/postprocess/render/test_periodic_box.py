@@ -19,15 +19,32 @@ SHEARED = Cell(((4.0, 0.0, 0.0), (0.0, 4.0, 0.0), (1.0, 0.0, 3.0)), ((0.0, 0.0, 
 
 
 def test_the_box_and_what_is_in_it() -> None:
-    """A sphere at a corner of the lattice stands at all eight; by its middle the box begins at the origin."""
+    """The third period leans by 1; the box, around (2.5, 2, 1.5), does not.
+
+    The window around it has the half 2.16. Of the first sphere the images at (4 i + k, 4 j, 3 k) reach into
+    it, with i, j, k of 0 and 1, of the second one alone.
+    """
     box = PeriodicBox.of(SHEARED)
-    assert_allclose(box.corners.min(axis=0), 0.0, atol=1e-12)
-    assert_allclose(box.corners.max(axis=0), [5.0, 4.0, 3.0])
+    assert_allclose(box.corners.min(axis=0), [0.5, 0.0, 0.0], atol=1e-12)
+    assert_allclose(box.corners.max(axis=0), [4.5, 4.0, 3.0])
     lengths = np.sort(np.linalg.norm(np.diff(box.edges, axis=1)[:, 0], axis=1))
-    assert_allclose(lengths, np.repeat([np.sqrt(10.0), 4.0], [4, 8]))
-    q = Configuration.unturned(np.array([[4.0, -4.0, 0.0], [2.0, 2.0, 1.5]]), np.array([0.5, 0.4]))
-    assert_allclose(np.sort(box.bodies(q).radii), [0.4, *8 * [0.5]])
-    assert_allclose(box.distances(box.container.middle[None]).min(), 1.5)  # from those across z
+    assert_allclose(lengths, np.repeat([3.0, 4.0], [4, 8]))
+    view = box.view()
+    assert_allclose(view.half, 0.54 * 4.0)
+    q = Configuration.unturned(np.array([[4.0, -4.0, 0.0], [2.5, 2.0, 1.5]]), np.array([0.5, 0.4]))
+    shown = box.bodies(q, view)
+    at = [(x, y, z) for z, row in ((0.0, (0.0, 4.0)), (3.0, (1.0, 5.0))) for x in row for y in (0.0, 4.0)]
+    assert {tuple(c) for c in shown.centres[shown.radii == 0.5].round(9).tolist()} == set(at)
+    assert_allclose(shown.centres[shown.radii == 0.4], [[2.5, 2.0, 1.5]], atol=1e-12)
+
+
+def test_images_in_the_box() -> None:
+    """Each is a lattice vector away; without the order of the periods some would stay outside."""
+    box, x = PeriodicBox.of(SHEARED), np.random.default_rng(1).uniform(-20.0, 20.0, (200, 3))
+    home = box.home(x)
+    m = (x - home) @ np.linalg.inv(SHEARED.periods)
+    assert_allclose(m, np.rint(m), atol=1e-9)
+    assert np.all((home >= [0.5, 0.0, 0.0]) & (home <= [4.5, 4.0, 3.0]))
 
 
 @pytest.mark.slow
