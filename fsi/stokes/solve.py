@@ -38,7 +38,8 @@ from fsi.stokes.solvers.elimination import (
 from fsi.stokes.solvers.gmres import SHARPER
 from fsi.stokes.solvers.multiplier import solve_multiplier
 from fsi.stokes.solvers.periodic import Solver, solve_periodic
-from fsi.stokes.solvers.workspace import Workspace, pressure_mass
+from fsi.stokes.solvers.schur import pressure_mass
+from fsi.stokes.solvers.workspace import Workspace
 from fsi.stokes.stress import bulk_stress, is_force_free, viscosity_checks
 from fsi.stokes.swimming import swimming_velocity
 

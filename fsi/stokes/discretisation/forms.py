@@ -57,6 +57,12 @@ def component_element(degree: int) -> basix.ufl._ElementBase:
 
 
 @cache
+def cell_element() -> basix.ufl._ElementBase:
+    """A constant in each cell in space."""
+    return basix.ufl.element("Discontinuous Lagrange", SIMPLEX[3], 0)
+
+
+@cache
 def pressure_element(degree: int, dimension: int) -> basix.ufl._ElementBase:
     """Continuous scalar elements one degree below the velocity (Taylor and Hood 1973)."""
     return basix.ufl.element("Lagrange", SIMPLEX[dimension], degree - 1, EQUISPACED)
@@ -185,6 +191,17 @@ def compile_gradients(order: int, degree: int) -> tuple[fem.forms.CompiledForm, 
     return compile_form(mu * ufl.inner(ufl.grad(u), ufl.grad(v)) * dx), mu
 
 
+@cache
+def compile_films(order: int, degree: int) -> tuple[fem.forms.CompiledForm, ufl.Coefficient, ufl.Constant]:
+    """int (k / mu) grad p.grad q of pressures in space, with k, constant in cells, and mu."""
+    omega = ufl.Mesh(coordinate_element(order, 3))
+    Q, mu = ufl.FunctionSpace(omega, pressure_element(degree, 3)), ufl.Constant(omega)
+    k = ufl.Coefficient(ufl.FunctionSpace(omega, cell_element()))
+    p, q = ufl.TrialFunction(Q), ufl.TestFunction(Q)
+    dx = ufl.dx(omega, metadata={"quadrature_degree": 2 * (degree - 2)})
+    return compile_form(k / mu * ufl.inner(ufl.grad(p), ufl.grad(q)) * dx), k, mu
+
+
 class Forms:
     """The forms, compiled and bound to one mesh.
 
@@ -260,6 +277,18 @@ class Forms:
         subdomains = {CELL: [(EVERYWHERE, cells)]}
         bound = fem.create_form(form, [W, W], mesh, subdomains, {}, {placeholder: mu})
         matrix = petsc_forms().assemble_matrix(bound)
+        matrix.assemble()
+        return matrix
+
+    def films(self, k: Array) -> PETSc.Mat:
+        """That of int (k / mu) grad p.grad q over all nodes of Q, with k of this rank's cells and ghosts."""
+        mesh, mu = self.mesh, fem.Constant(self.mesh, self.viscosity)
+        form, coefficient, placeholder = compile_films(mesh.geometry.cmaps[0].degree, self.degree)
+        of_cells = fem.Function(fem.functionspace(mesh, cell_element()))
+        of_cells.x.array[of_cells.function_space.dofmap.list[:, 0]] = k
+        cells = np.arange(mesh.topology.index_map(mesh.topology.dim).size_local, dtype=np.int32)
+        known = ({CELL: [(EVERYWHERE, cells)]}, {coefficient: of_cells}, {placeholder: mu})
+        matrix = petsc_forms().assemble_matrix(fem.create_form(form, [self.Q, self.Q], mesh, *known))
         matrix.assemble()
         return matrix
 

@@ -40,6 +40,7 @@ from fsi.stokes.solvers.gmres import TOLERANCE, Iteration, SchurBlocks
 from fsi.stokes.solvers.multigrid import levels
 from fsi.stokes.solvers.mumps import Factorisation
 from fsi.stokes.solvers.reduced import Added, Elimination
+from fsi.stokes.solvers.schur import film_matrix
 from fsi.stokes.solvers.workspace import Workspace
 
 NARROW = 1e-5  # of a radius: such gaps are solved in extended precision
@@ -59,7 +60,7 @@ class StokesSystem:
         b: loads, this rank's rows.
         g: given velocities of walls and of what moves along bodies, this rank's rows.
         weights: int q over the fluid for each of this rank's rows of p.
-        mass: -S' of the iterative solver, None for the direct one.
+        mass: M / (2 mu) for the iterative solver, None for the direct one.
         workspace: whose cells these are, and that keeps the factors.
         facets: along which fluid slides, None where it sticks everywhere.
         tolerance: of residuals of the iterative solver.
@@ -231,12 +232,15 @@ def _iteration(system: StokesSystem, mass: PETSc.Mat, elimination: Elimination) 
     reduced.zeroRowsColumns((start + first_mode + held).astype(PETSc.IntType), diag=1.0)
     pressures = int(layout.free[layout.velocities :].sum())
     modes = np.arange(first_mode, first_mode + system.modes_here)
+    of_pressures = np.arange(first_mode - pressures, first_mode)
+    films = film_matrix(system.problem, system.forms, mass)
     with levels(system.problem, system.forms) as hierarchy:
         blocks = SchurBlocks(
             u=start + np.concatenate([np.arange(first_mode - pressures), modes]),
-            p=start + np.arange(first_mode - pressures, first_mode),
+            p=start + of_pressures,
             levels=hierarchy,
-            mass=elimination.tied_mass(mass, np.arange(first_mode - pressures, first_mode)),
+            mass=elimination.tied(mass, of_pressures),
+            films=elimination.tied(films, of_pressures),
             closed=not system.problem.boundary.pressures,
         )
         return Iteration(reduced, blocks, system.tolerance)

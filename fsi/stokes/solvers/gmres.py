@@ -7,11 +7,11 @@ With the velocities u and the modes of the bodies together in the first block, t
 
 and its preconditioner (Elman, Silvester and Wathen, Finite Elements and Fast Iterative Solvers, section 9.2)
 
-    [ A'  B^T ]                 A' approximates A,  S' = mass matrix of the pressure / 2 mu
+    [ A'  B^T ]                 A' approximates A,  S' the Schur complement B A^-1 B^T (see `schur`)
     [ 0   -S' ]
 
-S' is spectrally equivalent to the Schur complement B A^-1 B^T whatever the mesh size: beside the mass
-matrix / mu that has eigenvalues s from the square of the inf-sup constant to 1 for gradients of u in place
+Away from films that is spectrally equivalent to the mass matrix of the pressure / 2 mu whatever the mesh:
+beside that / mu it has eigenvalues s from the square of the inf-sup constant to 1 for gradients of u in place
 of its strain rates, and s / (1 + s) for these, whose energy has the square of div u besides.
 
 A' is one cycle of multigrid through velocities of all degrees down to 1 on the same mesh (see `multigrid`),
@@ -33,6 +33,7 @@ import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError, apart
 from fsi.stokes.solvers.multigrid import COMPONENTS, Levels, between
+from fsi.stokes.solvers.schur import SchurComplement
 
 # Of the residual relative to the right-hand side: errors of forces, and of identities, whose bound is 1e-8,
 # are up to a few times as large (2e-10 of the force on a sphere beside a plane). In gaps of 1e-3 radii in
@@ -45,8 +46,8 @@ STARTS = 3
 
 MOST_FACTORISED = 20_000
 COARSE = "fieldsplit_u_mg_coarse_"
-FACTORS = {f"{COARSE}pc_type": "cholesky", f"{COARSE}pc_factor_mat_solver_type": "mumps"}
-AGGREGATION = {f"{COARSE}ksp_type": "preonly", f"{COARSE}pc_type": "gamg"}
+FACTORS = {"ksp_type": "preonly", "pc_type": "cholesky", "pc_factor_mat_solver_type": "mumps"}
+AGGREGATION = {"ksp_type": "preonly", "pc_type": "gamg"}
 OPTIONS = {
     "fieldsplit_u_ksp_type": "preonly",
     "fieldsplit_u_pc_type": "mg",
@@ -54,9 +55,7 @@ OPTIONS = {
     "fieldsplit_u_mg_levels_sub_pc_type": "icc",
     "fieldsplit_u_mg_levels_ksp_type": "chebyshev",
     "fieldsplit_u_mg_levels_ksp_max_it": 2,
-    "fieldsplit_p_ksp_type": "chebyshev",
-    "fieldsplit_p_ksp_max_it": 4,
-    "fieldsplit_p_pc_type": "jacobi",
+    "fieldsplit_p_ksp_type": "preonly",
 }
 
 
@@ -68,7 +67,8 @@ class SchurBlocks:
         u: this rank's rows of velocities and modes, global numbers, three to a node.
         p: its rows of pressures.
         levels: the hierarchy of the rows u.
-        mass: -S'.
+        mass: of the pressures, / 2 mu.
+        films: of Reynolds' equation.
         closed: whether a constant pressure changes nothing.
     """
 
@@ -76,6 +76,7 @@ class SchurBlocks:
     p: NDArray[np.int64]
     levels: Levels
     mass: PETSc.Mat
+    films: PETSc.Mat
     closed: bool
 
 
@@ -160,15 +161,17 @@ def _solver(matrix: PETSc.Mat, blocks: SchurBlocks) -> PETSc.KSP:
     pc.setFieldSplitSchurFactType(PETSc.PC.SchurFactType.UPPER)
     pc.setFieldSplitSchurPreType(PETSc.PC.SchurPreType.USER, blocks.mass)
     options = PETSc.Options(prefix)
-    coarsest = blocks.levels.transfers[-1].size[1]
-    chosen = OPTIONS | (AGGREGATION if coarsest > MOST_FACTORISED else FACTORS)
+    on_coarsest = _small_solver(blocks.levels.transfers[-1].size[1])
+    chosen = OPTIONS | {COARSE + name: value for name, value in on_coarsest.items()}
     for name, value in chosen.items():
         options[name] = value
     ksp.setFromOptions()
     pc.setUp()
     of_u, of_p = pc.getFieldSplitSubKSP()
     _cycle(of_u.getPC(), blocks.levels)
-    of_p.setOperators(blocks.mass, blocks.mass)
+    of_films = _small_solver(blocks.films.size[0])
+    of_p.getPC().setType(PETSc.PC.Type.PYTHON)
+    of_p.getPC().setPythonContext(SchurComplement(blocks.mass, blocks.films, of_films))
     ksp.setUp()
     of_u.setUp()
     for name in chosen:
@@ -176,6 +179,11 @@ def _solver(matrix: PETSc.Mat, blocks: SchurBlocks) -> PETSc.KSP:
     for used in (*parts, pc, B, B_T, approximate):
         used.destroy()
     return ksp
+
+
+def _small_solver(unknowns: int) -> dict[str, str]:
+    """How so many are solved for: by factors, or a cycle of aggregation."""
+    return AGGREGATION if unknowns > MOST_FACTORISED else FACTORS
 
 
 def _cycle(pc: PETSc.PC, levels: Levels) -> None:

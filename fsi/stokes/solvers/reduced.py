@@ -143,21 +143,21 @@ class Elimination:
         every = [self._cells.recovered(*pair)[inner] for pair in zip(x.T, loads.T, strict=True)]
         return np.vstack([y, np.column_stack(every)])
 
-    def tied_mass(self, mass: PETSc.Mat, free: NDArray[np.int64]) -> PETSc.Mat:
-        """The matrix of all pressure nodes, summed over images; the same one where none has any; collective.
+    def tied(self, of_pressures: PETSc.Mat, free: NDArray[np.int64]) -> PETSc.Mat:
+        """A matrix of all pressure nodes, summed over images; the same one where none has any; collective.
 
         free: where pressures stand in y on this rank.
         """
         layout = self.layout
         if layout.comm.allreduce(len(layout.slave)) == 0:
-            return mass
+            return of_pressures
         rows = self._P.getOwnershipRange()[0] + np.arange(layout.velocities, layout.rows)
         columns = self._P.getOwnershipRangeColumn()[0] + free
         of_both = [
             PETSc.IS().createGeneral(each.astype(PETSc.IntType), layout.comm) for each in (rows, columns)
         ]
         images = self._P.createSubMatrix(*of_both)
-        summed = mass.ptap(images)
+        summed = of_pressures.ptap(images)
         for used in (images, *of_both):
             used.destroy()
         return summed

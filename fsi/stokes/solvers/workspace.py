@@ -12,11 +12,8 @@ from contextlib import AbstractContextManager
 from dataclasses import fields
 from functools import cache
 
-from fsi.meshes.backend import petsc_forms
-
 import numpy as np
 from numpy.typing import NDArray
-from petsc4py import PETSc
 
 import fsi.parallel as parallel
 from fsi.meshes.build import FluidMesh
@@ -24,15 +21,6 @@ from fsi.stokes.discretisation.cells import StokesCells
 from fsi.stokes.discretisation.constraints import DofLayout, RigidModes
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.solvers.reduced import Added, Elimination
-
-
-def pressure_mass(forms: Forms) -> PETSc.Mat:
-    """The mass matrix of the pressure over - 2 mu, which stands for - B A^-1 B^T."""
-    mass = petsc_forms().assemble_matrix(forms.bind("pressure mass"))
-    mass.assemble()
-    mass.scale(-0.5)
-    return mass
-
 
 # <malloc.h> of glibc
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3
