@@ -1,4 +1,4 @@
-"""The shapes of domains, in the order of messages: boxes, half-plane, disc or ball, cell, unbounded."""
+"""The shapes of domains, in the order of messages: boxes, half-plane, disc or ball, tube, cell, unbounded."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, Self, override
@@ -22,6 +22,7 @@ from fsi.errors import InputError
 from fsi.meshes.geometry.container import Container, Unbounded
 from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.geometry.lattice import Cell
+from fsi.meshes.geometry.tube import Tube
 
 
 def _walls_of(geometry: Geometry, periodic: tuple[str, ...] = ()) -> tuple[str, ...]:
@@ -186,6 +187,33 @@ class RoundDomain(Walled):
     @override
     def halved(self) -> Self:
         return self.model_copy(update={"radius": self.radius / 2.0})
+
+
+@register_domain
+class TubeDomain(Walled):
+    """In space, the round tube about the z axis between z = -length / 2 and length / 2, closed there."""
+
+    shape: Literal["tube"]
+    radius: Positive
+    """the radius of the tube, a number > 0"""
+    length: Positive
+    """the distance of its ends, a number > 0"""
+
+    @classmethod
+    @override
+    def wall_names(cls, geometry: Geometry, known: Mapping[str, Any]) -> tuple[str, ...]:
+        return Tube(1.0, 1.0).walls
+
+    @field_validator("shape")
+    @classmethod
+    def _in_space(cls, shape: str, info: ValidationInfo) -> str:
+        if told(info).geometry != "spatial":
+            raise ValueError('a tube lies in space; give geometry = "spatial", or "axisymmetric" and a box')
+        return shape
+
+    @override
+    def container(self) -> Container:
+        return Tube(self.radius, self.length)
 
 
 type Vector = tuple[float, ...]

@@ -32,6 +32,25 @@ class Sphere:
     centre: Array
     radius: float
 
+    @property
+    def mean_curvature(self) -> float:
+        """Of a sphere, and in the plane the curvature of the circle."""
+        return 1.0 / self.radius
+
+    @property
+    def bends_all_ways(self) -> bool:
+        """Whether it looks the same in all directions along it."""
+        return True
+
+    @property
+    def opening(self) -> float:
+        """The power m of the distance r to the centre in r^-m dA, the angle that a piece dA is seen under."""
+        return 3.0
+
+    def from_centre(self, x: Array) -> Array:
+        """Vectors from what it is round about to points, any shape (..., d)."""
+        return x - self.centre
+
     def project(self, x: Array) -> Array:
         """The points on it on the rays from the centre through x, any shape (..., d)."""
         from_centre = x - self.centre
@@ -53,6 +72,38 @@ class Sphere:
     def stretched(self, y: Array) -> Array:
         """Vectors as they are."""
         return y
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cylinder(Sphere):
+    """The round cylinder about the line through `centre` along z: a circle in every plane across it."""
+
+    @property
+    def mean_curvature(self) -> float:
+        """Half that across the axis."""
+        return 0.5 / self.radius
+
+    @property
+    def bends_all_ways(self) -> bool:
+        """It is straight along its axis."""
+        return False
+
+    @property
+    def opening(self) -> float:
+        """Of an angle about the axis times a length along it."""
+        return 2.0
+
+    def from_centre(self, x: Array) -> Array:
+        """From the nearest points of the axis."""
+        across: Array = (x - self.centre) * [1.0, 1.0, 0.0]
+        return across
+
+    def project(self, x: Array) -> Array:
+        """The points on it that are nearest to x, any shape (..., 3)."""
+        across = self.from_centre(x)
+        length = np.linalg.norm(across, axis=-1, keepdims=True)
+        onto: Array = x + (self.radius / length - 1.0) * across
+        return onto
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,6 +15,8 @@ and Babuska, Finite Element Analysis, 1991, section 6.1):
 zero on all other sides. The derivatives of order m of the map are O(h^m) (Lenoir 1986, SIAM J. Numer. Anal.
 23:562), as Phi is one smooth map for edges and facets.
 
+On a cylinder |p - c| is the distance from its axis, and a solid angle is an angle about it times a length.
+
 An ellipsoid is a sphere that is stretched: facets bend before that, and their bends are stretched. Such maps
 take polynomials to such of the same degree, and volumes to volumes times one number.
 """
@@ -144,15 +146,15 @@ def _face_bends(corners: Array, edge_bends: Array, edges: Indices, sphere: Spher
 
     points, weights = basix.make_quadrature(basix.CellType.triangle, 2 * order + 2)
     l = barycentric(points)  # noqa: E741
-    # The solid angle that a piece of the facet is seen under from the centre.
-    away = np.linalg.norm(np.einsum("nv,fvd->fnd", l, corners) - sphere.centre, axis=2)
-    moments = np.einsum("ni,n,fn->fin", _moments(l, order), weights, away**-3.0)
+    # The angle that a piece of the facet is seen under from the centre.
+    away = np.linalg.norm(sphere.from_centre(np.einsum("nv,fvd->fnd", l, corners)), axis=2)
+    moments = np.einsum("ni,n,fn->fin", _moments(l, order), weights, away**-sphere.opening)
     bubbles = _bubbles(l, order)
     x = without_bubbles(l)
-    normal = corners.mean(axis=1) - sphere.centre
+    normal = sphere.from_centre(corners.mean(axis=1))
     normal /= np.linalg.norm(normal, axis=1)[:, None]
     for _ in range(NEWTON_STEPS):
-        off = np.linalg.norm(x + bubbles @ coefficients - sphere.centre, axis=2) - sphere.radius
+        off = np.linalg.norm(sphere.from_centre(x + bubbles @ coefficients), axis=2) - sphere.radius
         amount = np.linalg.solve(moments @ bubbles, moments @ off[:, :, None])
         coefficients -= amount * normal[:, None]
     return coefficients

@@ -91,9 +91,12 @@ class GapPrisms:
 
 
 def find_gaps(spacing: Spacing) -> list[NarrowGap]:
-    """All gaps narrower than the elements there would be long. Raises MeshError where surfaces touch."""
+    """All gaps narrower than the elements there would be long, where both surfaces are round about them.
+
+    Raises MeshError where surfaces touch.
+    """
     gaps, centres, radii = [], spacing.domain.centres, spacing.domain.radii
-    for pair in spacing.close_pairs():
+    for pair in (pair for pair in spacing.close_pairs() if pair.layered):
         i, j = pair.body, pair.other
         if j >= len(radii):
             gaps.append(_to_wall(spacing.domain, i, j - len(radii)))

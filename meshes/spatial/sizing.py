@@ -19,7 +19,8 @@ y before space is stretched by the half axes a_k, k = |y|, and p = k / |y_k / a_
 
     b = p (k - 1),      H = p^3 (sum a_k^2 - sum (a_k y_k / k)^2) / (2 prod a_k^2).
 
-Their gaps have no layers of prisms: cells there are at most ELONGATED times as long as the gap is wide.
+Their gaps have no layers of prisms, nor have those of spheres to a cylinder, which is not round about the
+line of the shortest distance: cells there are at most ELONGATED times as long as the gap is wide.
 """
 
 from dataclasses import dataclass
@@ -38,7 +39,7 @@ LENGTH, SHORTEST, LONGEST = 0.3, 0.3, 10.0
 ELONGATED, NARROWEST = (
     1.5,
     0.02,
-)  # of gaps of ellipsoids: cells' lengths, and the least width over a half axis
+)  # of gaps without prisms: cells' lengths, and the least width over a half axis
 
 
 def in_gap(gap: Array | float, radius: Array | float, resolution: Resolution) -> Array:
@@ -56,11 +57,18 @@ class ClosePair:
         body: i.
         other: the other body j, or N + k for wall k.
         smallest: radius of the smaller body.
+        longest: what lengths of cells over the width of the gap do not exceed.
     """
 
     body: int
     other: int
     smallest: float
+    longest: float = LONGEST
+
+    @property
+    def layered(self) -> bool:
+        """Whether a layer of prisms may fill it."""
+        return self.longest == LONGEST
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,16 +108,25 @@ class Spacing:
         centres, radii = self.domain.centres, self.domain.radii
         close, size = [], self.resolution.on_body(radii)
         to_walls = self.domain.container.distances(centres) - radii[:, None]
+        longest = np.append(np.full(len(radii), LONGEST), self._longest_at_walls())
         for i, (centre, a) in enumerate(zip(centres, radii, strict=True)):
             gaps = np.concatenate([lengths(centres - centre) - radii - a, to_walls[i]])
             gaps[i] = np.inf
             if gaps.min() <= 0.0:
                 raise TouchingError("the sphere at {} touches a sphere or wall; move it", centre)
+            if gaps[longest == ELONGATED].min(initial=np.inf) < NARROWEST * a:
+                what = f"to a cylinder is below {NARROWEST:g} of its radius"
+                raise TouchingError(f"the gap of the sphere at {{}} {what}; widen it", centre)
             smallest = np.minimum(a, np.append(radii, np.full(to_walls.shape[1], a)))
             largest = np.maximum(size[i], np.append(size, np.full(to_walls.shape[1], size[i])))
             narrow = np.flatnonzero(self.in_gap(gaps, smallest) < largest)
-            close += [ClosePair(i, int(j), float(smallest[j])) for j in narrow[narrow > i]]
+            close += [ClosePair(i, int(j), float(smallest[j]), float(longest[j])) for j in narrow[narrow > i]]
         return close
+
+    def _longest_at_walls(self) -> list[float]:
+        """Of each wall, what `ClosePair.longest` is at it."""
+        round_about = [s is None or s.bends_all_ways for s in self.domain.container.spheres]
+        return [LONGEST if layered else ELONGATED for layered in round_about]
 
     def _close_ellipsoids(self) -> list[ClosePair]:
         """The same of ellipsoids; `smallest` is the smallest half axis. Raises MeshError at narrow gaps."""
@@ -124,7 +141,7 @@ class Spacing:
                     what = f"is below {NARROWEST:g} of its smallest half axis"
                     raise TouchingError(f"a gap of the ellipsoid at {{}} {what}; widen it", body.centre)
                 if self.in_gap(foot.gap, least) < self.resolution.on_body(body.form.radius):
-                    close.append(ClosePair(i, j, least))
+                    close.append(ClosePair(i, j, least, ELONGATED))
         return close
 
     def apply(self) -> None:
@@ -136,17 +153,17 @@ class Spacing:
             f"(sqrt((x-({c[0]!r}))^2+(y-({c[1]!r}))^2+(z-({c[2]!r}))^2)-{a!r})"
             for c, a in zip(centres.tolist(), radii.tolist(), strict=True)
         ]
-        on_bodies, longest = [repr(h) for h in self.resolution.on_body(radii).tolist()], LONGEST
+        on_bodies = [repr(h) for h in self.resolution.on_body(radii).tolist()]
         if self.domain.ellipsoids:
             pairs = [_formulas(body) for body in self.domain.ellipsoids]
-            bodies, longest = [distance for distance, _ in pairs], ELONGATED
+            bodies = [distance for distance, _ in pairs]
             on_bodies = [f"{self.resolution.on_body(1.0)!r}*{bend}" for _, bend in pairs]
         away = [*bodies, *container.distance_formulas()]
         growth = float(self.resolution.growth)
         sizes = [f"{h}+{growth!r}*{b}" for h, b in zip(on_bodies, bodies, strict=True)]
         for gap in self.close_pairs():
             d, across = f"({away[gap.body]}+{away[gap.other]})", float(self.resolution.cells_per_gap)
-            along = f"min({LENGTH!r}*sqrt({gap.smallest!r}*abs({d})),{longest!r}*{d})"
+            along = f"min({LENGTH!r}*sqrt({gap.smallest!r}*abs({d})),{gap.longest!r}*{d})"
             sizes.append(f"max({along},{SHORTEST!r}*{d})/{across!r}")
         sizes += edge_sizes(self.domain, growth)
         sizes.append(repr(container.largest_element(self.resolution.cells_per_circle)))

@@ -48,7 +48,7 @@ BAD = [
     ("domain.upper", [8.0], ["has 1 components where this geometry has 2"]),
     ("domain.upper", [8.0, math.inf], ["finite"]),
     ("domain.radius", 1.0, ["unknown key"]),
-    ("domain.shape", "disc", ['"disc"', 'give "box", "half-plane", "round", "cell" or "unbounded"']),
+    ("domain.shape", "disc", ['"disc"', 'give "box", "half-plane", "round", "tube", "cell" or "unbounded"']),
     ("domain.walls.botom", [0.0, 0.0], ["unknown key", "use domain.walls.bottom"]),
     ("domain.walls.top", "shut", ['"open"']),
     ("domain.walls.top", {"presure": 1.0}, ["use domain.walls.top.pressure"]),

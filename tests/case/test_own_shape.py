@@ -132,7 +132,7 @@ def test_its_walls_are_checked_like_those_of_all_shapes() -> None:
 
 def test_it_is_known_by_name_and_by_its_keys() -> None:
     with pytest.raises(
-        InputError, match='give "box", "half-plane", "round", "cell", "unbounded" or "triangle"'
+        InputError, match='give "box", "half-plane", "round", "tube", "cell", "unbounded" or "triangle"'
     ):
         in_triangle([0.0, 0.0], shape="tringle", corners="sharp")
     with pytest.raises(InputError, match=r'domain\.corners = "round": not one of the choices; give "sharp"'):

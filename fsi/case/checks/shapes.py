@@ -11,6 +11,8 @@ def check_shapes(case: Case) -> None:
     """Raise InputError, which names the first shape, where what is asked for knows none."""
     if case.domain.profiled:
         _check_walls(case)
+    if not all(sphere is None or sphere.bends_all_ways for sphere in case.container().spheres):
+        _check_cylinder(case)
     shaped = next(((i, body.shape) for i, body in enumerate(case.bodies) if body.shape is not None), None)
     if shaped is None:
         return
@@ -59,3 +61,25 @@ def _check_walls(case: Case) -> None:
         )
     if any(force.reach > 0.0 for force in case.forces):
         raise InputError(f"{here}: [[forces]] of the gap act beside straight walls; drop them, or it")
+
+
+def _check_cylinder(case: Case) -> None:
+    """Of a wall that is round one way only: laws, and slip, know planes and spheres."""
+    here = f"domain.shape = {toml_text(case.domain.shape)}"
+    if case.model != "resolved":
+        raise InputError(
+            f'{here}: model = "{case.model}" knows no law beside a cylinder; give "resolved", or a box'
+        )
+    if case.calibration is not None:
+        raise InputError(f"{here}: no law beside a cylinder is calibrated; drop [calibration], or give a box")
+    for name, sphere in zip(case.domain.walls, case.container().spheres, strict=True):
+        wall = case.domain.walls[name]
+        if sphere is not None and wall.slip:
+            key = f"domain.walls.{name}.slip_length = {wall.slip!r}"
+            raise InputError(f"{key}: fluid sticks to the {name} of a {case.domain.shape}; drop it")
+    for i, body in enumerate(case.bodies):
+        if body.shape is not None:
+            raise InputError(
+                f"bodies.{i}.shape = {toml_text(body.shape)}: a {case.domain.shape} takes spheres only; give "
+                "a box, or a radius"
+            )

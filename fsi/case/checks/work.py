@@ -129,7 +129,7 @@ def narrows(case: Case, gaps: Gaps) -> Narrows:
     radii, spheres = case.configuration().radii, case.container().spheres
     a, b = radii[gaps.pairs].T
     body, wall = np.nonzero(gaps.wall_gaps < 2.0 * radii[:, None])
-    around = np.array([0.0 if sphere is None else 1.0 / sphere.radius for sphere in spheres])
+    around = np.array([0.0 if sphere is None else sphere.mean_curvature for sphere in spheres])
     return Narrows(
         np.concatenate([gaps.pair_gaps, gaps.wall_gaps[body, wall]]),
         np.concatenate([np.minimum(a, b), radii[body]]),
