@@ -15,6 +15,7 @@ import pytest
 from fsi.bodies.configuration import Array
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
+from fsi.lubrication import spheres
 from fsi.runs import run
 from fsi.stokes.model import StokesModel
 from tests.tube_flow import motion
@@ -79,6 +80,20 @@ def test_off_the_axis_it_settles_and_turns_as_the_reflection_says() -> None:
     assert 6.0 * np.pi * found[2] == pytest.approx(u, rel=1.5e-3)
     assert 8.0 * np.pi * found[4] == pytest.approx(turning, rel=3e-3)
     assert np.abs(found[[0, 1]]).max() < 1e-4 * found[2]
+
+
+@pytest.mark.slow
+def test_a_wide_tube_is_a_plane_wall() -> None:
+    """Towards the side at a gap of 0.1: 225.50 and 220.71 with the radii 20 and 40 go to Brenner's 216.000."""
+    F = []
+    for tube in (20.0, 40.0):
+        data = in_tube(tube, 4.0 * tube, tube - 1.1)
+        del data["bodies"][0]["force"]
+        data["bodies"][0] |= {"velocity": [1.0, 0.0, 0.0], "angular_velocity": [0.0, 0.0, 0.0]}
+        case = parse_case(data)
+        F.append(StokesModel(case)(case.configuration(), 0.0).F[0, 0])
+    # The curvature makes it larger by 0.87 a/R of it.
+    assert 2.0 * F[1] - F[0] == pytest.approx(float(spheres.normal_resistance(0.1, 1.0, 1.0)), rel=1.5e-3)
 
 
 @pytest.mark.slow
