@@ -84,7 +84,7 @@ def test_off_the_axis_it_settles_and_turns_as_the_reflection_says() -> None:
 
 @pytest.mark.slow
 def test_a_wide_tube_is_a_plane_wall() -> None:
-    """Towards the side at a gap of 0.1: 225.50 and 220.71 with the radii 20 and 40 go to Brenner's 216.000."""
+    """At a gap of 0.1, towards the side: 225.50 and 220.71 with radii 20 and 40 go to Brenner's 216.000."""
     F = []
     for tube in (20.0, 40.0):
         data = in_tube(tube, 4.0 * tube, tube - 1.1)
