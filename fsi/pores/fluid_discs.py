@@ -18,7 +18,7 @@ from fsi.pores.power import locate
 from fsi.pores.shape import clearance, distance, from_neck, inscribed, neck
 from fsi.pores.start import surrounding, widest_view
 from fsi.pores.surfaces import CONTAINER, DISC, Array, Bodies, BoundingSurfaces, NoPoresError, Shapes
-from fsi.pores.topology import linked, numbered, with_more_discs
+from fsi.pores.topology import Pores, linked, numbered, pores_of, with_more_discs
 
 _ROUNDS = 60
 _MOST = 200  # pores that one circle reaches into
@@ -45,22 +45,32 @@ class Wide:
     share: float = 0.55
 
 
+def pores_without_wide(surfaces: BoundingSurfaces) -> Pores:
+    """The pores between these surfaces and fluid discs. Raises NoPoresError: there are none."""
+    return pores_of(*_with_fluid_discs(surfaces, Wide()))
+
+
 def with_fluid_discs(surfaces: BoundingSurfaces, wide: Wide = Wide()) -> BoundingSurfaces:
     """These surfaces and fluid discs in all wide pores, and where bodies lie across necks.
 
     Raises NoPoresError where there is no end of it, because bodies overlap.
     """
+    return _with_fluid_discs(surfaces, wide)[0]
+
+
+def _with_fluid_discs(surfaces: BoundingSurfaces, wide: Wide) -> tuple[BoundingSurfaces, Links]:
+    """The same, and their pores, linked as from the first: the last round finds no more."""
     surfaces = _surrounded(surfaces, wide.share)
     for _ in range(_ROUNDS):
-        more = _filled(surfaces, wide)
+        more, links = _filled(surfaces, wide)
         if more is surfaces:
-            return surfaces
+            return surfaces, links
         surfaces = more
     raise NoPoresError("there is no end of circles of fluid between the bodies")
 
 
-def _filled(surfaces: BoundingSurfaces, wide: Wide) -> BoundingSurfaces:
-    """With fluid discs until no pore is wide, of pores in which the new discs are put one after the other.
+def _filled(surfaces: BoundingSurfaces, wide: Wide) -> tuple[BoundingSurfaces, Links]:
+    """With fluid discs until no pore is wide, and these pores, in which they are put one after the other.
 
     While bodies lie across necks such pores may hide one from a new disc, which is then taken out.
     """
@@ -79,7 +89,7 @@ def _filled(surfaces: BoundingSurfaces, wide: Wide) -> BoundingSurfaces:
             break
         surfaces = surfaces.with_fluid(circles[pores, :2], wide.share * radius)
         links = with_more_discs(surfaces, links, pores)
-    return surfaces
+    return surfaces, links
 
 
 def _apart(surfaces: BoundingSurfaces, links: Links) -> NDArray[np.bool_]:

@@ -20,14 +20,13 @@ from fsi.observables.bars import Compared, DrivenBodies, motion_of, step_errors
 from fsi.pores.adapt import adapt
 from fsi.pores.bars import SAFETY, reference_system
 from fsi.pores.fineness import Fineness
-from fsi.pores.fluid_discs import with_fluid_discs
+from fsi.pores.fluid_discs import pores_without_wide
 from fsi.pores.instant import PoreInstant
 from fsi.pores.solve import PoreDrive, PoreLoading, solve_pores
 from fsi.pores.stress import carried_stress
 from fsi.pores.stressed import StressedLoading
 from fsi.pores.surfaces import NoPoresError, surfaces_of
 from fsi.pores.system import PoreSystem
-from fsi.pores.topology import triangulate
 
 # In a run bodies move on: a tolerance that is just reached would be missed in the next step.
 MARGIN = 0.5
@@ -136,7 +135,7 @@ def make_system(bodies: DrivenBodies, fineness: Fineness) -> PoreSystem:
     case, container = bodies.case, bodies.case.container().at(bodies.t, bodies.q.strain)
     surfaces = surfaces_of(bodies.q, container)
     try:
-        pores = triangulate(with_fluid_discs(surfaces))
+        pores = pores_without_wide(surfaces)
         return PoreSystem.of(len(bodies.q), pores, fineness.at(pores), case.fluid.viscosity)
     except NoPoresError as error:
         problem = error.between([*case.names, *(f"wall {name}" for name in container.walls)])

@@ -10,12 +10,12 @@ import numpy as np
 from fsi.bodies.configuration import Array
 from fsi.pores.assembly import Assembly, assemble
 from fsi.pores.definite import LastFactors
-from fsi.pores.fluid_discs import with_fluid_discs
+from fsi.pores.fluid_discs import pores_without_wide
 from fsi.pores.orders import RIGID
 from fsi.pores.pattern import Index
 from fsi.pores.regions import PoreShapes, shapes_of
 from fsi.pores.surfaces import DISC, BoundingSurfaces, NoPoresError
-from fsi.pores.topology import Pores, triangulate
+from fsi.pores.topology import Pores
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,7 +45,7 @@ class PoreSystem:
         """With the same number of modes for each neck. Raises NoPoresError: no pores fill the fluid."""
         began = process_time()
         bodies = int(np.count_nonzero(surfaces.kind == DISC))
-        pores = triangulate(with_fluid_discs(surfaces))
+        pores = pores_without_wide(surfaces)
         between = process_time()
         made = cls.of(bodies, pores, np.full(len(pores.necks), modes), viscosity)
         made.seconds.update(cpu_pores=between - began, cpu_forms=process_time() - between)

@@ -81,7 +81,11 @@ def triangulate(surfaces: BoundingSurfaces) -> Pores:
     name the bodies. Fluid discs help against the latter, and where discs do not surround the centre of a
     round container.
     """
-    links = linked(surfaces)
+    return pores_of(surfaces, linked(surfaces))
+
+
+def pores_of(surfaces: BoundingSurfaces, links: Links) -> Pores:
+    """The same of pores that are linked already. Raises NoPoresError."""
     pores = numbered(surfaces, links)
     _require_gaps(pores)
     _require_clear_necks(surfaces, links)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fsi.pores.fluid_discs import Wide, circles_in_pores, with_fluid_discs
+from fsi.pores.fluid_discs import Wide, circles_in_pores, pores_without_wide, with_fluid_discs
 from fsi.pores.surfaces import DISC, BoundingSurfaces
 from fsi.pores.topology import linked, triangulate
 from tests.packings import in_box, in_cell, in_channel, in_container, in_square, scattered
@@ -87,3 +87,11 @@ def test_few_discs_in_a_round_container(angles: list[float]) -> None:
 
 def test_a_concentric_disc_alone() -> None:
     require_tiling(triangulate(with_fluid_discs(in_container(np.zeros((1, 2)), np.ones(1), 10.0))))
+
+
+def test_pores_of_the_last_round_are_those_made_anew() -> None:
+    surfaces = in_square(*scattered(134, 4, 0.3), 0)
+    kept, anew = pores_without_wide(surfaces), triangulate(with_fluid_discs(surfaces))
+    assert kept.surfaces.fluid.any()
+    for name in ("necks", "neck_image", "neck_gap", "vertices", "image", "sides"):
+        np.testing.assert_array_equal(getattr(kept, name), getattr(anew, name))
