@@ -104,6 +104,11 @@ class Container(ABC):
         return {}
 
     @property
+    def edges(self) -> Array:
+        """Lines by which a picture in space shows walls that are not plane, (n, 2, 3)."""
+        return np.empty((0, 2, 3))
+
+    @property
     def spheres(self) -> tuple[Sphere | None, ...]:
         """The circle or sphere that each wall follows, seen from inside; None for a plane wall."""
         return (None,) * len(self.walls)

@@ -10,6 +10,8 @@ import numpy as np
 from fsi.meshes.geometry.container import Array, Container, lengths
 from fsi.meshes.geometry.curves import Cylinder, Sphere, rescaled
 
+SIDES = 96  # of a ring in pictures
+
 
 @dataclass(frozen=True, slots=True)
 class Tube(Container):
@@ -45,6 +47,16 @@ class Tube(Container):
         length = lengths(x[:, :2])[:, None]
         normals[:, 2, :2] = -x[:, :2] / np.where(length > 0.0, length, 1.0)
         return normals
+
+    @property
+    def edges(self) -> Array:
+        """Rings about a radius apart and four lines along the side, (n, 2, 3)."""
+        turn, half = np.linspace(0.0, 2.0 * np.pi, SIDES + 1), 0.5 * self.length
+        heights = np.linspace(-half, half, max(2, round(self.length / self.radius) + 1))
+        ring = self.radius * np.column_stack([np.cos(turn), np.sin(turn), np.zeros(len(turn))])
+        rings = ring + heights[:, None, None] * np.eye(3)[2]
+        along = np.stack([rings[0, : -1 : SIDES // 4], rings[-1, : -1 : SIDES // 4]], axis=1)
+        return np.concatenate([np.stack([rings[:, :-1], rings[:, 1:]], axis=2).reshape(-1, 2, 3), along])
 
     @property
     def spheres(self) -> tuple[Sphere | None, ...]:

@@ -23,6 +23,7 @@ _WIDE = 2.2  # of the window over that which just holds the bodies
 _MARGIN = 1.08  # of a window around the whole domain
 _ASLANT = 1.35  # of the window in space over that of the plane: a box is seen aslant
 _FILMS = 0.01  # of the surfaces: films, which hold the largest values, have one colour
+_DECADE = 0.1  # at least so far down: differences of some percent are those of the elements
 _CURVED = 3  # times that the cells of a sphere are divided
 
 
@@ -101,7 +102,8 @@ class SpatialArtist(FlowArtist):
             sized = [surface.compute_cell_sizes(length=False, volume=False) for surface, _ in parts]
             values = np.concatenate([each.point_data_to_cell_data()["value"] for each in sized])
             areas = np.concatenate([each["Area"] for each in sized])
-            span = field.scale.span(np.minimum(values, exceeded(values, areas, _FILMS)), areas)
+            low, high = field.scale.span(np.minimum(values, exceeded(values, areas, _FILMS)), areas)
+            span = (min(low, _DECADE * high), high)
         else:
             values = np.concatenate([np.asarray(surface["value"]) for surface, _ in parts])
             span = field.scale.span_on_plane(values)
@@ -152,6 +154,8 @@ class SpatialArtist(FlowArtist):
             space.outline(view.local(_edges(ends)), space.theme.ink)
         elif "plane" in self.run.case.container().walls:
             space.floor(0.0)
+        elif len(edges := self.run.case.container().edges):
+            space.outline(view.local(edges), space.theme.ink)
         corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]])
         around = view.local(cut.points(*corners.T))
         space.outline(np.stack([around[:-1], around[1:]], axis=1), "#d55e00")

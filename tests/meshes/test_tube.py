@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpi4py import MPI
+from numpy.testing import assert_allclose
 
 from fsi.meshes.build import build
 from fsi.meshes.errors import TouchingError
@@ -51,3 +52,9 @@ def test_a_gap_that_is_too_narrow_is_refused() -> None:
     domain = FluidDomain(TUBE, np.array([[1.19, 0.0, 0.0]]), np.array([0.8]))
     with pytest.raises(TouchingError, match=r"to a cylinder is below 0\.02 of its radius"):
         build(domain, COARSE, 2)
+
+
+def test_lines_of_pictures_lie_on_the_side() -> None:
+    edges = Tube(2.0, 12.0).edges
+    assert_allclose(np.linalg.norm(edges[..., :2], axis=-1), 2.0, rtol=1e-12)
+    assert_allclose([edges[..., 2].min(), edges[..., 2].max()], [-6.0, 6.0])
