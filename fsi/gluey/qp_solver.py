@@ -8,8 +8,7 @@ It is solved by the projected gradient with momentum, which begins anew whenever
 Y. Nesterov, Dokl. Akad. Nauk SSSR 269 (1983) 543; B. O'Donoghue & E. Candes, Found. Comput. Math. 15 (2015)
 715, for rows scaled to the unit diagonal. That is quick where few bodies touch. In a crowd, where
 information must travel through all of it, Newton's method (`fsi.gluey.augmented_lagrangian`) goes on; where
-there are only gaps an interior point method, whose steps hardly depend on the number of bodies, tells it
-first what touches: PIQP, R. Schwan, Y. Jiang, D. Kuhn & C. N. Jones, IEEE Conf. Decis. Control (2023) 1088.
+there are only gaps an interior point method tells it first what touches (`fsi.gluey.interior_points`).
 """
 
 from __future__ import annotations
@@ -20,11 +19,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from piqp import SparseSolver
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from fsi.bodies.configuration import Array
 from fsi.gluey.augmented_lagrangian import Impulses, Program, minimise
+from fsi.gluey.interior_points import by_interior_points
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,9 +103,6 @@ CHECK_EVERY, JUDGE_EVERY, MOST_ITERATIONS = 10, 250, 5000
 # Of the residual after JUDGE_EVERY iterations: gaps that open faster are left out of the following ones,
 # which so cost half. They are looked at again in the end, at most so often.
 NEAR, LOOKS = 10.0, 4
-# Of the largest rate: at it, interior points tell gaps that close from those that open, so that one or two
-# Newton steps are left. At 1e-6 it may be 20, which cost more than the interior points (`bench/gluey.py`).
-CLOSE = 1e-10
 
 
 def project(program: Program, p: Array, response: ContactResponse, tolerance: float) -> Impulses:
@@ -128,24 +124,6 @@ def project(program: Program, p: Array, response: ContactResponse, tolerance: fl
     if response.only_gaps:
         p = by_interior_points(program)
     return replace(minimise(program, p, response, tolerance), iterations=iterations)
-
-
-def by_interior_points(program: Program) -> Array:
-    """Impulses p >= 0, (rows,), near the solution, of a program whose rows are gaps; 0 where one is open."""
-    # In y = M^(1/2) (u - u*) and with rows scaled to the unit diagonal all numbers have one size.
-    s = 1.0 / np.sqrt(program.weight)
-    G = sp.csc_matrix(sp.diags(s) @ program.J @ sp.diags(1.0 / np.sqrt(program.mass)))
-    least = -s * program.rate(program.u_star)
-    size = float(np.abs(s * (program.J @ program.u_star)).max(initial=0.0)) or 1.0
-    modes = G.shape[1]
-    solver = SparseSolver()
-    solver.settings.eps_abs, solver.settings.eps_rel = CLOSE, 0.0
-    solver.settings.check_duality_gap = False  # Newton's method measures the optimum
-    solver.setup(sp.identity(modes, format="csc"), np.zeros(modes), G=G, h_l=least / size)
-    solver.solve()
-    p, slack = solver.result.z_l, solver.result.s_l
-    closed: Array = np.where(p > slack, size * s * p, 0.0)
-    return closed
 
 
 def _of_gaps(dual: _Dual, program: Program, p: Array, tolerance: float) -> tuple[Array, int]:

@@ -13,7 +13,8 @@ from bench.gluey import H, crowd
 from fsi.bodies.configuration import Array
 from fsi.gluey import qp_solver
 from fsi.gluey.augmented_lagrangian import Impulses, Program, minimise
-from fsi.gluey.qp_solver import ContactResponse, by_interior_points
+from fsi.gluey.interior_points import by_interior_points
+from fsi.gluey.qp_solver import ContactResponse
 from fsi.gluey.step import advance
 
 
