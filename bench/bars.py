@@ -96,8 +96,10 @@ class Reference(StokesModel):
         """A new mesh in the units of the model."""
         container = graded(self.units.scaled_container(self.case.container()).at(t))
         here = self.units.scaled_configuration(q)
-        bodies = {"placed": here.placed, "ellipsoids": here.standing}
-        domain = FluidDomain(container, here.centres, here.radii, edges=self._edges, **bodies)
+        shapes, standing = here.placed, here.standing
+        domain = FluidDomain(
+            container, here.centres, here.radii, edges=self._edges, placed=shapes, ellipsoids=standing
+        )
         return build(domain, self.resolution, order or self.case.discretisation.degree)
 
 

@@ -89,7 +89,7 @@ def _factor(rng: Random, walls: Walls, table: Data, *, tight: bool) -> float:
         return float(rng.uniform(0.3, 0.9)) / form.radius
     widest = float(np.abs(_at(form, table, 0.0).drawn(DRAWN)[:, 0]).max())
     gap = NARROWEST * (LOOSEST / NARROWEST) ** rng.random()
-    return walls.container.faces["right"][1] * (1.0 - gap) / widest
+    return float(walls.container.faces["right"][1] * (1.0 - gap) / widest)
 
 
 def _at(form: BodyOfRevolution, table: Data, z: float) -> Placed:
