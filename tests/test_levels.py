@@ -51,7 +51,7 @@ def pair(model: str, **more: Any) -> dict[str, Any]:
     return data | more
 
 
-@pytest.mark.parametrize("model", ["gluey", "macroscopic"])
+@pytest.mark.parametrize("model", ["gluey", pytest.param("macroscopic", marks=pytest.mark.slow)])
 def test_a_pair_on_a_line_is_the_closed_form_at_both_levels_without_fluid(model: str, tmp_path: Path) -> None:
     """gap 1 - t^2 until 1, 0 until 4, then (t - 4)^2; the push of 2 is paid back by a pull of 2."""
     run(parse_case(pair(model)), tmp_path / "run")

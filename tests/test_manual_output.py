@@ -106,10 +106,10 @@ QUICK = (
     "fsi check cases/two_discs.toml",
     "fsi solve cases/disc_in_box.toml",
     "fsi resistance cases/disc_in_box.toml -o R.npz",
-    "fsi solve cases/pores/couette_N10.toml",
     "fsi pack random --number 40 --gap 0.02 --seed 1 -o random.json",
 )
 SLOW = {
+    "fsi solve cases/pores/couette_N10.toml": "",
     "fsi analyse settling runs/settling_disc": "fsi run cases/settling_disc.toml",
     "fsi validate": "",
     "fsi calibrate cases/calibration/sphere_wall.toml": "",

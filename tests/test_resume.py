@@ -193,6 +193,7 @@ def continue_run(case: Case, folder: Path) -> None:
 
 
 @pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+@pytest.mark.slow
 def test_killed_before_any_disk_operation_and_resumed_equals_unbroken(tmp_path: Path) -> None:
     """Every operation of a run in turn; the resumed run is killed at the same one, then left to finish."""
     case = small_case(time={"end": 0.05, "first_step": 0.05}, output={"interval": 0.025})

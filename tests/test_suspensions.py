@@ -36,6 +36,7 @@ def test_they_are_cases(name: str) -> None:
     assert len(load_case(FOLDER / f"{name}.toml").bodies) == 40
 
 
+@pytest.mark.slow
 def test_the_history_repeats_that_of_three_solves_a_step() -> None:
     """Its beginning, to what both meshes err by."""
     known = json.loads((Path(__file__).parent / "reference" / "suspension_history.json").read_text())

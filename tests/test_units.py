@@ -142,7 +142,9 @@ def numbers_of_calibration(s: System) -> dict[str, Array]:
 
 
 @pytest.mark.parametrize("s", SYSTEMS_TO_TRY, ids=str)
-@pytest.mark.parametrize("numbers", [numbers_of_limit, numbers_of_calibration])
+@pytest.mark.parametrize(
+    "numbers", [numbers_of_limit, pytest.param(numbers_of_calibration, marks=pytest.mark.slow)]
+)
 def test_studies_give_the_same_numbers_over_their_units(
     numbers: Callable[[System], dict[str, Array]], s: System
 ) -> None:

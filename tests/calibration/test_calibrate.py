@@ -39,6 +39,7 @@ def found(folder: Path) -> dict[str, Any]:
     return dict(json.loads((folder / "out" / "calibration.json").read_text()))
 
 
+@pytest.mark.slow
 def test_a_killed_calibration_goes_on_and_its_law_is_right(tmp_path: Path) -> None:
     """Unequal discs, so that the closed form for these, which nobody has published, is tested as well."""
     line = command("unequal_discs", tmp_path, *SMALL, "--workers", "2")
@@ -90,6 +91,7 @@ def timeless(folder: Path) -> dict[str, bytes]:
     return {name: text.encode() for name, text in texts.items()}
 
 
+@pytest.mark.slow
 def test_two_calibrations_differ_in_times_and_dates_alone(tmp_path: Path) -> None:
     """To the last bit, with one worker and with two; a sum in another order would change digits."""
     coarse = ["discretisation.degree=2", "discretisation.cells_per_circle=12", "discretisation.growth=0.8"]

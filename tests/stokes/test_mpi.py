@@ -133,6 +133,7 @@ slip_length = 0.1
 
 
 @pytest.mark.mpi
+@pytest.mark.slow
 def test_ranks_agree_on_shapes_across_periods(tmp_path: Path) -> None:
     """A node that is taken for one of another image turns around a centre a period away."""
     case = tmp_path / "case.toml"
