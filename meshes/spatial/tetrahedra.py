@@ -112,6 +112,8 @@ def _outside(spacing: Spacing, layers: Sequence[GapPrisms]) -> StraightCells:
         gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
         gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
         gmsh.option.setNumber("Mesh.OptimizeThreshold", 0.5)
+        # Where it splits edges of a side and not of its image, gmsh says so and goes on to a crash.
+        gmsh.option.setNumber("General.AbortOnError", 2 if tied else 0)
         _apply(spacing)
         gmsh.model.mesh.generate(3)
         if len(gmsh.model.mesh.getElementsByType(TETRAHEDRON)[0]) <= OPTIMISED:

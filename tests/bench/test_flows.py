@@ -35,3 +35,12 @@ def test_what_is_not_solved(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capt
     said = capsys.readouterr().out
     assert "refused: cell, 0: no room" in said
     assert "failed: cell, 0: violates the identity" in said
+
+
+@pytest.mark.slow
+def test_a_mesh_that_gmsh_cannot_make_is_made_with_finer_sizes() -> None:
+    """gmsh splits edges of one side of this cell for a sphere that it cuts, and went on to a crash."""
+    (found,) = flows.flows(["spheres in a cell"], 1, 78, None)
+    assert not found.refused
+    assert found.finer
+    assert found.worst < 1e-8
