@@ -112,13 +112,23 @@ def _outside(spacing: Spacing, layers: Sequence[GapPrisms]) -> StraightCells:
         gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
         gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
         gmsh.option.setNumber("Mesh.OptimizeThreshold", 0.5)
-        # Where it splits edges of a side and not of its image, gmsh says so and goes on to a crash.
-        gmsh.option.setNumber("General.AbortOnError", 2 if tied else 0)
         _apply(spacing)
+        if tied:
+            _mesh_surfaces()
         gmsh.model.mesh.generate(3)
         if len(gmsh.model.mesh.getElementsByType(TETRAHEDRON)[0]) <= OPTIMISED:
             gmsh.model.mesh.optimize("Netgen")
         return _read(spacing.domain, sides, tied)
+
+
+def _mesh_surfaces() -> None:
+    """Surfaces alone, up to the first error: edges of a side split, but not of its image, crash gmsh.
+
+    In space it goes on after errors: it asks for sizes within bodies too, and has its own there.
+    """
+    gmsh.option.setNumber("General.AbortOnError", 2)
+    gmsh.model.mesh.generate(2)
+    gmsh.option.setNumber("General.AbortOnError", 0)
 
 
 def _apply(spacing: Spacing) -> None:
