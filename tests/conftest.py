@@ -1,9 +1,12 @@
 """For all tests: load the project before NumPy, as the command line does, so that it runs on one thread."""
 
+import os
+
 import pytest
 from hypothesis import settings
 
 import fsi as fsi
+from fsi.errors import InputError
 from tests.pictures import NO_PICTURES
 
 # A busy machine is not a defect: nothing is judged by the clock.
@@ -21,3 +24,16 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
             f"{count} tests draw pictures, and this machine has no off-screen OpenGL:", red=True
         )
         terminalreporter.line("apt-get install -y libegl1 libgl1, or set CI=1 to let them fail", red=True)
+
+
+@pytest.fixture(scope="session")
+def drawing() -> None:
+    """Skips where no picture can be drawn, which the end of the session says; in CI that is a failure."""
+    from fsi.postprocess.render import canvas  # loads pyvista, which few tests need
+
+    try:
+        canvas.require_opengl()
+    except InputError as error:
+        if os.environ.get("CI"):
+            pytest.fail(f"{NO_PICTURES}: {error}")
+        pytest.skip(f"{NO_PICTURES}: {error}")

@@ -13,7 +13,8 @@ import pytest
 
 import fsi
 import fsi.api as api
-from tests.cli.test_commands import MPIEXEC, call, needs_mpi
+from tests.cli.test_commands import call
+from tests.ranks import needs_mpi, python_on
 
 ROOT = Path(__file__).parents[1]
 DISC: dict[str, Any] = {"name": "disc", "radius": 1.0, "position": [0.0, 2.0], "force": [0.0, -1.0]}
@@ -145,7 +146,7 @@ def test_it_works_on_several_ranks(tmp_path: Path) -> None:
         "    print(solution['disc'].force[1], u[0, 1], p[0], steps)\n"
     )
     alone = call(sys.executable, str(script))
-    several = call(str(MPIEXEC), "-n", "2", sys.executable, str(script))
+    several = call(*python_on(2), str(script))
     assert alone.returncode == several.returncode == 0, several.stderr
     np.testing.assert_allclose(
         [float(word) for word in several.stdout.split()],

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pytest
 
 from bench.hangs import COMMANDS, Site, trial, trials
+from tests.ranks import python_on
 
 # Two ranks; each scenario ends with an exchange that hangs if one rank does not come.
 PROGRAM = """
@@ -56,8 +56,7 @@ def test_an_error_goes_on_if_all_ranks_have_it_and_else_ends_them_all(
     scenario: str, code: int, messages: int
 ) -> None:
     """Without the command line, as the ranks of a Python user; the clean-up in the way needs all ranks."""
-    mpiexec = str(Path(sys.executable).with_name("mpiexec"))
-    command = [mpiexec, "-n", "2", sys.executable, "-c", PROGRAM, scenario]
+    command = [*python_on(2), "-c", PROGRAM, scenario]
     began = time.monotonic()
     done = subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
     assert (done.returncode, done.stderr.count("Error: the words") + done.stderr.count("Error: 'the")) == (

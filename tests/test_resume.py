@@ -20,6 +20,7 @@ from fsi.errors import InputError, SolveError
 from fsi.integration.state import StepRecord
 from fsi.runs import resume, run
 from tests.exact_model import by
+from tests.ranks import python_on
 from tests.small_run import contents, launches, make_model, rows, small_case, start
 
 
@@ -130,9 +131,8 @@ def test_a_blocked_run_keeps_its_last_good_state(tmp_path: Path) -> None:
 @pytest.mark.mpi
 def test_three_ranks_write_what_one_writes(unbroken: Path, tmp_path: Path) -> None:
     """The model is the same on all ranks here; what is tested is that root alone writes."""
-    mpiexec = Path(sys.executable).with_name("mpiexec")
     program = f"from tests.small_run import *; start(small_case(), Path({str(tmp_path / 'run')!r}))"
-    subprocess.run([mpiexec, "-n", "3", sys.executable, "-c", program], check=True, timeout=900)
+    subprocess.run([*python_on(3), "-c", program], check=True, timeout=900)
     assert contents(tmp_path / "run") == contents(unbroken)
     assert launches(tmp_path / "run")[0]["ranks"] == 3
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -22,10 +21,10 @@ from fsi.meshes.files.write import write_mesh
 from fsi.postprocess.run.run import open_run
 from fsi.runs import run as run_case
 from fsi.stokes.model import StokesModel
+from tests.ranks import python_on
 from tests.small_run import contents, launches
 
 ROOT = Path(__file__).parents[1]
-MPIEXEC = Path(sys.executable).with_name("mpiexec")
 CASE = """
 name = "two discs fall"
 [fluid]
@@ -56,8 +55,7 @@ REMESH = ("always", "when-needed")
 
 def fsi(*arguments: object, ranks: int = 1) -> list[str]:
     """The command line, on one or more ranks."""
-    launcher = [] if ranks == 1 else [str(MPIEXEC), "-n", str(ranks)]
-    return [*launcher, sys.executable, "-m", "fsi", *map(str, arguments)]
+    return [*python_on(ranks), "-m", "fsi", *map(str, arguments)]
 
 
 def call(*arguments: object, ranks: int = 1) -> str:

@@ -109,7 +109,7 @@ def _section(given: Any) -> Arranged:
     try:
         return Arranged.model_validate(tuples(given))
     except ValidationError as error:
-        raise InputError(f"arrangement.{explain(error, Arranged)}") from None
+        raise InputError(f"arrangement.{explain(error, Arranged, given)}") from None
 
 
 def _domain(made: Arrangement) -> dict[str, Any]:

@@ -264,7 +264,7 @@ def with_grids(data: Mapping[str, Any], context: object) -> dict[str, Any]:
         try:
             sound = Grid.model_validate(tuples(grid), context=context)
         except ValidationError as error:
-            raise InputError(f"grids.{i}.{explain(error, Grid)}") from None
+            raise InputError(f"grids.{i}.{explain(error, Grid, grid)}") from None
         if sound.name in names:
             raise InputError(f'grids.{i}.name = "{sound.name}": given twice; give each its own')
         names.add(sound.name)

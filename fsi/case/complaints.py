@@ -1,5 +1,8 @@
 """How a mistake in a case file becomes one line for the user: key, value, what is wrong, what to do."""
 
+from collections.abc import Mapping
+from typing import Any
+
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
@@ -14,16 +17,16 @@ _COMPLAINTS = {
 _CONSEQUENCES = ("default_factory_not_called",)  # of another mistake in the same section
 
 
-def explain(error: ValidationError, root: type[Section]) -> str:
-    """The first mistake as `key = value: what is wrong; what to do`, and how many others there are."""
+def explain(error: ValidationError, root: type[Section], data: Mapping[str, Any]) -> str:
+    """The first mistake in the data as `key = value: what is wrong; what to do`, and how many others."""
     found = [mistake for mistake in error.errors(include_url=False) if mistake["type"] not in _CONSEQUENCES]
     # An old file has many mistakes, and its old keys explain the others.
     found.sort(key=lambda mistake: mistake["type"] != "renamed_key")
     others = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
-    return _explain_one(found[0], root) + others
+    return _explain_one(found[0], root, data) + others
 
 
-def _explain_one(mistake: ErrorDetails, root: type[Section]) -> str:
+def _explain_one(mistake: ErrorDetails, root: type[Section], data: Mapping[str, Any]) -> str:
     path, given = mistake["loc"], mistake["input"]
     if mistake["type"] == "renamed_key":
         key, now = mistake["ctx"]["key"], mistake["ctx"]["now"]
@@ -32,7 +35,7 @@ def _explain_one(mistake: ErrorDetails, root: type[Section]) -> str:
         key = mistake["ctx"]["key"]
         known = ", ".join(dotted((*path, word)) for word in mistake["ctx"]["known"])
         return f"{dotted((*path, key))} = {toml_text(given[key])}: unknown key; use {known} or drop it"
-    remedy = f"give {_meaning(path, root)}"
+    remedy = f"give {_meaning(path, root, data)}"
     if mistake["type"] == "missing":
         return f"{dotted(path)}: missing; {remedy}"
     return f"{dotted(path)} = {toml_text(given)}: {_complaint(mistake)}; {remedy}"
@@ -53,14 +56,30 @@ def dotted(path: tuple[int | str, ...]) -> str:
     return ".".join(str(part) for part in path if not str(part).startswith("<")) or "case"
 
 
-def _meaning(path: tuple[int | str, ...], root: type[Section]) -> str:
-    """What the schema says that the key at `path` means: the description of the last field on the way."""
-    candidates: list[type[Section]] = [root]
+def _meaning(path: tuple[int | str, ...], root: type[Section], data: Mapping[str, Any]) -> str:
+    """What the schema says that the key at `path` means: the description of the last field on the way.
+
+    Of sections that may stand at one place it is that which the data there fit.
+    """
+    candidates, here = [root], data
     meaning = "a value that is allowed there"
     for part in path:
+        here = _inside(here, part)
         for section in candidates:
             if str(part) in section.model_fields:
                 meaning = section.describe(str(part)) or meaning
-                candidates = list(sections_in(section.model_fields[str(part)].annotation))
+                inner = sections_in(section.model_fields[str(part)].annotation)
+                candidates = [one.meant_by(here) for one in inner]
                 break
     return meaning
+
+
+def _inside(data: Any, part: int | str) -> Any:
+    """What stands at a part of a key: the data themselves at one that only tells alternatives apart."""
+    match data:
+        case Mapping():
+            return data.get(part, data)
+        case list() | tuple() if isinstance(part, int) and part < len(data):
+            return data[part]
+        case _:
+            return data

@@ -48,7 +48,7 @@ def read_drag_file(path: Path) -> DragFile:
     try:
         return DragFile.model_validate(data)
     except ValidationError as error:
-        raise InputError(f"{path}: {explain(error, DragFile)}") from None
+        raise InputError(f"{path}: {explain(error, DragFile, data)}") from None
 
 
 def save_drag(path: Path, drag: DragFile) -> None:

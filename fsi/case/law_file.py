@@ -187,7 +187,7 @@ def read_law_file(path: Path) -> LawFile:
     try:
         return LawFile.model_validate(tuples(data))
     except ValidationError as error:
-        raise InputError(f"{path}: {explain(error, LawFile)}") from None
+        raise InputError(f"{path}: {explain(error, LawFile, data)}") from None
 
 
 def save_law(path: Path, law: LawFile) -> None:

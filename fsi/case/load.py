@@ -107,7 +107,7 @@ def parse_case(data: Mapping[str, Any]) -> Case:
     try:
         case = Case.model_validate({"discretisation": {}} | tuples(listed), context=context)
     except ValidationError as error:
-        raise InputError(explain(error, Case)) from None
+        raise InputError(explain(error, Case, listed)) from None
     check_case(case)
     return case
 

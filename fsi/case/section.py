@@ -83,6 +83,11 @@ class Section(BaseModel):
         return (cls,)
 
     @classmethod
+    def meant_by(cls, _data: Any, /) -> type[Section]:
+        """Which of the alternatives data at this place mean: itself."""
+        return cls
+
+    @classmethod
     def describe(cls, key: str) -> str | None:
         """What may stand at one of its keys: the description of the field, or the docstring below it."""
         return cls.model_fields[key].description or _docstrings(cls).get(key)
@@ -246,6 +251,12 @@ class Registered(Section):
     @override
     def alternatives(cls) -> Sequence[type[Section]]:
         return cls.registry.sections
+
+    @classmethod
+    @override
+    def meant_by(cls, data: Any, /) -> type[Section]:
+        found: type[Section] = cls.registry.section_for(data) if isinstance(data, dict) else cls
+        return found
 
     @classmethod
     @override

@@ -20,7 +20,8 @@ from fsi.case.law_file import read_law_file
 from fsi.case.load import load_case
 from fsi.lubrication.laws import LubricationLaw
 from fsi.lubrication.named_laws import GapFilm, exact_law
-from tests.cli.test_commands import MPIEXEC, ROOT, call, complaint, needs_mpi
+from tests.cli.test_commands import ROOT, call, complaint
+from tests.ranks import MPIEXEC, needs_mpi
 
 CASES = ROOT / "cases" / "calibration"
 SETTINGS = (

@@ -49,6 +49,17 @@ BAD = [
     ("domain.upper", [8.0, math.inf], ["finite"]),
     ("domain.radius", 1.0, ["unknown key"]),
     ("domain.shape", "disc", ['"disc"', 'give "box", "half-plane", "round", "tube", "cell" or "unbounded"']),
+    # A key of several shapes of domains: the remedy is that of the shape which is meant.
+    (
+        "domain",
+        {"shape": "round", "radius": -1.0},
+        ["domain.radius", "give a number > 0; the container"],
+    ),
+    (
+        "domain",
+        {"shape": "half-plane", "radius": -1.0},
+        ["domain.radius", "the radius of the half disc"],
+    ),
     ("domain.walls.botom", [0.0, 0.0], ["unknown key", "use domain.walls.bottom"]),
     ("domain.walls.top", "shut", ['"open"']),
     ("domain.walls.top", {"presure": 1.0}, ["use domain.walls.top.pressure"]),

@@ -10,6 +10,7 @@ import pytest
 
 from fsi.cli.main import main
 from tests.exact_model import DiscsBesidePlane
+from tests.ranks import needs_mpi, python_on
 
 ROOT = Path(__file__).parents[2]
 COMMANDS = (
@@ -17,9 +18,6 @@ COMMANDS = (
     *("plot", "probe", "render", "report", "resistance", "revolve"),
 )
 CASE = ROOT / "cases" / "disc_in_box.toml"
-MPIEXEC = Path(sys.executable).with_name("mpiexec")
-
-needs_mpi = pytest.mark.skipif(not MPIEXEC.exists(), reason="no mpiexec beside this Python")
 
 
 def call(*command: str, timeout: float = 900.0) -> subprocess.CompletedProcess[str]:
@@ -129,7 +127,7 @@ def test_ctrl_c_is_one_line_and_exit_code_130(
 
 
 def ranks(n: int, *command: str) -> subprocess.CompletedProcess[str]:
-    return call(str(MPIEXEC), "-n", str(n), sys.executable, *command)
+    return call(*python_on(n), *command)
 
 
 @needs_mpi

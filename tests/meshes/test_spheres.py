@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -23,9 +22,9 @@ from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.spatial.tetrahedra import fill
 from tests.meshes.spheres import CUBE, HALF_BALL, USUAL, area, cells, mesh, volume
+from tests.ranks import python_on
 
 BALL = 4.0 * np.pi / 3.0
-MPIEXEC = Path(sys.executable).with_name("mpiexec")
 
 
 @pytest.mark.parametrize("order", [2, 3])
@@ -173,7 +172,7 @@ if MPI.COMM_WORLD.rank == 0:
 
 
 def test_two_ranks_share_the_mesh() -> None:
-    command = [str(MPIEXEC), "-n", "2", sys.executable, "-c", RANKS]
+    command = [*python_on(2), "-c", RANKS]
     done = subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
     assert done.returncode == 0, done.stderr
     fluid = mesh(CUBE, [[0.0, 0.0, -0.99]], [1.0], order=3)

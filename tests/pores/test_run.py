@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -25,12 +24,10 @@ from fsi.postprocess.run.probe import probe
 from fsi.postprocess.run.run import Run, nodes, open_run
 from fsi.runs import resume, run
 from tests.commands import fsi_command
-from tests.pictures import NO_PICTURES
+from tests.ranks import needs_mpi, python_on
 from tests.small_run import contents
 
 CASES = Path(__file__).parents[2] / "cases"
-MPIEXEC = Path(sys.executable).with_name("mpiexec")
-needs_mpi = pytest.mark.skipif(not MPIEXEC.exists(), reason="no mpiexec beside this Python")
 
 DATA: dict[str, Any] = {
     "name": "sheared",
@@ -192,10 +189,10 @@ def test_two_ranks_write_what_one_writes(tmp_path: Path) -> None:
     case = case_of(time={"end": 0.05, "tolerance": 1e-2}, output={})
     (tmp_path / "case.toml").write_text(case.as_toml())
     fsi.solve(case)  # compiles what is not kept yet
-    command = [sys.executable, "-m", "fsi", "run", str(tmp_path / "case.toml"), "-o"]
+    command = ["-m", "fsi", "run", str(tmp_path / "case.toml"), "-o"]
     environment = os.environ | {"OMP_NUM_THREADS": "1"}
-    for name, launcher in (("one", []), ("two", [str(MPIEXEC), "-n", "2"])):
-        full = [*launcher, *command, str(tmp_path / name)]
+    for name, ranks in (("one", 1), ("two", 2)):
+        full = [*python_on(ranks), *command, str(tmp_path / name)]
         done = subprocess.run(full, env=environment, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
     assert contents(tmp_path / "two") == contents(tmp_path / "one")
@@ -267,11 +264,8 @@ def test_chains_plots_and_reports_read_such_runs(
     "field",
     [*(pytest.param(name, marks=pytest.mark.slow) for name in ("speed", "dissipation")), "necks"],
 )
+@pytest.mark.usefixtures("drawing")
 def test_pictures(field: str, sheared: Run, tmp_path: Path) -> None:
-    try:
-        canvas.require_opengl()
-    except InputError as error:
-        pytest.skip(f"{NO_PICTURES}: {error}")
     picture = tmp_path / "picture.png"
     assert fsi_command("render", sheared.path, "--field", field, "--size", 150, "-o", picture) == 0
     assert picture.stat().st_size > 1000

@@ -1,6 +1,5 @@
 """A small run folder with an analytic flow on cubic cells, in two parts as two ranks write it."""
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -8,10 +7,6 @@ import numpy as np
 import pytest
 import pyvista as pv
 from numpy.typing import NDArray
-
-from fsi.errors import InputError
-from fsi.postprocess.render import canvas
-from tests.pictures import NO_PICTURES
 
 RADIUS, HEIGHT, FAR = 1.0, 1.2, 6.0
 AROUND, OUTWARD = 24, 5
@@ -123,14 +118,3 @@ def settling_run(run: Path) -> Callable[[list[float], list[float]], Path]:
         return run
 
     return fill
-
-
-@pytest.fixture(scope="session")
-def drawing() -> None:
-    """Skips where no picture can be drawn, which the end of the session says; in CI that is a failure."""
-    try:
-        canvas.require_opengl()
-    except InputError as error:
-        if os.environ.get("CI"):
-            pytest.fail(f"{NO_PICTURES}: {error}")
-        pytest.skip(f"{NO_PICTURES}: {error}")

@@ -29,10 +29,10 @@ from fsi.run_folder.paraview import read_collection
 from fsi.runs import resume
 from fsi.runs import run as run_case
 from tests.exact_model import DiscsBesidePlane, by
+from tests.ranks import python_on
 from tests.reduced_data import INERTIA, heap, reduced_case
 from tests.small_run import contents, rows
 
-MPIEXEC = Path(sys.executable).with_name("mpiexec")
 SCHEMES: dict[str, dict[str, object]] = {
     "adaptive": {},
     "distance": {"scheme": "distance", "step": 0.05},
@@ -167,7 +167,7 @@ def test_two_ranks_write_the_same_files(tmp_path: Path) -> None:
     case = case_of("adaptive")
     run_case(case, tmp_path / "one", make=by(make_model))
     (tmp_path / "case.toml").write_text(case.as_toml())
-    command = [str(MPIEXEC), "-n", "2", sys.executable, "-m", "fsi", "run", "case.toml", "-o", "two"]
+    command = [*python_on(2), "-m", "fsi", "run", "case.toml", "-o", "two"]
     root = Path(__file__).parents[2]
     subprocess.run(
         command, cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(root)}, check=True, capture_output=True

@@ -6,8 +6,6 @@ Each rank runs the checks below; a rank that finds another number than the other
 from __future__ import annotations
 
 import subprocess
-import sys
-from pathlib import Path
 from typing import Any
 
 import fsi.meshes.backend  # noqa: F401
@@ -23,6 +21,7 @@ from fsi.stokes.problem import StokesProblem
 from fsi.stokes.solve import solve
 from fsi.stokes.solvers.mumps import REFINE_ABOVE, Factorisation
 from tests.flows import SMALL_BOX, discs, held, mesh, resting
+from tests.ranks import python_on
 
 COMM = MPI.COMM_WORLD
 Q = discs([(-1.0, 0.1), (1.1, -0.2)], [0.8, 0.5])
@@ -93,6 +92,6 @@ CHECKS = (check_quality_of_a_moved_mesh, check_residual_of_a_solve, check_result
 @pytest.mark.mpi
 def test_two_ranks_have_the_same_numbers() -> None:
     program = "from tests.stokes.test_decisions_of_ranks import CHECKS\nfor check in CHECKS: check()"
-    command = [str(Path(sys.executable).with_name("mpiexec")), "-n", "2", sys.executable, "-m", "mpi4py"]
+    command = [*python_on(2), "-m", "mpi4py"]
     done = subprocess.run([*command, "-c", program], capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 0, done.stderr

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -22,11 +21,11 @@ from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import solve
 from tests.flows import discs, held, mesh, resting, solved
 from tests.periodic import force_free, in_cell, in_channel
+from tests.ranks import python_on
 
 R, OMEGA = 2.5, 0.8
 CHANNEL = Box((-4.0, -1.0), (4.0, 1.0), periodic=("x",))
 SPECK = discs([(3.9, 0.2)], [0.01])
-MPIEXEC = Path(sys.executable).with_name("mpiexec")
 
 
 def turning() -> StokesSolution:
@@ -152,6 +151,6 @@ def test_ranks_have_the_values_of_one(tmp_path: Path) -> None:
     program = (
         f"from tests.stokes.test_evaluate import *; require_values_of_one_rank({str(tmp_path / 'u.npy')!r})"
     )
-    command = [str(MPIEXEC), "-n", "3", sys.executable, "-c", program]
+    command = [*python_on(3), "-c", program]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
     assert done.returncode == 0, done.stderr

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,9 +11,9 @@ import pytest
 from scipy.spatial import cKDTree
 
 import fsi
+from tests.ranks import python_on
 
 ROOT = Path(__file__).parents[2]
-MPIEXEC = Path(sys.executable).with_name("mpiexec")
 RANKS = [1, pytest.param(2, marks=pytest.mark.mpi)]
 CASE = """
 name = "two discs in a corner"
@@ -52,9 +51,8 @@ def ran(tmp_path_factory: pytest.TempPathFactory) -> Ran:
     def folder(ranks: int) -> Path:
         path = parent / f"ranks_{ranks}"
         if not path.exists():
-            launcher = [] if ranks == 1 else [str(MPIEXEC), "-n", str(ranks)]
-            program = [sys.executable, "-m", "tests.field_values", str(parent / "case.toml"), str(path)]
-            subprocess.run([*launcher, *program], cwd=ROOT, check=True, timeout=900)
+            program = ["-m", "tests.field_values", str(parent / "case.toml"), str(path)]
+            subprocess.run([*python_on(ranks), *program], cwd=ROOT, check=True, timeout=900)
         return path
 
     return folder

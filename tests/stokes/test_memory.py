@@ -7,7 +7,6 @@ import os
 import platform
 import resource
 import subprocess
-import sys
 from pathlib import Path
 from statistics import median
 
@@ -18,6 +17,7 @@ from fsi.bodies.configuration import Configuration
 from fsi.case.load import parse_case
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solvers.workspace import keep_freed
+from tests.ranks import python_on
 
 STEPS = {"always": 300, "when-needed": 500}
 RISE = {"always": 0.9, "when-needed": 0.5}
@@ -93,9 +93,8 @@ def test_memory_is_flat_after_the_first_steps(remesh: str, ranks: int, tmp_path:
     A moved mesh is kept for some steps with all that solves on it share, and made anew now and then.
     """
     steps = STEPS[remesh]
-    mpiexec = Path(sys.executable).with_name("mpiexec")
     program = f"from tests.stokes.test_memory import report; report({str(tmp_path)!r}, {remesh!r}, {steps})"
-    command = [str(mpiexec), "-n", str(ranks), sys.executable, "-c", program]
+    command = [*python_on(ranks), "-c", program]
     done = subprocess.run(command, check=True, timeout=900, capture_output=True, text=True)
     for memory in json.loads(done.stdout):
         assert len(memory) == steps

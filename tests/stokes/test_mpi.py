@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +10,8 @@ import pytest
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
-MPIEXEC = Path(sys.executable).with_name("mpiexec")
+from tests.ranks import json_on
+
 CASE = """
 name = "three discs"
 [fluid]
@@ -45,14 +43,6 @@ growth = 0.4
 """
 
 
-def on_ranks(ranks: int, case: Path) -> Any:
-    """The object that `fsi solve --json` prints; one object and nothing else, on any number of ranks."""
-    command = [str(MPIEXEC), "-n", str(ranks), sys.executable, "-m", "fsi", "solve", str(case), "--json"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
-
-
 def numbers(result: Any) -> NDArray[np.float64]:
     """Velocities, forces and torques of all bodies, relative to their largest of each kind."""
     rows = [[*b["velocity"], b["angular_velocity"], *b["force"], b["torque"]] for b in result["bodies"]]
@@ -66,7 +56,7 @@ def test_ranks_agree(formulation: str, tmp_path: Path) -> None:
     """To 1e-9; a node that one rank forgot to constrain would show at 1e-3."""
     case = tmp_path / "case.toml"
     case.write_text(f'{CASE}formulation = "{formulation}"\n')
-    serial, two, three = (on_ranks(ranks, case) for ranks in (1, 2, 3))
+    serial, two, three = (json_on(ranks, "solve", case) for ranks in (1, 2, 3))
     for other in (two, three):
         assert_allclose(numbers(other), numbers(serial), rtol=0, atol=1e-9)
         assert other["dissipation_infinite"] == serial["dissipation_infinite"]  # the lid slides
@@ -106,7 +96,7 @@ def test_ranks_agree_on_periodic_flow(kind: str, tmp_path: Path) -> None:
     """To 1e-9; a slave whose master lies on another rank is where this could fail."""
     case = tmp_path / "case.toml"
     case.write_text(f'name = "periodic"\n[fluid]\nviscosity = 0.7\n[domain]\n{PERIODIC[kind]}\n{SHARED}')
-    serial, *others = (on_ranks(ranks, case) for ranks in (1, 2, 3))
+    serial, *others = (json_on(ranks, "solve", case) for ranks in (1, 2, 3))
     for other in others:
         for key in ("mean_stress", "apparent_viscosity", "dissipation"):
             assert_allclose(other[key], serial[key], rtol=1e-9, atol=1e-9)
@@ -138,7 +128,7 @@ def test_ranks_agree_on_shapes_across_periods(tmp_path: Path) -> None:
     """A node that is taken for one of another image turns around a centre a period away."""
     case = tmp_path / "case.toml"
     case.write_text(SHAPES)
-    serial, two, three = (on_ranks(ranks, case) for ranks in (1, 2, 3))
+    serial, two, three = (json_on(ranks, "solve", case) for ranks in (1, 2, 3))
     for other in (two, three):
         assert_allclose(velocities(other), velocities(serial), rtol=0, atol=1e-9)
         assert other["apparent_viscosity"] == pytest.approx(serial["apparent_viscosity"], rel=1e-9)

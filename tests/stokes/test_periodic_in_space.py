@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -18,8 +15,8 @@ from fsi.case.load import parse_case
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution
 from tests.cubic_arrays import EXTENSION, LATTICES, SHEAR, Array, drag, viscosity
+from tests.ranks import json_on, needs_mpi
 
-MPIEXEC = Path(sys.executable).with_name("mpiexec")
 LIGHT = {"degree": 2, "cells_per_circle": 10, "cells_per_gap": 0.5, "growth": 0.8}
 # Two spheres of unlike size in an oblique cell, one across its sides.
 OBLIQUE = {"shape": "cell", "vectors": [[4.0, 0.0, 0.0], [0.8, 4.0, 0.0], [0.3, 0.5, 3.8]]}
@@ -241,7 +238,7 @@ def test_a_pressure_gradient_between_walls() -> None:
 
 @pytest.mark.mpi
 @pytest.mark.slow
-@pytest.mark.skipif(not MPIEXEC.exists(), reason="no mpiexec beside this Python")
+@needs_mpi
 @pytest.mark.parametrize("solver", ["direct", "iterative"])
 def test_ranks_agree_in_a_cell(tmp_path: Path, solver: str) -> None:
     bodies = [TWO[0] | HELD, TWO[1] | {"force": [0.1, 0.0, -0.3]}]
@@ -249,10 +246,7 @@ def test_ranks_agree_in_a_cell(tmp_path: Path, solver: str) -> None:
     path.write_text(case(OBLIQUE | {"shear": 1.0}, bodies, solver=solver).as_toml())
     found = []
     for ranks in (1, 2, 3):
-        command = [str(MPIEXEC), "-n", str(ranks), sys.executable, "-m", "fsi", "solve", str(path), "--json"]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
-        assert done.returncode == 0, done.stderr
-        shown = json.loads(done.stdout)
+        shown = json_on(ranks, "solve", path)
         found.append([*np.ravel(shown["mean_stress"]), *shown["bodies"][1]["velocity"]])
     for other in found[1:]:
         assert_allclose(other, found[0], rtol=1e-9, atol=1e-9)

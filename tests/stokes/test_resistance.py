@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +32,7 @@ from tests.flows import (
     mesh,
     resting,
 )
+from tests.ranks import json_on
 
 MU = 0.7
 THREE = discs([(-1.8, -0.6), (-0.2, 0.3), (1.6, -0.4)], [0.8, 0.6, 1.0])
@@ -148,15 +147,6 @@ def test_without_a_wall_at_rest_there_is_no_mobility(fluid: FluidMesh) -> None:
     assert found.eigenvalues[3] > 1.0
 
 
-def on_ranks(ranks: int, case: Path) -> Any:
-    """The object that `fsi resistance --json` prints."""
-    mpiexec = Path(sys.executable).with_name("mpiexec")
-    command = [str(mpiexec), "-n", str(ranks), sys.executable, "-m", "fsi", "resistance", str(case), "--json"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
-
-
 @pytest.mark.mpi
 def test_ranks_agree(tmp_path: Path) -> None:
     """To 1e-9, the mobility too; a node that one rank forgot would show at 1e-3."""
@@ -169,7 +159,7 @@ def test_ranks_agree(tmp_path: Path) -> None:
         f'name = "three"\n{bodies}[fluid]\nviscosity = {MU}\n'
         "[domain]\nlower = [-3.0, -2.0]\nupper = [3.0, 2.0]\nwalls.left = 'open'\nwalls.top = [1.0, 0.0]\n"
     )
-    one, two, three = (on_ranks(ranks, case) for ranks in (1, 2, 3))
+    one, two, three = (json_on(ranks, "resistance", case) for ranks in (1, 2, 3))
     for other in (two, three):
         for matrix in ("resistance", "mobility"):
             expected = np.array(one[matrix])

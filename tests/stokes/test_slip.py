@@ -27,7 +27,8 @@ from fsi.stokes.solve import solve
 from fsi.stokes.solvers.workspace import Workspace
 from fsi.stokes.swimming import tangential
 from tests.flows import SMALL_BOX, discs, held, mesh, resting
-from tests.stokes.test_mpi import numbers, on_ranks
+from tests.ranks import json_on
+from tests.stokes.test_mpi import numbers
 
 COARSE = {"cells_per_circle": 24, "growth": 0.4}
 SLIPS = [(0.5, 0.0), (0.0, 0.4), (0.3, 0.7)]
@@ -291,7 +292,7 @@ def test_ranks_agree(tmp_path: Path) -> None:
     """To 1e-9 on 1, 2 and 3 ranks."""
     case = tmp_path / "case.toml"
     case.write_text(CASE)
-    serial, *others = (on_ranks(ranks, case) for ranks in (1, 2, 3))
+    serial, *others = (json_on(ranks, "solve", case) for ranks in (1, 2, 3))
     for other in others:
         assert_allclose(numbers(other), numbers(serial), rtol=0, atol=1e-9)
         assert_allclose(other["dissipation"], serial["dissipation"], rtol=1e-9)

@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import csv
-import json
 import re
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -30,8 +27,8 @@ from fsi.stokes.model import StokesModel
 from fsi.stokes.resistance import case_resistance
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solvers import gmres
+from tests.ranks import json_on, needs_mpi
 
-MPIEXEC = Path(sys.executable).with_name("mpiexec")
 LIGHT = {"degree": 2, "cells_per_circle": 10, "cells_per_gap": 0.5, "growth": 0.8}
 BOX: dict[str, Any] = {
     "name": "two spheres in a box",
@@ -221,27 +218,12 @@ def test_resistance_in_space() -> None:
 
 
 @pytest.mark.mpi
-@pytest.mark.skipif(not MPIEXEC.exists(), reason="no mpiexec beside this Python")
+@needs_mpi
 @pytest.mark.parametrize("solver", ["direct", pytest.param("iterative", marks=pytest.mark.slow)])
 def test_ranks_agree_in_space(tmp_path: Path, solver: str) -> None:
     path = tmp_path / "case.toml"
     path.write_text(case(BOX, solver=solver).as_toml())
-    found = []
-    for ranks in (1, 2, 3):
-        command = [
-            str(MPIEXEC),
-            "-n",
-            str(ranks),
-            sys.executable,
-            "-m",
-            "fsi",
-            "resistance",
-            str(path),
-            "--json",
-        ]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
-        assert done.returncode == 0, done.stderr
-        found.append(np.array(json.loads(done.stdout)["resistance"]))
+    found = [np.array(json_on(ranks, "resistance", path)["resistance"]) for ranks in (1, 2, 3)]
     for other in found[1:]:
         assert_allclose(other, found[0], atol=1e-9 * np.abs(found[0]).max())
 

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -18,9 +15,9 @@ from fsi.errors import InputError
 from fsi.lubrication import spheres
 from fsi.runs import run
 from fsi.stokes.model import StokesModel
+from tests.ranks import json_on, needs_mpi
 from tests.tube_flow import motion
 
-MPIEXEC = Path(sys.executable).with_name("mpiexec")
 CASE = Path(__file__).parents[2] / "cases" / "sphere_in_tube.toml"
 
 
@@ -109,26 +106,13 @@ def test_it_does_not_drift_across(tmp_path: Path) -> None:
     np.testing.assert_allclose([float(last["angle_x"]), float(last["angle_z"])], 0.0, atol=1e-4)
 
 
+@pytest.mark.mpi
 @pytest.mark.slow
+@needs_mpi
 def test_ranks_agree(tmp_path: Path) -> None:
     path = tmp_path / "case.toml"
     path.write_text(parse_case(in_tube(2.0, 6.0, 0.5, discretisation={"degree": 2})).as_toml())
-    found = []
-    for ranks in (1, 2, 3):
-        command = [
-            str(MPIEXEC),
-            "-n",
-            str(ranks),
-            sys.executable,
-            "-m",
-            "fsi",
-            "resistance",
-            str(path),
-            "--json",
-        ]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
-        assert done.returncode == 0, done.stderr
-        found.append(np.array(json.loads(done.stdout)["resistance"]))
+    found = [np.array(json_on(ranks, "resistance", path)["resistance"]) for ranks in (1, 2, 3)]
     for other in found[1:]:
         np.testing.assert_allclose(other, found[0], atol=1e-9 * np.abs(found[0]).max())
 

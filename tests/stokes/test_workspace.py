@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -26,6 +24,7 @@ from fsi.stokes.solvers import reduced as kept
 from fsi.stokes.solvers.mumps import Factorisation, Operator
 from fsi.stokes.solvers.workspace import Workspace
 from tests.flows import at_rest, discs, free, held
+from tests.ranks import python_on
 
 COARSE = Resolution(0.3, 16, 1.0)
 CHANNEL = Box((0.0, -2.6), (5.0, 2.6), periodic=("x",))
@@ -33,7 +32,6 @@ BOX = Box((-2.0, -2.6), (4.0, 2.6))
 Q = discs([(0.4, -1.3), (2.1, 0.2)], [1.0, 0.8])
 LOADS = free((1.0, 0.5, 0.0), (0.0, -1.0, 0.3))
 PATH = (0.0, 0.02, 0.05, -0.03)
-MPIEXEC = Path(sys.executable).with_name("mpiexec")
 
 
 def flow(
@@ -85,7 +83,7 @@ def test_moved_steps_are_those_of_a_fresh_solve(container: Container) -> None:
 @pytest.mark.mpi
 def test_moved_steps_are_those_of_a_fresh_solve_on_two_ranks() -> None:
     program = "from tests.stokes.test_workspace import *; require_agreement(CHANNEL)"
-    command = [str(MPIEXEC), "-n", "2", sys.executable, "-c", program]
+    command = [*python_on(2), "-c", program]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
 

@@ -19,7 +19,8 @@ from fsi.observables.quantities import computed, time_at
 from fsi.report.studies import summary
 from fsi.validation.rows import Row, chosen_cases, exact_value, reference, swept
 from tests.case_data import changed
-from tests.cli.test_commands import MPIEXEC, ROOT, call, fsi, needs_mpi
+from tests.cli.test_commands import ROOT, call, fsi
+from tests.ranks import needs_mpi, python_on
 
 FOLDER = ROOT / "cases" / "validation"
 
@@ -245,7 +246,7 @@ def test_two_ranks_give_the_same_verdicts(tmp_path: Path) -> None:
     folder = folder_with(tmp_path, quick=QUICK, wrong=WRONG)
     parts = ["-m", "fsi", "validate", "--cases", str(folder), "-o"]
     alone = call(sys.executable, *parts, str(tmp_path / "one"))
-    both = call(str(MPIEXEC), "-n", "2", sys.executable, *parts, str(tmp_path / "two"))
+    both = call(*python_on(2), *parts, str(tmp_path / "two"))
     assert alone.returncode == both.returncode == 4
     assert both.stderr.count("error:") == 1
     one, two = (json.loads((tmp_path / name / "validation.json").read_text()) for name in ("one", "two"))

@@ -13,7 +13,6 @@ from fsi.postprocess.render.render import artist, render_run
 from fsi.postprocess.render.suspended import MOTION, MotionArtist
 from fsi.postprocess.render.view import Choice
 from fsi.postprocess.run.run import Run, open_run
-from tests.pictures import NO_PICTURES
 
 CASE = """
 name = "two"
@@ -64,11 +63,8 @@ def painter(run: Run) -> MotionArtist:
     return found
 
 
+@pytest.mark.usefixtures("drawing")
 def test_bodies_have_the_colour_of_how_much_faster_than_the_flow_they_are(run: Run, tmp_path: Path) -> None:
-    try:
-        painter(run).require(0)
-    except InputError as error:
-        pytest.skip(f"{NO_PICTURES}: {error}")
     picture = imread(render_run(run, tmp_path / "bodies.png", Choice(field=MOTION, size=SIZE)))
     # Its window is 9.6 wide around the middle (4, 4) of the cell; the panel stands at (0.03, 0.14) widths.
     places = [((x + 0.8) / 9.6 + 0.03, (8.8 - y) / 9.6 + 0.14) for x, y in ((2, 2), (5, 6), (5, 2))]
