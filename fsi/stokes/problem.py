@@ -6,12 +6,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import unit_shear
+
+# Of a resistance, in the units of the model: more of it stands beside the matrix (see `fsi.stokes.laws`).
+STIFF = 1e5
 
 type Field = Callable[[Array], Array]
 
@@ -104,6 +108,17 @@ class PairLaws:
     def at_rest(self) -> PairLaws:
         """The same between walls and images at rest, without a mean flow."""
         return replace(self, own=np.zeros_like(self.own), carried=np.zeros_like(self.carried))
+
+    @property
+    def in_matrix(self) -> Array:
+        """What of kappa stands in the matrix of the flow, not beyond STIFF, (R,)."""
+        return np.clip(self.resistance, -STIFF, STIFF)
+
+    @property
+    def K(self) -> scipy.sparse.csr_array:
+        """G^T kappa G with that, (N M, N M)."""
+        G = scipy.sparse.csr_array(self.G)
+        return scipy.sparse.csr_array(G.T @ (G * self.in_matrix[:, None]))
 
     def rates(self, U: Array) -> Array:
         """G U - b of velocities (N, M), (R,)."""

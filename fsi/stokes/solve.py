@@ -35,7 +35,7 @@ from fsi.stokes.solvers.elimination import (
     load_of,
     nodal_vector,
 )
-from fsi.stokes.solvers.gmres import SHARPER
+from fsi.stokes.solvers.gmres import SHARPER, TOLERANCE
 from fsi.stokes.solvers.multiplier import solve_multiplier
 from fsi.stokes.solvers.periodic import Solver, solve_periodic
 from fsi.stokes.solvers.schur import pressure_mass
@@ -61,6 +61,8 @@ class Clock:
 # Beyond, in space, the factors of the direct solver cost more time and memory than the iterations.
 MOST_DIRECT = 20_000
 DEFAULT = SolverOptions()
+# Of a law's resistance, in the units of the model: with TOLERANCE powers miss their bound from 5e3 on.
+STEEP = 1e3
 
 FORMULATIONS: dict[str, Solver] = {"eliminated": elimination.solve_eliminated, "multiplier": solve_multiplier}
 
@@ -82,7 +84,7 @@ def solve(
         try:
             return _solved(system, options, clock)
         except RefusedError:
-            if system.mass is None:
+            if system.mass is None or system.tolerance == SHARPER:
                 raise
         return _solved(replace(system, tolerance=SHARPER), options, clock)
 
@@ -132,7 +134,19 @@ def assembled(
         rigid = rigid_modes(layout, nodes, problem.q, fluid.lattice)
         facets = sliding_facets(problem, forms, cells.shared, nodes, g) if problem.sliding else None
         system = StokesSystem(
-            problem, forms, nodes, layout, cells, rigid, b, g, weights, mass, workspace, facets
+            problem,
+            forms,
+            nodes,
+            layout,
+            cells,
+            rigid,
+            b,
+            g,
+            weights,
+            mass,
+            workspace,
+            facets,
+            _tolerance(problem),
         )
         clock.lap("assemble")
         try:
@@ -142,6 +156,12 @@ def assembled(
             for used in (rigid.matrix, mass):
                 if used is not None:
                     used.destroy()
+
+
+def _tolerance(problem: StokesProblem) -> float:
+    """Of residuals of the iterative solver, which are relative to loads: those of stiff laws are large."""
+    stiffest = 0.0 if problem.laws is None else np.abs(problem.laws.resistance).max(initial=0.0)
+    return SHARPER if stiffest > STEEP else TOLERANCE
 
 
 def is_iterative(options: SolverOptions, forms: Forms) -> bool:

@@ -10,9 +10,12 @@ from numpy.testing import assert_allclose
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
 from fsi.lubrication import exact, sphere_beside_plane, spheres
+from fsi.stokes import problem, solve
 from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution
+from fsi.stokes.solvers import elimination
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem
 
 CASES = Path(__file__).parents[2] / "cases"
 PLANE = {"shape": "half-plane", "radius": 1e5}
@@ -135,6 +138,53 @@ def test_both_formulations_agree_and_the_viscosity_is_the_same_by_wall_stress_an
     assert max(one.checks["stress"], one.checks["balance"]) < 1e-10
     assert_allclose(one.U, other.U, rtol=1e-9, atol=1e-10)
     assert_allclose(np.abs(one.F).max(), 0.0, atol=1e-9)
+
+
+def test_free_bodies_take_no_solve_of_their_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Six modes are moved here: with a solve for each there were seven."""
+    asked = list[int]()
+
+    def counted(*systems: StokesSystem) -> list[NodalSolution]:
+        asked.append(len(systems))
+        return elimination.solve_eliminated(*systems)
+
+    monkeypatch.setitem(solve.FORMULATIONS, "eliminated", counted)
+    solved(FREE, 0.05, domain=CHANNEL, discretisation={"degree": 2})
+    assert asked == [1]
+
+
+@pytest.mark.parametrize("form", ["eliminated", "multiplier"])
+def test_it_does_not_matter_what_of_a_law_stands_in_the_matrix(
+    form: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All of it, or most of it in flows of its own, with a pair a millionth apart: measured 2e-13."""
+    discretisation = {"formulation": form, "degree": 2}
+    near = [FREE[0], FREE[1] | {"position": [2.0, 1.02 + 1.9 + 1e-6]}]
+    one = solved(near, 0.05, domain=CHANNEL, discretisation=discretisation)
+    monkeypatch.setattr(problem, "STIFF", 1.0)
+    other = solved(near, 0.05, domain=CHANNEL, discretisation=discretisation)
+    assert_allclose(one.U, other.U, rtol=1e-9, atol=1e-10)
+    assert one.law_dissipation is not None
+    assert other.law_dissipation is not None
+    assert_allclose(one.law_dissipation, other.law_dissipation, rtol=1e-9)
+
+
+@pytest.mark.slow
+def test_factors_and_iterations_agree_on_free_spheres() -> None:
+    """Three, one pair 1e-5 apart, whose squeeze is beyond what stands in the matrix."""
+    box = {"lower": [-2.5] * 3, "upper": [2.5] * 3}
+    along = float((1.9 + 1e-5) / np.sqrt(3.0)) - 0.5
+    spheres = [
+        {"name": "a", "radius": 1.0, "position": [-0.5] * 3, "force": [0.0, 0.0, -1.0]},
+        {"name": "b", "radius": 0.9, "position": [along] * 3, "force": [0.3, 0.1, -2.0]},
+        {"name": "c", "radius": 0.5, "position": [-0.5, 1.02, -0.5], "torque": [0.2, 0.0, 0.0]},
+    ]
+    one, other = (
+        solved(spheres, 0.05, geometry="spatial", domain=box, discretisation=LIGHT | {"solver": solver})
+        for solver in ("direct", "iterative")
+    )
+    assert other.iterations > one.iterations == 0
+    assert_allclose(one.U, other.U, atol=1e-7 * np.abs(one.U).max())
 
 
 def test_a_crowd_that_is_moved_apart_has_the_viscosity_of_the_resolved_one() -> None:

@@ -22,6 +22,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
+import scipy  # its modules load when they are used
 from dolfinx import fem, la
 from numpy.typing import NDArray
 from petsc4py import PETSc
@@ -187,6 +188,14 @@ def mode_equations(system: StokesSystem) -> tuple[Array, Array]:
     return D, load + D * inertia.U0.ravel()
 
 
+def law_equations(system: StokesSystem) -> tuple[scipy.sparse.csr_array | None, Array]:
+    """K of all modes, (M N, M N), None without laws, and the load that it has from what is given, (M N,)."""
+    laws, motion = system.problem.laws, system.problem.motion
+    if laws is None or not len(laws.own):
+        return None, np.zeros(motion.U.size)
+    return laws.K, -laws.G.T @ (laws.in_matrix * laws.rates(np.where(motion.held, motion.U, 0.0)))
+
+
 def solve_eliminated(*systems: StokesSystem) -> list[NodalSolution]:
     """Solve for y, then x = P y + g and lambda = M x - b. Raises SolveError as `factorised`.
 
@@ -204,7 +213,7 @@ def factorised(system: StokesSystem) -> Iterator[Responses]:
     solution is not small.
     """
     unknown = system.unknown_modes
-    added = Added(mode_equations(system)[0], system.facets)
+    added = Added(mode_equations(system)[0], system.facets, law_equations(system)[0])
     elimination = system.workspace.elimination(system.layout, system.rigid, unknown, added)
     if system.mass is None:
         factors = elimination.factors(lasting=system.workspace.lasting)
@@ -262,7 +271,8 @@ def _respond(
         loads -= system.facets.forces(np.zeros(system.layout.rows))[0][:, None]
     rhs = elimination.restricted(loads)
     of_modes = rhs[first_mode : first_mode + modes_here]
-    of_modes += np.column_stack([mode_equations(each)[1][unknown][:modes_here] for each in systems])
+    given = [mode_equations(each)[1] + law_equations(each)[1] for each in systems]
+    of_modes += np.column_stack([load[unknown][:modes_here] for load in given])
     # Held modes that stand in y all the same are zero there: g has what they do.
     of_modes[~free.ravel()[unknown][:modes_here]] = 0.0
     solutions, residuals = solver.solve(rhs)

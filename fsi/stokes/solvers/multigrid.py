@@ -34,7 +34,8 @@ from fsi.stokes.discretisation.constraints import DofLayout, Prolongation, dof_l
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.discretisation.images import tied
 from fsi.stokes.discretisation.nodes import locate
-from fsi.stokes.problem import StokesProblem
+from fsi.stokes.problem import PairLaws, StokesProblem
+from fsi.stokes.solvers.reduced import add_to_modes
 
 COMPONENTS = 3
 MIDDLE = 1.5
@@ -45,7 +46,8 @@ class Levels(AbstractContextManager["Levels"]):
     """The hierarchy; z of each level has its free nodal values and, last on rank 0, all modes.
 
     Attributes:
-        matrix: MIDDLE L on the finest level, with ones on the diagonal for modes that are held.
+        matrix: MIDDLE L on the finest level, between modes with what laws below a gap resist; ones on the
+            diagonal for modes that are held.
         transfers: from each level to the next finer one, the finest first.
         translations: of everything, in z of the coarsest, this rank's rows, (rows, 3).
     """
@@ -69,6 +71,9 @@ def levels(problem: StokesProblem, forms: Forms) -> Levels:
     matrix = between(gradients, P)
     matrix.scale(MIDDLE)
     first_mode = matrix.getOwnershipRange()[1] - layout.modes
+    if problem.laws is not None and len(problem.laws.own):
+        resisted = _resisted(problem, problem.laws)
+        add_to_modes(matrix, first_mode, resisted[: layout.modes_here, : layout.modes_here])
     rows = first_mode + np.flatnonzero(held)[: layout.modes_here]
     matrix.zeroRowsColumns(rows.astype(PETSc.IntType), diag=1.0)
     for used in (gradients, P):
@@ -87,6 +92,19 @@ def levels(problem: StokesProblem, forms: Forms) -> Levels:
     of_nodes = np.tile(np.eye(COMPONENTS), (int(layout.free.sum()) // COMPONENTS, 1))
     of_bodies = rigid_motion(problem.q.centres)[..., :COMPONENTS].reshape(layout.modes, COMPONENTS)
     return Levels(matrix, transfers, np.concatenate([of_nodes, of_bodies[: layout.modes_here]]))
+
+
+def _resisted(problem: StokesProblem, laws: PairLaws) -> scipy.sparse.csr_array:
+    """The positive part of K between free modes: what laws take away of the mesh is not in L."""
+    K, held = laws.K, problem.motion.held.ravel()
+    which = np.flatnonzero((laws.G != 0.0).any(axis=0) & ~held)
+    size = problem.q.arms.ravel()[which]
+    values, vectors = np.linalg.eigh(K[which][:, which].toarray() / np.outer(size, size))
+    vectors = vectors * size[:, None]
+    positive = scipy.sparse.coo_array((vectors * np.maximum(values, 0.0)) @ vectors.T)
+    return scipy.sparse.csr_array(
+        (positive.data, (which[positive.coords[0]], which[positive.coords[1]])), shape=K.shape
+    )
 
 
 def between(A: PETSc.Mat, T: PETSc.Mat) -> PETSc.Mat:

@@ -53,8 +53,12 @@ def _solve(system: StokesSystem) -> NodalSolution:
     zero = (multiplier, multiplier, np.zeros(multiplier_rows))
     transposes = [(column, row, value) for row, column, value in (trace, rigid)]
     triplets = [_renumbered(flow, starts), trace, rigid, *transposes, zero]
+    K, of_laws = elimination.law_equations(system)
     if mode_rows:
         triplets.append((mode_column[free], mode_column[free], D))
+        if K is not None:
+            entries = K[free][:, free].tocoo()
+            triplets.append((mode_column[free[entries.row]], mode_column[free[entries.col]], entries.data))
     matrix = PETSc.Mat().createAIJ(size=((rows_here, None), (rows_here, None)), comm=layout.comm)
     rows, columns, values = (np.concatenate([t[k] for t in triplets]) for k in range(3))
     matrix.setPreallocationCOO(rows.astype(PETSc.IntType), columns.astype(PETSc.IntType))
@@ -62,7 +66,7 @@ def _solve(system: StokesSystem) -> NodalSolution:
 
     loads = multiply_transpose(S, b - M.transpose_times(system.g))
     no_slip = -elimination.body_velocity(system, system.problem.motion.U)[layout.on_body]
-    rhs = np.concatenate([loads, no_slip, load[:mode_rows]])
+    rhs = np.concatenate([loads, no_slip, (load + of_laws[free])[:mode_rows]])
     with Factorisation(matrix) as factors:
         solution, residual = (result[..., 0] for result in factors.solve(rhs[:, None]))
     x = multiply(S, solution[:flow_rows]) + system.g

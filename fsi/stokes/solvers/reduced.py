@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
@@ -29,10 +30,12 @@ class Added:
     Attributes:
         D: inertia on the diagonal of all modes, (M N,).
         facets: along which fluid slides, None where it sticks everywhere.
+        K: of laws below a gap, of all modes, (M N, M N), None where there are none.
     """
 
     D: Array
     facets: SlidingFacets | None = None
+    K: scipy.sparse.csr_array | None = None
 
 
 class Elimination:
@@ -66,6 +69,9 @@ class Elimination:
         self._factors: Factorisation | None = None
         self._exact: ExtendedMatrix | None = None
         self._sliding: PETSc.Mat | None = None
+        self._K = (
+            None if added.K is None else added.K[unknown][:, unknown][: self._modes_here, : self._modes_here]
+        )
         self._add(added)
 
     @property
@@ -81,6 +87,13 @@ class Elimination:
         for row, value in enumerate(self._D, first_row):
             self.reduced.setValue(row, row, value, PETSc.InsertMode.ADD_VALUES)
         self.reduced.assemble()
+        if self._K is not None:
+            add_to_modes(self.reduced, first_row, self._K)
+
+    @property
+    def lasting(self) -> bool:
+        """Whether it may be updated: laws have a pattern of their own at each instant."""
+        return self._K is None
 
     def _add_facets(self, facets: SlidingFacets) -> None:
         P = self._prolongation
@@ -125,6 +138,8 @@ class Elimination:
         product = self.restricted(self._cells.times(self.prolonged(Y)))
         modes = slice(self.first_mode, self._prolongation.here)
         product[modes] += self._D[:, None] * Y[modes]
+        if self._K is not None:
+            product[modes] += self._K @ Y[modes]
         if self._sliding is not None:
             here = self._prolongation.here
             product[:here] += np.column_stack([multiply(self._sliding, y) for y in Y[:here].T])
@@ -177,3 +192,14 @@ class Elimination:
         for used in (self.reduced, self._P, self._sliding):
             if used is not None:
                 used.destroy()
+
+
+def add_to_modes(matrix: PETSc.Mat, first_row: int, K: scipy.sparse.csr_array) -> None:
+    """Add what couples the modes among each other, of which this rank has those from a row on; collective."""
+    entries, here = K.tocoo(), matrix.getLocalSize()[0]
+    of_modes = PETSc.Mat().createAIJ(size=((here, None), (here, None)), comm=matrix.comm)
+    rows, columns = (first_row + numbers for numbers in (entries.row, entries.col))
+    of_modes.setPreallocationCOO(rows.astype(PETSc.IntType), columns.astype(PETSc.IntType))
+    of_modes.setValuesCOO(entries.data)
+    matrix.axpy(1.0, of_modes, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+    of_modes.destroy()

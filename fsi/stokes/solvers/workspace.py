@@ -88,6 +88,8 @@ class Workspace(AbstractContextManager["Workspace"]):
         assert self._cells is not None, "cells come first"
         last = self._elimination
         fits = last is not None and np.array_equal(last.unknown, unknown) and _alike(last.layout, layout)
+        if added.K is not None or (last is not None and not last.lasting):
+            fits = False
         if last is not None and layout.comm.allreduce(not fits) == 0:
             last.update(rigid, added)
             return last
