@@ -16,6 +16,7 @@ same file solves the others only, so that many cases can be tried in pieces.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, fields, replace
 from itertools import pairwise
@@ -79,15 +80,20 @@ class Value:
 
 
 class Reference(StokesModel):
-    """The model of a case with finer sizes, and in the plane graded walls."""
+    """The model of a case with finer sizes, and in the plane graded walls.
 
-    def __init__(self, case: Case) -> None:
+    instead: the sizes that the mesh of the case took, where those asked for gave none; these are no coarser.
+    """
+
+    def __init__(self, case: Case, instead: str = "") -> None:
         now, finer = case.discretisation, OF_MANY if len(case.bodies) > MOST_FEW else FINER[case.dimension]
         sizes = {
             "cells_per_gap": finer * now.cells_per_gap,
             "cells_per_circle": int(np.ceil(finer * now.cells_per_circle)),
             "growth": now.growth / finer,
         }
+        for name, taken in re.findall(r"(\w+) = ([\d.e+-]+)", instead):
+            sizes[name] = (min if name == "growth" else max)(sizes[name], type(sizes[name])(taken))
         if case.dimension == 3 and singular_pairs(case):
             sizes["growth"] = min(now.growth, COARSEST) / EDGES
         super().__init__(case.model_copy(update={"discretisation": now.model_copy(update=sizes)}))
@@ -103,10 +109,10 @@ class Reference(StokesModel):
         return build(domain, self.resolution, order or self.case.discretisation.degree)
 
 
-def reference(case: Case) -> StokesSolution:
-    """The case with elements of a higher degree on a much finer mesh."""
+def reference(case: Case, instead: str = "") -> StokesSolution:
+    """The case with elements of a higher degree on a finer mesh than it, or what it took `instead`, has."""
     q = case.configuration()
-    return Reference(case).of_degree(DEGREE[case.dimension], q, 0.0, case.motion_at(q, 0.0))
+    return Reference(case, instead).of_degree(DEGREE[case.dimension], q, 0.0, case.motion_at(q, 0.0))
 
 
 def graded(container: Container) -> Container:
@@ -141,7 +147,7 @@ def values(kind: str, seed: int) -> list[Value]:
     """All results of a case that have a bar. Raises MeshError, SolveError."""
     case = random_case(kind, seed)
     solved = solve_with_errors(case)
-    fine = reference(case)
+    fine = reference(case, solved.solution.mesh_instead)
     found = results(solved.case, solved.solution, solved.errors, fine)
     return [Value(kind, seed, name, float(error), float(bar)) for name, error, bar in found]
 

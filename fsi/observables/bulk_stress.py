@@ -18,9 +18,10 @@ class BulkStress:
         Sigma = fluid + 1/|Omega| sum_i S_i + forces
 
     Attributes:
-        fluid: int over the fluid of sigma over |Omega|, (d, d), with the mean pressure of the fluid zero.
+        fluid: int over the fluid of sigma over |Omega|, (d, d), in a pressure of mean zero.
         stresslets: S_i = - sym int r (x) sigma n, n out of the fluid, (N, d, d): what the fluid does to body
-            i (Batchelor 1970, J. Fluid Mech. 41:545).
+            i (Batchelor 1970, J. Fluid Mech. 41:545), where a mean pressure gradient G acts in the pressure
+            `G.(x - q_i) + periodic`, with the mean of the periodic part over the fluid zero.
         forces: - 1/|Omega| sum r (x) F, (d, d), what forces between bodies carry, r from the one to the other
             on which F acts (Batchelor 1977, J. Fluid Mech. 83:97).
         area: |Omega|.

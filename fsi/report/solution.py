@@ -224,7 +224,7 @@ def _stress_table(bulk: BulkStress, errors: ErrorEstimate, bars: StressErrors) -
         rows.append((name, *(text for x, error in numbers for text in (f"{x:.8g}", f"{error:.0e}"))))
     differences = bulk.differences.items()
     between = ", ".join(f"{name} = {N:.8g} ± {bars.differences[name]:.0e}" for name, N in differences)
-    caption = f"{viscosity}{between}; the mean pressure of the fluid is zero"
+    caption = f"{viscosity}{between}; the mean pressure of the fluid, less G.x, is zero"
     names = ("xyz"[i] + "xyz"[j] for i, j in zip(*upper, strict=True))
     headings = tuple(heading for name in names for heading in (name, "±"))
     return table(("stress, mean over fluid and bodies",), headings, rows, caption=caption)

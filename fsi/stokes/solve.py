@@ -23,6 +23,7 @@ from fsi.stokes.discretisation.nodes import facets_with, inner_nodes, locate
 from fsi.stokes.discretisation.slip import sliding_facets, with_slip
 from fsi.stokes.identities import identities, require
 from fsi.stokes.laws import with_laws
+from fsi.stokes.pressure_level import at_level, pressure_level
 from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solvers import elimination
@@ -212,24 +213,20 @@ def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clo
     """
     problem, forms = system.problem, system.forms
     forms.fill(nodal.x)
-    # The weights of the nodal values are the integrals of the shape functions.
-    here = np.array([system.weights @ nodal.x[system.layout.velocities :], system.weights.sum()])
-    of_p, area = system.layout.comm.allreduce(here)
-    mean_pressure = float(of_p / area)
+    level = pressure_level(system, nodal)
     dissipation, more = forms.integrate("dissipation"), law_loads(system, nodal)
     of_laws = law_dissipation(system, nodal)
     checks, bulk = identities(system, nodal, nodal.load, dissipation), None
     if problem.periodic:
-        bulk = bulk_stress(system, nodal, mean_pressure)
+        bulk = bulk_stress(system, nodal, at_level(system, nodal.reaction, level.of_stresslets))
         if is_force_free(system):
             elsewhere = friction_power(system, nodal) + of_laws
             checks |= viscosity_checks(problem, bulk, dissipation + elsewhere)
     require(checks)
-    if not problem.boundary.pressures:
-        forms.p.x.array[:] -= mean_pressure
+    forms.p.x.array[:] -= level.of_fluid
     walls = problem.container.walls
     jumping = tuple((walls[k], walls[m]) for k, m in jumps(problem.container, problem.boundary))
-    surface = fields.surfaces(system, nodal.reaction[: system.layout.velocities])
+    surface = fields.surfaces(system, at_level(system, nodal.reaction, level.of_tractions))
     flow = fields.capture(forms, system.nodes.with_ghosts)
     # Integrals of sigma_h n, on all arcs in the pressure of one image.
     integral = -jump_load

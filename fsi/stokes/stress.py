@@ -23,29 +23,25 @@ from mpi4py import MPI
 
 from fsi.bodies.configuration import Array
 from fsi.observables.bulk_stress import BulkStress
-from fsi.stokes.discretisation.nodes import facets_with
 from fsi.stokes.problem import StokesProblem, wall_area
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, nodal_vector, wall_force
+from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, wall_force
 
 
-def bulk_stress(system: StokesSystem, solution: NodalSolution, mean_pressure: float) -> BulkStress:
-    """Sigma and its parts, for the same flow with the mean pressure zero instead of this one; collective."""
+def bulk_stress(system: StokesSystem, solution: NodalSolution, on_bodies: Array) -> BulkStress:
+    """Sigma and its parts; collective.
+
+    on_bodies: the reactions on bodies in the pressure that stresslets are to have, this rank's rows of u.
+    """
     layout, problem, x = system.layout, system.problem, system.nodes.x
     q, volume, d = problem.q, problem.container.volume, layout.dimension
     fluid = _viscous_part(system, solution) / volume
     at = x[layout.on_body // d]
     r = at - q.centres[layout.body] - q.to_images(problem.fluid.lattice, layout.body, at)
-    # Where p = 1 alone, sigma n = -n: of the bodies as they are meshed, so that its level does not count.
-    on_bodies = facets_with(problem.fluid, 1, problem.fluid.bodies)
-    of_level = -nodal_vector(system.forms.bind("normal", on_bodies))
-    both = np.zeros((2, len(q), d, d))
-    for moments, nodal in zip(both, (solution.reaction, of_level), strict=True):
-        for i in range(d):
-            entries = (layout.body, layout.on_body % d)
-            np.add.at(moments[:, i], entries, r[:, i] * nodal[layout.on_body])
-    layout.comm.Allreduce(MPI.IN_PLACE, both)
-    moments, of_unit_pressure = both
-    moments -= mean_pressure * of_unit_pressure
+    moments = np.zeros((len(q), d, d))
+    for i in range(d):
+        entries = (layout.body, layout.on_body % d)
+        np.add.at(moments[:, i], entries, r[:, i] * on_bodies[layout.on_body])
+    layout.comm.Allreduce(MPI.IN_PLACE, moments)
     S = -0.5 * (moments + moments.swapaxes(1, 2))
     laws, f = problem.laws, solution.law_forces
     if laws is not None:

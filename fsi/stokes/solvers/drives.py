@@ -41,6 +41,12 @@ class Averages:
         of_fluid = np.asarray(comm.allreduce(u @ self.weights, op=MPI.SUM))
         return np.asarray((of_fluid + q.volumes @ V) / self._problem.container.volume)
 
+    def centroid(self) -> Array:
+        """Of the fluid as it is meshed, (d,); collective."""
+        weights = self.weights[:: self.x.shape[1], 0]  # int phi of each node
+        of_x, volume = MPI.COMM_WORLD.allreduce(weights @ self.x), MPI.COMM_WORLD.allreduce(weights.sum())
+        return np.asarray(of_x / volume)
+
 
 @dataclass(frozen=True, slots=True)
 class Drive:
@@ -86,7 +92,7 @@ def sheared(system: StokesSystem, of_velocity: Callable[[Array], Array], stress:
     E = unit_shear(system.layout.dimension)
 
     def mean_stress(at: StokesSystem, flow: NodalSolution, _: Array) -> float:
-        # Whatever the mean pressure is, it adds nothing beside the diagonal.
-        return float(bulk_stress(at, flow, 0.0).mean[0, -1])
+        # Whatever the level of the pressure is, it adds nothing beside the diagonal.
+        return float(bulk_stress(at, flow, flow.reaction).mean[0, -1])
 
     return Drive(of_velocity(E), np.zeros_like(system.b), E, mean_stress, stress)
