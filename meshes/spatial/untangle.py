@@ -11,6 +11,7 @@ walls and sides stay where they are; a mesh without bad cells is left as it is.
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import batched
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,7 @@ SWEEPS = 20
 AWAY, MIDDLE, ALONG = (0.05, 0.1, 0.2, 0.35), (0.25, 0.5, 1.0), (-0.15, -0.05, 0.05, 0.15)
 FLATTEST = 0.04  # height of a cell that is moved, over that of a regular one; flatter ones get no flatter
 MOST = 0.02  # of all cells: with more bad ones a mesh is too coarse, and is not mended
+AT_ONCE = 20_000  # cells that are tried together: calls of NumPy take longer than the few around bad ones
 
 
 def curved_and_valid(straight: StraightCells, spheres: Mapping[int, RoundSurface], order: int) -> CurvedCells:
@@ -78,15 +80,35 @@ class _Tangle:
 
     def quality(self, vertices: Array, some: Indices) -> Array:
         """Scaled Jacobians of some cells, with the vertices (n, 3) where they are now."""
+        used, part = self._part(vertices, some)
+        return self._quality_of(part, vertices[None, used]).ravel()
+
+    def tried(self, vertices: Array, some: Indices, moving: Indices, places: Array) -> Array:
+        """The same with these vertices at places (k, m, 3), (k, some); -1 of cells that become too flat."""
+        used, part = self._part(vertices, some)
+        tried = np.repeat(vertices[None, used], len(places), axis=0)
+        tried[:, np.searchsorted(used, moving)] = places
+        flatter = _shape(tried[:, part.cells].reshape(-1, 4, 3)).reshape(len(places), -1) < self._least[some]
+        return np.where(flatter, -1.0, self._quality_of(part, tried))
+
+    def _part(self, vertices: Array, some: Indices) -> tuple[Indices, StraightCells]:
+        """The vertices of some cells and of the facets near them, and these, numbered among them."""
         here, mesh = np.zeros(len(vertices), dtype=bool), self.straight
         here[mesh.cells[some]] = True
         near = self._round & (here[mesh.facets].sum(axis=1) >= 2)
-        part = StraightCells(vertices, mesh.cells[some], mesh.facets[near], mesh.tags[near])
-        return scaled_jacobian(curved_places(part, self._spheres, self._order), self._order)
+        here[mesh.facets[near]] = True
+        number, used = np.cumsum(here) - 1, np.flatnonzero(here)
+        cells, facets = number[mesh.cells[some]], number[mesh.facets[near]]
+        return used, StraightCells(vertices[used], cells, facets, mesh.tags[near])
 
-    def flatter(self, vertices: Array, some: Indices) -> NDArray[np.bool_]:
-        """Which of some cells have become too flat."""
-        return np.asarray(_shape(vertices[self.straight.cells[some]]) < self._least[some])
+    def _quality_of(self, part: StraightCells, places: Array) -> Array:
+        """Scaled Jacobians of copies of a part, each with its vertices elsewhere, (k, n, 3); (k, cells)."""
+        copies, n = places.shape[:2]
+        first = n * np.arange(copies)[:, None, None]
+        cells, facets = (part.cells + first).reshape(-1, 4), (part.facets + first).reshape(-1, 3)
+        every = StraightCells(places.reshape(-1, 3), cells, facets, np.tile(part.tags, copies))
+        x = curved_places(every, self._spheres, self._order)
+        return scaled_jacobian(x, self._order).reshape(copies, -1)
 
     def apart(self, bad: Indices) -> list[_Movable]:
         """Vertices of these cells that may move, the worst cells first, no two of one cell.
@@ -124,10 +146,11 @@ class _Tangle:
         yield from (step * longest * axis for step in ALONG for axis in np.eye(3))
 
     def on_surfaces(self, moving: Indices, x: Array) -> Array:
-        """Places x (m, 3) of these vertices, those on a sphere put back on it."""
+        """Places x (k, m, 3) of these vertices, those on a sphere put back on it."""
         placed, surface = x.copy(), self._surface[moving]
         for tag in np.unique(surface[surface > 0]).tolist():
-            placed[surface == tag] = self._spheres[tag].project(x[surface == tag])
+            on = x[:, surface == tag]
+            placed[:, surface == tag] = self._spheres[tag].project(on.reshape(-1, 3)).reshape(on.shape)
         return placed
 
 
@@ -137,13 +160,12 @@ def _moved(tangle: _Tangle, vertices: Array, quality: Array, movable: list[_Mova
     some = np.concatenate([each.around for each in movable])
     starts = np.cumsum([0, *(len(each.around) for each in movable[:-1])])
     best, place = np.minimum.reduceat(quality[some], starts), vertices[moving].copy()
-    for step in tangle.steps(vertices, movable):
-        tried = vertices.copy()
-        tried[moving] = tangle.on_surfaces(moving, vertices[moving] + step)
-        tried_quality = np.where(tangle.flatter(tried, some), -1.0, tangle.quality(tried, some))
-        worst = np.minimum.reduceat(tried_quality, starts)
-        better: NDArray[np.bool_] = worst > best + 1e-3
-        best, place = np.maximum(best, worst), np.where(better[:, None], tried[moving], place)
+    for steps in batched(tangle.steps(vertices, movable), max(1, AT_ONCE // len(some))):
+        places = tangle.on_surfaces(moving, vertices[moving] + np.array(steps))
+        tried = tangle.tried(vertices, some, moving, places)
+        for there, worst in zip(places, np.minimum.reduceat(tried, starts, axis=1), strict=True):
+            better: NDArray[np.bool_] = worst > best + 1e-3
+            best, place = np.maximum(best, worst), np.where(better[:, None], there, place)
     changed = bool(np.any(place != vertices[moving]))
     vertices[moving] = place
     quality[some] = tangle.quality(vertices, some)
