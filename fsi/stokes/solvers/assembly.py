@@ -10,6 +10,7 @@ cells, and what entries on other ranks get from them is sent there. The rows of 
 which reactions come, are kept apart.
 """
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -135,15 +136,35 @@ class CellSum:
         lib.find_positions(meetings, *map(pointer, pattern))
 
     def _created(self) -> PETSc.Mat:
-        """The matrix of this pattern; on one rank its values are these."""
-        comm, unknowns = self._P.matrix.comm, self._unknowns
+        """The matrix with room for this pattern; on one rank its values are these."""
+        comm, unknowns, here = self._P.matrix.comm, self._unknowns, self._P.here
         if comm.size == 1:
             csr = (self._indptr, self._indices, self._values)
             return PETSc.Mat().createAIJWithArrays((len(unknowns), len(unknowns)), csr, comm=comm)
-        rows = np.repeat(unknowns, np.diff(self._indptr)).astype(PETSc.IntType)
-        matrix = PETSc.Mat().createAIJ(size=((self._P.here, None), (self._P.here, None)), comm=comm)
-        matrix.setPreallocationCOO(rows, unknowns[self._indices].astype(PETSc.IntType))
+        matrix = PETSc.Mat().createAIJ(size=((here, None), (here, None)), nnz=self._room(), comm=comm)
+        self._unknowns = unknowns.astype(PETSc.IntType)
+        self._indices = self._unknowns[self._indices]
         return matrix
+
+    def _room(self) -> tuple[Numbers, Numbers]:
+        """Entries of this rank's rows in its own columns and in others': at most, as ranks share some."""
+        comm, unknowns, here = self._P.matrix.comm.tompi4py(), self._unknowns, self._P.here
+        starts = np.concatenate([[0], np.cumsum(comm.allgather(here))])
+        parts = []
+        for first, end in pairwise(np.searchsorted(unknowns, starts)):
+            of_part = self._indices[self._indptr[first] : self._indptr[end]]
+            inside = (of_part >= first) & (of_part < end)
+            total = np.diff(self._indptr[first : end + 1])
+            begin, some = self._indptr[first:end] - self._indptr[first], total > 0
+            own = np.zeros_like(total)
+            own[some] = np.add.reduceat(inside, begin[some], dtype=own.dtype)
+            parts.append((unknowns[first:end], own, total - own))
+        room = np.zeros((2, here), dtype=PETSc.IntType)
+        for row, *counts in comm.alltoall(parts):
+            room[:, row - starts[comm.rank]] += counts
+        most = np.array([[here], [starts[-1] - here]], dtype=room.dtype)
+        inside, outside = np.minimum(room, most)
+        return inside, outside
 
     def fill(self) -> None:
         """Add up all cells with the mesh and the P of now; collective."""
@@ -161,5 +182,7 @@ class CellSum:
         if self.matrix.comm.size == 1:
             self.matrix.stateIncrease()
         else:
-            self.matrix.setValuesCOO(self._values)
+            self.matrix.zeroEntries()
+            csr = (self._indptr, self._indices, self._values)
+            self.matrix.setValuesIJV(*csr, addv=PETSc.InsertMode.ADD_VALUES, rowmap=self._unknowns)
         self.matrix.assemble()

@@ -235,6 +235,7 @@ def _is_narrow(problem: StokesProblem) -> bool:
 
 def _iteration(system: StokesSystem, mass: PETSc.Mat, elimination: Elimination) -> Iteration:
     """The iterative solver; it changes the matrix."""
+    elimination.forget_sum()
     reduced, first_mode = elimination.reduced, elimination.first_mode
     layout, start = system.layout, reduced.getOwnershipRange()[0]
     held = np.flatnonzero(system.problem.motion.held.ravel())[: system.modes_here]

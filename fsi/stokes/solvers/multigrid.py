@@ -111,8 +111,11 @@ def between(A: PETSc.Mat, T: PETSc.Mat) -> PETSc.Mat:
     """T^T A T, in two products: PETSc's triple one takes several times as long."""
     half = A.matMult(T)
     product = T.transposeMatMult(half)
-    half.destroy()
-    return product
+    # The product holds what it was made with, on several ranks four times as much as its entries.
+    entries = product.duplicate(copy=True)
+    for used in (half, product):
+        used.destroy()
+    return entries
 
 
 def _constrained(problem: StokesProblem, space: FunctionSpace) -> tuple[DofLayout, PETSc.Mat]:
@@ -134,9 +137,10 @@ def _of_components(scalar: PETSc.Mat) -> PETSc.Mat:
     rows = scipy.sparse.csr_matrix((value, column, indptr), shape=(here, scalar.size[1]))
     scalar.destroy()
     rows = rows[np.repeat(np.arange(here), COMPONENTS)]
-    component = np.repeat(np.tile(np.arange(COMPONENTS), here), np.diff(rows.indptr))
-    columns = (COMPONENTS * rows.indices + component).astype(PETSc.IntType)
-    csr, size = (rows.indptr.astype(PETSc.IntType), columns, rows.data), (COMPONENTS * here, None)
+    # In place: there are as many entries as in all levels together.
+    rows.indices *= COMPONENTS
+    rows.indices += np.repeat(np.tile(np.arange(COMPONENTS, dtype=np.int8), here), np.diff(rows.indptr))
+    csr, size = (rows.indptr, rows.indices, rows.data), (COMPONENTS * here, None)
     return PETSc.Mat().createAIJ(size=(size, size), csr=csr, comm=comm)
 
 

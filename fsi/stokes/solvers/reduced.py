@@ -59,7 +59,7 @@ class Elimination:
         """Make P and the matrix; the factors are made when they are wanted."""
         self.layout, self.unknown, self._cells = layout, unknown, cells
         self._prolongation = Prolongation(layout, rigid, unknown)
-        self._sum = CellSum(cells, self._prolongation)
+        self._sum: CellSum | None = CellSum(cells, self._prolongation)
         self._P, self.reduced, self.constrained = (
             self._prolongation.matrix,
             self._sum.matrix,
@@ -105,8 +105,13 @@ class Elimination:
         self._sliding.setValuesCOO(value)
         self.reduced.axpy(1.0, self._sliding, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
 
+    def forget_sum(self) -> None:
+        """Free what another sum of the cells would want, more than the matrix itself: no `update` then."""
+        self._sum = None
+
     def update(self, rigid: RigidModes, added: Added) -> None:
         """The same for the mesh and the rigid modes of now, in place."""
+        assert self._sum is not None, "the sum is not forgotten"
         self._exact = None
         self._prolongation.update(rigid)
         self._sum.fill()
