@@ -49,5 +49,5 @@ def test_as_all_bodies_and_gaps_say(seed: int, gap: float, growth: float) -> Non
     narrow = centres[0] + [0.0, 0.0, radii[0] + 0.5 * gap]
     points = [narrow, *rng.uniform(0.0, SIDE, (10, 3))]
     points = [x for x in points if (np.linalg.norm(x - centres, axis=1) > radii).all()]
-    found = [sizes(3, 1, *x.tolist(), 0.0) for x in points]
+    found = [sizes(3, 1, float(x[0]), float(x[1]), float(x[2]), 0.0) for x in points]
     np.testing.assert_allclose(found, [law(x) for x in points], rtol=1e-11)
