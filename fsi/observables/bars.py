@@ -81,6 +81,9 @@ def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> St
     viscosity = sum(of_viscosity) if of_viscosity else None
     of_stress = [part for each in others if (part := _of_stress(results, each)) is not None]
     stress = reduce(operator.add, of_stress) if of_stress else None
+    bulk: BulkStress | None = getattr(results, "bulk", None)
+    if stress is not None and bulk is not None and bulk.in_gaps is not None:
+        stress += bulk.error_in_gaps
     errors = ErrorEstimate(U, F, dissipation, viscosity, stress, *_of_driven(results, others))
     relative = relative_change(results, errors, motion.held, arms, scales)
     mu = getattr(results, "apparent_viscosity", None)

@@ -26,6 +26,7 @@ class BulkStress:
             on which F acts (Batchelor 1977, J. Fluid Mech. 83:97).
         area: |Omega|.
         apparent_viscosity: over that of the fluid, None without a mean strain rate.
+        in_gaps: of the stresslets, what laws below a gap leave open, (N, d, d); None without such laws.
         pressure: whether the model has one; else all parts are deviators, symmetric without trace.
     """
 
@@ -35,6 +36,7 @@ class BulkStress:
     area: float
     apparent_viscosity: float | None
     pressure: bool = True
+    in_gaps: Array | None = None
 
     @property
     def mean(self) -> Array:
@@ -79,6 +81,15 @@ class BulkStress:
         of_mean, N = least(self.mean, other.mean), self.differences
         between = {name: max(factor * abs(N[name] - other.differences[name]), of_mean) for name in N}
         return StressErrors(fluid, mean, of_bodies, between, self.pressure)
+
+    @property
+    def error_in_gaps(self) -> StressErrors:
+        """What laws below a gap leave open: they are of loads, and say of stresses what has their power."""
+        missed = np.zeros_like(self.stresslets) if self.in_gaps is None else self.in_gaps
+        of_bodies = np.abs(missed).max(axis=(1, 2), keepdims=True) * np.ones_like(missed)
+        of_all = float(np.abs(missed.sum(axis=0)).max() / self.area)
+        every = np.full_like(self.fluid, of_all)
+        return StressErrors(every, every, of_bodies, dict.fromkeys(self.differences, of_all), self.pressure)
 
     @property
     def record(self) -> Mapping[str, float]:

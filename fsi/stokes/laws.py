@@ -117,10 +117,11 @@ def pair_laws(rates: PairRates, problem: StokesProblem, q: Configuration) -> Pai
         own[here] = np.einsum("rk,rk->r", rates.along[here], velocity)
     carried = np.zeros_like(problem.motion.U)
     carried[:, : q.dimension] = (problem.q.centres - q.centres) @ W.T
+    a, apart = q.radii[rates.body], np.linalg.norm(rates.apart, axis=1)
     own -= np.where(rates.meshed, rates.G @ carried.ravel(), 0.0)
     return PairLaws(
         rates.G, own, rates.resistance, _strains(rates), rates.along, rates.wall, rates.body, rates.meshed,
-        carried,
+        carried, a / a.sum(axis=1)[:, None], 1.0 - np.where(rates.wall < 0, a.sum(axis=1), a[:, 0]) / apart,
     )  # fmt: skip
 
 

@@ -32,8 +32,8 @@ from fsi.stokes.solvers.workspace import Workspace
 from fsi.stokes.units import Units
 from fsi.stokes.walls import boundary_of, singular_corners, singular_pairs, surfaces_of
 
-# What laws below a gap miss is at least linear in the gap: half of it is seen at half the gap.
-OF_LAWS = 2.0
+# What laws below a gap miss grows like its root or faster: 1 - 2^(-1/2) of it is seen at half the gap.
+OF_LAWS = 3.5
 
 
 class StokesModel:

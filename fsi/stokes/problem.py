@@ -93,6 +93,8 @@ class PairLaws:
         body: i and j, twice i beside a wall, (R, 2).
         meshed: whether a rate is that of the bodies where they are meshed, (R,).
         carried: how much faster than U the mean flow makes bodies move there, (N, M).
+        share: of a stresslet on either body, as their radii are to their sum, (R, 2).
+        gap: the part that the gap has in the distance of the centres, beside a wall from it, (R,).
     """
 
     G: Array
@@ -104,6 +106,8 @@ class PairLaws:
     body: NDArray[np.intp]
     meshed: NDArray[np.bool_]
     carried: Array
+    share: Array
+    gap: Array
 
     def at_rest(self) -> PairLaws:
         """The same between walls and images at rest, without a mean flow."""
@@ -133,11 +137,15 @@ class PairLaws:
         return float(forces @ self.rates(U))
 
     def stresslets(self, forces: Array, bodies: int) -> Array:
-        """f S, half of each to either body, (N, d, d)."""
+        """f S on the bodies, (N, d, d)."""
         S = np.zeros((bodies, *self.strains.shape[1:]))
-        for side in self.body.T:
-            np.add.at(S, side, 0.5 * forces[:, None, None] * self.strains)
+        for body, share in zip(self.body.T, self.share.T, strict=True):
+            np.add.at(S, body, (share * forces)[:, None, None] * self.strains)
         return S
+
+    def in_gaps(self, forces: Array, bodies: int) -> Array:
+        """What of that is on the way from surface to surface, (N, d, d): laws of loads do not tell it."""
+        return self.stresslets(self.gap * forces, bodies)
 
     def wall_force(self, forces: Array, wall: int) -> Array:
         """What moves a wall against these forces, along it, (d - 1,)."""

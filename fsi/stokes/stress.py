@@ -46,8 +46,9 @@ def bulk_stress(system: StokesSystem, solution: NodalSolution, on_bodies: Array)
     laws, f = problem.laws, solution.law_forces
     if laws is not None:
         S += laws.stresslets(f, len(q))
+    in_gaps = None if laws is None else laws.in_gaps(f, len(q))
     carried = np.zeros((d, d)) if problem.interaction is None else 0.0 - problem.interaction / volume
-    bulk = BulkStress(fluid, S, carried, volume, None)
+    bulk = BulkStress(fluid, S, carried, volume, None, in_gaps=in_gaps)
     E = problem.mean_strain_rate
     if not E.any():
         return bulk

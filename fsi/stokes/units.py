@@ -195,7 +195,9 @@ class Units:
 
     def _user_bulk(self, bulk: BulkStress, container: Container) -> BulkStress:
         mu, stresslets, area = self.viscosity, bulk.stresslets * self.power, container.volume
-        return BulkStress(bulk.fluid * mu, stresslets, bulk.forces * mu, area, bulk.apparent_viscosity)
+        in_gaps = None if bulk.in_gaps is None else bulk.in_gaps * self.power
+        viscosity = bulk.apparent_viscosity
+        return BulkStress(bulk.fluid * mu, stresslets, bulk.forces * mu, area, viscosity, in_gaps=in_gaps)
 
     def _user_flow(self, flow: Flow) -> Flow:
         a, mu = self.length, self.viscosity
