@@ -17,6 +17,8 @@ The direct solver leaves held modes out of y; the iterative one, which wants who
 y and sets the held ones to zero.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field

@@ -16,6 +16,8 @@ Narrow gaps, where cells are longer than wide, do no harm: what one level does n
 single cells.
 """
 
+from __future__ import annotations
+
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from types import TracebackType

@@ -6,6 +6,8 @@ radii, so much of it is lost to rounding that the flow is wrong. So residuals ar
 cell by cell, in which pressures meet velocities alone, and the factors only have to come near.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import partial
 
