@@ -255,7 +255,7 @@ def test_a_stresslet_is_shared_as_radii_are() -> None:
 @pytest.mark.parametrize("remesh", ["always", "when-needed"])
 @pytest.mark.parametrize("scheme", ["bogacki-shampine", "adams", "ascher-ruuth-spiteri"])
 def test_a_run_follows_the_resolved_one(scheme: str, remesh: str, tmp_path: Path) -> None:
-    """A pair sheared past each other and a wall: measured 6e-4 after a way of 1.3."""
+    """A pair sheared past each other and a wall: measured 6e-4 after a way of 0.7."""
     bodies = [FREE[0], FREE[1] | {"force": [0.0, -3.0]}]
     data = {
         "name": "run", "domain": CHANNEL, "bodies": bodies, "fluid": {"viscosity": 1.0},
