@@ -1,6 +1,7 @@
 """The level of the pressure, which a flow without open walls leaves free.
 
-With the mean pressure gradient G and the middle x_m of the domain the pressure is taken to be
+With the mean pressure gradient G, and x_m the middle of a domain with walls, of a cell, which moves, the
+origin, the pressure is taken to be
 
     p = G.(x - x_m) + p',      int p' = 0 over the fluid,
 
@@ -60,7 +61,7 @@ def pressure_level(system: StokesSystem, solution: NodalSolution) -> PressureLev
     level = float(of_p / volume)
     if G is None or not G.any():
         return PressureLevel(level, level + none, level + none)
-    middle = problem.container.middle
+    middle = problem.container.middle if problem.container.walls else np.zeros(q.dimension)
     level -= float(G @ (Averages(system).centroid() - middle))
     of_tractions = level + _images(system) @ G
     return PressureLevel(level, of_tractions, of_tractions + (q.centres - middle) @ G)
