@@ -18,7 +18,7 @@ A' is one cycle of multigrid through velocities of all degrees down to 1 on the 
 smoothed before and after by a step of Chebyshev's iteration with incomplete Cholesky factors: the diagonal
 alone in their place takes four times the iterations where a mesh has flat cells, and a second step saves
 none, as S' decides how many there are. The coarsest matrix of up to MOST_FACTORISED unknowns is factorised;
-beyond, it gets one cycle of smoothed aggregation. So the number of iterations does not grow with the mesh,
+beyond, it gets two cycles of smoothed aggregation. So the number of iterations does not grow with the mesh,
 nor in narrow gaps.
 """
 
@@ -54,7 +54,13 @@ FACTORS: dict[str, str | int] = {
     "pc_factor_mat_solver_type": "mumps",
     "mat_mumps_icntl_14": 100,
 }
-AGGREGATION: dict[str, str | int] = {"ksp_type": "preonly", "pc_type": "gamg"}
+# With one cycle iterations grow by a fifth from 3e4 to 1e6 unknowns.
+AGGREGATION: dict[str, str | int] = {
+    "ksp_type": "richardson",
+    "ksp_max_it": 2,
+    "ksp_norm_type": "none",
+    "pc_type": "gamg",
+}
 OPTIONS: dict[str, str | int] = {
     "fieldsplit_u_ksp_type": "preonly",
     "fieldsplit_u_pc_type": "mg",
@@ -189,7 +195,7 @@ def _solver(matrix: PETSc.Mat, blocks: SchurBlocks) -> PETSc.KSP:
 
 
 def _small_solver(unknowns: int) -> dict[str, str | int]:
-    """How so many are solved for: by factors, or a cycle of aggregation."""
+    """How so many are solved for: by factors, or cycles of aggregation."""
     return AGGREGATION if unknowns > MOST_FACTORISED else FACTORS
 
 
