@@ -37,7 +37,7 @@ GAP = 0.1
 # (degree, cells around the sphere, cells across a gap, growth): the default, and meshes that are each about
 # four times as large as the one before.
 SETTINGS: dict[str, tuple[int, int, float, float]] = {
-    "default": (3, 15, 0.75, 0.5),
+    "default": (3, 16, 0.75, 0.5),
     "P2": (2, 22, 0.7, 0.45),
     "P2, 4 times": (2, 44, 1.1, 0.28),
     "P2, 16 times": (2, 84, 1.9, 0.17),

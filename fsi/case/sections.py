@@ -37,7 +37,7 @@ class _Sizes(NamedTuple):
 # with an axis quartic elements have a third to three quarters of the unknowns of cubic ones on a mesh that
 # errs as little; the two meshes do not mix, so that who names one size gets the others of the cubic one.
 _FEW, _MANY = _Sizes(0.45, 32, 0.33, 4), _Sizes(0.3, 20, 0.3, 4, "sparse")
-_FEW_CUBIC, _MANY_CUBIC, _SPATIAL = _Sizes(1.0, 48, 0.2), _Sizes(0.5, 24, 0.5), _Sizes(0.75, 15, 0.5)
+_FEW_CUBIC, _MANY_CUBIC, _SPATIAL = _Sizes(1.0, 48, 0.2), _Sizes(0.5, 24, 0.5), _Sizes(0.75, 16, 0.5)
 MOST_FEW = 20
 
 
