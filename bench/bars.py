@@ -48,10 +48,10 @@ from fsi.stokes.walls import singular_pairs
 
 ALL = [*KINDS, *SHAPED]
 OF_ALL, OF_EACH, MEDIAN = 0.99, 0.97, 0.05
-# How much finer the reference is, and its degree: in space one refinement costs ten times as much, of many
-# bodies it takes 10 GB.
-FINER, OF_MANY = {2: 2.0, 3: 1.3}, 1.4
-DEGREE = {2: 5, 3: 4}
+# How much finer the reference is: in space, where its degree is one more, a refinement costs ten times as
+# much, of many bodies 10 GB.
+FINER, OF_MANY = {2: 2.0, 3: 1.2}, 1.4
+DEGREE_IN_PLANE = 5
 HALVINGS = 20
 EDGES = 1.5  # how much finer cells beside edges in space are
 # What rounding leaves, of the largest of a case: bars are not asked to be about the error there.
@@ -112,7 +112,8 @@ class Reference(StokesModel):
 def reference(case: Case, instead: str = "") -> StokesSolution:
     """The case with elements of a higher degree on a finer mesh than it, or what it took `instead`, has."""
     q = case.configuration()
-    return Reference(case, instead).of_degree(DEGREE[case.dimension], q, 0.0, case.motion_at(q, 0.0))
+    degree = DEGREE_IN_PLANE if case.dimension == 2 else case.discretisation.degree + 1
+    return Reference(case, instead).of_degree(degree, q, 0.0, case.motion_at(q, 0.0))
 
 
 def graded(container: Container) -> Container:

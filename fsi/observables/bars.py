@@ -76,7 +76,7 @@ def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> St
     lost = getattr(results, "dissipation", nan)
     off = [each.factor * abs(lost - getattr(each.results, "dissipation", nan)) for each in others]
     dissipation = max(sum(off), _rounding(results) * lost)  # nan of an infinite one
-    every = (_of_viscosity(results, each.results, each.factor) for each in others)
+    every = (_of_viscosity(results, each) for each in others)
     of_viscosity = [part for part in every if part is not None]
     viscosity = sum(of_viscosity) if of_viscosity else None
     of_stress = [part for each in others if (part := _of_stress(results, each)) is not None]
@@ -116,16 +116,13 @@ def _bound(other: Compared, results: Results, computed: NDArray[np.bool_], units
     return bound
 
 
-def _of_viscosity(results: Results, other: Results, factor: float) -> float | None:
+def _of_viscosity(results: Results, other: Compared) -> float | None:
     """The same for the apparent viscosity of a periodic flow, not a number at instants without one."""
-    if getattr(other, "bulk", None) is None:
+    bulk: BulkStress | None = getattr(results, "bulk", None)
+    of_other: BulkStress | None = getattr(other.results, "bulk", None)
+    if bulk is None or of_other is None:
         return None
-    mu, mu_other = (getattr(each, "apparent_viscosity", None) for each in (results, other))
-    return (
-        nan
-        if mu is None or mu_other is None
-        else max(factor * abs(mu - mu_other), _rounding(results) * abs(mu))
-    )
+    return bulk.viscosity_error(of_other, other.factor, other.chance, _rounding(results))
 
 
 def _of_driven(results: Results, others: Sequence[Compared]) -> tuple[Mapping[str, float], float | None]:

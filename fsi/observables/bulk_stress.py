@@ -28,6 +28,8 @@ class BulkStress:
         apparent_viscosity: over that of the fluid, None without a mean strain rate.
         in_gaps: of the stresslets, what laws below a gap leave open, (N, d, d); None without such laws.
         pressure: whether the model has one; else all parts are deviators, symmetric without trace.
+        newtonian: 2 mu E of the fluid alone at the mean strain rate, to which the apparent viscosity relates,
+            (d, d); None without a mean strain rate.
     """
 
     fluid: Array
@@ -37,6 +39,7 @@ class BulkStress:
     apparent_viscosity: float | None
     pressure: bool = True
     in_gaps: Array | None = None
+    newtonian: Array | None = None
 
     @property
     def mean(self) -> Array:
@@ -82,6 +85,22 @@ class BulkStress:
         between = {name: max(factor * abs(N[name] - other.differences[name]), of_mean) for name in N}
         return StressErrors(fluid, mean, of_bodies, between, self.pressure)
 
+    def viscosity_error(self, other: Self, factor: float, chance: float, rounding: float) -> float:
+        """The same of the apparent viscosity, one component of many that the mean stress has.
+
+            mu_app = Sigma : S / S : S,    S = 2 mu E,    |d mu_app| <= max |dev d Sigma| sum |S_ij| / S : S
+
+        Not a number where one of both has none.
+        """
+        mu, of_other, S = self.apparent_viscosity, other.apparent_viscosity, self.newtonian
+        if mu is None or of_other is None:
+            return nan
+        missed = 0.0
+        if S is not None:
+            by_stress = float(np.abs(S).sum() / np.sum(S**2))
+            missed = by_stress * float(np.abs(_deviator(self.mean - other.mean)).max())
+        return max(factor * max(abs(mu - of_other), chance * missed), rounding * abs(mu))
+
     @property
     def error_in_gaps(self) -> StressErrors:
         """What laws below a gap leave open: they are of loads, and say of stresses what has their power."""
@@ -104,6 +123,12 @@ class BulkStress:
         S = self.stresslets
         between = {} if self.pressure else {"S_N_1": S[:, 0, 0] - S[:, 1, 1]}
         return {**components("S", S, self.pressure), **between}
+
+
+def _deviator(stress: Array) -> Array:
+    """Symmetric, without trace."""
+    sym = 0.5 * (stress + stress.T)
+    return np.asarray(sym - np.trace(sym) / len(sym) * np.eye(len(sym)))
 
 
 def area_fraction(radii: Array, area: float) -> float:

@@ -53,7 +53,8 @@ def bulk_stress(bodies: DrivenBodies, flow: PoreFlow) -> BulkStress | None:
         bottom, top = (container.walls.index(name) for name in ("bottom", "top"))
         force = flow.wall_forces[top, 0] - flow.wall_forces[bottom, 0]
         power = float(force / container.periods[0, 0] * E[0, 1])
-    return replace(bulk, apparent_viscosity=power / (2.0 * mu * float(np.sum(E**2))))
+    alone = 2.0 * mu * E
+    return replace(bulk, apparent_viscosity=power / float(np.sum(alone * E)), newtonian=alone)
 
 
 def carried_stress(bodies: DrivenBodies) -> Array:

@@ -61,7 +61,8 @@ def bulk_stress(system: StokesSystem, solution: NodalSolution, on_bodies: Array)
         power = float((force["top"] - force["bottom"]) @ E[:-1, -1]) / wall_area(problem.container)
         if laws is not None:
             power += laws.carrying_power(f, solution.load) / volume
-    return replace(bulk, apparent_viscosity=power / float(2.0 * problem.viscosity * np.sum(E**2)))
+    alone = 2.0 * problem.viscosity * E
+    return replace(bulk, apparent_viscosity=power / float(np.sum(alone * E)), newtonian=alone)
 
 
 def _viscous_part(system: StokesSystem, solution: NodalSolution) -> Array:

@@ -194,10 +194,16 @@ class Units:
         )
 
     def _user_bulk(self, bulk: BulkStress, container: Container) -> BulkStress:
-        mu, stresslets, area = self.viscosity, bulk.stresslets * self.power, container.volume
-        in_gaps = None if bulk.in_gaps is None else bulk.in_gaps * self.power
-        viscosity = bulk.apparent_viscosity
-        return BulkStress(bulk.fluid * mu, stresslets, bulk.forces * mu, area, viscosity, in_gaps=in_gaps)
+        mu = self.viscosity
+        return replace(
+            bulk,
+            fluid=bulk.fluid * mu,
+            stresslets=bulk.stresslets * self.power,
+            forces=bulk.forces * mu,
+            area=container.volume,
+            in_gaps=None if bulk.in_gaps is None else bulk.in_gaps * self.power,
+            newtonian=None if bulk.newtonian is None else bulk.newtonian * mu,
+        )
 
     def _user_flow(self, flow: Flow) -> Flow:
         a, mu = self.length, self.viscosity

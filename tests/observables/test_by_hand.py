@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -22,6 +24,26 @@ def test_the_mean_stress_has_three_parts_and_a_difference_of_normal_stresses() -
     record = bulk.record
     assert (record["stress_xx"], record["stress_xy"], record["stress_yy"]) == (2.25, 1.5, 1.125)
     assert (record["N_1"], record["apparent_viscosity"]) == (1.125, 3.0)
+
+
+@pytest.mark.parametrize(("missed", "bar"), [(0.0, 0.06), (0.4, 0.2)])
+def test_an_apparent_viscosity_is_known_to_a_part_of_what_the_stress_misses(
+    missed: float, bar: float
+) -> None:
+    """Of Sigma, 0.4 are missed in each normal component and nothing, or as much, in Sigma_xy = 2 mu_app.
+
+    S = 2 mu E = [[0, 2], [2, 0]], so |d mu_app| <= 4 / 8 |d Sigma|, and 0.3 of it is by chance. A pressure
+    that is missed, 100, is no part of it.
+    """
+    S, none = np.array([[0.0, 2.0], [2.0, 0.0]]), np.zeros((1, 2, 2))
+    off = np.array([[100.4, missed], [missed, 99.6]])
+    first, other = (
+        BulkStress(stress, none, np.zeros((2, 2)), 1.0, 0.5 * stress[0, 1], newtonian=S)
+        for stress in (2.0 * S, 2.0 * S + off)
+    )
+    assert first.viscosity_error(other, 1.0, 0.3, 1e-12) == pytest.approx(bar)
+    alone = replace(first, newtonian=None).viscosity_error(other, 1.0, 0.3, 1e-12)
+    assert alone == pytest.approx(max(0.5 * missed, 2e-12))
 
 
 def test_a_resistance_matrix_is_symmetric_to_1e9_or_refused() -> None:
