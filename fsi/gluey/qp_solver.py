@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from fsi.bodies.configuration import Array
+from fsi.bodies.rows import gram
 from fsi.gluey.augmented_lagrangian import Impulses, Program, minimise
 from fsi.gluey.interior_points import by_interior_points
 
@@ -168,7 +169,7 @@ class _Dual:
     """The dual in `z = p / scale`, in which a step of length 1 against the gradient is stable.
 
     Attributes:
-        B, Bt: `W = B Bt + diag(stiff)`.
+        B, product: `W = B B^T + diag(stiff)`, and `z -> B B^T z`.
         stiff: the scaled compliances, None without any, (rows,).
         c, scale: (rows,).
         step: that length in z of rows with unit diagonal.
@@ -176,7 +177,7 @@ class _Dual:
     """
 
     B: sp.csr_matrix
-    Bt: sp.csr_matrix
+    product: Callable[[Array], Array]
     stiff: Array | None
     c: Array
     scale: Array
@@ -192,21 +193,21 @@ class _Dual:
         B = sp.csr_matrix(sp.diags(s) @ J[:, moved] @ sp.diags(1.0 / np.sqrt(program.mass[moved])))
         stiff = s * s * compliance if compliance.any() else None
         zero = np.zeros(len(s))
-        step = 1.0 / _largest(cls(B, B.T.tocsr(), stiff, zero, s, 1.0, response).gradient, len(s))
+        step = 1.0 / _largest(cls(B, gram(B), stiff, zero, s, 1.0, response).gradient, len(s))
         B *= np.sqrt(step)
         s *= np.sqrt(step)
         c = s * program.rate(program.u_star)
-        return cls(B, B.T.tocsr(), None if stiff is None else step * stiff, c, s, step, response)
+        return cls(B, gram(B), None if stiff is None else step * stiff, c, s, step, response)
 
     def of_gaps(self, chosen: NDArray[np.intp]) -> _Dual:
         """That of these rows, gaps all of them; fewer rows have no larger an eigenvalue."""
         B = self.B[chosen]
         response = ContactResponse.of_gaps(len(chosen))
-        return _Dual(B, B.T.tocsr(), None, self.c[chosen], self.scale[chosen], self.step, response)
+        return _Dual(B, gram(B), None, self.c[chosen], self.scale[chosen], self.step, response)
 
     def gradient(self, z: Array) -> Array:
         """`W z + c`."""
-        g: Array = self.B @ (self.Bt @ z)
+        g = self.product(z)
         g += self.c
         if self.stiff is not None:
             g += self.stiff * z
@@ -268,4 +269,6 @@ def _largest(W: Callable[[Array], Array], rows: int) -> float:
         return float(np.linalg.norm(np.column_stack([W(e) for e in np.eye(rows)]), 2)) if rows else 1.0
     operator = LinearOperator((rows, rows), matvec=W, dtype=float)
     start = np.cos(np.arange(rows, dtype=float))  # any vector that is not special, the same in every run
-    return 1.05 * float(eigsh(operator, k=1, which="LA", tol=1e-2, v0=start, return_eigenvectors=False)[0])
+    few = min(5, rows)  # vectors kept: with 20 products are as many, and a crowd's take thrice their time
+    largest = eigsh(operator, k=1, which="LA", tol=1e-2, v0=start, ncv=few, return_eigenvectors=False)
+    return 1.05 * float(largest[0])

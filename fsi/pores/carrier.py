@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fsi.bodies.configuration import Array
+from fsi.compiled import compiled, internal
 from fsi.pores.assembly import Batch
-from fsi.pores.compiled import compiled, internal
 from fsi.pores.orders import numbers_of
 from fsi.pores.pattern import Index
 from fsi.pores.system import PoreSystem

@@ -12,8 +12,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
+from fsi.compiled import compiled
 from fsi.errors import SolveError
-from fsi.pores.compiled import compiled
 
 _TINY = float(np.finfo(float).tiny)
 

@@ -19,9 +19,10 @@ from functools import lru_cache
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.linalg import cg, splu
+from scipy.sparse.linalg import LinearOperator, cg, splu
 
 from fsi.bodies.configuration import Array
+from fsi.bodies.rows import gram
 from fsi.errors import SolveError
 from fsi.reduced.pairs import Pairs
 from fsi.reduced.tangential import TangentialRows
@@ -103,10 +104,10 @@ class GapNetwork:
         if len(self.own) == 0:
             return u0, np.empty(0)
         scale = 1.0 / np.sqrt(own_mobility(self.G, Z_inverse) + self.compliance)
-        H = self.G.copy()  # scaled: S = H H^T + ... has the unit diagonal
+        H = self.G.copy()  # scaled: H H^T + ... has the unit diagonal
         H.data *= np.repeat(scale, np.diff(H.indptr)) * np.sqrt(Z_inverse.ravel())[H.indices]
-        S = H @ H.T.tocsr() + sp.diags_array(scale**2 * self.compliance)
-        force = scale * _solve_spd(S.tocsr(), scale * self.rates(u0), self.pairs.n.shape[1])
+        slack, right = scale**2 * self.compliance, scale * self.rates(u0)
+        force = scale * _solve_spd(H, slack, right, self.pairs.n.shape[1])
         return u0 - Z_inverse * self.loads(force), force
 
 
@@ -145,9 +146,11 @@ def _among_modes(G: sp.csr_matrix, shape: tuple[int, ...], d: int) -> sp.csr_mat
     return sp.csr_matrix((G.data, columns, G.indptr), (G.shape[0], shape[0] * shape[1]))
 
 
-def _solve_spd(S: sp.csr_array, right: Array, d: int) -> Array:
-    """Solve S x = right, S symmetric positive definite with unit diagonal, of a network in d dimensions."""
+def _solve_spd(H: sp.csr_matrix, slack: Array, right: Array, d: int) -> Array:
+    """Solve `(H H^T + diag(slack)) x = right`, of unit diagonal, of a network in d dimensions."""
     if len(right) > _LARGEST_DIRECT:
+        product = gram(H)
+        S = LinearOperator(2 * right.shape, matvec=lambda x: product(x) + slack * x, dtype=float)
         x, unfinished = cg(S, right, rtol=_CG_TOLERANCE, maxiter=_PATIENCE[d])
         if not unfinished:
             return np.asarray(x)
@@ -158,7 +161,8 @@ def _solve_spd(S: sp.csr_array, right: Array, d: int) -> Array:
             )
     try:
         symmetric = {"SymmetricMode": True}
-        factors = splu(S.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
+        matrix = (H @ H.T.tocsr() + sp.diags_array(slack)).tocsc()
+        factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
     except RuntimeError as error:
         raise SolveError(
             f"the forces in the gaps are not determined ({error}); give the bodies more drag or mass"

@@ -1,43 +1,42 @@
 """Loops that Numba compiles, once for each state of their sources.
 
 Numba keeps machine code by the date of the file that a function stands in, not of those that it calls, so
-that a change of one file would leave old code of another in use. Here all files that have to do with loops
-decide together.
+that a change of one file would leave old code of another in use. Here all files of a room that have to do
+with loops decide together.
 """
 
 import hashlib
 import re
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numba
 
 
-def _sources() -> str:
-    """A word for the state of the files that have such loops, and of those that these import."""
-    text = {path.stem: path.read_text() for path in Path(__file__).parent.glob("*.py")}
-    loops = {name for name in text if "from fsi.pores.compiled import" in text[name]}
-    imported = {found for name in loops for found in re.findall(r"from fsi\.pores\.(\w+) import", text[name])}
-    digest = hashlib.sha256()
+def _state(room: Path) -> str:
+    """A word for the state of the files of a room that have such loops, and of those that these import."""
+    text = {path.stem: path.read_text() for path in room.glob("*.py")}
+    loops = {name for name in text if "from fsi.compiled import" in text[name]}
+    of_room = rf"from fsi\.{room.name}\.(\w+) import"
+    imported = {found for name in loops for found in re.findall(of_room, text[name])}
+    digest = hashlib.sha256(Path(__file__).read_bytes())
     for name in sorted(loops | imported):
         digest.update(text[name].encode())
     return digest.hexdigest()[:16]
 
 
-def _cache() -> Path:
-    """Where the machine code lies: beside the sources, or in the user's cache if they are read-only."""
-    beside = Path(__file__).parent / "__pycache__"
+@cache
+def _folder(room: Path) -> str:
+    """Where the machine code of a room lies: beside its sources, or in the user's cache if read-only."""
+    beside, name = room / "__pycache__", f"numba-{_state(room)}"
     try:
         beside.mkdir(exist_ok=True)
-        (beside / f"numba-{_STATE}").mkdir(exist_ok=True)
+        (beside / name).mkdir(exist_ok=True)
     except OSError:
-        return Path.home() / ".cache" / "fsi" / f"numba-{_STATE}"
-    return beside / f"numba-{_STATE}"
-
-
-_STATE = _sources()
-_CACHE = str(_cache())
+        return str(Path.home() / ".cache" / "fsi" / name)
+    return str(beside / name)
 
 
 # Loops over points: products and sums in one rounding, long sums in any order, nothing that is no number.
@@ -69,8 +68,8 @@ def inlined[**P, R](function: Callable[P, R]) -> Callable[P, R]:
 
 
 def _kept[**P, R](function: Callable[P, R], **options: Any) -> Callable[P, R]:
-    settings = vars(numba.config)
-    before, settings["CACHE_DIR"] = settings["CACHE_DIR"], _CACHE
+    settings, room = vars(numba.config), Path(function.__code__.co_filename).parent
+    before, settings["CACHE_DIR"] = settings["CACHE_DIR"], _folder(room)
     try:
         fast: Callable[P, R] = numba.njit(cache=True, error_model="numpy", **options)(function)
     finally:
