@@ -113,7 +113,7 @@ def write_step_mesh(run: Path, step: int | None, output: Path) -> int:
     step = read.step(step)
     if not read.case.level.meshed:
         raise InputError(f'model = "{read.case.model}": only the resolved level has a mesh')
-    q, container = read.configuration(step), read.container(step)
+    q, container = read.meshed(step), read.container(step)
     parts = sorted((run / "fields").glob(f"fluid_{step:06d}*.vtu"))
     cells = recover(parts, FluidDomain(container, q.centres, q.radii, placed=q.placed, ellipsoids=q.standing))
     write_cells(cells, output, [*read.case.names, *container.boundary_names])

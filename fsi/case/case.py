@@ -16,6 +16,7 @@ from pydantic import BeforeValidator, Field
 
 from fsi.bodies.configuration import MODES, Array, Configuration, Motion
 from fsi.bodies.forces import Bulk, external_forces, moment_of_forces
+from fsi.bodies.opened import opened
 from fsi.case.body import FREE, Body
 from fsi.case.domains import Domain
 from fsi.case.drag_file import read_drag_file
@@ -200,6 +201,12 @@ class Case(Section):
         axial = self.axisymmetric
         outlines = tuple(body.revolved if axial else body.outline for body in self.bodies)
         return replace(placed, outlines=outlines)
+
+    def meshed_at(self, q: Configuration, t: float) -> Configuration:
+        """Where a mesh has the bodies that are at q at time t: apart where laws take over from it."""
+        if (below := self.lubrication.below) is None:
+            return q
+        return opened(q, self.container().at(t, q.strain), below, tuple(self.wall_velocity(t)))
 
     def held(self) -> NDArray[np.bool_]:
         """Which modes are prescribed, or not there, at all times, (N, M)."""

@@ -143,6 +143,7 @@ def _of_sizes(case: Case, sizes: Mapping[str, float]) -> Case:
 def _missed(best: Refinement, tolerance: float) -> SolveError:
     """The error of a tolerance that is not reached, that of the case, or less where a run needs it."""
     used, mesh, error = best.case.discretisation, best.case.domain.mesh, apart(best.error, tolerance)
+    below = best.case.lubrication.below
     here = f"discretisation.tolerance = {used.tolerance!r}: the estimated error"
     if tolerance != used.tolerance:
         error += f", not to the {tolerance!r} that the steps to come need"
@@ -157,6 +158,7 @@ def _missed(best: Refinement, tolerance: float) -> SolveError:
         limit = f"a finer mesh needs some {need} of memory, this machine has {size(memory())}"
     sizes = ", ".join(f"{name} = {getattr(used, name):.4g}" for name in SIZES)
     remedy = "raise it" if used.degree == HIGHEST_DEGREE else f"raise it, or degree above {used.degree}"
+    remedy += "" if below is None else f", or lower lubrication.below = {below!r}: a part is of its laws"
     return SolveError(f"{here} came down to {error}, with {sizes}, and {limit}; {remedy}")
 
 

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Configuration, Inertia, Motion
-from fsi.bodies.opened import opened
 from fsi.case.case import Case
 from fsi.integration.errors import StepErrors
 from fsi.integration.state import Results
@@ -110,7 +109,7 @@ class StokesModel:
         """What the case asks for at q and t, without inertia, on a mesh in the units of the model."""
         case, boundary = self.case, boundary_of(self.case, t)
         container, mu, moment = self._around(q, t), case.fluid.viscosity, case.interaction_moment(q, t)
-        meshed = self._meshed_at(q, t)
+        meshed = case.meshed_at(q, t)
         problem = StokesProblem(
             fluid, container, meshed, motion, boundary, mu, interaction=moment, surfaces=surfaces_of(case)
         )
@@ -118,13 +117,6 @@ class StokesModel:
             return problem
         gaps = OpenedGaps(q, meshed, container, below, tuple(boundary.velocities), case.spheres, mu)
         return replace(problem, laws=pair_laws(gaps.rates(), problem, q))
-
-    def _meshed_at(self, q: Configuration, t: float) -> Configuration:
-        """The bodies as they are meshed: moved apart where laws take over from the mesh."""
-        below = self.case.lubrication.below
-        if below is None:
-            return q
-        return opened(q, self._around(q, t), below, tuple(boundary_of(self.case, t).velocities))
 
     def mesh(self, q: Configuration, t: float = 0.0) -> FluidMesh:
         """A new mesh around the bodies at q and t, or the user's own."""
@@ -149,7 +141,7 @@ class StokesModel:
 
     def _built(self, q: Configuration, t: float, resolution: Resolution, order: int) -> FluidMesh:
         """A new mesh in the units of the model, whatever the user has."""
-        here = self.units.scaled_configuration(self._meshed_at(q, t))
+        here = self.units.scaled_configuration(self.case.meshed_at(q, t))
         container = self._container().at(t, q.strain)
         try:
             domain = FluidDomain(
@@ -189,7 +181,7 @@ class StokesModel:
         if self._mover is not None:
             container, duration = self._container(), t - self._meshed_time
             strain = q.strain - self._meshed.strain
-            places = self.units.scaled_places(self._meshed_at(q, t).centres)
+            places = self.units.scaled_places(self.case.meshed_at(q, t).centres)
             angles = q.angles if q.shaped else None
             quality = self._mover.move(places, lambda e: container.carried(e, duration, strain), angles)
             if quality is not None:
@@ -200,7 +192,7 @@ class StokesModel:
         self._workspace.close()
         if self._mover is not None:
             self._mover.close()
-        here = self.units.scaled_configuration(self._meshed_at(q, t))
+        here = self.units.scaled_configuration(self.case.meshed_at(q, t))
         self._mover = Mover(self.scaled_mesh(q, t), here.centres, here.placed, here.standing)
         self._meshed, self._meshed_time = q, t
         return self._mover.fluid

@@ -28,7 +28,7 @@ from fsi.errors import InputError
 from fsi.postprocess.plots.figure import LIGHT, Theme, label_short
 from fsi.postprocess.render.canvas import Picture, require_opengl
 from fsi.postprocess.render.view import Choice, View
-from fsi.postprocess.run.gaps import SurfaceGap, parse_sides
+from fsi.postprocess.run.gaps import SurfaceGap, gap_between, parse_sides
 from fsi.postprocess.run.run import Run
 
 type Cut = Literal["neither", "both", "min", "max"]
@@ -40,6 +40,7 @@ _QUALITY = "10"  # of H.264, 0 without losses to 51
 _INCHES = 5.0  # a panel
 _BAR, _ABOVE, _BELOW, _GAP = 0.2, 0.14, 0.08, 0.03  # room around a panel, in panels
 _FITS = 56  # letters of the usual size above a panel
+_OPENED = 1e-6  # a gap that is wider by so much in the mesh is opened there
 _SCALE = 0.25  # longest scale bar, in panels
 
 
@@ -94,12 +95,14 @@ class FlowArtist(Artist):
         self._walls = run.case.container().walls
         self.sides = None if choice.gap is None else parse_sides(choice.gap, run.case.names, self._walls)
 
-    def gap_title(self, gap: SurfaceGap, view: View) -> str:
-        """Which gap, how wide it is, and how far it is turned in the picture."""
+    def gap_title(self, step: int, gap: SurfaceGap, view: View) -> str:
+        """Which gap, how wide it is, in the mesh too where laws stand for it, and how far it is turned."""
         names = [*self.run.case.names, *self._walls]
         between = f"gap {names[gap.sides[0]]} - {names[gap.sides[1]]}"
         turned = f", turned by {view.turned:.0f}°" if abs(view.turned) >= 0.5 else ""
-        return f"{'narrowest gap' if self.sides is None else between}, {gap.width:.3g}{turned}"
+        width = gap_between(self.run.configuration(step), self.run.container(step), gap.sides, gap.away).width
+        meshed = f", meshed as {gap.width:.3g}" if gap.width > (1.0 + _OPENED) * width else ""
+        return f"{'narrowest gap' if self.sides is None else between}, {width:.3g}{meshed}{turned}"
 
 
 @dataclass(frozen=True)

@@ -95,7 +95,7 @@ class PlanarArtist(FlowArtist):
                 panel.sliding(sliding_walls(self.run, step))
             if gap is None and len(scenes) > 1:
                 panel.frame(scenes[1][1].view)
-            title = field.title if gap is None else f"{self.gap_title(gap, seen.view)}: {field.title}"
+            title = field.title if gap is None else f"{self.gap_title(step, gap, seen.view)}: {field.title}"
             cut = field.scale.cut if self.choice.span is None else "both"
             framed.append(Framed(panel.image(), title, seen.view.half, field.label, shades, cut))
         return compose(self.title(step), framed, self.choice.theme)

@@ -71,7 +71,7 @@ class RevolvedArtist(Artist):
         flat.points = view.local(np.column_stack([r, 0.0 * r, z]))
         turn = {"resolution": _SECTORS, "angle": 180.0, "rotation_axis": (0.0, 0.0, 1.0), "capping": True}
         panel = new_spatial_panel(view, self.choice.size, self.choice.theme)
-        q = self.run.configuration(step)
+        q = self.run.meshed(step)
         for body in q.placed:
             panel.skins(_skin(body, view))
         if not q.outlines:

@@ -107,9 +107,16 @@ def window_on(run: Run, steps: Sequence[int], fluid: pv.UnstructuredGrid) -> Vie
 
 
 def gap_at(run: Run, step: int, sides: tuple[int, int] | None, window: View) -> SurfaceGap:
-    """The gap between those sides, or the narrowest; of its images that next to the window's middle."""
-    q, container = run.configuration(step), run.container(step)
-    gap = narrowest_gap(q, container) if sides is None else gap_between(q, container, sides)
+    """The gap between those sides, or the narrowest; of its images that next to the window's middle.
+
+    It is as the mesh has it.
+    """
+    container = run.container(step)
+    if sides is None:
+        narrowest = narrowest_gap(run.configuration(step), container)
+        gap = gap_between(run.meshed(step), container, narrowest.sides, narrowest.away)
+    else:
+        gap = gap_between(run.meshed(step), container, sides)
     lattice = Lattice(container.periods)
     away = lattice.shift(lattice.nearest((gap.middle - window.centre)[None]))[0]
     return replace(gap, middle=gap.middle - away)
@@ -120,7 +127,7 @@ def scene(run: Run, step: int, fluid: pv.UnstructuredGrid, view: View, tractions
 
     tractions: whether to read the surfaces of the bodies, which carry them.
     """
-    q, container, axisymmetric = run.configuration(step), run.container(step), run.case.axisymmetric
+    q, container, axisymmetric = run.meshed(step), run.container(step), run.case.axisymmetric
     bodies = run.mesh(step, "surface") if tractions else None
     if axisymmetric:
         fluid, bodies = mirrored(fluid), None if bodies is None else mirrored(bodies)
@@ -138,7 +145,7 @@ def scene(run: Run, step: int, fluid: pv.UnstructuredGrid, view: View, tractions
     cells["r"] = cells.points[:, 0].copy()
     cells.points = view.local(cells.points)
     if bodies is not None:
-        bodies, here = bodies.copy(), run.configuration(step)
+        bodies, here = bodies.copy(), run.meshed(step)
         # The centre of the body, or of its image, that each cell belongs to, (cells, 2).
         body, x = bodies.cell_data["body"], bodies.cell_centers().points[:, :2]
         centre = here.centres[body] + here.to_images(lattice, body, x)

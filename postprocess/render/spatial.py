@@ -55,7 +55,7 @@ class SpatialArtist(FlowArtist):
 
     def pictures(self, steps: Sequence[int]) -> Iterator[Picture]:
         """A picture of each step."""
-        q = [self.run.configuration(step) for step in steps]
+        q = [self.run.meshed(step) for step in steps]
         window = self._window(steps, np.stack([at.centres for at in q]), q[0].radii)
         cuts = [self._cut(step, at, window) for step, at in zip(steps, q, strict=True)]
         drawn = [self._drawn(field, steps, cuts, window.centre) for field in self.fields]
@@ -88,7 +88,7 @@ class SpatialArtist(FlowArtist):
         for step in steps:
             grid = self.run.mesh(step, "surface")
             if (period := self._period(step, middle)) is not None:
-                grid = period.whole(grid, self.run.configuration(step))
+                grid = period.whole(grid, self.run.meshed(step))
             skin = grid.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=_CURVED)
             skin["value"] = field.value(skin.point_data, self.run.case.fluid.viscosity)
             spheres.append((skin, pv.PolyData()))
@@ -136,7 +136,7 @@ class SpatialArtist(FlowArtist):
         gap = gap_between(q, self.run.container(step), self.sides)
         view = window.close_up(gap)
         cut = through_gap(gap, q, view)
-        return cut, f"{self.gap_title(gap, view)}, plane {cut.name}"
+        return cut, f"{self.gap_title(step, gap, view)}, plane {cut.name}"
 
     def _space(self, spheres: pv.PolyData, where: tuple[int, Cut, Array], shades: ScalarMappable) -> Picture:
         """The spheres in their box, and the outline of the plane."""

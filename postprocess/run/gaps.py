@@ -20,12 +20,14 @@ class SurfaceGap:
         middle: the point half-way, shape (d,).
         sides: what lies on both sides, numbers of bodies and then of walls.
         normal: the unit vector across it, from the first side to the second, shape (d,).
+        away: how far the image of a second body that is meant lies from it, shape (d,); of a wall None.
     """
 
     width: float
     middle: Array
     sides: tuple[int, int]
     normal: Array
+    away: Array | None = None
 
 
 def narrowest_gap(q: Configuration, container: Container) -> SurfaceGap:
@@ -52,19 +54,21 @@ def gap_between(
             foot = feet_on_walls(q, i, container)[j - len(q)]
         else:
             images = _images_near(q, container, sides) if away is None else [away]
-            foot = min((foot_between(q, i, j, e) for e in images), key=lambda foot: foot.gap)
-        return SurfaceGap(foot.gap, 0.5 * (foot.x + foot.opposite), sides, 0.0 - foot.normal)
+            feet = ((foot_between(q, i, j, e), e) for e in images)
+            foot, away = min(feet, key=lambda found: found[0].gap)
+        return SurfaceGap(foot.gap, 0.5 * (foot.x + foot.opposite), sides, 0.0 - foot.normal, away)
     if j < len(q):
-        towards = q.centres[j] - q.centres[i]
-        lattice = Lattice(container.periods)
-        towards += -lattice.shift(lattice.nearest(towards[None]))[0] if away is None else away
+        towards, lattice = q.centres[j] - q.centres[i], Lattice(container.periods)
+        if away is None:
+            away = -lattice.shift(lattice.nearest(towards[None]))[0]
+        towards += away
         width = float(np.linalg.norm(towards)) - q.radii[i] - q.radii[j]
     else:
         x, wall = q.centres[i : i + 1], j - len(q)
         towards = -container.normals(x)[0, wall]
         width = float(container.distances(x)[0, wall]) - q.radii[i]
     reach, normal = q.radii[i] + 0.5 * width, towards / np.linalg.norm(towards)
-    return SurfaceGap(float(width), q.centres[i] + reach * normal, sides, normal)
+    return SurfaceGap(float(width), q.centres[i] + reach * normal, sides, normal, away)
 
 
 def _images_near(q: Configuration, container: Container, sides: tuple[int, int]) -> Array:

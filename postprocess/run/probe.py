@@ -73,7 +73,7 @@ def _values(
 
 def _places(run: Run, points: Array, step: int) -> list[str]:
     """The body that holds each point, or "outside"."""
-    q = run.configuration(step)
+    q = run.meshed(step)
     places = np.full(len(points), OUTSIDE, dtype=object)
     for name, body in zip(run.case.names, q.placed, strict=False):
         places[body.signed_distance(points)[0] <= _TOLERANCE * body.outline.radius] = name

@@ -191,6 +191,10 @@ class Run:
         angles = place[:, d:].reshape(start.angles.shape)
         return replace(start, centres=place[:, :d], angles=angles, strain=self.strain(step))
 
+    def meshed(self, step: int) -> Configuration:
+        """Where the fields of a step have the bodies: apart where laws stand for narrow gaps."""
+        return self.case.meshed_at(self.configuration(step), self.time(step))
+
     def wall_distances(self, x: Array) -> Array:
         """Distance of points (n, d) to each wall, (n, walls); in gluey runs not to those far away."""
         if self.viscous:

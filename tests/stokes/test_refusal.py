@@ -15,6 +15,7 @@ from fsi.calibration.pair import pair_of
 from fsi.calibration.sampling import resolved_sample
 from fsi.case.case import Case
 from fsi.case.load import load_case
+from fsi.case.sections import Lubrication
 from fsi.errors import RefusedError, SolveError, apart
 from fsi.meshes.cells.curved import WORST_ACCEPTED
 from fsi.meshes.errors import MeshError
@@ -179,6 +180,10 @@ def test_a_tolerance_that_is_just_missed_says_by_how_much() -> None:
     said = str(_missed(Refinement(case, 1.404e-4, 900), 1.4e-4))
     assert "tolerance = 0.00014: the estimated error came down to 0.0001404, with cells_per_gap = 1, " in said
     assert said.endswith("; raise it, or degree above 2")
+    with_laws = case.model_copy(update={"lubrication": Lubrication(below=0.01)})
+    assert str(_missed(Refinement(with_laws, 1.404e-4, 900), 1.4e-4)).endswith(
+        "; raise it, or degree above 2, or lower lubrication.below = 0.01: a part is of its laws"
+    )
     in_run = str(_missed(Refinement(case, 1e-4, 900), 0.7e-4))
     assert "tolerance = 0.00014: the" in in_run
     assert "came down to 0.0001, not to the 7e-05 that the steps to come need, with" in in_run
