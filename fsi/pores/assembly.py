@@ -89,16 +89,21 @@ class Assembly:
     """The assembled form.
 
     Attributes:
-        K: symmetric, positive semidefinite, (n, n); of fluid of viscosity 1.
+        upper: the upper triangle of the form, (n, n); of fluid of viscosity 1.
         batches: the forms of the pores.
         numbering: of the unknowns.
         fluid: the forms inside fluid discs.
     """
 
-    K: sp.csr_matrix
+    upper: sp.csr_matrix
     batches: list[Batch]
     numbering: Numbering
     fluid: list[FluidForms]
+
+    @property
+    def K(self) -> sp.csr_matrix:
+        """All entries, symmetric and positive semidefinite, made of the triangle where they are asked for."""
+        return sp.csr_matrix(self.upper + sp.triu(self.upper, 1).T)
 
     def inside(self, y: Array) -> Array:
         """What fluid discs add to K y."""

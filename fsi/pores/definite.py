@@ -19,24 +19,24 @@ _TINY = float(np.finfo(float).tiny)
 
 
 class Cholesky:
-    """The factors of the rows and columns of K + diag(D) that are free, n of all."""
+    """The factors of the rows and columns of a symmetric K + diag(D) that are free, n of all."""
 
-    def __init__(self, K: sp.csr_matrix, free: NDArray[np.bool_], D: Array | None = None) -> None:
-        """K symmetric, the columns of each row in ascending order; D of all rows.
+    def __init__(self, upper: sp.csr_matrix, free: NDArray[np.bool_], D: Array | None = None) -> None:
+        """The upper triangle of K, the columns of each row in ascending order; D of all rows.
 
         Raises SolveError: it is not positive definite.
         """
         from cvxopt import matrix, spmatrix  # takes 0.2 s to load: not where nothing is solved
 
-        diagonal = K.diagonal() if D is None else K.diagonal() + D
+        diagonal = upper.diagonal() if D is None else upper.diagonal() + D
         if not np.all(diagonal[free] > 0.0):
             raise SolveError("pores: the motion is not determined: a free body meets no fluid")
         scale = np.zeros(len(free))
         scale[free] = 1.0 / np.sqrt(diagonal[free])
         number = np.where(free, np.cumsum(free) - 1, -1)
         n, self._scale = int(np.count_nonzero(free)), scale[free]
-        entries = [matrix(part) for part in _scaled_lower(K.indptr, K.indices, K.data, (scale, number))]
-        lower = spmatrix(*entries, (n, n), "d")
+        entries = _scaled_lower(upper.indptr, upper.indices, upper.data, (scale, number))
+        lower = spmatrix(*map(matrix, entries), (n, n), "d")
         del entries  # more than all the rest while factors are made
         self._factors = _factors(lower)
 
@@ -62,13 +62,13 @@ class LastFactors:
         """None are known yet."""
         self._last: tuple[NDArray[np.bool_], Array, Cholesky] | None = None
 
-    def of(self, K: sp.csr_matrix, free: NDArray[np.bool_], D: Array) -> Cholesky:
-        """Those of K + diag(D), always of the same K; raises as they do."""
+    def of(self, upper: sp.csr_matrix, free: NDArray[np.bool_], D: Array) -> Cholesky:
+        """Those of K + diag(D), always of the same K, by its upper triangle; raises as they do."""
         if self._last is None or not (
             np.array_equal(free, self._last[0]) and np.array_equal(D, self._last[1])
         ):
             self.forget()  # before others take as much memory
-            self._last = free, D, Cholesky(K, free, D)
+            self._last = free, D, Cholesky(upper, free, D)
         return self._last[2]
 
     def forget(self) -> None:
@@ -99,15 +99,15 @@ def _scaled_lower(
 ) -> tuple[Array, Index, Index]:
     """Values, rows and columns of the lower triangle, column by column, scaled to unit diagonal.
 
-    Of all rows: their scales, and their numbers, -1 where they are left out. The matrix is symmetric: its
-    rows from the diagonal on are these columns.
+    Of all rows of the upper triangle, which are these columns: their scales, and their numbers, -1 where they
+    are left out.
     """
     scale, number = of
     n = 0
     for i in range(len(scale)):
         if number[i] >= 0:
             for p in range(indptr[i], indptr[i + 1]):
-                n += indices[p] >= i and number[indices[p]] >= 0
+                n += number[indices[p]] >= 0
     values, row, column = np.empty(n), np.empty(n, np.int64), np.empty(n, np.int64)
     n = 0
     for i in range(len(scale)):
@@ -115,7 +115,7 @@ def _scaled_lower(
             continue
         for p in range(indptr[i], indptr[i + 1]):
             j = indices[p]
-            if j >= i and number[j] >= 0:
+            if number[j] >= 0:
                 values[n] = scale[i] * data[p] * scale[j] if j > i else 1.0
                 row[n], column[n] = number[j], number[i]
                 n += 1

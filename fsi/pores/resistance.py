@@ -102,7 +102,7 @@ def _schur_complement(system: PoreSystem) -> tuple[Array, Checked]:
         free[walls[1, 3]] = True  # the flux through a channel is a result
     f = np.flatnonzero(free)
     B = K[f][:, body].toarray()
-    factors, inner = Cholesky(K, free), K[f][:, f]
+    factors, inner = Cholesky(system.viscosity * system.assembly.upper, free), K[f][:, f]
     X = factors.solve(B)
     X += factors.solve(B - inner @ X)
     R = K[body][:, body].toarray() - B.T @ X

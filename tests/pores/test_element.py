@@ -153,10 +153,35 @@ def test_velocity_and_stream_function_are_continuous_across_necks() -> None:
         assert np.abs(left.psi - right.psi).max() <= 1e-6 * scale
 
 
-def test_the_form_is_symmetric_and_positive() -> None:
-    K = PoreSystem.make(packing(4), 2, 1.0).assembly.K.toarray()
-    assert np.abs(K - K.T).max() <= 1e-12 * np.abs(K).max()
+@pytest.mark.parametrize("modes", [0, 2, 8])
+def test_forms_of_pores_are_symmetric(modes: int) -> None:
+    """Their upper triangles alone are added up; a transposed term left out would be off by order 1."""
+    assembly = PoreSystem.make(packing(4), modes, 1.0).assembly
+    inside = [fluid.K[None] for fluid in assembly.fluid]
+    for forms in [batch.forms.K for batch in assembly.batches] + inside:
+        size = np.sqrt(np.einsum("ei,ej->eij", *2 * [np.einsum("eii->ei", forms)]))
+        assert np.all(np.abs(forms - forms.swapaxes(1, 2)) <= 1e-12 * size)
+
+
+def test_the_form_is_that_of_its_pores_and_positive() -> None:
+    """Products with all of K, made of its triangle, and with the form of each pore differ by rounding."""
+    system = PoreSystem.make(packing(4), 2, 1.0)
+    assembly, x = system.assembly, np.random.default_rng(0).standard_normal(system.size)
+    of_pores, sizes = assembly.inside(x), np.abs(assembly.inside(np.abs(x)))
+    for batch in assembly.batches:
+        for unknown, K in zip(batch.unknown, batch.forms.K, strict=True):
+            np.add.at(of_pores, unknown, K @ x[unknown])
+            np.add.at(sizes, unknown, np.abs(K) @ np.abs(x[unknown]))
+    assert np.all(np.abs(assembly.K @ x - of_pores) <= 1e-13 * sizes)
+    K = assembly.K.toarray()
     assert np.linalg.eigvalsh(K).min() >= -1e-9 * np.abs(K).max()
+
+
+def test_what_rounding_leaves_of_the_dissipation_counts_each_entry_of_the_form() -> None:
+    """eps |y|^T |K| |y| over the dissipation, with all of K; its triangle alone would be about a half."""
+    flow = sheared(PoreSystem.make(packing(4), 2, 1.0), 7.2)
+    terms = np.abs(flow.y) @ (abs(flow.system.assembly.K) @ np.abs(flow.y))
+    assert flow.rounding == pytest.approx(np.finfo(float).eps * terms / flow.dissipation, rel=1e-12)
 
 
 def test_the_viscosity_of_ten_discs_falls_to_the_exact_one() -> None:
