@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array
 from fsi.compiled import compiled
 from fsi.errors import SolveError
+from fsi.pores.columns import Index, sparse_matrix
 
 _TINY = float(np.finfo(float).tiny)
 
@@ -26,23 +27,23 @@ class Cholesky:
 
         Raises SolveError: it is not positive definite.
         """
-        from cvxopt import matrix, spmatrix  # takes 0.2 s to load: not where nothing is solved
-
         diagonal = upper.diagonal() if D is None else upper.diagonal() + D
         if not np.all(diagonal[free] > 0.0):
             raise SolveError("pores: the motion is not determined: a free body meets no fluid")
         scale = np.zeros(len(free))
         scale[free] = 1.0 / np.sqrt(diagonal[free])
         number = np.where(free, np.cumsum(free) - 1, -1)
-        n, self._scale = int(np.count_nonzero(free)), scale[free]
-        entries = _scaled_lower(upper.indptr, upper.indices, upper.data, (scale, number))
-        lower = spmatrix(*map(matrix, entries), (n, n), "d")
-        del entries  # more than all the rest while factors are made
-        self._factors = _factors(lower)
+        self._scale = scale[free]
+        first = _first(upper.indptr, upper.indices, number)
+
+        def write(row: Index, value: Array) -> None:
+            _write((row, value), (upper.indptr, upper.indices, upper.data), scale, number)
+
+        self._factors = _factors(sparse_matrix(first, write))
 
     def solve(self, b: Array) -> Array:
         """x; b (n,), or one right side a column, (n, k)."""
-        from cvxopt import cholmod, matrix
+        from cvxopt import cholmod, matrix  # takes 0.2 s to load: not where nothing is solved
 
         x = matrix((b.T * self._scale).T)
         cholmod.solve(self._factors, x)
@@ -90,33 +91,35 @@ def _factors(lower: Any) -> Any:
     raise SolveError("pores: the dissipation is not positive: do bodies overlap?")
 
 
-type Index = NDArray[np.int64]
+type Short = NDArray[np.int32]
 
 
 @compiled
-def _scaled_lower(
-    indptr: NDArray[np.int32], indices: NDArray[np.int32], data: Array, of: tuple[Array, Index]
-) -> tuple[Array, Index, Index]:
-    """Values, rows and columns of the lower triangle, column by column, scaled to unit diagonal.
-
-    Of all rows of the upper triangle, which are these columns: their scales, and their numbers, -1 where they
-    are left out.
-    """
-    scale, number = of
-    n = 0
-    for i in range(len(scale)):
+def _first(indptr: Short, indices: Short, number: Index) -> Index:
+    """Where the columns of the lower triangle begin, those that have a number, and their end."""
+    first, n = np.zeros(number.max() + 2, np.int64), 0
+    for i in range(len(number)):
         if number[i] >= 0:
             for p in range(indptr[i], indptr[i + 1]):
                 n += number[indices[p]] >= 0
-    values, row, column = np.empty(n), np.empty(n, np.int64), np.empty(n, np.int64)
-    n = 0
+            first[number[i] + 1] = n
+    return first
+
+
+@compiled
+def _write(
+    columns: tuple[Index, Array], upper: tuple[Short, Short, Array], scale: Array, number: Index
+) -> None:
+    """Rows and values of the lower triangle, column by column, scaled to unit diagonal.
+
+    These columns are the rows of the upper triangle. Of all of them: scales, and numbers, -1 where left out.
+    """
+    (row, value), (indptr, indices, data), n = columns, upper, 0
     for i in range(len(scale)):
         if number[i] < 0:
             continue
         for p in range(indptr[i], indptr[i + 1]):
             j = indices[p]
             if number[j] >= 0:
-                values[n] = scale[i] * data[p] * scale[j] if j > i else 1.0
-                row[n], column[n] = number[j], number[i]
+                row[n], value[n] = number[j], scale[i] * data[p] * scale[j] if j > i else 1.0
                 n += 1
-    return values, row, column
