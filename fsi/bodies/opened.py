@@ -46,6 +46,34 @@ def opened(q: Configuration, container: Container, least: float, solid: tuple[st
     )
 
 
+def way_out(q: Configuration, container: Container, least: float, solid: tuple[str, ...]) -> float:
+    """How wide the widest gap is around that fluid of the plane which gaps shut in most tightly.
+
+    `least` where gaps below that shut nothing in. Gaps are links between bodies, and walls that meet are
+    linked: of links from narrow to wide the first that closes a loop. In a cell loops end at the image where
+    they began, as chains from side to side shut nothing in.
+    """
+    found, near = find_gaps(q, container, least), lubricating(container, solid)
+    body, wall = np.nonzero((found.wall_gaps < least) & near)
+    links = np.vstack([found.pairs, np.column_stack([body, len(q) + wall])])
+    away = np.vstack([found.away, np.zeros((len(body), q.dimension))])
+    width = np.append(found.pair_gaps, found.wall_gaps[body, wall])
+    part, shift = np.arange(len(q) + len(near)), np.zeros((len(q) + len(near), q.dimension))
+    for one, other in container.meetings():
+        if near[one] and near[other]:
+            part[part == part[len(q) + one]] = part[len(q) + other]
+    for k in np.argsort(width):
+        one, other = links[k]
+        apart = shift[other] + away[k] - shift[one]
+        if part[one] != part[other]:
+            joined = part == part[one]
+            shift[joined] += apart
+            part[joined] = part[other]
+        elif container.walls or np.abs(apart).max() < least:
+            return float(width[k])
+    return least
+
+
 def lubricating(container: Container, solid: tuple[str, ...]) -> NDArray[np.bool_]:
     """Which walls are solid and no part of infinity, (walls,)."""
     return np.array([w in solid and w not in container.far_walls for w in container.walls], dtype=bool)

@@ -13,7 +13,7 @@ from rich.text import Text
 
 from fsi.bodies.configuration import Array
 from fsi.bodies.gaps import find_gaps
-from fsi.bodies.opened import lubricating
+from fsi.bodies.opened import lubricating, way_out
 from fsi.case.case import Case
 from fsi.integration.errors import ErrorEstimate, StressErrors
 from fsi.observables.bulk_stress import BulkStress
@@ -116,10 +116,14 @@ def _laws_line(case: Case, dissipation: float) -> str:
     below, q, container = case.lubrication.below, case.configuration(), case.container()
     assert below is not None  # with whom there are laws
     gaps = find_gaps(q, container, below)
-    walls = lubricating(container, tuple(case.wall_velocity(0.0)))
+    solid = tuple(case.wall_velocity(0.0))
+    walls = lubricating(container, solid)
     opened = int((gaps.pair_gaps < below).sum() + (gaps.wall_gaps[:, walls] < below).sum())
     meshed = f"gaps below {below:g}, meshed at least as wide as that: {opened}"
-    return f"{meshed}; {dissipation:.6g} of the dissipation is that of laws there"
+    said = f"{meshed}; {dissipation:.6g} of the dissipation is that of laws there"
+    if case.geometry != "planar" or (widest := way_out(q, container, below, solid)) == below:
+        return said
+    return f"{said}; no law knows the pressure of fluid that gaps of {widest:.3g} or less shut in"
 
 
 def _solver(solution: SolvedFlow) -> str:

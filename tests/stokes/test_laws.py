@@ -286,6 +286,19 @@ def test_nothing_jumps_where_a_lattice_takes_another_basis() -> None:
         assert_allclose(other.bulk.stresslets, one.bulk.stresslets, atol=1e-7)
 
 
+@pytest.mark.parametrize("gap", [0.02, 0.005, 0.001])
+def test_bars_hold_where_gaps_shut_fluid_in(gap: float) -> None:
+    """In the corner of a box, where a disc has 0.38 to 0.001 of its force; bars were 300 times too short."""
+    box = {"lower": [0.0, 0.0], "upper": [6.0, 6.0]}
+    held = [{"name": "a", "radius": 1.0, "position": [1.0 + gap] * 2, "angular_velocity": 0.2}]
+    held[0]["velocity"] = [0.3, 0.5]
+    data = {"name": "laws", "domain": box, "bodies": held, "fluid": {"viscosity": 2.0}}
+    found = solve_with_errors(parse_case(data | {"lubrication": {"below": 0.03}}))
+    off = np.abs(found.solution.F - solved(held, None, domain=box).F)
+    assert np.all(off < found.errors.F)
+    assert np.max(off / found.errors.F) > 0.2
+
+
 def test_a_stresslet_is_shared_as_radii_are() -> None:
     """Of two unequal discs in a cell, their shear parts: measured 0.4 and 2.7 %, in halves 5 and 22 % off."""
     cell = {"shape": "cell", "vectors": [[6.0, 0.0], [0.0, 6.0]], "shear": 1.0}
