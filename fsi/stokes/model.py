@@ -87,8 +87,8 @@ class StokesModel:
         if self.case.geometry != "planar":
             return OF_LAWS
         d = way_out(q, self._around(q, t), below, tuple(boundary_of(self.case, t).velocities))
-        easier: float = (below / d) ** 2.5
-        return max(OF_LAWS, WAYS_OUT * (easier - 1.0) / (2.0**2.5 - 1.0))
+        unknown: float = ((below / d) ** 2.5 - 1.0) / (2.0**2.5 - 1.0)
+        return max(OF_LAWS, WAYS_OUT * unknown)
 
     def _of_half_the_gap(self, below: float, q: Configuration, t: float, motion: Motion) -> StokesSolution:
         """The flow in which laws act below half the gap: it differs by most of what they miss."""
