@@ -16,8 +16,9 @@ from fsi.integration.state import StepRecord
 from fsi.postprocess.run.run import Run, open_run
 from fsi.runs import resume, run
 from fsi.stokes.model import StokesModel
+from tests.commands import fsi_command
 from tests.ranks import python_on
-from tests.small_run import contents
+from tests.small_run import contents, rows
 
 # The last vector leans by half of the first at t = 0.02, from when on the difference of both is shorter.
 SPACE = {
@@ -100,6 +101,28 @@ def test_each_instant_of_a_run_is_that_of_its_bodies_solved_anew(
         np.testing.assert_allclose(V, found.U[:, :d], atol=mesh_error)
         np.testing.assert_allclose(S, wanted, atol=mesh_error * np.abs(wanted).max())
         np.testing.assert_allclose(row["apparent_viscosity"], found.apparent_viscosity, rtol=mesh_error)
+
+
+@pytest.mark.parametrize(("x", "shut_in"), [(1.01, "1"), (1.2, "0")])
+def test_a_run_says_that_fluid_is_shut_in(
+    x: float, shut_in: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A disc in a corner, both its gaps, or one, below that of laws: a column, and a line at the end."""
+    data = {
+        "name": "corner",
+        "fluid": {"viscosity": 1.0},
+        "domain": {"lower": [0.0, 0.0], "upper": [4.0, 4.0]},
+        "bodies": [{"name": "disc", "radius": 1.0, "position": [x, 1.01], "force": [0.0, -1e-3]}],
+        "discretisation": {"cells_per_circle": 16},
+        "lubrication": {"below": 0.05},
+        "time": {"end": 0.01, "first_step": 0.01},
+        "output": {"fields": False},
+    }
+    (tmp_path / "corner.toml").write_text(parse_case(data).as_toml())
+    assert fsi_command("run", tmp_path / "corner.toml", "--output", tmp_path / "run") == 0
+    told = "note: from t = 0 gaps below lubrication.below shut fluid in, whose pressure no law knows:"
+    assert (told in capsys.readouterr().out) == (shut_in == "1")
+    assert {row["shut_in"] for row in rows(tmp_path / "run" / "steps.csv")} == {shut_in}
 
 
 @pytest.mark.mpi

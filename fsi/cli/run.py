@@ -25,6 +25,8 @@ NOTES = {
     "solid_contacts": "films are thinner than the roughness (delta_eps < delta): the gluey model makes no "
     "sense there, contact is solid",
     "mesh_instead": "the sizes of the case gave some steps no valid mesh, and they took finer ones",
+    "shut_in": "gaps below lubrication.below shut fluid in, whose pressure no law knows: bodies there may "
+    "move wrongly, error bars say by how much; give a smaller one",
 }
 
 WATCH_EXAMPLE = "Example: fsi watch runs/settling_disc"

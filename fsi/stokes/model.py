@@ -84,11 +84,14 @@ class StokesModel:
         In the plane fluid that gaps of d shut in gets out as d^(5/2): by how much opened gaps change that,
         ((c/d)^(5/2) - 1) / (2^(5/2) - 1) times as much as half of them.
         """
-        if self.case.geometry != "planar":
-            return OF_LAWS
-        d = way_out(q, self._around(q, t), below, tuple(boundary_of(self.case, t).velocities))
-        unknown: float = ((below / d) ** 2.5 - 1.0) / (2.0**2.5 - 1.0)
+        unknown: float = ((below / self._way_out(below, q, t)) ** 2.5 - 1.0) / (2.0**2.5 - 1.0)
         return max(OF_LAWS, WAYS_OUT * unknown)
+
+    def _way_out(self, below: float, q: Configuration, t: float) -> float:
+        """d of the gaps that shut fluid in most tightly, `below` where none narrower do, as in space."""
+        if self.case.geometry != "planar":
+            return below
+        return way_out(q, self._around(q, t), below, tuple(boundary_of(self.case, t).velocities))
 
     def _of_half_the_gap(self, below: float, q: Configuration, t: float, motion: Motion) -> StokesSolution:
         """The flow in which laws act below half the gap: it differs by most of what they miss."""
@@ -132,7 +135,8 @@ class StokesModel:
         if (below := case.lubrication.below) is None:
             return problem
         gaps = OpenedGaps(q, meshed, container, below, tuple(boundary.velocities), case.spheres, mu)
-        return replace(problem, laws=pair_laws(gaps.rates(), problem, q))
+        laws = replace(pair_laws(gaps.rates(), problem, q), shut_in=self._way_out(below, q, t) < below)
+        return replace(problem, laws=laws)
 
     def mesh(self, q: Configuration, t: float = 0.0) -> FluidMesh:
         """A new mesh around the bodies at q and t, or the user's own."""

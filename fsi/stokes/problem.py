@@ -95,6 +95,7 @@ class PairLaws:
         carried: how much faster than U the mean flow makes bodies move there, (N, M).
         share: of a stresslet on either body, as their radii are to their sum, (R, 2).
         gap: the part that the gap has in the distance of the centres, beside a wall from it, (R,).
+        shut_in: whether gaps where laws act shut fluid in, whose pressure no law knows.
     """
 
     G: Array
@@ -108,6 +109,7 @@ class PairLaws:
     carried: Array
     share: Array
     gap: Array
+    shut_in: bool = False
 
     def at_rest(self) -> PairLaws:
         """The same between walls and images at rest, without a mean flow."""

@@ -71,6 +71,8 @@ class StokesSolution(SolvedFlow):
         record["dissipation"] = self.dissipation
         if self.law_dissipation is not None:
             record["law_dissipation"] = self.law_dissipation
+        if self.problem.laws is not None:
+            record["shut_in"] = int(self.problem.laws.shut_in)
         if self.slip_dissipation is not None:
             record["slip_dissipation"] = self.slip_dissipation
         if self.U.shape[1] == len(MODES[3]):
