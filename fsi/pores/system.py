@@ -8,6 +8,7 @@ from time import process_time
 import numpy as np
 
 from fsi.bodies.configuration import Array
+from fsi.machine import keep_freed
 from fsi.pores.assembly import Assembly, assemble
 from fsi.pores.definite import LastFactors
 from fsi.pores.fluid_discs import pores_without_wide
@@ -54,6 +55,7 @@ class PoreSystem:
     @classmethod
     def of(cls, bodies: int, pores: Pores, modes: Index, viscosity: float) -> PoreSystem:
         """With numbers of modes for the necks, (K,). Raises NoPoresError."""
+        keep_freed()
         shapes = shapes_of(pores)
         assembly = assemble(pores, shapes, modes)
         _require_regions(pores, assembly)

@@ -6,38 +6,19 @@ given, where they still fit: the same mesh, the same rows held and tied. Otherwi
 always those of the mesh as it is, so that results do not depend on what the workspace had before.
 """
 
-import ctypes
-import platform
 from contextlib import AbstractContextManager
 from dataclasses import fields
-from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 import fsi.parallel as parallel
+from fsi.machine import keep_freed
 from fsi.meshes.build import FluidMesh
 from fsi.stokes.discretisation.cells import StokesCells
 from fsi.stokes.discretisation.constraints import DofLayout, RigidModes
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.solvers.reduced import Added, Elimination
-
-# <malloc.h> of glibc
-M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3
-MOST_KEPT, LARGEST = 2**31 - 1, 2**30  # bytes; what exceeds LARGEST still goes back when it is freed
-
-
-@cache
-def keep_freed() -> None:
-    """Let glibc keep what one solve frees and the next one wants again, for this process.
-
-    Given back, it would return page by page, cleared: a step of some hundred megabytes loses a twelfth of its
-    time so. Elsewhere than on glibc: nothing.
-    """
-    if platform.libc_ver()[0] == "glibc":
-        libc = ctypes.CDLL(None)
-        libc.mallopt(M_TRIM_THRESHOLD, MOST_KEPT)
-        libc.mallopt(M_MMAP_THRESHOLD, LARGEST)
 
 
 class Workspace(AbstractContextManager["Workspace"]):
