@@ -89,13 +89,13 @@ class Assembly:
     """The assembled form.
 
     Attributes:
-        upper: the upper triangle of the form, (n, n); of fluid of viscosity 1.
+        lower: the lower triangle of the form, (n, n); of fluid of viscosity 1.
         batches: the forms of the pores.
         numbering: of the unknowns.
         fluid: the forms inside fluid discs.
     """
 
-    upper: sp.csr_matrix
+    lower: sp.csr_matrix
     batches: list[Batch]
     numbering: Numbering
     fluid: list[FluidForms]
@@ -103,7 +103,7 @@ class Assembly:
     @property
     def K(self) -> sp.csr_matrix:
         """All entries, symmetric and positive semidefinite, made of the triangle where they are asked for."""
-        return sp.csr_matrix(self.upper + sp.triu(self.upper, 1).T)
+        return sp.csr_matrix(self.lower + sp.tril(self.lower, -1).T)
 
     def inside(self, y: Array) -> Array:
         """What fluid discs add to K y."""

@@ -22,22 +22,22 @@ _TINY = float(np.finfo(float).tiny)
 class Cholesky:
     """The factors of the rows and columns of a symmetric K + diag(D) that are free, n of all."""
 
-    def __init__(self, upper: sp.csr_matrix, free: NDArray[np.bool_], D: Array | None = None) -> None:
-        """The upper triangle of K, the columns of each row in ascending order; D of all rows.
+    def __init__(self, lower: sp.csr_matrix, free: NDArray[np.bool_], D: Array | None = None) -> None:
+        """The lower triangle of K, the columns of each row in ascending order; D of all rows.
 
         Raises SolveError: it is not positive definite.
         """
-        diagonal = upper.diagonal() if D is None else upper.diagonal() + D
+        diagonal = lower.diagonal() if D is None else lower.diagonal() + D
         if not np.all(diagonal[free] > 0.0):
             raise SolveError("pores: the motion is not determined: a free body meets no fluid")
         scale = np.zeros(len(free))
         scale[free] = 1.0 / np.sqrt(diagonal[free])
         number = np.where(free, np.cumsum(free) - 1, -1)
         self._scale = scale[free]
-        first = _first(upper.indptr, upper.indices, number)
+        first = _first(lower.indptr, lower.indices, number)
 
         def write(row: Index, value: Array) -> None:
-            _write((row, value), (upper.indptr, upper.indices, upper.data), scale, number)
+            _write((row, value), (lower.indptr, lower.indices, lower.data), scale, number)
 
         self._factors = _factors(sparse_matrix(first, write))
 
@@ -63,13 +63,13 @@ class LastFactors:
         """None are known yet."""
         self._last: tuple[NDArray[np.bool_], Array, Cholesky] | None = None
 
-    def of(self, upper: sp.csr_matrix, free: NDArray[np.bool_], D: Array) -> Cholesky:
-        """Those of K + diag(D), always of the same K, by its upper triangle; raises as they do."""
+    def of(self, lower: sp.csr_matrix, free: NDArray[np.bool_], D: Array) -> Cholesky:
+        """Those of K + diag(D), always of the same K, by its lower triangle; raises as they do."""
         if self._last is None or not (
             np.array_equal(free, self._last[0]) and np.array_equal(D, self._last[1])
         ):
             self.forget()  # before others take as much memory
-            self._last = free, D, Cholesky(upper, free, D)
+            self._last = free, D, Cholesky(lower, free, D)
         return self._last[2]
 
     def forget(self) -> None:
@@ -77,14 +77,14 @@ class LastFactors:
         self._last = None
 
 
-def _factors(lower: Any) -> Any:
-    """Those of a matrix with this lower triangle. Raises SolveError: a pivot is 0."""
+def _factors(upper: Any) -> Any:
+    """Those of a matrix with this upper triangle. Raises SolveError: a pivot is 0."""
     from cvxopt import cholmod
 
     for cholmod.options["supernodal"] in (2, 0):  # L L^T, then L D L^T
-        factors = cholmod.symbolic(lower, uplo="L")
+        factors = cholmod.symbolic(upper, uplo="U")
         try:
-            cholmod.numeric(lower, factors)
+            cholmod.numeric(upper, factors)
         except ArithmeticError:
             continue
         return factors
@@ -96,7 +96,7 @@ type Short = NDArray[np.int32]
 
 @compiled
 def _first(indptr: Short, indices: Short, number: Index) -> Index:
-    """Where the columns of the lower triangle begin, those that have a number, and their end."""
+    """Where the columns of the upper triangle begin, those that have a number, and their end."""
     first, n = np.zeros(number.max() + 2, np.int64), 0
     for i in range(len(number)):
         if number[i] >= 0:
@@ -108,18 +108,18 @@ def _first(indptr: Short, indices: Short, number: Index) -> Index:
 
 @compiled
 def _write(
-    columns: tuple[Index, Array], upper: tuple[Short, Short, Array], scale: Array, number: Index
+    columns: tuple[Index, Array], lower: tuple[Short, Short, Array], scale: Array, number: Index
 ) -> None:
-    """Rows and values of the lower triangle, column by column, scaled to unit diagonal.
+    """Rows and values of the upper triangle, column by column, scaled to unit diagonal.
 
-    These columns are the rows of the upper triangle. Of all of them: scales, and numbers, -1 where left out.
+    These columns are the rows of the lower triangle. Of all of them: scales, and numbers, -1 where left out.
     """
-    (row, value), (indptr, indices, data), n = columns, upper, 0
+    (row, value), (indptr, indices, data), n = columns, lower, 0
     for i in range(len(scale)):
         if number[i] < 0:
             continue
         for p in range(indptr[i], indptr[i + 1]):
             j = indices[p]
             if number[j] >= 0:
-                row[n], value[n] = number[j], scale[i] * data[p] * scale[j] if j > i else 1.0
+                row[n], value[n] = number[j], scale[i] * data[p] * scale[j] if j < i else 1.0
                 n += 1

@@ -2,7 +2,7 @@
 
 A member of a pore is a surface or a neck, whose unknowns follow each other. Of members that meet all unknowns
 meet: a row of the matrix is made of pieces, one for each member that its own one meets. Forms are symmetric:
-rows begin at the diagonal, and the members listed are those from the own one on.
+rows end at the diagonal, and the members listed are those up to the own one.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ class Pattern(NamedTuple):
     Attributes:
         start: first unknown of each member, and their end, (n + 1,).
         first: where the list of those that each member meets begins, (n + 1,).
-        other: these lists, ascending, of the member itself and those after it.
+        other: these lists, ascending, of those before the member and itself.
         place: how many unknowns come before, of those listed.
-        indptr: of rows from the diagonal on, as SciPy has it.
+        indptr: of rows up to the diagonal, as SciPy has it.
         indices: of columns.
     """
 
@@ -42,7 +42,7 @@ class Pattern(NamedTuple):
     indices: Short
 
     def matrix(self, data: Array) -> sp.csr_matrix:
-        """The upper triangle with these entries."""
+        """The lower triangle with these entries."""
         n = int(self.start[-1])
         return sp.csr_matrix((data, self.indices, self.indptr), shape=(n, n))
 
@@ -53,16 +53,14 @@ def pattern_of(members: Index, start: Index) -> Pattern:
     size = np.diff(start)
     before = np.cumsum(size[other]) - size[other]
     place = before - np.repeat(before[first[:-1]], np.diff(first))
-    row = np.add.reduceat(size[other], first[:-1])
-    before_diagonal = np.arange(start[-1]) - np.repeat(start[:-1], size)
-    entries = np.cumsum(np.repeat(row, size) - before_diagonal)
-    indptr = np.concatenate([[0], entries]).astype(np.int32)
+    row = 1 + np.arange(start[-1]) + np.repeat(place[first[1:] - 1] - start[:-1], size)
+    indptr = np.concatenate([[0], np.cumsum(row)]).astype(np.int32)
     return Pattern(start, first, other, place, indptr, _columns(start, first, other, int(indptr[-1])))
 
 
 @compiled
 def _meetings(members: Index, count: int) -> tuple[Index, Index]:
-    """Whom of those from it on each member meets: where its list begins, and the lists."""
+    """Whom of those up to it each member meets: where its list begins, and the lists."""
     at = np.zeros(count + 1, np.int64)
     for pore in members:
         for i in range(_MEMBERS):
@@ -82,7 +80,7 @@ def _meetings(members: Index, count: int) -> tuple[Index, Index]:
         n = _put_in_order(other, begin, n, member)
         for p in range(at[member], at[member + 1]):
             for i in range(_MEMBERS):
-                if members[pores[p], i] > member:
+                if 0 <= members[pores[p], i] < member:
                     n = _put_in_order(other, begin, n, members[pores[p], i])
         first[member + 1] = n
     return first, other[:n].copy()
@@ -104,12 +102,12 @@ def _put_in_order(numbers: Index, begin: int, end: int, number: int) -> int:
 
 @compiled
 def _columns(start: Index, first: Index, other: Index, entries: int) -> Short:
-    """The columns of all rows, from the diagonal on."""
+    """The columns of all rows, up to the diagonal."""
     columns, n = np.empty(entries, np.int32), 0
     for member in range(len(first) - 1):
         for row in range(start[member], start[member + 1]):
             for p in range(first[member], first[member + 1]):
-                for column in range(max(row, start[other[p]]), start[other[p] + 1]):
+                for column in range(start[other[p]], min(start[other[p] + 1], row + 1)):
                     columns[n] = column
                     n += 1
     return columns
@@ -131,7 +129,7 @@ def add_forms(data: Array, pattern: Pattern, members: Index, forms: Array) -> No
                 if other < 0:
                     continue
                 width = pattern.start[other + 1] - pattern.start[other]
-                if other >= member:
+                if other <= member:
                     piece = forms[e, row : row + size, column : column + width]
                     _add_piece(data, pattern, (member, other), piece)
                 column += width
@@ -140,12 +138,12 @@ def add_forms(data: Array, pattern: Pattern, members: Index, forms: Array) -> No
 
 @internal
 def _add_piece(data: Array, pattern: Pattern, pair: tuple[int, int], piece: Array) -> None:
-    """Add what a member and one from it on have of a form; of one with itself the triangle."""
+    """Add what a member and one up to it have of a form; of one with itself the triangle."""
     member, other = pair
     p = pattern.first[member]
     while pattern.other[p] != other:
         p += 1
     for a in range(len(piece)):
-        at = pattern.indptr[pattern.start[member] + a] + pattern.place[p] - a
-        for b in range(a if other == member else 0, piece.shape[1]):
+        at = pattern.indptr[pattern.start[member] + a] + pattern.place[p]
+        for b in range(a + 1 if other == member else piece.shape[1]):
             data[at + b] += piece[a, b]

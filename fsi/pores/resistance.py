@@ -102,11 +102,13 @@ def _schur_complement(system: PoreSystem) -> tuple[Array, Checked]:
         free[walls[1, 3]] = True  # the flux through a channel is a result
     f = np.flatnonzero(free)
     B = K[f][:, body].toarray()
-    factors, inner = Cholesky(system.viscosity * system.assembly.upper, free), K[f][:, f]
+    factors, inner = Cholesky(system.viscosity * system.assembly.lower, free), K[f][:, f]
     X = factors.solve(B)
     X += factors.solve(B - inner @ X)
     R = K[body][:, body].toarray() - B.T @ X
     x = np.zeros((system.size, len(body)))
     x[f], x[body] = np.abs(X), np.eye(len(body))
     terms = np.einsum("nj,nj->j", x, abs(K) @ x)
-    return R, Checked(factors.residual(B - inner @ X, B), EPSILON * terms / np.diag(R))
+    with np.errstate(divide="ignore"):  # where all digits have cancelled
+        rounding = EPSILON * terms / np.diag(R)
+    return R, Checked(factors.residual(B - inner @ X, B), rounding)

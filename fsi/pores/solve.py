@@ -97,8 +97,8 @@ class PoreFlow:
     @property
     def rounding(self) -> float:
         """What cancelling digits may leave of the dissipation, relative: eps |x|^T |K| |x| / x^T K x."""
-        y, upper = np.abs(self.y), abs(self.system.assembly.upper)
-        terms = 2.0 * y @ (upper @ y) - upper.diagonal() @ y**2
+        y, lower = np.abs(self.y), abs(self.system.assembly.lower)
+        terms = 2.0 * y @ (lower @ y) - lower.diagonal() @ y**2
         return float(EPSILON * self.system.viscosity * terms / (self.dissipation + _TINY))
 
     @property
@@ -162,7 +162,7 @@ def solve_pores(system: PoreSystem, loading: PoreLoading) -> PoreFlow:
         return np.asarray(b - of_base - mu * product(system, y) - D * (y + base))[free]
 
     rhs = left(y)
-    factors = system.factors.of(system.assembly.upper, free, D / mu)
+    factors = system.factors.of(system.assembly.lower, free, D / mu)
     y[free] = factors.solve(rhs) / mu
     y[free] += factors.solve(left(y)) / mu
     Ky = mu * product(system, y)

@@ -20,10 +20,10 @@ def form(n: int, seed: int) -> sp.csr_matrix:
 
 
 def triangle(K: sp.csr_matrix) -> sp.csr_matrix:
-    """The upper one, columns in ascending order."""
-    upper = sp.triu(K, format="csr")
-    upper.sort_indices()
-    return upper
+    """The lower one, columns in ascending order."""
+    lower = sp.tril(K, format="csr")
+    lower.sort_indices()
+    return lower
 
 
 @given(n=st.integers(2, 40), columns=st.integers(0, 3), seed=st.integers(0, 99))

@@ -155,7 +155,7 @@ def test_velocity_and_stream_function_are_continuous_across_necks() -> None:
 
 @pytest.mark.parametrize("modes", [0, 2, 8])
 def test_forms_of_pores_are_symmetric(modes: int) -> None:
-    """Their upper triangles alone are added up; a transposed term left out would be off by order 1."""
+    """Their lower triangles alone are added up; a transposed term left out would be off by order 1."""
     assembly = PoreSystem.make(packing(4), modes, 1.0).assembly
     inside = [fluid.K[None] for fluid in assembly.fluid]
     for forms in [batch.forms.K for batch in assembly.batches] + inside:

@@ -26,4 +26,4 @@ def test_forms_of_any_members_add_up(seed: int, pores: int, count: int) -> None:
         add_forms(data, pattern, pore[None], form[None])
     found = pattern.matrix(data)
     assert found.has_canonical_format
-    assert found.toarray() == pytest.approx(np.triu(exact), abs=1e-12)
+    assert found.toarray() == pytest.approx(np.tril(exact), abs=1e-12)
