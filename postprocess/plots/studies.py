@@ -20,7 +20,7 @@ from fsi.postprocess.plots.figure import BLUE, COLOURS, GREY, ORANGE, saved_figu
 from fsi.validation.rows import SPHERE, TERMS, Row
 
 _NAMED = 10  # most bodies that get a colour and a name
-_SPACE = 2  # between the rows of two cases
+_CASE, _SPACE = 0.2, 0.2  # inches for the name of a case, and the part of it between the rows of two
 _FLOOR = 1e-14  # where a true error of zero is drawn
 _MARKS = 8  # on a curve
 _MARKERS = "os^Dv<>Ph*"
@@ -102,10 +102,12 @@ def plot_levels(paths: Trajectories, viscosities: ViscosityHistories | None, pat
 
 def plot_rows(rows: Sequence[Row], path: Path) -> None:
     """Draw the rows into a PNG file. Raises InputError where it cannot be written."""
-    with saved_figure(path, (8.0, 8.0)) as figure:
-        upper, lower = figure.subplots(2, 1)
-        _draw_sphere(upper, [row for row in rows if row.exact == SPHERE and not row.failure])
-        _draw_errors(lower, [row for row in rows if not row.failure])
+    solved = [row for row in rows if not row.failure]
+    heights = (3.5, max(2.5, _CASE * len({row.case for row in solved})))
+    with saved_figure(path, (9.0, sum(heights) + 0.5)) as figure:
+        upper, lower = figure.subplots(2, 1, height_ratios=heights)
+        _draw_sphere(upper, [row for row in solved if row.exact == SPHERE])
+        _draw_errors(lower, solved)
 
 
 def _draw_sphere(axes: Axes, rows: Sequence[Row]) -> None:
@@ -127,16 +129,21 @@ def _draw_sphere(axes: Axes, rows: Sequence[Row]) -> None:
 
 
 def _draw_errors(axes: Axes, rows: Sequence[Row]) -> None:
-    """True errors of all rows, with bars from a tenth of the estimate to the estimate."""
-    names = [row.case for row in rows]
-    begins = np.array([k == 0 or names[k] != names[k - 1] for k in range(len(names))])
-    place = np.arange(len(rows)) + _SPACE * np.cumsum(begins)
+    """True errors of all rows, case below case, with bars from a tenth of the estimate to the estimate."""
+    names, place = np.array([row.case for row in rows]), np.empty(len(rows))
+    cases = [*dict.fromkeys(names.tolist())]
+    for k, case in enumerate(cases):
+        place[names == case] = k + _within(int(np.count_nonzero(names == case)))
     bar = np.array([row.error_bar for row in rows])
-    axes.vlines(place, 0.1 * bar, bar, color=COLOURS[0], lw=3, alpha=0.5, label="estimate, down to a tenth")
-    axes.plot(place, [max(row.true_error, _FLOOR) for row in rows], "o", color=COLOURS[1], ms=4, label="true")
-    axes.plot(place, [row.rtol for row in rows], "_", color="black", label="tolerance")
-    axes.set(yscale="log", ylabel="relative error")
-    labels = [names[k] for k in np.flatnonzero(begins)]
-    axes.set_xticks(place[begins], labels, rotation=45, ha="right", fontsize=8)
-    axes.legend(ncols=3)
-    axes.grid(visible=False, axis="x")
+    axes.hlines(place, 0.1 * bar, bar, color=COLOURS[0], lw=2, alpha=0.5, label="estimate, down to a tenth")
+    axes.plot([max(row.true_error, _FLOOR) for row in rows], place, "o", color=COLOURS[1], ms=3, label="true")
+    axes.plot([row.rtol for row in rows], place, "|", color="black", label="tolerance")
+    axes.set(xscale="log", xlabel="relative error", ylim=(max(len(cases), 1) - 0.5, -0.5))
+    axes.set_yticks(range(len(cases)), cases, fontsize=8)
+    axes.legend(fontsize=8)
+    axes.grid(visible=False, axis="y")
+
+
+def _within(count: int) -> Array:
+    """Where so many rows of a case are drawn, about its name."""
+    return (1.0 - _SPACE) * ((np.arange(count) + 0.5) / count - 0.5)
