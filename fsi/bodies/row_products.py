@@ -5,7 +5,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
-from fsi.compiled import compiled
+from fsi.machine.compiled import compiled
 
 type Columns = tuple[NDArray[np.int32], ...]
 type Entries = tuple[Array, ...]

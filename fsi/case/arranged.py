@@ -12,7 +12,7 @@ from fsi.arrangements.names import CellKind, Kind, Outline, Sizes
 from fsi.case.complaints import explain
 from fsi.case.section import Section, toml_text, tuples
 from fsi.errors import InputError
-from fsi.machine import require_memory
+from fsi.machine.resources import require_memory
 
 if TYPE_CHECKING:  # few cases arrange bodies, and what does loads SciPy and NumPy's random numbers
     from fsi.arrangements.arrangement import Arrangement

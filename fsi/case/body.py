@@ -35,7 +35,7 @@ from fsi.case.section import (
 from fsi.case.series import Angle, Component, Series, Spin, Torque
 from fsi.case.shapes.shape import Shape
 from fsi.errors import InputError
-from fsi.machine import require_memory
+from fsi.machine.resources import require_memory
 from fsi.meshes.geometry.ellipsoid import Ellipsoid
 from fsi.meshes.geometry.outline import Outline
 from fsi.meshes.geometry.revolved import BodyOfRevolution

@@ -11,7 +11,7 @@ import fsi.parallel as parallel
 from fsi.arrangements.names import CellKind, Kind, Outline, Sizes
 from fsi.cli.arguments import option, output_to, require_writable, warn
 from fsi.errors import InputError
-from fsi.machine import require_memory
+from fsi.machine.resources import require_memory
 
 if TYPE_CHECKING:
     from fsi.arrangements.arrangement import Arrangement, Wanted

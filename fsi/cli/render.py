@@ -6,7 +6,7 @@ from typing import Annotated
 import fsi.parallel as parallel
 from fsi.cli.arguments import RunFolder, Step, numbers, option, output_to, tell
 from fsi.errors import InputError
-from fsi.machine import require_memory
+from fsi.machine.resources import require_memory
 from fsi.postprocess.render.fields import field_names
 
 _LARGEST = 1e30  # end of colours: those of VTK are single numbers

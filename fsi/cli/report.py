@@ -8,7 +8,7 @@ import typer
 import fsi.parallel as parallel
 from fsi.cli.arguments import RunFolder, Step, numbers, option, output_to, require_writable, tell
 from fsi.errors import InputError
-from fsi.machine import require_memory
+from fsi.machine.resources import require_memory
 
 if TYPE_CHECKING:
     from pandas import DataFrame

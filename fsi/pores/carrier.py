@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fsi.bodies.configuration import Array
-from fsi.compiled import compiled, internal
+from fsi.machine.compiled import compiled, internal
 from fsi.pores.assembly import Batch
 from fsi.pores.orders import numbers_of
 from fsi.pores.pattern import Index

@@ -13,12 +13,11 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
+from fsi.pores.pattern import Index
 
-type Index = NDArray[np.int64]
 # Writes the rows of all entries, ascending in each column, and their values.
 type Writer = Callable[[Index, Array], None]
 

@@ -12,9 +12,10 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
-from fsi.compiled import compiled
 from fsi.errors import SolveError
-from fsi.pores.columns import Index, sparse_matrix
+from fsi.machine.compiled import compiled
+from fsi.pores.columns import sparse_matrix
+from fsi.pores.pattern import Index, Short
 
 _TINY = float(np.finfo(float).tiny)
 
@@ -89,9 +90,6 @@ def _factors(upper: Any) -> Any:
             continue
         return factors
     raise SolveError("pores: the dissipation is not positive: do bodies overlap?")
-
-
-type Short = NDArray[np.int32]
 
 
 @compiled

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
-from fsi.compiled import internal, vectorised
+from fsi.machine.compiled import internal, vectorised
 
 # A bubble that others span to this part of its own dissipation, as rounding leaves it, is left out.
 _DEPENDENT = 1e-14

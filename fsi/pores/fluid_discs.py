@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.compiled import compiled, internal
+from fsi.machine.compiled import compiled, internal
 from fsi.pores.links import Corner, Links, across, corner, moved, step
 from fsi.pores.power import locate
 from fsi.pores.shape import clearance, distance, from_neck, inscribed, neck

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fsi.bodies.configuration import Array
-from fsi.compiled import compiled, inlined, internal
+from fsi.machine.compiled import compiled, inlined, internal
 from fsi.pores.elimination import least_bubbles, squares, take_off
 from fsi.pores.jets import AT_ONCE
 from fsi.pores.orders import Orders

@@ -15,7 +15,7 @@ takes several points at once.
 import numpy as np
 
 from fsi.bodies.configuration import Array
-from fsi.compiled import inlined, vectorised
+from fsi.machine.compiled import inlined, vectorised
 
 AT_ONCE = 32  # points
 

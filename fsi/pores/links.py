@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fsi.compiled import internal
+from fsi.machine.compiled import internal
 from fsi.pores.surfaces import CONTAINER, DISC, WALL, Bodies, Shapes
 
 type Corner = tuple[int, float, float]

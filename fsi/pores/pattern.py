@@ -14,7 +14,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
-from fsi.compiled import compiled, internal
+from fsi.machine.compiled import compiled, internal
 
 type Index = NDArray[np.int64]
 type Short = NDArray[np.int32]

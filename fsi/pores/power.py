@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsi.compiled import compiled, internal
+from fsi.machine.compiled import compiled, internal
 from fsi.pores.links import Corner, Links, across, corner, cross, flip, moved, placed, split, step, turn
 from fsi.pores.surfaces import DISC, WALL, Bodies, Shapes
 

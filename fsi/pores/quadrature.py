@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
-from fsi.compiled import compiled, inlined, internal
+from fsi.machine.compiled import compiled, inlined, internal
 from fsi.pores.pore_data import (
     CENTRE,
     DIRECTION,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
-from fsi.compiled import compiled, internal
+from fsi.machine.compiled import compiled, internal
 from fsi.pores.surfaces import CONTAINER, DISC, WALL
 from fsi.pores.topology import Pores
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.compiled import compiled, internal
+from fsi.machine.compiled import compiled, internal
 from fsi.pores.links import Corner, Links, across, cross, flip, turn
 from fsi.pores.surfaces import CONTAINER, DISC, WALL, Array, Bodies, Shapes
 

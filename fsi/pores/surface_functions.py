@@ -3,7 +3,7 @@
 import numpy as np
 
 from fsi.bodies.configuration import Array
-from fsi.compiled import inlined, vectorised
+from fsi.machine.compiled import inlined, vectorised
 from fsi.pores.jets import AT_ONCE, Jet, combined, load, plus, product, scaled, times
 from fsi.pores.orders import CUBIC
 from fsi.pores.pore_data import CENTRE, IS_WALL, RADIUS, REFERENCE, SIGN, Complex

@@ -8,7 +8,7 @@ from time import process_time
 import numpy as np
 
 from fsi.bodies.configuration import Array
-from fsi.machine import keep_freed
+from fsi.machine.heap import keep_freed
 from fsi.pores.assembly import Assembly, assemble
 from fsi.pores.definite import LastFactors
 from fsi.pores.fluid_discs import pores_without_wide

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from fsi.bodies.configuration import Array
-from fsi.compiled import inlined, vectorised
+from fsi.machine.compiled import inlined, vectorised
 from fsi.pores.jets import AT_ONCE, Jet, load, product
 from fsi.pores.quadrature import ROOT
 

@@ -24,7 +24,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fsi.compiled import compiled
+from fsi.machine.compiled import compiled
 from fsi.pores.links import Links, corner, turn
 from fsi.pores.power import insert
 from fsi.pores.shape import improve, narrowest

@@ -28,7 +28,7 @@ are analytic in the pore, and bubbles vanish to second order exactly on its boun
 import numpy as np
 
 from fsi.bodies.configuration import Array
-from fsi.compiled import vectorised
+from fsi.machine.compiled import vectorised
 from fsi.pores.inner_functions import ALONG, bubbles, modes, neck_bubbles
 from fsi.pores.jets import room
 from fsi.pores.orders import CUBIC, RIGID, Orders

@@ -21,7 +21,7 @@ from fsi.case.checks.work import bytes_of, finer_by
 from fsi.errors import SolveError, apart
 from fsi.integration.errors import ErrorEstimate, StepErrors
 from fsi.integration.state import Instant
-from fsi.machine import memory, size
+from fsi.machine.resources import memory, size
 from fsi.observables.bars import motion_of
 from fsi.stokes.comparisons import comparisons
 from fsi.stokes.model import StokesModel

@@ -80,7 +80,7 @@ def test_a_gap_of_1e_8_radii_is_taken() -> None:
 
 
 def test_what_takes_long_is_said_beforehand(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("fsi.machine.free_disk", lambda _: 1e12)  # the files take some 60 GB
+    monkeypatch.setattr("fsi.machine.resources.free_disk", lambda _: 1e12)  # the files take some 60 GB
     assert check_work(load_case(CASES / "gluey/layers.toml")) is None
     warning = check_work(load_case(CASES / "gluey/layers.toml", ["time.step=1e-6"]))
     assert warning is not None
@@ -95,7 +95,7 @@ def test_pores_take_time_and_memory_by_their_modes(tmp_path: Path, monkeypatch: 
         "50 bodies, 3e+03 steps: some 28 minutes or more"
     )
     (tmp_path / "memory.max").write_text("2000000\n")
-    monkeypatch.setattr("fsi.machine._LIMITS", (str(tmp_path / "memory.max"),))
+    monkeypatch.setattr("fsi.machine.resources._LIMITS", (str(tmp_path / "memory.max"),))
     with pytest.raises(InputError, match=r"bodies: 50, with pores.modes = 1, .* 3.17 MB .* give fewer"):
         check_work(load_case(file))
 
@@ -108,7 +108,7 @@ def test_half_a_radius_that_leaves_no_room_for_a_mesh_is_left_out() -> None:
 def test_memory_that_a_container_may_take(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     limit = tmp_path / "memory.max"
     limit.write_text("1000000000\n")
-    monkeypatch.setattr("fsi.machine._LIMITS", (str(limit),))
+    monkeypatch.setattr("fsi.machine.resources._LIMITS", (str(limit),))
     with pytest.raises(InputError, match="of 1 GB here"):
         check_work(load_case(CASES / "macroscopic/blocks.toml", ["macroscopic.parcels=1000000"]))
 

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
 from fsi.pores import columns
-from fsi.pores.columns import Index, sparse_matrix
+from fsi.pores.columns import sparse_matrix
+from fsi.pores.pattern import Index
 
 
 def written(A: sp.csc_matrix) -> Any:

@@ -18,7 +18,7 @@ from bench.space import SETTINGS, SMALL, sphere_case
 from bench.step import forget_peak, peak_memory
 from fsi.bodies.configuration import Configuration
 from fsi.case.load import parse_case
-from fsi.machine import keep_freed
+from fsi.machine.heap import keep_freed
 from fsi.stokes.model import StokesModel
 from tests.ranks import needs_mpi, python_on
 

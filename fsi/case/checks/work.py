@@ -23,7 +23,7 @@ from fsi.case.section import CaseContext
 from fsi.case.sections import Discretisation
 from fsi.errors import InputError
 from fsi.integration.schemes import scheme_for
-from fsi.machine import memory, require_disk, require_memory, size
+from fsi.machine.resources import memory, require_disk, require_memory, size
 from fsi.meshes.estimate import Narrows, cells_of
 from fsi.meshes.planar.sizing import Resolution
 

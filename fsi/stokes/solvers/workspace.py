@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import fsi.parallel as parallel
-from fsi.machine import keep_freed
+from fsi.machine.heap import keep_freed
 from fsi.meshes.build import FluidMesh
 from fsi.stokes.discretisation.cells import StokesCells
 from fsi.stokes.discretisation.constraints import DofLayout, RigidModes

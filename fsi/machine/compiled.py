@@ -18,7 +18,7 @@ import numba
 def _state(room: Path) -> str:
     """A word for the state of the files of a room that have such loops, and of those that these import."""
     text = {path.stem: path.read_text() for path in room.glob("*.py")}
-    loops = {name for name in text if "from fsi.compiled import" in text[name]}
+    loops = {name for name in text if "from fsi.machine.compiled import" in text[name]}
     of_room = rf"from fsi\.{room.name}\.(\w+) import"
     imported = {found for name in loops for found in re.findall(of_room, text[name])}
     digest = hashlib.sha256(Path(__file__).read_bytes())

@@ -1,11 +1,8 @@
-"""What this machine holds, the refusal of work that it does not, and how what a step frees is kept."""
+"""What this machine holds, and the refusal of work that it does not."""
 
-import ctypes
 import math
 import os
-import platform
 import shutil
-from functools import cache
 from pathlib import Path
 
 from fsi.errors import InputError
@@ -13,10 +10,6 @@ from fsi.errors import InputError
 # Where Linux says how much memory a container may take: version 2, then 1.
 _LIMITS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
 _UNITS = ((1e18, "EB"), (1e15, "PB"), (1e12, "TB"), (1e9, "GB"), (1e6, "MB"))
-
-# <malloc.h> of glibc
-M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3
-MOST_KEPT, LARGEST = 2**31 - 1, 2**30  # bytes; what exceeds LARGEST still goes back when it is freed
 
 
 def memory() -> float:
@@ -53,16 +46,3 @@ def size(count: float) -> str:
     """Bytes as people read them: 24 GB."""
     unit, name = next((pair for pair in _UNITS if count >= pair[0]), (1e6, "MB"))
     return f"{count / unit:.3g} {name}" if math.isfinite(count) else "endless bytes"
-
-
-@cache
-def keep_freed() -> None:
-    """Let glibc keep what one solve frees and the next one wants again, for this process.
-
-    Given back, it would return page by page, cleared: a step of some hundred megabytes loses a twelfth of its
-    time so. Elsewhere than on glibc: nothing.
-    """
-    if platform.libc_ver()[0] == "glibc":
-        libc = ctypes.CDLL(None)
-        libc.mallopt(M_TRIM_THRESHOLD, MOST_KEPT)
-        libc.mallopt(M_MMAP_THRESHOLD, LARGEST)
