@@ -162,6 +162,8 @@ packages() {
     step "installing requirements.lock (1.4 GB on disk)" \
         "${pip[@]}" --require-hashes --only-binary :all: -r requirements.lock
     step "installing the project" "${pip[@]}" --no-deps --no-build-isolation --no-index -e .
+    # Where Python may not keep what it makes of the sources (PYTHONDONTWRITEBYTECODE) each start would make it.
+    step "compiling the sources" "$venv/bin/python" -m compileall -q fsi meshes cases postprocess
     # Numba keeps what it compiled beside the sources: the first user of pores need not wait for it.
     step "compiling the loops of pores" "$venv/bin/fsi" solve cases/pores/couette_N10.toml
     stamp >"$venv/stamp.new" && mv "$venv/stamp.new" "$venv/stamp" # last: an interrupted set-up has none
