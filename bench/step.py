@@ -40,6 +40,8 @@ SETTINGS: dict[str, dict[str, object]] = {
     "P2": {"degree": 2},
     "P4 fine": {"degree": 4},
     "P4 light": {"degree": 4, "cells_per_circle": 24, "growth": 0.5},
+    "P5": {"degree": 5, "cells_per_circle": 20, "growth": 0.45, "cells_per_gap": 0.3},
+    "P6": {"degree": 6, "cells_per_circle": 16, "growth": 0.6, "cells_per_gap": 0.25},
     "P4 multiplier": {"formulation": '"multiplier"'},
 }
 MOVED = "P4 mesh moved"

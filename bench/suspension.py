@@ -29,14 +29,14 @@ from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
-from fsi.stokes.problem import Boundary, StokesProblem
+from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import Clock, solve
 from fsi.stokes.solvers.workspace import Workspace
 
 REFERENCE = Path(__file__).parents[1] / "tests" / "reference"
 # The cheapest that errs by less than 5e-4 at 10, 50 and 200 discs; cases/suspensions/history.toml has it too.
-LIGHT = Resolution(cells_per_gap=0.28, cells_per_circle=18, growth=0.25, interior="sparse")
+DEGREE, LIGHT = 4, Resolution(cells_per_gap=0.15, cells_per_circle=14, growth=0.7, interior="sparse")
 # N = 10: the file's own; the others computed here, by `pytest -m slow tests/stokes/test_periodic.py`. 1000
 # discs in a channel of five equal periods have the viscosity of one period.
 CONVERGED = {10: 8.298079598524666, 50: 6.432973, 200: 6.220577, 1000: 6.220577}
@@ -73,11 +73,11 @@ class Sheared:
         nothing = np.zeros((len(self.q.radii), 3))
         free = Motion(nothing.astype(bool), nothing, nothing)
         problem = StokesProblem(fluid, self.channel, self.q, free, Boundary(walls, {}))
-        return solve(problem, clock=clock, workspace=workspace)
+        return solve(problem, SolverOptions(DEGREE), clock, workspace)
 
     def mesh(self) -> FluidMesh:
         """A new mesh."""
-        return build(FluidDomain(self.channel, self.q.centres, self.q.radii), LIGHT, 3)
+        return build(FluidDomain(self.channel, self.q.centres, self.q.radii), LIGHT, DEGREE)
 
     def after(self, strain: float, U: Array) -> Sheared:
         """With the bodies a strain later, if they keep their velocities."""

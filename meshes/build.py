@@ -101,7 +101,7 @@ class FluidMesh:
 
 
 def build(domain: FluidDomain, resolution: Resolution, order: int) -> FluidMesh:
-    """Mesh the fluid around discs, or spheres in space, by cells of order 1 ... 4.
+    """Mesh the fluid around discs, or spheres in space, by cells of order 1 ... 6, in space 1 ... 4.
 
     Collective, gmsh runs on rank 0. Where sizes are coarse a cell that lies flat on a body can turn over when
     it is curved, and gmsh can lose a part of a boundary: then all is meshed again, with sizes that grow more

@@ -39,6 +39,7 @@ class _Sizes(NamedTuple):
 _FEW, _MANY = _Sizes(0.45, 32, 0.33, 4), _Sizes(0.3, 20, 0.3, 4, "sparse")
 _FEW_CUBIC, _MANY_CUBIC, _SPATIAL = _Sizes(1.0, 48, 0.2), _Sizes(0.5, 24, 0.5), _Sizes(0.75, 16, 0.5)
 MOST_FEW = 20
+HIGHEST_DEGREE = {2: 6, 3: 4}  # by the dimension of the mesh
 
 
 def _sizes(case: CaseContext, named: Collection[str]) -> _Sizes:
@@ -51,8 +52,8 @@ def _sizes(case: CaseContext, named: Collection[str]) -> _Sizes:
 class Discretisation(Section):
     """The mesh and the finite elements; with many bodies and in space, others by default."""
 
-    degree: int = Field(ge=2, le=4)
-    """the degree of the velocity, 2, 3 or 4; by the case if not given"""
+    degree: int = Field(ge=2, le=max(HIGHEST_DEGREE.values()))
+    """the degree of the velocity, 2 to 6, in space 2 to 4; by the case if not given"""
     cells_per_gap: Positive
     """the number of cells across a gap of 0.012 radii, a number > 0; by the case if not given"""
     cells_per_circle: int = Field(ge=6)

@@ -220,7 +220,7 @@ class Refinable(Model, Protocol):
     """
 
     tolerance_key: ClassVar[str]
-    remedy: ClassVar[str]
+    remedy: str
 
     def errors(self, q: Configuration, t: float, instant: Instant) -> StepErrors:
         """The estimated errors of an instant that this model gave."""

@@ -36,7 +36,7 @@ class PoreModel:
     """Pores between the bodies of a case, made anew for any configuration."""
 
     tolerance_key: ClassVar[str] = "pores.tolerance"
-    remedy: ClassVar[str] = ""
+    remedy: str = ""
 
     def __init__(self, case: Case) -> None:
         """A model of the case, with its modes; nothing is computed yet."""

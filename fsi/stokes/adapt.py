@@ -18,6 +18,7 @@ from fsi.bodies.configuration import Configuration, Inertia, Motion
 from fsi.case.case import Case
 from fsi.case.checks.determined import require_determined_at_rest
 from fsi.case.checks.work import bytes_of, finer_by
+from fsi.case.sections import HIGHEST_DEGREE
 from fsi.errors import SolveError, apart
 from fsi.integration.errors import ErrorEstimate, StepErrors
 from fsi.integration.state import Instant
@@ -31,7 +32,6 @@ STEP = 1.5
 HELPS = 0.9  # a size helps if it lowers the estimate below this part of it
 ROUNDS = 8
 MOST_UNKNOWNS = 400_000
-HIGHEST_DEGREE = 4
 SIZES = ("cells_per_gap", "cells_per_circle", "growth")
 # In a run bodies move on: a tolerance that is just reached would be missed in the next step.
 MARGIN = 0.5
@@ -157,7 +157,8 @@ def _missed(best: Refinement, tolerance: float) -> SolveError:
         need = size(_bytes_of(best, finer))
         limit = f"a finer mesh needs some {need} of memory, this machine has {size(memory())}"
     sizes = ", ".join(f"{name} = {getattr(used, name):.4g}" for name in SIZES)
-    remedy = "raise it" if used.degree == HIGHEST_DEGREE else f"raise it, or degree above {used.degree}"
+    higher = used.degree < HIGHEST_DEGREE[best.case.dimension]
+    remedy = "raise it" + (f", or degree above {used.degree}" if higher else "")
     remedy += "" if below is None else f", or lower lubrication.below = {below!r}: a part is of its laws"
     return SolveError(f"{here} came down to {error}, with {sizes}, and {limit}; {remedy}")
 
@@ -169,9 +170,9 @@ class RefinedModel:
     """
 
     tolerance_key: ClassVar[str] = "discretisation.tolerance"
-    remedy: ClassVar[str] = f", or discretisation.degree (at most {HIGHEST_DEGREE})"
 
     def __init__(self, case: Case) -> None:
+        self.remedy = f", or discretisation.degree (at most {HIGHEST_DEGREE[case.dimension]})"
         self.resolved = StokesModel(case)
         self._known: tuple[Instant, StepErrors] | None = None
 

@@ -41,7 +41,7 @@ def read_mesh(path: Path, names: Sequence[str], domain: FluidDomain, order: int)
     Straight triangles are curved to `order` along the discs and round walls; curved ones are taken as they
     are.
 
-    The names are those of the bodies, the order 1 ... 4. Raises MeshFileError for an unreadable file, a
+    The names are those of the bodies, the order 1 ... 6. Raises MeshFileError for an unreadable file, a
     missing or misplaced group, an untagged boundary, and MeshError for an invalid cell.
     """
 
@@ -72,7 +72,8 @@ def _cells(mesh: meshio.Mesh, names: Sequence[str], domain: FluidDomain, order: 
     kinds = [k for k, name in enumerate(TRIANGLES) if name in mesh.cells_dict]
     if len(kinds) != 1:
         raise MeshFileError(
-            f"has {len(kinds)} kinds of triangles; make the fluid a physical surface, of order 1 to 4"
+            f"has {len(kinds)} kinds of triangles; make the fluid a physical surface, of order 1 to "
+            f"{len(TRIANGLES)}"
         )
     degree = kinds[0] + 1
     if degree > order:

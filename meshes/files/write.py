@@ -31,9 +31,9 @@ VTK_CELLS = {1: CellType.interval, 2: CellType.triangle, 3: CellType.tetrahedron
 if TYPE_CHECKING:
     import meshio
 
-# Names that meshio gives to cells of order 1 ... 4, nodes in gmsh's order.
-LINES = ("line", "line3", "line4", "line5")
-TRIANGLES = ("triangle", "triangle6", "triangle10", "triangle15")
+# Names that meshio gives to cells of order 1 ... 6, in space 1 ... 4, nodes in gmsh's order.
+LINES = ("line", "line3", "line4", "line5", "line6", "line7")
+TRIANGLES = ("triangle", "triangle6", "triangle10", "triangle15", "triangle21", "triangle28")
 TETRAHEDRA = ("tetra", "tetra10", "tetra20", "tetra35")
 SIMPLICES = (LINES, TRIANGLES, TETRAHEDRA)  # of dimension 1, 2, 3
 # Corners of the edges and faces of gmsh's tetrahedron.

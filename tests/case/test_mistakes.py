@@ -40,7 +40,7 @@ BAD = [
     ("domain.angles", 1.0, ["unknown key", "use domain.shape, domain.walls"]),  # none is like it
     ("discretization", {}, ["unknown key", "use discretisation"]),
     ("discretisation.cells_per_cicle", 3, ["use discretisation.cells_per_circle"]),
-    ("discretisation.degree", 5, ["5", "2, 3 or 4"]),
+    ("discretisation.degree", 7, ["7", "2 to 6"]),
     ("discretisation.degree", 2.5, ["2.5", "integer"]),
     ("discretisation.formulation", "saddle", ['"eliminated" or "multiplier"']),
     ("geometry", "spherical", ["planar"]),

@@ -21,7 +21,7 @@ class Stubborn(DiscsBesidePlane):
     """Its error is just above the tolerance from t = 1 on, however fine the mesh."""
 
     tolerance_key: ClassVar[str] = "discretisation.tolerance"
-    remedy: ClassVar[str] = ", or discretisation.degree (at most 4)"
+    remedy: str = ", or discretisation.degree (at most 6)"
 
     def errors(self, q: Configuration, t: float, instant: Instant) -> StepErrors:
         known = super().errors(q, t, instant)
@@ -42,6 +42,6 @@ def test_a_step_that_no_mesh_makes_accurate_says_where_and_by_how_much() -> None
         run(RefiningStepper(replace(stepper, model=stubborn), stubborn, 1.4e-4), case.configuration())
     assert str(missed.value) == (
         "discretisation.tolerance = 0.00014: missed at t = 1, where the error is 0.0001404 with the finest "
-        "that was tried, and the smallest gap 0.9; raise it, or discretisation.degree (at most 4), or "
+        "that was tried, and the smallest gap 0.9; raise it, or discretisation.degree (at most 6), or "
         "end the run before"
     )

@@ -35,7 +35,7 @@ def lobatto(order: int) -> Array:
     return 0.5 + 0.5 * np.concatenate([[-1.0], inner, [1.0]])
 
 
-@pytest.mark.parametrize("order", [2, 3, 4])
+@pytest.mark.parametrize("order", [2, 3, 4, 5, 6])
 def test_body_edges_meet_their_circle_in_the_lobatto_points(order: int) -> None:
     """At equispaced points instead the order 3 would be 1e-4 off the circle in its Lobatto points."""
     made = cells(order)
@@ -48,12 +48,12 @@ def test_body_edges_meet_their_circle_in_the_lobatto_points(order: int) -> None:
             mine = [k for k, c in enumerate(made.cells) if tuple(sorted(c[list(e)].tolist())) in edges]
             points = vertices[e[0]] * (1.0 - t)[:, None] + vertices[e[1]] * t[:, None]
             x = map_at(made.nodes[made.cells[mine]], order, points)
-            np.testing.assert_allclose(np.hypot(*(x - centre).T), radius, rtol=1e-14)
+            np.testing.assert_allclose(np.hypot(*(x - centre).T), radius, rtol=2e-14)
             found += len(mine)
     assert found == np.count_nonzero(made.tags <= len(Q))
 
 
-@pytest.mark.parametrize("order", [1, 2, 3, 4])
+@pytest.mark.parametrize("order", [1, 2, 3, 4, 5, 6])
 def test_other_cells_are_straight(order: int) -> None:
     made = cells(order)
     on_body = np.unique(made.edges[made.tags <= len(Q)])
@@ -65,7 +65,7 @@ def test_other_cells_are_straight(order: int) -> None:
     np.testing.assert_allclose(made.nodes[inside], straight, atol=1e-14)
 
 
-@pytest.mark.parametrize("order", [1, 2, 3, 4])
+@pytest.mark.parametrize("order", [1, 2, 3, 4, 5, 6])
 def test_neighbours_share_the_nodes_of_their_side(order: int) -> None:
     """Nodes without repetition: Euler's formula with two holes counts them."""
     made = cells(order)

@@ -37,7 +37,7 @@ def force(fluid: FluidMesh, container: Container, q: Configuration, motion: Arra
     return solve(problem, SolverOptions(max(2, fluid.order))).F
 
 
-@pytest.mark.parametrize("order", [1, 2, 3, 4])
+@pytest.mark.parametrize("order", [1, 2, 3, 4, 5, 6])
 def test_msh_round_trip(order: int, tmp_path: Path) -> None:
     """The same force to rounding: the file keeps nodes and tags, cells only change their order."""
     motion = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.5]])
@@ -55,7 +55,7 @@ def test_msh_round_trip(order: int, tmp_path: Path) -> None:
     assert [p.name for p in tmp_path.iterdir()] == ["pair.msh"]
 
 
-@pytest.mark.parametrize("order", [2, 3, 4])
+@pytest.mark.parametrize("order", [2, 3, 4, 5, 6])
 def test_gmsh_reads_the_same_cells(order: int, tmp_path: Path) -> None:
     """gmsh itself finds valid cells (a wrong order of nodes folds them) and the physical groups."""
     fluid = mesh(SMALL_BOX, PAIR, COARSE, order)
@@ -63,16 +63,16 @@ def test_gmsh_reads_the_same_cells(order: int, tmp_path: Path) -> None:
     with gmsh_model():
         gmsh.merge(str(tmp_path / "pair.msh"))
         groups = {gmsh.model.getPhysicalName(*group): group[0] for group in gmsh.model.getPhysicalGroups()}
-        cells = gmsh.model.mesh.getElementsByType({2: 9, 3: 21, 4: 23}[order])[0]
+        cells = gmsh.model.mesh.getElementsByType({2: 9, 3: 21, 4: 23, 5: 25, 6: 42}[order])[0]
         quality = np.array(gmsh.model.mesh.getElementQualities(cells, "minSJ"))
-        sides = gmsh.model.mesh.getElementsByType({2: 8, 3: 26, 4: 27}[order])[0]
+        sides = gmsh.model.mesh.getElementsByType({2: 8, 3: 26, 4: 27, 5: 28, 6: 62}[order])[0]
     assert groups == dict.fromkeys((*NAMES, *fluid.container.walls), 1) | {"fluid": 2}
     assert len(cells) == fluid.cells()
     assert len(sides) == len(fluid.facet_tags.indices)
     assert quality.min() > 0.3
 
 
-@pytest.mark.parametrize("order", [1, 2, 3, 4])
+@pytest.mark.parametrize("order", [1, 2, 3, 4, 5, 6])
 def test_vtu_has_curved_cells(order: int, tmp_path: Path) -> None:
     """pyvista's pieces of the cells have the area, up to 0.003; straight cells are 0.046 off."""
     fluid = mesh(SMALL_BOX, PAIR, COARSE, order)

@@ -32,7 +32,7 @@ def mover(fluid: FluidMesh) -> Iterator[Mover]:
         moving.close()
 
 
-@pytest.mark.parametrize("order", [2, 3, 4])
+@pytest.mark.parametrize("order", [2, 3, 4, 5, 6])
 def test_discs_stay_exactly_discs(order: int) -> None:
     """All nodes of their edges are carried along, and turn by one angle about their centre.
 

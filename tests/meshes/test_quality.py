@@ -8,7 +8,7 @@ from fsi.bodies.configuration import Array
 from fsi.meshes.cells.curved import reference_points, require_valid, scaled_jacobian
 from fsi.meshes.errors import MeshError
 
-ORDERS = [1, 2, 3, 4]
+ORDERS = [1, 2, 3, 4, 5, 6]
 
 
 def straight(order: int) -> Array:
@@ -31,10 +31,10 @@ def sampled(x: Array, order: int) -> Array:
 
 @pytest.mark.parametrize("order", ORDERS)
 def test_a_straight_cell_gives_1(order: int) -> None:
-    np.testing.assert_allclose(scaled_jacobian(straight(order), order), 1.0, rtol=1e-12)
+    np.testing.assert_allclose(scaled_jacobian(straight(order), order), 1.0, rtol=1e-10)
 
 
-@pytest.mark.parametrize("order", [2, 3, 4])
+@pytest.mark.parametrize("order", [2, 3, 4, 5, 6])
 def test_bound_is_rigorous(order: int) -> None:
     """Random wobbles: a positive bound is below the sampled ratio, no inversion is missed."""
     cells = np.repeat(straight(order), 400, axis=0)

@@ -80,13 +80,26 @@ def slope(x: Array, y: Array) -> float:
     return float(-np.polyfit(np.log(x), np.log(y), 1)[0])
 
 
-@pytest.mark.parametrize("degree", [2, 3, pytest.param(4, marks=pytest.mark.slow)])
-def test_manufactured_flow(degree: int) -> None:
+COARSE, COARSEST = Resolution(1.0, 12, 0.8), Resolution(1.0, 8, 1.0)
+SLOW = pytest.mark.slow
+
+
+@pytest.mark.parametrize(
+    ("degree", "sizes", "meshes"),
+    [
+        (2, COARSE, 4),
+        (3, COARSE, 4),
+        pytest.param(4, COARSE, 4, marks=SLOW),
+        pytest.param(5, COARSEST, 4, marks=SLOW),
+        pytest.param(6, COARSEST, 3, marks=SLOW),  # on the fourth u errs by rounding
+    ],
+)
+def test_manufactured_flow(degree: int, sizes: Resolution, meshes: int) -> None:
     """u converges at k + 1 in L2 and k in H1, p one order lower; cells of lower order lose half an order."""
-    fluids = nested_meshes(SMALL_BOX, AROUND_A_DISC, Resolution(1.0, 12, 0.8), degree, 4)
+    fluids = nested_meshes(SMALL_BOX, AROUND_A_DISC, sizes, degree, meshes)
     table = np.array([errors(fluid, degree) for fluid in fluids])
     orders = [slope(table[-2:, 0], table[-2:, column]) for column in (1, 2, 3, 4)]
-    assert orders == pytest.approx([degree + 1, degree, degree, degree - 1], abs=0.15)
+    assert orders == pytest.approx([degree + 1, degree, degree, degree - 1], abs=0.15 if degree < 6 else 0.25)
 
 
 @pytest.mark.parametrize(("degree", "least"), [(2, 3.5), (3, 5.5)])

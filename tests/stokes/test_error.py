@@ -38,11 +38,21 @@ def beside_plane(gap: float, *overrides: str) -> Case:
     )
 
 
-@pytest.mark.parametrize("degree", [2, 3, 4])
+# Cells around the disc, across a gap, and growth: on the usual mesh degrees 5 and 6 err by rounding.
+FEWER_CELLS = {5: (20, 0.3, 0.5), 6: (16, 0.25, 0.7)}
+
+
+@pytest.mark.parametrize("degree", [2, 3, 4, 5, 6])
 @pytest.mark.parametrize("gap", [1.0, 1e-2, 1e-4])
 def test_the_bar_of_a_disc_is_between_the_true_error_and_twice_it(gap: float, degree: int) -> None:
     """The truncation at R = 1e5 a is below 1e-9; without SAFETY the bar would be 1 to 3 % too small."""
-    solved = solve_with_errors(beside_plane(gap, f"discretisation.degree={degree}", "domain.radius=1e5"))
+    names = ("cells_per_circle", "cells_per_gap", "growth")
+    sizes = [
+        f"discretisation.{name}={size}"
+        for name, size in zip(names, FEWER_CELLS.get(degree, ()), strict=False)
+    ]
+    case = beside_plane(gap, f"discretisation.degree={degree}", *sizes, "domain.radius=1e5")
+    solved = solve_with_errors(case)
     true = abs(-solved.solution.F[0, 1] / exact.normal_resistance(gap, 1.0, 1.0) - 1.0)
     bar = solved.errors.F[0, 1] / abs(solved.solution.F[0, 1])
     assert true < bar < 2.0 * true

@@ -281,6 +281,11 @@ def test_a_sparse_interior_is_for_the_plane() -> None:
         case(BOX, interior="sparse")
 
 
+def test_degrees_above_4_are_for_the_plane() -> None:
+    with pytest.raises(InputError, match=r"discretisation.degree = 5: is at most 4 in space; lower it"):
+        case(BOX, degree=5)
+
+
 COARSE = {"cells_per_circle": 10, "cells_per_gap": 0.6, "growth": 0.7}
 
 

@@ -17,6 +17,7 @@ from fsi.case.checks.shapes import check_shapes
 from fsi.case.checks.surfaces import check_surfaces
 from fsi.case.checks.time import check_time
 from fsi.case.section import refusal, toml_text
+from fsi.case.sections import HIGHEST_DEGREE
 from fsi.case.series import Component, is_zero
 from fsi.errors import InputError
 from fsi.meshes.geometry.container import Container
@@ -83,8 +84,10 @@ def _check_names(case: Case) -> None:
 
 
 def _check_discretisation(case: Case) -> None:
-    """The iterative solver is for the eliminated form in space, a sparse interior for the plane."""
-    given = case.discretisation
+    """Degrees that there are, the iterative solver for eliminated systems in space, sparse planes."""
+    given, highest = case.discretisation, HIGHEST_DEGREE[case.dimension]
+    if given.degree > highest:
+        raise InputError(f"discretisation.degree = {given.degree}: is at most {highest} in space; lower it")
     if given.interior == "sparse" and case.dimension == 3:
         raise InputError('discretisation.interior = "sparse": is for the plane; drop it or give "graded"')
     if given.solver == "iterative" and (case.dimension == 2 or given.formulation == "multiplier"):
