@@ -10,7 +10,8 @@ values are inside, 97 % of each kind, and the median ratio of error to bar is at
 not made to hold by making them long.
 
 Cases are independent: with `--keep FILE` each is written down as soon as it is done, and a later run with the
-same file solves the others only, so that many cases can be tried in pieces.
+same file solves the others only, so that many cases can be tried in pieces. `--degree 6` solves all with
+elements of that degree, in the plane with gaps that cells of high degree do not resolve by far.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ from bench.random_cases import SHAPED, random_case
 from bench.random_walls import KINDS
 from fsi.bodies.configuration import Array, Configuration
 from fsi.case.case import Case
-from fsi.case.sections import MOST_FEW
+from fsi.case.sections import HIGHEST_DEGREE, MOST_FEW
 from fsi.errors import InputError, SolveError
 from fsi.integration.errors import ErrorEstimate
 from fsi.meshes.build import FluidMesh, build
@@ -51,7 +52,9 @@ OF_ALL, OF_EACH, MEDIAN = 0.99, 0.97, 0.05
 # How much finer the reference is: in space, where its degree is one more, a refinement costs ten times as
 # much, of many bodies 10 GB.
 FINER, OF_MANY = {2: 2.0, 3: 1.2}, 1.4
-DEGREE_IN_PLANE = 5
+DEGREE_IN_PLANE = 5  # or one more than the case has
+DEFAULT_DEGREE = 4
+GAPS_OF_HIGH_DEGREE = 0.3  # cells across: with more, elements above the default degree err by rounding
 HALVINGS = 20
 EDGES = 1.5  # how much finer cells beside edges in space are
 # What rounding leaves, of the largest of a case: bars are not asked to be about the error there.
@@ -112,7 +115,7 @@ class Reference(StokesModel):
 def reference(case: Case, instead: str = "") -> StokesSolution:
     """The case with elements of a higher degree on a finer mesh than it, or what it took `instead`, has."""
     q = case.configuration()
-    degree = DEGREE_IN_PLANE if case.dimension == 2 else case.discretisation.degree + 1
+    degree = max(DEGREE_IN_PLANE if case.dimension == 2 else 0, case.discretisation.degree + 1)
     return Reference(case, instead).of_degree(degree, q, 0.0, case.motion_at(q, 0.0))
 
 
@@ -144,9 +147,18 @@ def halving(curve: WallCurve) -> Iterator[WallCurve]:
         )
 
 
-def values(kind: str, seed: int) -> list[Value]:
+def of_degree(case: Case, degree: int) -> Case:
+    """The case with elements of another degree, or of the highest there is, on as many cells as suit them."""
+    sizes, degree = case.discretisation, min(degree, HIGHEST_DEGREE[case.dimension])
+    across = min(sizes.cells_per_gap, GAPS_OF_HIGH_DEGREE if degree > DEFAULT_DEGREE else np.inf)
+    changed = sizes.model_copy(update={"degree": degree, "cells_per_gap": across})
+    return case.model_copy(update={"discretisation": changed})
+
+
+def values(kind: str, seed: int, degree: int | None = None) -> list[Value]:
     """All results of a case that have a bar. Raises MeshError, SolveError."""
     case = random_case(kind, seed)
+    case = case if degree is None else of_degree(case, degree)
     solved = solve_with_errors(case)
     fine = reference(case, solved.solution.mesh_instead)
     found = results(solved.case, solved.solution, solved.errors, fine)
@@ -189,10 +201,10 @@ class Tried:
     refused: str | None = None
 
     @staticmethod
-    def of(kind: str, seed: int) -> Tried:
-        """Of this case, solved now."""
+    def of(kind: str, seed: int, degree: int | None = None) -> Tried:
+        """Of this case, solved now, with the degree that it has if none is given."""
         try:
-            return Tried(kind, seed, values(kind, seed))
+            return Tried(kind, seed, values(kind, seed, degree))
         except (InputError, MeshError, SolveError) as error:
             return Tried(kind, seed, [], str(error))
 
@@ -219,13 +231,13 @@ class Kept:
                 file.write(json.dumps(asdict(tried)) + "\n")
 
 
-def measured(kinds: list[str], cases: int, seed: int, kept: Kept) -> list[Tried]:
+def measured(kinds: list[str], cases: int, seed: int, kept: Kept, degree: int | None = None) -> list[Tried]:
     """So many cases in turn of each kind, those that are kept as they are there."""
     known, every = kept.read(), list[Tried]()
     chosen = [(kinds[n % len(kinds)], seed + n // len(kinds)) for n in range(cases)]
     for case in track(chosen, "cases", console=Console(stderr=True)):
         if case not in known:
-            known[case] = Tried.of(*case)
+            known[case] = Tried.of(*case, degree)
             kept.add(known[case])
         every.append(known[case])
     return every
@@ -272,6 +284,9 @@ def main(
     ] = None,
     cases: Annotated[int, typer.Option(help="How many, in turn of each kind.")] = 200,
     seed: Annotated[int, typer.Option(help="The first case of each kind has this seed.")] = 0,
+    degree: Annotated[
+        int | None, typer.Option(min=2, max=6, help="Of the elements.", show_default="the case's")
+    ] = None,
     outside: Annotated[bool, typer.Option(help="List the values outside their bars.")] = False,
     keep: Annotated[
         Path | None,
@@ -282,7 +297,7 @@ def main(
     chosen = [name for kind in kinds or KINDS for name in (SHAPED if kind == "shapes" else [kind])]
     for unknown in set(chosen) - set(ALL):
         raise typer.BadParameter(f"{unknown}: not a kind; known: {'; '.join(ALL)}")
-    tried = measured(chosen, cases, seed, Kept(keep))
+    tried = measured(chosen, cases, seed, Kept(keep), degree)
     found = values_of(tried)
     console = Console(width=140)
     console.print(shown(found, chosen))
