@@ -175,12 +175,14 @@ def is_iterative(options: SolverOptions, forms: Forms) -> bool:
 
 
 def _pinned_pressure(fluid: FluidMesh, forms: Forms, weights: Array) -> int | None:
-    """Local number of the pressure node to pin, on its owner: the one with the largest weight |int q|.
+    """Local number of the pressure node to pin, on its owner: the first whose weight |int q| is largest.
 
     A node inside a gap would lose 7 digits: its divergence row is the smallest of all. One on the cut of a
     periodic domain would have an image that is not pinned. One within a cell is no unknown of the sum.
+    Weights count to a factor of two: of equal ones another would be largest each time a mesh has moved, and
+    what solves on it share would be made anew.
     """
-    weights = np.abs(weights)
+    weights = np.ldexp(np.abs(np.sign(weights)), np.frexp(weights)[1])
     cells = forms.Q.dofmap.list[: fluid.mesh.topology.index_map(fluid.dimension).size_local]
     weights[cells[:, inner_nodes(forms.Q)]] = 0.0
     if fluid.lattice.dimension:

@@ -191,4 +191,4 @@ def test_the_pressure_is_pinned_where_most_fluid_is(gap: float) -> None:
     assert pin is not None
     place = forms.Q.tabulate_dof_coordinates()[pin, :2]
     assert np.hypot(*place) > 2.0
-    assert abs(weights[pin]) == np.abs(weights).max()
+    assert 0.5 * np.abs(weights).max() < abs(weights[pin])
