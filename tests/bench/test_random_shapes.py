@@ -74,7 +74,7 @@ def test_cases_of_the_plane_are_those_that_were_counted() -> None:
 def test_shapes_are_all_kinds_of_them(monkeypatch: pytest.MonkeyPatch) -> None:
     tried = []
 
-    def value(kind: str, seed: int) -> list[Value]:
+    def value(kind: str, seed: int, _degree: int | None) -> list[Value]:
         tried.append(kind)
         return [Value(kind, seed, "U[0, 1]", 0.5, 1.0)]
 

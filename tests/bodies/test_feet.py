@@ -72,8 +72,9 @@ def test_gaps_of_a_pair_are_the_same_from_both_sides_the_narrowest_first(
     away = star.radius + PEANUT.radius + 10.0**gap
     bodies = ((star, (0.0, 0.0), turn), (PEANUT, (away, 0.0), angle))
     one, other = standing(*bodies), standing(*bodies[::-1])
-    feet, back = (find_feet(q, Unbounded(), 1.0) for q in (one, other))
-    pair = find_gaps(one, Unbounded(), 1.0).pair_gaps
+    reach = 2.0  # beyond the gap between the waists of both
+    feet, back = (find_feet(q, Unbounded(), reach) for q in (one, other))
+    pair = find_gaps(one, Unbounded(), reach).pair_gaps
     assert feet.gaps[0] == pair[0]
     assert feet.gaps.min() >= pair[0] * (1.0 - 1e-12)
     assert back.gaps[0] == pytest.approx(pair[0], rel=1e-9)

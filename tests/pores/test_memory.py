@@ -22,4 +22,4 @@ def test_a_step_has_the_memory_of_those_before() -> None:
     """In a process of its own, where no other test has had memory kept; without, it clears 24,000 pages."""
     program = "from tests.pores.test_memory import pages_of_a_step as pages; pages(), pages(); print(pages())"
     done = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True)
-    assert int(done.stdout) < 1000
+    assert int(done.stdout) < 4000  # 3 on a quiet machine, beside other work 1400

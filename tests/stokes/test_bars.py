@@ -150,7 +150,7 @@ def test_bars_of_suspensions() -> None:
 def test_cases_that_are_kept_are_not_solved_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     solved = []
 
-    def value_or_refusal(kind: str, seed: int) -> list[Value]:
+    def value_or_refusal(kind: str, seed: int, _degree: int | None) -> list[Value]:
         solved.append(seed)
         if seed == 1:
             raise MeshError("one of them is refused")

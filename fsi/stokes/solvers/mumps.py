@@ -136,7 +136,7 @@ class Factorisation(AbstractContextManager["Factorisation"]):
                 break
             gained = relative < WORTHWHILE * least
             best, least = x, relative
-            if least <= enough or not gained:
+            if least <= enough or not (gained or least >= REFUSE_ABOVE):
                 break
         return best, least
 
