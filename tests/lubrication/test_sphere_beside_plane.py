@@ -56,13 +56,8 @@ def test_forty_digit_values() -> None:
     ]
     for s, expected in ((1e-6, tiny), (10.0, wide)):
         found = np.delete(factors(s), 2)
-        rtol = [
-            1e-13,
-            1e-9,
-            1e-13,
-            1e-12,
-            1e-11,
-        ]  # the second is what cancels of 1 to 6e-6, by processor 2e-10
+        # The second is what cancels of 1 to 6e-6, by processor 2e-10.
+        rtol = [1e-13, 1e-9, 1e-13, 1e-12, 1e-11]
         assert np.all(np.abs(found / np.array(expected) - 1.0) < rtol)
 
 
