@@ -17,10 +17,8 @@ elements of that degree, in the plane with gaps that cells of high degree do not
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, fields, replace
-from itertools import pairwise
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -30,33 +28,22 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
+from bench.finer import reference
 from bench.random_cases import SHAPED, random_case
 from bench.random_walls import KINDS
-from fsi.bodies.configuration import Array, Configuration
+from fsi.bodies.configuration import Array
 from fsi.case.case import Case
-from fsi.case.sections import HIGHEST_DEGREE, MOST_FEW
+from fsi.case.sections import HIGHEST_DEGREE
 from fsi.errors import InputError, SolveError
 from fsi.integration.errors import ErrorEstimate
-from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.container import Container, FluidDomain
-from fsi.meshes.geometry.curves import WallCurve
-from fsi.meshes.spatial.grading import COARSEST
 from fsi.stokes.adapt import solve_with_errors
-from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution
-from fsi.stokes.walls import singular_pairs
 
 ALL = [*KINDS, *SHAPED]
 OF_ALL, OF_EACH, MEDIAN = 0.99, 0.97, 0.05
-# How much finer the reference is: in space, where its degree is one more, a refinement costs ten times as
-# much, of many bodies 10 GB.
-FINER, OF_MANY = {2: 2.0, 3: 1.2}, 1.4
-DEGREE_IN_PLANE = 5  # or one more than the case has
 DEFAULT_DEGREE = 4
 GAPS_OF_HIGH_DEGREE = 0.3  # cells across: with more, elements above the default degree err by rounding
-HALVINGS = 20
-EDGES = 1.5  # how much finer cells beside edges in space are
 # What rounding leaves, of the largest of a case: bars are not asked to be about the error there.
 ROUNDING = 1e-9
 
@@ -80,71 +67,6 @@ class Value:
     def inside(self) -> bool:
         """Whether the bar holds."""
         return self.error <= self.bar
-
-
-class Reference(StokesModel):
-    """The model of a case with finer sizes, and in the plane graded walls.
-
-    instead: the sizes that the mesh of the case took, where those asked for gave none; these are no coarser.
-    """
-
-    def __init__(self, case: Case, instead: str = "") -> None:
-        now, finer = case.discretisation, OF_MANY if len(case.bodies) > MOST_FEW else FINER[case.dimension]
-        sizes = {
-            "cells_per_gap": finer * now.cells_per_gap,
-            "cells_per_circle": int(np.ceil(finer * now.cells_per_circle)),
-            "growth": now.growth / finer,
-        }
-        for name, taken in re.findall(r"(\w+) = ([\d.e+-]+)", instead):
-            sizes[name] = (min if name == "growth" else max)(sizes[name], type(sizes[name])(taken))
-        if case.dimension == 3 and singular_pairs(case):
-            sizes["growth"] = min(now.growth, COARSEST) / EDGES
-        super().__init__(case.model_copy(update={"discretisation": now.model_copy(update=sizes)}))
-
-    def scaled_mesh(self, q: Configuration, t: float = 0.0, order: int | None = None) -> FluidMesh:
-        """A new mesh in the units of the model."""
-        container = graded(self.units.scaled_container(self.case.container()).at(t))
-        here = self.units.scaled_configuration(q)
-        shapes, standing = here.placed, here.standing
-        domain = FluidDomain(
-            container, here.centres, here.radii, edges=self._edges, placed=shapes, ellipsoids=standing
-        )
-        return build(domain, self.resolution, order or self.case.discretisation.degree)
-
-
-def reference(case: Case, instead: str = "") -> StokesSolution:
-    """The case with elements of a higher degree on a finer mesh than it, or what it took `instead`, has."""
-    q = case.configuration()
-    degree = max(DEGREE_IN_PLANE if case.dimension == 2 else 0, case.discretisation.degree + 1)
-    return Reference(case, instead).of_degree(degree, q, 0.0, case.motion_at(q, 0.0))
-
-
-def graded(container: Container) -> Container:
-    """The same container, in the plane with pieces of walls that halve towards corners."""
-    kind: Any = type(container)
-    if container.dimension == 3 or len(container.periods):
-        return container
-
-    class Graded(kind):  # type: ignore[misc]
-        def outline(self) -> tuple[WallCurve, ...]:
-            return tuple(piece for curve in kind.outline(self) for piece in halving(curve))
-
-    graded: Container = Graded(*(getattr(container, field.name) for field in fields(kind)))
-    return graded
-
-
-def halving(curve: WallCurve) -> Iterator[WallCurve]:
-    """Pieces of a wall that halve towards both its ends, each of them one element at least."""
-    start, end = curve.interval
-    parts = 0.5 ** np.arange(HALVINGS, 0, -1)
-    places = start + (end - start) * np.concatenate([[0.0], parts, 1.0 - parts[-2::-1], [1.0]])
-    points = curve.at(places)
-    points[[0, -1]] = curve.ends
-    for k, (low, high) in enumerate(pairwise(places)):
-        longest = min(high - low, curve.longest_element)
-        yield replace(
-            curve, interval=(low, high), ends=points[k : k + 2], longest_element=longest, fewest_elements=1
-        )
 
 
 def of_degree(case: Case, degree: int) -> Case:

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bench.bars import Kept, Reference, Value, holds, measured, reference, values, values_of
+from bench.bars import Kept, Value, holds, measured, values, values_of
+from bench.finer import Reference, reference
 from bench.random_cases import random_case
 from bench.random_walls import KINDS
 from fsi.bodies.configuration import Configuration, Motion
@@ -202,7 +203,7 @@ def test_the_finer_solve_has_converged(monkeypatch: pytest.MonkeyPatch) -> None:
     """Between open and solid walls: 6 halvings fewer change it by 5e-8 at most, none at all by 2e-4."""
     case = random_case("box, open walls", 1)
     fine = reference(case)
-    monkeypatch.setattr("bench.bars.HALVINGS", 14)
+    monkeypatch.setattr("bench.finer.HALVINGS", 14)
     np.testing.assert_allclose(fine.U, reference(case).U, rtol=0.0, atol=1e-7)
 
 
