@@ -20,10 +20,13 @@ if TYPE_CHECKING:
 EXAMPLE = "Example: fsi analyse settling runs/settling_disc"
 
 analyse = typer.Typer(
+    name="analyse",
     help="Tell which chains of discs resist, how long contacts remember, or how well a disc settles.\n\n"
     "Prints a table, and draws a picture into the run folder: chains.png, memory.png or settling.png.",
     epilog=EXAMPLE,
     no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode="markdown",
 )
 
 

@@ -16,8 +16,6 @@ from fsi.report.console import standard_error, standard_output
 if TYPE_CHECKING:
     from fsi.workers.pools import Pool
 
-# Hidden commands: one part of the work, in a process of its own.
-SAMPLE, PART = "sample-run", "validate-run"
 EXAMPLE = "Example: fsi calibrate cases/calibration/equal_discs.toml --workers 2"
 VALIDATE_EXAMPLE = "Example: fsi validate two_discs concentric_sphere"
 

@@ -11,30 +11,17 @@ import sys
 import traceback
 from typing import Annotated
 
-import typer
-
-import fsi.parallel as parallel
-from fsi.cli import (
-    analyse,
-    calibrate,
-    cases,
-    compare,
-    export,
-    new,
-    pack,
-    plot,
-    render,
-    report,
-    run,
-    search,
-    solve,
-    sweep,
-)
 from fsi.cli.loading import loading
-from fsi.cli.missing import explain
-from fsi.cli.streams import finish, prepare
-from fsi.errors import FsiError
-from fsi.meshes.errors import MeshError
+
+with loading():
+    import typer
+
+    import fsi.parallel as parallel
+    from fsi.cli.commands import Group
+    from fsi.cli.missing import explain
+    from fsi.cli.streams import finish, prepare
+    from fsi.errors import FsiError
+    from fsi.meshes.errors import MeshError
 
 DEFECT, INTERRUPTED = 70, 130
 GOES_ON = "a run goes on with fsi resume, a calibration when repeated"
@@ -49,6 +36,7 @@ def _print_version(asked: bool) -> None:
 
 
 app = typer.Typer(
+    cls=Group,
     rich_markup_mode="markdown",
     pretty_exceptions_enable=False,
     help="Rigid bodies moving in Stokes flow, resolved down to the lubrication film.\n\n"
@@ -63,35 +51,6 @@ def options(
     ] = False,
 ) -> None:
     """What stands before a command."""
-
-
-app.command(epilog=cases.EXAMPLE)(cases.cases)
-app.command(epilog=new.EXAMPLE)(new.new)
-app.command(epilog=cases.CHECK_EXAMPLE)(cases.check)
-app.command(epilog=cases.KEYS_EXAMPLE)(cases.keys)
-app.command(epilog=solve.MESH_EXAMPLE)(solve.mesh)
-app.command(epilog=pack.EXAMPLE)(pack.pack)
-app.command(epilog=solve.EXAMPLE)(solve.solve)
-app.command(epilog=run.EXAMPLE)(run.run)
-app.command(epilog=run.RESUME_EXAMPLE)(run.resume)
-app.command(epilog=run.WATCH_EXAMPLE)(run.watch)
-app.command(epilog=render.EXAMPLE)(render.render)
-app.command(epilog=plot.EXAMPLE)(plot.plot)
-app.command(epilog=report.PROBE_EXAMPLE)(report.probe)
-app.command(epilog=report.EXAMPLE)(report.report)
-app.command(epilog=report.REVOLVE_EXAMPLE)(report.revolve)
-app.command(epilog=export.EXAMPLE)(export.export)
-app.add_typer(analyse.analyse, name="analyse")
-app.command(epilog=compare.LIMIT_EXAMPLE)(compare.limit)
-app.command(epilog=solve.RESISTANCE_EXAMPLE)(solve.resistance)
-app.command(epilog=search.EXAMPLE)(search.search)
-app.command(epilog=sweep.EXAMPLE)(sweep.sweep)
-app.command(sweep.COMMAND, hidden=True)(sweep.sweep_run)
-app.command(calibrate.SAMPLE, hidden=True)(calibrate.sample_run)
-app.command(calibrate.PART, hidden=True)(calibrate.validate_run)
-app.command(epilog=calibrate.VALIDATE_EXAMPLE)(calibrate.validate)
-app.command(epilog=calibrate.EXAMPLE)(calibrate.calibrate)
-app.command(epilog=compare.EXAMPLE)(compare.compare)
 
 
 def main() -> int:

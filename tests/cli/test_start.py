@@ -22,7 +22,7 @@ SLOW = {"scipy.stats", "scipy.optimize", "scipy.interpolate", "matplotlib", "pan
 SOLVER = {"mpi4py", "dolfinx_solver", "dolfinx", "gmsh", "petsc4py", "ufl"}
 # Of what a flow in the plane does without, and of DOLFINx's wheel: what looks through all installed packages.
 PARTS = {"numba", "scipy.spatial", "scipy.special", "scipy.sparse", "pycparser", "dolfinx_solver"}
-OTHER = {"numba", "scipy.spatial", "scipy.sparse", "numpy.random", "fsi.arrangements.kinds"}
+OTHER = {"numba", "scipy.spatial", "scipy.sparse", "numpy.random", "fsi.arrangements.kinds", "fsi.cli.render"}
 
 
 def loaded(*command: str) -> set[str]:
