@@ -14,7 +14,7 @@ from fsi.case.checks.time import check_own_mesh
 from fsi.errors import InputError
 from fsi.integration.errors import ErrorEstimate
 from fsi.integration.evolution import Evolution, SteppedEvolution
-from fsi.integration.schemes import Beginning, scheme_for
+from fsi.integration.schemes import Beginning
 from fsi.integration.state import Advance, Model, Schedule
 from fsi.integration.stepper import FixedStepper, Refinable, RefiningStepper, Stepper
 from fsi.integration.strayed import Strayed
@@ -107,7 +107,7 @@ def stepped(case: Case, model: Model) -> SteppedEvolution:
 def make_stepper(case: Case, model: Model) -> Advance:
     """The stepper that a case asks for by `time.scheme`, or by whether any body has a mass."""
     time, masses = case.timing, case.masses()
-    kind = scheme_for(time.scheme, inertia=masses is not None)
+    kind = case.scheme
     U = case.initial_velocity()
     scheme = kind.make(Beginning(np.zeros_like(U) if masses is None else masses, U, time.smallest_step))
     schedule = Schedule(time.end, case.knots(), case.output.interval)
@@ -146,7 +146,7 @@ def _reduced(case: Case) -> Model:
     from fsi.reduced.distance_model import DistanceModel
     from fsi.reduced.model import ReducedModel
 
-    fixed = case.time is not None and scheme_for(case.time.scheme, inertia=True).fixed
+    fixed = case.time is not None and case.scheme.fixed
     return DistanceModel(case) if fixed else ReducedModel(case)
 
 

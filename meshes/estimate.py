@@ -20,7 +20,6 @@ import numpy as np
 
 from fsi.meshes.geometry.container import Array, Container
 from fsi.meshes.planar.sizing import SHORTEST, Resolution
-from fsi.meshes.spatial.sizing import in_gap
 
 _PLACES = 96  # of an integral along a gap or away from a surface
 _FROM = 1e-3  # of the first of them, over the smallest length
@@ -86,6 +85,8 @@ def _in_gaps(container: Container, narrows: Narrows, resolution: Resolution) -> 
 
 def _in_gaps_in_space(narrows: Narrows, resolution: Resolution) -> float:
     s, d = narrows.profile()
+    from fsi.meshes.spatial.sizing import in_gap
+
     h = in_gap(d, narrows.radius[:, None], resolution)
     narrow = h < resolution.on_body(narrows.radius)[:, None]
     triangles = np.where(narrow, 2.0 * np.pi * s / (_AREA * h**2), 0.0)

@@ -7,7 +7,7 @@ the plane.
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_args
 
 import numpy as np
 import tomli_w
@@ -19,7 +19,6 @@ from fsi.bodies.forces import Bulk, external_forces, moment_of_forces
 from fsi.bodies.opened import opened
 from fsi.case.body import FREE, Body
 from fsi.case.domains import Domain
-from fsi.case.drag_file import read_drag_file
 from fsi.case.force_laws import Force
 from fsi.case.gluey import Gluey, LimitStudy
 from fsi.case.macroscopic import Macroscopic
@@ -41,6 +40,9 @@ from fsi.case.walls import WallVelocity
 from fsi.errors import InputError
 from fsi.levels import LEVELS, ModelLevel
 from fsi.meshes.geometry.container import Container
+
+if TYPE_CHECKING:  # schemes take long to load, and an instant has none
+    from fsi.integration.schemes import SchemeKind
 
 type ModelName = Literal["resolved", "pores", "reduced", "gluey", "macroscopic"]
 MODELS: tuple[str, ...] = get_args(ModelName.__value__)
@@ -162,6 +164,8 @@ class Case(Section):
         if self.reduced.drag is not None:
             return self.reduced.drag
         if self.reduced.drag_from is not None:
+            from fsi.case.drag_file import read_drag_file
+
             return read_drag_file(Path(self.reduced.drag_from)).drag
         if not self.spheres:
             raise InputError(
@@ -181,6 +185,13 @@ class Case(Section):
         if self.time is None:
             raise InputError("time: missing; add a section [time] with its end, or use `fsi solve`")
         return self.time
+
+    @property
+    def scheme(self) -> "SchemeKind":
+        """The scheme by which the case is stepped. Raises InputError if there is no [time]."""
+        from fsi.integration.schemes import scheme_for
+
+        return scheme_for(self.timing.scheme, inertia=self.masses() is not None)
 
     def container(self) -> Container:
         """What encloses the fluid."""

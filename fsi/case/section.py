@@ -16,7 +16,9 @@ import itertools
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
+from importlib import import_module
 from pathlib import Path
+from pkgutil import iter_modules
 from textwrap import dedent
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, get_args, get_origin, override
 
@@ -198,17 +200,30 @@ def sections_in(annotation: Any) -> Iterable[type[Section]]:
         yield from sections_in(inner)
 
 
+@cache
+def _load(room: str) -> None:
+    for module in iter_modules(import_module(room).__path__):
+        import_module(f"{room}.{module.name}")
+
+
 class Registry[S: Section]:
     """The sections of one place, in the order of registration.
 
     Attributes:
         key: whose words messages list.
-        sections: the classes.
+        room: a package, each file of which may have some; None where all are registered as they are loaded.
+        sections: the classes that are registered so far.
     """
 
-    def __init__(self, key: str) -> None:
-        self.key = key
+    def __init__(self, key: str, room: str | None = None) -> None:
+        self.key, self.room = key, room
         self.sections: list[type[S]] = []
+
+    def all(self) -> Sequence[type[S]]:
+        """The classes. Those of the room are loaded when they are first asked for: most cases have none."""
+        if self.room is not None:
+            _load(self.room)
+        return self.sections
 
     def register[T: Section](self, section: type[T]) -> type[T]:
         """Take a section up; a decorator."""
@@ -218,7 +233,7 @@ class Registry[S: Section]:
     @property
     def choices(self) -> str:
         """The words at the key, as messages list them: "one", "two" or "three"."""
-        words = [_words(section).get(self.key) for section in self.sections]
+        words = [_words(section).get(self.key) for section in self.all()]
         *most, last = dict.fromkeys(f'"{word}"' for word in words if word)
         return f"{', '.join(most)} or {last}" if most else last
 
@@ -232,13 +247,13 @@ class Registry[S: Section]:
             right = [data[key] == word for key, word in _words(section).items() if key in data]
             return sum(right), sum(key in section.model_fields for key in data) - right.count(False)
 
-        return max(self.sections, key=fit)
+        return max(self.all(), key=fit)
 
     def validate(self, value: Any, info: ValidationInfo) -> Any:
         """The section that nested dictionaries describe; what is a section already stays."""
-        if isinstance(value, tuple(self.sections)):
+        if isinstance(value, tuple(self.all())):
             return value
-        section = self.section_for(value) if isinstance(value, dict) else self.sections[0]
+        section = self.section_for(value) if isinstance(value, dict) else self.all()[0]
         return section.model_validate(value, context=info.context)
 
 
@@ -250,7 +265,7 @@ class Registered(Section):
     @classmethod
     @override
     def alternatives(cls) -> Sequence[type[Section]]:
-        return cls.registry.sections
+        return cls.registry.all()
 
     @classmethod
     @override

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from pathlib import Path
-from typing import Any, ClassVar, Literal, NamedTuple, get_args
+from typing import Any, ClassVar, Literal, NamedTuple, get_args, override
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from fsi.case.section import CaseContext, Fraction, NotNegative, Positive, Section, Text, nearest_word, told
-from fsi.lubrication.exact_results import EXACT
-from fsi.lubrication.named_laws import names_of_laws
 
 
 class Fluid(Section):
@@ -161,9 +159,7 @@ class Reduced(Section):
 
     renamed: ClassVar[dict[str, str]] = {"scheme": "use time.scheme", "step": "use time.step"}
 
-    law: Text = Field(
-        default="exact", description=f"the law of the gaps: {names_of_laws()} or the path of a law file"
-    )
+    law: Text = "exact"
     wall_law: Text | None = None
     """the law of the gaps to walls, as `law`; the same if not given"""
     shear_law: Text | None = None
@@ -182,6 +178,15 @@ class Reduced(Section):
     """the gap beyond which bodies do not feel each other, a length > 0, or none"""
     extrapolate: bool = False
     """true to use a law file outside the range of its gaps, false to stop there"""
+
+    @classmethod
+    @override
+    def describe(cls, key: str) -> str | None:
+        if key != "law":
+            return super().describe(key)
+        from fsi.lubrication.named_laws import names_of_laws
+
+        return f"the law of the gaps: {names_of_laws()} or the path of a law file"
 
     @property
     def laws(self) -> dict[str, str]:
@@ -228,7 +233,7 @@ class Expected(Section):
     )
     value: float | None = None
     """the expected number, or give `exact`"""
-    exact: str | None = Field(default=None, description=f"one of {', '.join(EXACT)}, or give `value`")
+    exact: str | None = None
     rtol: Positive
     """the relative tolerance, a number > 0"""
     source: Text
@@ -237,9 +242,21 @@ class Expected(Section):
     @field_validator("exact")
     @classmethod
     def _known(cls, exact: str | None) -> str | None:
-        if exact is not None and exact not in EXACT:
-            raise ValueError(f"no such exact result; the nearest is {nearest_word(exact, EXACT)!r}")
+        if exact is not None:
+            from fsi.lubrication.exact_results import EXACT
+
+            if exact not in EXACT:
+                raise ValueError(f"no such exact result; the nearest is {nearest_word(exact, EXACT)!r}")
         return exact
+
+    @classmethod
+    @override
+    def describe(cls, key: str) -> str | None:
+        if key != "exact":
+            return super().describe(key)
+        from fsi.lubrication.exact_results import EXACT
+
+        return f"one of {', '.join(EXACT)}, or give `value`"
 
     @model_validator(mode="after")
     def _one_of_them(self) -> Expected:

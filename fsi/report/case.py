@@ -7,11 +7,16 @@ from rich.table import Table
 from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
 from fsi.case.section import toml_text
-from fsi.integration.schemes import scheme_for
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.report.console import table
 from fsi.report.gaps import gaps_table
-from fsi.report.solution import components
+
+
+def components(case: Case) -> tuple[str, ...]:
+    """What the modes are called."""
+    if case.dimension == 3:
+        return ("x", "y", "z", "rotation x", "rotation y", "rotation z")
+    return ("r", "z", "rotation") if case.axisymmetric else ("x", "y", "rotation")
 
 
 def print_case(console: Console, case: Case) -> None:
@@ -38,8 +43,7 @@ def _level(case: Case) -> str:
         return f"{case.model}{matter}, one instant"
     steps = f"by steps of {case.time.step:g}" if case.time.step is not None else ""
     if case.level.viscous:
-        scheme = scheme_for(case.time.scheme, inertia=case.masses() is not None)
-        steps = f"{steps if scheme.fixed else ''} by the scheme {scheme.name}".strip()
+        steps = f"{steps if case.scheme.fixed else ''} by the scheme {case.scheme.name}".strip()
     return f"{case.model}{matter}, to t = {case.time.end:g} {steps}"
 
 

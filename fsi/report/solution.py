@@ -19,18 +19,12 @@ from fsi.integration.errors import ErrorEstimate, StressErrors
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.quantities import Driven
 from fsi.observables.truncation import SolvedFlow
+from fsi.report.case import components
 from fsi.report.console import checks_table, print_mesh_instead, table
 from fsi.report.gaps import gaps_json, gaps_table
 
 # Changes of the results in a container of half the radius, where there is one.
 type Truncation = Mapping[str, float] | None
-
-
-def components(case: Case) -> tuple[str, ...]:
-    """What the modes are called."""
-    if case.dimension == 3:
-        return ("x", "y", "z", "rotation x", "rotation y", "rotation z")
-    return ("r", "z", "rotation") if case.axisymmetric else ("x", "y", "rotation")
 
 
 def solution_json(

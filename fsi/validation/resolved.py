@@ -13,7 +13,6 @@ from fsi.case.case import Case
 from fsi.case.sections import Expected, gap_of
 from fsi.errors import InputError, SolveError, ValidationError
 from fsi.integration.errors import ErrorEstimate
-from fsi.integration.schemes import scheme_for
 from fsi.lubrication.exact_results import EXACT
 from fsi.meshes.errors import MeshError
 from fsi.observables.quantities import computed, time_at
@@ -152,7 +151,7 @@ def _instant(case: Case) -> list[Computed]:
 def _history(case: Case, folder: Path) -> list[Computed]:
     """Times at gaps, from two runs, whose difference is the error of the time steps."""
     assert case.time is not None
-    order = scheme_for(case.time.scheme, inertia=case.masses() is not None).order
+    order = case.scheme.order
     tolerance = STRETCH**order * case.time.tolerance
     steps = {"tolerance": tolerance, "gap_loss": STRETCH * case.time.gap_loss}
     coarser, fine = case.time.model_copy(update=steps), _run(case, folder)

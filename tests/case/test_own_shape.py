@@ -90,7 +90,7 @@ class Spring(ForceSection):
 def registered(monkeypatch: pytest.MonkeyPatch) -> None:
     """Registered for one test only: messages list all shapes."""
     for registry in (Walled.registry, ForceSection.registry):
-        monkeypatch.setattr(registry, "sections", [*registry.sections])
+        monkeypatch.setattr(registry, "sections", [*registry.all()])
     register_domain(TriangleDomain)
     register_force(Spring)
 

@@ -77,7 +77,7 @@ def test_a_body_in_a_crest_is_refused() -> None:
 
 def test_a_shape_of_walls_from_outside(monkeypatch: pytest.MonkeyPatch) -> None:
     """One class: here a bump (1 - x^2)^2, of area 16/15."""
-    monkeypatch.setattr(WallProfile.registry, "sections", [*WallProfile.registry.sections])
+    monkeypatch.setattr(WallProfile.registry, "sections", [*WallProfile.registry.all()])
 
     @register_profile
     class Bump(WallProfile):

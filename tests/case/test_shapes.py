@@ -242,7 +242,7 @@ def test_the_points_of_a_spline_may_stand_in_a_file_beside_the_case(tmp_path: Pa
 
 def test_a_shape_from_outside(monkeypatch: pytest.MonkeyPatch) -> None:
     """One class: here an egg r = a (1 + cos(theta) / 4), of area pi a^2 (1 + 1/32)."""
-    monkeypatch.setattr(BodyShape.registry, "sections", [*BodyShape.registry.sections])
+    monkeypatch.setattr(BodyShape.registry, "sections", [*BodyShape.registry.all()])
 
     @register_shape
     class Egg(BodyShape):

@@ -22,7 +22,13 @@ SLOW = {"scipy.stats", "scipy.optimize", "scipy.interpolate", "matplotlib", "pan
 SOLVER = {"mpi4py", "dolfinx_solver", "dolfinx", "gmsh", "petsc4py", "ufl"}
 # Of what a flow in the plane does without, and of DOLFINx's wheel: what looks through all installed packages.
 PARTS = {"numba", "scipy.spatial", "scipy.special", "scipy.sparse", "pycparser", "dolfinx_solver"}
-OTHER = {"numba", "scipy.spatial", "scipy.sparse", "numpy.random", "fsi.arrangements.kinds", "fsi.cli.render"}
+OTHER = {
+    "numba", "scipy.spatial", "scipy.sparse", "numpy.random", "numpy.polynomial", "fsi.arrangements.kinds",
+    "fsi.cli.render", "fsi.integration.schemes", "fsi.lubrication.named_laws", "fsi.observables.truncation",
+    "fsi.meshes.spatial.sizing",
+}  # fmt: skip
+# Of what the case of one disc has none: other shapes of bodies and of walls, exact results beside it.
+NONE_OF_ONE_DISC = {"fsi.case.shapes.ellipse", "fsi.case.profiles.wave", "fsi.lubrication.exact_results"}
 
 
 def loaded(*command: str) -> set[str]:
@@ -42,8 +48,8 @@ def loaded(*command: str) -> set[str]:
 @pytest.mark.parametrize(
     ("command", "not_needed"),
     [
-        ("check", SLOW | SOLVER | OTHER),
-        ("solve", SLOW | PARTS | {"fsi.pores.instant", "meshio"}),
+        ("check", SLOW | SOLVER | OTHER | NONE_OF_ONE_DISC),
+        ("solve", SLOW | PARTS | NONE_OF_ONE_DISC | {"fsi.pores.instant", "meshio"}),
     ],
     ids=["check", "solve"],
 )

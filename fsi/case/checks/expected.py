@@ -1,10 +1,14 @@
 """What the rows [[expected]] of a case must satisfy: bodies and components that it has, fitting results."""
 
+from typing import TYPE_CHECKING
+
 from fsi.case.case import Case
 from fsi.case.section import nearest_word, toml_text
 from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, SHEAR_RATE, WALL_SPEED, Expected
 from fsi.errors import InputError
-from fsi.lubrication.exact_results import EXACT, Fitting
+
+if TYPE_CHECKING:  # exact results take long to load
+    from fsi.lubrication.exact_results import Fitting
 
 # Of vectors and of what turns; in the plane a torque is a number and has none.
 _COMPONENTS = {"planar": ("xy", ""), "axisymmetric": ("z", ""), "spatial": ("xyz", "xyz")}
@@ -18,6 +22,8 @@ def check_expected(case: Case) -> None:
     for i, row in enumerate(case.expected):
         check_quantity(case, row.quantity, f"expected.{i}.quantity = {toml_text(row.quantity)}")
         if row.exact is not None:
+            from fsi.lubrication.exact_results import EXACT
+
             _check_exact(case, row, EXACT[row.exact].fitting, f"expected.{i}.exact = {toml_text(row.exact)}")
 
 
@@ -49,7 +55,7 @@ def _check_component(case: Case, quantity: str, here: str) -> None:
         raise InputError(f'{here}: geometry = "{case.geometry}" has no such component; give {choices}')
 
 
-def _check_exact(case: Case, row: Expected, fitting: Fitting, here: str) -> None:
+def _check_exact(case: Case, row: Expected, fitting: "Fitting", here: str) -> None:
     kind = (case.geometry, case.domain.shape, len(case.bodies))
     if kind != (fitting.geometry, fitting.shape, fitting.bodies):
         raise InputError(

@@ -9,11 +9,9 @@ from fsi.bodies.gaps import find_gaps
 from fsi.case.background_flow import background
 from fsi.case.case import Case
 from fsi.case.domain import MeanDrive
-from fsi.case.drag_file import read_drag_file
 from fsi.case.section import refusal, toml_text
 from fsi.case.series import is_zero
 from fsi.errors import InputError
-from fsi.integration.schemes import SCHEMES
 
 # Of the smallest radius: an overlap that is rounding in a contact.
 _ROUNDING = 1e-10
@@ -198,6 +196,8 @@ def _check_drag_file(case: Case) -> None:
         raise InputError(f"{here}: there is reduced.drag = {case.reduced.drag:g} too; drop one of them")
     if not Path(name).is_file():
         raise InputError(f"{here}: there is no such file; `fsi resistance CASE --drag FILE` writes one")
+    from fsi.case.drag_file import read_drag_file
+
     file, cutoff = read_drag_file(Path(name)), relative_cutoff(case)
     of_case = "spheres" if case.spheres else "discs"
     if file.shape != of_case:
@@ -236,6 +236,8 @@ def _check_periodic(case: Case) -> None:
 
 def _check_tangential(case: Case) -> None:
     """What sliding and rolling need: laws between bodies, a reach, freedoms, and a model that keeps them."""
+    from fsi.integration.schemes import SCHEMES
+
     keys = ("shear_law", "wall_shear_law", "rotation_law", "wall_rotation_law")
     given = {key: law for key in keys if (law := getattr(case.reduced, key)) is not None}
     for key, law in given.items():

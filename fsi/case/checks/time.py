@@ -8,7 +8,6 @@ from fsi.case.case import Case
 from fsi.case.section import nearest_word, refusal, toml_text
 from fsi.case.series import Table, is_zero, jumps
 from fsi.errors import InputError
-from fsi.integration.schemes import SCHEMES, scheme_for
 
 SMALLEST_CONTACT = 1e-8  # over the smallest radius
 
@@ -64,13 +63,15 @@ def _check_scheme(case: Case) -> None:
             )
         _require_step(case, f'model = "{case.model}"')
         return
+    from fsi.integration.schemes import SCHEMES
+
     if time.scheme is not None and time.scheme not in SCHEMES:
         nearest = nearest_word(time.scheme, SCHEMES)
         raise InputError(
             f"time.scheme = {toml_text(time.scheme)}: there is no such scheme; the nearest is {nearest!r}, "
             f"of {', '.join(SCHEMES)}"
         )
-    scheme = scheme_for(time.scheme, inertia=case.masses() is not None)
+    scheme = case.scheme
     here = f"time.scheme = {toml_text(scheme.name)}"
     if case.model not in scheme.models:
         raise InputError(

@@ -22,7 +22,6 @@ from fsi.case.gluey import LimitStudy
 from fsi.case.section import CaseContext
 from fsi.case.sections import Discretisation
 from fsi.errors import InputError
-from fsi.integration.schemes import scheme_for
 from fsi.machine.resources import memory, require_disk, require_memory, size
 from fsi.meshes.estimate import Narrows, cells_of
 from fsi.meshes.planar.sizing import Resolution
@@ -159,7 +158,7 @@ def _check_steps(case: Case, unknowns: float) -> float:
     time = case.time
     if time is None:
         return 0.0
-    fixed = not case.level.viscous or scheme_for(time.scheme, inertia=case.masses() is not None).fixed
+    fixed = not case.level.viscous or case.scheme.fixed
     steps = time.end / time.step if fixed and time.step is not None else 0.0
     interval = case.output.interval
     outputs = steps if interval is None else time.end / interval

@@ -21,7 +21,7 @@ class WallProfile(Registered):
     At both ends of the stretch heights and slopes are zero.
     """
 
-    registry: ClassVar[Registry[Any]] = Registry("kind")
+    registry: ClassVar[Registry[Any]] = Registry("kind", __package__)
 
     @abstractmethod
     def heights(self) -> Heights:

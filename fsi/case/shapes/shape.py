@@ -30,7 +30,7 @@ class AnyShape(Registered):
         geometries: of the cases in which bodies look so.
     """
 
-    registry: ClassVar[Registry[Any]] = Registry("kind")
+    registry: ClassVar[Registry[Any]] = Registry("kind", __package__)
     geometries: ClassVar[tuple[Geometry, ...]]
 
     @property
