@@ -107,7 +107,7 @@ def assembled(
 ) -> Iterator[StokesSystem]:
     """The assembled system of `solve`, with the same arguments; collective."""
     fluid, container, boundary = problem.fluid, problem.container, problem.boundary
-    with nullcontext(workspace) if workspace else Workspace(lasting=False) as workspace:
+    with nullcontext(workspace) if workspace else Workspace() as workspace:
         forms = workspace.forms(fluid, options.degree, problem.viscosity)
         nodes = locate(fluid, forms.V)
         iterative = is_iterative(options, forms) and not problem.sliding

@@ -218,7 +218,7 @@ def factorised(system: StokesSystem) -> Iterator[Responses]:
     added = Added(mode_equations(system)[0], system.facets, law_equations(system)[0])
     elimination = system.workspace.elimination(system.layout, system.rigid, unknown, added)
     if system.mass is None:
-        factors = elimination.factors(lasting=system.workspace.lasting)
+        factors = elimination.factors()
         factors.extended = _is_narrow(system.problem)
         yield lambda systems: _respond(systems, elimination, factors)
         return

@@ -184,10 +184,10 @@ class Elimination:
             used.destroy()
         return summed
 
-    def factors(self, *, lasting: bool) -> Factorisation:
+    def factors(self) -> Factorisation:
         """The factors of `reduced` as it is now, as `Factorisation`. Raises SolveError: it is singular."""
         if self._factors is None:
-            self._factors = Factorisation(self.reduced, self, lasting=lasting)
+            self._factors = Factorisation(self.reduced, self)
         else:
             self._factors.update()
         return self._factors

@@ -24,10 +24,9 @@ from fsi.stokes.solvers.reduced import Added, Elimination
 class Workspace(AbstractContextManager["Workspace"]):
     """Keeps what the last solve made; use it in a `with` statement, or `close` it."""
 
-    def __init__(self, *, lasting: bool = True) -> None:
-        """Empty; lasting: for many solves."""
+    def __init__(self) -> None:
+        """Empty."""
         keep_freed()
-        self.lasting = lasting
         self._forms: Forms | None = None
         self._cells: StokesCells | None = None
         self._elimination: Elimination | None = None
