@@ -1,10 +1,12 @@
 """The levels by name: what steps a case of each, and which of them give velocities at an instant.
 
-Libraries are imported where they are needed: only the resolved model wants DOLFINx.
+Modules are imported where they are needed: only the resolved model wants DOLFINx, only runs want steppers.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
-from typing import Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -12,13 +14,12 @@ from fsi.case.case import Case
 from fsi.case.checks.determined import check_strayed_lattice
 from fsi.case.checks.time import check_own_mesh
 from fsi.errors import InputError
-from fsi.integration.errors import ErrorEstimate
-from fsi.integration.evolution import Evolution, SteppedEvolution
-from fsi.integration.schemes import Beginning
-from fsi.integration.state import Advance, Model, Schedule
-from fsi.integration.stepper import FixedStepper, Refinable, RefiningStepper, Stepper
-from fsi.integration.strayed import Strayed
-from fsi.observables.resistance import Resistance, ResistanceErrors
+
+if TYPE_CHECKING:
+    from fsi.integration.errors import ErrorEstimate
+    from fsi.integration.evolution import Evolution, SteppedEvolution
+    from fsi.integration.state import Advance, Model
+    from fsi.observables.resistance import Resistance, ResistanceErrors
 
 
 def require_instant(case: Case) -> None:
@@ -98,6 +99,9 @@ def make_evolution(case: Case) -> Evolution:
 
 def stepped(case: Case, model: Model) -> SteppedEvolution:
     """The motion of a case with a model that gives velocities at an instant."""
+    from fsi.integration.evolution import SteppedEvolution
+    from fsi.integration.strayed import Strayed
+
     estimated = case.output.error_estimates or case.tolerance is not None
     q, first = case.configuration(), case.timing.first_step
     strayed = Strayed(case.masses(), case.motion_at) if case.output.error_estimates else None
@@ -106,6 +110,10 @@ def stepped(case: Case, model: Model) -> SteppedEvolution:
 
 def make_stepper(case: Case, model: Model) -> Advance:
     """The stepper that a case asks for by `time.scheme`, or by whether any body has a mass."""
+    from fsi.integration.schemes import Beginning
+    from fsi.integration.state import Schedule
+    from fsi.integration.stepper import FixedStepper, Refinable, RefiningStepper, Stepper
+
     time, masses = case.timing, case.masses()
     kind = case.scheme
     U = case.initial_velocity()

@@ -25,7 +25,6 @@ from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.grading import Grading
 from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import FarSize, Indices, places_of, side_keys, triangulate
-from fsi.meshes.spatial.tetrahedra import fill
 
 # dolfinx's generic types at double precision.
 type Mesh = dolfinx.mesh.Mesh[np.float64]
@@ -108,6 +107,8 @@ def build(domain: FluidDomain, resolution: Resolution, order: int) -> FluidMesh:
     slowly, in space with smaller elements on spheres and in gaps. Raises MeshError on all ranks if all fail.
     """
     if domain.container.dimension == 3:
+        from fsi.meshes.spatial.tetrahedra import fill
+
         finer, make = dict(_finer(resolution, *factors) for factors in FINER), fill
     else:
         growths = [resolution.growth / factor for factor in SLOWER]

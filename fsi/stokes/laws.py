@@ -23,14 +23,17 @@ and by a mean gradient W of velocity, in which the rates are S : W, it adds f S 
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import MODES, Array, Configuration, Motion
-from fsi.lubrication.below import PairRates
 from fsi.stokes.problem import PairLaws, StokesProblem
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem
+
+if TYPE_CHECKING:  # laws take long to load, and most flows have none
+    from fsi.lubrication.below import PairRates
 
 # Of the largest: loads that are combinations of others.
 SAME = 1e-12
@@ -106,7 +109,7 @@ def _combined(flow: NodalSolution, responses: list[NodalSolution], sizes: Array)
     return replace(flow, x=x, reaction=reaction, load=load, U=U, residual=residual, iterations=iterations)
 
 
-def pair_laws(rates: PairRates, problem: StokesProblem, q: Configuration) -> PairLaws:
+def pair_laws(rates: "PairRates", problem: StokesProblem, q: Configuration) -> PairLaws:
     """The laws of a problem with these rates, of its walls and mean flow at this instant; bodies are at q."""
     names, W = problem.container.walls, problem.flow_gradient
     E = problem.container.mean_gradient
@@ -125,7 +128,7 @@ def pair_laws(rates: PairRates, problem: StokesProblem, q: Configuration) -> Pai
     )  # fmt: skip
 
 
-def _strains(rates: PairRates) -> Array:
+def _strains(rates: "PairRates") -> Array:
     """S of each rate, the symmetric tensor of its values by the gradients e_k (x) e_l, k <= l, (R, d, d)."""
     R, d = rates.apart.shape
     M = len(MODES[d])

@@ -13,10 +13,8 @@ from fsi.bodies.opened import way_out
 from fsi.case.case import Case
 from fsi.integration.errors import StepErrors
 from fsi.integration.state import Results
-from fsi.lubrication.below import OpenedGaps
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.errors import MeshError
-from fsi.meshes.files.read import read_mesh
 from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.sizing import Resolution
@@ -134,6 +132,8 @@ class StokesModel:
         )
         if (below := case.lubrication.below) is None:
             return problem
+        from fsi.lubrication.below import OpenedGaps
+
         gaps = OpenedGaps(q, meshed, container, below, tuple(boundary.velocities), case.spheres, mu)
         laws = replace(pair_laws(gaps.rates(), problem, q), shut_in=self._way_out(below, q, t) < below)
         return replace(problem, laws=laws)
@@ -147,6 +147,8 @@ class StokesModel:
         case, order = self.case, order or self.case.discretisation.degree
         if case.domain.mesh is None:
             return self._built(q, t, self.resolution, order)
+        from fsi.meshes.files.read import read_mesh
+
         domain = FluidDomain(self._around(q, t), q.centres, q.radii)
         fluid = read_mesh(Path(case.domain.mesh), case.names, domain, order)
         return fluid.scaled(1.0 / self.units.length, self._container().at(t, q.strain))

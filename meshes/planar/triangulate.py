@@ -268,5 +268,7 @@ def side_keys(sides: Indices, n: int) -> Indices:
 
 def places_of(wanted: Indices, keys: Indices) -> tuple[Indices, NDArray[np.bool_]]:
     """Where among the keys those of the wanted ones stand that are there, and which are, (wanted,)."""
-    order, there = np.argsort(keys), np.isin(wanted, keys)
-    return order[np.searchsorted(keys, wanted[there], sorter=order)], there
+    order = np.argsort(keys)
+    first, end = (np.searchsorted(keys, wanted, side, sorter=order) for side in ("left", "right"))
+    there = first < end
+    return order[first[there]], there
