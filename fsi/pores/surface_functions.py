@@ -67,18 +67,18 @@ def fluid(pore: Complex, v: int, order: int, to: Target, k: int) -> int:
 
     whose real part is that of z^-m (A + B |z|^2), and whose imaginary part that of it times i.
     """
-    powers = to.room[WEIGHTS:]
-    _make_powers(pore[v], order + 3, to.points, powers)
-    _biharmonic(pore, v, (2, 1.0, 0.0), (to, powers[order + 2 :], k))
+    powers, lowest = to.room[WEIGHTS:], order + 3 if order > CUBIC else 2
+    _make_powers(pore[v], lowest, to.points, powers)
+    _biharmonic(pore, v, (2, 1.0, 0.0), (to, powers[lowest - 1 :], k))
     k += 2
     if order >= CUBIC:
-        _biharmonic(pore, v, (3, 1.0, 0.0), (to, powers[order + 3 :], k))
-        _biharmonic(pore, v, (1, 0.0, 1.0), (to, powers[order + 1 :], k + 2))
+        _biharmonic(pore, v, (3, 1.0, 0.0), (to, powers[lowest:], k))
+        _biharmonic(pore, v, (1, 0.0, 1.0), (to, powers[lowest - 2 :], k + 2))
         k += 4
     for m in range(CUBIC + 1, order + 1):
         for n in (m, m - 2):
             B = 0.5 * (m + n)
-            _biharmonic(pore, v, (-n, 1.0 - B, B), (to, powers[order - n :], k))
+            _biharmonic(pore, v, (-n, 1.0 - B, B), (to, powers[lowest - n - 3 :], k))
             k += 2
     return k
 
