@@ -1,7 +1,8 @@
 """What a step between pores costs, by phase: `OMP_NUM_THREADS=1 python bench/pore_speed.py 50 200 1800`.
 
 Discs at area fraction 0.4 between sliding walls, those of tests/reference/couette_N50.json and
-couette_N200.json; more are 200 n^2, copies of the latter side by side in n rows.
+couette_N200.json; more are 200 n^2, copies of the latter side by side in n rows. With `--resolved TURNS`
+steps are also compared with resolved ones of the same 50 or 200 discs, as `bench/suspension.py` has them.
 """
 
 from __future__ import annotations
@@ -42,8 +43,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     )
     parser.add_argument("discs", type=int, nargs="+", help="50, or 200 n^2")
     parser.add_argument("--modes", type=int, nargs="+", default=[1, 4], help="of each neck")
+    parser.add_argument("--resolved", type=int, default=0, metavar="TURNS", help="compare in so many turns")
     wanted = parser.parse_args(arguments)
-    table = Table("discs", "modes", "step", "unknowns", *PHASES, "CPU s", "MB", "dissipation")
+    resolved = ["of resolved"] if wanted.resolved else []
+    table = Table("discs", "modes", "step", "unknowns", *PHASES, "CPU s", "MB", "dissipation", *resolved)
     for discs in wanted.discs:
         for modes in wanted.modes:
             forget_peak()
@@ -52,8 +55,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
             for step, (unknowns, dissipation, *seconds) in (("first", first), ("warm", warm)):
                 times = [f"{value:.3f}" for value in (*seconds, sum(seconds))]
                 row = [str(discs), str(modes), step, f"{unknowns:.0f}", *times]
-                table.add_row(*row, f"{peak_memory():.0f}", f"{dissipation:.8g}")
-    Console().print(table)
+                row += [f"{peak_memory():.0f}", f"{dissipation:.8g}"]
+                if resolved and step == "warm":
+                    row.append(f"{of_resolved(discs, modes, wanted.resolved):.2f}")
+                table.add_row(*row)
+    Console(width=130).print(table)
 
 
 def timed(discs: int, modes: int) -> tuple[float, ...]:
@@ -68,6 +74,20 @@ def timed(discs: int, modes: int) -> tuple[float, ...]:
     )
     seconds = system.seconds["cpu_pores"], system.seconds["cpu_forms"], process_time() - began
     return float(system.unknowns), flow.dissipation, *seconds
+
+
+def of_resolved(discs: int, modes: int, turns: int) -> float:
+    """The median ratio of the CPU seconds of a step to those of a resolved one, mesh included, in turns."""
+    from bench.suspension import new_steps
+    from bench.suspension import suspension as resolved
+
+    if discs not in (50, 200):
+        raise SystemExit(f"pore_speed.py: --resolved with {discs} discs: give 50 or 200")
+    sheared, ratios = resolved(discs), []
+    for _ in range(turns):
+        (step,) = new_steps(sheared, 1)
+        ratios.append(sum(timed(discs, modes)[2:]) / sum(step.seconds.values()))
+    return float(np.median(ratios))
 
 
 def suspension(discs: int) -> tuple[BoundingSurfaces, float]:

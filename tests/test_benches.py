@@ -16,7 +16,7 @@ SMALLEST = {
     "start": ["--times", "1"],
 }
 AGAINST_ITSELF = [str(ROOT), "--turns", "1", "--most", "9", "--cases", "disc_beside_plane"]
-SLOW = {"against": AGAINST_ITSELF, "space": ["P2"], "pore_speed": ["50", "--modes", "1"]}
+SLOW = {"against": AGAINST_ITSELF, "space": ["P2"], "pore_speed": ["50", "--modes", "1", "--resolved", "1"]}
 
 
 @pytest.mark.parametrize("name", [*SMALLEST, *(pytest.param(name, marks=pytest.mark.slow) for name in SLOW)])

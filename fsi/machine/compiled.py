@@ -48,8 +48,11 @@ _NO_COUNTS = {"_nrt": False}
 
 
 def compiled[**P, R](function: Callable[P, R]) -> Callable[P, R]:
-    """The function in machine code, made at its first call and kept for the next programs."""
-    return _kept(function)
+    """The function in machine code, made at its first call and kept for the next programs.
+
+    Other threads run while it does.
+    """
+    return _kept(function, nogil=True)
 
 
 def internal[**P, R](function: Callable[P, R]) -> Callable[P, R]:

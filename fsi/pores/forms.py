@@ -13,6 +13,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.machine.compiled import compiled, inlined, internal
+from fsi.machine.threads import in_parts
 from fsi.pores.elimination import least_bubbles, squares, take_off
 from fsi.pores.few_bubbles import FEW, least_of_few
 from fsi.pores.jets import AT_ONCE
@@ -42,10 +43,13 @@ def pore_forms(shapes: PoreShapes, rule: Rule, orders: Orders) -> PoreForms:
     """The forms of pores of the same orders."""
     data, n, m = pore_data(shapes), len(shapes.gap), orders.shared
     forms = PoreForms(np.empty((n, m, m)), np.empty(n), np.empty(n))
-    points = np.empty((ROWS, most_points(data, rule)))
-    out = np.empty(orders.total * RATES * (points.shape[1] + AT_ONCE))
-    work = Work(points, np.empty(ROWS * AT_ONCE), out, room_for(orders), orders.total)
-    _take_forms(data, rule, orders, work, forms)
+    most = most_points(data, rule)
+
+    def take(part: slice) -> None:
+        work = Work.of(most, RATES, orders)
+        _take_forms(data[part], rule, orders, work, PoreForms._make(each[part] for each in forms))
+
+    in_parts(n, take)
     return forms
 
 
@@ -67,9 +71,7 @@ def strain_rates(data: Complex, orders: Orders, points: Points) -> Array:
 def values(data: Complex, orders: Orders, points: Points) -> Array:
     """The functions with their derivatives, psi ... psi_yy, (n, functions, 6, Q)."""
     found = np.zeros((len(data), orders.total, JETS, points.rows.shape[2]))
-    out, some = np.empty(orders.total * JETS * AT_ONCE), np.empty(ROWS * AT_ONCE)
-    work = Work(points.rows[0], some, out, room_for(orders), orders.total)
-    _take_values(data, orders, points.rows, work, found)
+    _take_values(data, orders, points.rows, Work.of(0, JETS, orders), found)
     return found
 
 
@@ -89,6 +91,12 @@ class Work(NamedTuple):
     out: Array
     room: Array
     total: int
+
+    @staticmethod
+    def of(points: int, numbers: int, orders: Orders) -> "Work":
+        """Room for so many points and these numbers at each, of functions of these orders."""
+        out = np.empty(orders.total * numbers * (points + AT_ONCE))
+        return Work(np.empty((ROWS, points)), np.empty(ROWS * AT_ONCE), out, room_for(orders), orders.total)
 
 
 @compiled

@@ -81,6 +81,14 @@ def test_a_pore_has_the_same_form_alone_as_among_others() -> None:
         assert np.array_equal(one.K[0], batch.forms.K[-1])
 
 
+@pytest.mark.parametrize("threads", ["2", "3"])
+def test_forms_are_the_same_by_any_number_of_threads(monkeypatch: pytest.MonkeyPatch, threads: str) -> None:
+    alone = PoreSystem.make(packing(2), 2, 1.0).assembly.batches
+    monkeypatch.setenv("OMP_NUM_THREADS", threads)
+    shared = PoreSystem.make(packing(2), 2, 1.0).assembly.batches
+    assert all(np.array_equal(a.forms.K, b.forms.K) for a, b in zip(alone, shared, strict=True))
+
+
 def test_the_dissipation_inside_fluid_discs_is_that_of_their_polynomials() -> None:
     """By Gauss and trapezoidal points in a disc of radius 0.6, which are exact for these polynomials."""
     order, a = 5, 0.6
