@@ -132,8 +132,8 @@ def moved_steps(sheared: Sheared, repeats: int) -> list[StokesSolution]:
 
 
 def step(n: int, *, moved: bool) -> StokesSolution:
-    """The cheapest of some steps."""
-    repeats = 1 if n == max(PERIODS) else REPEATS
+    """The cheapest of some steps, two at least: the first waits for its memory, cleared page by page."""
+    repeats = 2 if n == max(PERIODS) else REPEATS
     found = (moved_steps if moved else new_steps)(suspension(n), repeats)
     return min(found, key=lambda solution: sum(solution.seconds.values()))
 
