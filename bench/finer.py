@@ -1,4 +1,4 @@
-"""The flow of a case by elements of a higher degree on a finer mesh, against which `bench.bars` holds bars."""
+"""The flow of a case by elements of a higher degree on a finer mesh: `bench.bars` holds bars against it."""
 
 from __future__ import annotations
 
