@@ -22,16 +22,28 @@ def resolve_all(size: Sizes, ends: Array, pieces: int) -> tuple[Array, Array, In
     """
     s = np.linspace(ends[:, 0], ends[:, 1], pieces + 1, axis=1).ravel()
     k = np.repeat(np.arange(len(ends)), pieces + 1)
-    h = size(s, k)
+    found, inside = [(s, size(s, k), k)], np.flatnonzero(k[:-1] == k[1:])
+    # Both ends of the intervals that may be too long, the sizes there, (2, n) each, and their curves.
+    ends, h = (np.stack([values[inside], values[inside + 1]]) for values in found[0][:2])
+    of = k[inside]
     for _ in range(MOST_HALVINGS):
-        too_long = (np.diff(s) > 0.5 * np.minimum(h[:-1], h[1:])) & (k[:-1] == k[1:])
-        long = np.flatnonzero(too_long)
+        long = np.flatnonzero(ends[1] - ends[0] > 0.5 * h.min(axis=0))
         if len(long) == 0:
-            return s, h, k
-        middle, of = 0.5 * (s[long] + s[long + 1]), k[long]
-        h = np.insert(h, long + 1, size(middle, of))
-        s, k = np.insert(s, long + 1, middle), np.insert(k, long + 1, of)
+            s, h, k = (np.concatenate(every) for every in zip(*found, strict=True))
+            order = np.lexsort((s, k))
+            return s[order], h[order], k[order]
+        ends, h, of = ends[:, long], h[:, long], of[long]
+        middle = 0.5 * ends.sum(axis=0)
+        between = size(middle, of)
+        found.append((middle, between, of))
+        ends, h = _halved(ends, middle), _halved(h, between)
+        of = np.tile(of, 2)
     raise MeshError("element sizes down to {} cannot be resolved; is a gap that small meant?", h.min())
+
+
+def _halved(ends: Array, middle: Array) -> Array:
+    """What is known at both ends of intervals, (2, n), at those of their halves, (2, 2 n)."""
+    return np.stack([np.concatenate([ends[0], middle]), np.concatenate([middle, ends[1]])])
 
 
 def equidistribute(s: Array, density: Array, least: int) -> Array:
