@@ -6,8 +6,6 @@ import fsi.meshes.backend  # noqa: F401
 
 import numpy as np
 import pytest
-import scipy.sparse as sp
-from dolfinx.fem.petsc import assemble_matrix
 from numpy.testing import assert_allclose
 
 from fsi.bodies.configuration import Array, Configuration
@@ -21,6 +19,7 @@ from fsi.stokes.solve import Clock, assembled
 from fsi.stokes.solvers.elimination import StokesSystem
 from fsi.stokes.solvers.reduced import Added, Elimination
 from tests.flows import discs, mesh
+from tests.stokes import matrices
 
 COARSE = Resolution(0.3, 10, 1.0)
 # Two discs about the cut of a channel with slaves, and a sphere on an axis, both with all modes unknown.
@@ -28,22 +27,11 @@ DISCS = (Box((0.0, -2.6), (5.0, 2.6), periodic=("x",)), discs([(0.4, -1.3), (2.1
 SPHERE = (HalfPlane(6.0, axisymmetric=True), discs([(0.0, 1.5)], [1.0]))
 
 
-def full_matrix(forms: Forms) -> sp.csr_matrix:
-    """M = [A B^T; B 0] as DOLFINx assembles it."""
-    A, B = (assemble_matrix(forms.bind(name)) for name in ("a", "b"))
-    parts = []
-    for matrix in (A, B):
-        matrix.assemble()
-        indptr, column, value = matrix.getValuesCSR()
-        parts.append(sp.csr_matrix((value, column, indptr), matrix.size))
-    return sp.block_array([[parts[0], parts[1].T], [parts[1], None]], format="csr")
-
-
 def reduced(system: StokesSystem, elimination: Elimination) -> tuple[Array, int]:
     """P^T M P of Y = (y, z), dense, column by column of P; and the size of y."""
     y = elimination.reduced.size[0]
     P = elimination.prolonged(np.eye(y + len(system.layout.inner)))
-    K: Array = P.T @ (full_matrix(system.forms) @ P)
+    K: Array = P.T @ (matrices.assembled(system.forms) @ P)
     return K, y
 
 
@@ -71,3 +59,24 @@ def test_the_sum_of_cells_is_the_reduced_matrix_without_inner_unknowns(
         solved = elimination.solved(b, lambda right: np.linalg.solve(S, right))
         assert_allclose(K @ solved, b, rtol=0, atol=1e-8 * np.abs(b).max())
         assert elimination.times(b.astype(np.longdouble)).dtype == np.longdouble
+
+
+@pytest.mark.parametrize(("flow", "degree"), [(DISCS, 6), (SPHERE, 5)], ids=["discs", "sphere"])
+def test_cells_are_integrated_as_dolfinx_does(flow: tuple[Container, Configuration], degree: int) -> None:
+    """Curved cells and straight ones, which are integrated on the reference cell."""
+    container, q = flow
+    one_with_the_other(Forms(mesh(container, q, COARSE, degree), degree, 0.7))
+
+
+@pytest.mark.parametrize("degree", [2, 3])
+def test_cells_in_space_are_integrated_as_dolfinx_does(degree: int) -> None:
+    q = Configuration.unturned(np.array([[0.0, 0.0, 1.5]]), np.ones(1))
+    sizes = Resolution(0.5, 6, 1.0)
+    one_with_the_other(Forms(mesh(HalfPlane(4.0, dimension=3), q, sizes, degree), degree, 0.7))
+
+
+def one_with_the_other(forms: Forms) -> None:
+    """Both agree to rounding."""
+    expected = matrices.assembled(forms)
+    off = matrices.added_up(forms) - expected
+    assert np.abs(off.data).max() < 1e-12 * np.abs(expected.data).max()

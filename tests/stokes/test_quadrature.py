@@ -10,17 +10,16 @@ import numpy as np
 import pytest
 import ufl
 from dolfinx import fem
-from dolfinx.fem.petsc import assemble_matrix
 from dolfinx.mesh import exterior_facet_indices
 from mpi4py import MPI
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.meshes.geometry.containers import Box, HalfPlane
 from fsi.meshes.planar.sizing import Resolution
-from fsi.stokes.discretisation.forms import Form, Forms, pressure_element, velocity_element
+from fsi.stokes.discretisation.forms import Forms, pressure_element, velocity_element
 from fsi.stokes.solvers.elimination import nodal_vector
-from fsi.stokes.solvers.extended import multiply, multiply_transpose
 from tests.flows import discs, mesh
+from tests.stokes.matrices import added_up
 
 MU, DEGREE = 0.7, 3
 PLANE = Box((0.0, 0.0), (2.0, 1.0))
@@ -40,18 +39,9 @@ def empty(axisymmetric: bool) -> Forms:
     return Forms(mesh(CYLINDER if axisymmetric else PLANE, nobody, COARSE), DEGREE, MU)
 
 
-def times(form: Form, values: Array, *, transposed: bool = False) -> Array:
-    """The matrix of a bilinear form, or its transpose, times nodal values."""
-    matrix = assemble_matrix(form)
-    matrix.assemble()
-    product = (multiply_transpose if transposed else multiply)(matrix, values)
-    matrix.destroy()
-    return product
-
-
 @pytest.mark.parametrize("axisymmetric", [False, True])
 def test_a_cubic_flow_is_integrated_exactly_on_straight_cells(axisymmetric: bool) -> None:
-    """Loads of degree 6, with the weight r of degree 7; the dissipation by its form and by that of a."""
+    """Loads of degree 6, with the weight r of degree 7; the dissipation by its form and by A."""
     x, wx = np.polynomial.legendre.leggauss(12)
     X, Y = np.meshgrid(1.0 + x, 0.5 * (1.0 + x), indexing="ij")
     weights = np.outer(wx, 0.5 * wx) * (2.0 * np.pi * X if axisymmetric else 1.0)
@@ -67,7 +57,8 @@ def test_a_cubic_flow_is_integrated_exactly_on_straight_cells(axisymmetric: bool
     assert load @ values == pytest.approx(np.sum(weights * (u**2).sum(axis=0)), rel=1e-13)
     dissipation = 2.0 * MU * np.sum(weights * e_e)
     assert forms.integrate("dissipation") == pytest.approx(dissipation, rel=1e-13)
-    assert values @ times(forms.bind("a"), values) == pytest.approx(dissipation, rel=1e-13)
+    A = added_up(forms)[: len(values), : len(values)]
+    assert values @ (A @ values) == pytest.approx(dissipation, rel=1e-13)
 
 
 @pytest.mark.parametrize("axisymmetric", [False, True])
@@ -87,7 +78,8 @@ def test_the_divergence_is_integrated_exactly_on_curved_cells(axisymmetric: bool
     integrand = forms.p * (2 * ufl.pi * (r * div + forms.u[0]) if axisymmetric else div)
     exactly = fem.form(-integrand * ufl.dx(metadata={"quadrature_degree": 16}))
     expected = fluid.mesh.comm.allreduce(fem.assemble_scalar(exactly), op=MPI.SUM)
-    assert p @ times(forms.bind("b"), u) == pytest.approx(expected, rel=1e-11)
+    B = added_up(forms)[len(u) :, : len(u)]
+    assert p @ (B @ u) == pytest.approx(expected, rel=1e-11)
 
 
 def test_the_elements_are_those_of_taylor_and_hood() -> None:
@@ -105,6 +97,7 @@ def test_nothing_flows_through_curved_boundaries_in_space(degree: int) -> None:
     forms.u.interpolate(lambda x: np.stack([x[2], 0.0 * x[2], 0.0 * x[2]]))
     assert abs(forms.integrate("flux")) < 1e-13 * forms.integrate("speed on boundary")
     ones = np.ones(forms.Q.dofmap.index_map.size_local)
-    inside = times(forms.bind("b"), ones, transposed=True).reshape(-1, 3)
+    B = added_up(forms)[-len(ones) :, : -len(ones)]
+    inside = (B.T @ ones).reshape(-1, 3)
     inside[fem.locate_dofs_topological(forms.V, 2, exterior_facet_indices(forms.mesh.topology))] = 0.0
     assert np.abs(inside).max() < 1e-12

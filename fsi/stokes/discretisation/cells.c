@@ -2,27 +2,175 @@
 
 See cells.py and solvers/assembly.py.
 */
+#include <math.h>
 #include <stdint.h>
 #include <string.h>
 
-typedef void Tabulate(double *, const double *, const double *, const double *, const int *, const uint8_t *, void *);
+/* Two versions of a loop, of which a machine takes the faster one that it can: machines may share the library. */
+#if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__clang__) && __GNUC__ >= 12
+#define FOR_THIS_MACHINE __attribute__((target_clones("arch=x86-64-v3", "default")))
+#else
+#define FOR_THIS_MACHINE
+#endif
+#define INLINE static inline __attribute__((always_inline))
 
-/* The symmetric matrix of a cell, its rows in the order of `source`. */
-static void matrix_of_cell(const Cells *c, int cell, double *restrict E)
+/* I = J^-1, for J of d x d; its determinant. */
+INLINE double inverted(int d, const double *J, double *I)
 {
-  const int u = c->velocities, p = c->pressures, n = u + p, kind = c->kind[cell];
-  double X[3 * c->points], every[u * u + p * u + 1];
-  memset(every, 0, sizeof every);
+  if (d == 2) {
+    const double det = J[0] * J[3] - J[1] * J[2], s = 1.0 / det;
+    I[0] = s * J[3], I[1] = -s * J[1], I[2] = -s * J[2], I[3] = s * J[0];
+    return det;
+  }
+  double C[9];
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) {
+      const int a = (i + 1) % 3, b = (i + 2) % 3, e = (j + 1) % 3, f = (j + 2) % 3;
+      C[j * 3 + i] = J[a * 3 + e] * J[b * 3 + f] - J[a * 3 + f] * J[b * 3 + e];
+    }
+  const double det = J[0] * C[0] + J[1] * C[3] + J[2] * C[6];
+  for (int k = 0; k < 9; k++)
+    I[k] = C[k] / det;
+  return det;
+}
+
+/* dX/dx = J^-1 where the map of a cell has these derivatives, (d, points); det J. */
+INLINE double map_back(const Cells *c, const double *X, const double *derivatives, double *I)
+{
+  const int d = c->dimension;
+  double J[9] = {0};
+  for (int i = 0; i < d; i++)
+    for (int a = 0; a < d; a++)
+      for (int k = 0; k < c->points; k++)
+        J[i * d + a] += X[3 * k + i] * derivatives[a * c->points + k];
+  return inverted(d, J, I);
+}
+
+/* With S_ab = int d_a phi_i d_b phi_j for a <= b, one after the other, and R_a = int psi_k d_a phi_i:
+   a straight cell, on which derivatives are those on the reference cell times constants. */
+INLINE void integrate_straight(const Cells *c, const double *X, double *restrict S, double *restrict R)
+{
+  const int d = c->dimension, nn = c->nodes * c->nodes, np = c->nodes * c->pressures;
+  double I[9];
+  const double volume = fabs(map_back(c, X, c->of_map + c->points, I));
+  for (int a = 0; a < d; a++)
+    for (int b = a; b < d; b++, S += nn)
+      for (int e = 0; e < d; e++)
+        for (int f = 0; f < d; f++) {
+          const double weight = volume * I[e * d + a] * I[f * d + b];
+          const double *restrict from = c->stiffness + (e * d + f) * nn;
+          for (int k = 0; k < nn; k++)
+            S[k] += weight * from[k];
+        }
+  for (int a = 0; a < d; a++, R += np)
+    for (int e = 0; e < d; e++) {
+      const double weight = volume * I[e * d + a];
+      const double *restrict from = c->divergence + e * np;
+      for (int k = 0; k < np; k++)
+        R[k] += weight * from[k];
+    }
+}
+
+/* So many rows and columns of products are held in registers; what is multiplied has zeros up to a multiple. */
+enum { TILE = 4 };
+typedef double Columns __attribute__((vector_size(TILE * sizeof(double)), aligned(sizeof(double)), may_alias));
+
+INLINE int padded(int n)
+{
+  return (n + TILE - 1) / TILE * TILE;
+}
+
+/* Y_ij = sum over points of F_i G_j, (m, n); rows of F and G are f and g apart. */
+INLINE void products(int count, int m, int n, const double *F, int f, const double *G, int g, double *restrict Y)
+{
+  for (int i = 0; i < m; i += TILE)
+    for (int j = 0; j < n; j += TILE) {
+      Columns sum[TILE] = {{0}};
+      for (int q = 0; q < count; q++)
+        for (int k = 0; k < TILE; k++)
+          sum[k] += F[q * f + i + k] * *(const Columns *)(G + q * g + j);
+      for (int k = 0; k < TILE && i + k < m; k++)
+        for (int l = 0; l < TILE && j + l < n; l++)
+          Y[(i + k) * n + j + l] = sum[k][l];
+    }
+}
+
+/* The same on any cell, point by point; with an axis phi / r counts as one derivative more, d, of S_dd and R_d. */
+INLINE void integrate(const Cells *c, const double *X, double *restrict S, double *restrict R)
+{
+  const int d = c->dimension, n = c->nodes, p = c->pressures, count = c->count;
+  const int derivatives = d + c->axisymmetric, wide = padded(n), stride = derivatives * wide, wide_p = padded(p);
+  double G[count * stride], weighted[count * stride], psi[count * wide_p];
+  memset(G, 0, sizeof G), memset(psi, 0, sizeof psi);
+  for (int q = 0; q < count; q++) {
+    const double *of_map = c->of_map + q * (1 + d) * c->points, *of_u = c->of_u + q * (1 + d) * n;
+    double I[9], *at = G + q * stride;
+    double weight = c->weights[q] * fabs(map_back(c, X, of_map + c->points, I));
+    for (int a = 0; a < d; a++)
+      for (int e = 0; e < d; e++)
+        for (int i = 0; i < n; i++)
+          at[a * wide + i] += I[e * d + a] * of_u[(1 + e) * n + i];
+    if (c->axisymmetric) {
+      double r = 0.0;
+      for (int k = 0; k < c->points; k++)
+        r += X[3 * k] * of_map[k];
+      weight *= 2.0 * M_PI * r;
+      for (int i = 0; i < n; i++)
+        at[d * wide + i] = of_u[i] / r;
+    }
+    for (int k = 0; k < stride; k++)
+      weighted[q * stride + k] = weight * at[k];
+    memcpy(psi + q * wide_p, c->of_p + q * p, p * sizeof *psi);
+  }
+  for (int a = 0; a < derivatives; a++, R += p * n) {
+    for (int b = a; b < (a < d ? d : derivatives); b++, S += n * n)
+      products(count, n, n, weighted + a * wide, stride, G + b * wide, stride, S);
+    products(count, p, n, psi, wide_p, weighted + a * wide, stride, R);
+  }
+}
+
+/* The symmetric matrix of a cell, its rows in their places: with these integrals it is
+
+     A_ij = mu (S_ji + delta_ij sum_a S_aa),     B_i = -R_i,
+
+   and with an axis  A_00 += 2 mu S_22,  B_0 -= R_2. */
+INLINE void matrix_of_cell(const Cells *c, int cell, double *restrict E)
+{
+  const int d = c->dimension, n = c->nodes, p = c->pressures, rows = d * n + p, nn = n * n;
+  const int pairs = d * (d + 1) / 2;
+  double X[3 * c->points], S[(pairs + 1) * nn], R[(d + 1) * p * n], grad[nn];
+  memset(S, 0, sizeof S), memset(R, 0, sizeof R), memset(grad, 0, sizeof grad), memset(E, 0, rows * rows * sizeof *E);
   for (int k = 0; k < c->points; k++)
     memcpy(X + 3 * k, c->x + 3 * (int64_t)c->geometry[(int64_t)cell * c->points + k], 3 * sizeof(double));
-  ((Tabulate *)c->a[kind])(every, 0, c->mu, X, 0, 0, 0);
-  ((Tabulate *)c->b[kind])(every + u * u, 0, 0, X, 0, 0, 0);
-  for (int k = 0; k < n * n; k++)
-    E[k] = every[c->source[k]];
+  if (c->straight[cell] && !c->axisymmetric)
+    integrate_straight(c, X, S, R);
+  else
+    integrate(c, X, S, R);
+  for (int a = 0, pair = 0; a < d; pair += d - a, a++)
+    for (int k = 0; k < nn; k++)
+      grad[k] += S[pair * nn + k];
+  const double *S_ab = S, *hoop = S + pairs * nn, *R_hoop = R + d * p * n;
+  for (int a = 0; a < d; a++)
+    for (int b = a; b < d; b++, S_ab += nn)
+      for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+          const int row = c->place[d * j + a], column = c->place[d * i + b];
+          double entry = S_ab[i * n + j];
+          if (a == b)
+            entry += grad[i * n + j] + (a == 0 ? 2.0 * hoop[i * n + j] : 0.0);
+          E[row * rows + column] = E[column * rows + row] = c->mu * entry;
+        }
+  for (int a = 0; a < d; a++)
+    for (int k = 0; k < p; k++)
+      for (int i = 0; i < n; i++) {
+        const int row = c->place[d * n + k], column = c->place[d * i + a];
+        const double more = a == 0 ? R_hoop[k * n + i] : 0.0;
+        E[row * rows + column] = E[column * rows + row] = -R[(a * p + k) * n + i] - more;
+      }
 }
 
 /* E = L D L^T from its last row up to the first inner one; what is left stands in the rows before. */
-static void condense(int n, int outer, double *restrict E)
+INLINE void condense(int n, int outer, double *restrict E)
 {
   for (int k = n - 1; k >= outer; k--) {
     const double *restrict pivot = E + k * n;
@@ -40,7 +188,7 @@ static void condense(int n, int outer, double *restrict E)
 }
 
 /* Y += T^T S, row by row, for rows T of P; S has `columns` columns. */
-static void combine(const Sum *s, const int32_t *rows, const int16_t *slots, int outer, int columns, const double *S,
+INLINE void combine(const Sum *s, const int32_t *rows, const int16_t *slots, int outer, int columns, const double *S,
                     int stride, double *restrict Y)
 {
   const int w = s->width;
@@ -57,7 +205,7 @@ static void combine(const Sum *s, const int32_t *rows, const int16_t *slots, int
 }
 
 /* T^T S T for the rows T of P on a cell and S in the first rows of E; m: the number of the cell's unknowns. */
-static void constrain(const Sum *s, int cell, int n, int outer, int m, const double *E, double *restrict R)
+INLINE void constrain(const Sum *s, int cell, int n, int outer, int m, const double *E, double *restrict R)
 {
   const int32_t *rows = s->rows + (int64_t)cell * n;
   const int16_t *slots = s->slots + (int64_t)cell * outer * s->width;
@@ -71,7 +219,7 @@ static void constrain(const Sum *s, int cell, int n, int outer, int m, const dou
   combine(s, rows, slots, outer, m, right, m, R);
 }
 
-static void add(const int32_t *at, int m, const double *R, int stride, double *restrict values)
+INLINE void add(const int32_t *at, int m, const double *R, int stride, double *restrict values)
 {
   for (int i = 0; i < m; i++)
     for (int j = 0; j < m; j++)
@@ -79,10 +227,11 @@ static void add(const int32_t *at, int m, const double *R, int stride, double *r
         values[at[i * m + j]] += R[i * stride + j];
 }
 
+FOR_THIS_MACHINE
 void add_cells(const Cells *c, const Sum *s, double *restrict values, double *restrict kept, double *restrict matrices,
                double *restrict factors)
 {
-  const int n = c->velocities + c->pressures, outer = n - c->inner;
+  const int n = c->dimension * c->nodes + c->pressures, outer = n - c->inner;
   double E[n * n], R[s->most * s->most];
   for (int cell = 0; cell < c->cells; cell++) {
     matrix_of_cell(c, cell, E);
@@ -238,37 +387,47 @@ static int meet(const Meetings *m, int32_t i, int32_t j)
   return i == j || m->coupled || !m->pressure[i] || !m->pressure[j];
 }
 
-/* How many entries each row of the sum has; mark: (unknowns,), any values. */
-void count_entries(const Meetings *m, int32_t *mark, int32_t *count)
+/* Whether an unknown meets what the one before it does: so do the components of a node, and the nodes of a side. */
+static int alike(const Meetings *m, int32_t i)
+{
+  if (i == 0 || m->pressure[i] != m->pressure[i - 1] || (m->pressure[i] && !m->coupled))
+    return 0;
+  const int32_t *cells = m->cell + m->first[i], *before = m->cell + m->first[i - 1];
+  const int32_t count = m->first[i + 1] - m->first[i];
+  return cells - before == count && memcmp(cells, before, count * sizeof *cells) == 0;
+}
+
+/* The columns of each row of the sum in any order, one row after the other; mark: (unknowns,), any values. */
+void gather_entries(const Meetings *m, int32_t *mark, int32_t *indptr, int32_t *columns)
 {
   memset(mark, -1, m->unknowns * sizeof *mark);
+  indptr[0] = 0;
   for (int32_t i = 0; i < m->unknowns; i++) {
-    count[i] = 0;
+    int32_t end = indptr[i];
+    if (alike(m, i)) {
+      memcpy(columns + end, columns + indptr[i - 1], (end - indptr[i - 1]) * sizeof *columns);
+      indptr[i + 1] = 2 * end - indptr[i - 1];
+      continue;
+    }
     for (int32_t q = m->first[i]; q < m->first[i + 1]; q++)
       for (int32_t k = m->start[m->cell[q]]; k < m->start[m->cell[q] + 1]; k++) {
         const int32_t j = m->list[k];
         if (mark[j] != i && meet(m, i, j)) {
           mark[j] = i;
-          count[i]++;
+          columns[end++] = j;
         }
       }
+    indptr[i + 1] = end;
   }
 }
 
-/* The columns of each row, ascending since the pattern is symmetric: row i is entered in those that it meets.
-   next: the beginnings of the rows; their ends when this is done. */
-void list_entries(const Meetings *m, int32_t *mark, int32_t *next, int32_t *indices)
+/* The same ascending, since the pattern is symmetric: row i is entered in those that it meets. */
+void sort_entries(int unknowns, const int32_t *indptr, const int32_t *columns, int32_t *next, int32_t *indices)
 {
-  memset(mark, -1, m->unknowns * sizeof *mark);
-  for (int32_t i = 0; i < m->unknowns; i++)
-    for (int32_t q = m->first[i]; q < m->first[i + 1]; q++)
-      for (int32_t k = m->start[m->cell[q]]; k < m->start[m->cell[q] + 1]; k++) {
-        const int32_t j = m->list[k];
-        if (mark[j] != i && meet(m, i, j)) {
-          mark[j] = i;
-          indices[next[j]++] = i;
-        }
-      }
+  memcpy(next, indptr, unknowns * sizeof *next);
+  for (int32_t i = 0; i < unknowns; i++)
+    for (int32_t p = indptr[i]; p < indptr[i + 1]; p++)
+      indices[next[columns[p]]++] = i;
 }
 
 /* Where the entries of each cell's matrix go, -1: nowhere; those of the cell begin at offset[cell]. */
@@ -276,13 +435,16 @@ void find_positions(const Meetings *m, const int32_t *indptr, const int32_t *ind
                     int32_t *where, int32_t *positions)
 {
   for (int32_t i = 0; i < m->unknowns; i++) {
-    for (int32_t p = indptr[i]; p < indptr[i + 1]; p++)
-      where[indices[p]] = p;
+    const int32_t begin = indptr[i];
+    if (!alike(m, i))
+      for (int32_t p = begin; p < indptr[i + 1]; p++)
+        where[indices[p]] = p - begin;
     for (int32_t q = m->first[i]; q < m->first[i + 1]; q++) {
-      const int32_t cell = m->cell[q], begin = m->start[cell], size = m->start[cell + 1] - begin;
-      int32_t *row = positions + offset[cell] + (int64_t)(m->place[q] - begin) * size;
+      const int32_t cell = m->cell[q], size = m->start[cell + 1] - m->start[cell];
+      const int32_t *list = m->list + m->start[cell];
+      int32_t *row = positions + offset[cell] + (int64_t)(m->place[q] - m->start[cell]) * size;
       for (int32_t k = 0; k < size; k++)
-        row[k] = meet(m, i, m->list[begin + k]) ? where[m->list[begin + k]] : -1;
+        row[k] = meet(m, i, list[k]) ? begin + where[list[k]] : -1;
     }
   }
 }

@@ -1,10 +1,16 @@
 typedef struct {
-  int cells, points, velocities, pressures, inner; /* how many, the last four of each cell */
-  const uintptr_t *a, *b;   /* what tabulates the forms on cells of each kind */
-  const int8_t *kind;       /* of each cell */
-  const int32_t *geometry;  /* its points */
-  const double *x, *mu;     /* coordinates of all points, three each */
-  const int32_t *source;    /* of each entry of a cell's matrix, among those of a, of b, and a zero */
+  int dimension, axisymmetric;
+  int cells, points, nodes, pressures, inner, count; /* how many; of each cell but the first; of quadrature the last */
+  double mu;
+  const int8_t *straight;    /* whether each cell is that */
+  const int32_t *geometry;   /* its points */
+  const double *x;           /* coordinates of all points, three each */
+  const int32_t *place;      /* of each of a cell's rows (u, p) in its matrix */
+  const double *weights;     /* of the points of quadrature */
+  const double *of_map;      /* values and derivatives there of what maps a cell, (count, 1 + d, points) */
+  const double *of_u, *of_p; /* the same of what u is made of, (count, 1 + d, nodes), and values for p */
+  const double *stiffness;   /* int d_a phi_i d_b phi_j on the reference cell, (d, d, nodes, nodes) */
+  const double *divergence;  /* int psi_k d_a phi_i there, (d, pressures, nodes) */
 } Cells;
 
 typedef struct {
@@ -42,7 +48,7 @@ int32_t list_unknowns(int cells, int n, int outer, int w, const int32_t *rows, c
                       const double *weights, int32_t *start, int32_t *list, int16_t *slots, int8_t *plain);
 void list_meetings(int cells, int unknowns, const int32_t *start, const int32_t *list, int32_t *first,
                    int32_t *place, int32_t *cell_of);
-void count_entries(const Meetings *, int32_t *mark, int32_t *count);
-void list_entries(const Meetings *, int32_t *mark, int32_t *next, int32_t *indices);
+void gather_entries(const Meetings *, int32_t *mark, int32_t *indptr, int32_t *columns);
+void sort_entries(int unknowns, const int32_t *indptr, const int32_t *columns, int32_t *next, int32_t *indices);
 void find_positions(const Meetings *, const int32_t *indptr, const int32_t *indices, const int64_t *offset,
                     int32_t *where, int32_t *positions);

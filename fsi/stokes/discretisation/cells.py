@@ -16,20 +16,26 @@ left of the pressures is regular too: for a bubble g = w q of the pressure, w va
 degree k - 4, the velocity v = r g is one of those within the cell, and  int g div v = int g^2  in the plane.
 """
 
+from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+import basix
 import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
-from fsi.stokes.discretisation.forms import MATRICES, Forms
+from fsi.meshes.build import coordinate_element
+from fsi.meshes.cells.curved import SIMPLEX, barycentric, reference_points
+from fsi.stokes.discretisation.forms import Forms, points_degree, pressure_element, velocity_element
 from fsi.stokes.discretisation.jit import compile_c
 from fsi.stokes.discretisation.nodes import inner_nodes
 from fsi.stokes.discretisation.shared_rows import Index, SharedRows
 
 type Numbers = NDArray[np.int32]
+
+BENT = 1e-12  # distance of a node from its place in a straight cell, in sizes of the cell
 
 
 @cache
@@ -41,10 +47,43 @@ def loops() -> Any:
 
 def pointer(values: NDArray[Any]) -> Any:
     """An array as the loops take it, which must outlive it."""
-    kind = {"b": "int8_t", "i": "int32_t", "l": "int64_t", "L": "uintptr_t", "h": "int16_t",
+    kind = {"b": "int8_t", "i": "int32_t", "l": "int64_t", "h": "int16_t",
             "d": "double", "g": "long double"}  # fmt: skip
     assert values.flags.c_contiguous
     return loops().ffi.from_buffer(f"{kind[values.dtype.char]}[]", values)
+
+
+@dataclass(frozen=True, slots=True)
+class Tables:
+    """The bases on the reference cell, as `Cells` of cells.h has them."""
+
+    weights: Array
+    of_map: Array
+    of_u: Array
+    of_p: Array
+    stiffness: Array
+    divergence: Array
+
+
+@cache
+def tables(order: int, degree: int, dimension: int, axisymmetric: bool) -> Tables:
+    """For cells of that order and velocities of that degree.
+
+    On straight cells integrals are those on the reference cell times constants, a fifth of the work of points
+    of quadrature; these two are exact with points for degree 2 k - 2.
+    """
+    u, p = velocity_element(degree, dimension).sub_elements[0], pressure_element(degree, dimension)
+    points, weights = basix.make_quadrature(
+        SIMPLEX[dimension], points_degree(order, degree, dimension, axisymmetric)
+    )
+    of_map = coordinate_element(order, dimension).sub_elements[0].tabulate(1, points)
+    of_u, of_p = u.tabulate(1, points), p.tabulate(0, points)[0]
+    exact, exact_weights = basix.make_quadrature(SIMPLEX[dimension], 2 * (degree - 1))
+    derivatives, values = u.tabulate(1, exact)[1:], p.tabulate(0, exact)[0]
+    stiffness = np.einsum("q,aqi,bqj->abij", exact_weights, derivatives, derivatives)
+    divergence = np.einsum("q,qk,aqi->aki", exact_weights, values, derivatives)
+    by_points = (np.swapaxes(of_map, 0, 1), np.swapaxes(of_u, 0, 1), of_p)
+    return Tables(weights, *map(np.ascontiguousarray, (*by_points, stiffness, divergence)))
 
 
 class StokesCells:
@@ -67,15 +106,14 @@ class StokesCells:
         cells = topology.index_map(topology.dim).size_local
         velocities = (d * V.list[:cells, :, None] + np.arange(d, dtype=np.int32)).reshape(cells, -1)
         every = np.hstack([velocities, self.shared.pressures + Q.list[:cells]])
-        self._velocities, self._pressures = velocities.shape[1], Q.list.shape[1]
         inner = inner_rows(forms) if condensed else np.empty(0, dtype=np.int64)
         self.inner, outer = len(inner), np.setdiff1d(np.arange(every.shape[1]), inner)
         order = np.concatenate([outer, inner])
-        self._source = _sources(self._velocities, self._pressures)[np.ix_(order, order)].copy()
+        self._place = np.argsort(order).astype(np.int32)
         self.rows: Numbers = np.ascontiguousarray(every[:, order], dtype=np.int32)
         self.factors, n = np.empty((cells, self.inner, every.shape[1])), every.shape[1]
         self.matrices = np.empty((cells, n * (n + 1) // 2)) if condensed else None
-        self._kind, self._kernels = forms.kinds(), {name: forms.kernels(name) for name in MATRICES}
+        self._sizes_of_cells = {"nodes": V.list.shape[1], "pressures": Q.list.shape[1], "inner": self.inner}
 
     @property
     def outer(self) -> Numbers:
@@ -91,16 +129,15 @@ class StokesCells:
 
     def add(self, sum_: Any, values: Array, kept: Array) -> None:
         """Add up the matrices of all cells; sum_: a `Sum` of cells.h."""
-        geometry, mu = self._forms.mesh.geometry, np.array([self._forms.viscosity])
-        points = geometry.dofmaps[0]
-        arrays: dict[str, NDArray[Any]] = {
-            "a": self._kernels["a"], "b": self._kernels["b"], "kind": self._kind, "x": geometry.x,
-            "geometry": points, "mu": mu, "source": self._source,
-        }  # fmt: skip
-        sizes = {"cells": len(self.rows), "points": points.shape[1], "velocities": self._velocities,
-                 "pressures": self._pressures, "inner": self.inner}  # fmt: skip
+        forms, geometry = self._forms, self._forms.mesh.geometry
+        d, points = geometry.dim, geometry.dofmaps[0]
+        bases = tables(geometry.cmaps[0].degree, forms.degree, d, forms.axisymmetric)
+        arrays: dict[str, NDArray[Any]] = {name.name: getattr(bases, name.name) for name in fields(Tables)}
+        arrays |= {"straight": _straight(forms), "x": geometry.x, "geometry": points, "place": self._place}
+        known = {"dimension": d, "axisymmetric": int(forms.axisymmetric), "mu": forms.viscosity}
+        known |= {"cells": len(self.rows), "points": points.shape[1], "count": len(bases.weights)}
         held = {name: pointer(array) for name, array in arrays.items()}
-        cells = loops().ffi.new("Cells *", sizes | held)
+        cells = loops().ffi.new("Cells *", self._sizes_of_cells | known | held)
         matrices = loops().ffi.NULL if self.matrices is None else pointer(self.matrices)
         loops().lib.add_cells(cells, sum_, pointer(values), pointer(kept), matrices, pointer(self.factors))
 
@@ -139,9 +176,10 @@ def inner_rows(forms: Forms) -> Index:
     return np.concatenate([d * velocities + of_p, (d * of_u[:, None] + np.arange(d)).ravel()])
 
 
-def _sources(velocities: int, pressures: int) -> Numbers:
-    """Where the entries of E = [A B^T; B 0] stand in A, B and a zero, one after the other."""
-    A = np.arange(velocities**2).reshape(velocities, velocities)
-    B = A.size + np.arange(pressures * velocities).reshape(pressures, velocities)
-    zero = np.full((pressures, pressures), A.size + B.size)
-    return np.block([[A, B.T], [B, zero]]).astype(np.int32)
+def _straight(forms: Forms) -> NDArray[np.int8]:
+    """Which cells of this rank are images of the reference cell under maps of degree 1."""
+    mesh, d = forms.mesh, forms.mesh.topology.dim
+    x = mesh.geometry.x[mesh.geometry.dofmaps[0][: mesh.topology.index_map(d).size_local]][:, :, :d]
+    weights = barycentric(reference_points(mesh.geometry.cmaps[0].degree, d))
+    off = np.abs(x - weights @ x[:, : d + 1]).max(axis=(1, 2))
+    return np.asarray(off <= BENT * np.ptp(x[:, : d + 1], axis=1).max(axis=1), dtype=np.int8)

@@ -26,19 +26,15 @@ from petsc4py import PETSc
 
 from fsi.bodies.configuration import Array
 from fsi.meshes.build import FluidMesh, coordinate_element
-from fsi.meshes.cells.curved import reference_points
 from fsi.stokes.discretisation.jit import compile_form
 
 CELL = fem.IntegralType.cell
 FACET = fem.IntegralType.exterior_facet
 EVERYWHERE = -1
 MARKED = 1
-CURVED, STRAIGHT = KINDS = 1, 2
 EQUISPACED = basix.LagrangeVariant.equispaced
 SIMPLEX = {2: "triangle", 3: "tetrahedron"}
 
-MATRICES = ("a", "b")
-BENT = 1e-12  # distance of a node from its place in a straight cell, in sizes of the cell
 
 type Expr = ufl.core.expr.Expr
 type Form = fem.Form[np.float64]
@@ -131,46 +127,45 @@ class WeakForms:
         return self._compiled[name]
 
 
+def points_degree(order: int, degree: int, dimension: int, axisymmetric: bool) -> int:
+    """Of the polynomials that quadrature in cells is exact for.
+
+    That is exact on straight cells in the plane. On curved ones, where the integrands are rational, degree
+    2 k is enough for forces of order 2 k: with more points those of P3 at default sizes change by 1e-10 and
+    less. Where integrals carry r its degree is added.
+    """
+    return max(2 * degree, (dimension - 1) * (order - 1) + degree - 1) + order * axisymmetric
+
+
 @cache
 def weak_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -> WeakForms:
     """All forms for cells of the given order and velocities of the given degree.
 
-    The quadrature is exact on straight cells in the plane. On curved ones, where the integrands are rational,
-    degree 2 k is enough for forces of order 2 k: with more points those of P3 at default sizes change by
-    1e-10 and less. Where integrals carry r its degree is added. Matrices, which cost most, are integrated
-    over straight cells apart: half the points are exact there.
-
-    With n dA a polynomial of degree (d - 1) (order - 1) on facets, and div u dx one of that degree and k - 1,
-    what flows through the boundary, and what through that of each cell, is integrated exactly: so a constant
+    The matrices of a and b are those of single cells (see `cells`), with the same points of quadrature. With
+    n dA a polynomial of degree (d - 1) (order - 1) on facets, and div u dx one of that degree and k - 1, what
+    flows through the boundary, and what through that of each cell, is integrated exactly: so a constant
     pressure does nothing, as the iterative solver must know, and what rigid bodies move through is closed.
     """
     omega = ufl.Mesh(coordinate_element(order, dimension))
     V = ufl.FunctionSpace(omega, velocity_element(degree, dimension))
     Q = ufl.FunctionSpace(omega, pressure_element(degree, dimension))
-    u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
-    p, q = ufl.TrialFunction(Q), ufl.TestFunction(Q)
+    v, p, q = ufl.TestFunction(V), ufl.TrialFunction(Q), ufl.TestFunction(Q)
     u_h, f_h, p_h = ufl.Coefficient(V), ufl.Coefficient(V), ufl.Coefficient(Q)
     mu = ufl.Constant(omega)
     n = ufl.FacetNormal(omega)
     space = Coordinates(omega, axisymmetric)
-    of_normal = (dimension - 1) * (order - 1)
-    curved_degree = max(2 * degree, of_normal + degree - 1) + order * axisymmetric
-    quadrature = {"quadrature_degree": curved_degree}
-    of_flux = {"quadrature_degree": max(curved_degree, of_normal + degree)}
+    enough = points_degree(order, degree, dimension, axisymmetric)
+    quadrature = {"quadrature_degree": enough}
+    of_flux = {"quadrature_degree": max(enough, (dimension - 1) * (order - 1) + degree)}
     w = space.weight
     dx, ds = ufl.dx(omega, metadata=quadrature), ufl.ds(omega, metadata=of_flux)
     dS = ufl.ds(MARKED, domain=omega, metadata=quadrature)
     dS_of_flux = ufl.ds(MARKED, domain=omega, metadata=of_flux)
-    on_straight = {"quadrature_degree": curved_degree if axisymmetric else 2 * (degree - 1)}
-    dX = ufl.dx(CURVED, domain=omega, metadata=quadrature)
-    dX += ufl.dx(STRAIGHT, domain=omega, metadata=on_straight)
-    e_u, e_v, e_h = space.strain_rate(u), space.strain_rate(v), space.strain_rate(u_h)
+    e_v, e_h = space.strain_rate(v), space.strain_rate(u_h)
     forms = {
-        "a": ("VV", 2 * mu * ufl.inner(e_u, e_v) * w * dX),
-        "b": ("QV", -q * space.div(u) * w * dX),
         "pressure mass": ("QQ", p * q / mu * w * dx),
         "load": ("V", ufl.inner(f_h, v) * w * dx),
-        "stress": ("V", (2 * mu * ufl.inner(e_h, e_v) - p_h * space.div(v)) * w * dX),
+        "stress": ("V", (2 * mu * ufl.inner(e_h, e_v) - p_h * space.div(v)) * w * dx),
         "pressure weights": ("Q", q * w * dx),
         "dissipation": ("", 2 * mu * ufl.inner(e_h, e_h) * w * dx),
         "flux": ("", ufl.inner(u_h, n) * w * ds),
@@ -220,7 +215,6 @@ class Forms:
         self.mesh = fluid.mesh
         self.degree, self.viscosity = degree, viscosity
         self.axisymmetric = fluid.container.axisymmetric
-        self._curved, self._straight = _cells(fluid)
         self.V = fem.functionspace(fluid.mesh, velocity_element(degree, fluid.dimension))
         self.Q = fem.functionspace(fluid.mesh, pressure_element(degree, fluid.dimension))
         self.u, self.f, self.p = fem.Function(self.V), fem.Function(self.V), fem.Function(self.Q)
@@ -259,8 +253,6 @@ class Forms:
         elif name in ("flux", "speed on boundary"):
             facets = exterior_facet_indices(topology)
             subdomains[FACET] = [(EVERYWHERE, fem.compute_integration_domains(FACET, topology, facets))]
-        elif name in (*MATRICES, "stress"):
-            subdomains[CELL] = [(CURVED, self._curved), (STRAIGHT, self._straight)]
         else:
             cells = np.arange(topology.index_map(topology.dim).size_local, dtype=np.int32)
             subdomains[CELL] = [(EVERYWHERE, cells)]
@@ -292,30 +284,6 @@ class Forms:
         matrix.assemble()
         return matrix
 
-    def kernels(self, name: str) -> NDArray[np.uint64]:
-        """The addresses of what tabulates a matrix on single cells of each kind."""
-        compiled = self._weak.compiled(name)
-        form, ffi = compiled.ufcx_form, compiled.module.ffi
-        tabulates = {form.form_integral_ids[k]: form.form_integrals[k] for k in range(len(KINDS))}
-        functions = [tabulates[kind].tabulate_tensor_float64 for kind in KINDS]
-        return np.array([int(ffi.cast("uintptr_t", function)) for function in functions], dtype=np.uint64)
-
-    def kinds(self) -> NDArray[np.int8]:
-        """The kind of each cell of this rank, its place in KINDS."""
-        kinds = np.zeros(len(self._curved) + len(self._straight), dtype=np.int8)
-        kinds[self._straight] = KINDS.index(STRAIGHT)
-        return kinds
-
     def integrate(self, name: str) -> float:
         """Value of a form without arguments, over all ranks."""
         return float(MPI.COMM_WORLD.allreduce(fem.assemble_scalar(self.bind(name))))
-
-
-def _cells(fluid: FluidMesh) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    geometry, d = fluid.mesh.geometry, fluid.dimension
-    x = geometry.x[geometry.dofmaps[0][: fluid.mesh.topology.index_map(d).size_local]][:, :, :d]
-    X = reference_points(fluid.order, d)
-    barycentric = np.column_stack([1.0 - X.sum(axis=1), X])
-    off = np.abs(x - barycentric @ x[:, : d + 1]).max(axis=(1, 2))
-    bent = off > BENT * np.ptp(x[:, : d + 1], axis=1).max(axis=1)
-    return np.flatnonzero(bent).astype(np.int32), np.flatnonzero(~bent).astype(np.int32)

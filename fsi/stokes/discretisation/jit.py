@@ -31,7 +31,7 @@ import fsi.parallel as parallel
 PATIENCE = 60  # seconds; another process may be compiling the same form
 _STALE = re.compile(r"remove (\S+\.c)\)")
 
-# FFCx's own, and leave to reorder sums, which saves a quarter of the time of A; no machine's own code:
+# FFCx's own, and leave to reorder sums, several terms of which are then added at once; no machine's own code:
 # machines may share a cache.
 FLAGS = ["-O3", "-g0", "-fno-math-errno", "-fno-signed-zeros", "-fno-trapping-math", "-fassociative-math"]
 UNROLLED = ["-freciprocal-math"]  # of loops over small matrices

@@ -114,7 +114,7 @@ class CellSum:
         of_pressure = self._columns[shared.pressures :, 0]
         pressure = np.zeros(unknowns, dtype=np.int8)
         pressure[of_pressure[of_pressure >= 0]] = 1
-        first, mark, count = (np.empty(unknowns + k, dtype=np.int32) for k in (1, 0, 0))
+        first, mark, self._indptr = (np.empty(unknowns + k, dtype=np.int32) for k in (1, 0, 1))
         place, cell = np.empty_like(self._list), np.empty_like(self._list)
         lib, ffi = loops().lib, loops().ffi
         lists = (self._start, self._list, first, place, cell)
@@ -124,14 +124,14 @@ class CellSum:
         held = {name: pointer(array) for name, array in zip(names, arrays, strict=True)}
         sizes = {"unknowns": unknowns, "coupled": int(self._cells.inner > 0)}
         meetings = ffi.new("Meetings *", sizes | held)
-        lib.count_entries(meetings, pointer(mark), pointer(count))
-        self._indptr = np.concatenate([[0], np.cumsum(count)]).astype(PETSc.IntType)
-        self._indices = np.empty(self._indptr[-1], dtype=PETSc.IntType)
-        ends = self._indptr[:-1].copy()
-        lib.list_entries(meetings, pointer(mark), pointer(ends), pointer(self._indices))
         sizes_of_cells = np.diff(self._start).astype(np.int64) ** 2
         self._first = np.concatenate([[0], np.cumsum(sizes_of_cells)])
+        # There is room in it for the columns, until they are in order.
         self._positions = np.empty(self._first[-1], dtype=np.int32)
+        lib.gather_entries(meetings, *map(pointer, (mark, self._indptr, self._positions)))
+        self._indices = np.empty(self._indptr[-1], dtype=np.int32)
+        ordered = (self._indptr, self._positions, mark, self._indices)
+        lib.sort_entries(unknowns, *map(pointer, ordered))
         pattern = (self._indptr, self._indices, self._first, mark, self._positions)
         lib.find_positions(meetings, *map(pointer, pattern))
 
