@@ -52,14 +52,14 @@ def squares(A: Array, out: Array) -> None:
 
 @vectorised
 def _products(A: Array, B: Array, out: Array, upper: int) -> None:
-    """A B^T, or its upper triangle alone."""
+    """A B^T, or its upper triangle alone: four rows of B stay near while pairs of A go by."""
     m, n = len(A), len(B)
-    for i in range(0, m, 2):
-        k = min(i + 1, m - 1)
-        a, b = A[i], A[k]
-        for j in range(i - i % 4 if upper else 0, n, 4):
-            j1, j2, j3 = min(j + 1, n - 1), min(j + 2, n - 1), min(j + 3, n - 1)
-            c, d, e, f = B[j], B[j1], B[j2], B[j3]
+    for j in range(0, n, 4):
+        j1, j2, j3 = min(j + 1, n - 1), min(j + 2, n - 1), min(j + 3, n - 1)
+        c, d, e, f = B[j], B[j1], B[j2], B[j3]
+        for i in range(0, min(m, j + 4) if upper else m, 2):
+            k = min(i + 1, m - 1)
+            a, b = A[i], A[k]
             ac = ad = ae = af = bc = bd = be = bf = 0.0
             for p in range(len(a)):
                 ac += a[p] * c[p]
