@@ -4,7 +4,7 @@ Discs at area fraction 0.4 between sliding walls, periodic along x: the files
 tests/reference/couette_N*.json; one disc in a square cell; and 1000 discs, the 200 of couette_N200 five
 times along a cell five times as long. A step is one solve with its mesh, in a process that has done it
 before, with a new mesh or the last one moved. The error is that of the apparent viscosity against converged
-values. CPU seconds; MB is the peak of the process, some 200 of which are libraries.
+values: 4e-4, with `--fine` 1e-5. CPU seconds; MB is the peak of the process, some 200 of which are libraries.
 """
 
 from __future__ import annotations
@@ -37,9 +37,10 @@ from fsi.stokes.solvers.workspace import Workspace
 REFERENCE = Path(__file__).parents[1] / "tests" / "reference"
 # The cheapest that errs by less than 5e-4 at 10, 50 and 200 discs; cases/suspensions/history.toml has it too.
 DEGREE, LIGHT = 4, Resolution(cells_per_gap=0.15, cells_per_circle=14, growth=0.7, interior="sparse")
-# N = 10: the file's own; the others computed here, by `pytest -m slow tests/stokes/test_periodic.py`. 1000
-# discs in a channel of five equal periods have the viscosity of one period.
-CONVERGED = {10: 8.298079598524666, 50: 6.432973, 200: 6.220577, 1000: 6.220577}
+FINE_DEGREE, FINE = 5, Resolution(cells_per_gap=0.2, cells_per_circle=16, growth=0.4, interior="sparse")
+# N = 10: the file's own; the others by elements of degree 6 and by pores, as tests/stokes/test_periodic.py
+# says. 1000 discs in a channel of five equal periods have the viscosity of one period.
+CONVERGED = {10: 8.298079598524666, 50: 6.4329721, 200: 6.2205504, 1000: 6.2205504}
 PERIODS = {1: 1, 10: 1, 50: 1, 200: 1, 1000: 5}
 MOVE = 2e-4  # of a shear strain, by which bodies and mesh are moved
 WARM, REPEATS = 2, 5
@@ -63,6 +64,8 @@ class Sheared:
     channel: Box
     q: Configuration
     H: float
+    resolution: Resolution = LIGHT
+    degree: int = DEGREE
 
     def solve(self, fluid: FluidMesh, clock: Clock, workspace: Workspace | None = None) -> StokesSolution:
         """Its flow on that mesh."""
@@ -73,11 +76,11 @@ class Sheared:
         nothing = np.zeros((len(self.q.radii), 3))
         free = Motion(nothing.astype(bool), nothing, nothing)
         problem = StokesProblem(fluid, self.channel, self.q, free, Boundary(walls, {}))
-        return solve(problem, SolverOptions(DEGREE), clock, workspace)
+        return solve(problem, SolverOptions(self.degree), clock, workspace)
 
     def mesh(self) -> FluidMesh:
         """A new mesh."""
-        return build(FluidDomain(self.channel, self.q.centres, self.q.radii), LIGHT, DEGREE)
+        return build(FluidDomain(self.channel, self.q.centres, self.q.radii), self.resolution, self.degree)
 
     def after(self, strain: float, U: Array) -> Sheared:
         """With the bodies a strain later, if they keep their velocities."""
@@ -131,15 +134,17 @@ def moved_steps(sheared: Sheared, repeats: int) -> list[StokesSolution]:
     return found[WARM:]
 
 
-def step(n: int, *, moved: bool) -> StokesSolution:
+def step(n: int, *, moved: bool, fine: bool = False) -> StokesSolution:
     """The cheapest of some steps, two at least: the first waits for its memory, cleared page by page."""
-    repeats = 2 if n == max(PERIODS) else REPEATS
-    found = (moved_steps if moved else new_steps)(suspension(n), repeats)
+    repeats, sheared = 2 if n == max(PERIODS) else REPEATS, suspension(n)
+    if fine:
+        sheared = replace(sheared, resolution=FINE, degree=FINE_DEGREE)
+    found = (moved_steps if moved else new_steps)(sheared, repeats)
     return min(found, key=lambda solution: sum(solution.seconds.values()))
 
 
-def asked() -> tuple[list[int], Path | None]:
-    """The numbers of discs that the command line asks for, or all, and the file to write."""
+def asked() -> tuple[list[int], bool, Path | None]:
+    """The numbers of discs that the command line asks for, or all, whether finer, and the file to write."""
     parser = argparse.ArgumentParser(
         description=(__doc__ or "").split("\n\n")[1],
         epilog=EXAMPLE,
@@ -147,17 +152,18 @@ def asked() -> tuple[list[int], Path | None]:
     )
     numbers = list(PERIODS)
     parser.add_argument("N", nargs="*", type=int, help=f"numbers of discs: {numbers}; all of them if none")
+    parser.add_argument("--fine", action="store_true", help="to 1e-5, by elements of degree 5")
     parser.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP)
     given = parser.parse_args()
     for n in given.N:
         if n not in PERIODS:
             parser.error(f"N = {n}: there is no suspension of that many discs; choose from {numbers}")
-    return given.N or numbers, given.json
+    return given.N or numbers, given.fine, given.json
 
 
 def main() -> None:
     """Measure and print."""
-    chosen, output = asked()
+    chosen, fine, output = asked()
     scaling = Scaling("a step of a sheared suspension, area fraction 0.4", "discs")
     table = Table(title="one step of a sheared suspension, phi = 0.4, CPU seconds", title_justify="left")
     for heading in ("N", "mesh", "unknowns", "viscosity", "error", *PHASES, "step", "of old", "MB"):
@@ -166,15 +172,15 @@ def main() -> None:
     for n in chosen:
         for moved in (False, True):
             forget_peak()
-            solution = step(n, moved=moved)
+            solution = step(n, moved=moved, fine=fine)
             mu = solution.apparent_viscosity or float("nan")
             error = f"{abs(mu / CONVERGED[n] - 1.0):.1e}" if n in CONVERGED else ""
             seconds = sum(solution.seconds.values())
+            of_old = f"{seconds / START[n, moved]:.2f}" if (n, moved) in START and not fine else ""
             phases = [f"{solution.seconds[phase]:.2f}" for phase in PHASES]
             table.add_row(
                 f"{n}", "moved" if moved else "new", f"{solution.dofs}", f"{mu:.6f}", error, *phases,
-                f"{seconds:.2f}", f"{seconds / START[n, moved]:.2f}" if (n, moved) in START else "",
-                f"{peak_memory():.0f}",
+                f"{seconds:.2f}", of_old, f"{peak_memory():.0f}",
             )  # fmt: skip
             scaling.add("mesh moved" if moved else "new mesh", n, seconds)
     Console(width=130).print(table)
