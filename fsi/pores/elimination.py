@@ -11,7 +11,7 @@ from fsi.bodies.configuration import Array
 from fsi.machine.compiled import internal, vectorised
 
 # A bubble that others span to this part of its own dissipation, as rounding leaves it, is left out.
-DEPENDENT = 1e-14
+_DEPENDENT = 1e-14
 
 
 @internal
@@ -114,7 +114,7 @@ def _solve(A: Array, Y: Array, order: NDArray[np.int64]) -> None:
         for i in range(k + 1, m):
             if A[i, i] > A[p, p]:
                 p = i
-        if A[p, p] <= DEPENDENT:
+        if A[p, p] <= _DEPENDENT:
             rank = k
             break
         order[k] = p

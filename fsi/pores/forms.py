@@ -15,7 +15,6 @@ from fsi.bodies.configuration import Array
 from fsi.machine.compiled import compiled, inlined, internal
 from fsi.machine.threads import in_parts
 from fsi.pores.elimination import least_bubbles, squares, take_off
-from fsi.pores.few_bubbles import FEW, least_of_few
 from fsi.pores.jets import AT_ONCE
 from fsi.pores.orders import Orders
 from fsi.pores.pore_data import Complex, pore_data
@@ -110,13 +109,10 @@ def _take_forms(data: Complex, rule: Rule, orders: Orders, work: Work, forms: Po
         for b in range(blocks(ends[3])):
             take_points(points, b * AT_ONCE, work.some)
             take_functions(data[e], orders, Target(work.some, work.room, rates, RATES * AT_ONCE * b))
-        if work.total - shared <= FEW:
-            least_of_few(rates, forms.K[e])
-        else:
-            S, B = rates[:shared], rates[shared:]
-            # Whatever X is, this is the dissipation of flows: an upper bound, off by X's error squared.
-            take_off(S, least_bubbles(S, B), B)
-            squares(S, forms.K[e])
+        S, B = rates[:shared], rates[shared:]
+        # Whatever X is, this is the dissipation of flows: positive, an upper bound, off by X's error squared.
+        take_off(S, least_bubbles(S, B), B)
+        squares(S, forms.K[e])
         forms.area[e], forms.least[e] = points[WEIGHT].sum(), points[WEIGHT].min()
 
 

@@ -58,10 +58,7 @@ def test_derivatives_of_all_trial_functions_are_those_of_their_values(modes: int
 
 @pytest.mark.parametrize("modes", [1, 4, 6])
 def test_strain_rates_of_forms_are_those_of_the_values(modes: int) -> None:
-    """K from psi_xx, psi_xy, psi_yy of all functions by NumPy: the loops of forms take 4 psi_zz alone.
-
-    Up to four modes the few bubbles are taken off products, with six off strain rates.
-    """
+    """K from psi_xx, psi_xy, psi_yy of all functions by NumPy: the loops of forms take 4 psi_zz alone."""
     system = PoreSystem.make(packing(1), modes, 1.0)
     for batch in system.assembly.batches:
         data = pore_data(system.shapes.of(batch.pore))
