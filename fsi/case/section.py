@@ -221,9 +221,13 @@ class Registry[S: Section]:
 
     def all(self) -> Sequence[type[S]]:
         """The classes. Those of the room are loaded when they are first asked for: most cases have none."""
-        if self.room is not None:
-            _load(self.room)
-        return self.sections
+        if self.room is None:
+            return self.sections
+        _load(self.room)
+        within, names = f"{self.room}.", [section.__module__ for section in self.sections]
+        # By name, whichever file was loaded first; those of other rooms after them.
+        order = sorted(range(len(names)), key=lambda k: (not names[k].startswith(within), names[k]))
+        return [self.sections[k] for k in order]
 
     def register[T: Section](self, section: type[T]) -> type[T]:
         """Take a section up; a decorator."""
