@@ -1,7 +1,4 @@
-/* The Stokes matrices of single cells without their inner unknowns, and the pattern and values of their sum.
-
-See cells.py and solvers/assembly.py.
-*/
+/* The Stokes matrices of single cells, without their inner unknowns; see cells.py. */
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
@@ -80,6 +77,14 @@ INLINE int padded(int n)
   return (n + TILE - 1) / TILE * TILE;
 }
 
+/* The same for rows of matrices. */
+enum { WIDE = 2 * TILE };
+
+INLINE int widened(int n)
+{
+  return (n + WIDE - 1) / WIDE * WIDE;
+}
+
 /* Y_ij = sum over points of F_i G_j, (m, n); rows of F and G are f and g apart. */
 INLINE void products(int count, int m, int n, const double *F, int f, const double *G, int g, double *restrict Y)
 {
@@ -129,17 +134,17 @@ INLINE void integrate(const Cells *c, const double *X, double *restrict S, doubl
   }
 }
 
-/* The symmetric matrix of a cell, its rows in their places: with these integrals it is
+/* The symmetric matrix of a cell, its rows in their places and so far apart: with these integrals it is
 
      A_ij = mu (S_ji + delta_ij sum_a S_aa),     B_i = -R_i,
 
    and with an axis  A_00 += 2 mu S_22,  B_0 -= R_2. */
-INLINE void matrix_of_cell(const Cells *c, int cell, double *restrict E)
+INLINE void matrix_of_cell(const Cells *c, int cell, int stride, double *restrict E)
 {
-  const int d = c->dimension, n = c->nodes, p = c->pressures, rows = d * n + p, nn = n * n;
+  const int d = c->dimension, n = c->nodes, p = c->pressures, nn = n * n;
   const int pairs = d * (d + 1) / 2;
   double X[3 * c->points], S[(pairs + 1) * nn], R[(d + 1) * p * n], grad[nn];
-  memset(S, 0, sizeof S), memset(R, 0, sizeof R), memset(grad, 0, sizeof grad), memset(E, 0, rows * rows * sizeof *E);
+  memset(S, 0, sizeof S), memset(R, 0, sizeof R), memset(grad, 0, sizeof grad);
   for (int k = 0; k < c->points; k++)
     memcpy(X + 3 * k, c->x + 3 * (int64_t)c->geometry[(int64_t)cell * c->points + k], 3 * sizeof(double));
   if (c->straight[cell] && !c->axisymmetric)
@@ -153,38 +158,75 @@ INLINE void matrix_of_cell(const Cells *c, int cell, double *restrict E)
   for (int a = 0; a < d; a++)
     for (int b = a; b < d; b++, S_ab += nn)
       for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) {
+        for (int j = 0; j < (a == b ? i + 1 : n); j++) {
           const int row = c->place[d * j + a], column = c->place[d * i + b];
           double entry = S_ab[i * n + j];
           if (a == b)
             entry += grad[i * n + j] + (a == 0 ? 2.0 * hoop[i * n + j] : 0.0);
-          E[row * rows + column] = E[column * rows + row] = c->mu * entry;
+          E[row * stride + column] = E[column * stride + row] = c->mu * entry;
         }
   for (int a = 0; a < d; a++)
     for (int k = 0; k < p; k++)
       for (int i = 0; i < n; i++) {
         const int row = c->place[d * n + k], column = c->place[d * i + a];
         const double more = a == 0 ? R_hoop[k * n + i] : 0.0;
-        E[row * rows + column] = E[column * rows + row] = -R[(a * p + k) * n + i] - more;
+        E[row * stride + column] = E[column * stride + row] = -R[(a * p + k) * n + i] - more;
       }
+  for (int k = 0; k < p; k++)
+    for (int l = 0; l < p; l++)
+      E[c->place[d * n + k] * stride + c->place[d * n + l]] = 0.0;
 }
 
-/* E = L D L^T from its last row up to the first inner one; what is left stands in the rows before. */
-INLINE void condense(int n, int outer, double *restrict E)
+/* F_ij -= sum over k of L_ki P_kj for i < n and j <= i, for `count` rows; what is written beyond j = i is of no use. */
+INLINE void subtract(int count, int n, int stride, const double *L, const double *P, double *restrict F)
+{
+  int i = 0;
+  for (; i + TILE <= n; i += TILE)
+    for (int j = 0; j < i + TILE; j += WIDE) {
+      Columns sum[TILE][2];
+      for (int r = 0; r < TILE; r++)
+        for (int h = 0; h < 2; h++)
+          sum[r][h] = *(const Columns *)(F + (i + r) * stride + j + h * TILE);
+      for (int k = 0; k < count; k++)
+        for (int r = 0; r < TILE; r++)
+          for (int h = 0; h < 2; h++)
+            sum[r][h] -= L[k * stride + i + r] * *(const Columns *)(P + k * stride + j + h * TILE);
+      for (int r = 0; r < TILE; r++)
+        for (int h = 0; h < 2; h++)
+          *(Columns *)(F + (i + r) * stride + j + h * TILE) = sum[r][h];
+    }
+  for (; i < n; i++)
+    for (int k = 0; k < count; k++)
+      for (int j = 0; j <= i; j++)
+        F[i * stride + j] -= L[k * stride + i] * P[k * stride + j];
+}
+
+/* F = L D L^T, its lower triangle, from its last row up to the first inner one; L: room for the rows from there. */
+INLINE void eliminate(int n, int outer, int stride, double *restrict F, double *restrict L)
 {
   for (int k = n - 1; k >= outer; k--) {
-    const double *restrict pivot = E + k * n;
+    const double *restrict pivot = F + k * stride;
+    double *restrict scaled = L + (k - outer) * stride;
     const double reciprocal = 1.0 / pivot[k];
-    for (int i = 0; i < k; i++) {
-      const double l = pivot[i] * reciprocal;
-      double *restrict row = E + i * n;
+    for (int i = 0; i < k; i++)
+      scaled[i] = pivot[i] * reciprocal;
+    for (int i = outer; i < k; i++) {
+      double *restrict row = F + i * stride;
       for (int j = 0; j <= i; j++)
-        row[j] -= l * pivot[j];
+        row[j] -= scaled[i] * pivot[j];
     }
   }
+  subtract(n - outer, outer, stride, L, F + outer * stride, F);
+}
+
+/* What is left of the outer rows of a cell's matrix stands there, and in the inner ones its factors. */
+INLINE void condense(int n, int outer, int stride, double *restrict E)
+{
+  double L[(n - outer) * stride + 1];
+  eliminate(n, outer, stride, E, L);
   for (int i = 0; i < outer; i++)
     for (int j = 0; j < i; j++)
-      E[j * n + i] = E[i * n + j];
+      E[j * stride + i] = E[i * stride + j];
 }
 
 /* Y += T^T S, row by row, for rows T of P; S has `columns` columns. */
@@ -205,56 +247,18 @@ INLINE void combine(const Sum *s, const int32_t *rows, const int16_t *slots, int
 }
 
 /* T^T S T for the rows T of P on a cell and S in the first rows of E; m: the number of the cell's unknowns. */
-INLINE void constrain(const Sum *s, int cell, int n, int outer, int m, const double *E, double *restrict R)
+INLINE void constrain(const Sum *s, int cell, int n, int outer, int m, const double *E, int stride, double *restrict R)
 {
   const int32_t *rows = s->rows + (int64_t)cell * n;
   const int16_t *slots = s->slots + (int64_t)cell * outer * s->width;
   double left[m * outer], right[outer * m];
   memset(left, 0, sizeof left);
   memset(R, 0, m * m * sizeof *R);
-  combine(s, rows, slots, outer, outer, E, n, left);
+  combine(s, rows, slots, outer, outer, E, stride, left);
   for (int i = 0; i < m; i++)
     for (int j = 0; j < outer; j++)
       right[j * m + i] = left[i * outer + j];
   combine(s, rows, slots, outer, m, right, m, R);
-}
-
-INLINE void add(const int32_t *at, int m, const double *R, int stride, double *restrict values)
-{
-  for (int i = 0; i < m; i++)
-    for (int j = 0; j < m; j++)
-      if (at[i * m + j] >= 0)
-        values[at[i * m + j]] += R[i * stride + j];
-}
-
-FOR_THIS_MACHINE
-void add_cells(const Cells *c, const Sum *s, double *restrict values, double *restrict kept, double *restrict matrices,
-               double *restrict factors)
-{
-  const int n = c->dimension * c->nodes + c->pressures, outer = n - c->inner;
-  double E[n * n], R[s->most * s->most];
-  for (int cell = 0; cell < c->cells; cell++) {
-    matrix_of_cell(c, cell, E);
-    for (int i = 0; i < outer; i++) {
-      const int32_t place = s->kept[(int64_t)cell * outer + i];
-      if (place >= 0)
-        memcpy(kept + (int64_t)place * n, E + i * n, n * sizeof *E);
-    }
-    for (int i = 0; matrices && i < n; i++) {
-      memcpy(matrices, E + i * n, (i + 1) * sizeof *E);
-      matrices += i + 1;
-    }
-    condense(n, outer, E);
-    memcpy(factors + (int64_t)cell * c->inner * n, E + outer * n, c->inner * n * sizeof *E);
-    const int m = s->start[cell + 1] - s->start[cell];
-    const int32_t *at = s->positions + s->first[cell];
-    if (s->plain[cell])
-      add(at, m, E, n, values);
-    else {
-      constrain(s, cell, n, outer, m, E, R);
-      add(at, m, R, m, values);
-    }
-  }
 }
 
 /* y += the sum over cells of E x, for the lower triangles of E one after the other; columns of x: (size,) each. */
@@ -324,127 +328,6 @@ void recover(int cells, int n, int inner, const int32_t *rows, const double *fac
       for (int i = 0; i < k; i++)
         left -= L[k * n + i] * x[row[i]];
       x[row[k]] = left / L[k * n + k];
-    }
-  }
-}
-
-/* The unknowns that each cell meets, one after the other in `list`, and where each entry of its rows of P finds its
-   own among them. Plain cells meet each by one row of P that is a unit row. */
-int32_t list_unknowns(int cells, int n, int outer, int w, const int32_t *rows, const int32_t *columns,
-                      const double *weights, int32_t *start, int32_t *list, int16_t *slots, int8_t *plain)
-{
-  int32_t end = 0;
-  int32_t most = 0;
-  for (int cell = 0; cell < cells; cell++) {
-    int32_t *own = list + end;
-    int m = 0;
-    start[cell] = end;
-    plain[cell] = 1;
-    for (int i = 0; i < outer; i++)
-      for (int k = 0; k < w; k++) {
-        const int64_t entry = (int64_t)rows[(int64_t)cell * n + i] * w + k;
-        const int32_t column = columns[entry];
-        int slot = -1;
-        if (column >= 0) {
-          for (slot = 0; slot < m && own[slot] != column; slot++)
-            ;
-          if (slot == m)
-            own[m++] = column;
-        }
-        slots[((int64_t)cell * outer + i) * w + k] = slot;
-        if (k == 0 ? slot != i || weights[entry] != 1.0 : slot >= 0)
-          plain[cell] = 0;
-      }
-    end += m;
-    most = m > most ? m : most;
-  }
-  start[cells] = end;
-  return most;
-}
-
-/* Where each of the unknowns is met: the places in `list`, and the cells. */
-void list_meetings(int cells, int unknowns, const int32_t *start, const int32_t *list, int32_t *first, int32_t *place,
-                   int32_t *cell_of)
-{
-  memset(first, 0, (unknowns + 1) * sizeof *first);
-  for (int32_t k = 0; k < start[cells]; k++)
-    first[list[k] + 1]++;
-  for (int j = 0; j < unknowns; j++)
-    first[j + 1] += first[j];
-  for (int cell = 0; cell < cells; cell++)
-    for (int32_t k = start[cell]; k < start[cell + 1]; k++) {
-      place[first[list[k]]] = k;
-      cell_of[first[list[k]]++] = cell;
-    }
-  for (int j = unknowns; j > 0; j--)
-    first[j] = first[j - 1];
-  first[0] = 0;
-}
-
-/* Pressures meet each other where inner unknowns have been eliminated, and otherwise only themselves. */
-static int meet(const Meetings *m, int32_t i, int32_t j)
-{
-  return i == j || m->coupled || !m->pressure[i] || !m->pressure[j];
-}
-
-/* Whether an unknown meets what the one before it does: so do the components of a node, and the nodes of a side. */
-static int alike(const Meetings *m, int32_t i)
-{
-  if (i == 0 || m->pressure[i] != m->pressure[i - 1] || (m->pressure[i] && !m->coupled))
-    return 0;
-  const int32_t *cells = m->cell + m->first[i], *before = m->cell + m->first[i - 1];
-  const int32_t count = m->first[i + 1] - m->first[i];
-  return cells - before == count && memcmp(cells, before, count * sizeof *cells) == 0;
-}
-
-/* The columns of each row of the sum in any order, one row after the other; mark: (unknowns,), any values. */
-void gather_entries(const Meetings *m, int32_t *mark, int32_t *indptr, int32_t *columns)
-{
-  memset(mark, -1, m->unknowns * sizeof *mark);
-  indptr[0] = 0;
-  for (int32_t i = 0; i < m->unknowns; i++) {
-    int32_t end = indptr[i];
-    if (alike(m, i)) {
-      memcpy(columns + end, columns + indptr[i - 1], (end - indptr[i - 1]) * sizeof *columns);
-      indptr[i + 1] = 2 * end - indptr[i - 1];
-      continue;
-    }
-    for (int32_t q = m->first[i]; q < m->first[i + 1]; q++)
-      for (int32_t k = m->start[m->cell[q]]; k < m->start[m->cell[q] + 1]; k++) {
-        const int32_t j = m->list[k];
-        if (mark[j] != i && meet(m, i, j)) {
-          mark[j] = i;
-          columns[end++] = j;
-        }
-      }
-    indptr[i + 1] = end;
-  }
-}
-
-/* The same ascending, since the pattern is symmetric: row i is entered in those that it meets. */
-void sort_entries(int unknowns, const int32_t *indptr, const int32_t *columns, int32_t *next, int32_t *indices)
-{
-  memcpy(next, indptr, unknowns * sizeof *next);
-  for (int32_t i = 0; i < unknowns; i++)
-    for (int32_t p = indptr[i]; p < indptr[i + 1]; p++)
-      indices[next[columns[p]]++] = i;
-}
-
-/* Where the entries of each cell's matrix go, -1: nowhere; those of the cell begin at offset[cell]. */
-void find_positions(const Meetings *m, const int32_t *indptr, const int32_t *indices, const int64_t *offset,
-                    int32_t *where, int32_t *positions)
-{
-  for (int32_t i = 0; i < m->unknowns; i++) {
-    const int32_t begin = indptr[i];
-    if (!alike(m, i))
-      for (int32_t p = begin; p < indptr[i + 1]; p++)
-        where[indices[p]] = p - begin;
-    for (int32_t q = m->first[i]; q < m->first[i + 1]; q++) {
-      const int32_t cell = m->cell[q], size = m->start[cell + 1] - m->start[cell];
-      const int32_t *list = m->list + m->start[cell];
-      int32_t *row = positions + offset[cell] + (int64_t)(m->place[q] - m->start[cell]) * size;
-      for (int32_t k = 0; k < size; k++)
-        row[k] = meet(m, i, list[k]) ? begin + where[list[k]] : -1;
     }
   }
 }

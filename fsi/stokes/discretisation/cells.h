@@ -20,20 +20,11 @@ typedef struct {
   const int32_t *start;     /* where the unknowns of each cell begin in their list */
   const int16_t *slots;     /* which of its unknowns each entry of its rows of P meets; -1: none */
   const int8_t *plain;      /* whether all these rows are unit rows */
-  const int64_t *first;     /* where its positions begin */
+  const int64_t *first;     /* where the positions of each group begin */
   const int32_t *positions; /* of its entries in the sum; -1: none */
   const int32_t *kept;      /* where each of its rows is kept as it is; -1: nowhere */
 } Sum;
 
-typedef struct {
-  int unknowns;
-  const int32_t *start, *list;         /* the unknowns of each cell */
-  const int32_t *first, *place, *cell; /* where each unknown stands in that list, and in which cells */
-  const int8_t *pressure;              /* which unknowns are pressures */
-  int coupled;                         /* whether pressures of a cell meet each other */
-} Meetings;
-
-void add_cells(const Cells *, const Sum *, double *values, double *kept, double *matrices, double *factors);
 void times_cells(int cells, int n, int size, int columns, const int32_t *rows, const double *E, const double *x,
                  double *y);
 void times_cells_extended(int cells, int n, int size, int columns, const int32_t *rows, const double *E,
@@ -44,11 +35,3 @@ void times_kept_extended(int count, int n, int transposed, const int32_t *row, c
                          const double *kept, const long double *x, long double *y);
 void reduce_loads(int cells, int n, int inner, const int32_t *rows, const double *factors, double *b);
 void recover(int cells, int n, int inner, const int32_t *rows, const double *factors, const double *b, double *x);
-int32_t list_unknowns(int cells, int n, int outer, int w, const int32_t *rows, const int32_t *columns,
-                      const double *weights, int32_t *start, int32_t *list, int16_t *slots, int8_t *plain);
-void list_meetings(int cells, int unknowns, const int32_t *start, const int32_t *list, int32_t *first,
-                   int32_t *place, int32_t *cell_of);
-void gather_entries(const Meetings *, int32_t *mark, int32_t *indptr, int32_t *columns);
-void sort_entries(int unknowns, const int32_t *indptr, const int32_t *columns, int32_t *next, int32_t *indices);
-void find_positions(const Meetings *, const int32_t *indptr, const int32_t *indices, const int64_t *offset,
-                    int32_t *where, int32_t *positions);

@@ -18,7 +18,6 @@ degree k - 4, the velocity v = r g is one of those within the cell, and  int g d
 
 from dataclasses import dataclass, fields
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import basix
@@ -29,28 +28,12 @@ from fsi.bodies.configuration import Array
 from fsi.meshes.build import coordinate_element
 from fsi.meshes.cells.curved import SIMPLEX, barycentric, reference_points
 from fsi.stokes.discretisation.forms import Forms, points_degree, pressure_element, velocity_element
-from fsi.stokes.discretisation.jit import compile_c
+from fsi.stokes.discretisation.groups import Groups
+from fsi.stokes.discretisation.loops import Numbers, loops, pointer
 from fsi.stokes.discretisation.nodes import inner_nodes
 from fsi.stokes.discretisation.shared_rows import Index, SharedRows
 
-type Numbers = NDArray[np.int32]
-
 BENT = 1e-12  # distance of a node from its place in a straight cell, in sizes of the cell
-
-
-@cache
-def loops() -> Any:
-    """The loops over cells in machine code, with `ffi` and `lib`; collective."""
-    here = Path(__file__).parent
-    return compile_c(here / "cells.h", here / "cells.c")
-
-
-def pointer(values: NDArray[Any]) -> Any:
-    """An array as the loops take it, which must outlive it."""
-    kind = {"b": "int8_t", "i": "int32_t", "l": "int64_t", "h": "int16_t",
-            "d": "double", "g": "long double"}  # fmt: skip
-    assert values.flags.c_contiguous
-    return loops().ffi.from_buffer(f"{kind[values.dtype.char]}[]", values)
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,8 +110,8 @@ class StokesCells:
         inner[self.rows[:, self.rows.shape[1] - self.inner :]] = True
         return np.flatnonzero(inner[self.shared.own])
 
-    def add(self, sum_: Any, values: Array, kept: Array) -> None:
-        """Add up the matrices of all cells; sum_: a `Sum` of cells.h."""
+    def add(self, sum_: Any, groups: Groups, values: Array, kept: Array) -> None:
+        """Add up what groups of cells leave of their matrices; sum_: a `Sum` of cells.h."""
         forms, geometry = self._forms, self._forms.mesh.geometry
         d, points = geometry.dim, geometry.dofmaps[0]
         bases = tables(geometry.cmaps[0].degree, forms.degree, d, forms.axisymmetric)
@@ -139,7 +122,10 @@ class StokesCells:
         held = {name: pointer(array) for name, array in arrays.items()}
         cells = loops().ffi.new("Cells *", self._sizes_of_cells | known | held)
         matrices = loops().ffi.NULL if self.matrices is None else pointer(self.matrices)
-        loops().lib.add_cells(cells, sum_, pointer(values), pointer(kept), matrices, pointer(self.factors))
+        loops().lib.add_cells(
+            cells, sum_, groups.structure, pointer(groups.room), pointer(values), pointer(kept), matrices,
+            pointer(self.factors), pointer(groups.factors),
+        )  # fmt: skip
 
     def times(self, x: Array) -> Array:
         """M x for some columns x (rows, k), in their precision; collective."""

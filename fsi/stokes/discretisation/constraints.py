@@ -185,6 +185,7 @@ class Prolongation:
         weights: of these entries, (rows, w).
         constrained: rows where g may stand, in the order of the layout.
         here: columns that this rank owns.
+        modes: those of modes, on all ranks.
         sliding: whether there are columns of slips.
         matrix: P itself.
     """
@@ -208,7 +209,8 @@ class Prolongation:
             root_free = layout.comm.bcast(free_here)
             mode_columns[unknown] = root_free + np.arange(unknown.sum())
             first += int(unknown.sum()) if layout.comm.rank > 0 else 0
-        self.here = free_here + (int((mode_columns != NO_COLUMN).sum()) if layout.comm.rank == 0 else 0)
+        self.modes = mode_columns[mode_columns != NO_COLUMN]
+        self.here = free_here + (len(self.modes) if layout.comm.rank == 0 else 0)
         rows = np.flatnonzero(free)
         k = rigid.modes.shape[1]
         self.columns = np.full((layout.rows, k + 2 * layout.sliding), NO_COLUMN)

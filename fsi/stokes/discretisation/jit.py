@@ -53,17 +53,22 @@ def compile_form(form: ufl.Form) -> fem.forms.CompiledForm:
         return _compile(form)
 
 
-def compile_c(declarations: Path, source: Path) -> Any:
-    """A module with `ffi` and the functions `lib` of a C source of this package; collective."""
-    text = "\n".join(["#include <stdint.h>", declarations.read_text(), source.read_text()])
+def compile_c(name: str, sources: list[Path]) -> Any:
+    """A module with `ffi` and the functions `lib` of C sources of this package, as one; collective.
+
+    sources: their paths, without an ending, each with its declarations beside it.
+    """
+    declared = "\n".join(source.with_suffix(".h").read_text() for source in sources)
+    defined = [source.with_suffix(".c").read_text() for source in sources]
+    text = "\n".join(["#include <stdint.h>", declared, *defined])
     key = hashlib.sha256("".join([text, cffi.__version__, *FLAGS]).encode()).hexdigest()[:16]
-    name = f"fsi_{source.stem}_{key}"
+    name = f"{name}_{key}"
     library = _folder() / f"{name}{sysconfig.get_config_var('EXT_SUFFIX')}"
 
     def build() -> None:
         if not library.is_file() or not is_whole(library):
             compiler = cffi.FFI()
-            compiler.cdef(declarations.read_text())
+            compiler.cdef(declared)
             compiler.set_source(name, text, extra_compile_args=[*FLAGS, *UNROLLED])
             # Beside the library, so that it is there as a whole or not at all, whoever else makes it.
             with tempfile.TemporaryDirectory(dir=library.parent) as folder, redirect_stdout(io.StringIO()):

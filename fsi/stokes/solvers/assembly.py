@@ -14,12 +14,17 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fsi.bodies.configuration import Array
-from fsi.stokes.discretisation.cells import Numbers, StokesCells, loops, pointer
+from fsi.stokes.discretisation.cells import StokesCells
 from fsi.stokes.discretisation.constraints import NO_COLUMN, Index, Prolongation
+from fsi.stokes.discretisation.groups import Groups
+from fsi.stokes.discretisation.loops import Numbers, loops, pointer
+from fsi.stokes.discretisation.shared_rows import shared_columns
+from fsi.stokes.solvers.mumps import Solve
 
 # Unknowns of a cell beyond its outer rows: each of four vertices may bring six modes in place of three rows,
 # and where fluid slides six modes beside them, and each node on a surface a normal traction.
@@ -65,36 +70,40 @@ class CellSum:
     """P^T M P of the cells of a mesh, in place while that is moved, and the constrained rows of M.
 
     Attributes:
-        matrix: P^T M P; all of its diagonal is stored.
+        matrix: P^T M P without what groups of cells have eliminated; all of its diagonal is stored.
+        left: which of this rank's unknowns it is of.
         constrained: the other rows.
     """
 
-    def __init__(self, cells: StokesCells, P: Prolongation) -> None:
-        """Find the pattern, and fill it; collective."""
+    def __init__(self, cells: StokesCells, P: Prolongation, levels: int = 0) -> None:
+        """Find the pattern, and fill it; collective. levels: of groups of cells (see `groups`)."""
         self._cells, self._P = cells, P
         self.constrained = ConstrainedRows(cells, P.constrained)
         columns = cells.shared.with_ghosts(P.columns)
         self._numbered(columns)
-        self._listed(columns)
-        self._patterned()
+        self._listed()
+        self._grouped(levels)
+        self._patterned(coupled=cells.inner > 0 or levels > 0)
         self._values = np.zeros(len(self._indices))
         self.matrix = self._created()
         self.fill()
 
     def _numbered(self, columns: Index) -> None:
-        """The unknowns that this rank's cells meet get numbers from 0 on; alone all are their own numbers."""
-        comm = self._P.matrix.comm
-        met = np.zeros(self._P.matrix.size[1] + 1, dtype=bool)
-        met[columns.ravel()] = True
-        met[NO_COLUMN] = False
-        self._unknowns = np.flatnonzero(met) if comm.size > 1 else np.arange(len(met) - 1)
-        number = np.full(len(met), NO_COLUMN, dtype=np.int32)
+        """The unknowns that this rank's cells meet, and its own, get numbers from 0 on."""
+        self._unknowns, self._shared = shared_columns(columns[columns != NO_COLUMN], self._P.here)
+        number = np.full(self._P.matrix.size[1] + 1, NO_COLUMN, dtype=np.int32)
         number[self._unknowns] = np.arange(len(self._unknowns))
         self._columns: Numbers = number[columns]
 
-    def _listed(self, columns: Index) -> None:
+    def _met(self, columns: Index) -> Index:
+        """The numbers of those columns that this rank meets; they ascend."""
+        number = np.searchsorted(self._unknowns, columns)
+        number = number[number < len(self._unknowns)]
+        return np.asarray(number[self._unknowns[number] == columns[: len(number)]])
+
+    def _listed(self) -> None:
         """The unknowns of each cell."""
-        cells, width = self._cells, columns.shape[1]
+        cells, width = self._cells, self._columns.shape[1]
         count, outer = cells.outer.shape
         most = 2 * (outer + MORE) if self._P.sliding else outer + MORE
         self._start, self._list = np.empty(count + 1, np.int32), np.empty(count * most, np.int32)
@@ -108,24 +117,37 @@ class CellSum:
         self._most = loops().lib.list_unknowns(*sizes, *map(pointer, arrays))
         self._list = self._list[: self._start[-1]].copy()
 
-    def _patterned(self) -> None:
-        """The columns of each row, and where each entry of each cell goes."""
-        unknowns, shared = len(self._unknowns), self._cells.shared
-        of_pressure = self._columns[shared.pressures :, 0]
-        pressure = np.zeros(unknowns, dtype=np.int8)
-        pressure[of_pressure[of_pressure >= 0]] = 1
+    def _grouped(self, levels: int) -> None:
+        """What groups of cells leave, which gets numbers of its own; modes and what ranks share is left."""
+        of_pressure = self._columns[self._cells.shared.pressures :, 0]
+        pressure, stays = np.zeros((2, len(self._unknowns)), dtype=bool)
+        pressure[of_pressure[of_pressure != NO_COLUMN]] = True
+        stays[self._met(self._P.modes)] = True
+        stays[self._shared.ghosts] = stays[self._shared.own[self._shared.lent]] = True
+        rows = self._cells.rows.shape[1]
+        self._groups = Groups((self._start, self._list), rows, stays, pressure, levels)
+        left = self._groups.left
+        self._pressure = pressure[left].astype(np.int8)
+        self.left = left[self._shared.own]
+        number = np.cumsum(self.left) - 1
+        number += MPI.COMM_WORLD.exscan(int(self.left.sum())) or 0
+        self._numbers = self._shared.with_ghosts(number)[left].astype(PETSc.IntType)
+
+    def _patterned(self, *, coupled: bool) -> None:
+        """The columns of each row, and where each entry that a group leaves goes."""
+        groups, unknowns = self._groups, len(self._numbers)
+        start, left = groups.start, np.cumsum(groups.left, dtype=np.int32)[groups.list] - 1
         first, mark, self._indptr = (np.empty(unknowns + k, dtype=np.int32) for k in (1, 0, 1))
-        place, cell = np.empty_like(self._list), np.empty_like(self._list)
+        place, cell = np.empty_like(left), np.empty_like(left)
         lib, ffi = loops().lib, loops().ffi
-        lists = (self._start, self._list, first, place, cell)
-        lib.list_meetings(len(self._start) - 1, unknowns, *map(pointer, lists))
+        lists = (start, left, first, place, cell)
+        lib.list_meetings(len(start) - 1, unknowns, *map(pointer, lists))
         names = ("start", "list", "first", "place", "cell", "pressure")
-        arrays: tuple[NDArray[Any], ...] = (*lists, pressure)
+        arrays: tuple[NDArray[Any], ...] = (*lists, self._pressure)
         held = {name: pointer(array) for name, array in zip(names, arrays, strict=True)}
-        sizes = {"unknowns": unknowns, "coupled": int(self._cells.inner > 0)}
+        sizes = {"unknowns": unknowns, "coupled": int(coupled)}
         meetings = ffi.new("Meetings *", sizes | held)
-        sizes_of_cells = np.diff(self._start).astype(np.int64) ** 2
-        self._first = np.concatenate([[0], np.cumsum(sizes_of_cells)])
+        self._first = np.concatenate([[0], np.cumsum(np.diff(start).astype(np.int64) ** 2)])
         # There is room in it for the columns, until they are in order.
         self._positions = np.empty(self._first[-1], dtype=np.int32)
         lib.gather_entries(meetings, *map(pointer, (mark, self._indptr, self._positions)))
@@ -137,18 +159,17 @@ class CellSum:
 
     def _created(self) -> PETSc.Mat:
         """The matrix with room for this pattern; on one rank its values are these."""
-        comm, unknowns, here = self._P.matrix.comm, self._unknowns, self._P.here
+        comm, here = self._P.matrix.comm, int(self.left.sum())
         if comm.size == 1:
             csr = (self._indptr, self._indices, self._values)
-            return PETSc.Mat().createAIJWithArrays((len(unknowns), len(unknowns)), csr, comm=comm)
-        matrix = PETSc.Mat().createAIJ(size=((here, None), (here, None)), nnz=self._room(), comm=comm)
-        self._unknowns = unknowns.astype(PETSc.IntType)
-        self._indices = self._unknowns[self._indices]
+            return PETSc.Mat().createAIJWithArrays((here, here), csr, comm=comm)
+        matrix = PETSc.Mat().createAIJ(size=((here, None), (here, None)), nnz=self._room(here), comm=comm)
+        self._indices = self._numbers[self._indices]
         return matrix
 
-    def _room(self) -> tuple[Numbers, Numbers]:
+    def _room(self, here: int) -> tuple[Numbers, Numbers]:
         """Entries of this rank's rows in its own columns and in others': at most, as ranks share some."""
-        comm, unknowns, here = self._P.matrix.comm.tompi4py(), self._unknowns, self._P.here
+        comm, unknowns = self._P.matrix.comm.tompi4py(), self._numbers
         starts = np.concatenate([[0], np.cumsum(comm.allgather(here))])
         parts = []
         for first, end in pairwise(np.searchsorted(unknowns, starts)):
@@ -178,11 +199,32 @@ class CellSum:
         held: dict[str, Any] = {name: pointer(array) for name, array in arrays.items()}
         sizes = {"width": self._slots.shape[2], "most": self._most}
         sum_ = loops().ffi.new("Sum *", sizes | held)
-        self._cells.add(sum_, self._values, self.constrained.values)
+        self._cells.add(sum_, self._groups, self._values, self.constrained.values)
         if self.matrix.comm.size == 1:
             self.matrix.stateIncrease()
         else:
             self.matrix.zeroEntries()
             csr = (self._indptr, self._indices, self._values)
-            self.matrix.setValuesIJV(*csr, addv=PETSc.InsertMode.ADD_VALUES, rowmap=self._unknowns)
+            self.matrix.setValuesIJV(*csr, addv=PETSc.InsertMode.ADD_VALUES, rowmap=self._numbers)
         self.matrix.assemble()
+
+    def solved(self, b: Array, solve: Solve) -> Array:
+        """Solutions of P^T M P y = b for some columns b, by those of the matrix; collective."""
+        loads = np.column_stack([self._reduced(load) for load in b.T])
+        y = solve(self._shared.summed(loads)[self.left])
+        return np.column_stack([self._recovered(*pair) for pair in zip(y.T, loads.T, strict=True)])
+
+    def _reduced(self, b: Array) -> Array:
+        """The loads of all unknowns that this rank's cells meet, those of inner ones given to the others."""
+        every = self._shared.with_ghosts(b)
+        every[self._shared.ghosts] = 0.0
+        self._groups.reduce(every)
+        return every
+
+    def _recovered(self, left: Array, b: Array) -> Array:
+        """This rank's part of y from what is left of it and from reduced loads."""
+        y = np.zeros(self._P.here)
+        y[self.left] = left
+        every = self._shared.with_ghosts(y)
+        self._groups.recover(every, np.ascontiguousarray(b))
+        return np.asarray(every[self._shared.own])

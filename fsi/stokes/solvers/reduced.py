@@ -19,6 +19,7 @@ from petsc4py import PETSc
 from fsi.bodies.configuration import Array
 from fsi.stokes.discretisation.cells import StokesCells
 from fsi.stokes.discretisation.constraints import DofLayout, Prolongation, RigidModes
+from fsi.stokes.discretisation.groups import LEVELS
 from fsi.stokes.discretisation.slip import SlidingFacets
 from fsi.stokes.solvers.assembly import CellSum
 from fsi.stokes.solvers.extended import ExtendedMatrix, multiply, multiply_transpose
@@ -46,7 +47,8 @@ class Elimination:
     Attributes:
         layout, unknown: what it is of.
         first_mode: where the modes stand in Y on rank 0, after all others in y.
-        reduced: the matrix of y, without z where that is eliminated.
+        reduced: the matrix of what of y `left` tells, without z and the rest of y.
+        left: which of this rank's y groups of cells have not eliminated.
         constrained: the other rows of M.
     """
 
@@ -61,12 +63,10 @@ class Elimination:
         """Make P and the matrix; the factors are made when they are wanted."""
         self.layout, self.unknown, self._cells = layout, unknown, cells
         self._prolongation = Prolongation(layout, rigid, unknown)
-        self._sum: CellSum | None = CellSum(cells, self._prolongation)
-        self._P, self.reduced, self.constrained = (
-            self._prolongation.matrix,
-            self._sum.matrix,
-            self._sum.constrained,
-        )
+        grouped = cells.condensed and layout.dimension == 2 and not layout.sliding
+        self._sum: CellSum | None = CellSum(cells, self._prolongation, LEVELS if grouped else 0)
+        self._P, self.reduced, self.left = self._prolongation.matrix, self._sum.matrix, self._sum.left
+        self.constrained = self._sum.constrained
         self.first_mode = self._prolongation.here - self._modes_here
         self._factors: Factorisation | None = None
         self._exact: ExtendedMatrix | None = None
@@ -85,7 +85,7 @@ class Elimination:
         self._D = added.D[self.unknown][: self._modes_here]
         if added.facets is not None:
             self._add_facets(added.facets)
-        first_row = self.reduced.getOwnershipRange()[0] + self.first_mode
+        first_row = self.reduced.getOwnershipRange()[1] - self._modes_here
         for row, value in enumerate(self._D, first_row):
             self.reduced.setValue(row, row, value, PETSc.InsertMode.ADD_VALUES)
         self.reduced.assemble()
@@ -153,14 +153,15 @@ class Elimination:
         return product
 
     def solved(self, b: Array, solve: Solve) -> Array:
-        """Y for some columns b by the solution y of the reduced matrix."""
+        """Y for some columns b by the solutions of the reduced matrix."""
+        assert self._sum is not None, "the sum is not forgotten"
         if not self._cells.inner:
-            return solve(b)
+            return self._sum.solved(b, solve)
         here, inner = self._prolongation.here, self.layout.inner
         loads = np.zeros((self.layout.rows, b.shape[1]))
         loads[inner] = b[here:]
         loads = np.column_stack([self._cells.reduced(load) for load in loads.T])
-        y = solve(b[:here] + self.restricted(loads)[:here])
+        y = self._sum.solved(b[:here] + self.restricted(loads)[:here], solve)
         x = self.prolonged(np.vstack([y, b[here:]]))
         every = [self._cells.recovered(*pair)[inner] for pair in zip(x.T, loads.T, strict=True)]
         return np.vstack([y, np.column_stack(every)])
