@@ -21,6 +21,7 @@ from fsi.meshes.cells.curved import SIMPLEX, CurvedCells, curve, require_valid
 from fsi.meshes.errors import MeshError, TouchingError
 from fsi.meshes.geometry.container import Array, Container, FluidDomain
 from fsi.meshes.geometry.lattice import Lattice, PeriodicPairs, matching_points
+from fsi.meshes.helping import help_root, helped
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.grading import Grading
 from fsi.meshes.planar.sizing import Resolution
@@ -102,7 +103,7 @@ class FluidMesh:
 def build(domain: FluidDomain, resolution: Resolution, order: int) -> FluidMesh:
     """Mesh the fluid around discs, or spheres in space, by cells of order 1 ... 6, in space 1 ... 4.
 
-    Collective, gmsh runs on rank 0. Where sizes are coarse a cell that lies flat on a body can turn over when
+    Collective, rank 0 leads. Where sizes are coarse a cell that lies flat on a body can turn over when
     it is curved, and gmsh can lose a part of a boundary: then all is meshed again, with sizes that grow more
     slowly, in space with smaller elements on spheres and in gaps. Raises MeshError on all ranks if all fail.
     """
@@ -136,7 +137,7 @@ def _triangles(domain: FluidDomain, resolution: Resolution, order: int) -> Curve
 
 
 def shared(tries: Mapping[str, Callable[[], CurvedCells]], domain: FluidDomain) -> FluidMesh:
-    """Make cells on rank 0, the first that are valid, and share them out; collective.
+    """Make cells on rank 0, which others help, the first that are valid, and share them out; collective.
 
     tries: what makes cells, one after the other, by what is said of them. Raises the MeshError of the first
     on all ranks where none is valid, or at once where no other sizes would help.
@@ -147,8 +148,11 @@ def shared(tries: Mapping[str, Callable[[], CurvedCells]], domain: FluidDomain) 
     cells: CurvedCells | None = None
     problem: MeshError | None = None
     quality, order, instead = 0.0, 0, ""
-    if comm.rank == 0:
-        cells, quality, instead, problem = _first_valid(tries)
+    if comm.rank > 0:
+        help_root()
+    else:
+        with helped():
+            cells, quality, instead, problem = _first_valid(tries)
         order = 0 if cells is None else cells.order
     problem, quality, order, instead = comm.bcast((problem, quality, order, instead))
     if problem is not None:

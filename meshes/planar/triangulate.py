@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.container import Array
+from fsi.meshes.helping import shared_out
 from fsi.meshes.planar.grading import Grading
 from fsi.meshes.planar.sizing import INSIDE, Curve
 
@@ -145,15 +146,18 @@ def triangulate(curves: Sequence[Curve], far: FarSize | None = None) -> Straight
     """
     nodes, chains = chain(curves)
     moved = nodes + _opening(nodes, chains, curves)
-    vertices, triangles, bodies = [nodes], list[Indices](), 0 if far is None else far.bodies
+    bodies, numbers, pieces = 0 if far is None else far.bodies, list[Indices](), list[Piece]()
     for piece in sorted({piece for curve in curves for piece in curve.pieces}):
         edges, tags = _edges(chains, curves, [piece in curve.pieces for curve in curves])
         used, corners = np.unique(edges, return_inverse=True)
         on_body = (tags > INSIDE) & (tags <= bodies)
-        x, cells = _fill(moved[used], corners.reshape(-1, 2), on_body, far)
-        number = np.append(used, sum(map(len, vertices)) + np.arange(len(x) - len(used)))
+        numbers.append(used)
+        pieces.append(Piece(moved[used], corners.reshape(-1, 2), on_body, far))
+    vertices, triangles, count = [nodes], list[Indices](), len(nodes)
+    for used, (x, cells) in zip(numbers, shared_out(fill, pieces), strict=True):
         vertices.append(x[len(used) :])
-        triangles.append(number[cells])
+        triangles.append(np.append(used, count + np.arange(len(vertices[-1])))[cells])
+        count += len(vertices[-1])
     edges, tags = _edges(chains, curves, [curve.tag != INSIDE for curve in curves])
     straight = StraightCells(np.concatenate(vertices), np.concatenate(triangles), edges, tags)
     require_boundary(straight.cells, edges)
@@ -167,12 +171,29 @@ def _edges(chains: Sequence[Indices], curves: Sequence[Curve], chosen: list[bool
     return edges, np.repeat([tag for _, tag in every], [len(c) - 1 for c, _ in every])
 
 
-def _fill(x: Array, edges: Indices, on_body: NDArray[np.bool_], far: FarSize | None) -> tuple[Array, Indices]:
-    """gmsh's triangles in the piece that the edges between nodes x bound; its vertices begin with these."""
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A piece of the fluid for gmsh.
+
+    Attributes:
+        x: the nodes on its boundary, (n, 2).
+        edges: between these, (m, 2).
+        on_body: which of them lie on bodies, (m,).
+        far: bounds the sizes within.
+    """
+
+    x: Array
+    edges: Indices
+    on_body: NDArray[np.bool_]
+    far: FarSize | None
+
+
+def fill(piece: Piece) -> tuple[Array, Indices]:
+    """gmsh's triangles in a piece; its vertices begin with the nodes on the boundary."""
     with gmsh_model():
-        _add_boundary(x, edges, on_body)
-        if far is not None:
-            far.apply()
+        _add_boundary(piece.x, piece.edges, piece.on_body)
+        if piece.far is not None:
+            piece.far.apply()
         gmsh.model.mesh.generate(2)
         return _read_triangles()
 

@@ -1,0 +1,102 @@
+"""What groups of cells have alone is eliminated once, and needs no pivoting."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import fsi.meshes.backend  # noqa: F401
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+from numpy.typing import NDArray
+
+from fsi.bodies.configuration import Array, Configuration
+from fsi.meshes.geometry.container import Container
+from fsi.meshes.geometry.containers import Box, HalfPlane
+from fsi.meshes.planar.sizing import Resolution
+from fsi.stokes.discretisation.groups import LEVELS, Groups
+from fsi.stokes.problem import SolverOptions
+from fsi.stokes.resistance import held_at_rest
+from fsi.stokes.solve import Clock, assembled
+from fsi.stokes.solvers.reduced import Added
+from tests.flows import discs, mesh
+
+# Corners of a box have cells with two sides on walls, an axis has velocities along it, a cut has cells across.
+FLOWS = {
+    "box": (Box((-2.0, -2.0), (2.0, 2.0)), discs([(0.3, -0.4)], [1.0])),
+    "channel": (Box((0.0, -2.6), (5.0, 2.6), periodic=("x",)), discs([(0.4, -1.3), (2.1, 0.2)], [1.0, 0.8])),
+    "cell": (Box((0.0, 0.0), (4.0, 4.0), periodic=("x", "y")), discs([(0.4, 1.3), (2.7, 3.1)], [1.0, 0.9])),
+    "axis": (HalfPlane(6.0, axisymmetric=True), discs([(0.0, 1.002)], [1.0])),
+    "narrow": (HalfPlane(6.0), discs([(0.0, 1.0001)], [1.0])),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Eliminated:
+    """Of each merge of a flow its unknowns, how many are outer ones, and the pivots of the others."""
+
+    groups: Groups
+    lists: list[Array]
+    outer: list[int]
+    pivots: list[Array]
+    pressure: NDArray[np.bool_]
+
+
+def eliminated(container: Container, q: Configuration, degree: int) -> Eliminated:
+    problem = held_at_rest(mesh(container, q, Resolution(0.3, 12, 1.0), degree), container, q)
+    with assembled(problem, SolverOptions(degree), Clock()) as system:
+        unknown = np.zeros(system.layout.modes, dtype=bool)
+        added = Added(np.zeros(system.layout.modes))
+        elimination = system.workspace.elimination(system.layout, system.rigid, unknown, added)
+        assert elimination._sum is not None
+        groups = elimination._sum._groups
+        free = system.layout.free
+        pressure = np.flatnonzero(free) >= system.layout.velocities
+        arrays, merges = groups._arrays, groups.structure.merges
+        lists, pivots, outer = [], [], arrays["outer"][:merges].tolist()
+        for k in range(merges):
+            own = arrays["list"][arrays["start"][k] : arrays["start"][k + 1]].copy()
+            rows = groups.factors[arrays["factors"][k] : arrays["factors"][k + 1]].reshape(-1, len(own))
+            lists.append(own)
+            pivots.append(rows[np.arange(len(rows)), outer[k] + np.arange(len(rows))].copy())
+        return Eliminated(groups, lists, outer, pivots, pressure)
+
+
+@pytest.mark.parametrize("degree", [2, 3, 4, 5])
+@pytest.mark.parametrize("flow", FLOWS)
+def test_pivots_of_velocities_are_positive_and_of_pressures_negative(flow: str, degree: int) -> None:
+    """As velocities go first, and what is left of the pressures is definite: nothing else needs pivoting."""
+    found = eliminated(*FLOWS[flow], degree)
+    assert len(found.lists) > 50
+    for own, outer, pivots in zip(found.lists, found.outer, found.pivots, strict=True):
+        expected = np.where(found.pressure[own[outer:]], -1.0, 1.0)
+        assert_array_equal(np.sign(pivots), expected)
+
+
+def test_each_unknown_is_eliminated_once_or_left() -> None:
+    found = eliminated(*FLOWS["channel"], 4)
+    inner = np.concatenate([own[outer:] for own, outer in zip(found.lists, found.outer, strict=True)])
+    assert len(np.unique(inner)) == len(inner)
+    left = np.unique(found.groups.list)
+    assert_array_equal(np.sort(np.concatenate([inner, left])), np.arange(len(found.groups.left)))
+    assert_array_equal(np.flatnonzero(found.groups.left), left)
+    # Pairs of pairs have 2^LEVELS cells at most, some find no partner, and fewer than 16 are not merged.
+    cells, groups = found.groups._arrays["ends"].size, len(found.groups.start) - 1
+    assert cells / 2**LEVELS <= groups < 16
+
+
+def test_what_must_stay_is_left() -> None:
+    """Of cells in a ring, each with an unknown of its own and one on each side, the marked ones stay."""
+    # Unknowns 0 ... 15 are those of cells, 16 + k lies between cell k and the next.
+    cells = 16
+    lists = np.array([[k, 16 + k, 16 + (k - 1) % cells] for k in range(cells)], dtype=np.int32)
+    start = np.arange(0, 3 * cells + 1, 3, dtype=np.int32)
+    stays, pressure = np.zeros((2, 2 * cells), dtype=bool)
+    stays[[3, 20]] = True
+    groups = Groups((start, lists.ravel()), 3, stays, pressure, 1)
+    assert groups.left[[3, 20]].all()
+    # Cells merge across a side that does not stay, and have that and two more alone, of which number 3 stays.
+    merges = cells - (len(groups.start) - 1)
+    assert merges == groups.structure.merges > 5
+    assert (~groups.left).sum() == 3 * merges - 1
