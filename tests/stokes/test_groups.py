@@ -22,7 +22,7 @@ from fsi.stokes.solve import Clock, assembled
 from fsi.stokes.solvers.reduced import Added
 from tests.flows import discs, mesh
 
-# Corners of a box have cells with two sides on walls, an axis has velocities along it, a cut has cells across.
+# Corners of boxes have cells with two sides on walls, an axis has velocities along it, a cut cells across it.
 FLOWS = {
     "box": (Box((-2.0, -2.0), (2.0, 2.0)), discs([(0.3, -0.4)], [1.0])),
     "channel": (Box((0.0, -2.6), (5.0, 2.6), periodic=("x",)), discs([(0.4, -1.3), (2.1, 0.2)], [1.0, 0.8])),
