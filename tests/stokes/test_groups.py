@@ -11,6 +11,7 @@ import pytest
 from numpy.testing import assert_array_equal
 from numpy.typing import NDArray
 
+import fsi.stokes.discretisation.groups as module
 from fsi.bodies.configuration import Array, Configuration
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.containers import Box, HalfPlane
@@ -30,6 +31,12 @@ FLOWS = {
     "axis": (HalfPlane(6.0, axisymmetric=True), discs([(0.0, 1.002)], [1.0])),
     "narrow": (HalfPlane(6.0), discs([(0.0, 1.0001)], [1.0])),
 }
+
+
+@pytest.fixture(autouse=True)
+def of_few_cells(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Merge the cells of these small meshes as often as those of large ones."""
+    monkeypatch.setattr(module, "FEWEST", 16)
 
 
 @dataclass(frozen=True, slots=True)

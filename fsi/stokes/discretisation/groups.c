@@ -1,8 +1,6 @@
 /* Elimination of unknowns that stand in groups of cells alone, group by group; see groups.py. */
 #include <stdlib.h>
 
-enum { FEWEST = 16 }; /* groups that are merged no further */
-
 typedef struct {
   const CellLists *cells;
   Groups *groups;
@@ -204,8 +202,9 @@ static int32_t *list_steps(const Merging *m, int32_t part, int32_t *step)
   return step + 1;
 }
 
-/* Merge cells that have a side in common, and what comes of it, so many times; 0, or 1 where memory is short. */
-int merge_cells(const CellLists *c, int levels, Groups *g)
+/* Merge cells that have a side in common, and what comes of it, so many times, but no fewer parts than that; 0, or 1
+   where memory is short. */
+int merge_cells(const CellLists *c, int levels, int fewest, Groups *g)
 {
   const int64_t cells = c->cells, most = c->start[cells], slots = c->unknowns > cells ? c->unknowns : cells;
   int32_t *memory = malloc((8 * cells + c->unknowns + 1 + most + slots) * sizeof *memory);
@@ -222,7 +221,7 @@ int merge_cells(const CellLists *c, int levels, Groups *g)
   for (int cell = 0; cell < cells; cell++)
     m.parts[cell] = cell;
   g->merges = g->start[0] = g->begin[0] = g->factors[0] = 0;
-  for (int level = 0; level < levels && m.count >= FEWEST; level++)
+  for (int level = 0; level < levels && m.count >= fewest; level++)
     merge_level(&m, taken);
   g->groups = m.count;
   int32_t *step = g->steps;

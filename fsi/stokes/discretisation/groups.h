@@ -17,7 +17,7 @@ typedef struct {
   int32_t *steps;     /* a cell, or -1 - merge: of the two parts that were made last */
 } Groups;
 
-int merge_cells(const CellLists *, int levels, Groups *);
+int merge_cells(const CellLists *, int levels, int fewest, Groups *);
 void list_groups(const CellLists *, const Groups *, int32_t *start, int32_t *list);
 void reduce_groups(const Groups *, const double *factors, double *b);
 void recover_groups(const Groups *, const double *factors, const double *b, double *x);
