@@ -23,10 +23,9 @@ from petsc4py import PETSc
 from fsi.bodies.configuration import MODES, Array, Configuration, rigid_motion
 from fsi.meshes.build import FluidMesh, columns_of_masters
 from fsi.meshes.geometry.lattice import Lattice
+from fsi.stokes.discretisation.nodal_matrix import NO_COLUMN, Index, NodalMatrix
 from fsi.stokes.discretisation.nodes import BoundaryNodes
 
-Index = NDArray[np.int64]
-NO_COLUMN = -1
 # For each component of the velocity the modes that give it: its translation, rotations about the other axes.
 ACTING = {2: ((0, 2), (1, 2)), 3: ((0, 4, 5), (1, 5, 3), (2, 3, 4))}
 
@@ -168,8 +167,8 @@ def rigid_modes(layout: DofLayout, nodes: BoundaryNodes, q: Configuration, latti
     if layout.axisymmetric:
         along = component == 1
         rows, columns, values = rows[along], columns[along, :1], values[along, :1]
-    matrix = _matrix(layout, (layout.modes_here, layout.modes), rows, columns, values)
-    return RigidModes(matrix, rows, columns, values)
+    sizes = layout.rows, (layout.modes_here, layout.modes)
+    return RigidModes(NodalMatrix(sizes, rows, columns, values).matrix, rows, columns, values)
 
 
 class Prolongation:
@@ -237,12 +236,14 @@ class Prolongation:
             self.columns[rigid.rows, self._modes] = mode_columns[rigid.modes]
         self._rigid_rows = rigid.rows if eliminate_bodies else rigid.rows[:0]
         self.weights[self._rigid_rows, self._modes] = rigid.values[: len(self._rigid_rows)]
-        self.matrix = _matrix(layout, (self.here, None), np.arange(layout.rows), self.columns, self.weights)
+        sizes, rows = (layout.rows, (self.here, None)), np.arange(layout.rows)
+        self._nodal = NodalMatrix(sizes, rows, self.columns, self.weights)
+        self.matrix = self._nodal.matrix
 
     def update(self, rigid: RigidModes) -> None:
         """P with other values of the same rigid modes, in place."""
         self.weights[self._rigid_rows, self._modes] = rigid.values[: len(self._rigid_rows)]
-        self.matrix.setValuesCOO(self.weights.ravel())
+        self._nodal.fill(self.weights)
 
 
 def wall_offset(
@@ -268,18 +269,3 @@ def wall_offset(
         u_of_nodes[node[corner], axis] = u[corner, axis]
     u_of_nodes[nodes.axis, 0] = 0.0
     return g
-
-
-def _matrix(
-    layout: DofLayout, columns: tuple[int, int | None], rows: Index, column: Index, value: Array
-) -> PETSc.Mat:
-    """Sparse matrix with `value[k, :]` in row `rows[k]` at columns `column[k, :]`; rows may repeat.
-
-    `setValuesCOO` with values in the same order fills it anew.
-    """
-    first = layout.comm.exscan(layout.rows) or 0
-    row = np.repeat(first + rows, column.shape[1]).astype(PETSc.IntType)
-    matrix = PETSc.Mat().createAIJ(size=((layout.rows, None), columns), comm=layout.comm)
-    matrix.setPreallocationCOO(row, column.ravel().astype(PETSc.IntType))
-    matrix.setValuesCOO(value.ravel())
-    return matrix

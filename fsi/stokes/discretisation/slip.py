@@ -30,8 +30,9 @@ from dolfinx import fem
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
-from fsi.stokes.discretisation.constraints import NO_COLUMN, DofLayout, Index
+from fsi.stokes.discretisation.constraints import DofLayout
 from fsi.stokes.discretisation.forms import EQUISPACED, Forms
+from fsi.stokes.discretisation.nodal_matrix import NO_COLUMN, Index
 from fsi.stokes.discretisation.nodes import BoundaryNodes, facets_with
 from fsi.stokes.discretisation.shared_rows import SharedRows
 from fsi.stokes.problem import StokesProblem

@@ -20,9 +20,10 @@ from petsc4py import PETSc
 
 from fsi.bodies.configuration import Array
 from fsi.stokes.discretisation.cells import StokesCells
-from fsi.stokes.discretisation.constraints import NO_COLUMN, Index, Prolongation
+from fsi.stokes.discretisation.constraints import Prolongation
 from fsi.stokes.discretisation.groups import Groups
 from fsi.stokes.discretisation.loops import Numbers, loops, pointer
+from fsi.stokes.discretisation.nodal_matrix import NO_COLUMN, Index
 from fsi.stokes.discretisation.shared_rows import shared_columns
 from fsi.stokes.solvers.mumps import Solve
 

@@ -22,6 +22,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import scipy  # its modules load when they are used
@@ -217,14 +218,16 @@ def factorised(system: StokesSystem) -> Iterator[Responses]:
     unknown = system.unknown_modes
     added = Added(mode_equations(system)[0], system.facets, law_equations(system)[0])
     elimination = system.workspace.elimination(system.layout, system.rigid, unknown, added)
+    narrow = _is_narrow(system.problem)
+    precision = np.longdouble if narrow else np.float64
     if system.mass is None:
         factors = elimination.factors()
-        factors.extended = _is_narrow(system.problem)
-        yield lambda systems: _respond(systems, elimination, factors)
+        factors.extended = narrow
+        yield lambda systems: _respond(systems, elimination, factors, precision)
         return
     try:
         with parallel.together(), _iteration(system, system.mass, elimination) as iteration:
-            yield lambda systems: _respond(systems, elimination, iteration)
+            yield lambda systems: _respond(systems, elimination, iteration, precision)
     finally:
         system.workspace.forget_elimination()
 
@@ -259,15 +262,17 @@ def _iteration(system: StokesSystem, mass: PETSc.Mat, elimination: Elimination) 
 
 
 def _respond(
-    systems: Sequence[StokesSystem], elimination: Elimination, solver: Factorisation | Iteration
+    systems: Sequence[StokesSystem],
+    elimination: Elimination,
+    solver: Factorisation | Iteration,
+    precision: type[np.floating[Any]],
 ) -> Iterator[NodalSolution]:
-    """The solutions of systems that have the same matrix."""
+    """The solutions of systems that have the same matrix; precision: of the loads."""
     system = systems[0]
     free, unknown, modes_here = ~system.problem.motion.held, system.unknown_modes, system.modes_here
     M, first_mode = elimination.constrained, elimination.first_mode
     g = [each.g + body_velocity(each, each.problem.motion.U) for each in systems]
     # M is symmetric.
-    precision = np.longdouble if _is_narrow(system.problem) else np.float64
     offsets = zip(systems, g, strict=True)
     loads = np.column_stack([each.b - M.transpose_times(g.astype(precision)) for each, g in offsets])
     if system.facets is not None:  # the friction where g is not the velocity of a wall, at its corners

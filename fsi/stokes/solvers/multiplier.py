@@ -16,7 +16,8 @@ import numpy as np
 from petsc4py import PETSc
 
 from fsi.bodies.configuration import Array
-from fsi.stokes.discretisation.constraints import Index, Prolongation
+from fsi.stokes.discretisation.constraints import Prolongation
+from fsi.stokes.discretisation.nodal_matrix import Index
 from fsi.stokes.solvers import elimination
 from fsi.stokes.solvers.assembly import CellSum
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem
