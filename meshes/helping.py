@@ -54,6 +54,6 @@ def _done[T, R](function: Callable[[T], R], given: Sequence[T]) -> tuple[list[R]
     results: list[R] = []
     try:
         results += map(function, given)
-    except Exception as error:  # noqa: BLE001  (rank 0 raises it)
+    except Exception as error:  # rank 0 raises it
         return results, error
     return results, None

@@ -26,6 +26,8 @@ from fsi.lubrication.laws import Array, Term
 FREE = 3  # of the terms, the first ones, have no prior
 NATURAL = 10.0  # size of the others over c_1: of tips c_2 and c_3 come to eight times that
 LEAST, MOST, PIECES = 0.05, 2.5, 99  # where m is looked for
+# Of the first sample: with c_1 = 0 three times m would do as well, as what follows has a third of it.
+LEADS = 0.01
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,10 +85,11 @@ def fit_exponent(s: Array, K: Array, bars: Array, series: FreeSeries = PLANAR) -
 
 
 def _best(series: FreeSeries, s: Array, K: Array, bars: Array) -> tuple[float, float]:
-    """The m of the smallest misfit, and that."""
+    """The m of the smallest misfit whose first term leads, and that."""
 
     def misfit(m: float) -> float:
-        return regression(design(series.terms(m), s), K, bars, series.widths(m, s, K))[2]
+        c, _, found = regression(design(series.terms(m), s), K, bars, series.widths(m, s, K))
+        return found if c[0] * s[0] ** -m >= LEADS * K[0] else np.inf
 
     tried = np.linspace(LEAST, MOST, PIECES)
     k = int(np.argmin([misfit(m) for m in tried.tolist()]))

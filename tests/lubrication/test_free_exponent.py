@@ -31,8 +31,17 @@ def test_the_exponent_of_a_series_is_found_within_its_interval(
     fit = fit_exponent(S, K * (1.0 + noise), 1e-6 * K)
     assert abs(fit.exponent + m) < 4.0 * fit.exponent_error
     assert abs(fit.coefficients[0] - 1.0) < 4.0 / CONFIDENCE * fit.intervals[0]
-    # Samples of 1e-6 over four decades give it to 1e-7 alone; terms that are close by, to 4e-5 at m = 0.4.
-    assert fit.exponent_error < 1e-4
+    # Samples of 1e-6 over four decades give it to 1e-7 alone; terms that are close by, to 4e-5 at m = 0.4. Where
+    # by chance the widest gaps do not agree (one time of twenty) and are left out, to a few times that.
+    assert fit.exponent_error < (1e-4 if fit.used.all() else 1e-3)
+
+
+@pytest.mark.parametrize("m", [0.5, 0.717, 0.742, 0.767])
+def test_a_term_that_follows_is_not_taken_for_the_first(m: float) -> None:
+    """Of s^-m alone three times m would do as well, with c_1 = 0, and was found for m of 0.7 to 0.8."""
+    noise = 1e-6 * np.random.default_rng(0).standard_normal(len(S))
+    fit = fit_exponent(S, S**-m * (1.0 + noise), 1e-6 * S**-m)
+    assert fit.exponent == pytest.approx(-m, abs=1e-4)
 
 
 def test_a_disc_beside_a_plane_has_its_own_exponent() -> None:
