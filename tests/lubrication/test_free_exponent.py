@@ -31,8 +31,8 @@ def test_the_exponent_of_a_series_is_found_within_its_interval(
     fit = fit_exponent(S, K * (1.0 + noise), 1e-6 * K)
     assert abs(fit.exponent + m) < 4.0 * fit.exponent_error
     assert abs(fit.coefficients[0] - 1.0) < 4.0 / CONFIDENCE * fit.intervals[0]
-    # Samples of 1e-6 over four decades give it to 1e-7 alone; terms that are close by, to 4e-5 at m = 0.4. Where
-    # by chance the widest gaps do not agree (one time of twenty) and are left out, to a few times that.
+    # Samples of 1e-6 over four decades give it to 1e-7 alone; terms that are close by, to 4e-5 at m = 0.4.
+    # Where by chance the widest gaps do not agree (one time of twenty) and are left out, to a few times that.
     assert fit.exponent_error < (1e-4 if fit.used.all() else 1e-3)
 
 
