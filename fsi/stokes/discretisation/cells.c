@@ -304,30 +304,44 @@ TIMES(times_cells_extended, long double)
 TIMES_KEPT(times_kept, double)
 TIMES_KEPT(times_kept_extended, long double)
 
-/* The loads of inner unknowns go to the outer ones. */
-void reduce_loads(int cells, int n, int inner, const int32_t *rows, const double *factors, double *restrict b)
+/* The loads of the inner ones of these unknowns go to the outer ones; rows: of L and D. */
+INLINE void give_loads(int n, int outer, const int32_t *own, const double *rows, double *restrict b)
 {
-  for (int cell = 0; cell < cells; cell++) {
-    const int32_t *row = rows + (int64_t)cell * n;
-    const double *L = factors + (int64_t)cell * inner * n - (int64_t)(n - inner) * n;
-    for (int k = n - 1; k >= n - inner; k--)
-      for (int i = 0; i < k; i++)
-        b[row[i]] -= L[k * n + i] / L[k * n + k] * b[row[k]];
+  double load[n];
+  for (int i = 0; i < n; i++)
+    load[i] = b[own[i]];
+  for (int k = n - 1; k >= outer; k--) {
+    const double *row = rows + (int64_t)(k - outer) * n, of_pivot = load[k] / row[k];
+    for (int i = 0; i < k; i++)
+      load[i] -= row[i] * of_pivot;
+  }
+  for (int i = 0; i < n; i++)
+    b[own[i]] = load[i];
+}
+
+/* The inner ones from the outer ones, for loads that have been given. */
+INLINE void find_inner(int n, int outer, const int32_t *own, const double *rows, const double *b, double *restrict x)
+{
+  double value[n];
+  for (int i = 0; i < outer; i++)
+    value[i] = x[own[i]];
+  for (int k = outer; k < n; k++) {
+    const double *row = rows + (int64_t)(k - outer) * n;
+    double left = b[own[k]];
+    for (int i = 0; i < k; i++)
+      left -= row[i] * value[i];
+    x[own[k]] = value[k] = left / row[k];
   }
 }
 
-/* Inner unknowns from the outer ones, for loads that have been reduced. */
-void recover(int cells, int n, int inner, const int32_t *rows, const double *factors, const double *b,
-             double *restrict x)
+void reduce_loads(int cells, int n, int inner, const int32_t *rows, const double *factors, double *b)
 {
-  for (int cell = 0; cell < cells; cell++) {
-    const int32_t *row = rows + (int64_t)cell * n;
-    const double *L = factors + (int64_t)cell * inner * n - (int64_t)(n - inner) * n;
-    for (int k = n - inner; k < n; k++) {
-      double left = b[row[k]];
-      for (int i = 0; i < k; i++)
-        left -= L[k * n + i] * x[row[i]];
-      x[row[k]] = left / L[k * n + k];
-    }
-  }
+  for (int64_t cell = 0; cell < cells; cell++)
+    give_loads(n, n - inner, rows + cell * n, factors + cell * inner * n, b);
+}
+
+void recover(int cells, int n, int inner, const int32_t *rows, const double *factors, const double *b, double *x)
+{
+  for (int64_t cell = 0; cell < cells; cell++)
+    find_inner(n, n - inner, rows + cell * n, factors + cell * inner * n, b, x);
 }

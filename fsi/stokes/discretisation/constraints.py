@@ -23,8 +23,9 @@ from petsc4py import PETSc
 from fsi.bodies.configuration import MODES, Array, Configuration, rigid_motion
 from fsi.meshes.build import FluidMesh, columns_of_masters
 from fsi.meshes.geometry.lattice import Lattice
-from fsi.stokes.discretisation.nodal_matrix import NO_COLUMN, Index, NodalMatrix
+from fsi.stokes.discretisation.nodal_matrix import NO_COLUMN, NodalMatrix
 from fsi.stokes.discretisation.nodes import BoundaryNodes
+from fsi.stokes.discretisation.shared_rows import Index
 
 # For each component of the velocity the modes that give it: its translation, rotations about the other axes.
 ACTING = {2: ((0, 2), (1, 2)), 3: ((0, 4, 5), (1, 5, 3), (2, 3, 4))}

@@ -356,42 +356,21 @@ void add_cells(const Cells *c, const Sum *s, const Groups *g, double *room, doub
   }
 }
 
-/* The loads of the inner unknowns of merges go to the outer ones, those of parts first. */
-void reduce_groups(const Groups *g, const double *factors, double *restrict b)
+INLINE int size_of(const Groups *g, int merge)
 {
-  for (int merge = 0; merge < g->merges; merge++) {
-    const int n = g->start[merge + 1] - g->start[merge], outer = g->outer[merge];
-    const int32_t *own = g->list + g->start[merge];
-    const double *rows = factors + g->factors[merge];
-    double load[n];
-    for (int i = 0; i < n; i++)
-      load[i] = b[own[i]];
-    for (int k = n - 1; k >= outer; k--) {
-      const double *row = rows + (int64_t)(k - outer) * n, of_pivot = load[k] / row[k];
-      for (int i = 0; i < k; i++)
-        load[i] -= row[i] * of_pivot;
-    }
-    for (int i = 0; i < n; i++)
-      b[own[i]] = load[i];
-  }
+  return g->start[merge + 1] - g->start[merge];
 }
 
-/* Their values from those of the outer ones, for loads that have been reduced. */
-void recover_groups(const Groups *g, const double *factors, const double *b, double *restrict x)
+/* Those of parts first. */
+void reduce_groups(const Groups *g, const double *factors, double *b)
 {
-  for (int merge = g->merges - 1; merge >= 0; merge--) {
-    const int n = g->start[merge + 1] - g->start[merge], outer = g->outer[merge];
-    const int32_t *own = g->list + g->start[merge];
-    const double *rows = factors + g->factors[merge];
-    double value[n];
-    for (int i = 0; i < outer; i++)
-      value[i] = x[own[i]];
-    for (int k = outer; k < n; k++) {
-      const double *row = rows + (int64_t)(k - outer) * n;
-      double left = b[own[k]];
-      for (int i = 0; i < k; i++)
-        left -= row[i] * value[i];
-      x[own[k]] = value[k] = left / row[k];
-    }
-  }
+  for (int m = 0; m < g->merges; m++)
+    give_loads(size_of(g, m), g->outer[m], g->list + g->start[m], factors + g->factors[m], b);
+}
+
+/* Those of parts last. */
+void recover_groups(const Groups *g, const double *factors, const double *b, double *x)
+{
+  for (int m = g->merges - 1; m >= 0; m--)
+    find_inner(size_of(g, m), g->outer[m], g->list + g->start[m], factors + g->factors[m], b, x);
 }

@@ -2,12 +2,11 @@
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fsi.bodies.configuration import Array
+from fsi.stokes.discretisation.shared_rows import Index
 
-Index = NDArray[np.int64]
 NO_COLUMN = -1
 
 

@@ -32,9 +32,9 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array
 from fsi.stokes.discretisation.constraints import DofLayout
 from fsi.stokes.discretisation.forms import EQUISPACED, Forms
-from fsi.stokes.discretisation.nodal_matrix import NO_COLUMN, Index
+from fsi.stokes.discretisation.nodal_matrix import NO_COLUMN
 from fsi.stokes.discretisation.nodes import BoundaryNodes, facets_with
-from fsi.stokes.discretisation.shared_rows import SharedRows
+from fsi.stokes.discretisation.shared_rows import Index, SharedRows
 from fsi.stokes.problem import StokesProblem
 
 FACET = {2: basix.CellType.interval, 3: basix.CellType.triangle}

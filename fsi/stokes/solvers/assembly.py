@@ -23,8 +23,8 @@ from fsi.stokes.discretisation.cells import StokesCells
 from fsi.stokes.discretisation.constraints import Prolongation
 from fsi.stokes.discretisation.groups import Groups
 from fsi.stokes.discretisation.loops import Numbers, loops, pointer
-from fsi.stokes.discretisation.nodal_matrix import NO_COLUMN, Index
-from fsi.stokes.discretisation.shared_rows import shared_columns
+from fsi.stokes.discretisation.nodal_matrix import NO_COLUMN
+from fsi.stokes.discretisation.shared_rows import Index, shared_columns
 from fsi.stokes.solvers.mumps import Solve
 
 # Unknowns of a cell beyond its outer rows: each of four vertices may bring six modes in place of three rows,

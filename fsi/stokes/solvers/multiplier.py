@@ -17,7 +17,7 @@ from petsc4py import PETSc
 
 from fsi.bodies.configuration import Array
 from fsi.stokes.discretisation.constraints import Prolongation
-from fsi.stokes.discretisation.nodal_matrix import Index
+from fsi.stokes.discretisation.shared_rows import Index
 from fsi.stokes.solvers import elimination
 from fsi.stokes.solvers.assembly import CellSum
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem
