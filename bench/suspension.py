@@ -21,6 +21,7 @@ from rich.table import Table
 
 sys.path.insert(0, str(Path(__file__).parents[1]))  # of a checkout that runs bench/suspension.py
 
+import fsi.parallel as parallel
 from bench.scaling import JSON_HELP, Scaling
 from bench.step import PHASES, forget_peak, peak_memory
 from fsi.bodies.configuration import Array, Configuration, Motion
@@ -49,6 +50,7 @@ WARM, REPEATS = 2, 5
 START = {(50, False): 0.332, (50, True): 0.145, (200, False): 1.449, (200, True): 0.519}
 EXAMPLE = """example:
   OMP_NUM_THREADS=1 python bench/suspension.py 50 200
+  OMP_NUM_THREADS=1 mpiexec -n 2 python bench/suspension.py 200     (of rank 0, which waits with the CPU)
 
 columns: mesh (gmsh, or the move), setup (spaces, constraints), assemble (rigid modes), solve (P^T M P and its
 factors), checks (identities, stresses), and their sum; CPU seconds of the cheapest of some warm steps, so
@@ -183,8 +185,9 @@ def main() -> None:
                 f"{seconds:.2f}", of_old, f"{peak_memory():.0f}",
             )  # fmt: skip
             scaling.add("mesh moved" if moved else "new mesh", n, seconds)
-    Console(width=130).print(table)
-    scaling.write(output)
+    if parallel.is_root():
+        Console(width=130).print(table)
+        scaling.write(output)
 
 
 if __name__ == "__main__":
