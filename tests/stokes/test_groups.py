@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import fsi.meshes.backend  # noqa: F401
 
@@ -16,7 +17,8 @@ from fsi.bodies.configuration import Array, Configuration
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.containers import Box, HalfPlane
 from fsi.meshes.planar.sizing import Resolution
-from fsi.stokes.discretisation.groups import LEVELS, Groups
+from fsi.stokes.discretisation.groups import Groups
+from fsi.stokes.discretisation.loops import loops
 from fsi.stokes.problem import SolverOptions
 from fsi.stokes.resistance import held_at_rest
 from fsi.stokes.solve import Clock, assembled
@@ -35,8 +37,14 @@ FLOWS = {
 
 @pytest.fixture(autouse=True)
 def of_few_cells(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Merge the cells of these small meshes as often as those of large ones."""
-    monkeypatch.setattr(module, "FEWEST", 16)
+    """Merge the cells of these small meshes as those of large ones: at first all of them."""
+    monkeypatch.setattr(module, "FEWEST", 64)
+
+
+def of_merges(groups: Groups, name: str, kind: type, size: int) -> NDArray[Any]:
+    """A copy of the first numbers of a list of `Groups` in merging.h."""
+    held = loops().ffi.buffer(getattr(groups.structure, name), size * np.dtype(kind).itemsize)
+    return np.frombuffer(held, dtype=kind).copy()
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,12 +68,13 @@ def eliminated(container: Container, q: Configuration, degree: int) -> Eliminate
         groups = elimination._sum._groups
         free = system.layout.free
         pressure = np.flatnonzero(free) >= system.layout.velocities
-        arrays, merges = groups._arrays, groups.structure.merges
-        lists, pivots, outer = [], [], arrays["outer"][:merges].tolist()
-        for k in range(merges):
-            own = arrays["list"][arrays["start"][k] : arrays["start"][k + 1]].copy()
-            rows = groups.factors[arrays["factors"][k] : arrays["factors"][k + 1]].reshape(-1, len(own))
-            lists.append(own)
+        merges = groups.structure.merges
+        start = of_merges(groups, "start", np.int32, merges + 1)
+        lists = np.split(of_merges(groups, "list", np.int32, start[-1]), start[1:-1])
+        outer, pivots = of_merges(groups, "outer", np.int32, merges).tolist(), []
+        begin = of_merges(groups, "factors", np.int64, merges + 1)
+        for k, own in enumerate(lists):
+            rows = groups.factors[begin[k] : begin[k + 1]].reshape(-1, len(own))
             pivots.append(rows[np.arange(len(rows)), outer[k] + np.arange(len(rows))].copy())
         return Eliminated(groups, lists, outer, pivots, pressure)
 
@@ -88,20 +97,28 @@ def test_each_unknown_is_eliminated_once_or_left() -> None:
     left = np.unique(found.groups.list)
     assert_array_equal(np.sort(np.concatenate([inner, left])), np.arange(len(found.groups.left)))
     assert_array_equal(np.flatnonzero(found.groups.left), left)
-    # Pairs of pairs have 2^LEVELS cells at most, some find no partner, and fewer than 16 are not merged.
-    cells, groups = found.groups._arrays["ends"].size, len(found.groups.start) - 1
-    assert cells / 2**LEVELS <= groups < 16
+    assert len(found.groups.start) - 1 == 2
 
 
-def test_what_must_stay_is_left() -> None:
+def test_groups_leave_no_more_than_the_widest(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "FEWEST", 10_000)
+    monkeypatch.setattr(module, "WIDEST", 60)
+    found = eliminated(*FLOWS["channel"], 4)
+    assert 2 < len(found.groups.start) - 1 < 64
+    assert 50 < max(found.outer) <= 60
+
+
+def test_what_must_stay_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of cells in a ring, each with an unknown of its own and one on each side, the marked ones stay."""
+    for name, value in (("LEVELS", 1), ("FEWEST", 2), ("WIDEST", 0)):
+        monkeypatch.setattr(module, name, value)
     # Unknowns 0 ... 15 are those of cells, 16 + k lies between cell k and the next.
     cells = 16
     lists = np.array([[k, 16 + k, 16 + (k - 1) % cells] for k in range(cells)], dtype=np.int32)
     start = np.arange(0, 3 * cells + 1, 3, dtype=np.int32)
     stays, pressure = np.zeros((2, 2 * cells), dtype=bool)
     stays[[3, 20]] = True
-    groups = Groups((start, lists.ravel()), 3, stays, pressure, 1)
+    groups = Groups((start, lists.ravel()), 3, stays, pressure, merged=True)
     assert groups.left[[3, 20]].all()
     # Cells merge across a side that does not stay, and have that and two more alone, of which number 3 stays.
     merges = cells - (len(groups.start) - 1)

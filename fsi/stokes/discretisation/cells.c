@@ -177,11 +177,12 @@ INLINE void matrix_of_cell(const Cells *c, int cell, int stride, double *restric
       E[c->place[d * n + k] * stride + c->place[d * n + l]] = 0.0;
 }
 
-/* F_ij -= sum over k of L_ki P_kj for i < n and j <= i, for `count` rows; what is written beyond j = i is of no use. */
-INLINE void subtract(int count, int n, int stride, const double *L, const double *P, double *restrict F)
+/* F_ij -= sum over k of L_ki P_kj for `count` rows k, of rows i from one to before another and j <= i; what is written
+   beyond j = i is of no use. */
+INLINE void subtract(int count, int from, int to, int stride, const double *L, const double *P, double *restrict F)
 {
-  int i = 0;
-  for (; i + TILE <= n; i += TILE)
+  int i = from;
+  for (; i + TILE <= to; i += TILE)
     for (int j = 0; j < i + TILE; j += WIDE) {
       Columns sum[TILE][2];
       for (int r = 0; r < TILE; r++)
@@ -195,28 +196,35 @@ INLINE void subtract(int count, int n, int stride, const double *L, const double
         for (int h = 0; h < 2; h++)
           *(Columns *)(F + (i + r) * stride + j + h * TILE) = sum[r][h];
     }
-  for (; i < n; i++)
+  for (; i < to; i++)
     for (int k = 0; k < count; k++)
       for (int j = 0; j <= i; j++)
         F[i * stride + j] -= L[k * stride + i] * P[k * stride + j];
 }
 
-/* F = L D L^T, its lower triangle, from its last row up to the first inner one; L: room for the rows from there. */
+/* F = L D L^T, its lower triangle, from its last row up to the first inner one, BLOCK rows at a time; L: room for the
+   rows from there. */
 INLINE void eliminate(int n, int outer, int stride, double *restrict F, double *restrict L)
 {
-  for (int k = n - 1; k >= outer; k--) {
-    const double *restrict pivot = F + k * stride;
-    double *restrict scaled = L + (k - outer) * stride;
-    const double reciprocal = 1.0 / pivot[k];
-    for (int i = 0; i < k; i++)
-      scaled[i] = pivot[i] * reciprocal;
-    for (int i = outer; i < k; i++) {
-      double *restrict row = F + i * stride;
-      for (int j = 0; j <= i; j++)
-        row[j] -= scaled[i] * pivot[j];
+  enum { BLOCK = 16 };
+  for (int end = n, begin; end > outer; end = begin) {
+    const int over = (end - outer) % BLOCK;
+    begin = end - (over ? over : BLOCK);
+    for (int k = end - 1; k >= begin; k--) {
+      const double *restrict pivot = F + k * stride;
+      double *restrict scaled = L + (k - outer) * stride;
+      const double reciprocal = 1.0 / pivot[k];
+      for (int i = 0; i < k; i++)
+        scaled[i] = pivot[i] * reciprocal;
+      for (int i = begin; i < k; i++) {
+        double *restrict row = F + i * stride;
+        for (int j = 0; j <= i; j++)
+          row[j] -= scaled[i] * pivot[j];
+      }
     }
+    subtract(end - begin, outer, begin, stride, L + (begin - outer) * stride, F + begin * stride, F);
   }
-  subtract(n - outer, outer, stride, L, F + outer * stride, F);
+  subtract(n - outer, 0, outer, stride, L, F + outer * stride, F);
 }
 
 /* What is left of the outer rows of a cell's matrix stands there, and in the inner ones its factors. */
@@ -334,12 +342,14 @@ INLINE void find_inner(int n, int outer, const int32_t *own, const double *rows,
   }
 }
 
+FOR_THIS_MACHINE
 void reduce_loads(int cells, int n, int inner, const int32_t *rows, const double *factors, double *b)
 {
   for (int64_t cell = 0; cell < cells; cell++)
     give_loads(n, n - inner, rows + cell * n, factors + cell * inner * n, b);
 }
 
+FOR_THIS_MACHINE
 void recover(int cells, int n, int inner, const int32_t *rows, const double *factors, const double *b, double *x)
 {
   for (int64_t cell = 0; cell < cells; cell++)

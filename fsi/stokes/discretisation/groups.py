@@ -1,13 +1,17 @@
 """Elimination of the unknowns that stand in groups of cells alone, before MUMPS sees the matrix.
 
-Cells that have a side in common are put together in pairs, these again in pairs, and so on: 32 cells in five
-levels. As the unknowns of a group are ordered as outer ones, which others have too, and inner ones,
+Cells that have a side in common are put together in pairs, some of these again in pairs, and so on up to
+WIDEST unknowns. As the unknowns of a group are ordered as outer ones, which others have too, and inner ones,
 
     [ S_oo  S_oi ] = sum of what its two parts leave,      S = S_oo - S_oi S_ii^-1 S_io
     [ S_io  S_ii ]
 
 is what it leaves in turn: nested dissection (George 1973, SIAM J. Numer. Anal. 10:345) from its leaves up,
 of which MUMPS does the rest. Small dense matrices cost these loops a third of the time of its fronts.
+
+First each part chooses the one beside it with which it shares most. Fewer parts than FEWEST are put together
+one pair after the other, of all pairs that which grows least: what it leaves less the mean of what both had.
+That takes as many operations as MUMPS's approximate minimum fill, or less. At least two groups remain.
 
 No pivoting is needed. Velocities are eliminated first, whose block is positive definite. What is left of the
 inner pressures p is regular: p vanishes on the sides to other groups, and if it met no inner velocity, then
@@ -29,12 +33,8 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array
 from fsi.stokes.discretisation.loops import Numbers, loops, pointer
 
-# Levels of pairs: with five or six a step of 200 discs costs least, and that of one disc hardly more.
-LEVELS = 5
-# Fewer parts are not merged: MUMPS finds a better order for what they leave, by so much that two discs would
-# take a sixth longer.
-FEWEST = 128
-WIDE = 8  # entries of a row that the loops take at once
+LEVELS, FEWEST = 3, 512  # all parts choose so often, as long as there are so many of them
+WIDEST = 400  # unknowns that a group leaves at most: MUMPS is as fast with more
 
 
 class Groups:
@@ -54,14 +54,14 @@ class Groups:
         rows: int,
         stays: NDArray[np.bool_],
         pressure: NDArray[np.bool_],
-        levels: int,
+        *,
+        merged: bool,
     ) -> None:
         """Merge cells.
 
         cells: start and list of theirs, as above. rows: of the matrix of a cell. stays: unknowns that must be
-        left. pressure: those that are pressures. levels: 0 leaves the cells alone.
+        left. pressure: those that are pressures. merged: or else the cells are left alone.
         """
-        count, most = len(cells[0]) - 1, levels * int(cells[0][-1])
         lib, ffi = loops().lib, loops().ffi
         given: dict[str, NDArray[Any]] = {
             "start": cells[0],
@@ -70,38 +70,21 @@ class Groups:
             "pressure": pressure.view(np.int8),
         }
         held = {name: pointer(array) for name, array in given.items()}
-        lists = ffi.new("CellLists *", {"cells": count, "unknowns": len(stays)} | held)
-        of_merges = {name: np.empty(count + 1, dtype=np.int32) for name in ("start", "outer", "begin")}
-        self._arrays: dict[str, NDArray[Any]] = of_merges | {
-            "list": np.empty(most, dtype=np.int32), "slots": np.empty(most, dtype=np.int16),
-            "factors": np.empty(count + 1, dtype=np.int64),
-            "ends": np.empty(count, dtype=np.int32), "steps": np.empty(2 * count, dtype=np.int32),
-        }  # fmt: skip
-        self._pointers = {name: pointer(array) for name, array in self._arrays.items()}
-        self.structure = ffi.new("Groups *", self._pointers)
-        if lib.merge_cells(lists, levels, FEWEST, self.structure):
+        sizes = {"cells": len(cells[0]) - 1, "unknowns": len(stays), "rows": rows}
+        lists = ffi.new("CellLists *", sizes | held)
+        self.structure = ffi.gc(ffi.new("Groups *"), lib.free_groups)
+        limits = {"levels": LEVELS, "fewest": FEWEST, "widest": WIDEST} if merged else {}
+        wanted = ffi.new("Wanted *", limits)
+        if lib.merge_cells(lists, wanted, self.structure):
             raise MemoryError
-        self._merges, groups = self.structure.merges, self.structure.groups
-        self.start: Numbers = np.empty(groups + 1, dtype=np.int32)
+        self.start: Numbers = np.empty(self.structure.groups + 1, dtype=np.int32)
         self.list: Numbers = np.empty(cells[0][-1], dtype=np.int32)
-        lib.list_groups(lists, self.structure, pointer(self.start), pointer(self.list))
+        self.left = np.ones(len(stays), dtype=bool)
+        listed: tuple[NDArray[Any], ...] = (self.start, self.list, self.left.view(np.int8))
+        lib.list_groups(lists, self.structure, *map(pointer, listed))
         self.list = self.list[: self.start[-1]].copy()
-        self.left = self._left(len(stays))
-        self.factors: Array = np.empty(self._arrays["factors"][self._merges])
-        # A part of each level may wait; there are the last cell with what it was, and a merge with its rows.
-        sizes = np.concatenate([np.diff(start) for start in (cells[0], self._of_merges("start", 1))])
-        widest = -(-max(int(sizes.max(initial=1)), rows) // WIDE) * WIDE
-        self.room: Array = np.empty((levels + 5) * widest**2)
-
-    def _of_merges(self, name: str, more: int = 0) -> NDArray[Any]:
-        return self._arrays[name][: self._merges + more]
-
-    def _left(self, unknowns: int) -> NDArray[np.bool_]:
-        start, left = self._of_merges("start", 1), np.ones(unknowns, dtype=bool)
-        place = np.arange(start[-1]) - np.repeat(start[:-1], np.diff(start))
-        inner = place >= np.repeat(self._of_merges("outer"), np.diff(start))
-        left[self._arrays["list"][: start[-1]][inner]] = False
-        return left
+        self.factors: Array = np.empty(self.structure.factors[self.structure.merges])
+        self.room: Array = np.empty(lib.room_of_groups(lists, self.structure))
 
     def reduce(self, b: Array) -> None:
         """Give the loads b of all unknowns that are not left to those that are, in place."""

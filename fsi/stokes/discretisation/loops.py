@@ -15,7 +15,7 @@ type Numbers = NDArray[np.int32]
 @cache
 def loops() -> Any:
     """The loops in machine code, with `ffi` and `lib`; collective."""
-    sources = [Path(__file__).with_name(name) for name in ("cells", "pattern", "groups")]
+    sources = [Path(__file__).with_name(name) for name in ("cells", "pattern", "merging", "groups")]
     return compile_c("fsi_cells", sources)
 
 

@@ -76,15 +76,15 @@ class CellSum:
         constrained: the other rows.
     """
 
-    def __init__(self, cells: StokesCells, P: Prolongation, levels: int = 0) -> None:
-        """Find the pattern, and fill it; collective. levels: of groups of cells (see `groups`)."""
+    def __init__(self, cells: StokesCells, P: Prolongation, *, grouped: bool = False) -> None:
+        """Find the pattern, and fill it; collective. grouped: see `groups`."""
         self._cells, self._P = cells, P
         self.constrained = ConstrainedRows(cells, P.constrained)
         columns = cells.shared.with_ghosts(P.columns)
         self._numbered(columns)
         self._listed()
-        self._grouped(levels)
-        self._patterned(coupled=cells.inner > 0 or levels > 0)
+        self._grouped(merged=grouped)
+        self._patterned(coupled=cells.inner > 0 or grouped)
         self._values = np.zeros(len(self._indices))
         self.matrix = self._created()
         self.fill()
@@ -118,7 +118,7 @@ class CellSum:
         self._most = loops().lib.list_unknowns(*sizes, *map(pointer, arrays))
         self._list = self._list[: self._start[-1]].copy()
 
-    def _grouped(self, levels: int) -> None:
+    def _grouped(self, *, merged: bool) -> None:
         """What groups of cells leave, which gets numbers of its own; modes and what ranks share is left."""
         of_pressure = self._columns[self._cells.shared.pressures :, 0]
         pressure, stays = np.zeros((2, len(self._unknowns)), dtype=bool)
@@ -126,7 +126,7 @@ class CellSum:
         stays[self._met(self._P.modes)] = True
         stays[self._shared.ghosts] = stays[self._shared.own[self._shared.lent]] = True
         rows = self._cells.rows.shape[1]
-        self._groups = Groups((self._start, self._list), rows, stays, pressure, levels)
+        self._groups = Groups((self._start, self._list), rows, stays, pressure, merged=merged)
         left = self._groups.left
         self._pressure = pressure[left].astype(np.int8)
         self.left = left[self._shared.own]

@@ -19,7 +19,6 @@ from petsc4py import PETSc
 from fsi.bodies.configuration import Array
 from fsi.stokes.discretisation.cells import StokesCells
 from fsi.stokes.discretisation.constraints import DofLayout, Prolongation, RigidModes
-from fsi.stokes.discretisation.groups import LEVELS
 from fsi.stokes.discretisation.slip import SlidingFacets
 from fsi.stokes.solvers.assembly import CellSum
 from fsi.stokes.solvers.extended import ExtendedMatrix, multiply, multiply_transpose
@@ -64,7 +63,7 @@ class Elimination:
         self.layout, self.unknown, self._cells = layout, unknown, cells
         self._prolongation = Prolongation(layout, rigid, unknown)
         grouped = cells.condensed and layout.dimension == 2 and not layout.sliding
-        self._sum: CellSum | None = CellSum(cells, self._prolongation, LEVELS if grouped else 0)
+        self._sum: CellSum | None = CellSum(cells, self._prolongation, grouped=grouped)
         self._P, self.reduced, self.left = self._prolongation.matrix, self._sum.matrix, self._sum.left
         self.constrained = self._sum.constrained
         self.first_mode = self._prolongation.here - self._modes_here
