@@ -1,4 +1,4 @@
-"""Gaps down to 1e-8 radii: forces against closed forms, with few cells more than wide ones (`bench/gaps.py`)."""
+"""Gaps down to 1e-8 radii: forces against closed forms, and with how many unknowns; see `bench/gaps.py`."""
 
 import numpy as np
 import pytest
