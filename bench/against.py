@@ -2,11 +2,15 @@
 
     git worktree add /tmp/before COMMIT
     python bench/against.py /tmp/before
+    python bench/against.py /tmp/before --discs 200
+    python bench/against.py . --ranks 2 --discs 200
 
-Each of the two solves the same case files in a process of its own, warm, mesh included. They are asked for
-one solve each in turn, so that other work on the machine slows down both, and their CPU seconds are compared:
-those of the cheapest solve, and the quartiles of the ratio of the two of each turn. The bench ends with exit
-code 1 where a median is above `--most`.
+Each of the two solves the same case files in a process of its own, warm, mesh included; with `--discs` one
+step of so many sheared discs (see `bench/suspension.py`), on a new mesh and on a moved one. They are asked
+for one solve each in turn, so that other work on the machine slows down both, and their CPU seconds are compared:
+those of the cheapest solve, and the quartiles of the ratio of the two of each turn. With `--ranks` this
+checkout solves on several ranks; seconds are those of the first, which does not sleep while it waits. The
+bench ends with exit code 1 where a median is above `--most`.
 """
 
 from __future__ import annotations
@@ -25,42 +29,71 @@ from rich.table import Table
 
 ROOT = Path(__file__).parents[1]
 CASES = ["disc_beside_plane", "two_discs", "disc_in_box", "couette_N10", "sheared_cell"]
-# Read by both: for each path in the input one solve, and its CPU seconds in the output.
+# Read by both: for each line of the input one solve, and its CPU seconds in the output. A line is the path of
+# a case file, or a number of discs and "new" or "moved".
 SERVE = """
 import sys, time, fsi
 from pathlib import Path
+import fsi.meshes.backend
+from mpi4py import MPI
+from bench.suspension import moved_steps, new_steps, suspension
 from fsi.case.load import load_case
 from fsi.stokes.model import StokesModel
 
 assert Path(fsi.__file__).is_relative_to(sys.argv[1]), f"{fsi.__file__} is not of {sys.argv[1]}"
 models = {}
-for path in map(str.strip, sys.stdin):
+
+def of_discs(n, mesh):
+    (solution,) = (moved_steps if mesh == "moved" else new_steps)(suspension(int(n)), 1)
+    return sum(solution.seconds.values())
+
+def of_case(path):
     if path not in models:
         case = load_case(Path(path), [])
         models[path] = StokesModel(case), case.configuration()
     model, q = models[path]
     start = time.process_time()
     model(q, 0.0)
-    print(time.process_time() - start, flush=True)
+    return time.process_time() - start
+
+comm = MPI.COMM_WORLD
+
+def next_asked():
+    # While others read, ranks sleep: they would slow down what the other checkout does.
+    if comm.rank > 0:
+        while not comm.iprobe(source=0):
+            time.sleep(5e-4)
+        return comm.recv(source=0)
+    line = sys.stdin.readline().strip()
+    for rank in range(1, comm.size):
+        comm.send(line, rank)
+    return line
+
+while asked := next_asked():
+    comm.barrier()
+    seconds = of_discs(*asked.split()) if asked[0].isdigit() else of_case(asked)
+    if comm.rank == 0:
+        print(seconds, flush=True)
 """
 
 
 class Checkout:
     """The process of one checkout."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, ranks: int = 1) -> None:
         environment = os.environ | {"PYTHONPATH": str(folder), "OMP_NUM_THREADS": "1"}
-        command = [sys.executable, "-c", SERVE, str(folder)]
+        started = ["mpiexec", "-n", f"{ranks}"] if ranks > 1 else []
+        command = [*started, sys.executable, "-c", SERVE, str(folder)]
         self.process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment, cwd=folder
         )
 
-    def seconds(self, case: str) -> float:
-        """CPU seconds of one solve of a case. Raises typer.Exit where its process has ended."""
+    def seconds(self, asked_for: str) -> float:
+        """CPU seconds of one solve. Raises typer.Exit where its process has ended."""
         asked, answers = self.process.stdin, self.process.stdout
         assert asked is not None
         assert answers is not None
-        asked.write(f"{ROOT / 'cases' / case}.toml\n")
+        asked.write(f"{asked_for}\n")
         asked.flush()
         answer = answers.readline()
         if not answer:
@@ -77,15 +110,20 @@ def main(
     turns: Annotated[int, typer.Option(help="Solves of each case by each of them.")] = 20,
     most: Annotated[float, typer.Option(help="How many times as dear a solve may be.")] = 1.03,
     cases: Annotated[list[str] | None, typer.Option(help="Of the folder cases.", show_default="five")] = None,
+    discs: Annotated[list[int] | None, typer.Option(help="Sheared discs, in place of cases.")] = None,
+    ranks: Annotated[int, typer.Option(help="On which this checkout solves.", min=1)] = 1,
 ) -> None:
     """Solve cases in turns, print a table, and fail where they have become dearer."""
     table = Table(title="CPU seconds of a warm solve", title_justify="left")
     for heading in ("case", "there", "here", "quartiles of here / there, each turn"):
         table.add_column(heading, justify="left" if heading == "case" else "right")
     medians = []
-    with closing(Checkout(ROOT)) as here, closing(Checkout(other.resolve())) as there:
-        for case in cases or CASES:
-            taken = np.array([(there.seconds(case), here.seconds(case)) for _ in range(turns + 1)])[1:]
+    asked = {case: f"{ROOT / 'cases' / case}.toml" for case in cases or CASES}
+    if discs:
+        asked = {f"{n} discs, {mesh} mesh": f"{n} {mesh}" for n in discs for mesh in ("new", "moved")}
+    with closing(Checkout(ROOT, ranks)) as here, closing(Checkout(other.resolve())) as there:
+        for case, solve in asked.items():
+            taken = np.array([(there.seconds(solve), here.seconds(solve)) for _ in range(turns + 1)])[1:]
             quartiles = np.quantile(taken[:, 1] / taken[:, 0], [0.25, 0.5, 0.75])
             medians.append(quartiles[1])
             shown = (f"{ratio:.3f}" for ratio in quartiles)
