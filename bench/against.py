@@ -8,9 +8,9 @@
 Each of the two solves the same case files in a process of its own, warm, mesh included; with `--discs` one
 step of so many sheared discs (see `bench/suspension.py`), on a new mesh and on a moved one. They are asked
 for one solve each in turn, so that other work on the machine slows down both, and their CPU seconds are
-compared: those of the cheapest solve, and the quartiles of the ratio of the two of each turn. With `--ranks` this
-checkout solves on several ranks; seconds are those of the first, which does not sleep while it waits. The
-bench ends with exit code 1 where a median is above `--most`.
+compared: those of the cheapest solve, and the quartiles of the ratio of the two of each turn. With `--ranks`
+this checkout solves on several ranks; seconds are those of the first, which does not sleep while it waits.
+The bench ends with exit code 1 where a median is above `--most`.
 """
 
 from __future__ import annotations

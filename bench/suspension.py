@@ -12,7 +12,9 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -163,9 +165,17 @@ def asked() -> tuple[list[int], bool, Path | None]:
     return given.N or numbers, given.fine, given.json
 
 
+def growth(costs: dict[int, tuple[float, float]]) -> Iterator[str]:
+    """How steps on new meshes, and these meshes, grow, by the seconds of both with each number of discs."""
+    for few, many in pairwise(sorted(costs)):
+        step, mesh = np.log(np.divide(costs[many], costs[few])) / np.log(many / few)
+        yield f"from {few} to {many} discs a step on a new mesh grows as N^{step:.2f}, its mesh as N^{mesh:.2f}"
+
+
 def main() -> None:
     """Measure and print."""
     chosen, fine, output = asked()
+    costs: dict[int, tuple[float, float]] = {}
     scaling = Scaling("a step of a sheared suspension, area fraction 0.4", "discs")
     table = Table(title="one step of a sheared suspension, phi = 0.4, CPU seconds", title_justify="left")
     for heading in ("N", "mesh", "unknowns", "viscosity", "error", *PHASES, "step", "of old", "MB"):
@@ -185,8 +195,11 @@ def main() -> None:
                 f"{seconds:.2f}", of_old, f"{peak_memory():.0f}",
             )  # fmt: skip
             scaling.add("mesh moved" if moved else "new mesh", n, seconds)
+            if not moved and n > 1:
+                costs[n] = seconds, solution.seconds["mesh"]
     if parallel.is_root():
         Console(width=130).print(table)
+        print(*growth(costs), sep="\n")
         scaling.write(output)
 
 

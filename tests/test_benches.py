@@ -15,7 +15,7 @@ SMALLEST = {
     "gluey": ["agitated", "100", "--steps", "1"],
     "start": ["--times", "1"],
 }
-AGAINST_ITSELF = [str(ROOT), "--turns", "1", "--most", "9", "--cases", "disc_beside_plane"]
+AGAINST_ITSELF = [str(ROOT), "--turns", "1", "--most", "9", "--discs", "1", "--ranks", "2"]
 SLOW = {"against": AGAINST_ITSELF, "space": ["P2"], "pore_speed": ["50", "--modes", "1", "--resolved", "1"]}
 
 
