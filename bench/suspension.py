@@ -169,7 +169,7 @@ def growth(costs: dict[int, tuple[float, float]]) -> Iterator[str]:
     """How steps on new meshes, and these meshes, grow, by the seconds of both with each number of discs."""
     for few, many in pairwise(sorted(costs)):
         step, mesh = np.log(np.divide(costs[many], costs[few])) / np.log(many / few)
-        yield f"from {few} to {many} discs a step with its mesh grows as N^{step:.2f}, the mesh as N^{mesh:.2f}"
+        yield f"from {few} to {many} discs a step grows as N^{step:.2f}, its new mesh as N^{mesh:.2f}"
 
 
 def main() -> None:
