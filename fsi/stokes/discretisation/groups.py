@@ -9,9 +9,9 @@ WIDEST unknowns. As the unknowns of a group are ordered as outer ones, which oth
 is what it leaves in turn: nested dissection (George 1973, SIAM J. Numer. Anal. 10:345) from its leaves up,
 of which MUMPS does the rest. Small dense matrices cost these loops a third of the time of its fronts.
 
-First each part chooses the one beside it with which it shares most. Fewer parts than FEWEST are put together
-one pair after the other, of all pairs that which grows least: what it leaves less the mean of what both had.
-That takes as many operations as MUMPS's approximate minimum fill, or less. At least two groups remain.
+At first each part chooses the one beside it with which it shares most. After that pairs are put together one
+by one, of all the one that grows least: by what it leaves less the mean of what both had. That takes as many
+operations as MUMPS's approximate minimum fill, or fewer. At least two groups remain.
 
 No pivoting is needed. Velocities are eliminated first, whose block is positive definite. What is left of the
 inner pressures p is regular: p vanishes on the sides to other groups, and if it met no inner velocity, then
@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array
 from fsi.stokes.discretisation.loops import Numbers, loops, pointer
 
-LEVELS, FEWEST = 3, 512  # all parts choose so often, as long as there are so many of them
+LEVELS, FEWEST = 3, 512  # all parts choose so often at most, and only while there are so many of them
 WIDEST = 400  # unknowns that a group leaves at most: MUMPS is as fast with more
 
 
