@@ -66,7 +66,7 @@ def check_residual_of_a_solve() -> None:
     fill(0.0)
     b = np.full((rows, 1), 1.0 + COMM.rank)
     with Factorisation(matrix) as factors:
-        for off in (1e-7, 1e-13):  # is refined; is not
+        for off in (1e-7, 1e-14):  # is refined; is not
             fill(off if last else 0.0)
             x, residual = factors.solve(b)
             left = b - (1.0 + (off if last else 0.0)) * x
