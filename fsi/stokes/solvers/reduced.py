@@ -193,12 +193,13 @@ class Elimination:
         return self._factors
 
     def destroy(self) -> None:
-        """Free the matrices."""
+        """Free the matrices, and what is summed: each refers to the other, which Python finds out late."""
         if self._factors is not None:
             self._factors.destroy()
         for used in (self.reduced, self._P, self._sliding):
             if used is not None:
                 used.destroy()
+        self._factors = self._sum = None
 
 
 def add_to_modes(matrix: PETSc.Mat, first_row: int, K: scipy.sparse.csr_array) -> None:
