@@ -38,7 +38,7 @@ def shared_out[T, R](function: Callable[[T], R], given: Sequence[T]) -> list[R]:
 
     function: one of a module, by whose name the others find it.
     """
-    comm, ranks = MPI.COMM_WORLD, max(1, min(1 + len(_helpers), len(given)))
+    comm, ranks = MPI.COMM_WORLD, 1 + min(len(_helpers), len(given) - 1)
     for rank in range(1, ranks):
         comm.send((function, given[rank::ranks]), rank)
     parts = [_done(function, given[::ranks])]
