@@ -27,6 +27,8 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from fsi.workers.launch import mpiexec
+
 ROOT = Path(__file__).parents[1]
 CASES = ["disc_beside_plane", "two_discs", "disc_in_box", "couette_N10", "sheared_cell"]
 # Read by both: for each line of the input one solve, and its CPU seconds in the output. A line is the path of
@@ -82,7 +84,7 @@ class Checkout:
 
     def __init__(self, folder: Path, ranks: int = 1) -> None:
         environment = os.environ | {"PYTHONPATH": str(folder), "OMP_NUM_THREADS": "1"}
-        started = ["mpiexec", "-n", f"{ranks}"] if ranks > 1 else []
+        started = [mpiexec(), "-n", f"{ranks}"] if ranks > 1 else []
         command = [*started, sys.executable, "-c", SERVE, str(folder)]
         self.process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment, cwd=folder

@@ -15,7 +15,7 @@ def test_forces_in_gaps_of_1e_8_radii(name: str) -> None:
     """Within 1e-5 of the closed forms with at most twice the unknowns at 1e-3.
 
     With nodes that do not face each other the disc towards the plane is 8e-4 off at 1e-8; with cells no
-    longer than four gaps there are 60 times as many.
+    longer than four gaps it takes 60 times as long.
     """
     problem = PROBLEMS[name]
     _, at_ease, _ = measured(problem, 1e-3)

@@ -94,7 +94,7 @@ INLINE void add(const int32_t *at, const Part *part, double *restrict values)
     }
 }
 
-enum { DEEPEST = 64 };
+enum { DEEPEST = 64 }; /* parts that wait at a time: as the larger one comes first, twice as many cells have one more */
 
 /* How many numbers the next one needs at most: beside those that wait to be merged its own room. */
 int64_t room_of_groups(const CellLists *c, const Groups *g)

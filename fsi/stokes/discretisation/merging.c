@@ -141,17 +141,15 @@ static void hand_over(Merging *m, int32_t u, int32_t from, int32_t to, int to_ho
   *holder = to_holds ? m->holders[m->first[u] + --m->held[u]] : to;
 }
 
-/* 1 where memory is short. */
-static int reserve(void **memory, int64_t *size, int64_t wanted, int64_t bytes)
+/* The same memory, or more with what it has, for so many things; NULL where memory is short. */
+static void *grown(void *memory, int64_t *room, int64_t wanted, int64_t bytes)
 {
-  if (wanted <= *size)
-    return 0;
-  const int64_t larger = 2 * wanted;
-  void *more = realloc(*memory, larger * bytes);
-  if (!more)
-    return 1;
-  *memory = more, *size = larger;
-  return 0;
+  if (wanted <= *room)
+    return memory;
+  void *more = realloc(memory, 2 * wanted * bytes);
+  if (more)
+    *room = 2 * wanted;
+  return more;
 }
 
 /* Two parts become one: its unknowns, outer ones first, then pressures that it has alone, then velocities. The larger
@@ -165,12 +163,15 @@ static int merge(Merging *m, int32_t one, int32_t other)
     other = one, one = larger;
   }
   const int32_t merge = g->merges, together = outer_at(m, one).size + outer_at(m, other).size;
-  if (reserve((void **)&g->list, &m->lists, g->start[merge] + together, sizeof *g->list) ||
-      reserve((void **)&g->slots, &m->slots, g->begin[merge] + together, sizeof *g->slots))
+  int32_t *list = grown(g->list, &m->lists, g->start[merge] + together, sizeof *list);
+  g->list = list ? list : g->list;
+  int16_t *slots = grown(g->slots, &m->slots, g->begin[merge] + together, sizeof *slots);
+  g->slots = slots ? slots : g->slots;
+  if (!list || !slots)
     return 1;
   const Outer parts[2] = {outer_at(m, one), outer_at(m, other)};
   int32_t *slot = m->slot, *own = g->list + g->start[merge], size = 0;
-  int16_t *slots = g->slots + g->begin[merge];
+  slots += g->begin[merge];
   for (int k = 0; k < parts[0].size; k++)
     slot[parts[0].list[k]] = ONCE;
   for (int k = 0; k < parts[1].size; k++) {
@@ -231,7 +232,8 @@ static int merge_pairs(Merging *m, int8_t *taken)
   return 0;
 }
 
-/* Of a part and one beside it, as both were: by how much more they leave together than each in the mean, twice. */
+/* Of a part and one beside it, as both were: by how much more they leave together than each in the mean, twice. What
+   the other one has alone, as cells on walls do, is not counted. */
 typedef struct {
   int32_t growth, at, other, part, of_other;
 } Offer;
