@@ -186,12 +186,13 @@ def _centres(tags: Indices, x: Array, curves: Sequence[Curve]) -> Array:
     """
     centre, distance = np.full(x.shape, np.nan), np.full(len(x), np.inf)
     order = np.argsort(tags, kind="stable")
-    for circle in curves:
-        if circle.centre is not None:
-            of_tag = order[slice(*np.searchsorted(tags[order], [circle.tag, circle.tag + 1]))]
-            away = np.hypot(*(x[of_tag] - circle.centre).T)
-            nearer = of_tag[away < distance[of_tag]]
-            centre[nearer], distance[nearer] = circle.centre, away[away < distance[of_tag]]
+    circles = [(curve.tag, curve.centre) for curve in curves if curve.centre is not None]
+    first, end = (np.searchsorted(tags[order], [tag + k for tag, _ in circles]).tolist() for k in range(2))
+    for (_, middle), begin, after in zip(circles, first, end, strict=True):
+        of_tag = order[begin:after]
+        away = np.hypot(*(x[of_tag] - middle).T)
+        nearer = of_tag[away < distance[of_tag]]
+        centre[nearer], distance[nearer] = middle, away[away < distance[of_tag]]
     return centre
 
 

@@ -42,7 +42,7 @@ from fsi.meshes.geometry.nearby import NearbyPoints
 from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.planar.facing import FINEST, LONGEST, NARROW, FacedGap, foot_on, on_wall
 from fsi.meshes.planar.grading import Grading
-from fsi.meshes.planar.spread import Indices, equidistribute, resolve_all, spread
+from fsi.meshes.planar.spread import Indices, equidistribute_all, resolve_all, spread
 
 LENGTH, SHORTEST = 0.11, 0.3
 NEIGHBOURS = 16
@@ -228,7 +228,7 @@ class Surfaces:
             return np.minimum(np.minimum(self.sizes(x, bend=bend), longest), self.grading.sizes(x))
 
         s, h, _ = resolve_all(size, np.array([curve.interval]), PIECES)
-        nodes = curve.at(spread(s, h, self._facing(curve, s), curve.fewest_elements))
+        nodes = curve.at(spread(s, h, list(self._facing(curve, s)), curve.fewest_elements))
         nodes[[0, -1]] = curve.ends
         tag = self.bodies + 1 + curve.wall
         half = np.zeros(1)
@@ -266,9 +266,8 @@ class Surfaces:
             return []
         length = ends[:, 1] - ends[:, 0]
         s, h, k = resolve_all(lambda s, k: self.sizes(at(s, k), length[k]), ends, pieces)
-        first = np.searchsorted(k, np.arange(1, len(ends)))
-        each = zip(np.split(s, first), np.split(h, first), strict=True)
-        placed = [equidistribute(s, 1.0 / h, least=1) for s, h in each]
+        at_once, of = equidistribute_all(s, 1.0 / h, k, np.ones(len(ends), dtype=np.int64))
+        placed = np.split(at_once, np.searchsorted(of, np.arange(1, len(ends))))
         for places, interval in zip(placed, ends, strict=True):
             places[[0, -1]] = interval
         return placed

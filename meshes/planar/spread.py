@@ -1,6 +1,6 @@
 """Nodes along curves by an element size: where it is sampled, and how they equidistribute `int ds / h`."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,13 +48,59 @@ def _halved(ends: Array, middle: Array) -> Array:
 
 def equidistribute(s: Array, density: Array, least: int) -> Array:
     """Parameters, with both ends of s, that split `int density ds` into equal parts of at most 1."""
-    cumulative = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(s))])
-    parts = max(least, int(np.ceil(cumulative[-1] - 1e-6)))
-    placed: Array = np.interp(np.linspace(0.0, cumulative[-1], parts + 1), cumulative, s)
-    return placed
+    return equidistribute_all(s, density, np.zeros(len(s), dtype=np.int64), np.array([least]))[0]
 
 
-def spread(s: Array, h: Array, fixed: Iterable[Array], fewest: float) -> Array:
+def equidistribute_all(s: Array, density: Array, k: Indices, least: Indices) -> tuple[Array, Indices]:
+    """Those along curves k = 0 ... n - 1, which are split each by itself.
+
+    s: of each curve, ascending, the density there, and their curves, all (m,). least: how many parts, (n,).
+    Returns the parameters and their curves.
+    """
+    first = np.searchsorted(k, np.arange(len(least) + 1))
+    column = np.arange(len(k)) - first[k]
+    areas = np.zeros(
+        (len(least), int(column.max(initial=0)) + 1)
+    )  # each curve by itself: fewer digits cancel
+    areas[k[1:], column[1:]] = np.where(column[1:], 0.5 * (density[1:] + density[:-1]) * np.diff(s), 0.0)
+    cumulative = np.cumsum(areas, axis=1)[k, column]
+    total = cumulative[first[1:] - 1]
+    parts = np.maximum(least, np.ceil(total - 1e-6).astype(np.int64))
+    of = np.repeat(np.arange(len(least)), parts + 1)
+    end = np.cumsum(parts + 1) - 1
+    at = (np.arange(len(of)) - (end - parts)[of]) * (total / parts)[of]
+    # NumPy has complex numbers in order of their real parts, then of their imaginary ones.
+    i = np.searchsorted(k + 1j * cumulative, of + 1j * at, side="right") - 1
+    i = np.minimum(i, first[of + 1] - 2)
+    placed: Array = (s[i + 1] - s[i]) / (cumulative[i + 1] - cumulative[i]) * (at - cumulative[i]) + s[i]
+    placed[end] = s[first[1:] - 1]
+    return placed, of
+
+
+def spread_all(
+    s: Array, h: Array, k: Indices, fixed: Sequence[Sequence[Array]], fewest: Array
+) -> list[Array]:
+    """Places on each curve as `spread` has them; s of each with h, and the curve of each, all (m,).
+
+    Those of curves without fixed places are found all at once.
+    """
+    first = np.searchsorted(k, np.arange(len(fixed) + 1))
+    placed = [
+        spread(s[first[j] : first[j + 1]], h[first[j] : first[j + 1]], stretches, float(fewest[j]))
+        for j, stretches in enumerate(fixed)
+        if stretches
+    ]
+    alone = np.array([not stretches for stretches in fixed])
+    if not alone.any():
+        return placed
+    some, number = alone[k], np.cumsum(alone) - 1
+    least = np.maximum(1, np.rint(fewest[alone])).astype(np.int64)
+    at, of = equidistribute_all(s[some], 1.0 / h[some], number[k[some]], least)
+    even, others = iter(np.split(at, np.searchsorted(of, np.arange(1, len(least))))), iter(placed)
+    return [next(even if is_alone else others) for is_alone in alone]
+
+
+def spread(s: Array, h: Array, fixed: Sequence[Array], fewest: float) -> Array:
     """Places between the ends of s that equidistribute `ds / h`, but for stretches of fixed places.
 
     s: ascending, (n,), h there. fixed: stretches, ascending; what lies beyond the ends of s is left out, and
@@ -83,5 +129,4 @@ def _even(s: Array, h: Array, low: float, high: float, fewest: float) -> Array:
     length, between = float(s[-1] - s[0]), (s > low) & (s < high)
     ends = np.interp([low, high], s, h)
     s, h = (np.concatenate([[a], x[between], [b]]) for x, a, b in ((s, low, high), (h, *ends)))
-    placed = equidistribute(s, 1.0 / h, max(1, round(fewest * (high - low) / length)))
-    return placed[1:]
+    return equidistribute(s, 1.0 / h, max(1, round(fewest * (high - low) / length)))[1:]

@@ -1,0 +1,43 @@
+"""Nodes along many curves at once are those along each by itself."""
+
+import numpy as np
+import pytest
+
+from fsi.meshes.planar.spread import equidistribute, equidistribute_all, spread, spread_all
+
+
+def sampled(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Places, sizes and numbers of five curves, the lengths of which differ by seven powers of ten."""
+    random = np.random.default_rng(seed)
+    each = [np.cumsum(random.uniform(0.5, 1.5, n)) * 10.0**k for k, n in enumerate((2, 9, 40, 3, 17), -4)]
+    s = np.concatenate(each)
+    return s, s * random.uniform(0.02, 0.5, len(s)), np.repeat(np.arange(5), [len(x) for x in each])
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_parts_of_each_curve_are_equal(seed: int) -> None:
+    """By NumPy's own interpolation of the sum along each curve."""
+    s, h, k = sampled(seed)
+    least = np.array([1, 4, 1, 30, 2])
+    at, of = equidistribute_all(s, 1.0 / h, k, least)
+    for j in range(5):
+        x, density = s[k == j], 1.0 / h[k == j]
+        total = np.append(0.0, np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(x)))
+        parts = max(int(least[j]), int(np.ceil(total[-1] - 1e-6)))
+        expected = np.interp(np.linspace(0.0, total[-1], parts + 1), total, x)
+        np.testing.assert_allclose(at[of == j], expected, rtol=1e-14, atol=0.0)
+        assert (at[of == j][0], at[of == j][-1]) == (x[0], x[-1])
+        np.testing.assert_array_equal(equidistribute(x, density, int(least[j])), at[of == j])
+
+
+def test_curves_with_fixed_places_are_spread_among_others() -> None:
+    s, h, k = sampled(7)
+    inner = s[k == 2][10] + 1e-3 * np.arange(4.0)
+    fixed = [[], [], [inner], [], [s[k == 4][:3]]]
+    fewest = np.array([0.2, 3.5, 8.0, 5.0, 8.0])
+    placed = spread_all(s, h, k, fixed, fewest)
+    assert len(placed) == 5
+    for j, places in enumerate(placed):
+        alone = spread(s[k == j], h[k == j], fixed[j], float(fewest[j]))
+        np.testing.assert_allclose(places, alone, rtol=1e-14, atol=0.0)
+    assert np.isin(inner, placed[2]).all()
