@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from math import ceil, comb
+from typing import Protocol
 
 import fsi.meshes.backend  # noqa: F401
 
@@ -24,8 +25,8 @@ from fsi.meshes.geometry.lattice import Lattice, PeriodicPairs, matching_points
 from fsi.meshes.helping import help_root, helped
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.grading import Grading
-from fsi.meshes.planar.sizing import Resolution
-from fsi.meshes.planar.triangulate import FarSize, Indices, places_of, side_keys, triangulate
+from fsi.meshes.planar.sizing import Curve, Resolution
+from fsi.meshes.planar.triangulate import FarSize, Indices, StraightCells, places_of, side_keys, triangulate
 
 # dolfinx's generic types at double precision.
 type Mesh = dolfinx.mesh.Mesh[np.float64]
@@ -100,23 +101,44 @@ class FluidMesh:
         return int(self.mesh.topology.index_map(self.dimension).size_global)
 
 
-def build(domain: FluidDomain, resolution: Resolution, order: int) -> FluidMesh:
+class Straight(Protocol):
+    """Straight cells of a domain, from which those of any order are curved."""
+
+    def curved(self, order: int) -> CurvedCells:
+        """Cells of an order, valid or not. Raises MeshError."""
+        ...
+
+
+# The straight cells of one domain, by sizes.
+type Made = dict[Resolution, Straight]
+
+
+def build(domain: FluidDomain, resolution: Resolution, order: int, made: Made | None = None) -> FluidMesh:
     """Mesh the fluid around discs, or spheres in space, by cells of order 1 ... 6, in space 1 ... 4.
 
     Collective, rank 0 leads. Where sizes are coarse a cell that lies flat on a body can turn over when
     it is curved, and gmsh can lose a part of a boundary: then all is meshed again, with sizes that grow more
     slowly, in space with smaller elements on spheres and in gaps. Raises MeshError on all ranks if all fail.
+
+    made: straight cells of this domain that are there; what rank 0 makes is put there.
     """
+    make: Callable[[FluidDomain, Resolution], Straight] = _triangles
     if domain.container.dimension == 3:
         from fsi.meshes.spatial.tetrahedra import fill
 
-        finer, make = dict(_finer(resolution, *factors) for factors in FINER), fill
+        make, finer = fill, dict(_finer(resolution, *factors) for factors in FINER)
     else:
         growths = [resolution.growth / factor for factor in SLOWER]
         finer = {f"growth = {g:.4g}": replace(resolution, growth=g) for g in growths}
-        make = _triangles
-    tries = {f"discretisation.{size}": partial(make, domain, sizes, order) for size, sizes in finer.items()}
-    return shared({"": partial(make, domain, resolution, order)} | tries, domain)
+    kept = {} if made is None else made
+
+    def cells(sizes: Resolution) -> CurvedCells:
+        if sizes not in kept:
+            kept[sizes] = make(domain, sizes)
+        return kept[sizes].curved(order)
+
+    tries = {f"discretisation.{size}": partial(cells, sizes) for size, sizes in finer.items()}
+    return shared({"": partial(cells, resolution)} | tries, domain)
 
 
 def _finer(resolution: Resolution, circle: float, gap: float) -> tuple[str, Resolution]:
@@ -127,13 +149,25 @@ def _finer(resolution: Resolution, circle: float, gap: float) -> tuple[str, Reso
     return " and ".join(said), replace(resolution, cells_per_circle=around, cells_per_gap=across)
 
 
-def _triangles(domain: FluidDomain, resolution: Resolution, order: int) -> CurvedCells:
+@dataclass(frozen=True, slots=True)
+class StraightTriangles:
+    """Triangles and the curves that bound them."""
+
+    cells: StraightCells
+    curves: list[Curve]
+
+    def curved(self, order: int) -> CurvedCells:
+        """Cells of an order that follow the curves, valid or not."""
+        return curve(self.cells, self.curves, order)
+
+
+def _triangles(domain: FluidDomain, resolution: Resolution) -> StraightTriangles:
     curves = boundary(domain, resolution)
     h_body = resolution.on_body(float(domain.radii.max(initial=0.0)))
     slope, sparse = SLOPE * resolution.growth, resolution.interior == "sparse"
     grading = Grading.of(domain, resolution.growth)
     far = FarSize(len(domain.radii), h_body, slope, domain.container.size(), grading, alone=sparse)
-    return curve(triangulate(curves, far), curves, order)
+    return StraightTriangles(triangulate(curves, far), curves)
 
 
 def shared(tries: Mapping[str, Callable[[], CurvedCells]], domain: FluidDomain) -> FluidMesh:

@@ -13,7 +13,7 @@ from fsi.bodies.opened import way_out
 from fsi.case.case import Case
 from fsi.integration.errors import StepErrors
 from fsi.integration.state import Results
-from fsi.meshes.build import FluidMesh, build
+from fsi.meshes.build import FluidMesh, Made, build
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.moving.move import Mover
@@ -49,6 +49,7 @@ class StokesModel:
         self._moving = case.time is not None and case.time.remesh == "when-needed"
         self._mover: Mover | None = None
         self._meshed, self._meshed_time = case.configuration(), 0.0
+        self._made: tuple[object, Made] = None, {}  # where straight cells were made, and these
         self._workspace = Workspace()
         self.units = Units.of(case)
         self._corners, self._edges = np.empty((0, 2)), singular_pairs(case)
@@ -57,7 +58,7 @@ class StokesModel:
 
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> StokesSolution:
         """The flow at q and t. Raises MeshError; SolveError: the solve fails or violates an identity."""
-        clock = Clock()
+        clock, self._made = Clock(), (None, {})  # only what follows takes the same straight cells
         fluid = self._moved(q, t) if self._moving else self.scaled_mesh(q, t)
         clock.lap("mesh")
         problem = replace(self.problem(fluid, q, t, self.case.motion_at(q, t)), inertia=inertia)
@@ -162,14 +163,20 @@ class StokesModel:
         return self._built(q, t, replace(self.resolution, growth=growth), comparison.degree)
 
     def _built(self, q: Configuration, t: float, resolution: Resolution, order: int) -> FluidMesh:
-        """A new mesh in the units of the model, whatever the user has."""
+        """A mesh in the units of the model, whatever the user has.
+
+        Flows of another degree at the same instant have cells that are curved from the same straight ones.
+        """
+        where = t, q.strain, *(x.tobytes() for x in (q.centres, q.radii, q.angles))
+        if where != self._made[0]:
+            self._made = where, {}
         here = self.units.scaled_configuration(self.case.meshed_at(q, t))
         container = self._container().at(t, q.strain)
         try:
             domain = FluidDomain(
                 container, here.centres, here.radii, self._corners, self._edges, here.placed, here.standing
             )
-            return build(domain, resolution, order)
+            return build(domain, resolution, order, self._made[1])
         except MeshError as error:
             raise error.in_units(self.units.length, self.units.origin) from error
 

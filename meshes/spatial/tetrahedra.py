@@ -1,7 +1,7 @@
 """Tetrahedra in the fluid around bodies: gmsh fills it but for layers of prisms in narrow gaps of spheres."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import fsi.meshes.backend  # noqa: F401
@@ -44,8 +44,36 @@ TRIANGLE, TETRAHEDRON = 2, 4  # as gmsh calls them
 OPTIMISED = 100_000
 
 
-def fill(domain: FluidDomain, resolution: Resolution, order: int) -> CurvedCells:
-    """Curved cells of the fluid around spheres; arguments as for `fsi.meshes.build.build`.
+@dataclass(frozen=True, slots=True)
+class StraightTetrahedra:
+    """Cells of the fluid around bodies before they are curved, in units of the largest radius.
+
+    Attributes:
+        cells: of a periodic domain their tags are those of images.
+        surfaces: round ones, by their tags.
+        mended: whether vertices move where curved cells would not be valid.
+        unit: of lengths.
+        of: which bodies images are, None without periods.
+        bodies: N.
+    """
+
+    cells: StraightCells
+    surfaces: dict[int, RoundSurface]
+    mended: bool
+    unit: float
+    of: Indices | None
+    bodies: int
+
+    def curved(self, order: int) -> CurvedCells:
+        """Cells of an order, valid or not."""
+        cells = (curved_and_valid if self.mended else curve_tets)(self.cells, self.surfaces, order)
+        if self.of is not None:
+            cells = replace(cells, tags=with_bodies(cells.tags, self.of, self.bodies))
+        return replace(cells, nodes=self.unit * cells.nodes)
+
+
+def fill(domain: FluidDomain, resolution: Resolution) -> StraightTetrahedra:
+    """The fluid around bodies; arguments as for `fsi.meshes.build.build`.
 
     gmsh's kernel has absolute tolerances: it is given lengths in units of the largest radius, or without
     bodies of the container.
@@ -58,16 +86,19 @@ def fill(domain: FluidDomain, resolution: Resolution, order: int) -> CurvedCells
     in_units = FluidDomain(
         domain.container.scaled(1.0 / unit), centres, radii, edges=domain.edges, ellipsoids=ellipsoids
     )
-    make = _opened if len(in_units.container.periods) else _fill
     try:
-        cells = make(Spacing(in_units, resolution), order)
+        spacing, of = Spacing(in_units, resolution), None
+        if len(in_units.container.periods):
+            spacing, of = _opened(spacing)
+        cells, surfaces = _fill(spacing)
     except MeshError as error:
         raise error.in_units(unit) from error
-    return replace(cells, nodes=unit * cells.nodes)
+    mended = resolution.cells_per_circle >= MENDED_FROM
+    return StraightTetrahedra(cells, surfaces, mended, unit, of, len(domain.radii))
 
 
-def _opened(spacing: Spacing, order: int) -> CurvedCells:
-    """The cells of a periodic domain between sides, which have the tag after the last wall's."""
+def _opened(spacing: Spacing) -> tuple[Spacing, Indices]:
+    """A periodic domain between sides, which have the tag after the last wall's; which bodies images are."""
     domain = spacing.domain
     reach = 0.5 * float(domain.radii.max(initial=0.0))
     anywhere = choose_sides(domain, np.empty((0, 3)), np.empty(0))
@@ -76,12 +107,11 @@ def _opened(spacing: Spacing, order: int) -> CurvedCells:
     middles = np.array([gap.middle() for gap in gaps]).reshape(-1, 3)
     sides = choose_sides(domain, middles, np.array([WIDEST / CLEARANCE * gap.smallest for gap in gaps]))
     every, of = images(domain, sides, reach)
-    cells = _fill(Spacing(every, spacing.resolution, sides, of), order)
-    return replace(cells, tags=with_bodies(cells.tags, of, len(domain.radii)))
+    return Spacing(every, spacing.resolution, sides, of), of
 
 
-def _fill(spacing: Spacing, order: int) -> CurvedCells:
-    """The cells of these sizes, valid or not."""
+def _fill(spacing: Spacing) -> tuple[StraightCells, dict[int, RoundSurface]]:
+    """The cells of these sizes, valid or not, and round surfaces by their tags."""
     domain = spacing.domain
     layers, bodies = list[GapPrisms](), list[RoundSurface](domain.ellipsoids)
     if not bodies:
@@ -99,8 +129,7 @@ def _fill(spacing: Spacing, order: int) -> CurvedCells:
     for layer in layers:
         cells = _with_prisms(cells, layer, spacing)
     require_boundary(cells.cells, cells.facets)
-    mends = spacing.resolution.cells_per_circle >= MENDED_FROM
-    return (curved_and_valid if mends else curve_tets)(replace(cells, cells=_upright(cells)), spheres, order)
+    return replace(cells, cells=_upright(cells)), spheres
 
 
 def _outside(spacing: Spacing, layers: Sequence[GapPrisms]) -> StraightCells:

@@ -81,7 +81,7 @@ def test_no_cell_of_a_mesh_around_spheres_has_all_its_corners_on_surfaces() -> N
     domain = FluidDomain(
         Box((-3.0,) * 3, (3.0,) * 3), np.array([[-1.2, 0.0, 0.0], [1.2, 0.0, 0.0]]), np.ones(2)
     )
-    cells = fill(domain, Resolution(0.5, 10, 0.6), 2)
+    cells = fill(domain, Resolution(0.5, 10, 0.6)).curved(2)
     on = np.zeros(len(cells.nodes), dtype=bool)
     on[cells.edges] = True  # the triangles on surfaces
     assert not on[cells.cells[:, :4]].all(axis=1).any()

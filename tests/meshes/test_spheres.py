@@ -228,9 +228,9 @@ def test_the_unit_of_length_does_not_show(unit: float) -> None:
     """gmsh's tolerances are absolute: in units of 1e-6 radii it made no tetrahedra."""
     coarse, centres = Resolution(0.8, 8, 0.8), np.array([[0.0, 0.3, 1.05], [0.2, 0.0, -1.2]])
     radii = np.array([1.0, 0.5])
-    one = fill(FluidDomain(Box((-3.0,) * 3, (3.0,) * 3), centres, radii), coarse, 1)
+    one = fill(FluidDomain(Box((-3.0,) * 3, (3.0,) * 3), centres, radii), coarse).curved(1)
     other = fill(
-        FluidDomain(Box((-3.0 * unit,) * 3, (3.0 * unit,) * 3), unit * centres, unit * radii), coarse, 1
-    )
+        FluidDomain(Box((-3.0 * unit,) * 3, (3.0 * unit,) * 3), unit * centres, unit * radii), coarse
+    ).curved(1)
     assert np.array_equal(one.cells, other.cells)
     assert np.abs(other.nodes / unit - one.nodes).max() < 1e-13

@@ -64,7 +64,7 @@ def test_coarse_cells_around_spheres_in_a_cell() -> None:
     zero = ((0.0,) * 3,) * 3
     container = Cell(tuple(map(tuple, (side * np.eye(3)).tolist())), zero)
     domain = FluidDomain(container, packed.centres, packed.radii)
-    cells = fill(domain, Resolution(0.5, 14, 0.9), 2)
+    cells = fill(domain, Resolution(0.5, 14, 0.9)).curved(2)
     assert worst(cells) > 0.1
     for k, centre in enumerate(packed.centres, 1):
         apart = cells.nodes[np.unique(cells.edges[cells.tags == k])] - centre

@@ -7,8 +7,10 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import gmsh
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 from scipy.interpolate import CubicHermiteSpline
 
 from fsi.case.case import Case
@@ -24,6 +26,7 @@ from fsi.observables.truncation import flow_scales, relative_change
 from fsi.runs import resume, run
 from fsi.stokes import adapt
 from fsi.stokes.adapt import RefinedModel, solve_with_errors
+from fsi.stokes.comparisons import comparisons
 from fsi.stokes.model import StokesModel
 from tests.exact_model import DiscsBesidePlane
 from tests.integration.test_strayed import moments
@@ -56,6 +59,30 @@ def test_the_bar_of_a_disc_is_between_the_true_error_and_twice_it(gap: float, de
     true = abs(-solved.solution.F[0, 1] / exact.normal_resistance(gap, 1.0, 1.0) - 1.0)
     bar = solved.errors.F[0, 1] / abs(solved.solution.F[0, 1])
     assert true < bar < 2.0 * true
+
+
+@pytest.mark.parametrize("name", ["disc_beside_plane", "validation/sphere_wall_normal", "sphere_in_a_duct"])
+def test_a_step_and_its_bars_take_the_same_straight_cells(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """gmsh works once; the bars are those of a model that has made none before. A step has its own cells."""
+    case = load_case(CASES / f"{name}.toml")
+    q, generated = case.configuration(), list[int]()
+    generate = gmsh.model.mesh.generate
+
+    def counted(dimension: int) -> None:
+        generated.append(dimension)
+        generate(dimension)
+
+    monkeypatch.setattr(gmsh.model.mesh, "generate", counted)
+    model, other = StokesModel(case), StokesModel(case)
+    instant = model(q, 0.0)
+    once = len(generated)
+    bars = model.errors(q, 0.0, instant).errors
+    of_edges = sum(each.finer != 1.0 for each in comparisons(case))  # these have other sizes
+    assert len(generated) == once * (1 + of_edges)
+    assert_array_equal(bars.F, other.errors(q, 0.0, instant).errors.F)
+    before = len(generated)
+    model(q, 0.0)
+    assert len(generated) == before + once
 
 
 def test_the_bar_of_a_sphere() -> None:
