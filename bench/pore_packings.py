@@ -18,6 +18,7 @@ from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.planar.sizing import Resolution
+from fsi.pores.complement import least_viscosity
 from fsi.pores.solve import PoreLoading, solve_pores
 from fsi.pores.surfaces import surfaces_of
 from fsi.pores.system import PoreSystem
@@ -120,6 +121,13 @@ def by_pores(packing: Packing, modes: int) -> SolvedPacking:
     loading = PoreLoading(free(packing), walls, packing.container.mean_gradient)
     flow = solve_pores(system, loading)
     return SolvedPacking(flow.U, flow.dissipation, system.unknowns)
+
+
+def least_dissipation(packing: Packing, modes: int) -> float:
+    """A lower bound of its dissipation, by stresses in pores with so many modes a neck."""
+    system = PoreSystem.make(surfaces_of(packing.q, packing.container), modes, 1.0)
+    E = 0.5 * (packing.gradient + packing.gradient.T)
+    return least_viscosity(system, E) * 2.0 * float(np.sum(E**2)) * packing.container.volume
 
 
 def by_elements(packing: Packing, resolution: Resolution, degree: int) -> SolvedPacking:

@@ -10,7 +10,7 @@ from fsi.bodies.configuration import Array
 from fsi.pores.forms import PoreForms, pore_forms
 from fsi.pores.inner import inner_form
 from fsi.pores.levels import LEVELS, level_of
-from fsi.pores.orders import RIGID, STRAINED, Orders, numbers_of
+from fsi.pores.orders import KNOTS, RIGID, STRAINED, Orders, numbers_of
 from fsi.pores.pattern import Index, add_forms, pattern_of
 from fsi.pores.quadrature import Rule
 from fsi.pores.regions import PoreShapes
@@ -19,8 +19,9 @@ from fsi.pores.topology import Pores
 
 # Values of all functions at all points of the pores of a batch, of each derivative: some 100 MB of six.
 _NUMBERS = 2_000_000
-# What peaks in necks asks for a higher order on the circles of bodies than a wide pore does; and the highest.
-_MOST = 16
+# Polynomials between feet where psi is free, for each order of fluid discs, and the most there are; of how
+# many modes they take the points at least: with too few points a lower bound comes out too high.
+_FREE, _MOST, _FINE = 3, 20, 10
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,13 +30,15 @@ class Numbering:
 
     Attributes:
         surface: first unknown of each surface, (B + 1,): U_x, U_y, omega, c, those of its order.
-        neck: first unknown of each neck, and their end, (K + 1,).
+        neck: first unknown of each neck, and their end, (K + 1,): modes, then knots.
         order: as in `Orders.fluid`: of fluid discs, of bodies where there is a mean stress STRAINED, (B,).
+        knots: of each neck, KNOTS for each foot on a surface where psi is free, (K,).
     """
 
     surface: Index
     neck: Index
     order: Index
+    knots: Index
 
     @property
     def unknowns(self) -> int:
@@ -45,7 +48,7 @@ class Numbering:
     @property
     def modes(self) -> Index:
         """How many modes each neck has, (K,)."""
-        return np.diff(self.neck)
+        return np.diff(self.neck) - self.knots
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,12 +122,13 @@ def number(pores: Pores, modes: Index) -> Numbering:
     most = np.zeros(len(pores.surfaces), np.int64)
     np.maximum.at(most, pores.necks, modes[:, None])
     surfaces = pores.surfaces
-    of_bodies = np.where((surfaces.kind == DISC) & (len(surfaces.periods) > 0), STRAINED, 0)
+    strained = (surfaces.kind == DISC) & (len(surfaces.periods) > 0) & ~surfaces.free
+    of_bodies = np.where(strained, STRAINED, 0)
     order = np.where(surfaces.fluid, _tabulated(lambda k: LEVELS[level_of(k)].fluid, most), of_bodies)
-    order[: surfaces.hollow] = np.minimum(2 * order[: surfaces.hollow], _MOST)
     surface = np.concatenate([[0], np.cumsum(_tabulated(numbers_of, order))]).astype(np.int64)
-    neck = surface[-1] + np.concatenate([[0], np.cumsum(modes)]).astype(np.int64)
-    return Numbering(surface, neck, order)
+    knots = KNOTS * np.sum(surfaces.free[pores.necks], axis=1)
+    neck = surface[-1] + np.concatenate([[0], np.cumsum(modes + knots)]).astype(np.int64)
+    return Numbering(surface, neck, order, knots)
 
 
 def _tabulated(function: Callable[[int], int], at: Index) -> Index:
@@ -150,21 +154,28 @@ def assemble(pores: Pores, shapes: PoreShapes, modes: Index) -> Assembly:
 
 def _batches(pores: Pores, shapes: PoreShapes, numbering: Numbering) -> Iterator[Batch]:
     modes = np.where(pores.sides >= 0, numbering.modes[pores.sides], 0)
-    kinds = np.column_stack([modes, numbering.order[pores.vertices]])
+    kinds = np.column_stack([modes, numbering.order[pores.vertices], pores.surfaces.free[pores.vertices]])
     for kind in np.unique(kinds, axis=0):
         level = LEVELS[level_of(int(kind[:3].max()))]
+        points = LEVELS[level_of(max(level.modes, _FINE))] if kind[6:].any() else level
         orders = Orders(
-            (int(kind[0]), int(kind[1]), int(kind[2])),
-            (int(kind[3]), int(kind[4]), int(kind[5])),
+            _three(kind[:3]),
+            _three(kind[3:6]),
             level.bubbles,
             level.neck_bubbles,
+            _three(kind[6:] * min(_FREE * level.fluid, _MOST)),
         )
         alike = np.flatnonzero(np.all(kinds == kind, axis=1))
-        along, across, _ = level.points
-        numbers = orders.total * 3 * (2 * along * across + level.rule.third.shape[1])
+        along, across, _ = points.points
+        numbers = orders.total * 3 * (2 * along * across + points.rule.third.shape[1])
         for some in np.array_split(alike, 1 + len(alike) * numbers // _NUMBERS):
-            forms = pore_forms(shapes.of(some), level.rule, orders)
-            yield Batch(some, _unknowns(pores, some, orders, numbering), orders, level.rule, forms)
+            forms = pore_forms(shapes.of(some), points.rule, orders)
+            yield Batch(some, _unknowns(pores, some, orders, numbering), orders, points.rule, forms)
+
+
+def _three(numbers: Index) -> tuple[int, int, int]:
+    first, second, third = numbers.tolist()
+    return first, second, third
 
 
 def _unknowns(pores: Pores, chosen: Index, orders: Orders, numbering: Numbering) -> Index:
@@ -174,7 +185,8 @@ def _unknowns(pores: Pores, chosen: Index, orders: Orders, numbering: Numbering)
         numbers = np.arange(numbers_of(orders.fluid[v]))
         parts.append(numbering.surface[pores.vertices[chosen, v], None] + numbers)
     for v in range(3):
-        parts.append(numbering.neck[pores.sides[chosen, v], None] + np.arange(orders.modes[v]))
+        numbers = np.arange(orders.modes[v] + orders.knots[v])
+        parts.append(numbering.neck[pores.sides[chosen, v], None] + numbers)
     return np.concatenate(parts, axis=1)
 
 
@@ -182,7 +194,6 @@ def _fluid_forms(pores: Pores, numbering: Numbering) -> Iterator[FluidForms]:
     """The dissipation inside fluid discs."""
     for order in np.unique(numbering.order[pores.surfaces.fluid]):
         fluid = np.flatnonzero(numbering.order == order)
-        fluid = fluid[fluid >= pores.surfaces.hollow]
         own = np.pad(inner_form(int(order)), (RIGID, 0))
         unknown = numbering.surface[fluid, None] + np.arange(len(own))
         yield FluidForms(fluid, unknown, own, 1.0 / pores.surfaces.radius[fluid] ** 2)

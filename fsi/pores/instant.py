@@ -99,9 +99,9 @@ class PoreInstant:
 
     @cached_property
     def lower_bound(self) -> float | None:
-        """Of the apparent viscosity, in a cell and of bodies without loads; one solve with more modes."""
+        """Of the apparent viscosity, of bodies without loads; one solve with more modes."""
         E = mean_strain_rate(self.bodies, self.flow.loading)
-        if self.apparent_viscosity is None or self.flow.loading.walls.size or not self.force_free:
+        if self.apparent_viscosity is None or not self.force_free:
             return None
         return least_viscosity(reference_system(self.flow.system)[0], E)
 

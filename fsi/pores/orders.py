@@ -5,6 +5,7 @@ from typing import NamedTuple
 RIGID = 4  # U_x, U_y, omega, c
 STRAINED = 2  # the order of bodies whose stresslets are wanted: z^2 is a strain rate
 CUBIC = 3  # the least order of fluid discs
+KNOTS = 4  # of a neck at a foot on a surface where psi is free: f, f', g, g'
 
 
 class Orders(NamedTuple):
@@ -17,22 +18,32 @@ class Orders(NamedTuple):
             a strain rate, 0 of others.
         bubbles: the degree of p(x, y).
         neck_bubbles: degrees + 1 of p(e, l_j - l_i) along and across each neck; 0 for none.
+        free: of the vertices on which psi is free, how many polynomials f has between feet, and g; else 0.
     """
 
     modes: tuple[int, int, int]
     fluid: tuple[int, int, int]
     bubbles: int
     neck_bubbles: int
+    free: tuple[int, int, int] = (0, 0, 0)
+
+    @property
+    def knots(self) -> tuple[int, int, int]:
+        """How many each side has."""
+        a, b, c = (KNOTS * int(number > 0) for number in self.free)
+        return b + c, c + a, a + b
 
     @property
     def shared(self) -> int:
         """How many functions belong to surfaces and necks; those that follow are bubbles."""
-        return sum(numbers_of(order) for order in self.fluid) + sum(self.modes)
+        numbers = sum(numbers_of(order) for order in self.fluid)
+        return numbers + sum(self.modes) + sum(self.knots)
 
     @property
     def total(self) -> int:
         """How many functions there are."""
-        return self.shared + (self.bubbles + 1) * (self.bubbles + 2) // 2 + 3 * self.neck_bubbles**2
+        inner = (self.bubbles + 1) * (self.bubbles + 2) // 2 + 3 * self.neck_bubbles**2
+        return self.shared + inner + 2 * sum(self.free)
 
 
 def numbers_of(order: int) -> int:

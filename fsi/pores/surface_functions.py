@@ -179,21 +179,27 @@ def _times_i(z: complex, sign: float) -> complex:
 
 @inlined
 def _extended(weights: tuple[Jet, Jet, Jet], f: Goursat) -> Jet:
-    """The trial function of F = Re (phi + zb chi) on a surface: blend F + slope . grad F."""
-    (blend, slope_x, slope_y), (g0, g1, g2, g3, c0, c1, c2) = weights, f
-    first, second, mixed = (
-        complex(0.5 * (g1.real + c0.real), 0.5 * (g1.imag - c0.imag)),
-        scaled(0.5, g2),
-        c1.real,
-    )
-    third, beside = scaled(0.5, g3), scaled(0.5, c2)  # F_zzz and F_zzzb
-    F = (g0.real, first, second, mixed)
+    """The trial function of F = Re (phi + zb chi) on a surface."""
+    g0, g1, g2, g3, c0, c1, c2 = f
+    first = complex(0.5 * (g1.real + c0.real), 0.5 * (g1.imag - c0.imag))
+    return extended(weights, (g0.real, first, scaled(0.5, g2), c1.real, scaled(0.5, g3), scaled(0.5, c2)))
+
+
+type ThirdJet = tuple[float, complex, complex, float, complex, complex]
+"""F, F_z, F_zz, F_zzb, F_zzz, F_zzzb of a real function."""
+
+
+@inlined
+def extended(weights: tuple[Jet, Jet, Jet], f: ThirdJet) -> Jet:
+    """The trial function of F on a surface: blend F + slope . grad F."""
+    (blend, slope_x, slope_y), (value, first, second, mixed, third, beside) = weights, f
+    F = (value, first, second, mixed)
     F_x = (
         2.0 * first.real,
         complex(second.real + mixed, second.imag),
         combined(1.0, third, 1.0, beside),
-        c2.real,
+        2.0 * beside.real,
     )
     over, up = complex(second.real - mixed, second.imag), combined(1.0, third, -1.0, beside)
-    F_y = (-2.0 * first.imag, _times_i(over, 1.0), _times_i(up, 1.0), -c2.imag)  # i (F_z - F_zb)
+    F_y = (-2.0 * first.imag, _times_i(over, 1.0), _times_i(up, 1.0), -2.0 * beside.imag)  # i (F_z - F_zb)
     return plus(1.0, product(blend, F), 1.0, plus(1.0, product(slope_x, F_x), 1.0, product(slope_y, F_y)))

@@ -59,7 +59,7 @@ class BoundingSurfaces:
         normal: of walls, unit, into the fluid; 0 for circles, (B, 2).
         fluid: whether it is a circle of fluid rather than a body, (B,).
         periods: vectors that carry all onto itself, rows, (P, 2), P = 0, 1, 2.
-        hollow: how many discs, the first, have nothing inside: circles where psi is free (`complement`).
+        hollow: whether psi is free on bodies and walls, and bodies have nothing inside (`complement`).
     """
 
     kind: NDArray[np.int8]
@@ -68,11 +68,16 @@ class BoundingSurfaces:
     normal: Array
     fluid: NDArray[np.bool_]
     periods: Array
-    hollow: int = 0
+    hollow: bool = False
 
     def __len__(self) -> int:
         """Number of surfaces B."""
         return len(self.kind)
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """On which psi is free, (B,)."""
+        return ~self.fluid & self.hollow
 
     @property
     def discs(self) -> int:

@@ -29,6 +29,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.machine.compiled import vectorised
+from fsi.pores.free_functions import arc_bubbles, knots
 from fsi.pores.inner_functions import ALONG, bubbles, modes, neck_bubbles
 from fsi.pores.jets import room
 from fsi.pores.orders import CUBIC, RIGID, Orders
@@ -41,7 +42,7 @@ from fsi.pores.weights import WEIGHTS, make_weights
 def room_for(orders: Orders) -> Array:
     """To make functions of these orders."""
     polynomials = 2 * max(ALONG, orders.bubbles + 1)
-    return room(WEIGHTS + max(polynomials, max(orders.fluid) + 8))
+    return room(WEIGHTS + max(polynomials, max(orders.fluid) + 8, max(orders.free) + 5))
 
 
 @vectorised
@@ -61,7 +62,11 @@ def take_functions(pore: Complex, orders: Orders, to: Target) -> None:
     for v in range(3):
         beside = max(orders.fluid[(v + 1) % 3], orders.fluid[(v + 2) % 3]) >= CUBIC
         k = modes(pore, v, -orders.modes[v] if beside else orders.modes[v], to, k)
+        k = knots(pore, v, orders.free, to, k)
     k = bubbles(pore, orders.bubbles, to, k)
     for v in range(3):
         if orders.neck_bubbles > 0:
             k = neck_bubbles(pore, v, orders.neck_bubbles, to, k)
+    for v in range(3):
+        if orders.free[v] > 0:
+            k = arc_bubbles(pore, v, orders.free[v], to, k)

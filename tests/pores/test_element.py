@@ -1,6 +1,7 @@
 """The trial functions of pores: conforming, free of cost for rigid motion, exact in the limit."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -35,11 +36,19 @@ def packing(seed: int) -> BoundingSurfaces:
     return channel(centres, 1.0 + 0.1 * rng.random(9), 7.4, 7.2)
 
 
+def pores_between(surfaces: BoundingSurfaces, modes: int, *, hollow: bool) -> PoreSystem:
+    """With psi free on bodies and walls, or not."""
+    system = PoreSystem.make(surfaces, modes, 1.0)
+    pores = replace(system.pores, surfaces=replace(system.pores.surfaces, hollow=hollow))
+    return PoreSystem.of(0 if hollow else system.bodies, pores, system.assembly.numbering.modes, 1.0)
+
+
+@pytest.mark.parametrize("hollow", [False, True])
 @pytest.mark.parametrize("modes", [4, 8])
-def test_derivatives_of_all_trial_functions_are_those_of_their_values(modes: int) -> None:
+def test_derivatives_of_all_trial_functions_are_those_of_their_values(modes: int, *, hollow: bool) -> None:
     """Central differences over 1e-5 of psi and of its first derivatives, in the middle of pores: 1e-7 of the
     largest derivative of each function."""
-    h, system = 1e-5, PoreSystem.make(packing(5), modes, 1.0)
+    h, system = 1e-5, pores_between(packing(5), modes, hollow=hollow)
     for batch in system.assembly.batches:
         shapes = system.shapes.of(batch.pore)
         data, middle = pore_data(shapes), shapes.touch.mean(axis=1)
@@ -141,11 +150,14 @@ def test_a_rotation_of_a_round_container_with_its_discs_costs_nothing() -> None:
     assert flow.dissipation <= 1e-9
 
 
-def test_velocity_and_stream_function_are_continuous_across_necks() -> None:
+@pytest.mark.parametrize("hollow", [False, True])
+def test_velocity_and_stream_function_are_continuous_across_necks(*, hollow: bool) -> None:
     """Differences over 1e-7 across each neck, of a flow with all numbers at random: 1e-5 and less; slopes of
     second derivatives jump there, so that a discontinuous velocity (order 1) stands out."""
-    system = PoreSystem.make(packing(2), 4, 1.0)
-    flow = sheared(system, 7.2)
+    system, flow = (
+        pores_between(packing(2), 4, hollow=hollow),
+        sheared(PoreSystem.make(packing(2), 4, 1.0), 7.2),
+    )
     x = np.random.default_rng(3).standard_normal(system.size)
     walls = system.assembly.numbering.surface[-3:-1]
     x[walls + 1] = x[walls + 2] = 0.0  # walls slide along themselves only

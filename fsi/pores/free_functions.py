@@ -1,0 +1,276 @@
+"""The trial functions of surfaces on which psi is free, walls and bodies, for stresses in equilibrium.
+
+With w = t + i s a conformal map that lays the surface on s = 0, the fluid above,
+
+    wall: w = conj(e) (z - A), e along it;     circle: w = i a log((z - z_v) / (A - z_v)),
+
+A and B the feet of the two necks of a pore there, t = 0 at A, and since s is the distance to first order,
+
+    Psi = f(t) + s g(t),
+
+f and g are cubic with values and slopes at A and B, which the pores beside have too, and in between
+(1 - x^2)^2 P_k(x), which vanish to second order at both ends. Polynomials gather where necks are narrow, as
+the points of `fsi.pores.quadrature` do: with w_A the distance from A at which the gap there is twice as wide,
+
+    x = arsinh(t / w_A) / arsinh(h / w_A) - arsinh((h - t) / w_B) / arsinh(h / w_B),   h = t_B,
+
+which is 2 t / h - 1 where necks are wide.
+"""
+
+import numpy as np
+
+from fsi.bodies.configuration import Array
+from fsi.machine.compiled import inlined, vectorised
+from fsi.pores.jets import AT_ONCE, load, scaled, times
+from fsi.pores.pore_data import (
+    CENTRE,
+    FIRST,
+    GATHERING,
+    IS_WALL,
+    NORMAL,
+    RADIUS,
+    SECOND,
+    TOUCH,
+    TURN,
+    Complex,
+)
+from fsi.pores.quadrature import DISTANCE, Y
+from fsi.pores.surface_functions import ThirdJet, extended
+from fsi.pores.target import Target, put
+from fsi.pores.weights import BLEND, SLOPE_X, SLOPE_Y, WEIGHTS
+
+# Rows of room behind the weights: t and s; w', w'' and w'''; x and its derivatives; then polynomials, one row
+# more than there are.
+AT, MAPPED, GATHERED, POLYNOMIALS = WEIGHTS, WEIGHTS + 1, WEIGHTS + 2, WEIGHTS + 3
+type Ends = tuple[complex, complex]
+
+
+@vectorised
+def knots(pore: Complex, v: int, free: tuple[int, int, int], to: Target, k: int) -> int:
+    """Of side v: f, f', g, g' at each of its feet on such a surface, from k on; the next k.
+
+    They belong to the neck: the foot at its first surface comes first.
+    """
+    i, j = (v + 1) % 3, (v + 2) % 3
+    along = pore[v, TURN].real > 0.0
+    for end in range(2):
+        first = along == (end == 0)
+        surface = i if first else j
+        if free[surface] > 0:
+            foot = pore[v, FIRST] if first else pore[v, SECOND]
+            other = pore[j, SECOND] if first else pore[i, FIRST]
+            k = _knot(pore, surface, (foot, other), to, k)
+    return k
+
+
+@vectorised
+def _knot(pore: Complex, v: int, ends: Ends, to: Target, k: int) -> int:
+    """Those at the first end of the arc of surface v."""
+    h = _map(pore[v], ends, to.points, to.points[(DISTANCE + v) * AT_ONCE :], to.room)
+    P = to.room[POLYNOMIALS:]
+    _cubics(to.room[AT], h, P[0], P[1])
+    for m in range(2):
+        _put_both(v, P[m], to, (k + m, k + 2 + m))
+    return k + 4
+
+
+@vectorised
+def arc_bubbles(pore: Complex, v: int, number: int, to: Target, k: int) -> int:
+    """Those of f and of g between the feet on surface v, in turns; the next k."""
+    i, j = (v + 1) % 3, (v + 2) % 3
+    ends, P, x = (pore[j, FIRST], pore[i, SECOND]), to.room[POLYNOMIALS:], to.room[GATHERED]
+    h = _map(pore[v], ends, to.points, to.points[(DISTANCE + v) * AT_ONCE :], to.room)
+    _gather(to.room[AT], h, (_width(pore, j), _width(pore, i)), x)
+    _polynomials(x, number, P)
+    for m in range(number):
+        _times_ends(P[m], x, P[number + 1])
+        _put_both(v, P[number + 1], to, (k + 2 * m, k + 2 * m + 1))
+    return k + 2 * number
+
+
+@inlined
+def _width(pore: Complex, side: int) -> float:
+    """How far from the foot the gap of a side is twice as wide: T = arsinh(span / width)."""
+    first = pore[(side + 1) % 3, TOUCH] - pore[side, FIRST]
+    second = pore[(side + 2) % 3, TOUCH] - pore[side, SECOND]
+    T = max(pore[side, GATHERING].real, 1e-3)
+    return float(0.5 * (_length(first) + _length(second)) / np.sinh(T))
+
+
+@inlined
+def _length(z: complex) -> float:
+    return float(np.sqrt(z.real * z.real + z.imag * z.imag))
+
+
+@vectorised
+def _gather(t: Array, h: float, widths: tuple[float, float], out: Array) -> None:
+    """x and its three derivatives by t."""
+    a, b = h / abs(h) * widths[0], h / abs(h) * widths[1]
+    of_a, of_b = np.arcsinh(h / a), np.arcsinh(h / b)
+    for w in range(AT_ONCE):
+        left, right = t[w] / a, (h - t[w]) / b
+        r, q = 1.0 / np.sqrt(1.0 + left * left), 1.0 / np.sqrt(1.0 + right * right)
+        value = np.arcsinh(left) / of_a - np.arcsinh(right) / of_b
+        first = r / (a * of_a) + q / (b * of_b)
+        second = right * q**3 / (b * b * of_b) - left * r**3 / (a * a * of_a)
+        third = (2.0 * left * left - 1.0) * r**5 / (a**3 * of_a)
+        third += (2.0 * right * right - 1.0) * q**5 / (b**3 * of_b)
+        _put_polynomial(out, w, (value, first, second, third))
+
+
+@vectorised
+def _map(surface: Complex, ends: Ends, points: Array, d: Array, room: Array) -> float:
+    """t, s and the derivatives of w at points with distances d; returns t_B."""
+    (foot, other), at, mapped = ends, room[AT], room[MAPPED]
+    if surface[IS_WALL].real > 0.0:
+        n = surface[NORMAL]
+        return _map_wall(complex(n.imag, -n.real), (foot, other), points, d, (at, mapped))
+    return _map_circle(surface[CENTRE], surface[RADIUS].real, (foot, other), points, d, (at, mapped))
+
+
+@vectorised
+def _map_wall(e: complex, ends: Ends, points: Array, d: Array, out: tuple[Array, Array]) -> float:
+    (foot, other), (at, mapped) = ends, out
+    for w in range(AT_ONCE):
+        x, y = points[w] - foot.real, points[Y * AT_ONCE + w] - foot.imag
+        at[w], at[AT_ONCE + w] = x * e.real + y * e.imag, d[w]
+        _store(mapped, w, (complex(e.real, -e.imag), 0j, 0j))
+    return float((other.real - foot.real) * e.real + (other.imag - foot.imag) * e.imag)
+
+
+@vectorised
+def _map_circle(
+    centre: complex, a: float, ends: Ends, points: Array, d: Array, out: tuple[Array, Array]
+) -> float:
+    (foot, other), (at, mapped) = ends, out
+    A = foot - centre
+    for w in range(AT_ONCE):
+        r = complex(points[w] - centre.real, points[Y * AT_ONCE + w] - centre.imag)
+        at[w], at[AT_ONCE + w] = -a * _angle(A, r), a * np.log1p(d[w] / a)
+        square = r.real * r.real + r.imag * r.imag
+        inverse = complex(r.real / square, -r.imag / square)
+        first = scaled(a, complex(-inverse.imag, inverse.real))  # i a / z
+        second = scaled(-1.0, times(first, inverse))
+        _store(mapped, w, (first, second, scaled(-2.0, times(second, inverse))))
+    return float(-a * _angle(A, other - centre))
+
+
+@inlined
+def _angle(A: complex, B: complex) -> float:
+    """From A to B, anticlockwise."""
+    return float(np.arctan2(A.real * B.imag - A.imag * B.real, A.real * B.real + A.imag * B.imag))
+
+
+@inlined
+def _store(mapped: Array, w: int, derivatives: tuple[complex, complex, complex]) -> None:
+    """w', w'' and w''' at point w."""
+    for m in range(3):
+        mapped[2 * m * AT_ONCE + w] = derivatives[m].real
+        mapped[(2 * m + 1) * AT_ONCE + w] = derivatives[m].imag
+
+
+@inlined
+def _put_polynomial(p: Array, w: int, values: tuple[float, float, float, float]) -> None:
+    """A polynomial and its three derivatives at point w."""
+    for m in range(4):
+        p[m * AT_ONCE + w] = values[m]
+
+
+@vectorised
+def _cubics(t: Array, h: float, value: Array, slope: Array) -> None:
+    """That with the value 1 and that with the slope 1 at t = 0, both zero to second order at h."""
+    for w in range(AT_ONCE):
+        x = t[w] / h
+        first, second = 6.0 * x * (x - 1.0) / h, (12.0 * x - 6.0) / (h * h)
+        _put_polynomial(value, w, (1.0 - x * x * (3.0 - 2.0 * x), first, second, 12.0 / (h * h * h)))
+        first, second = (1.0 - x) * (1.0 - 3.0 * x), (6.0 * x - 4.0) / h
+        _put_polynomial(slope, w, (h * x * (1.0 - x) * (1.0 - x), first, second, 6.0 / (h * h)))
+
+
+@vectorised
+def _polynomials(x: Array, number: int, P: Array) -> None:
+    """P_0, P_1, ... of x and their derivatives by x."""
+    _first_two(x, P[0], P[1])
+    for j in range(1, number):
+        _next(P[j - 1], P[j], x, float(j), P[j + 1])
+
+
+@vectorised
+def _first_two(x: Array, one: Array, same: Array) -> None:
+    for w in range(AT_ONCE):
+        _put_polynomial(one, w, (1.0, 0.0, 0.0, 0.0))
+        _put_polynomial(same, w, (x[w], 1.0, 0.0, 0.0))
+
+
+@vectorised
+def _next(a: Array, b: Array, x: Array, j: float, out: Array) -> None:
+    """(j + 1) P_j+1 = (2 j + 1) x P_j - j P_j-1."""
+    c, f = (2.0 * j + 1.0) / (j + 1.0), j / (j + 1.0)
+    for w in range(AT_ONCE):
+        b0, b1, b2, b3 = b[w], b[AT_ONCE + w], b[2 * AT_ONCE + w], b[3 * AT_ONCE + w]
+        value, first = c * x[w] * b0 - f * a[w], c * (b0 + x[w] * b1) - f * a[AT_ONCE + w]
+        second, third = c * (2.0 * b1 + x[w] * b2), c * (3.0 * b2 + x[w] * b3)
+        second, third = second - f * a[2 * AT_ONCE + w], third - f * a[3 * AT_ONCE + w]
+        _put_polynomial(out, w, (value, first, second, third))
+
+
+@vectorised
+def _times_ends(p: Array, x: Array, out: Array) -> None:
+    """(1 - x^2)^2 p and its derivatives by t."""
+    for w in range(AT_ONCE):
+        p0, p1, p2, p3 = p[w], p[AT_ONCE + w], p[2 * AT_ONCE + w], p[3 * AT_ONCE + w]
+        x0, x1, x2, x3 = x[w], x[AT_ONCE + w], x[2 * AT_ONCE + w], x[3 * AT_ONCE + w]
+        u = 1.0 - x0 * x0
+        q0, q1, q2, q3 = u * u, -4.0 * x0 * u, 12.0 * x0 * x0 - 4.0, 24.0 * x0
+        r1, r2 = q1 * p0 + q0 * p1, q2 * p0 + 2.0 * q1 * p1 + q0 * p2
+        r3 = q3 * p0 + 3.0 * q2 * p1 + 3.0 * q1 * p2 + q0 * p3
+        third = r3 * x1 * x1 * x1 + 3.0 * r2 * x1 * x2 + r1 * x3
+        _put_polynomial(out, w, (q0 * p0, r1 * x1, r2 * x1 * x1 + r1 * x2, third))
+
+
+@vectorised
+def _put_both(v: int, p: Array, to: Target, at: tuple[int, int]) -> None:
+    """What comes out of Psi = p(t) and of Psi = s p(t) on surface v, as those functions."""
+    weights = to.room[BLEND + v], to.room[SLOPE_X + v], to.room[SLOPE_Y + v]
+    coordinates = to.room[AT], to.room[MAPPED]
+    _put_extended(weights, coordinates, p, to.points, (to.out[at[0], to.at :], to.out[at[1], to.at :]))
+
+
+@vectorised
+def _put_extended(
+    weights: tuple[Array, Array, Array],
+    coordinates: tuple[Array, Array],
+    p: Array,
+    points: Array,
+    out: tuple[Array, Array],
+) -> None:
+    """The same at points."""
+    (b, sx, sy), (at, mapped), (f, g) = weights, coordinates, out
+    for w in range(AT_ONCE):
+        made = load(b, w), load(sx, w), load(sy, w)
+        map_ = (
+            complex(mapped[w], mapped[AT_ONCE + w]),
+            complex(mapped[2 * AT_ONCE + w], mapped[3 * AT_ONCE + w]),
+            complex(mapped[4 * AT_ONCE + w], mapped[5 * AT_ONCE + w]),
+        )
+        p0, p1, p2, p3 = p[w], p[AT_ONCE + w], p[2 * AT_ONCE + w], p[3 * AT_ONCE + w]
+        s = at[AT_ONCE + w]
+        put(f, points, w, extended(made, _function(map_, (p0, p1, 0.0, p2, 0.0, p3, 0.0))))
+        put(g, points, w, extended(made, _function(map_, (s * p0, s * p1, p0, s * p2, p1, s * p3, p2))))
+
+
+@inlined
+def _function(
+    map_: tuple[complex, complex, complex], of: tuple[float, float, float, float, float, float, float]
+) -> ThirdJet:
+    """F, F_z, F_zz, F_zzb, F_zzz, F_zzzb by F, F_t, F_s, F_tt, F_ts, F_ttt, F_tts; F_ss = 0."""
+    (w1, w2, w3), (value, t, s, tt, ts, ttt, tts) = map_, of
+    first, second = complex(0.5 * t, -0.5 * s), complex(0.25 * tt, -0.5 * ts)
+    third, beside = complex(0.125 * ttt, -0.375 * tts), complex(0.125 * ttt, -0.125 * tts)
+    square, mixed = times(w1, w1), 0.25 * tt
+    size = w1.real * w1.real + w1.imag * w1.imag
+    f2 = times(second, square) + times(first, w2)
+    f3 = times(third, times(square, w1)) + scaled(3.0, times(second, times(w1, w2))) + times(first, w3)
+    back = complex(w1.real, -w1.imag)
+    turned = scaled(size, times(beside, w1)) + scaled(mixed, times(w2, back))
+    return value, times(first, w1), f2, mixed * size, f3, turned
