@@ -2,15 +2,17 @@
 
     git worktree add /tmp/before COMMIT
     python bench/against.py /tmp/before
+    python bench/against.py /tmp/before --bars
     python bench/against.py /tmp/before --discs 200
     python bench/against.py . --ranks 2 --discs 200
 
-Each of the two solves the same case files in a process of its own, warm, mesh included; with `--discs` one
-step of so many sheared discs (see `bench/suspension.py`), on a new mesh and on a moved one. They are asked
-for one solve each in turn, so that other work on the machine slows down both, and their CPU seconds are
-compared: those of the cheapest solve, and the quartiles of the ratio of the two of each turn. With `--ranks`
-this checkout solves on several ranks; seconds are those of the first, which does not sleep while it waits.
-The bench ends with exit code 1 where a median is above `--most`.
+Each of the two solves the same case files in a process of its own, warm, mesh included; with `--bars` what
+counts is their error bars, which come after the solve, with `--discs` one step of so many sheared discs (see
+`bench/suspension.py`), on a new mesh and on a moved one. They are asked for one solve each in turn, so that
+other work on the machine slows down both, and their CPU seconds are compared: those of the cheapest solve,
+and the quartiles of the ratio of the two of each turn. With `--ranks` this checkout solves on several ranks;
+seconds are those of the first, which does not sleep while it waits. The bench ends with exit code 1 where a
+median is above `--most`.
 """
 
 from __future__ import annotations
@@ -32,7 +34,7 @@ from fsi.workers.launch import mpiexec
 ROOT = Path(__file__).parents[1]
 CASES = ["disc_beside_plane", "two_discs", "disc_in_box", "couette_N10", "sheared_cell"]
 # Read by both: for each line of the input one solve, and its CPU seconds in the output. A line is the path of
-# a case file, or a number of discs and "new" or "moved".
+# a case file, behind "bars" where these are asked for, or a number of discs and "new" or "moved".
 SERVE = """
 import sys, time, fsi
 from pathlib import Path
@@ -49,13 +51,16 @@ def of_discs(n, mesh):
     (solution,) = (moved_steps if mesh == "moved" else new_steps)(suspension(int(n)), 1)
     return sum(solution.seconds.values())
 
-def of_case(path):
+def of_case(path, bars):
     if path not in models:
         case = load_case(Path(path), [])
         models[path] = StokesModel(case), case.configuration()
     model, q = models[path]
     start = time.process_time()
-    model(q, 0.0)
+    solution = model(q, 0.0)
+    if bars:
+        start = time.process_time()
+        model.errors(q, 0.0, solution)
     return time.process_time() - start
 
 comm = MPI.COMM_WORLD
@@ -73,7 +78,8 @@ def next_asked():
 
 while asked := next_asked():
     comm.barrier()
-    seconds = of_discs(*asked.split()) if asked[0].isdigit() else of_case(asked)
+    path = asked.removeprefix("bars ")
+    seconds = of_discs(*asked.split()) if asked[0].isdigit() else of_case(path, path != asked)
     if comm.rank == 0:
         print(seconds, flush=True)
 """
@@ -112,6 +118,7 @@ def main(
     turns: Annotated[int, typer.Option(help="Solves of each case by each of them.")] = 20,
     most: Annotated[float, typer.Option(help="How many times as dear a solve may be.")] = 1.03,
     cases: Annotated[list[str] | None, typer.Option(help="Of the folder cases.", show_default="five")] = None,
+    bars: Annotated[bool, typer.Option("--bars", help="Of cases the seconds of their error bars.")] = False,
     discs: Annotated[list[int] | None, typer.Option(help="Sheared discs, in place of cases.")] = None,
     ranks: Annotated[int, typer.Option(help="On which this checkout solves.", min=1)] = 1,
 ) -> None:
@@ -120,7 +127,8 @@ def main(
     for heading in ("case", "there", "here", "quartiles of here / there, each turn"):
         table.add_column(heading, justify="left" if heading == "case" else "right")
     medians = []
-    asked = {case: f"{ROOT / 'cases' / case}.toml" for case in cases or CASES}
+    what = "bars " if bars else ""
+    asked = {f"{what}{case}": f"{what}{ROOT / 'cases' / case}.toml" for case in cases or CASES}
     if discs:
         asked = {f"{n} discs, {mesh} mesh": f"{n} {mesh}" for n in discs for mesh in ("new", "moved")}
     with closing(Checkout(ROOT, ranks)) as here, closing(Checkout(other.resolve())) as there:
