@@ -19,6 +19,7 @@ from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.planar.sizing import Resolution
 from fsi.pores.complement import least_viscosity
+from fsi.pores.fluid_discs import pores_without_wide
 from fsi.pores.solve import PoreLoading, solve_pores
 from fsi.pores.surfaces import surfaces_of
 from fsi.pores.system import PoreSystem
@@ -125,9 +126,14 @@ def by_pores(packing: Packing, modes: int) -> SolvedPacking:
 
 def least_dissipation(packing: Packing, modes: int) -> float:
     """A lower bound of its dissipation, by stresses in pores with so many modes a neck."""
-    system = PoreSystem.make(surfaces_of(packing.q, packing.container), modes, 1.0)
+    pores = pores_without_wide(surfaces_of(packing.q, packing.container))
     E = 0.5 * (packing.gradient + packing.gradient.T)
-    return least_viscosity(system, E) * 2.0 * float(np.sum(E**2)) * packing.container.volume
+    return (
+        least_viscosity(pores, np.full(len(pores.necks), modes), E)
+        * 2.0
+        * float(np.sum(E**2))
+        * packing.container.volume
+    )
 
 
 def by_elements(packing: Packing, resolution: Resolution, degree: int) -> SolvedPacking:

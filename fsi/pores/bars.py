@@ -12,6 +12,7 @@ import numpy as np
 
 from fsi.case.sections import EDGE_MODES
 from fsi.pores.adapt import REFINED, more
+from fsi.pores.pattern import Index
 from fsi.pores.system import PoreSystem
 
 SAFETY = 1.5
@@ -28,13 +29,13 @@ def bar_factor(modes: int) -> float:
     return SAFETY if modes < _MOST else 1.0
 
 
-def reference_system(system: PoreSystem) -> tuple[PoreSystem, float]:
-    """The same pores with other modes, and what makes the difference from their flow a bound of the error."""
+def other_modes(system: PoreSystem) -> tuple[Index, float]:
+    """Other modes, (K,), and what makes the difference from a flow with them a bound of the error."""
     modes = system.assembly.numbering.modes
     others = more(modes)
     if np.any(others > modes):
-        return system.with_modes(others), SAFETY
-    return system.with_modes(np.full_like(modes, EDGE_MODES[-2])), 1.0
+        return others, SAFETY
+    return np.full_like(modes, EDGE_MODES[-2]), 1.0
 
 
 def finer(modes: int) -> int | None:

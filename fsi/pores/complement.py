@@ -32,21 +32,22 @@ from fsi.pores.assembly import Batch
 from fsi.pores.carrier import carried, stream
 from fsi.pores.definite import Cholesky
 from fsi.pores.orders import KNOTS, RIGID, numbers_of
+from fsi.pores.pattern import Index
 from fsi.pores.regions import NEXT, OTHER
 from fsi.pores.surfaces import WALL, BoundingSurfaces
 from fsi.pores.system import PoreSystem
+from fsi.pores.topology import Pores
 
 _STRESSES = (np.diag([-1.0, 1.0]), np.array([[0.0, 1.0], [1.0, 0.0]]))
 
 
-def least_viscosity(system: PoreSystem, E: Array) -> float:
+def least_viscosity(pores: Pores, modes: Index, E: Array) -> float:
     """Below the apparent viscosity over mu of a cell in the mean strain rate E, bodies without loads.
 
-    Or of a channel whose walls slide.
+    Or of a channel whose walls slide. By stresses with these numbers of modes for the necks, (K,).
     """
-    surfaces = replace(system.pores.surfaces, hollow=True)
-    modes = system.assembly.numbering.modes
-    stresses = PoreSystem.of(0, replace(system.pores, surfaces=surfaces), modes, 1.0)
+    surfaces = replace(pores.surfaces, hollow=True)
+    stresses = PoreSystem.of(0, replace(pores, surfaces=surfaces), modes, 1.0)
     if surfaces.bounds:
         return 4.0 * _area(surfaces) / float(_least(stresses, _STRESSES[:1])[0, 0])
     M = _least(stresses, _STRESSES) / (4.0 * _area(surfaces))

@@ -12,7 +12,7 @@ from fsi.observables.bars import DrivenBodies
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.quantities import stress_driven
 from fsi.parallel import on_root
-from fsi.pores.bars import reference_system
+from fsi.pores.bars import other_modes
 from fsi.pores.complement import least_viscosity
 from fsi.pores.fields import FlowFields
 from fsi.pores.necks import Necks, necks_of
@@ -103,7 +103,7 @@ class PoreInstant:
         E = mean_strain_rate(self.bodies, self.flow.loading)
         if self.apparent_viscosity is None or not self.force_free:
             return None
-        return least_viscosity(reference_system(self.flow.system)[0], E)
+        return least_viscosity(self.flow.system.pores, other_modes(self.flow.system)[0], E)
 
     @cached_property
     def checks(self) -> dict[str, float]:

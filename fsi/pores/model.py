@@ -18,7 +18,7 @@ from fsi.integration.errors import StepErrors
 from fsi.integration.state import Instant
 from fsi.observables.bars import Compared, DrivenBodies, motion_of, step_errors
 from fsi.pores.adapt import adapt
-from fsi.pores.bars import SAFETY, reference_system
+from fsi.pores.bars import SAFETY, other_modes
 from fsi.pores.fineness import Fineness
 from fsi.pores.fluid_discs import pores_without_wide
 from fsi.pores.instant import PoreInstant
@@ -86,7 +86,8 @@ def driven(bodies: DrivenBodies, fineness: Fineness, inertia: Inertia | None = N
 def errors_of(bodies: DrivenBodies, instant: PoreInstant) -> StepErrors:
     """The estimated errors of an instant, by one solve with other modes. Raises SolveError."""
     began = process_time()
-    system, factor = reference_system(instant.flow.system)
+    modes, factor = other_modes(instant.flow.system)
+    system = instant.flow.system.with_modes(modes)
     other = _solved(bodies, system, None, process_time() - began)
     return step_errors(bodies, instant, Compared(other, factor))
 

@@ -146,9 +146,9 @@ def test_what_touches_is_not_meshed_again(monkeypatch: pytest.MonkeyPatch) -> No
     tries: list[float] = []
     make: Callable[..., object] = fsi.meshes.build._triangles
 
-    def counted(domain: FluidDomain, resolution: Resolution, order: int) -> object:
+    def counted(domain: FluidDomain, resolution: Resolution) -> object:
         tries.append(resolution.growth)
-        return make(domain, resolution, order)
+        return make(domain, resolution)
 
     monkeypatch.setattr(fsi.meshes.build, "_triangles", counted)
     case = coarse(1.0)
