@@ -128,12 +128,8 @@ def least_dissipation(packing: Packing, modes: int) -> float:
     """A lower bound of its dissipation, by stresses in pores with so many modes a neck."""
     pores = pores_without_wide(surfaces_of(packing.q, packing.container))
     E = 0.5 * (packing.gradient + packing.gradient.T)
-    return (
-        least_viscosity(pores, np.full(len(pores.necks), modes), E)
-        * 2.0
-        * float(np.sum(E**2))
-        * packing.container.volume
-    )
+    least = least_viscosity(pores, np.full(len(pores.necks), modes), E)
+    return least * 2.0 * float(np.sum(E**2)) * packing.container.volume
 
 
 def by_elements(packing: Packing, resolution: Resolution, degree: int) -> SolvedPacking:

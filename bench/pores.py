@@ -113,17 +113,8 @@ def measured(packing: Packing) -> Measured:
 def by_fraction(found: list[Measured]) -> Table:
     """The worst of each area fraction, and the mean of unknowns and CPU milliseconds a disc."""
     table = Table(title="worst errors of packings, per cent; means a disc", title_justify="left")
-    of_least = ("lower bound: worst", "median")
-    for heading in (
-        "phi",
-        "cases",
-        "modes",
-        *Deviation._fields,
-        "least viscosity",
-        *of_least,
-        "unknowns",
-        "ms",
-    ):
+    bounds = ("least viscosity", "lower bound: worst", "median")
+    for heading in ("phi", "cases", "modes", *Deviation._fields, *bounds, "unknowns", "ms"):
         table.add_column(heading, justify="right")
     for fraction in sorted({case.packing.fraction for case in found}):
         some = [case for case in found if case.packing.fraction == fraction]

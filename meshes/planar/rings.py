@@ -97,15 +97,23 @@ class Neighbourhoods:
             narrowest[some] = angles[some, np.argmin(gaps[some], axis=1)]
         beside = np.where(np.isfinite(radii), np.minimum(radii, radius[:, None]), np.inf)
         smallest = np.minimum(radius, beside.min(axis=1, initial=np.inf))
-        facing: list[list[tuple[FacedGap, float]]] = [[] for _ in chosen]
-        narrow = np.minimum(
-            np.pad(beside, ((0, 0), (0, walls.shape[1])), constant_values=np.inf), radius[:, None]
-        )
-        for k, j in np.argwhere(gaps < NARROW * narrow).tolist():
-            bend = 1.0 / float(radii[k, j]) if j < most else surfaces.curvature(j - most)
-            gap = FacedGap(float(gaps[k, j]), float(narrow[k, j]), 1.0 / float(radius[k]) + bend)
-            facing[k].append((gap, float(angles[k, j])))
+        facing = _facing(surfaces, chosen, radii, gaps, angles)
         return Neighbourhoods(chosen, centres, radii, walls, smallest, narrowest, facing)
+
+
+def _facing(
+    surfaces: Surfaces, bodies: list[int], radii: Array, gaps: Array, angles: Array
+) -> list[list[tuple[FacedGap, float]]]:
+    """The narrow gaps of each body; radii of the others near it, gaps and angles of these and of walls."""
+    own, most = surfaces.radii[bodies], radii.shape[1]
+    beside = np.tile(own[:, None], gaps.shape[1])
+    beside[:, :most] = np.where(np.isfinite(radii), np.minimum(radii, own[:, None]), own[:, None])
+    facing: list[list[tuple[FacedGap, float]]] = [[] for _ in bodies]
+    for k, j in np.argwhere(gaps < NARROW * beside).tolist():
+        bend = 1.0 / float(radii[k, j]) if j < most else surfaces.curvature(j - most)
+        gap = FacedGap(float(gaps[k, j]), float(beside[k, j]), 1.0 / float(own[k]) + bend)
+        facing[k].append((gap, float(angles[k, j])))
+    return facing
 
 
 def _near(surfaces: Surfaces, bodies: list[int], reach: Array) -> tuple[Indices, Indices]:
@@ -125,9 +133,8 @@ def _fixed(
 ) -> Iterator[Array]:
     """The places of nodes that face others in narrow gaps, along an arc between two angles."""
     for gap, angle in facing:
-        for turn in range(
-            floor((ends[0] - angle) / (2.0 * np.pi)), ceil((ends[1] - angle) / (2.0 * np.pi)) + 1
-        ):
+        first, last = (ends - angle) / (2.0 * np.pi)
+        for turn in range(floor(first), ceil(last) + 1):
             yield on_circle(angle + 2.0 * np.pi * turn, radius, gap.places(cells))
 
 

@@ -59,9 +59,8 @@ def equidistribute_all(s: Array, density: Array, k: Indices, least: Indices) -> 
     """
     first = np.searchsorted(k, np.arange(len(least) + 1))
     column = np.arange(len(k)) - first[k]
-    areas = np.zeros(
-        (len(least), int(column.max(initial=0)) + 1)
-    )  # each curve by itself: fewer digits cancel
+    # Each curve is summed by itself: what others have would take digits.
+    areas = np.zeros((len(least), int(column.max(initial=0)) + 1))
     areas[k[1:], column[1:]] = np.where(column[1:], 0.5 * (density[1:] + density[:-1]) * np.diff(s), 0.0)
     cumulative = np.cumsum(areas, axis=1)[k, column]
     total = cumulative[first[1:] - 1]

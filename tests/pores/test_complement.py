@@ -43,11 +43,9 @@ def bound(surfaces: BoundingSurfaces, modes: int) -> float:
 
 @pytest.mark.parametrize("c", SQUARE)
 def test_the_bound_of_a_square_array_rises_to_its_viscosity(c: float) -> None:
-    """At c = 0.7, with gaps of a ninth of the radius: 1e-2, 2e-3, 3e-6 below; at 0.5 nearer."""
+    """At c = 0.7, with gaps of a ninth of the radius: 5e-3, 2e-3, 3e-6 below; at 0.5 nearer."""
     cell = cell_of("square", c, SHEAR)
-    bounds = []
-    for modes in (2, 4, 8):
-        bounds.append(bound(surfaces_of(ONE, cell), modes))
+    bounds = [bound(surfaces_of(ONE, cell), modes) for modes in (2, 4, 8)]
     assert np.all(np.diff(bounds) > 0.0)
     off = 1.0 - np.array(bounds) / SQUARE[c]
     assert np.all(off > -1e-7)
@@ -68,15 +66,12 @@ def test_the_viscosity_of_a_cell_lies_between_its_bounds(flow: dict[str, float])
 
 
 def test_the_bound_of_ten_discs_in_a_channel_rises_to_the_exact_viscosity() -> None:
-    """8.298079598524666 by spectral boundary integrals, gaps from 0.02; 1.1e-2, 2e-5 and 7e-7 below it.
-
-    With rigid walls the stress would be the same all along them, and the bound 1.
-    """
+    """8.298079598524666 by spectral boundary integrals, gaps from 0.02; 1.1e-2, 2e-5 and 1e-7 below it."""
     surfaces, _, exact = couette()
     bounds = [bound(surfaces, modes) for modes in (4, 8, 12)]
     off = 1.0 - np.array(bounds) / exact
     assert np.all(off > 0.0)
-    assert np.all(off < [2e-2, 5e-5, 2e-6])
+    assert np.all(off < [2e-2, 5e-5, 1e-6])
 
 
 @pytest.mark.parametrize(("gap", "width"), [(1e-1, 1e-5), (1e-2, 1e-5), (1e-3, 2e-2), (1e-4, 0.6)])

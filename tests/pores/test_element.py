@@ -154,10 +154,8 @@ def test_a_rotation_of_a_round_container_with_its_discs_costs_nothing() -> None:
 def test_velocity_and_stream_function_are_continuous_across_necks(*, hollow: bool) -> None:
     """Differences over 1e-7 across each neck, of a flow with all numbers at random: 1e-5 and less; slopes of
     second derivatives jump there, so that a discontinuous velocity (order 1) stands out."""
-    system, flow = (
-        pores_between(packing(2), 4, hollow=hollow),
-        sheared(PoreSystem.make(packing(2), 4, 1.0), 7.2),
-    )
+    system = pores_between(packing(2), 4, hollow=hollow)
+    flow = sheared(PoreSystem.make(packing(2), 4, 1.0), 7.2)
     x = np.random.default_rng(3).standard_normal(system.size)
     walls = system.assembly.numbering.surface[-3:-1]
     x[walls + 1] = x[walls + 2] = 0.0  # walls slide along themselves only
