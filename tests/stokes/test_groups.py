@@ -58,16 +58,16 @@ class Eliminated:
     pressure: NDArray[np.bool_]
 
 
-def eliminated(container: Container, q: Configuration, degree: int) -> Eliminated:
+def eliminated(container: Container, q: Configuration, degree: int, *, moving: bool = False) -> Eliminated:
     problem = held_at_rest(mesh(container, q, Resolution(0.3, 12, 1.0), degree), container, q)
     with assembled(problem, SolverOptions(degree), Clock()) as system:
-        unknown = np.zeros(system.layout.modes, dtype=bool)
+        unknown = np.full(system.layout.modes, moving)
         added = Added(np.zeros(system.layout.modes))
         elimination = system.workspace.elimination(system.layout, system.rigid, unknown, added)
         assert elimination._sum is not None
         groups = elimination._sum._groups
         free = system.layout.free
-        pressure = np.flatnonzero(free) >= system.layout.velocities
+        pressure = np.append(np.flatnonzero(free) >= system.layout.velocities, np.zeros(unknown.sum(), bool))
         merges = groups.structure.merges
         start = of_merges(groups, "start", np.int32, merges + 1)
         lists = np.split(of_merges(groups, "list", np.int32, start[-1]), start[1:-1])
@@ -79,11 +79,17 @@ def eliminated(container: Container, q: Configuration, degree: int) -> Eliminate
         return Eliminated(groups, lists, outer, pivots, pressure)
 
 
+# A sphere on an axis has modes that do not move it.
+MOVED = [(flow, moving) for flow in FLOWS for moving in (False, True) if not (moving and flow == "axis")]
+
+
 @pytest.mark.parametrize("degree", [2, 3, 4, 5])
-@pytest.mark.parametrize("flow", FLOWS)
-def test_pivots_of_velocities_are_positive_and_of_pressures_negative(flow: str, degree: int) -> None:
+@pytest.mark.parametrize(("flow", "moving"), MOVED)
+def test_pivots_of_velocities_are_positive_and_of_pressures_negative(
+    flow: str, degree: int, moving: bool
+) -> None:
     """As velocities go first, and what is left of the pressures is definite: nothing else needs pivoting."""
-    found = eliminated(*FLOWS[flow], degree)
+    found = eliminated(*FLOWS[flow], degree, moving=moving)
     assert len(found.lists) > 50
     for own, outer, pivots in zip(found.lists, found.outer, found.pivots, strict=True):
         expected = np.where(found.pressure[own[outer:]], -1.0, 1.0)
@@ -98,6 +104,15 @@ def test_each_unknown_is_eliminated_once_or_left() -> None:
     assert_array_equal(np.sort(np.concatenate([inner, left])), np.arange(len(found.groups.left)))
     assert_array_equal(np.flatnonzero(found.groups.left), left)
     assert len(found.groups.start) - 1 == 2
+
+
+def test_velocities_of_bodies_are_eliminated_too() -> None:
+    """All three of each disc, of at least two: the two groups that remain meet at one of three in a row."""
+    q = discs([(2.0, 0.1), (5.0, -0.2), (8.0, 0.0)], [1.0, 1.0, 1.0])
+    found = eliminated(Box((0.0, -2.0), (10.0, 2.0)), q, 4, moving=True)
+    modes = found.groups.left[-9:].reshape(3, 3)
+    assert_array_equal(modes.all(axis=1), modes.any(axis=1))
+    assert modes.any(axis=1).sum() <= 1
 
 
 def test_groups_leave_no_more_than_the_widest(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -69,6 +69,24 @@ def velocities(result: Any) -> NDArray[np.float64]:
     return np.array([[*b["velocity"], b["angular_velocity"]] for b in result["bodies"]])
 
 
+@pytest.mark.mpi
+def test_ranks_agree_on_bodies_that_one_of_them_meets(tmp_path: Path) -> None:
+    """To 1e-9: the rank around them eliminates the velocities that rank 0 has, which else would be zero."""
+    row = [
+        f'[[bodies]]\nname = "{k}"\nradius = 1.0\nposition = [{3 * k + 1.5}, 1.6]\nforce = [0.5, {k - 2.0}]\n'
+        for k in range(5)
+    ]
+    case = tmp_path / "case.toml"
+    case.write_text(
+        'name = "row"\n[fluid]\nviscosity = 0.7\n[domain]\nlower = [0.0, 0.0]\nupper = [15.0, 3.0]\n'
+        f"[discretisation]\ncells_per_circle = 16\ngrowth = 1.0\n{''.join(row)}"
+    )
+    serial, two, three = (json_on(ranks, "solve", case) for ranks in (1, 2, 3))
+    for other in (two, three):
+        assert_allclose(velocities(other), velocities(serial), rtol=0, atol=1e-9)
+        assert other["dissipation"] == pytest.approx(serial["dissipation"], rel=1e-9)
+
+
 SHARED = """
 [discretisation]
 cells_per_gap = 0.3

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fsi.bodies.configuration import Configuration, Motion
+from fsi.bodies.configuration import Configuration, Inertia, Motion
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.geometry.containers import Box
@@ -35,12 +35,17 @@ PATH = (0.0, 0.02, 0.05, -0.03)
 
 
 def flow(
-    fluid: FluidMesh, container: Container, q: Configuration, motion: Motion, workspace: Workspace | None
+    fluid: FluidMesh,
+    container: Container,
+    q: Configuration,
+    motion: Motion,
+    workspace: Workspace | None,
+    inertia: Inertia | None = None,
 ) -> StokesSolution:
     """Between walls at rest; open on the right where there is such a wall."""
     open_walls = {wall: 0.3 for wall in container.walls if wall == "right"}
     walls = {wall: at_rest for wall in container.walls if wall not in open_walls}
-    problem = StokesProblem(fluid, container, q, motion, Boundary(walls, open_walls))
+    problem = StokesProblem(fluid, container, q, motion, Boundary(walls, open_walls), inertia=inertia)
     return solve(problem, workspace=workspace)
 
 
@@ -109,3 +114,16 @@ def test_what_fits_is_kept_and_what_does_not_begins_anew(monkeypatch: pytest.Mon
         flow(other, CHANNEL, q, drawn, workspace)
         counts.append(len(analysed))
     assert counts == [1, 1, 2, 2, 3]
+
+
+def test_bodies_with_inertia_are_not_those_without() -> None:
+    """Groups of cells eliminate the velocities of those that have none; a body with inertia starts slower."""
+    heavy = Inertia(np.array([[3.0, 3.0, 1.0], [0.0, 0.0, 0.0]]), np.zeros((2, 3)))
+    fluid = build(FluidDomain(CHANNEL, Q.centres, Q.radii), COARSE, 3)
+    drawn, speeds = free((1.0, 0.5, 0.0), (0.0, 0.0, 0.0)), []
+    with Workspace() as workspace:
+        for inertia in (None, heavy, None):
+            one, other = (flow(fluid, CHANNEL, Q, drawn, work, inertia) for work in (workspace, None))
+            assert_allclose(one.U, other.U, rtol=0, atol=1e-12)
+            speeds.append(one.U[0, 0])
+    assert speeds[1] < 0.9 * speeds[0]

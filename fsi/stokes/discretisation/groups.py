@@ -8,13 +8,15 @@ WIDEST unknowns. As the unknowns of a group are ordered as outer ones, which oth
 
 is what it leaves in turn: nested dissection (George 1973, SIAM J. Numer. Anal. 10:345) from its leaves up,
 of which MUMPS does the rest. Small dense matrices cost these loops a third of the time of its fronts.
+Velocities of a body are eliminated with the last of its cells, but where inertia or laws come to them.
 
 At first each part chooses the one beside it with which it shares most. After that pairs are put together one
 by one, of all the one that grows least: by what it leaves less the mean of what both had. That takes as many
-operations as MUMPS's approximate minimum fill, or fewer. At least two groups remain.
+operations as MUMPS's approximate minimum fill, or fewer. At least two groups remain, or on several ranks one
+of each, with what they share.
 
 No pivoting is needed. Velocities are eliminated first, whose block is positive definite. What is left of the
-inner pressures p is regular: p vanishes on the sides to other groups, and if it met no inner velocity, then
+inner pressures p is regular: p vanishes where other groups begin, and if it met no inner velocity, then
 on each side between two cells of the group, with its tangent t and w the product of the two barycentric
 coordinates that do not vanish on it, v = w (t.grad p) t of degree k would give
 
@@ -34,7 +36,7 @@ from fsi.bodies.configuration import Array
 from fsi.stokes.discretisation.loops import Numbers, loops, pointer
 
 LEVELS, FEWEST = 3, 512  # all parts choose so often at most, and only while there are so many of them
-WIDEST = 400  # unknowns that a group leaves at most: MUMPS is as fast with more
+WIDEST = 4000  # unknowns that a group leaves at most; those of 5000 discs leave fewer
 
 
 class Groups:

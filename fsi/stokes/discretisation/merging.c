@@ -238,8 +238,18 @@ typedef struct {
   int32_t growth, at, other, part, of_other;
 } Offer;
 
+/* Whether a part has a pressure that must stay. */
+static int keeps_pressure(const Merging *m, int32_t at)
+{
+  const Outer outer = outer_at(m, at);
+  for (int k = 0; k < outer.size; k++)
+    if (m->cells->stays[outer.list[k]] && m->cells->pressure[outer.list[k]])
+      return 1;
+  return 0;
+}
+
 /* The part beside one with which it grows least, of those that leave no more than so many; part < 0: there is none.
-   One that has no others beside it would have no pressure of its own: these are not merged. */
+   One that has a single part beside it is merged with that only where a pressure stays, which holds the others. */
 static Offer least_growth(const Merging *m, int32_t at, int widest)
 {
   int touched;
@@ -247,11 +257,13 @@ static Offer least_growth(const Merging *m, int32_t at, int widest)
   const int32_t size = outer_at(m, at).size;
   Offer best = {.at = at, .part = -1};
   const int32_t neighbours = meet_others(m, at, &touched, &alone);
-  for (int k = 0; k < touched && neighbours > 1; k++) {
+  for (int k = 0; k < touched; k++) {
     const int32_t other = m->touched[k], of_other = outer_at(m, other).size;
     const int32_t left = size + of_other - m->shared[other] - m->sides[other] - alone;
     const int32_t growth = 2 * left - size - of_other;
     if (m->sides[other] == 0 || left > widest)
+      continue;
+    if (neighbours == 1 && !keeps_pressure(m, at) && !keeps_pressure(m, other))
       continue;
     if (best.part < 0 || growth < best.growth)
       best = (Offer){growth, at, other, m->part[at], m->part[other]};

@@ -72,18 +72,23 @@ class CellSum:
 
     Attributes:
         matrix: P^T M P without what groups of cells have eliminated; all of its diagonal is stored.
-        left: which of this rank's unknowns it is of.
+        left: which of this rank's unknowns it is of; others may be eliminated by another rank.
         constrained: the other rows.
     """
 
-    def __init__(self, cells: StokesCells, P: Prolongation, *, grouped: bool = False) -> None:
-        """Find the pattern, and fill it; collective. grouped: see `groups`."""
+    def __init__(
+        self, cells: StokesCells, P: Prolongation, *, grouped: bool = False, stays: Index | None = None
+    ) -> None:
+        """Find the pattern, and fill it; collective.
+
+        grouped: see `groups`. stays: columns of P, of any rank, that are left besides those that ranks share.
+        """
         self._cells, self._P = cells, P
         self.constrained = ConstrainedRows(cells, P.constrained)
         columns = cells.shared.with_ghosts(P.columns)
         self._numbered(columns)
         self._listed()
-        self._grouped(merged=grouped)
+        self._grouped(np.empty(0, dtype=np.int64) if stays is None else stays, merged=grouped)
         self._patterned(coupled=cells.inner > 0 or grouped)
         self._values = np.zeros(len(self._indices))
         self.matrix = self._created()
@@ -118,21 +123,31 @@ class CellSum:
         self._most = loops().lib.list_unknowns(*sizes, *map(pointer, arrays))
         self._list = self._list[: self._start[-1]].copy()
 
-    def _grouped(self, *, merged: bool) -> None:
-        """What groups of cells leave, which gets numbers of its own; modes and what ranks share is left."""
+    def _grouped(self, stay: Index, *, merged: bool) -> None:
+        """What groups of cells leave, which gets numbers of its own."""
         of_pressure = self._columns[self._cells.shared.pressures :, 0]
-        pressure, stays = np.zeros((2, len(self._unknowns)), dtype=bool)
+        pressure, stays = np.zeros(len(self._unknowns), dtype=bool), ~self._met_alone()
         pressure[of_pressure[of_pressure != NO_COLUMN]] = True
-        stays[self._met(self._P.modes)] = True
-        stays[self._shared.ghosts] = stays[self._shared.own[self._shared.lent]] = True
+        stays[self._met(stay)] = True
         rows = self._cells.rows.shape[1]
         self._groups = Groups((self._start, self._list), rows, stays, pressure, merged=merged)
-        left = self._groups.left
+        left, shared = self._groups.left, self._shared
+        self._foreign = np.zeros(len(left), dtype=bool)
+        self._foreign[shared.ghosts] = ~left[shared.ghosts]
+        self._lent = shared.summed(self._foreign.astype(np.int8)) > 0
+        left[shared.own[self._lent]] = False
         self._pressure = pressure[left].astype(np.int8)
-        self.left = left[self._shared.own]
+        self.left = left[shared.own]
         number = np.cumsum(self.left) - 1
         number += MPI.COMM_WORLD.exscan(int(self.left.sum())) or 0
-        self._numbers = self._shared.with_ghosts(number)[left].astype(PETSc.IntType)
+        self._numbers = shared.with_ghosts(number)[left].astype(PETSc.IntType)
+
+    def _met_alone(self) -> NDArray[np.bool_]:
+        """The unknowns that cells of this rank meet, and of no other one, be it that which owns them."""
+        met = np.zeros(len(self._unknowns), dtype=np.int32)
+        met[self._list] = 1
+        ranks = self._shared.with_ghosts(self._shared.summed(met))
+        return np.asarray((met == 1) & (ranks == 1))
 
     def _patterned(self, *, coupled: bool) -> None:
         """The columns of each row, and where each entry that a group leaves goes."""
@@ -217,8 +232,8 @@ class CellSum:
 
     def _reduced(self, b: Array) -> Array:
         """The loads of all unknowns that this rank's cells meet, those of inner ones given to the others."""
-        every = self._shared.with_ghosts(b)
-        every[self._shared.ghosts] = 0.0
+        every, ghosts = self._shared.with_ghosts(b), self._shared.ghosts
+        every[ghosts] *= self._foreign[ghosts]
         self._groups.reduce(every)
         return every
 
@@ -228,4 +243,5 @@ class CellSum:
         y[self.left] = left
         every = self._shared.with_ghosts(y)
         self._groups.recover(every, np.ascontiguousarray(b))
-        return np.asarray(every[self._shared.own])
+        of_others = self._shared.summed(every * self._foreign)
+        return np.where(self._lent, of_others, every[self._shared.own])

@@ -75,7 +75,8 @@ def levels(problem: StokesProblem, forms: Forms) -> Levels:
     first_mode = matrix.getOwnershipRange()[1] - layout.modes
     if problem.laws is not None and len(problem.laws.own):
         resisted = _resisted(problem, problem.laws)
-        add_to_modes(matrix, first_mode, resisted[: layout.modes_here, : layout.modes_here])
+        rows = first_mode + np.arange(layout.modes_here)
+        add_to_modes(matrix, rows, resisted[: layout.modes_here, : layout.modes_here])
     rows = first_mode + np.flatnonzero(held)[: layout.modes_here]
     matrix.zeroRowsColumns(rows.astype(PETSc.IntType), diag=1.0)
     for used in (gradients, P):

@@ -19,6 +19,7 @@ from petsc4py import PETSc
 from fsi.bodies.configuration import Array
 from fsi.stokes.discretisation.cells import StokesCells
 from fsi.stokes.discretisation.constraints import DofLayout, Prolongation, RigidModes
+from fsi.stokes.discretisation.shared_rows import Index
 from fsi.stokes.discretisation.slip import SlidingFacets
 from fsi.stokes.solvers.assembly import CellSum
 from fsi.stokes.solvers.extended import ExtendedMatrix, multiply, multiply_transpose
@@ -39,12 +40,19 @@ class Added:
     facets: SlidingFacets | None = None
     K: scipy.sparse.csr_array | None = None
 
+    @property
+    def modes(self) -> NDArray[np.bool_]:
+        """To which modes something comes, (M N,)."""
+        weighed: NDArray[np.bool_] = self.D != 0.0
+        return weighed if self.K is None else weighed | (np.diff(self.K.indptr) > 0)
+
 
 class Elimination:
     """P, the reduced system and its factors, of a `layout` with its `unknown` modes.
 
     Attributes:
         layout, unknown: what it is of.
+        weighed: to which of the unknown modes something comes; these are left.
         first_mode: where the modes stand in Y on rank 0, after all others in y.
         reduced: the matrix of what of y `left` tells, without z and the rest of y.
         left: which of this rank's y groups of cells have not eliminated.
@@ -61,10 +69,11 @@ class Elimination:
     ) -> None:
         """Make P and the matrix; the factors are made when they are wanted."""
         self.layout, self.unknown, self._cells = layout, unknown, cells
-        self._prolongation = Prolongation(layout, rigid, unknown)
+        self.weighed = added.modes[unknown]
+        self._prolongation = P = Prolongation(layout, rigid, unknown)
         grouped = cells.condensed and layout.dimension == 2 and not layout.sliding
-        self._sum: CellSum | None = CellSum(cells, self._prolongation, grouped=grouped)
-        self._P, self.reduced, self.left = self._prolongation.matrix, self._sum.matrix, self._sum.left
+        self._sum: CellSum | None = CellSum(cells, P, grouped=grouped, stays=P.modes[self.weighed])
+        self._P, self.reduced, self.left = P.matrix, self._sum.matrix, self._sum.left
         self.constrained = self._sum.constrained
         self.first_mode = self._prolongation.here - self._modes_here
         self._factors: Factorisation | None = None
@@ -84,17 +93,18 @@ class Elimination:
         self._D = added.D[self.unknown][: self._modes_here]
         if added.facets is not None:
             self._add_facets(added.facets)
-        first_row = self.reduced.getOwnershipRange()[1] - self._modes_here
-        for row, value in enumerate(self._D, first_row):
+        weighed = np.flatnonzero(self.weighed[: self._modes_here])
+        rows = self.reduced.getOwnershipRange()[0] + (np.cumsum(self.left) - 1)[self.first_mode + weighed]
+        for row, value in zip(rows, self._D[weighed], strict=True):
             self.reduced.setValue(row, row, value, PETSc.InsertMode.ADD_VALUES)
         self.reduced.assemble()
         if self._K is not None:
-            add_to_modes(self.reduced, first_row, self._K)
+            add_to_modes(self.reduced, rows, self._K[weighed][:, weighed])
 
-    @property
-    def lasting(self) -> bool:
-        """Whether it may be updated: laws have a pattern of their own at each instant."""
-        return self._K is None
+    def fits(self, unknown: NDArray[np.bool_], added: Added) -> bool:
+        """Whether it may be updated; laws have a pattern of their own at each instant."""
+        alike = np.array_equal(self.unknown, unknown) and np.array_equal(self.weighed, added.modes[unknown])
+        return self._K is None and added.K is None and alike
 
     def _add_facets(self, facets: SlidingFacets) -> None:
         P = self._prolongation
@@ -202,12 +212,12 @@ class Elimination:
         self._factors = self._sum = None
 
 
-def add_to_modes(matrix: PETSc.Mat, first_row: int, K: scipy.sparse.csr_array) -> None:
-    """Add what couples the modes among each other, of which this rank has those from a row on; collective."""
+def add_to_modes(matrix: PETSc.Mat, row: Index, K: scipy.sparse.csr_array) -> None:
+    """Add what couples modes among each other, row: those of a rank's own ones; collective."""
     entries, here = K.tocoo(), matrix.getLocalSize()[0]
     of_modes = PETSc.Mat().createAIJ(size=((here, None), (here, None)), comm=matrix.comm)
-    rows, columns = (first_row + numbers for numbers in (entries.row, entries.col))
-    of_modes.setPreallocationCOO(rows.astype(PETSc.IntType), columns.astype(PETSc.IntType))
+    rows, columns = (row[numbers].astype(PETSc.IntType) for numbers in (entries.row, entries.col))
+    of_modes.setPreallocationCOO(rows, columns)
     of_modes.setValuesCOO(entries.data)
     matrix.axpy(1.0, of_modes, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
     of_modes.destroy()

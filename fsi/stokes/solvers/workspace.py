@@ -67,9 +67,7 @@ class Workspace(AbstractContextManager["Workspace"]):
         """The reduced system of the workspace's cells, as `Elimination`; collective."""
         assert self._cells is not None, "cells come first"
         last = self._elimination
-        fits = last is not None and np.array_equal(last.unknown, unknown) and _alike(last.layout, layout)
-        if added.K is not None or (last is not None and not last.lasting):
-            fits = False
+        fits = last is not None and last.fits(unknown, added) and _alike(last.layout, layout)
         if last is not None and layout.comm.allreduce(not fits) == 0:
             last.update(rigid, added)
             return last
