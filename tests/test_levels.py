@@ -80,7 +80,7 @@ def test_gluey_and_macroscopic_bodies_agree_where_their_masses_differ(tmp_path: 
         "domain": {"shape": "unbounded"},
         "bodies": bodies,
         "macroscopic": {"parcels": 40},
-        "time": {"end": 3.0, "step": 0.01},
+        "time": {"end": 3.0, "step": 0.02},
         "output": {"fields": False},
     }
     places = []

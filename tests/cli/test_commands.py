@@ -148,7 +148,7 @@ def test_ranks_complain_once_and_leave_with_one_exit_code() -> None:
 
 @needs_mpi
 @pytest.mark.mpi
-@pytest.mark.parametrize("error", ["InputError", "ZeroDivisionError"])
+@pytest.mark.parametrize("error", [pytest.param("InputError", marks=pytest.mark.slow), "ZeroDivisionError"])
 def test_an_error_on_one_rank_ends_all_with_one_message(error: str) -> None:
     script = f"""
         import sys

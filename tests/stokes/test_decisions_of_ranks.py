@@ -65,7 +65,7 @@ def check_residual_of_a_solve() -> None:
 
     fill(0.0)
     b = np.full((rows, 1), 1.0 + COMM.rank)
-    with Factorisation(matrix) as factors:
+    with Factorisation(matrix, 2) as factors:
         for off in (1e-7, 1e-14):  # is refined; is not
             fill(off if last else 0.0)
             x, residual = factors.solve(b)

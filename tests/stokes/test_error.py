@@ -61,7 +61,7 @@ def test_the_bar_of_a_disc_is_between_the_true_error_and_twice_it(gap: float, de
     assert true < bar < 2.0 * true
 
 
-@pytest.mark.parametrize("name", ["disc_beside_plane", "cubic_array"])
+@pytest.mark.parametrize("name", ["disc_beside_plane", pytest.param("cubic_array", marks=pytest.mark.slow)])
 def test_a_step_and_its_bars_take_the_same_straight_cells(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """gmsh works once; the bars are those of a model that has made none before. A step has its own cells."""
     case = load_case(CASES / f"{name}.toml")

@@ -119,7 +119,7 @@ def test_a_solution_keeps_its_flow_when_the_mesh_has_moved_on() -> None:
     assert np.abs(second.evaluate(x)[0] - u).max() > 1e-4
 
 
-@pytest.mark.parametrize(("degree", "around"), [(3, 14), (4, 10)])
+@pytest.mark.parametrize(("degree", "around"), [(3, 14), pytest.param(4, 10, marks=pytest.mark.slow)])
 def test_a_sphere_that_turns_in_a_ball(degree: int, around: int) -> None:
     """u = C (1 / r^3 - 1 / R^3) e_z x r to 1e-2, on tetrahedra half as long as the radius or longer."""
     ball, q = Round(R, dimension=3), Configuration.unturned(np.zeros((1, 3)), np.ones(1))

@@ -97,9 +97,9 @@ def test_what_fits_is_kept_and_what_does_not_begins_anew(monkeypatch: pytest.Mon
     """MUMPS analyses once for a mesh and its free modes, and again for others."""
     analysed = []
 
-    def counted(matrix: object, operator: Operator, **options: bool) -> Factorisation:
+    def counted(matrix: object, dimension: int, operator: Operator) -> Factorisation:
         analysed.append(matrix)
-        return Factorisation(matrix, operator, **options)
+        return Factorisation(matrix, dimension, operator)
 
     monkeypatch.setattr(kept, "Factorisation", counted)
     drawn = replace(LOADS, held=held((1.0, 0.0, 0.0), (0.0, 0.0, 0.0)).held)

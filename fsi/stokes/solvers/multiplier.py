@@ -68,7 +68,7 @@ def _solve(system: StokesSystem) -> NodalSolution:
     loads = multiply_transpose(S, b - M.transpose_times(system.g))
     no_slip = -elimination.body_velocity(system, system.problem.motion.U)[layout.on_body]
     rhs = np.concatenate([loads, no_slip, (load + of_laws[free])[:mode_rows]])
-    with Factorisation(matrix) as factors:
+    with Factorisation(matrix, layout.dimension) as factors:
         solution, residual = (result[..., 0] for result in factors.solve(rhs[:, None]))
     x = multiply(S, solution[:flow_rows]) + system.g
     reaction = np.zeros(layout.rows)

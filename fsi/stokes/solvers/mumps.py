@@ -25,9 +25,11 @@ from fsi.errors import RefusedError, SolveError, apart
 from fsi.meshes.moving.slip import unfactorised
 from fsi.stokes.solvers.refinement import correction
 
-# ICNTL(7): approximate minimum fill. Light meshes of 50 to 1000 discs take 0.67 to 0.75 of the operations of
-# minimum degree, few bodies as many; nested dissection (PORD) saves no more and takes twice as long to order.
-MINIMUM_FILL = 2
+# ICNTL(7). In the plane approximate minimum fill: light meshes of 50 to 1000 discs take 0.67 to 0.75 of the
+# operations of minimum degree, few bodies as many; nested dissection saves no more and takes twice as long to
+# order. In space nested dissection by METIS: 7.0e10 operations, where minimum fill takes 2.5e11, of two spheres
+# in a box with 67,000 unknowns, a fifth less of 11,000 and a tenth of 6500.
+ORDERS = {2: 2, 3: 5}
 # ICNTL(8): by the roots of the diagonal, where inner unknowns have left no zeros. It delays as few pivots and
 # leaves the same residuals as MUMPS's own choice, which goes over the matrix many times: a tenth of its time.
 SCALED_BY_DIAGONAL = 1
@@ -64,15 +66,15 @@ class Factorisation(AbstractContextManager["Factorisation"]):
     Stokes matrices. The matrix must store its whole diagonal.
     """
 
-    def __init__(self, matrix: PETSc.Mat, operator: Operator | None = None) -> None:
+    def __init__(self, matrix: PETSc.Mat, dimension: int, operator: Operator | None = None) -> None:
         """Factorise, as `update`.
 
-        operator: what the solutions and residuals are of; None: the matrix itself, in double precision.
+        dimension: of the mesh. operator: what the solutions and residuals are of; None: the matrix itself, in double precision.
         """
-        self._operator = operator
+        self._operator, self._order = operator, ORDERS[dimension]
         self.matrix, self.iterations, self.extended = matrix, 0, False
         matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        self._ksp = _solver(matrix, WORKSPACES[0])
+        self._ksp = _solver(matrix, self._order, WORKSPACES[0])
         self.update()
 
     def update(self) -> None:
@@ -81,7 +83,7 @@ class Factorisation(AbstractContextManager["Factorisation"]):
         status = _factorise(self._ksp)
         if status in TOO_LITTLE_WORKSPACE:
             self._ksp.destroy()
-            self._ksp = _solver(self.matrix, WORKSPACES[1])
+            self._ksp = _solver(self.matrix, self._order, WORKSPACES[1])
             status = _factorise(self._ksp)
         if status < 0:
             raise SolveError(f"MUMPS failed with INFOG(1) = {status}, {_meaning(status)}")
@@ -184,13 +186,13 @@ class Factorisation(AbstractContextManager["Factorisation"]):
         return np.asarray(sums[0] / np.where(sums[1] == 0.0, 1.0, sums[1]))
 
 
-def _solver(matrix: PETSc.Mat, workspace: int) -> PETSc.KSP:
-    """A solver without factors yet; workspace: more than MUMPS estimates, in percent."""
+def _solver(matrix: PETSc.Mat, order: int, workspace: int) -> PETSc.KSP:
+    """A solver without factors yet; order: of elimination; workspace: beyond MUMPS's estimate, in percent."""
     ksp = unfactorised(matrix)
     pc = ksp.getPC()
     pc.setFactorSetUpSolverType()
     factor = pc.getFactorMatrix()
-    for option, value in ((7, MINIMUM_FILL), (8, SCALED_BY_DIAGONAL), (12, 1), (14, workspace)):
+    for option, value in ((7, order), (8, SCALED_BY_DIAGONAL), (12, 1), (14, workspace)):
         factor.setMumpsIcntl(option, value)
     # These handles hold references: undestroyed they leak megabytes a step in parallel.
     factor.destroy()

@@ -197,7 +197,7 @@ class Elimination:
     def factors(self) -> Factorisation:
         """The factors of `reduced` as it is now, as `Factorisation`. Raises SolveError: it is singular."""
         if self._factors is None:
-            self._factors = Factorisation(self.reduced, self)
+            self._factors = Factorisation(self.reduced, self.layout.dimension, self)
         else:
             self._factors.update()
         return self._factors
