@@ -269,3 +269,23 @@ def test_pictures(field: str, sheared: Run, tmp_path: Path) -> None:
     picture = tmp_path / "picture.png"
     assert fsi_command("render", sheared.path, "--field", field, "--size", 150, "-o", picture) == 0
     assert picture.stat().st_size > 1000
+
+
+@pytest.mark.parametrize(("most", "there"), [(2, True), (1, False)])
+def test_the_viscosity_of_a_few_bodies_is_bounded_from_below(
+    most: int,
+    there: bool,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of so many that it would take longer than all else it is left out."""
+    monkeypatch.setattr("fsi.report.pores._MOST_BOUNDED", most)
+    file = tmp_path / "case.toml"
+    file.write_text(case_of(time=None).as_toml())
+    assert fsi_command("solve", file) == 0
+    assert ("an upper bound; at least" in capsys.readouterr().out) == there
+    assert fsi_command("solve", file, "--json") == 0
+    data = json.loads(capsys.readouterr().out)
+    assert (data["lower_bound"] is not None) == there
+    assert not there or data["lower_bound"] < data["apparent_viscosity"]

@@ -71,6 +71,11 @@ def test_a_narrow_terminal_folds_words_and_then_takes_parts() -> None:
         assert {*row[1:]} <= tokens(text)
 
 
+def test_brackets_in_words_are_shown() -> None:
+    """Rich would take them for markup."""
+    assert "[bold] disc" in printed(table(["name"], ["U"], [("[bold] disc", "1.5")]), 80)
+
+
 def test_rows_follow_each_other_without_blank_lines() -> None:
     assert len(printed(table(("body",), ("V",), [("a", "1"), ("b", "2"), ("c", "3")]), 80).splitlines()) == 7
 

@@ -27,8 +27,8 @@ from fsi.stokes.solvers.refinement import correction
 
 # ICNTL(7). In the plane approximate minimum fill: light meshes of 50 to 1000 discs take 0.67 to 0.75 of the
 # operations of minimum degree, few bodies as many; nested dissection saves no more and takes twice as long to
-# order. In space nested dissection by METIS: 7.0e10 operations, where minimum fill takes 2.5e11, of two spheres
-# in a box with 67,000 unknowns, a fifth less of 11,000 and a tenth of 6500.
+# order. In space nested dissection by METIS: for two spheres in a box with 67,000 unknowns 7.0e10 operations,
+# where minimum fill takes 2.5e11; a fifth less for 11,000, a tenth for 6500.
 ORDERS = {2: 2, 3: 5}
 # ICNTL(8): by the roots of the diagonal, where inner unknowns have left no zeros. It delays as few pivots and
 # leaves the same residuals as MUMPS's own choice, which goes over the matrix many times: a tenth of its time.
@@ -69,7 +69,8 @@ class Factorisation(AbstractContextManager["Factorisation"]):
     def __init__(self, matrix: PETSc.Mat, dimension: int, operator: Operator | None = None) -> None:
         """Factorise, as `update`.
 
-        dimension: of the mesh. operator: what the solutions and residuals are of; None: the matrix itself, in double precision.
+        dimension: of the mesh. operator: what the solutions and residuals are of; None: the matrix itself, in
+        double precision.
         """
         self._operator, self._order = operator, ORDERS[dimension]
         self.matrix, self.iterations, self.extended = matrix, 0, False
