@@ -26,7 +26,8 @@ error. Measured beside a plane for k = 3, gaps from 0.01 to 1 radii, it is 14 to
 the default meshes and finer ones, and 9 times on a mesh half as fine. The factor FEWER makes it a bound.
 Where fluid slides or bodies swim both degrees miss the same in part: of a swimmer in balls of 1.5 to 5 radii,
 with slip lengths of 0.05 to 1, degree 3 errs by 0.02 to 1.06 times the largest difference of its velocities.
-There each value is known to SAFETY times the largest. On meshes of less than COARSE cells around a body a lower degree may miss a small load less by
+There each value is known to SAFETY times the largest.
+On meshes of less than COARSE cells around a body a lower degree may miss a small load less by
 chance (3.5 times the error, above a plane): there each is known to the part CHANCE of the largest. Degree 2,
 which has none below, takes one more.
 
