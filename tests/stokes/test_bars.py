@@ -213,8 +213,7 @@ def test_bars_of_many_cases() -> None:
 
     Three cells of spheres would not tell: stresses of one, seed 1001, are beyond their bars together.
     """
-    apart = ("space", "suspension", "spheres")
-    kinds = [kind for kind in KINDS if not kind.startswith(apart)]
+    kinds = [kind for kind in KINDS if not kind.startswith(("space", "suspension", "spheres"))]
     tried = measured(kinds, 3 * len(kinds), SEED, Kept())
     assert sum(case.refused is not None for case in tried) <= len(kinds) // 4
     assert holds(values_of(tried), kinds)
