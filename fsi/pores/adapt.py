@@ -13,13 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from fsi.bodies.configuration import Array
+from fsi.case.sections import EDGE_MODES
 from fsi.errors import SolveError
 from fsi.pores.pattern import Index
 from fsi.pores.solve import PoreDrive, PoreFlow, solve_pores
 from fsi.pores.system import PoreSystem
 
-REFINED = {0: 4, 1: 4, 2: 6, 4: 8, 6: 10, 8: 12, 10: 16, 12: 16}
-"""Modes with which the error of how many is found: a step at which the error falls at least fivefold.
+TELLING = {0: 6, 1: 6, 2: 8, 4: 8, 6: 10, 8: 12, 10: 16, 12: 16}
+"""Modes with which the error of how many is found: what they miss themselves is small beside it everywhere.
 
 Necks with the most modes, 16, keep them.
 """
@@ -72,12 +73,17 @@ def padded(coarse: PoreFlow, finer: PoreSystem) -> Array:
 
 
 def more(modes: Index) -> Index:
+    """Numbers of modes that tell the error of these; the most there are stay."""
+    return np.array([TELLING.get(k, k) for k in range(int(modes.max(initial=0)) + 1)])[modes]
+
+
+def refined(modes: Index) -> Index:
     """The next numbers of modes; the most there are stay."""
-    return np.array([REFINED.get(k, k) for k in range(int(modes.max(initial=0)) + 1)])[modes]
+    return np.array([*EDGE_MODES[1:], EDGE_MODES[-1]])[np.searchsorted(EDGE_MODES, modes)]
 
 
 def compare(system: PoreSystem, drive: PoreDrive) -> ComparedFlows:
-    """A flow and that with the next numbers of modes under the same loading. Raises SolveError.
+    """A flow and that with more modes, which tell its error, under the same loading. Raises SolveError.
 
     A stress becomes a speed in the first: where the speeds differed, so would the flow in all pores.
     """
@@ -95,7 +101,7 @@ def adapt(system: PoreSystem, drive: PoreDrive, tolerance: float) -> ComparedFlo
         pair = compare(system, drive)
         if pair.error <= tolerance:
             return pair
-        modes = np.where(_marked(pair, system), more(modes), modes)
+        modes = np.where(_marked(pair, system), refined(modes), modes)
         system = system.with_modes(modes)
     raise SolveError(
         f"pores: the most modes there are do not bring the error below the tolerance {tolerance:g}; raise it"

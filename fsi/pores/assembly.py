@@ -21,7 +21,7 @@ from fsi.pores.topology import Pores
 _NUMBERS = 2_000_000
 # Polynomials between feet where psi is free, for each order of fluid discs, and the most there are; of how
 # many modes they take the points at least: with too few points a lower bound comes out too high.
-_FREE, _MOST, _FINE = 3, 20, 10
+_FREE, _MOST, _FINE = 3, 20, 12
 
 
 @dataclass(frozen=True, slots=True)

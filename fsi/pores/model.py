@@ -18,7 +18,7 @@ from fsi.integration.errors import StepErrors
 from fsi.integration.state import Instant
 from fsi.observables.bars import Compared, DrivenBodies, motion_of, step_errors
 from fsi.pores.adapt import adapt
-from fsi.pores.bars import SAFETY, other_modes
+from fsi.pores.bars import CHANCE, SAFETY, other_modes
 from fsi.pores.fineness import Fineness
 from fsi.pores.fluid_discs import pores_without_wide
 from fsi.pores.instant import PoreInstant
@@ -89,7 +89,7 @@ def errors_of(bodies: DrivenBodies, instant: PoreInstant) -> StepErrors:
     modes, factor = other_modes(instant.flow.system)
     system = instant.flow.system.with_modes(modes)
     other = _solved(bodies, system, None, process_time() - began)
-    return step_errors(bodies, instant, Compared(other, factor))
+    return step_errors(bodies, instant, Compared(other, factor, CHANCE))
 
 
 def adapted(bodies: DrivenBodies, tolerance: float, fineness: Fineness) -> tuple[PoreInstant, StepErrors]:
@@ -110,7 +110,7 @@ def adapted(bodies: DrivenBodies, tolerance: float, fineness: Fineness) -> tuple
         seconds = {"solve": process_time() - began}
         found, finer = (PoreInstant(bodies, flow, seconds) for flow in (pair.coarse, fine))
         found.require_sound()
-        errors = step_errors(bodies, found, Compared(finer, SAFETY))
+        errors = step_errors(bodies, found, Compared(finer, SAFETY, CHANCE))
         largest = max(errors.relative.values(), default=0.0)
         if largest <= tolerance:
             for flow in (pair.coarse, fine):

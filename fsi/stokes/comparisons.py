@@ -23,13 +23,18 @@ shapes they are compared with degree 4, which misses a hundredth of that.
 In space one degree more costs some ten times as much as the solution itself. There the same problem is solved
 with one degree less, for a tenth of it: its values are the less accurate ones, and the difference is their
 error. Measured beside a plane for k = 3, gaps from 0.01 to 1 radii, it is 14 to 50 times that of degree k on
-the default meshes and finer ones, and 9 times on a mesh half as fine. The factor FEWER makes it a bound.
+the default meshes and finer ones, and 9 times on a mesh half as fine; of two and three spheres in cells that
+are sheared or stretched 5 times for some stresses. The factor FEWER makes it a bound, and what is small by
+chance is known to the part CHANCE of the largest difference.
+
+On meshes of less than COARSE cells around a body degree 2 may by chance miss as little as degree 3: in eleven
+of 25 cells with two to five spheres, gaps from 0.01 radii, FEWER was too small for some value, by up to a
+factor 6 (`python -m bench.bars --kinds "spheres in a cell" --seed 1001`). There the factor is FEWER_COARSE
+and the part CHANCE_COARSE. Degree 2, which has none below, takes one more.
+
 Where fluid slides or bodies swim both degrees miss the same in part: of a swimmer in balls of 1.5 to 5 radii,
 with slip lengths of 0.05 to 1, degree 3 errs by 0.02 to 1.06 times the largest difference of its velocities.
 There each value is known to SAFETY times the largest.
-On meshes of less than COARSE cells around a body a lower degree may miss a small load less by
-chance (3.5 times the error, above a plane): there each is known to the part CHANCE of the largest. Degree 2,
-which has none below, takes one more.
 
 Of many discs one degree more costs twice the solution itself and twice its memory, one degree
 less half of it. For k = 4 it is used there too: what it misses is some 20 times the error of the apparent
@@ -65,14 +70,14 @@ from fsi.stokes.walls import boundary_of, wall_kinks
 
 SAFETY = 1.5
 JOINTED = 2.0  # what one degree more gains at least beside outlines whose derivatives jump
-FEWER, COARSE = 0.15, 10
+FEWER, FEWER_COARSE, COARSE = 0.25, 0.75, 10
 OF_MANY, MANY_DEGREE, CHANCE_OF_MANY = 0.25, 4, 0.2
 FINER = {2: 2.0, 3: 1.5}
 # How the error of a force goes with h beside edges of a box in space.
 JUMP_ORDER, OPEN_ORDER = 2.74, 1.19
 # Two meshes in space have other cells everywhere, and what a lower degree misses has no one sign; nor what
 # two degrees miss beside outlines whose derivatives jump.
-CHANCE = 0.3
+CHANCE, CHANCE_COARSE = 0.3, 0.6
 LOWEST = 2
 
 
@@ -117,7 +122,8 @@ def _of_elements_in_space(case: Case) -> Comparison:
     if _slides(case):
         return Comparison(degree - 1, 1.0, SAFETY, 1.0)
     coarse = case.discretisation.cells_per_circle < COARSE
-    return Comparison(degree - 1, 1.0, FEWER, CHANCE if coarse else KNOWN_TO)
+    factor, chance = (FEWER_COARSE, CHANCE_COARSE) if coarse else (FEWER, CHANCE)
+    return Comparison(degree - 1, 1.0, factor, chance)
 
 
 def _is_smooth_and_crowded(case: Case, orders: set[float]) -> bool:
