@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -25,3 +26,28 @@ def json_on(ranks: int, command: str, case: Path) -> Any:
     done = subprocess.run(full, capture_output=True, text=True, timeout=900, check=False)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
+
+
+EACH = """
+import contextlib, io, json, sys
+from fsi.cli.main import main
+shown = []
+for command, case in json.loads(sys.argv[1]):
+    sys.argv[:] = ["fsi", command, case, "--json"]
+    with contextlib.redirect_stdout(io.StringIO()) as text:
+        if main() != 0:
+            sys.exit(f"{command} {case} failed")
+    shown.append(text.getvalue())
+if all(shown):
+    print(json.dumps([json.loads(text) for text in shown]))
+"""
+
+
+def json_of_each(ranks: int, commands: Sequence[tuple[str, Path]]) -> list[Any]:
+    """The same of many commands, one after the other in one program, which takes as long to start as one."""
+    given = json.dumps([(command, str(case)) for command, case in commands])
+    full = [*python_on(ranks), "-c", EACH.strip(), given]
+    done = subprocess.run(full, capture_output=True, text=True, timeout=900, check=False)
+    assert done.returncode == 0, done.stderr
+    found: list[Any] = json.loads(done.stdout)
+    return found

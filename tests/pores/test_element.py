@@ -227,7 +227,7 @@ def test_points_of_quadrature_are_as_many_as_the_level_asks_for(
     """A twentieth of the error of a level at most, of the viscosity, against more points each way.
 
     Measured: 7e-5, 2.7e-5, 9.3e-7, 3.5e-7 and 6.7e-8; with one or two modes one point less across necks makes
-    2.3e-4 and 2e-4, with six and eight one less along them 2.2e-6 and 1.5e-7, with four 12 degrees made 10 4e-6.
+    2.3e-4 and 2e-4, with six and eight one less along them 2.2e-6 and 1.5e-7, with four 10 degrees 4e-6.
     """
     surfaces, _, _ = couette()
     found = sheared(PoreSystem.make(surfaces, modes, 1.0), 8.862269).dissipation

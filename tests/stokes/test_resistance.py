@@ -32,7 +32,6 @@ from tests.flows import (
     mesh,
     resting,
 )
-from tests.ranks import json_on
 
 MU = 0.7
 THREE = discs([(-1.8, -0.6), (-0.2, 0.3), (1.6, -0.4)], [0.8, 0.6, 1.0])
@@ -145,27 +144,6 @@ def test_without_a_wall_at_rest_there_is_no_mobility(fluid: FluidMesh) -> None:
         load = found.R @ all_together(THREE, V, omega).ravel()
         assert np.abs(load).max() < 1e-9 * found.eigenvalues[-1]
     assert found.eigenvalues[3] > 1.0
-
-
-@pytest.mark.mpi
-def test_ranks_agree(tmp_path: Path) -> None:
-    """To 1e-9, the mobility too; a node that one rank forgot would show at 1e-3."""
-    case = tmp_path / "case.toml"
-    bodies = "".join(
-        f'[[bodies]]\nname = "{name}"\nradius = {a}\nposition = [{x}, {y}]\n'
-        for name, a, (x, y) in zip(NAMES, THREE.radii, THREE.centres, strict=True)
-    )
-    case.write_text(
-        f'name = "three"\n{bodies}[fluid]\nviscosity = {MU}\n'
-        "[domain]\nlower = [-3.0, -2.0]\nupper = [3.0, 2.0]\nwalls.left = 'open'\nwalls.top = [1.0, 0.0]\n"
-    )
-    one, two, three = (json_on(ranks, "resistance", case) for ranks in (1, 2, 3))
-    for other in (two, three):
-        for matrix in ("resistance", "mobility"):
-            expected = np.array(one[matrix])
-            assert_allclose(other[matrix], expected, rtol=0, atol=1e-9 * np.abs(expected).max())
-        assert other["dofs"] == one["dofs"]
-        assert max(other["checks"].values()) < 1e-9
 
 
 def test_the_tolerance_of_a_case_holds_its_resistance_matrix() -> None:

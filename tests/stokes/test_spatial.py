@@ -299,7 +299,7 @@ COARSE = {"cells_per_circle": 10, "cells_per_gap": 0.6, "growth": 0.7}
     ],
 )
 def test_space_and_axisymmetry_agree_within_their_bars(gap: float, discretisation: dict[str, Any]) -> None:
-    """By default they differ by 8e-4, 1.7e-3 and 1.1e-3; the bar of the coarse mesh, 1.1e-2, is the widest."""
+    """By default they differ by 8e-4, 1.7e-3 and 1.1e-3; the widest bar, of the coarse mesh, is 1.1e-2."""
     space = solve_with_errors(approaching("spatial", gap, **discretisation))
     axial = solve_with_errors(approaching("axisymmetric", gap))
     of_space, of_axial = space.solution.F[0, 2], axial.solution.F[0, 1]
