@@ -58,7 +58,7 @@ class KilledError(Exception):
     """Instead of a signal."""
 
 
-@pytest.mark.parametrize("data", [PLANE, SPACE], ids=["plane", "space"])
+@pytest.mark.parametrize("data", [PLANE, pytest.param(SPACE, marks=pytest.mark.slow)], ids=["plane", "space"])
 def test_a_resumed_run_repeats_the_unbroken_one(data: dict[str, Any], tmp_path: Path) -> None:
     """Bit by bit, on a mesh that is moved."""
 

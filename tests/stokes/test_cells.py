@@ -75,7 +75,7 @@ def test_cells_are_integrated_as_dolfinx_does(flow: tuple[Container, Configurati
     one_with_the_other(Forms(mesh(container, q, COARSE, degree), degree, 0.7))
 
 
-@pytest.mark.parametrize("degree", [2, 3])
+@pytest.mark.parametrize("degree", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_cells_in_space_are_integrated_as_dolfinx_does(degree: int) -> None:
     q = Configuration.unturned(np.array([[0.0, 0.0, 1.5]]), np.ones(1))
     sizes = Resolution(0.5, 6, 1.0)
