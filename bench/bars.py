@@ -37,8 +37,11 @@ from fsi.case.sections import HIGHEST_DEGREE
 from fsi.errors import InputError, SolveError
 from fsi.integration.errors import ErrorEstimate
 from fsi.meshes.errors import MeshError
+from fsi.pores.instant import PoreInstant
 from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.solution import StokesSolution
+
+type Flow = StokesSolution | PoreInstant
 
 ALL = [*KINDS, *SHAPED]
 OF_ALL, OF_EACH, MEDIAN = 0.99, 0.97, 0.05
@@ -87,9 +90,7 @@ def values(kind: str, seed: int, degree: int | None = None) -> list[Value]:
     return [Value(kind, seed, name, float(error), float(bar)) for name, error, bar in found]
 
 
-def results(
-    case: Case, coarse: StokesSolution, bars: ErrorEstimate, fine: StokesSolution
-) -> Iterator[tuple[str, float, float]]:
+def results(case: Case, coarse: Flow, bars: ErrorEstimate, fine: Flow) -> Iterator[tuple[str, float, float]]:
     """Name, error and bar of each result; those that vanish by symmetry, to rounding, are left out."""
     held, of_bars = case.motion(0.0).held, quantities(bars, bars.stress)
     computed, exact = (quantities(flow, flow.bulk) for flow in (coarse, fine))
