@@ -15,6 +15,7 @@ import numpy as np
 from fsi.bodies.configuration import Array
 from fsi.case.sections import EDGE_MODES
 from fsi.errors import SolveError
+from fsi.pores.assembly import tabulated
 from fsi.pores.pattern import Index
 from fsi.pores.solve import PoreDrive, PoreFlow, solve_pores
 from fsi.pores.system import PoreSystem
@@ -74,12 +75,17 @@ def padded(coarse: PoreFlow, finer: PoreSystem) -> Array:
 
 def more(modes: Index) -> Index:
     """Numbers of modes that tell the error of these; the most there are stay."""
-    return np.array([TELLING.get(k, k) for k in range(int(modes.max(initial=0)) + 1)])[modes]
+    return tabulated(lambda k: TELLING.get(k, k), modes)
+
+
+def finer(modes: int) -> int | None:
+    """The next number of modes; None with the most there are."""
+    return min((more for more in EDGE_MODES if more > modes), default=None)
 
 
 def refined(modes: Index) -> Index:
     """The next numbers of modes; the most there are stay."""
-    return np.array([*EDGE_MODES[1:], EDGE_MODES[-1]])[np.searchsorted(EDGE_MODES, modes)]
+    return tabulated(lambda k: finer(k) or k, modes)
 
 
 def compare(system: PoreSystem, drive: PoreDrive) -> ComparedFlows:

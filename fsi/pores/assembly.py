@@ -124,14 +124,14 @@ def number(pores: Pores, modes: Index) -> Numbering:
     surfaces = pores.surfaces
     strained = (surfaces.kind == DISC) & (len(surfaces.periods) > 0) & ~surfaces.free
     of_bodies = np.where(strained, STRAINED, 0)
-    order = np.where(surfaces.fluid, _tabulated(lambda k: LEVELS[level_of(k)].fluid, most), of_bodies)
-    surface = np.concatenate([[0], np.cumsum(_tabulated(numbers_of, order))]).astype(np.int64)
+    order = np.where(surfaces.fluid, tabulated(lambda k: LEVELS[level_of(k)].fluid, most), of_bodies)
+    surface = np.concatenate([[0], np.cumsum(tabulated(numbers_of, order))]).astype(np.int64)
     knots = KNOTS * np.sum(surfaces.free[pores.necks], axis=1)
     neck = surface[-1] + np.concatenate([[0], np.cumsum(modes + knots)]).astype(np.int64)
     return Numbering(surface, neck, order, knots)
 
 
-def _tabulated(function: Callable[[int], int], at: Index) -> Index:
+def tabulated(function: Callable[[int], int], at: Index) -> Index:
     """A function of small numbers."""
     return np.array([function(k) for k in range(int(at.max(initial=0)) + 1)])[at]
 

@@ -36,8 +36,3 @@ def other_modes(system: PoreSystem) -> tuple[Index, float]:
     if np.any(others > modes):
         return others, SAFETY
     return np.full_like(modes, EDGE_MODES[-2]), 1.0
-
-
-def finer(modes: int) -> int | None:
-    """The next number of modes; None with the most there are."""
-    return min((more for more in EDGE_MODES if more > modes), default=None)

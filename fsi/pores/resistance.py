@@ -21,7 +21,8 @@ from fsi.observables import resistance as matrix
 from fsi.observables.bars import DrivenBodies
 from fsi.observables.resistance import Resistance, ResistanceErrors
 from fsi.pores.accuracy import missed, with_modes
-from fsi.pores.bars import bar_factor, finer, reference_modes
+from fsi.pores.adapt import finer
+from fsi.pores.bars import bar_factor, reference_modes
 from fsi.pores.definite import Cholesky
 from fsi.pores.fineness import Fineness
 from fsi.pores.model import make_system

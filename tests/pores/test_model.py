@@ -16,7 +16,8 @@ from fsi.errors import InputError, SolveError
 from fsi.models import make_model
 from fsi.observables.bars import DrivenBodies
 from fsi.pores.accuracy import solve_with_errors
-from fsi.pores.bars import bar_factor, finer, reference_modes
+from fsi.pores.adapt import finer
+from fsi.pores.bars import bar_factor, reference_modes
 from fsi.pores.fineness import Fineness
 from fsi.pores.instant import BOUND, PoreInstant
 from fsi.pores.model import PoreModel, driven
