@@ -18,6 +18,7 @@ from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.planar.sizing import Resolution
+from fsi.pores.bars import CHANCE, bar_factor, reference_modes
 from fsi.pores.complement import least_viscosity
 from fsi.pores.fluid_discs import pores_without_wide
 from fsi.pores.solve import PoreLoading, solve_pores
@@ -155,6 +156,15 @@ def deviation(packing: Packing, flow: SolvedPacking, reference: SolvedPacking) -
         _norm(error[:, 2]) / _norm(reference.U[:, 2]),
         _norm(rates.of(flow.U) - rates.of(reference.U)) / _norm(rates.of(reference.U)),
     )
+
+
+def over_bars(packing: Packing, modes: int, flows: dict[int, Array], exact: Array) -> Array:
+    """Errors of velocities over bars, (N, 3), of those with so many modes; all (N, 3), by modes and true."""
+    scale = np.array([1.0, 1.0, packing.q.radii.mean()])
+    difference = np.abs(flows[modes] - flows[reference_modes(modes)]) * scale
+    bar = bar_factor(modes) * np.maximum(difference, CHANCE * difference.max())
+    found: Array = np.abs(flows[modes] - exact) * scale / bar
+    return found
 
 
 def _norm(x: Array) -> float:

@@ -57,11 +57,13 @@ class Compared:
         results: of the same bodies.
         factor: what makes the difference a bound of the error.
         chance: the part of the largest difference to which each is known: by chance some cancel.
+        chance_of_stress: the same of stresses and stresslets.
     """
 
     results: Results
     factor: float
     chance: float = KNOWN_TO
+    chance_of_stress: float = KNOWN_TO
 
 
 def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> StepErrors:
@@ -122,7 +124,7 @@ def _of_viscosity(results: Results, other: Compared) -> float | None:
     of_other: BulkStress | None = getattr(other.results, "bulk", None)
     if bulk is None or of_other is None:
         return None
-    return bulk.viscosity_error(of_other, other.factor, other.chance, _rounding(results))
+    return bulk.viscosity_error(of_other, other.factor, other.chance_of_stress, _rounding(results))
 
 
 def _of_driven(results: Results, others: Sequence[Compared]) -> tuple[Mapping[str, float], float | None]:
@@ -144,4 +146,4 @@ def _of_stress(results: Results, other: Compared) -> StressErrors | None:
     of_other: BulkStress | None = getattr(other.results, "bulk", None)
     if bulk is None or of_other is None:
         return None
-    return bulk.errors(of_other, other.factor, other.chance, _rounding(results))
+    return bulk.errors(of_other, other.factor, other.chance_of_stress, _rounding(results))

@@ -2,10 +2,10 @@
 
 The same bodies are solved with more modes, with the most there are with fewer, and the difference of the two
 times a factor bounds the error: what those miss that tell it is a small part. What is small by chance is
-known to the part CHANCE of the largest difference. In 24 packings of `bench.pores` no velocity of 1134 with
-0 to 8 modes is off by more than 0.95 of its bar, against 16 modes; told by the next modes but one (4 for 0
-and 1, 6 for 2) 1 to 4 in 100 are, by up to 4 times: many modes come in pairs, and narrow necks gain little
-from some. With the most modes the difference is some 25 times the error.
+known to the part CHANCE of the largest difference. In the sixty packings of `bench.pores` no velocity is off
+by more than its bar. Told by the next modes but one some are, by twice as much (tests/pores/test_bars.py):
+many modes come in pairs, and narrow necks gain little from some. With the most modes the difference is some
+25 times the error.
 """
 
 import numpy as np

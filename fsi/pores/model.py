@@ -89,7 +89,7 @@ def errors_of(bodies: DrivenBodies, instant: PoreInstant) -> StepErrors:
     modes, factor = other_modes(instant.flow.system)
     system = instant.flow.system.with_modes(modes)
     other = _solved(bodies, system, None, process_time() - began)
-    return step_errors(bodies, instant, Compared(other, factor, CHANCE))
+    return step_errors(bodies, instant, Compared(other, factor, CHANCE, CHANCE))
 
 
 def adapted(bodies: DrivenBodies, tolerance: float, fineness: Fineness) -> tuple[PoreInstant, StepErrors]:
@@ -110,7 +110,7 @@ def adapted(bodies: DrivenBodies, tolerance: float, fineness: Fineness) -> tuple
         seconds = {"solve": process_time() - began}
         found, finer = (PoreInstant(bodies, flow, seconds) for flow in (pair.coarse, fine))
         found.require_sound()
-        errors = step_errors(bodies, found, Compared(finer, SAFETY, CHANCE))
+        errors = step_errors(bodies, found, Compared(finer, SAFETY, CHANCE, CHANCE))
         largest = max(errors.relative.values(), default=0.0)
         if largest <= tolerance:
             for flow in (pair.coarse, fine):

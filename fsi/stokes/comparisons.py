@@ -24,13 +24,14 @@ In space one degree more costs some ten times as much as the solution itself. Th
 with one degree less, for a tenth of it: its values are the less accurate ones, and the difference is their
 error. Measured beside a plane for k = 3, gaps from 0.01 to 1 radii, it is 14 to 50 times that of degree k on
 the default meshes and finer ones, and 9 times on a mesh half as fine; of two and three spheres in cells that
-are sheared or stretched 5 times for some stresses. The factor FEWER makes it a bound, and what is small by
-chance is known to the part CHANCE of the largest difference.
+are sheared or stretched 5 times for some stresses. The factor FEWER makes it a bound; of velocities and loads
+what is small by chance is known to the part CHANCE_FEWER of the largest difference (in seven cells with 11
+cells around a sphere 0.03 was too little for one of them, by 1.1), of stresses to CHANCE (0.03 by 2.3).
 
-On meshes of less than COARSE cells around a body degree 2 may by chance miss as little as degree 3: in eleven
-of 25 cells with two to five spheres, gaps from 0.01 radii, FEWER was too small for some value, by up to a
-factor 6 (`python -m bench.bars --kinds "spheres in a cell" --seed 1001`). There the factor is FEWER_COARSE
-and the part CHANCE_COARSE. Degree 2, which has none below, takes one more.
+On meshes of less than COARSE cells around a body degree 2 may by chance miss as little as degree 3: in
+eleven of 28 cells with two to six spheres, gaps from 0.01 radii, a factor of 0.15 was too small for some
+value, by up to 9.4 times (`python -m bench.bars --kinds "spheres in a cell" --seed 1001`). There the factor
+is FEWER_COARSE and the part CHANCE_COARSE. Degree 2, which has none below, takes one more.
 
 Where fluid slides or bodies swim both degrees miss the same in part: of a swimmer in balls of 1.5 to 5 radii,
 with slip lengths of 0.05 to 1, degree 3 errs by 0.02 to 1.06 times the largest difference of its velocities.
@@ -70,6 +71,7 @@ from fsi.stokes.walls import boundary_of, wall_kinks
 
 SAFETY = 1.5
 JOINTED = 2.0  # what one degree more gains at least beside outlines whose derivatives jump
+_OF_JOINTS = SAFETY / (1.0 - 1.0 / JOINTED)
 FEWER, FEWER_COARSE, COARSE = 0.25, 0.75, 10
 OF_MANY, MANY_DEGREE, CHANCE_OF_MANY = 0.25, 4, 0.2
 FINER = {2: 2.0, 3: 1.5}
@@ -77,7 +79,7 @@ FINER = {2: 2.0, 3: 1.5}
 JUMP_ORDER, OPEN_ORDER = 2.74, 1.19
 # Two meshes in space have other cells everywhere, and what a lower degree misses has no one sign; nor what
 # two degrees miss beside outlines whose derivatives jump.
-CHANCE, CHANCE_COARSE = 0.3, 0.6
+CHANCE, CHANCE_COARSE, CHANCE_FEWER = 0.3, 0.6, 0.05
 LOWEST = 2
 
 
@@ -90,12 +92,14 @@ class Comparison:
         finer: what its `growth` is less by.
         factor: what makes the difference a bound.
         chance: the part of the largest difference to which each is known: by chance some cancel.
+        chance_of_stress: the same of stresses and stresslets.
     """
 
     degree: int
     finer: float
     factor: float
     chance: float = KNOWN_TO
+    chance_of_stress: float = KNOWN_TO
 
 
 def comparisons(case: Case) -> tuple[Comparison, ...]:
@@ -104,15 +108,16 @@ def comparisons(case: Case) -> tuple[Comparison, ...]:
     orders, finer = _edge_orders(case), FINER[case.dimension]
     outlines = case.configuration().outlines if case.dimension == 2 else ()
     if any(outline.joints for outline in outlines):
-        return (Comparison(degree + 1, finer if orders else 1.0, SAFETY / (1.0 - 1.0 / JOINTED), CHANCE),)
+        return (Comparison(degree + 1, finer if orders else 1.0, _OF_JOINTS, CHANCE, CHANCE),)
     if case.dimension == 2 and _is_smooth_and_crowded(case, orders):
-        return (Comparison(degree - 1, 1.0, OF_MANY, CHANCE_OF_MANY),)
+        return (Comparison(degree - 1, 1.0, OF_MANY, CHANCE_OF_MANY, CHANCE_OF_MANY),)
     if outlines and degree == LOWEST:
         return (Comparison(degree + 2, finer if orders else 1.0, SAFETY),)
     if case.dimension == 2:
         return (Comparison(degree + 1, finer if orders else 1.0, SAFETY),)
-    of_edges = (Comparison(degree, finer, SAFETY / (1.0 - finer**-p), CHANCE) for p in sorted(orders)[:1])
-    return (_of_elements_in_space(case), *of_edges)
+    of_edges = (SAFETY / (1.0 - finer**-p) for p in sorted(orders)[:1])
+    flows = (Comparison(degree, finer, factor, CHANCE, CHANCE) for factor in of_edges)
+    return (_of_elements_in_space(case), *flows)
 
 
 def _of_elements_in_space(case: Case) -> Comparison:
@@ -120,10 +125,10 @@ def _of_elements_in_space(case: Case) -> Comparison:
     if degree == LOWEST:
         return Comparison(degree + 1, 1.0, SAFETY)
     if _slides(case):
-        return Comparison(degree - 1, 1.0, SAFETY, 1.0)
-    coarse = case.discretisation.cells_per_circle < COARSE
-    factor, chance = (FEWER_COARSE, CHANCE_COARSE) if coarse else (FEWER, CHANCE)
-    return Comparison(degree - 1, 1.0, factor, chance)
+        return Comparison(degree - 1, 1.0, SAFETY, 1.0, 1.0)
+    if case.discretisation.cells_per_circle < COARSE:
+        return Comparison(degree - 1, 1.0, FEWER_COARSE, CHANCE_COARSE, CHANCE_COARSE)
+    return Comparison(degree - 1, 1.0, FEWER, CHANCE_FEWER, CHANCE)
 
 
 def _is_smooth_and_crowded(case: Case, orders: set[float]) -> bool:

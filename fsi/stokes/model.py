@@ -115,7 +115,7 @@ class StokesModel:
         """
         motion = motion or motion_of(self.case, q, t, instant)
         others = [
-            Compared(self.compared(each, q, t, motion), each.factor, each.chance)
+            Compared(self.compared(each, q, t, motion), each.factor, each.chance, each.chance_of_stress)
             for each in comparisons(self.case)
         ]
         if (below := self.case.lubrication.below) is not None:
