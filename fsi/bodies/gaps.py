@@ -20,6 +20,7 @@ _WIDER = 1.0 + 1e-12  # so that rounding leaves out no pair at the very end of a
 ROUNDING, OVERLAP = 1e-12, 1e-10
 # A tree that is asked once is made in half the time like this, and answers as fast.
 _QUICK = {"balanced_tree": False, "compact_nodes": False}
+_FEW = 64  # points whose pairs are all looked at, in less time than a tree's library takes to load
 
 
 @dataclass(frozen=True, slots=True)
@@ -252,27 +253,45 @@ def neighbours(x: Array, container: Container, cutoff: float) -> tuple[NDArray[n
         by which the image of j that is meant is moved, (P, k).
     """
     lattice = Lattice(container.periods)
-    if lattice.dimension == 0 and len(x) <= 6:  # pairs so few are done before a tree's library is loaded
-        pairs = np.column_stack(np.triu_indices(len(x), 1))
-        near = np.linalg.norm(x[pairs[:, 0]] - x[pairs[:, 1]], axis=1) <= cutoff
-        return pairs[near], np.empty((near.sum(), 0), np.int64)
     m = -np.floor(lattice.coordinates(x)).astype(np.int64)
     home = x + lattice.shift(m)
-    tree = scipy.spatial.cKDTree(home, **_QUICK)
-    pairs = tree.query_pairs(cutoff, output_type="ndarray").astype(np.intp, copy=False).reshape(-1, 2)
+    few = len(x) <= _FEW
+    pairs = _pairs_of_few(home, cutoff) if few else _pairs_by_tree(home, cutoff)
     if lattice.dimension == 0:
         return pairs, np.empty((len(pairs), 0), np.int64)
     original, cell = lattice.images(home, cutoff)
-    images = scipy.spatial.cKDTree(home[original] + lattice.shift(cell), **_QUICK)
-    across = tree.sparse_distance_matrix(images, cutoff, output_type="ndarray")
+    images = home[original] + lattice.shift(cell)
+    i, j = (_between_few if few else _between_by_trees)(home, images, cutoff)
     inside = len(pairs)
-    pairs = np.concatenate([pairs, np.column_stack([across["i"], original[across["j"]]])])
+    pairs = np.concatenate([pairs, np.column_stack([i, original[j]])])
     shift = m.take(pairs[:, 1], axis=0) - m.take(pairs[:, 0], axis=0)
-    shift[inside:] += cell[across["j"]]
+    shift[inside:] += cell[j]
     backwards = pairs[:, 0] > pairs[:, 1]
     pairs[backwards] = pairs[backwards, ::-1]
     shift[backwards] *= -1
     return pairs, shift
+
+
+def _pairs_of_few(x: Array, cutoff: float) -> NDArray[np.intp]:
+    i, j = np.triu_indices(len(x), 1)
+    near = np.linalg.norm(x[i] - x[j], axis=1) <= cutoff
+    return np.column_stack([i[near], j[near]])
+
+
+def _between_few(x: Array, y: Array, cutoff: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    i, j = np.nonzero(np.linalg.norm(x[:, None] - y, axis=2) <= cutoff)
+    return i, j
+
+
+def _pairs_by_tree(x: Array, cutoff: float) -> NDArray[np.intp]:
+    pairs = scipy.spatial.cKDTree(x, **_QUICK).query_pairs(cutoff, output_type="ndarray")
+    return np.asarray(pairs, np.intp).reshape(-1, 2)
+
+
+def _between_by_trees(x: Array, y: Array, cutoff: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    trees = (scipy.spatial.cKDTree(points, **_QUICK) for points in (x, y))
+    found = next(trees).sparse_distance_matrix(next(trees), cutoff, output_type="ndarray")
+    return found["i"], found["j"]
 
 
 def row_numbers(*tables: NDArray[np.int64]) -> list[NDArray[np.int64]]:

@@ -35,7 +35,7 @@ from fsi.integration.state import State, StepRecord
 from fsi.parallel import is_root, on_root
 from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
 from fsi.run_folder.one_case import case_record
-from fsi.run_folder.paraview import Entry, collection, read_collection
+from fsi.run_folder.paraview import Collection, Entry, read_collection
 from fsi.run_folder.tables import body_table, step_table
 
 CASE, PROVENANCE, STATE, FIELDS = "case.toml", "provenance.json", "state.npz", "fields"
@@ -90,7 +90,7 @@ class RunFolder:
         self.checkpoint = kept.checkpoint
         self._lengths = dict(kept.checkpoint.lengths) if kept.checkpoint else {STEPS: 0, BODIES: 0}
         self._headers: dict[str, list[str]] = {}
-        self._series = {series: list(entries) for series, entries in kept.series.items()}
+        self._series = {series: Collection(entries) for series, entries in kept.series.items()}
 
     @classmethod
     def create(cls, path: Path, case: Case, launch: Mapping[str, Any]) -> Self:
@@ -149,10 +149,10 @@ class RunFolder:
             for table, (header, rows) in commit.tables.items():
                 self._append(table, header, rows)
             for series, added in commit.files.items():
-                entries = self._series.setdefault(series, [])
-                entries += [Entry(record.t, part, f"{FIELDS}/{name}") for part, name in enumerate(added)]
-                replace(self._collection(series), collection(entries))
-            counts = {series: len(entries) for series, entries in self._series.items()}
+                files = self._series.setdefault(series, Collection())
+                files.add(Entry(record.t, part, f"{FIELDS}/{name}") for part, name in enumerate(added))
+                replace(self._collection(series), files.xml())
+            counts = {series: len(files.entries) for series, files in self._series.items()}
             checkpoint = Checkpoint(commit.state, commit.memory, self._lengths, counts)
             write_checkpoint(self.path / STATE, checkpoint)
 
@@ -188,9 +188,9 @@ class RunFolder:
             for table, length in self._lengths.items():
                 (self.path / table).touch()
                 os.truncate(self.path / table, length)
-            for series, entries in self._series.items():
-                replace(self._collection(series), collection(entries))
-            kept = {self.path / entry.file for entries in self._series.values() for entry in entries}
+            for series, files in self._series.items():
+                replace(self._collection(series), files.xml())
+            kept = {self.path / entry.file for files in self._series.values() for entry in files.entries}
             kept |= {self._collection(series) for series in self._series}
             for pattern in ("*.pvd", f"*{TEMPORARY}", f"{FIELDS}/*.vtu", f"{FIELDS}/.*"):
                 for file in set(self.path.glob(pattern)) - kept:

@@ -13,6 +13,9 @@ from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
 from fsi.files import appearing, content
 
+_HEAD = b'<?xml version="1.0"?>\n<VTKFile type="Collection" version="1.0">\n  <Collection>\n'
+_TAIL = b"  </Collection>\n</VTKFile>\n"
+
 type Cells = list[tuple[str, NDArray[np.intp]]]
 
 
@@ -25,11 +28,24 @@ class Entry:
     file: str
 
 
-def collection(entries: Iterable[Entry]) -> bytes:
-    """The collection as XML."""
-    lines = [f'    <DataSet timestep="{e.t!r}" part="{e.part}" file={quoteattr(e.file)}/>' for e in entries]
-    head = ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="1.0">', "  <Collection>"]
-    return "\n".join([*head, *lines, "  </Collection>", "</VTKFile>", ""]).encode()
+class Collection:
+    """Which file shows which time: entries, and their XML, which grows at its end as they come."""
+
+    def __init__(self, entries: Iterable[Entry] = ()) -> None:
+        self.entries: list[Entry] = []
+        self._lines = bytearray()
+        self.add(entries)
+
+    def add(self, entries: Iterable[Entry]) -> None:
+        """Put entries behind the others."""
+        for e in entries:
+            self.entries.append(e)
+            line = f'    <DataSet timestep="{e.t!r}" part="{e.part}" file={quoteattr(e.file)}/>\n'
+            self._lines += line.encode()
+
+    def xml(self) -> bytes:
+        """The whole file."""
+        return _HEAD + self._lines + _TAIL
 
 
 def read_collection(path: Path) -> list[Entry]:

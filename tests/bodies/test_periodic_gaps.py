@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from itertools import combinations, product
 
 import numpy as np
@@ -9,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fsi.bodies import gaps as searches
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps, neighbours, pair_gaps
 from fsi.meshes.geometry.container import Container
@@ -16,6 +19,15 @@ from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.lattice import Cell
 
 type Found = list[tuple[int, int, float, float, float]]
+
+
+@contextmanager
+def searched(*, by_trees: bool) -> Iterator[None]:
+    """Few points are searched by trees, as many are, or as they are by default."""
+    with pytest.MonkeyPatch.context() as patch:
+        if by_trees:
+            patch.setattr(searches, "_FEW", 0)
+        yield
 
 
 def by_brute_force(q: Configuration, container: Container, reach: float) -> Found:
@@ -31,8 +43,16 @@ def by_brute_force(q: Configuration, container: Container, reach: float) -> Foun
 
 
 @settings(max_examples=60)
-@given(seed=st.integers(0, 10**6), number=st.integers(1, 6), strain=st.floats(-1.0, 1.0), cell=st.booleans())
-def test_all_near_pairs_and_no_others(seed: int, number: int, strain: float, cell: bool) -> None:
+@given(
+    seed=st.integers(0, 10**6),
+    number=st.integers(1, 6),
+    strain=st.floats(-1.0, 1.0),
+    cell=st.booleans(),
+    by_trees=st.booleans(),
+)
+def test_all_near_pairs_and_no_others(
+    seed: int, number: int, strain: float, cell: bool, by_trees: bool
+) -> None:
     """Bodies lie up to two periods away from the cell; none may be missed or found twice."""
     rng = np.random.default_rng(seed)
     container: Container = Box((1.0, -4.0), (9.0, 4.0), periodic=("x",))
@@ -41,7 +61,8 @@ def test_all_near_pairs_and_no_others(seed: int, number: int, strain: float, cel
     centres = rng.uniform(-16.0, 16.0, (number, 2)) * ([1.0, 1.0] if cell else [1.0, 0.1])
     q = Configuration.unturned(centres, rng.uniform(0.1, 1.2, number))
     reach = 3.0
-    gaps = find_gaps(q, container, reach)
+    with searched(by_trees=by_trees):
+        gaps = find_gaps(q, container, reach)
     rows = zip(gaps.pairs.tolist(), gaps.away.tolist(), gaps.pair_gaps.tolist(), strict=True)
     found = sorted((i, j, *away, gap) for (i, j), away, gap in rows)
     expected = by_brute_force(q, container, reach)
@@ -63,14 +84,21 @@ def test_images_are_carried_at_the_mean_velocity() -> None:
 
 
 @settings(max_examples=30)
-@given(seed=st.integers(0, 10**6), number=st.integers(0, 8), periodic=st.sets(st.sampled_from("xyz")))
+@given(
+    seed=st.integers(0, 10**6),
+    number=st.integers(0, 8),
+    periodic=st.sets(st.sampled_from("xyz")),
+    by_trees=st.booleans(),
+)
 def test_neighbours_in_boxes_that_are_periodic_in_any_directions(
-    seed: int, number: int, periodic: set[str]
+    seed: int, number: int, periodic: set[str], by_trees: bool
 ) -> None:
     """Against all images up to five periods off, of points up to two periods outside; the cell is small."""
     container = Box((1.0, -2.0, 0.0), (3.0, 0.5, 3.0), periodic=tuple(sorted(periodic)))
     x = np.random.default_rng(seed).uniform(-2.0, 4.0, (number, 3))
-    (pairs, m_near), cutoff, periods = neighbours(x, container, 2.6), 2.6, container.periods
+    cutoff, periods = 2.6, container.periods
+    with searched(by_trees=by_trees):
+        pairs, m_near = neighbours(x, container, cutoff)
     expected = {}
     for i, j in product(range(number), repeat=2):
         for m in product(range(-5, 6), repeat=len(periods)):
@@ -88,16 +116,16 @@ def test_neighbours_in_boxes_that_are_periodic_in_any_directions(
         assert distance == pytest.approx(np.linalg.norm(separation), rel=1e-14)
 
 
-@pytest.mark.parametrize("number", [0, 1, 2, 6, 7])
+@pytest.mark.parametrize("number", [0, 1, 2, 64, 65])
 def test_neighbours_in_a_closed_box_are_those_of_all_pairs(number: int) -> None:
-    """Up to six points, and beyond, are searched in different ways."""
+    """Up to 64 points, and beyond, are searched in different ways."""
     x = np.random.default_rng(number).uniform(0.0, 3.0, (number, 3))
     pairs, m = neighbours(x, Box((0.0, 0.0, 0.0), (3.0, 3.0, 3.0)), 1.8)
     near = {(i, j) for i, j in combinations(range(number), 2) if np.linalg.norm(x[i] - x[j]) <= 1.8}
     assert set(map(tuple, pairs.tolist())) == near
     assert len(pairs) == len(near)
     assert m.shape == (len(near), 0)
-    assert number < 6 or 0 < len(near) < number * (number - 1) // 2
+    assert number < 64 or 0 < len(near) < number * (number - 1) // 2
 
 
 def test_the_smallest_gap_of_each_body_is_that_to_either_side() -> None:

@@ -49,15 +49,16 @@ def loaded(*command: str) -> set[str]:
 
 
 @pytest.mark.parametrize(
-    ("command", "not_needed"),
+    ("command", "case", "not_needed"),
     [
-        ("check", SLOW | SOLVER | OTHER | NONE_OF_ONE_DISC),
-        ("solve", SLOW | PARTS | NONE_OF_ONE_DISC | {"fsi.pores.instant", "meshio"}),
+        ("check", "disc_in_box", SLOW | SOLVER | OTHER | NONE_OF_ONE_DISC),
+        ("check", "couette_N10", SLOW | SOLVER | OTHER | NONE_OF_ONE_DISC),
+        ("solve", "disc_in_box", SLOW | PARTS | NONE_OF_ONE_DISC | {"fsi.pores.instant", "meshio"}),
     ],
-    ids=["check", "solve"],
+    ids=["check", "check of ten discs", "solve"],
 )
-def test_a_command_loads_only_what_it_needs(command: str, not_needed: set[str]) -> None:
-    found = loaded(command, "cases/disc_in_box.toml")
+def test_a_command_loads_only_what_it_needs(command: str, case: str, not_needed: set[str]) -> None:
+    found = loaded(command, f"cases/{case}.toml")
     assert {"numpy", "fsi.case.case"} <= found
     assert not found & not_needed
 
