@@ -33,13 +33,12 @@ def seconds(checkout: Path, command: str, compiled: str) -> float:
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def row(command: str, times: int, other: Path | None) -> str:
+def row(command: str, times: int, other: Path | None, compiled: str) -> str:
     """A row of the table."""
     here, there = [], []
-    with tempfile.TemporaryDirectory() as compiled:
-        for _ in range(1 + times):
-            here.append(seconds(HERE, command, compiled))
-            there += [seconds(other, command, compiled)] if other else []
+    for _ in range(1 + times):
+        here.append(seconds(HERE, command, compiled))
+        there += [seconds(other, command, compiled)] if other else []
     del here[0], there[:1]
     ratio = f"{median(a / b for a, b in zip(here, there, strict=True)):.2f}" if other else ""
     return f"| fsi {command} | {min(here):.2f} | {median(here):.2f} | {ratio} |"
@@ -54,8 +53,9 @@ def main() -> None:
     other = given.other.resolve() if given.other else None
     print("| command | CPU s, least | median | of the other |")
     print("|---|---|---|---|")
-    for command in ("check", "solve"):
-        print(row(command, given.times, other), flush=True)
+    with tempfile.TemporaryDirectory() as compiled:
+        for command in ("check", "solve"):
+            print(row(command, given.times, other, compiled), flush=True)
 
 
 if __name__ == "__main__":

@@ -136,14 +136,19 @@ def _drive(case: Case, run: RunFolder, evolution: Evolution, progress: Progress)
         return moment.state
 
     began = process_time()
-    if run.checkpoint is None:
-        state = keep(evolution.start(), began)
-    else:
-        state = _with_shapes(case, run.checkpoint.state)
-    first = state.step
-    while state.t < evolution.schedule.end and not _in_contact(case, state):
-        began = process_time()
-        state = keep(evolution.advance(state), began)
+    try:
+        if run.checkpoint is None:
+            state = keep(evolution.start(), began)
+        else:
+            state = _with_shapes(case, run.checkpoint.state)
+        first = state.step
+        while state.t < evolution.schedule.end and not _in_contact(case, state):
+            began = process_time()
+            state = keep(evolution.advance(state), began)
+    except BaseException:
+        run.rescue()
+        raise
+    run.commit()
     return Outcome(state, state.step - first, _in_contact(case, state))
 
 

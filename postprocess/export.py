@@ -16,7 +16,7 @@ from fsi.files import replace, require_suffix, write_whole
 from fsi.meshes.cells.lagrange import order_of, small_simplices
 from fsi.meshes.geometry.container import FluidDomain
 from fsi.postprocess.run.run import Run, along_curves, nodes, open_run
-from fsi.run_folder.paraview import Entry, collection
+from fsi.run_folder.paraview import Collection, Entry
 
 SERIES = ("fluid", "surface")
 
@@ -46,7 +46,7 @@ def _series(run: Run, series: str, folder: Path, angles: Array) -> Path:
         revolved(run.mesh(int(str(step)), series), angles).save(folder / name)
         entries.append(Entry(float(t), 0, name))
     path = folder / f"{series}.pvd"
-    replace(path, collection(entries))
+    replace(path, Collection(entries).xml())
     return path
 
 

@@ -194,8 +194,11 @@ def continue_run(case: Case, folder: Path) -> None:
 
 @pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
 @pytest.mark.slow
-def test_killed_before_any_disk_operation_and_resumed_equals_unbroken(tmp_path: Path) -> None:
+def test_killed_before_any_disk_operation_and_resumed_equals_unbroken(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Every operation of a run in turn; the resumed run is killed at the same one, then left to finish."""
+    monkeypatch.setattr("fsi.run_folder.folder.SELDOM", 0.0)
     case = small_case(time={"end": 0.05, "first_step": 0.05}, output={"interval": 0.025})
     start(case, tmp_path / "unbroken")
     expected = contents(tmp_path / "unbroken")
@@ -213,11 +216,15 @@ def test_killed_before_any_disk_operation_and_resumed_equals_unbroken(tmp_path: 
 
 
 @pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
-def test_killed_at_random_moments_and_resumed_equals_unbroken(unbroken: Path, tmp_path: Path) -> None:
-    """Also between and within writes, which no hook sees."""
+@pytest.mark.parametrize("seldom", [0.0, 10.0])
+def test_killed_at_random_moments_and_resumed_equals_unbroken(
+    seldom: float, unbroken: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also between and within writes, which no hook sees; steps are committed one by one, and together."""
+    monkeypatch.setattr("fsi.run_folder.folder.SELDOM", seldom)
     case, expected = small_case(), contents(unbroken)
     random = np.random.default_rng(0)
-    for attempt in range(10):
+    for attempt in range(5):
         folder = tmp_path / str(attempt)
         for _ in range(3):
             child = fork(partial(continue_run, case, folder))

@@ -77,8 +77,11 @@ def test_a_resumed_run_repeats_the_unbroken_one(data: dict[str, Any], tmp_path: 
 
 @pytest.mark.parametrize(
     ("data", "remesh", "mesh_error"),
-    [(PLANE, "always", 1e-10), (PLANE, "when-needed", 2e-5), (SPACE, "always", 1e-8)],
-    ids=["plane", "plane, moved mesh", "space"],
+    [
+        pytest.param(PLANE, "always", 1e-10, id="plane"),
+        pytest.param(PLANE, "when-needed", 2e-5, id="plane, moved mesh"),
+        pytest.param(SPACE, "always", 1e-8, id="space", marks=pytest.mark.slow),
+    ],
 )
 def test_each_instant_of_a_run_is_that_of_its_bodies_solved_anew(
     data: dict[str, Any], remesh: str, mesh_error: float, tmp_path: Path

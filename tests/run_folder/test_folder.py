@@ -14,8 +14,8 @@ import pytest
 from fsi.bodies.configuration import Configuration, Inertia
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError, SolveError
-from fsi.integration.state import StepRecord
-from fsi.run_folder.folder import RunFolder
+from fsi.integration.state import State, StepRecord
+from fsi.run_folder.folder import Commit, RunFolder
 from fsi.run_folder.provenance import git_commit, launch
 from fsi.runs import resume, run
 from tests.exact_model import DiscsBesidePlane, ExactInstant, by
@@ -119,11 +119,62 @@ def test_a_case_without_time_cannot_be_run(tmp_path: Path) -> None:
 def test_a_table_takes_no_rows_under_another_header(tmp_path: Path) -> None:
     """As many columns with other names would be read as what they are not."""
     folder = RunFolder.create(tmp_path / "run", small_case(), launch())
-    folder._append("extra.csv", ["step", "stress"], [[0, 1.0]])
-    folder._append("extra.csv", ["step", "stress"], [[1, 2.0]])
-    with pytest.raises(ValueError, match=r"the new rows of extra\.csv have other columns"):
-        folder._append("extra.csv", ["step", "strain"], [[2, 3.0]])
-    assert (tmp_path / "run" / "extra.csv").read_text() == "step,stress\n0,1.0\n1,2.0\n"
+    folder.keep(step(0, "stress"))
+    folder.keep(step(1, "stress"))
+    with pytest.raises(SolveError, match=r"the new rows of extra\.csv have other columns"):
+        folder.keep(step(2, "strain"))
+    folder.rescue()
+    assert (tmp_path / "run" / "extra.csv").read_text() == "step,stress\n0,1.0\n1,1.0\n"
+    assert [row["step"] for row in rows(tmp_path / "run" / "steps.csv")] == ["0", "1"]
+
+
+@pytest.mark.parametrize(("seldom", "commits"), [(0.0, 5), (1e9, 1)])
+def test_steps_that_follow_each_other_fast_are_committed_together(
+    seldom: float, commits: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first at once; what a kill would lose are those after the last commit."""
+    monkeypatch.setattr("fsi.run_folder.folder.SELDOM", seldom)
+    folder = RunFolder.create(tmp_path / "run", small_case(), launch())
+    on_disk = []
+    for number in range(5):
+        folder.keep(step(number, "stress"))
+        on_disk.append(len(rows(tmp_path / "run" / "steps.csv")))
+    assert len(set(on_disk)) == commits
+    checkpoint = RunFolder.reopen(tmp_path / "run").checkpoint
+    assert checkpoint is not None
+    assert checkpoint.state.step == on_disk[-1] - 1 == commits - 1
+    folder.commit()
+    assert [row["step"] for row in rows(tmp_path / "run" / "steps.csv")] == ["0", "1", "2", "3", "4"]
+
+
+def test_a_commit_that_was_refused_is_made_whole_when_there_is_room(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The tables have its rows already, which must not come twice."""
+    monkeypatch.setattr("fsi.run_folder.folder.SELDOM", 0.0)
+    folder = RunFolder.create(tmp_path / "run", small_case(), launch())
+    folder.keep(step(0, "stress"))
+
+    def refuse(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as patch:
+        patch.setattr("fsi.run_folder.folder.write_checkpoint", refuse)
+        with pytest.raises(SolveError, match="No space left"):
+            folder.keep(step(1, "stress"))
+    folder.rescue()
+    assert [row["step"] for row in rows(tmp_path / "run" / "extra.csv")] == ["0", "1"]
+    checkpoint = RunFolder.reopen(tmp_path / "run").checkpoint
+    assert checkpoint is not None
+    assert checkpoint.state.step == 1
+
+
+def step(number: int, column: str) -> Commit:
+    """A step with a further table of one column."""
+    q = small_case().configuration()
+    state = State(0.1 * number, number, q, np.zeros((len(q), 3)), 0.1)
+    record = StepRecord(number, state.t, 0.1, 1.0, 0, q, np.zeros((len(q), 3)), np.zeros((len(q), 3)), {})
+    return Commit(record, (), {}, {"extra.csv": (["step", column], [[number, 1.0]])}, state, {})
 
 
 @pytest.mark.parametrize("full", ["steps.csv", "fluid.pvd.tmp", "state.npz.tmp", "_1.vtu"])
@@ -131,11 +182,12 @@ def test_a_full_disk_is_one_line_and_the_run_goes_on_when_there_is_room(
     full: str, unbroken: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """In whatever file it happens, of the folder or of the fields: what was committed stays."""
-    folder, seen = tmp_path / "run", list[str]()
+    folder, seen, refused = tmp_path / "run", list[str](), list[str]()
 
     def no_room(name: str, written: Callable[..., object], *given: object) -> object:
         seen.append(name)
         if name.endswith(full) and len(seen) > 20:
+            refused.append(name)
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), name)
         return written(*given)
 
@@ -147,11 +199,12 @@ def test_a_full_disk_is_one_line_and_the_run_goes_on_when_there_is_room(
 
     synced, written = os.fsync, Path.write_bytes
     with monkeypatch.context() as patch:
+        patch.setattr("fsi.run_folder.folder.SELDOM", 0.0)
         patch.setattr(os, "fsync", fsync)
         patch.setattr(Path, "write_bytes", write_bytes)
         with pytest.raises(SolveError) as told:
             start(small_case(), folder)
-    words = f"output = {folder}: No space left on device ({seen[-1]}); make room, or make it writable, and "
+    words = f"output = {folder}: No space left on device ({refused[0]}); make room, or make it writable, and "
     assert str(told.value) == f"{words}`fsi resume {folder}`"
     committed = RunFolder.reopen(folder).checkpoint
     assert committed is not None

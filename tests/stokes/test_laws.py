@@ -258,6 +258,7 @@ def test_bars_hold_the_loads_of_unequal_spheres(motion: dict[str, Any]) -> None:
     assert found.errors.F.max() < 0.5 * np.abs(wanted).max()
 
 
+@pytest.mark.slow
 def test_nothing_jumps_where_a_lattice_takes_another_basis() -> None:
     """At half a unit of strain on a mesh that is moved: measured 2e-10 in 2e-9 of strain.
 
