@@ -148,6 +148,7 @@ def test_the_same_seed_gives_the_same_arrangement_and_another_another() -> None:
     assert np.abs(one.centres - other.centres).max() > 0.1
 
 
+@pytest.mark.slow
 def test_a_thousand_discs_at_seven_tenths() -> None:
     found = random_discs(1000, 0.7, 0.02, "periodic")
     check(found, 0.7, 0.02)

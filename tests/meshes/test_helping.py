@@ -79,7 +79,7 @@ def test_alone_rank_0_does_all() -> None:
 
 @needs_mpi
 @pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [2, 3])
+@pytest.mark.parametrize("ranks", [pytest.param(2, marks=pytest.mark.slow), 3])
 def test_results_are_in_order_and_errors_raised(ranks: int) -> None:
     assert on_ranks(ranks, "led([4.0, 9.0, 16.0, 25.0])") == [2.0, 3.0, 4.0, 5.0, 2.0]
     assert on_ranks(ranks, "failing()") == "no root of -1"

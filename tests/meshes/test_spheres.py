@@ -137,7 +137,7 @@ def test_sizes_follow_the_law() -> None:
 
 def test_a_mesh_is_the_same_twice() -> None:
     """Bitwise, also after another mesh was made in between."""
-    q = [[0.0, 0.0, -0.99], [0.1, 0.2, 1.0]], [1.0, 0.5]
+    q = [[0.0, 0.0, -0.9], [0.1, 0.2, 1.0]], [1.0, 0.5]
     first = mesh(CUBE, *q)
     mesh(CUBE, [[0.0, 0.0, 0.0]], [1.0])
     second = mesh(CUBE, *q)
@@ -162,7 +162,7 @@ RANKS = """
 import fsi.meshes.backend
 from mpi4py import MPI
 from tests.meshes.spheres import CUBE, area, mesh, volume
-fluid = mesh(CUBE, [[0.0, 0.0, -0.99]], [1.0], order=3)
+fluid = mesh(CUBE, [[0.0, 0.0, -0.8]], [1.0], order=3)
 sums = [MPI.COMM_WORLD.allreduce(x) for x in (volume(fluid), area(fluid, 1), area(fluid, 6))]
 imap = fluid.mesh.topology.index_map(3)
 ghosts = MPI.COMM_WORLD.allreduce(imap.num_ghosts)
@@ -175,7 +175,7 @@ def test_two_ranks_share_the_mesh() -> None:
     command = [*python_on(2), "-c", RANKS]
     done = subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
     assert done.returncode == 0, done.stderr
-    fluid = mesh(CUBE, [[0.0, 0.0, -0.99]], [1.0], order=3)
+    fluid = mesh(CUBE, [[0.0, 0.0, -0.8]], [1.0], order=3)
     alone = [volume(fluid), area(fluid, 1), area(fluid, 6), fluid.cells(), 0, fluid.quality]
     np.testing.assert_allclose([float(word) for word in done.stdout.split()], alone, rtol=1e-12, atol=0.0)
 

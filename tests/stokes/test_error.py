@@ -252,7 +252,7 @@ def whole_as_resumed(case: Case, folder: Path) -> list[dict[str, str]]:
     return whole
 
 
-@pytest.mark.parametrize("remesh", ["always", "when-needed"])
+@pytest.mark.parametrize("remesh", [pytest.param("always", marks=pytest.mark.slow), "when-needed"])
 def test_a_run_records_errors_and_resumes_with_the_same(remesh: str, tmp_path: Path) -> None:
     case = load_case(CASES / "settling_disc.toml", [*COARSE, "time.end=3.0", f'time.remesh="{remesh}"'])
     whole = whole_as_resumed(case, tmp_path)

@@ -47,6 +47,7 @@ def test_a_plane_of_ones_choice(tmp_path: Path) -> None:
     assert np.ptp(same[5:15, 5:195], axis=(0, 1)).max() < 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("drawing")
 def test_the_sides_of_cells_are_seen_on_a_plane(tmp_path: Path) -> None:
     write_spatial_run(tmp_path)
