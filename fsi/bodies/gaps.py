@@ -273,13 +273,13 @@ def neighbours(x: Array, container: Container, cutoff: float) -> tuple[NDArray[n
 
 
 def _pairs_of_few(x: Array, cutoff: float) -> NDArray[np.intp]:
-    i, j = np.triu_indices(len(x), 1)
-    near = np.linalg.norm(x[i] - x[j], axis=1) <= cutoff
-    return np.column_stack([i[near], j[near]])
+    i, j = _between_few(x, x, cutoff)
+    return np.column_stack([i[i < j], j[i < j]])
 
 
 def _between_few(x: Array, y: Array, cutoff: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    i, j = np.nonzero(np.linalg.norm(x[:, None] - y, axis=2) <= cutoff)
+    apart = x[:, None] - y
+    i, j = np.nonzero(np.sqrt(np.einsum("ijk,ijk->ij", apart, apart)) <= cutoff)
     return i, j
 
 

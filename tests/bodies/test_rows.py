@@ -1,4 +1,4 @@
-"""Products with rows of pairs, of few rows and of many, against those of dense matrices."""
+"""Products with rows of pairs, of few rows and of many, against two products with dense matrices."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ import pytest
 import scipy.sparse as sp
 from numpy.testing import assert_allclose
 
-from fsi.bodies.rows import MANY, gram
+from fsi.bodies.rows import FEW, MANY, gram
 
 
-@pytest.mark.parametrize("rows", [1, 40, MANY + 1])
+@pytest.mark.parametrize("rows", [1, FEW, FEW + 1, MANY + 1])
 @pytest.mark.parametrize("widest", [1, 4, 6])
 def test_products_of_rows_and_their_transpose(rows: int, widest: int) -> None:
     """Rows with 0 to so many entries of 30 unknowns; twice, as sums begin anew; z is left as it is."""
