@@ -13,10 +13,14 @@ SMALLEST = {
     "suspension": ["1"],
     "reduced": ["200", "--scheme", "distance"],
     "gluey": ["agitated", "100", "--steps", "1"],
-    "start": ["--times", "1"],
 }
 AGAINST_ITSELF = [str(ROOT), "--turns", "1", "--most", "9", "--discs", "1", "--ranks", "2"]
-SLOW = {"against": AGAINST_ITSELF, "space": ["P2"], "pore_speed": ["50", "--modes", "1", "--resolved", "1"]}
+SLOW = {
+    "start": ["--times", "1"],
+    "against": AGAINST_ITSELF,
+    "space": ["P2"],
+    "pore_speed": ["50", "--modes", "1", "--resolved", "1"],
+}
 
 
 @pytest.mark.parametrize("name", [*SMALLEST, *(pytest.param(name, marks=pytest.mark.slow) for name in SLOW)])

@@ -105,7 +105,9 @@ def in_units_of_one(kind: str) -> dict[str, Array]:
 
 
 @pytest.mark.parametrize("s", SYSTEMS_TO_TRY, ids=str)
-@pytest.mark.parametrize("kind", LEVELS)
+@pytest.mark.parametrize(
+    "kind", [pytest.param(kind, marks=pytest.mark.slow) if kind == "rough" else kind for kind in LEVELS]
+)
 def test_a_run_gives_the_same_numbers_over_their_units(kind: str, s: System) -> None:
     expected, found = in_units_of_one(kind), scaled_tables(kind, s)
     assert found.keys() == expected.keys()

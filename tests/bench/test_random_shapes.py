@@ -28,6 +28,7 @@ def smallest_gap(case: Case) -> float:
     return find_gaps(case.configuration(), case.container()).smallest()
 
 
+@pytest.mark.slow
 def test_bodies_on_an_axis_have_shapes_and_narrow_gaps() -> None:
     cases = [case for kind in ON_AXIS for case in drawn(kind)]
     for case in cases:

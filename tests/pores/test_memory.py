@@ -17,6 +17,7 @@ def pages_of_a_step() -> int:
     return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="for glibc")
 def test_a_step_has_the_memory_of_those_before() -> None:
     """In a process of its own, where no other test has had memory kept; without, it clears 24,000 pages."""

@@ -242,7 +242,10 @@ def test_bars_of_many_cases() -> None:
     assert holds(values_of(tried), kinds)
 
 
-@pytest.mark.parametrize("kind", ["box, walls at rest", "half-plane", "cylinder", "round container"])
+@pytest.mark.parametrize(
+    "kind",
+    ["box, walls at rest", pytest.param("half-plane", marks=pytest.mark.slow), "cylinder", "round container"],
+)
 def test_bars_of_resistances_of_several_bodies_hold(kind: str) -> None:
     """Every entry of R and of the mobility, against elements of degree 5 on a mesh twice as fine."""
     case = random_case(kind, SEED)

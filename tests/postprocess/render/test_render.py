@@ -62,6 +62,7 @@ def test_nothing_is_cut_off(run: Path) -> None:
         assert border.min() == 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("drawing")
 def test_a_gap_of_ones_choice(run: Path) -> None:
     close_up = drawn(run, run / "gap.png", Choice("pressure", "disc,plane", (-1.0, 1.0), 200))
