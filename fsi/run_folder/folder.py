@@ -15,7 +15,8 @@ cuts off whatever came after the commit and repeats those steps. So a run that w
 serial, with the same files bit by bit as an unbroken one, but for the columns cpu_* and provenance.json.
 
 To have all on the disk takes milliseconds, more than many a step. So steps are committed together where they
-follow each other so fast, SELDOM times as long after a commit as it took: a kill loses no more than that.
+follow each other so fast, SELDOM times as long after a commit as it took: a kill loses no more than that,
+besides the step that is under way.
 """
 
 import csv
@@ -49,7 +50,7 @@ REMEDY = "put that right or run the case again"
 # Of the folder: what its files mean. Before the number case files had other keys; before 3 nothing told
 # whether the case has been changed since.
 FORMAT = 3
-SELDOM = 10.0
+SELDOM = 10.0  # so that commits take a tenth of a run at most
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,8 +202,9 @@ class RunFolder:
             counts = {series: len(files.entries) for series, files in self._series.items()}
             checkpoint = Checkpoint(*self._next, self._lengths | lengths, counts)
             write_checkpoint(self.path / STATE, checkpoint)
+        self._next = None  # first: broken off after this, nothing is committed twice
         self._lengths |= lengths
-        self._rows, self._grown, self._next = {}, set(), None
+        self._rows, self._grown = {}, set()
         ended = time.perf_counter()
         self._due = ended + SELDOM * (ended - began)
 

@@ -64,7 +64,7 @@ def test_how_far_two_are_apart_is_the_gap_of_their_closest_points(
 
 @pytest.mark.parametrize(
     ("shape", "cell", "aligned"),
-    [("ellipse", "channel", None), ("rod", "periodic", 20.0)],
+    [("ellipse", "channel", None), ("rod", "periodic", 20.0), ("rod", "box", None)],
 )
 def test_no_two_are_nearer_than_the_gap(shape: str, cell: str, aligned: float | None) -> None:
     """By closest points, images and walls included; all fill what is asked for, and a seed is one of them."""
@@ -72,7 +72,7 @@ def test_no_two_are_nearer_than_the_gap(shape: str, cell: str, aligned: float | 
         16, 0.35, 0.05, radius=2.0, cell=cell, shape=shape, ratio=2.5, aligned=aligned, seed=3, aspect=1.5
     )
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("fsi.arrangements.oriented_packing.MOVES", 12)
+        patch.setattr("fsi.arrangements.oriented_packing.MOVES", 30)
         arrangement, again = (arrange("random", wanted) for _ in range(2))
     bodies = placed(arrangement)
     np.testing.assert_array_equal(again.centres, arrangement.centres)

@@ -58,13 +58,13 @@ def test_nothing_is_said_of_a_gap_that_opened_or_hardly_closed() -> None:
 def test_a_run_ends_where_its_gap_comes_to_that_of_contact(tmp_path: Path) -> None:
     """Discs of the closed law -q' ~ q^(3/2): no contact in finite time, and nothing is left to resume."""
     falling = {"name": "disc", "radius": 1.0, "position": [0.0, 2.0], "force": [0.0, -20.0]}
-    case = small_case(time={"end": 1e4, "contact_gap": 1e-3}, bodies=[falling])
+    case = small_case(time={"end": 1e4, "contact_gap": 1e-4}, bodies=[falling])
     outcome = run(case, tmp_path / "run", make=by(DiscsBesidePlane))
     finished = open_run(tmp_path / "run")
     gap = finished.steps["smallest_gap"].to_numpy()
     assert outcome.contact
     assert finished.finished
-    assert gap[-1] <= 1e-3 < gap[-2]
+    assert gap[-1] <= 1e-4 < gap[-2]
     assert told_contact(finished.columns("steps")).startswith("no contact in finite time: the gap closes as")
     again = resume(tmp_path / "run", make=by(DiscsBesidePlane))
     assert (again.steps, again.contact) == (0, True)
