@@ -18,7 +18,8 @@ from fsi.integration.state import State, StepRecord
 from fsi.meshes.errors import MeshFileError
 from fsi.models import make_evolution
 from fsi.parallel import on_root
-from fsi.run_folder.folder import REMEDY, Commit, RunFolder
+from fsi.run_folder.folder import Commit, RunFolder
+from fsi.run_folder.kept import REMEDY
 from fsi.run_folder.one_case import Changes, changes, require_one_case
 from fsi.run_folder.provenance import launch
 

@@ -25,7 +25,7 @@ from fsi.postprocess.render.view import Choice
 from fsi.postprocess.run.run import Run
 from fsi.postprocess.run.tables import spread
 from fsi.reduced.system import BOUND as REDUCED_BOUND
-from fsi.run_folder.folder import CASE
+from fsi.run_folder.kept import CASE
 
 _ROWS = 15  # of the table of steps
 _MANY = 20  # bodies, more than which are not listed in the open

@@ -82,7 +82,7 @@ def _looks(folders: list[Path]) -> Iterator[None]:
     """Once when a run has begun, and after new steps, up to its end. Raises InputError: it is not one run."""
     from fsi.case.load import load_case
     from fsi.report.watch import arrivals
-    from fsi.run_folder.folder import CASE, require_run
+    from fsi.run_folder.kept import CASE, require_run
 
     if len(folders) > 1 or parallel.size() > 1:
         raise InputError("plot: --follow draws one run, in one process; drop it, or the others")

@@ -71,7 +71,7 @@ def watch(
     """
     from fsi.case.load import load_case
     from fsi.report.watch import follow
-    from fsi.run_folder.folder import CASE, require_run
+    from fsi.run_folder.kept import CASE, require_run
 
     require_run(folder)
     case = parallel.on_root(lambda: load_case(folder / CASE))

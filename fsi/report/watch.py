@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from fsi.run_folder.folder import STEPS
+from fsi.run_folder.kept import STEPS
 
 PAUSE = 1.0  # seconds between two looks
 

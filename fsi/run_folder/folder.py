@@ -21,13 +21,12 @@ besides the step that is under way.
 
 import csv
 import io
-import json
 import os
 import shutil
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
@@ -35,21 +34,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.case.case import Case
-from fsi.errors import FsiError, InputError, SolveError
-from fsi.files import TEMPORARY, content, json_of, replace
+from fsi.errors import InputError, SolveError
+from fsi.files import TEMPORARY, replace
 from fsi.integration.state import State, StepRecord
 from fsi.parallel import is_root, on_root
-from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
-from fsi.run_folder.one_case import case_record
-from fsi.run_folder.paraview import Collection, Entry, read_collection
+from fsi.run_folder.checkpoint import Checkpoint, write_checkpoint
+from fsi.run_folder.kept import (
+    BODIES,
+    CASE,
+    FIELDS,
+    REMEDY,
+    STATE,
+    STEPS,
+    Kept,
+    disk,
+    refused,
+    sound,
+    write_provenance,
+)
+from fsi.run_folder.paraview import Collection, Entry
 from fsi.run_folder.tables import body_table, step_table
 
-CASE, PROVENANCE, STATE, FIELDS = "case.toml", "provenance.json", "state.npz", "fields"
-STEPS, BODIES = "steps.csv", "bodies.csv"
-REMEDY = "put that right or run the case again"
-# Of the folder: what its files mean. Before the number case files had other keys; before 3 nothing told
-# whether the case has been changed since.
-FORMAT = 3
 SELDOM = 10.0  # so that commits take a tenth of a run at most
 
 
@@ -71,21 +76,6 @@ class Commit:
     tables: Mapping[str, tuple[Sequence[str], Iterable[Sequence[object]]]]
     state: State
     memory: Mapping[str, NDArray[Any]]
-
-
-@dataclass(frozen=True, slots=True)
-class Kept:
-    """What a folder has of its run.
-
-    Attributes:
-        provenance: the content of provenance.json.
-        checkpoint: the last commit; None before the first.
-        series: the entries of each series that belong to it.
-    """
-
-    provenance: Mapping[str, Any]
-    checkpoint: Checkpoint | None = None
-    series: Mapping[str, list[Entry]] = field(default_factory=dict)
 
 
 class RunFolder:
@@ -113,7 +103,7 @@ class RunFolder:
     def reopen(cls, path: Path) -> Self:
         """Open a folder, changing nothing in it. Raises InputError: no run folder, or a file is not sound."""
         path = path.resolve()
-        return cls(path, on_root(lambda: _sound(path)))
+        return cls(path, on_root(lambda: sound(path)))
 
     def discard_if_unused(self) -> None:
         """Remove a folder without a commit, if this rank wrote it; not collective: others may have failed."""
@@ -154,7 +144,7 @@ class RunFolder:
     @contextmanager
     def writing(self) -> Iterator[None]:
         """Raise a SolveError where the disk does not take what a step writes; the last commit stays."""
-        with _refused(self.path, SolveError, self._goes_on):
+        with refused(self.path, SolveError, self._goes_on):
             yield
 
     @property
@@ -165,7 +155,7 @@ class RunFolder:
     def _keep(self, commit: Commit) -> None:
         record = commit.record
         tables = {STEPS: step_table(record), BODIES: body_table(record, commit.names), **commit.tables}
-        with _disk(self.path, SolveError, self._goes_on):
+        with disk(self.path, SolveError, self._goes_on):
             rows = {table: self._text(table, *rows) for table, rows in tables.items()}
         self._next = None  # broken off between here and the end, nothing is committed
         for table, text in rows.items():
@@ -195,7 +185,7 @@ class RunFolder:
         if self._next is None:
             return
         began = time.perf_counter()
-        with _disk(self.path, SolveError, self._goes_on):
+        with disk(self.path, SolveError, self._goes_on):
             lengths = {table: self._append(table, rows) for table, rows in self._rows.items()}
             for series in self._grown:
                 replace(self._collection(series), self._series[series].xml())
@@ -227,11 +217,11 @@ class RunFolder:
         return self._headers[table]
 
     def _rewind(self, case: Case, launch: Mapping[str, Any]) -> None:
-        with _disk(self.path, InputError, REMEDY):
+        with disk(self.path, InputError, REMEDY):
             # The case first: killed after it, the next launch finds the same changes.
             if "changed" in launch:
                 replace(self.case, case.as_toml().encode())
-            _write_provenance(self.path, case, [*self.kept.provenance["launches"], launch])
+            write_provenance(self.path, case, [*self.kept.provenance["launches"], launch])
             for table, length in self._lengths.items():
                 (self.path / table).touch()
                 os.truncate(self.path / table, length)
@@ -248,7 +238,7 @@ class RunFolder:
 
 
 def _create(path: Path, case: Case, launch: Mapping[str, Any]) -> Kept:
-    with _disk(path, InputError, "give a folder that can be written"):
+    with disk(path, InputError, "give a folder that can be written"):
         if path.exists() and not (path.is_dir() and not any(path.iterdir())):
             resume = f", or `fsi resume {path}` to continue that run" if (path / CASE).is_file() else ""
             raise InputError(f"output = {path}: exists and is not empty; give another folder{resume}")
@@ -257,89 +247,6 @@ def _create(path: Path, case: Case, launch: Mapping[str, Any]) -> Kept:
             shutil.rmtree(partial)
         (partial / FIELDS).mkdir(parents=True)
         replace(partial / CASE, case.as_toml().encode())
-        provenance = _write_provenance(partial, case, [launch])
+        provenance = write_provenance(partial, case, [launch])
         partial.rename(path)
         return Kept(provenance)
-
-
-def require_run(path: Path) -> None:
-    """Raise InputError if a folder is not that of a run."""
-    if not (path / CASE).is_file():
-        raise InputError(f"output = {path}: not a run folder (it has no {CASE}); give one made by `fsi run`")
-
-
-def _sound(path: Path) -> Kept:
-    """What is in a folder; every file that a run needs to go on is read. Raises InputError."""
-    require_run(path)
-    with _disk(path, InputError, REMEDY):
-        provenance = _provenance(path)
-        if not (path / STATE).exists():
-            return Kept(provenance)
-        checkpoint = read_checkpoint(path / STATE)
-        for table, length in checkpoint.lengths.items():
-            _require_rows(path / table, length)
-        series = {name: _entries(path, name, count) for name, count in checkpoint.entries.items()}
-        return Kept(provenance, checkpoint, series)
-
-
-def _require_rows(table: Path, length: int) -> None:
-    """Raise InputError unless the first bytes of a table are whole rows of its header's width."""
-    text = content(table, REMEDY)[:length] if length else b""
-    if len(text) < length:
-        raise InputError(f"output = {table.parent}: {table.name} has lost rows; put them back or run again")
-    try:
-        widths = set(map(len, csv.reader(text.decode().splitlines())))
-    except csv.Error as error:
-        raise ValueError(f"{table.name}: {error}") from None
-    if length and (not text.endswith(b"\n") or len(widths) > 1):
-        raise ValueError(f"{table.name}: rows are not of one width")
-
-
-def _entries(path: Path, series: str, count: int) -> list[Entry]:
-    entries = read_collection(path / f"{series}.pvd")
-    if len(entries) < count:
-        raise ValueError(f"{series}.pvd: {len(entries)} entries where there were {count}")
-    return entries[:count]
-
-
-def _provenance(path: Path) -> dict[str, Any]:
-    """The content of provenance.json. Raises InputError, ValueError: of another version, damaged."""
-    data = json_of(path / PROVENANCE, REMEDY)
-    if not isinstance(data, dict):
-        raise ValueError(f"{PROVENANCE}: is no object")
-    written = data.get("format", 1)
-    if written != FORMAT:
-        raise InputError(
-            f"output = {path}: a run of another version of this program (format {written}, this one "
-            f"writes {FORMAT}); run the case again, or resume with that version"
-        )
-    kinds = {"case": dict, "files": dict, "launches": list}
-    for key, kind in kinds.items():
-        if not isinstance(data.get(key), kind):
-            raise ValueError(f"{PROVENANCE}: its {key} is missing")
-    return data
-
-
-def _write_provenance(path: Path, case: Case, launches: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    data = {"format": FORMAT, "launches": launches, **case_record(case)}
-    replace(path / PROVENANCE, (json.dumps(data, indent=2) + "\n").encode())
-    return data
-
-
-@contextmanager
-def _refused(path: Path, kind: type[FsiError], remedy: str) -> Iterator[None]:
-    """Turn what the operating system refuses into an error that names the folder."""
-    try:
-        yield
-    except OSError as error:
-        raise kind(f"output = {path}: {error.strerror} ({error.filename or path}); {remedy}") from error
-
-
-@contextmanager
-def _disk(path: Path, kind: type[FsiError], remedy: str) -> Iterator[None]:
-    """Turn what the operating system refuses, or a damaged file, into an error that names the folder."""
-    try:
-        with _refused(path, kind, remedy):
-            yield
-    except ValueError as error:
-        raise kind(f"output = {path}: a file is damaged ({error}); {remedy}") from error

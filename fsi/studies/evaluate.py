@@ -28,7 +28,7 @@ from fsi.errors import InputError, SolveError
 from fsi.models import flow_solvers, require_instant
 from fsi.observables.quantities import component, computed, stress_column, time_at
 from fsi.reduced.model import ReducedModel
-from fsi.run_folder.folder import BODIES, CASE, STEPS
+from fsi.run_folder.kept import BODIES, CASE, STEPS
 from fsi.runs import resume, run
 
 

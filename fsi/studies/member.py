@@ -17,7 +17,7 @@ from fsi.case.checks.work import check_work
 from fsi.case.load import case_text, load_case, named_files
 from fsi.errors import InputError
 from fsi.files import content, json_of, replace
-from fsi.run_folder.folder import CASE
+from fsi.run_folder.kept import CASE
 from fsi.run_folder.provenance import launch
 from fsi.studies.evaluate import Evaluation, FoundValue, at_instant, of_motion
 

@@ -17,7 +17,7 @@ from fsi.lubrication.exact_results import EXACT
 from fsi.meshes.errors import MeshError
 from fsi.observables.quantities import computed, time_at
 from fsi.observables.truncation import halved
-from fsi.run_folder.folder import STEPS
+from fsi.run_folder.kept import STEPS
 from fsi.runs import run
 from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.model import StokesModel

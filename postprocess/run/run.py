@@ -33,7 +33,7 @@ from fsi.meshes.geometry.container import Container
 from fsi.postprocess.run.grids import read_grid
 from fsi.postprocess.run.tables import read_table
 from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint
-from fsi.run_folder.folder import CASE, PROVENANCE, STATE
+from fsi.run_folder.kept import CASE, PROVENANCE, STATE
 from fsi.run_folder.paraview import Entry, read_collection
 
 Indices = NDArray[np.intp]

@@ -156,7 +156,6 @@ def test_an_error_on_one_rank_ends_all_with_one_message(error: str) -> None:
         from mpi4py import MPI
         import fsi.parallel as parallel
         from fsi.cli import cases
-        parallel.PATIENCE = 1.0
         from fsi.cli.main import main
         from fsi.errors import InputError
 

@@ -1,0 +1,128 @@
+"""What a run folder has of its run, read before anything in it is changed.
+
+`sound` reads every file that a run needs to go on, as `fsi.run_folder.folder` writes them.
+"""
+
+import csv
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from fsi.case.case import Case
+from fsi.errors import FsiError, InputError
+from fsi.files import content, json_of, replace
+from fsi.run_folder.checkpoint import Checkpoint, read_checkpoint
+from fsi.run_folder.one_case import case_record
+from fsi.run_folder.paraview import Entry, read_collection
+
+CASE, PROVENANCE, STATE, FIELDS = "case.toml", "provenance.json", "state.npz", "fields"
+STEPS, BODIES = "steps.csv", "bodies.csv"
+REMEDY = "put that right or run the case again"
+# Of the folder: what its files mean. Before the number case files had other keys; before 3 nothing told
+# whether the case has been changed since.
+FORMAT = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """What a folder has of its run.
+
+    Attributes:
+        provenance: the content of provenance.json.
+        checkpoint: the last commit; None before the first.
+        series: the entries of each series that belong to it.
+    """
+
+    provenance: Mapping[str, Any]
+    checkpoint: Checkpoint | None = None
+    series: Mapping[str, list[Entry]] = field(default_factory=dict)
+
+
+def require_run(path: Path) -> None:
+    """Raise InputError if a folder is not that of a run."""
+    if not (path / CASE).is_file():
+        raise InputError(f"output = {path}: not a run folder (it has no {CASE}); give one made by `fsi run`")
+
+
+def sound(path: Path) -> Kept:
+    """What is in a folder; every file that a run needs to go on is read.
+
+    Raises InputError: no run folder, of another version, or a file is not sound.
+    """
+    require_run(path)
+    with disk(path, InputError, REMEDY):
+        provenance = _provenance(path)
+        if not (path / STATE).exists():
+            return Kept(provenance)
+        checkpoint = read_checkpoint(path / STATE)
+        for table, length in checkpoint.lengths.items():
+            _require_rows(path / table, length)
+        series = {name: _entries(path, name, count) for name, count in checkpoint.entries.items()}
+        return Kept(provenance, checkpoint, series)
+
+
+def _require_rows(table: Path, length: int) -> None:
+    """Raise InputError unless the first bytes of a table are whole rows of its header's width."""
+    text = content(table, REMEDY)[:length] if length else b""
+    if len(text) < length:
+        raise InputError(f"output = {table.parent}: {table.name} has lost rows; put them back or run again")
+    try:
+        widths = set(map(len, csv.reader(text.decode().splitlines())))
+    except csv.Error as error:
+        raise ValueError(f"{table.name}: {error}") from None
+    if length and (not text.endswith(b"\n") or len(widths) > 1):
+        raise ValueError(f"{table.name}: rows are not of one width")
+
+
+def _entries(path: Path, series: str, count: int) -> list[Entry]:
+    entries = read_collection(path / f"{series}.pvd")
+    if len(entries) < count:
+        raise ValueError(f"{series}.pvd: {len(entries)} entries where there were {count}")
+    return entries[:count]
+
+
+def _provenance(path: Path) -> dict[str, Any]:
+    """The content of provenance.json. Raises InputError, ValueError: of another version, damaged."""
+    data = json_of(path / PROVENANCE, REMEDY)
+    if not isinstance(data, dict):
+        raise ValueError(f"{PROVENANCE}: is no object")
+    written = data.get("format", 1)
+    if written != FORMAT:
+        raise InputError(
+            f"output = {path}: a run of another version of this program (format {written}, this one "
+            f"writes {FORMAT}); run the case again, or resume with that version"
+        )
+    kinds = {"case": dict, "files": dict, "launches": list}
+    for key, kind in kinds.items():
+        if not isinstance(data.get(key), kind):
+            raise ValueError(f"{PROVENANCE}: its {key} is missing")
+    return data
+
+
+def write_provenance(path: Path, case: Case, launches: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Write provenance.json of a case with all its launches; what it has. Raises OSError."""
+    data = {"format": FORMAT, "launches": launches, **case_record(case)}
+    replace(path / PROVENANCE, (json.dumps(data, indent=2) + "\n").encode())
+    return data
+
+
+@contextmanager
+def refused(path: Path, kind: type[FsiError], remedy: str) -> Iterator[None]:
+    """Turn what the operating system refuses into an error that names the folder."""
+    try:
+        yield
+    except OSError as error:
+        raise kind(f"output = {path}: {error.strerror} ({error.filename or path}); {remedy}") from error
+
+
+@contextmanager
+def disk(path: Path, kind: type[FsiError], remedy: str) -> Iterator[None]:
+    """Turn what the operating system refuses, or a damaged file, into an error that names the folder."""
+    try:
+        with refused(path, kind, remedy):
+            yield
+    except ValueError as error:
+        raise kind(f"output = {path}: a file is damaged ({error}); {remedy}") from error
