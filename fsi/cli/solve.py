@@ -26,7 +26,11 @@ from fsi.errors import InputError
 from fsi.report.console import standard_output
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from fsi.case.case import Case
+    from fsi.case.drag_file import DragFile
+    from fsi.observables.resistance import Resistance, ResistanceErrors
 
 EXAMPLE = "Example: fsi solve cases/disc_in_box.toml --set discretisation.cells_per_gap=2 --json"
 RESISTANCE_EXAMPLE = "Example: fsi resistance cases/two_discs.toml -o two_discs.npz"
@@ -111,8 +115,6 @@ def resistance(
     With --drag also the drag with which the reduced model of the case, its laws and its cutoff, has the same
     mean mobility of the bodies.
     """
-    from fsi.calibration.drag import calibrated_drag, reduced_model
-    from fsi.case.drag_file import save_drag
     from fsi.observables.resistance import difference
     from fsi.observables.truncation import halved
     from fsi.report.resistance import print_resistance, require_format, resistance_json, write_resistance
@@ -127,7 +129,7 @@ def resistance(
         raise InputError("bodies: there are none; a resistance matrix needs at least one [[bodies]]")
     from fsi.models import flow_solvers
 
-    model = None if drag is None else reduced_model(case)
+    write_drag = None if drag is None else _drag_writer(case, case_file, drag)
     solve = flow_solvers(case)
     solved = solve.resistance_with_errors(case)
     found, half = solved.resistance, halved(solved.case)
@@ -135,9 +137,8 @@ def resistance(
     data = resistance_json(case.name, found, solved.errors, truncation)
     if output is not None:
         parallel.on_root(lambda: write_resistance(output, data))
-    file = None if model is None else calibrated_drag(model, found, solved.errors, case_file)
-    if drag is not None and file is not None:
-        parallel.on_root(lambda: save_drag(drag, file))
+    file = None if write_drag is None else write_drag(found, solved.errors)
+    if file is not None:
         data |= {"drag": file.drag, "drag_error": file.error}
     if parallel.is_root() and as_json:
         typer.echo(json.dumps(data))
@@ -147,6 +148,23 @@ def resistance(
             typer.echo(
                 f"drag = {file.drag:.6g} ± {file.error:.0e}, with the same mean mobility; wrote {drag}"
             )
+
+
+def _drag_writer(
+    case: Case, case_file: Path, drag: Path
+) -> Callable[[Resistance, ResistanceErrors], DragFile]:
+    """What writes the drag of a case, from its resistance. Raises InputError: no reduced model has one."""
+    from fsi.calibration.drag import calibrated_drag, reduced_model
+    from fsi.case.drag_file import save_drag
+
+    model = reduced_model(case)
+
+    def write(found: Resistance, errors: ResistanceErrors) -> DragFile:
+        file = calibrated_drag(model, found, errors, case_file)
+        parallel.on_root(lambda: save_drag(drag, file))
+        return file
+
+    return write
 
 
 def mesh(

@@ -54,8 +54,9 @@ def loaded(*command: str) -> set[str]:
         ("check", "disc_in_box", SLOW | SOLVER | OTHER | NONE_OF_ONE_DISC),
         ("check", "couette_N10", SLOW | SOLVER | OTHER | NONE_OF_ONE_DISC),
         ("solve", "disc_in_box", SLOW | PARTS | NONE_OF_ONE_DISC | {"fsi.pores.instant", "meshio"}),
+        ("resistance", "disc_in_box", SLOW | {"fsi.reduced.model", "fsi.calibration.drag"}),
     ],
-    ids=["check", "check of ten discs", "solve"],
+    ids=["check", "check of ten discs", "solve", "resistance"],
 )
 def test_a_command_loads_only_what_it_needs(command: str, case: str, not_needed: set[str]) -> None:
     found = loaded(command, f"cases/{case}.toml")
