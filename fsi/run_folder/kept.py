@@ -1,6 +1,7 @@
-"""What a run folder has of its run, read before anything in it is changed.
+"""What a run folder has of its run, under which names, read before anything in it is changed.
 
-`sound` reads every file that a run needs to go on, as `fsi.run_folder.folder` writes them.
+`sound` reads every file that a run needs to go on; `fsi.run_folder.folder` writes them, provenance.json by
+what stands here beside what reads it. What the disk refuses, or has damaged, is said alike by both.
 """
 
 import csv
