@@ -2,7 +2,8 @@
 
 Discs at area fraction 0.4 between sliding walls, those of tests/reference/couette_N50.json and
 couette_N200.json; more are 200 n^2, copies of the latter side by side in n rows. With `--resolved TURNS`
-steps are also compared with resolved ones of the same 50 or 200 discs, as `bench/suspension.py` has them.
+steps are also compared with resolved ones of the same 50 or 200 discs, as `bench/suspension.py` of this
+checkout or another one has them, in turns with them.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import argparse
 import json
 import sys
 from collections.abc import Sequence
+from contextlib import closing
 from pathlib import Path
 from time import process_time
 
@@ -20,13 +22,14 @@ from rich.table import Table
 
 sys.path.insert(0, str(Path(__file__).parents[1]))  # of a checkout that runs bench/pore_speed.py
 
+from bench.against import ROOT, Checkout
 from bench.step import forget_peak, peak_memory
 from fsi.bodies.configuration import Array, Motion
 from fsi.pores.solve import PoreLoading, solve_pores
 from fsi.pores.surfaces import DISC, WALL, BoundingSurfaces
 from fsi.pores.system import PoreSystem
 
-REFERENCE = Path(__file__).parents[1] / "tests" / "reference"
+REFERENCE = ROOT / "tests" / "reference"
 PHASES = ("pores", "forms", "solve")
 WARM = 3
 EXAMPLE = """columns: which step (the first takes machine code from its cache, or makes it), CPU seconds
@@ -44,6 +47,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("discs", type=int, nargs="+", help="50, or 200 n^2")
     parser.add_argument("--modes", type=int, nargs="+", default=[1, 4], help="of each neck")
     parser.add_argument("--resolved", type=int, default=0, metavar="TURNS", help="compare in so many turns")
+    parser.add_argument(
+        "--of", type=Path, default=ROOT, metavar="FOLDER", help="whose resolved steps: a checkout"
+    )
     wanted = parser.parse_args(arguments)
     resolved = ["of resolved"] if wanted.resolved else []
     table = Table("discs", "modes", "step", "unknowns", *PHASES, "CPU s", "MB", "dissipation", *resolved)
@@ -57,7 +63,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
                 row = [str(discs), str(modes), step, f"{unknowns:.0f}", *times]
                 row += [f"{peak_memory():.0f}", f"{dissipation:.8g}"]
                 if resolved and step == "warm":
-                    row.append(f"{of_resolved(discs, modes, wanted.resolved):.2f}")
+                    row.append(of_resolved(discs, modes, wanted.resolved, wanted.of.resolve()))
                 table.add_row(*row)
     Console(width=130).print(table)
 
@@ -76,18 +82,15 @@ def timed(discs: int, modes: int) -> tuple[float, ...]:
     return float(system.unknowns), flow.dissipation, *seconds
 
 
-def of_resolved(discs: int, modes: int, turns: int) -> float:
-    """The median ratio of the CPU seconds of a step to those of a resolved one, mesh included, in turns."""
-    from bench.suspension import new_steps
-    from bench.suspension import suspension as resolved
-
+def of_resolved(discs: int, modes: int, turns: int, checkout: Path) -> str:
+    """CPU seconds of a step over those of a resolved one with its mesh: median of turns and quartiles."""
     if discs not in (50, 200):
         raise SystemExit(f"pore_speed.py: --resolved with {discs} discs: give 50 or 200")
-    sheared, ratios = resolved(discs), []
-    for _ in range(turns):
-        (step,) = new_steps(sheared, 1)
-        ratios.append(sum(timed(discs, modes)[2:]) / sum(step.seconds.values()))
-    return float(np.median(ratios))
+    with closing(Checkout(checkout)) as resolved:
+        resolved.seconds(f"{discs} new")  # the first takes what later ones find
+        ratios = [sum(timed(discs, modes)[2:]) / resolved.seconds(f"{discs} new") for _ in range(turns)]
+    least, median, most = np.quantile(ratios, [0.25, 0.5, 0.75])
+    return f"{median:.3f} ({least:.3f} to {most:.3f})"
 
 
 def suspension(discs: int) -> tuple[BoundingSurfaces, float]:

@@ -6,7 +6,7 @@ What a Python user needs stands here, from `fsi.api`: `load_case`, `make_case`, 
 
 from typing import Any
 
-import fsi.meshes as _meshes  # noqa: F401  before NumPy: it sets the number of threads
+import fsi.machine.threads as _threads  # noqa: F401  before NumPy: it sets the number of threads
 
 __all__ = [
     "BodySolution", "CalibrationResult", "Case", "FsiError", "InputError", "Resistance", "Run", "Solution",

@@ -12,7 +12,8 @@ from zlib import crc32
 
 import numpy as np
 
-from fsi.meshes.mpi import STARTED, load_mpi
+from fsi.machine.ranks import STARTED
+from fsi.meshes.mpi import load_mpi
 
 type Words = Callable[[BaseException], tuple[str, int]]
 

@@ -11,6 +11,7 @@ import os
 from typing import Any
 
 from fsi.errors import InputError
+from fsi.machine.ranks import STARTED
 
 # Hosts that expose RDMA devices which they will not open make MPI print errors or stop. For such devices
 # alone UCX watches what memory is mapped, and patches the C library for it: 40 ms of each start.
@@ -19,9 +20,6 @@ if "UCX_TLS" not in os.environ:
 # Without /sys (bare containers) MPI's transports and hwloc complain on stderr, and work all the same.
 os.environ.setdefault("UCX_LOG_LEVEL", "fatal")
 os.environ.setdefault("HWLOC_HIDE_ERRORS", "2")
-
-# Whatever starts ranks tells each which it is: PMI_RANK, PMIX_RANK, OMPI_COMM_WORLD_RANK, PALS_RANKID.
-STARTED = any("PMI" in name or "RANK" in name for name in os.environ)
 
 
 def load_mpi() -> Any:

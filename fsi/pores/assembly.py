@@ -2,11 +2,14 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 
 from fsi.bodies.configuration import Array
+from fsi.machine.threads import in_turn
 from fsi.pores.forms import PoreForms, pore_forms
 from fsi.pores.inner import inner_form
 from fsi.pores.levels import LEVELS, level_of
@@ -139,20 +142,29 @@ def tabulated(function: Callable[[int], int], at: Index) -> Index:
 def assemble(pores: Pores, shapes: PoreShapes, modes: Index) -> Assembly:
     """K where necks have these numbers of modes; a pore is as fine as its finest neck."""
     numbering = number(pores, modes)
-    batches = list(_batches(pores, shapes, numbering))
     necks = np.where(pores.sides >= 0, len(pores.surfaces) + pores.sides, -1)
     members = np.concatenate([pores.vertices, necks], axis=1)
     pattern = pattern_of(members, np.concatenate([numbering.surface[:-1], numbering.neck]))
-    entries = np.zeros(len(pattern.indices))
-    for batch in batches:
+    entries, batches = np.zeros(len(pattern.indices)), list[Batch]()
+    for batch in in_turn(partial(_batch, pores, shapes, numbering), _parts(pores, numbering)):
         add_forms(entries, pattern, members[batch.pore], batch.forms.K)
+        batches.append(batch)
     fluid = list(_fluid_forms(pores, numbering))
     for forms in fluid:
         add_forms(entries, pattern, forms.disc[:, None], forms.per_area[:, None, None] * forms.K)
     return Assembly(pattern.matrix(entries), batches, numbering, fluid)
 
 
-def _batches(pores: Pores, shapes: PoreShapes, numbering: Numbering) -> Iterator[Batch]:
+class Part(NamedTuple):
+    """Pores of the same orders: which, the functions that they have, and their points of quadrature."""
+
+    pore: Index
+    orders: Orders
+    rule: Rule
+
+
+def _parts(pores: Pores, numbering: Numbering) -> Iterator[Part]:
+    """All pores, so many at a time that their numbers have room."""
     modes = np.where(pores.sides >= 0, numbering.modes[pores.sides], 0)
     kinds = np.column_stack([modes, numbering.order[pores.vertices], pores.surfaces.free[pores.vertices]])
     for kind in np.unique(kinds, axis=0):
@@ -169,8 +181,13 @@ def _batches(pores: Pores, shapes: PoreShapes, numbering: Numbering) -> Iterator
         along, across, _ = points.points
         numbers = orders.total * 3 * (2 * along * across + points.rule.third.shape[1])
         for some in np.array_split(alike, 1 + len(alike) * numbers // _NUMBERS):
-            forms = pore_forms(shapes.of(some), points.rule, orders)
-            yield Batch(some, _unknowns(pores, some, orders, numbering), orders, points.rule, forms)
+            yield Part(some, orders, points.rule)
+
+
+def _batch(pores: Pores, shapes: PoreShapes, numbering: Numbering, part: Part) -> Batch:
+    some, orders, rule = part
+    forms = pore_forms(shapes.of(some), rule, orders)
+    return Batch(some, _unknowns(pores, some, orders, numbering), orders, rule, forms)
 
 
 def _three(numbers: Index) -> tuple[int, int, int]:

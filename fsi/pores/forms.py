@@ -13,7 +13,6 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.machine.compiled import compiled, inlined, internal
-from fsi.machine.threads import in_parts
 from fsi.pores.elimination import least_bubbles, squares, take_off
 from fsi.pores.jets import AT_ONCE
 from fsi.pores.orders import Orders
@@ -42,13 +41,7 @@ def pore_forms(shapes: PoreShapes, rule: Rule, orders: Orders) -> PoreForms:
     """The forms of pores of the same orders."""
     data, n, m = pore_data(shapes), len(shapes.gap), orders.shared
     forms = PoreForms(np.empty((n, m, m)), np.empty(n), np.empty(n))
-    most = most_points(data, rule)
-
-    def take(part: slice) -> None:
-        work = Work.of(most, RATES, orders)
-        _take_forms(data[part], rule, orders, work, PoreForms._make(each[part] for each in forms))
-
-    in_parts(n, take)
+    _take_forms(data, rule, orders, Work.of(most_points(data, rule), RATES, orders), forms)
     return forms
 
 

@@ -1,36 +1,56 @@
-"""Work that threads share: all of it is done once, in as many parts as OMP_NUM_THREADS says."""
+"""Work that threads share: what becomes of each thing comes in order, by any number of threads."""
 
 import threading
 
 import pytest
 
-from fsi.machine.threads import in_parts
+import fsi.machine.threads as threads
 
 
 @pytest.mark.parametrize(
-    ("said", "parts"), [("1", 1), ("2", 2), ("3,1", 3), ("20", 7), ("", 1), ("many", 1), ("0", 1)]
+    ("given", "number"), [("1", 1), ("2", 2), ("3,1", 3), ("", 1), ("many", 1), ("0", 1), (None, 5)]
 )
-def test_all_is_done_once_in_as_many_parts_as_there_are_threads(
-    monkeypatch: pytest.MonkeyPatch, said: str, parts: int
+def test_the_user_says_how_many_threads_there_are(
+    monkeypatch: pytest.MonkeyPatch, given: str | None, number: int
 ) -> None:
-    monkeypatch.setenv("OMP_NUM_THREADS", said)
-    done, lock = list[list[int]](), threading.Lock()
-
-    def take(part: slice) -> None:
-        with lock:
-            done.append(list(range(7))[part])
-
-    in_parts(7, take)
-    assert sorted(k for part in done for k in part) == list(range(7))
-    assert len(done) == parts
+    monkeypatch.setattr(threads, "GIVEN", given)
+    monkeypatch.setattr(threads, "STARTED", False)
+    monkeypatch.setattr(threads, "_processors", lambda: 5)
+    assert threads.number_of_threads() == number
 
 
-def test_what_goes_wrong_in_a_part_is_raised(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("OMP_NUM_THREADS", "2")
+def test_each_of_several_ranks_has_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(threads, "GIVEN", None)
+    monkeypatch.setattr(threads, "STARTED", True)
+    monkeypatch.setattr(threads, "_processors", lambda: 5)
+    assert threads.number_of_threads() == 1
 
-    def take(part: slice) -> None:
-        if part.start > 0:
-            raise ValueError(part)
 
-    with pytest.raises(ValueError, match="slice"):
-        in_parts(10, take)
+@pytest.mark.parametrize("given", ["1", "2", "3"])
+@pytest.mark.parametrize("count", [0, 1, 7])
+def test_results_come_in_order(monkeypatch: pytest.MonkeyPatch, given: str, count: int) -> None:
+    monkeypatch.setattr(threads, "GIVEN", given)
+    assert list(threads.in_turn(lambda k: k * k, range(count))) == [k * k for k in range(count)]
+
+
+def test_several_are_at_work_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each waits for another: one alone would wait in vain."""
+    monkeypatch.setattr(threads, "GIVEN", "2")
+    meeting = threading.Barrier(2, timeout=10.0)
+    places = list(threads.in_turn(lambda _: meeting.wait(), range(6)))
+    assert sorted(places) == [0, 0, 0, 1, 1, 1]
+
+
+@pytest.mark.parametrize("given", ["1", "2"])
+def test_what_goes_wrong_is_raised(monkeypatch: pytest.MonkeyPatch, given: str) -> None:
+    monkeypatch.setattr(threads, "GIVEN", given)
+
+    def work(k: int) -> int:
+        if k == 3:
+            raise ValueError(k)
+        return k
+
+    results = threads.in_turn(work, range(10))
+    assert [next(results) for _ in range(3)] == [0, 1, 2]
+    with pytest.raises(ValueError, match="3"):
+        next(results)
