@@ -49,14 +49,28 @@ class Feet:
     of: NDArray[np.intp]
 
     @classmethod
-    def at(cls, q: Configuration, container: Container, gaps: Gaps, reach: float) -> Self:
-        """Those of some pairs, and of all bodies and walls, up to `reach`, and the narrowest of each."""
-        each = zip(gaps.pairs.tolist(), gaps.away, strict=True)
-        lists = [feet_between(q, i, j, e, reach) for (i, j), e in each]
+    def at(
+        cls,
+        q: Configuration,
+        container: Container,
+        gaps: Gaps,
+        reach: float,
+        wanted: NDArray[np.intp] | None = None,
+    ) -> Self:
+        """Those of some pairs, and of all bodies and walls, up to `reach`, and the narrowest of each.
+
+        wanted: of these, in their order, whose are asked for; all if None.
+        """
+        walls, pairs = len(container.walls), len(gaps.pairs)
+        every = np.arange(pairs + walls * len(q))
+        here = np.isin(every, every if wanted is None else wanted)
+        each = zip(gaps.pairs.tolist(), gaps.away, here[:pairs].tolist(), strict=True)
+        lists = [feet_between(q, i, j, e, reach) if some else [] for (i, j), e, some in each]
         sides = gaps.pairs.tolist()
-        for i in range(len(q)):
-            lists += all_feet_on_walls(q, i, container, reach)
-            sides += [[i, len(q) + k] for k in range(len(container.walls))]
+        for i, some in enumerate(here[pairs:].reshape(len(q), walls)):
+            of_body = all_feet_on_walls(q, i, container, reach) if some.any() else [[]] * walls
+            lists += [feet if one else [] for feet, one in zip(of_body, some, strict=True)]
+            sides += [[i, len(q) + k] for k in range(walls)]
         of = np.repeat(np.arange(len(lists)), [len(some) for some in lists])
         away = np.vstack([gaps.away, np.zeros((len(lists) - len(gaps.pairs), q.dimension))])
         feet = [foot for some in lists for foot in some]
@@ -71,6 +85,15 @@ class Feet:
     def narrowest(self) -> NDArray[np.bool_]:
         """Which are the narrowest of their pair, (F,)."""
         return np.diff(self.of, prepend=-1) > 0
+
+    def renewed(self, later: Self) -> Self:
+        """These, but those of pairs that a later list has as they are there."""
+        kept = np.flatnonzero(~np.isin(self.of, later.of))
+        of = np.concatenate([self.of[kept], later.of])
+        order = np.argsort(of, kind="stable")
+        feet = [*(self.feet[k] for k in kept), *later.feet]
+        sides, away = np.vstack([self.sides[kept], later.sides]), np.vstack([self.away[kept], later.away])
+        return type(self)([feet[k] for k in order], sides[order], away[order], of[order])
 
     def followed(self, later: Self, ways: Array) -> Array:
         """What became of these gaps at a later place of the same pairs, (F,).

@@ -15,6 +15,7 @@ from fsi.meshes.geometry.container import Container
 SAFETY = 0.9
 # Of bodies that are no discs: places on a way that are looked at, and the least part of a gap between two.
 MOST_PLACES, LEAST_ROOM = 50, 0.02
+SOON = 0.25  # of the way that is left: gaps that may be at their limit by then are looked at together
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,9 +116,9 @@ def _approach_of_shapes(
 ) -> Approach:
     """The same for bodies that are no discs, which turn on their way.
 
-    A gap closes by no more than the ways of its two bodies' points, one seen from the other. So from each
-    place on the way they go on by what leaves the gap above its limit whatever they do, until one is there or
-    the way is at its end. Of a pair all gaps count, also those that are not its narrowest.
+    A gap closes by no more than the ways of its two bodies' points, one seen from the other. So where it is
+    known it is safe for a part of the way, whatever they do: at the end of that it is looked at again, until
+    one is below its limit or the way is at its end. Of a pair all gaps count, not its narrowest alone.
     """
     reach = _reach(q, container, displacement, gap_loss, duration)
     gaps, d = find_gaps(q, container, reach), q.dimension
@@ -134,18 +135,21 @@ def _approach_of_shapes(
         return Approach(-np.inf, np.inf, (0, 0))
     of_walls = np.repeat(q.ways(displacement), gaps.wall_gaps.shape[1])
     closing = np.concatenate([of_pairs, of_walls])[feet.of]
-    done, least, left = 0.0, before, before
+    lowest, now, least, left, done = (1.0 - gap_loss) * before, feet, before, before, 0.0
+    safe = _safe(left, lowest, before, closing)
     for _ in range(MOST_PLACES):
-        room = np.maximum(left - (1.0 - gap_loss) * before, LEAST_ROOM * before)
-        further = np.divide(room, closing, out=np.full(len(room), np.inf), where=closing > 0.0)
-        done = min(1.0, done + float(further.min()))
-        moved = q.moved(done * displacement)
-        there = replace(gaps, away=container.carried(gaps.away, done * duration))
-        left = feet.followed(Feet.at(moved, container, there, reach), done * closing)
+        done = min(1.0, float(safe.min()))
+        # Those that could be there soon are looked at too, lest each has a place of its own; all in the end.
+        due = feet.of[safe <= done + SOON * (1.0 - done)] if done < 1.0 else feet.of
+        moved, there = q.moved(done * displacement), container.carried(gaps.away, done * duration)
+        now = now.renewed(Feet.at(moved, container, replace(gaps, away=there), reach, due))
+        seen = np.isin(feet.of, due)
+        left = np.where(seen, feet.followed(now, done * closing), left)
         least = np.minimum(least, left)
-        if done == 1.0 or np.any(left < (1.0 - gap_loss) * before):
+        if done == 1.0 or np.any(left < lowest):
             break
-    loss = np.where(left < (1.0 - gap_loss) * before, 1.0 - left / before, 1.0 - least / before)
+        safe = np.where(seen, done + _safe(left, lowest, before, closing), safe)
+    loss = np.where(left < lowest, 1.0 - left / before, 1.0 - least / before)
     worst = int(np.argmax(loss))
     # What was stopped on the way would lose as much more as is left of it.
     lost = float(loss[worst]) / done
@@ -153,6 +157,12 @@ def _approach_of_shapes(
         lost = gap_loss / done  # beyond that nobody has looked
     first, second = feet.sides[worst].tolist()
     return Approach(lost, float(before[worst]), (first, second))
+
+
+def _safe(left: Array, lowest: Array, before: Array, closing: Array) -> Array:
+    """For what part of the way gaps that are `left` stay above the lowest ones, or nearly there, (F,)."""
+    room = np.maximum(left - lowest, LEAST_ROOM * before)
+    return np.asarray(np.divide(room, closing, out=np.full(len(room), np.inf), where=closing > 0.0))
 
 
 def _sides(index: int, pairs: NDArray[np.intp], bodies_walls: tuple[int, ...]) -> tuple[int, int]:

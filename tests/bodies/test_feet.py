@@ -10,14 +10,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.bodies.feet import Feet, find_feet
+from fsi.bodies.feet import Feet, feet_between, find_feet
 from fsi.bodies.gaps import find_gaps
 from fsi.case.profiles.wave import Wave
+from fsi.case.shapes.ellipse import Ellipse
 from fsi.case.shapes.fourier import FourierShape
 from fsi.case.shapes.stadium import Stadium
-from fsi.integration.gap_limiter import greatest_approach
+from fsi.integration.gap_limiter import LEAST_ROOM, greatest_approach
 from fsi.meshes.geometry.container import Unbounded
 from fsi.meshes.geometry.containers import Box, Round
+from fsi.meshes.geometry.feet import Foot
 from fsi.meshes.geometry.outline import Outline
 from fsi.meshes.geometry.shaped import ShapedWalls
 
@@ -92,6 +94,64 @@ def test_a_gap_that_is_not_the_narrowest_closes_unseen_by_the_narrowest_alone() 
     assert 0.5 < approach.loss <= 6.0 / 7.0 + 1e-9
     whole = greatest_approach(q, Round(2.0), np.array([[-1.2, 0.0, 0.0]]), 0.9)
     assert whole.loss == pytest.approx(6.0 / 7.0, rel=1e-9)
+
+
+ELLIPSE = Ellipse(kind="ellipse", axes=(1.0, 0.5)).outline
+CROWD = standing(*((ELLIPSE, (2.4 * i, 2.3 * j), 0.3 * i - 0.5 * j) for i in range(3) for j in range(3)))
+
+
+@settings(max_examples=15, deadline=None)
+@given(way=st.lists(st.floats(-1.5, 1.5), min_size=9, max_size=9))
+def test_no_gap_of_ellipses_is_smaller_on_the_way_than_said(way: list[float]) -> None:
+    """Seen at 21 places: where the way is allowed none is below its limit, but for LEAST_ROOM of a gap."""
+    q, displacement = (
+        standing(*((ELLIPSE, (2.4 * k, 0.4 * k), 1.1 * k) for k in range(3))),
+        np.reshape(way, (3, 3)),
+    )
+    pairs = find_gaps(q, Unbounded(), np.inf)
+    before, seen = Feet.at(q, Unbounded(), pairs, np.inf).gaps, -np.inf
+    for part in np.linspace(0.0, 1.0, 21):
+        after = Feet.at(q.moved(part * displacement), Unbounded(), pairs, np.inf).gaps
+        seen = max(seen, float(np.max(1.0 - after / before)))
+    said = greatest_approach(q, Unbounded(), displacement, 0.5)
+    if said.loss <= 0.5:
+        assert seen <= 0.5 + LEAST_ROOM
+    if seen > 0.5:
+        assert said.loss > 0.5 - LEAST_ROOM
+
+
+def test_few_gaps_of_a_crowd_are_looked_at_on_the_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One body comes near to another; all gaps at each place of the way, 4 times as many, tell the same."""
+    displacement, asked = np.random.default_rng(1).uniform(-0.3, 0.3, (9, 3)), [0]
+    displacement[4] = [0.4, 0.05, 0.3]
+
+    def counted(q: Configuration, i: int, j: int, away: Array, reach: float) -> list[Foot]:
+        asked[0] += 1
+        return feet_between(q, i, j, away, reach)
+
+    monkeypatch.setattr("fsi.bodies.feet.feet_between", counted)
+    few = greatest_approach(CROWD, Unbounded(), displacement, 0.9)
+    looked_at, asked[0] = asked[0], 0
+    monkeypatch.setattr("fsi.integration.gap_limiter.SOON", np.inf)
+    every = greatest_approach(CROWD, Unbounded(), displacement, 0.9)
+    assert few.between == every.between == (4, 7)
+    assert few.loss == pytest.approx(every.loss, rel=1e-9)
+    assert looked_at < asked[0] / 3
+
+
+def test_some_pairs_are_renewed_and_others_kept() -> None:
+    """Of later places those of two bodies and of a wall, else as they were."""
+    q = standing((PEANUT, (0.0, 2.0), 0.0), (ROD, (0.0, 5.0), 0.4))
+    later, gaps = q.moved(np.full((2, 3), 0.05)), find_gaps(q, BOX, FAR)
+    before, after = Feet.at(q, BOX, gaps, FAR), Feet.at(later, BOX, gaps, FAR)
+    wanted = np.array([0, 1 + BOTTOM])
+    some = Feet.at(later, BOX, gaps, FAR, wanted)
+    assert set(some.of.tolist()) == set(wanted.tolist())
+    mixed = before.renewed(some)
+    for pair in range(1 + 2 * len(BOX.walls)):
+        expected = after if pair in wanted else before
+        assert np.array_equal(mixed.gaps[mixed.of == pair], expected.gaps[expected.of == pair])
+        assert np.array_equal(mixed.sides[mixed.of == pair], expected.sides[expected.of == pair])
 
 
 def test_a_gap_that_vanishes_is_not_taken_for_its_neighbour() -> None:
