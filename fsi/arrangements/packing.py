@@ -125,7 +125,8 @@ def _smallest_excess(cell: SimulationCell, radii: Array, gap: float, x: Array) -
 
 
 MOVES = 1000  # of about a fifth of the bodies in the plane, a tenth in space
-LENGTH, _NEIGHBOURHOOD = 0.2, 0.8  # of a move, and of the list of neighbours, over the mean radius
+# Over the mean radius: of a move; how far beyond contact neighbours are listed, for some ten moves to come.
+LENGTH, _NEIGHBOURHOOD = 0.2, 2.0
 
 
 @dataclass(frozen=True, slots=True)
