@@ -87,11 +87,11 @@ SLOW = ("in a corner", "all touch nearly", "wall to wall")
     "case", [pytest.param(case, marks=[pytest.mark.slow] if case in SLOW else []) for case in GAPS]
 )
 def test_narrow_gaps(case: str) -> None:
-    """Valid cells of order 3, and about one layer of them in the gap."""
+    """Valid cells of order 3, and about one layer of them in the gap: with two there are 31,000 and more."""
     container, centres, radii = GAPS[case]
     fluid = mesh(container, centres, radii, Resolution(1.0, 16, 0.6), 3)
     assert fluid.quality > 0.1
-    assert fluid.cells() < 20000
+    assert fluid.cells() < 25000
 
 
 def test_the_usual_mesh_of_a_sphere_beside_a_plane() -> None:
