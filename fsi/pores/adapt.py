@@ -16,6 +16,7 @@ from fsi.bodies.configuration import Array
 from fsi.case.sections import EDGE_MODES
 from fsi.errors import SolveError
 from fsi.pores.assembly import tabulated
+from fsi.pores.forms import applied
 from fsi.pores.pattern import Index
 from fsi.pores.solve import PoreDrive, PoreFlow, solve_pores
 from fsi.pores.system import PoreSystem
@@ -50,7 +51,7 @@ class ComparedFlows:
         excess = np.zeros(len(system.pores.vertices))
         for batch in system.assembly.batches:
             of_pore = d[batch.unknown]
-            excess[batch.pore] = np.einsum("ei,eij,ej->e", of_pore, batch.forms.K, of_pore)
+            excess[batch.pore] = np.sum(of_pore * applied(batch.forms.K, of_pore), axis=1)
         return system.viscosity * excess
 
     @property

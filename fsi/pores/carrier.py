@@ -13,6 +13,7 @@ import numpy as np
 from fsi.bodies.configuration import Array
 from fsi.machine.compiled import compiled, internal
 from fsi.pores.assembly import Batch
+from fsi.pores.forms import applied
 from fsi.pores.orders import numbers_of
 from fsi.pores.pattern import Index
 from fsi.pores.system import PoreSystem
@@ -58,7 +59,7 @@ class Carrier(NamedTuple):
         if np.any(self.G):
             for batch in system.assembly.batches:
                 q = carried(system, batch, self.G)
-                Kq = system.viscosity * np.einsum("eij,ej->ei", batch.forms.K, q)
+                Kq = system.viscosity * applied(batch.forms.K, q)
                 np.add.at(reactions, batch.unknown.ravel(), Kq.ravel())
                 power += float(np.sum(q * Kq))
         return reactions, power

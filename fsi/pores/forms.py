@@ -17,7 +17,7 @@ from fsi.pores.elimination import least_bubbles, squares, take_off
 from fsi.pores.jets import AT_ONCE
 from fsi.pores.orders import Orders
 from fsi.pores.pore_data import Complex, pore_data
-from fsi.pores.quadrature import ROOT, ROWS, WEIGHT, Points, Rule, fill_pore, most_points, pore_points
+from fsi.pores.quadrature import ROOT, ROWS, WEIGHT, Points, Rule, fill_pore, most_points
 from fsi.pores.regions import PoreShapes
 from fsi.pores.target import JETS, RATES, Target
 from fsi.pores.trial import room_for, take_functions
@@ -45,11 +45,17 @@ def pore_forms(shapes: PoreShapes, rule: Rule, orders: Orders) -> PoreForms:
     return forms
 
 
-def with_bubbles(shapes: PoreShapes, rule: Rule, orders: Orders, x: Array) -> Array:
-    """The numbers of all functions of pores, (n, total), from those of the shared ones, (n, shared)."""
-    data = pore_data(shapes)
-    rates = strain_rates(data, orders, pore_points(data, rule))
-    numbers = np.empty((len(x), orders.total))
+def applied(K: Array, x: Array) -> Array:
+    """K x of each of n pores, K (n, m, m) and x (n, m)."""
+    return np.asarray((K @ x[..., None])[..., 0])
+
+
+def with_bubbles(rates: Array, x: Array) -> Array:
+    """The numbers of all functions of pores, (n, total), from those of the shared ones, (n, shared).
+
+    rates: of all functions at the points of quadrature, as `strain_rates` has them.
+    """
+    numbers = np.empty(rates.shape[:2])
     _take_bubbles(rates.reshape(*rates.shape[:2], -1), x, numbers)
     return numbers
 

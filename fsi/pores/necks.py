@@ -15,8 +15,8 @@ from fsi.pores.assembly import Batch
 from fsi.pores.carrier import stream
 from fsi.pores.fields import stream_function
 from fsi.pores.forms import strain_rates, with_bubbles
-from fsi.pores.pore_data import pore_data
-from fsi.pores.quadrature import pore_points, uniform
+from fsi.pores.pore_data import Complex, pore_data
+from fsi.pores.quadrature import Points, pore_points, uniform
 from fsi.pores.regions import NEXT, OTHER
 from fsi.pores.solve import PoreFlow
 
@@ -51,9 +51,12 @@ def necks_of(flow: PoreFlow) -> Necks:
     pores, surfaces = system.pores, system.pores.surfaces
     dissipation, flux = np.zeros(len(pores.necks)), np.zeros(len(pores.necks))
     for batch in system.assembly.batches:
-        shapes = system.shapes.of(batch.pore)
-        numbers = with_bubbles(shapes, batch.rule, batch.orders, flow.numbers(batch))
-        lost, through = _of_strips(flow, batch, numbers), _fluxes(flow, batch, numbers)
+        data = pore_data(system.shapes.of(batch.pore))
+        points = pore_points(data, batch.rule)
+        rates = strain_rates(data, batch.orders, points)
+        numbers = with_bubbles(rates, flow.numbers(batch))
+        lost = system.viscosity * _in_strips(rates, points, numbers)
+        through = _fluxes(flow, batch, data, numbers)
         neck = pores.sides[batch.pore]
         there = neck >= 0
         np.add.at(dissipation, neck[there], lost[there])
@@ -63,25 +66,21 @@ def necks_of(flow: PoreFlow) -> Necks:
     return Necks(sides[kept], pores.neck_image[kept], pores.neck_gap[kept], dissipation[kept], flux[kept])
 
 
-def _of_strips(flow: PoreFlow, batch: Batch, numbers: Array) -> Array:
-    """What is dissipated in the strips along the sides of pores, (n, 3)."""
-    shapes = flow.system.shapes.of(batch.pore)
-    data = pore_data(shapes)
-    points = pore_points(data, batch.rule)
-    rates = np.einsum("em,emkq->ekq", numbers, strain_rates(data, batch.orders, points))
-    lost = np.cumsum(flow.system.viscosity * np.sum(rates**2, axis=1), axis=1)
+def _in_strips(rates: Array, points: Points, numbers: Array) -> Array:
+    """What is dissipated in the strips along the sides of pores, of fluid of viscosity 1, (n, 3)."""
+    total = np.einsum("em,emkq->ekq", numbers, rates)
+    lost = np.cumsum(np.sum(total**2, axis=1), axis=1)
     at_ends = np.take_along_axis(lost, points.ends[:, :3] - 1, axis=1)
     return np.diff(at_ends, axis=1, prepend=0.0)
 
 
-def _fluxes(flow: PoreFlow, batch: Batch, numbers: Array) -> Array:
+def _fluxes(flow: PoreFlow, batch: Batch, data: Complex, numbers: Array) -> Array:
     """psi at the second foot of the neck on each side of pores less psi at the first, (n, 3).
 
     As the neck is seen from its first surface in its base place: images move with the mean flow.
     """
     system, G = flow.system, flow.loading.gradient
     shapes = system.shapes.of(batch.pore)
-    data = pore_data(shapes)
     psi = stream_function(data, pore_points(data, uniform(_MIDDLE, _FEET, _MIDDLE)), batch, numbers)[0]
     rise = np.diff(psi[:, :6].reshape(-1, 3, 2))[..., 0]
     periods = np.zeros((2, 2))

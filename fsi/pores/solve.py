@@ -10,6 +10,7 @@ moving walls, it is never less than that of Stokes flow: an upper bound of the a
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Inertia, Motion
 from fsi.pores.assembly import Batch
 from fsi.pores.carrier import Carrier, carried, mean_flow, product
+from fsi.pores.forms import applied
 from fsi.pores.orders import RIGID
 from fsi.pores.system import PoreSystem
 
@@ -56,7 +58,7 @@ class PoreDrive(Protocol):
         """The loading there. Raises SolveError."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class PoreFlow:
     """A flow through pores.
 
@@ -126,18 +128,22 @@ class PoreFlow:
     def power_of_mean(self, gradient: Array) -> float:
         """That of a mean gradient, by which the periods and all images change: |cell| Sigma_sides : G."""
         system, total = self.system, 0.0
-        for batch in system.assembly.batches:
-            q = mean_flow(system, batch, gradient)
-            total += float(np.einsum("ei,eij,ej->", q, batch.forms.K, self.local_numbers(batch)))
+        for batch, Kx in zip(system.assembly.batches, self._local_products, strict=True):
+            total += float(np.vdot(mean_flow(system, batch, gradient), Kx))
         return system.viscosity * total
 
     def dissipation_of_pores(self) -> Array:
         """Of each pore, (E,); fluid discs have theirs besides."""
         lost = np.empty(len(self.system.pores.vertices))
-        for batch in self.system.assembly.batches:
-            x = self.local_numbers(batch)
-            lost[batch.pore] = np.einsum("ei,eij,ej->e", x, batch.forms.K, x)
+        for batch, Kx in zip(self.system.assembly.batches, self._local_products, strict=True):
+            lost[batch.pore] = np.sum(self.local_numbers(batch) * Kx, axis=1)
         return self.system.viscosity * lost
+
+    @cached_property
+    def _local_products(self) -> list[Array]:
+        """K times the local numbers of the pores of each batch, of viscosity 1, (n, m)."""
+        batches = self.system.assembly.batches
+        return [applied(batch.forms.K, self.local_numbers(batch)) for batch in batches]
 
 
 def solve_pores(system: PoreSystem, loading: PoreLoading) -> PoreFlow:
