@@ -86,21 +86,12 @@ class Feet:
         """Which are the narrowest of their pair, (F,)."""
         return np.diff(self.of, prepend=-1) > 0
 
-    def renewed(self, later: Self) -> Self:
-        """These, but those of pairs that a later list has as they are there."""
-        kept = np.flatnonzero(~np.isin(self.of, later.of))
-        of = np.concatenate([self.of[kept], later.of])
-        order = np.argsort(of, kind="stable")
-        feet = [*(self.feet[k] for k in kept), *later.feet]
-        sides, away = np.vstack([self.sides[kept], later.sides]), np.vstack([self.away[kept], later.away])
-        return type(self)([feet[k] for k in order], sides[order], away[order], of[order])
-
     def followed(self, later: Self, ways: Array) -> Array:
         """What became of these gaps at a later place of the same pairs, (F,).
 
         The narrowest of a pair is followed by the narrowest. Each other one is followed by the gap nearest to
         it along the body, of those which the motion can have made of it; where none is left it has gone, and
-        counts as what it was.
+        counts as what it was, as those of a pair that was not looked at do.
 
         ways: how far each may have opened or closed, (F,).
         """
@@ -108,6 +99,8 @@ class Feet:
         start = np.searchsorted(later.of, np.arange(self.of.max(initial=-1) + 2))
         for k, (foot, pair, first) in enumerate(zip(self.feet, self.of, self.narrowest, strict=True)):
             some = slice(start[pair], start[pair + 1])
+            if some.start == some.stop:
+                continue
             if first:
                 after[k] = now[some][0]
                 continue

@@ -135,14 +135,14 @@ def _approach_of_shapes(
         return Approach(-np.inf, np.inf, (0, 0))
     of_walls = np.repeat(q.ways(displacement), gaps.wall_gaps.shape[1])
     closing = np.concatenate([of_pairs, of_walls])[feet.of]
-    lowest, now, least, left, done = (1.0 - gap_loss) * before, feet, before, before, 0.0
+    lowest, least, left, done = (1.0 - gap_loss) * before, before, before, 0.0
     safe = _safe(left, lowest, before, closing)
     for _ in range(MOST_PLACES):
         done = min(1.0, float(safe.min()))
         # Those that could be there soon are looked at too, lest each has a place of its own; all in the end.
         due = feet.of[safe <= done + SOON * (1.0 - done)] if done < 1.0 else feet.of
         moved, there = q.moved(done * displacement), container.carried(gaps.away, done * duration)
-        now = now.renewed(Feet.at(moved, container, replace(gaps, away=there), reach, due))
+        now = Feet.at(moved, container, replace(gaps, away=there), reach, due)
         seen = np.isin(feet.of, due)
         left = np.where(seen, feet.followed(now, done * closing), left)
         least = np.minimum(least, left)

@@ -104,10 +104,8 @@ CROWD = standing(*((ELLIPSE, (2.4 * i, 2.3 * j), 0.3 * i - 0.5 * j) for i in ran
 @given(way=st.lists(st.floats(-1.5, 1.5), min_size=9, max_size=9))
 def test_no_gap_of_ellipses_is_smaller_on_the_way_than_said(way: list[float]) -> None:
     """Seen at 21 places: where the way is allowed none is below its limit, but for LEAST_ROOM of a gap."""
-    q, displacement = (
-        standing(*((ELLIPSE, (2.4 * k, 0.4 * k), 1.1 * k) for k in range(3))),
-        np.reshape(way, (3, 3)),
-    )
+    q = standing(*((ELLIPSE, (2.4 * k, 0.4 * k), 1.1 * k) for k in range(3)))
+    displacement = np.reshape(way, (3, 3))
     pairs = find_gaps(q, Unbounded(), np.inf)
     before, seen = Feet.at(q, Unbounded(), pairs, np.inf).gaps, -np.inf
     for part in np.linspace(0.0, 1.0, 21):
@@ -139,19 +137,21 @@ def test_few_gaps_of_a_crowd_are_looked_at_on_the_way(monkeypatch: pytest.Monkey
     assert looked_at < asked[0] / 3
 
 
-def test_some_pairs_are_renewed_and_others_kept() -> None:
-    """Of later places those of two bodies and of a wall, else as they were."""
+def test_pairs_that_are_not_looked_at_stay_as_they_were() -> None:
+    """Of later places those of two bodies and of a wall, whose narrowest are followed."""
     q = standing((PEANUT, (0.0, 2.0), 0.0), (ROD, (0.0, 5.0), 0.4))
     later, gaps = q.moved(np.full((2, 3), 0.05)), find_gaps(q, BOX, FAR)
     before, after = Feet.at(q, BOX, gaps, FAR), Feet.at(later, BOX, gaps, FAR)
     wanted = np.array([0, 1 + BOTTOM])
     some = Feet.at(later, BOX, gaps, FAR, wanted)
     assert set(some.of.tolist()) == set(wanted.tolist())
-    mixed = before.renewed(some)
-    for pair in range(1 + 2 * len(BOX.walls)):
-        expected = after if pair in wanted else before
-        assert np.array_equal(mixed.gaps[mixed.of == pair], expected.gaps[expected.of == pair])
-        assert np.array_equal(mixed.sides[mixed.of == pair], expected.sides[expected.of == pair])
+    for pair in wanted:
+        assert np.array_equal(some.gaps[some.of == pair], after.gaps[after.of == pair])
+        assert np.array_equal(some.sides[some.of == pair], after.sides[after.of == pair])
+    ways = np.full(len(before.feet), FAR)
+    followed, asked = before.followed(some, ways), np.isin(before.of, wanted)
+    assert np.array_equal(followed[asked], before.followed(after, ways)[asked])
+    assert np.array_equal(followed[~asked], before.gaps[~asked])
 
 
 def test_a_gap_that_vanishes_is_not_taken_for_its_neighbour() -> None:
