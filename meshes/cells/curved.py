@@ -184,15 +184,17 @@ def _centres(tags: Indices, x: Array, curves: Sequence[Curve]) -> Array:
 
     Where a periodic domain is opened, arcs of a body lie around several of its images: the nearest is meant.
     """
-    centre, distance = np.full(x.shape, np.nan), np.full(len(x), np.inf)
-    order = np.argsort(tags, kind="stable")
     circles = [(curve.tag, curve.centre) for curve in curves if curve.centre is not None]
-    first, end = (np.searchsorted(tags[order], [tag + k for tag, _ in circles]).tolist() for k in range(2))
-    for (_, middle), begin, after in zip(circles, first, end, strict=True):
-        of_tag = order[begin:after]
-        away = np.hypot(*(x[of_tag] - middle).T)
-        nearer = of_tag[away < distance[of_tag]]
-        centre[nearer], distance[nearer] = middle, away[away < distance[of_tag]]
+    of = np.array([tag for tag, _ in circles], dtype=np.int64)
+    centres = np.array([centre for _, centre in circles]).reshape(-1, 2)
+    images = np.bincount(of, minlength=int(tags.max(initial=0)) + 1)
+    only = np.full((len(images), 2), np.nan)
+    only[of] = centres
+    centre = only[tags]
+    for tag in np.flatnonzero(images > 1).tolist():
+        some, around = np.flatnonzero(tags == tag), centres[of == tag]
+        away = np.hypot(*np.moveaxis(x[some, None] - around, -1, 0))
+        centre[some] = around[np.argmin(away, axis=1)]
     return centre
 
 

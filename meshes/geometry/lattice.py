@@ -53,8 +53,13 @@ class Lattice:
         """Coordinates of points or differences (n, d) along the lattice vectors, (n, k)."""
         if self.dimension == 0:
             return np.empty((len(x), 0))
-        coordinates: Array = x @ np.linalg.pinv(self.vectors)
+        coordinates: Array = x @ self._inverse
         return coordinates
+
+    @property
+    def _inverse(self) -> Array:
+        """Points times it are their coordinates, (d, k)."""
+        return _inverse(np.asarray(self.vectors, dtype=float).tobytes(), self.vectors.shape)
 
     def shift(self, m: Integers) -> Array:
         """The translations m @ vectors, (n, d), of integers (n, k)."""
@@ -71,7 +76,7 @@ class Lattice:
         """How far a distance goes at most along each vector, in lattice coordinates, (k,)."""
         if self.dimension == 0 or distance == 0.0:  # asked for often in a step
             return np.zeros(self.dimension)
-        return np.asarray(distance * np.linalg.norm(np.linalg.pinv(self.vectors), axis=0))
+        return np.asarray(distance * np.linalg.norm(self._inverse, axis=0))
 
     def nearest(self, d: Array) -> Integers:
         """The integers m (n, k) for which `d - m @ vectors` is shortest, for differences d (n, d)."""
@@ -238,6 +243,14 @@ class Cell(WithoutWalls):
         """Half of all vectors of the reduced basis."""
         middle: Array = 0.5 * self.periods.sum(axis=0)
         return middle
+
+
+@lru_cache(maxsize=8)  # a mesh in a channel asks for it a hundred times
+def _inverse(vectors: bytes, shape: tuple[int, int]) -> Array:
+    """The pseudo-inverse of the rows that these are the numbers of, (d, k)."""
+    inverse = np.asarray(np.linalg.pinv(np.frombuffer(vectors).reshape(shape)))
+    inverse.flags.writeable = False
+    return inverse
 
 
 @lru_cache(maxsize=8)  # a step asks for those of one cell some twenty times

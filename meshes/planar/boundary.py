@@ -24,8 +24,7 @@ def boundary(domain: FluidDomain, resolution: Resolution) -> list[Curve]:
         around = [half_ring(surfaces, i) for i in every]
     else:
         around = rings(surfaces, every)
-    walls = [surfaces.wall(curve) for curve in container.outline()]
-    return around + walls + (axis(surfaces) if container.axisymmetric else [])
+    return around + surfaces.walls(container.outline()) + (axis(surfaces) if container.axisymmetric else [])
 
 
 def axis(surfaces: Surfaces) -> list[Curve]:

@@ -36,16 +36,16 @@ def opened(surfaces: Surfaces) -> list[Curve]:
     shifts, pieces = faces.shifts(whole)
     around = outline_rings if surfaces.placed else rings
     holes = zip(around(surfaces, whole), shifts, pieces.tolist(), strict=True)
-    return [replace(_moved(hole, shift), pieces=(piece,)) for hole, shift, piece in holes] + _outer(faces)
+    return [_moved(hole, shift, piece) for hole, shift, piece in holes] + _outer(faces)
 
 
 def _outer(faces: Faces) -> list[Curve]:
     """The links, then for each piece its arcs and walls, which begin and end exactly where links do."""
     of_halves, stretches = _link_curves(faces), _stretch_curves(faces)
     every = [of_halves[half] for half in of_halves if half < faces.halves.count or not faces.is_inside(half)]
-    for k, face in enumerate(faces.faces):
+    for face in faces.faces:
         for stretch, before in zip(face, [face[-1], *face[:-1]], strict=True):
-            every.append(replace(next(stretches), pieces=(k,)))
+            every.append(next(stretches))
             every[-1].nodes[0] = of_halves[before.half].nodes[-1]
             every[-1].nodes[-1] = of_halves[stretch.half].nodes[0]
     return every
@@ -76,16 +76,19 @@ def _stretch_curves(faces: Faces) -> Iterator[Curve]:
     """For each stretch of each piece its arc or part of a wall."""
     surfaces, every = faces.halves.surfaces, [stretch for face in faces.faces for stretch in face]
     on_bodies = [stretch for stretch in every if stretch.node < surfaces.bodies]
+    on_walls = [stretch for stretch in every if stretch.node >= surfaces.bodies]
     angles = np.array([(stretch.end, stretch.start) for stretch in on_bodies]).reshape(-1, 2)
     of_bodies = outline_arcs if surfaces.placed else arcs
-    pieces = iter(of_bodies(surfaces, [stretch.node for stretch in on_bodies], angles))
-    for stretch in every:
-        if stretch.node < surfaces.bodies:
-            arc = _moved(next(pieces), stretch.centre - surfaces.centres[stretch.node])
-            opening = None if arc.opening is None else arc.opening[::-1]
-            yield replace(arc, nodes=arc.nodes[::-1], opening=opening)
-        else:
-            yield surfaces.wall(segment(stretch.node - surfaces.bodies, stretch.centre, stretch.leaves))
+    around = iter(of_bodies(surfaces, [stretch.node for stretch in on_bodies], angles))
+    segments = [segment(each.node - surfaces.bodies, each.centre, each.leaves) for each in on_walls]
+    walls = iter(surfaces.walls(segments))
+    for piece, face in enumerate(faces.faces):
+        for stretch in face:
+            if stretch.node < surfaces.bodies:
+                shift = stretch.centre - surfaces.centres[stretch.node]
+                yield _reversed(_moved(next(around), shift, piece))
+            else:
+                yield replace(next(walls), pieces=(piece,))
 
 
 def _on_links(halves: HalfLinks) -> list[Array]:
@@ -102,7 +105,13 @@ def _on_links(halves: HalfLinks) -> list[Array]:
     return surfaces.lines(at, np.column_stack([np.zeros(len(links)), links.gap]), LINK_PIECES)
 
 
-def _moved(curve: Curve, shift: Array) -> Curve:
+def _reversed(curve: Curve) -> Curve:
+    opening = None if curve.opening is None else curve.opening[::-1]
+    return replace(curve, nodes=curve.nodes[::-1], opening=opening)
+
+
+def _moved(curve: Curve, shift: Array, piece: int) -> Curve:
+    """A curve of bodies elsewhere, which bounds that piece."""
     centre = None if curve.centre is None else curve.centre + shift
     body = None if curve.body is None else curve.body.moved(curve.body.centre + shift)
-    return replace(curve, nodes=curve.nodes + shift, centre=centre, body=body)
+    return replace(curve, nodes=curve.nodes + shift, centre=centre, body=body, pieces=(piece,))

@@ -29,7 +29,7 @@ fluid, if its interior shall be graded.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -42,7 +42,7 @@ from fsi.meshes.geometry.nearby import NearbyPoints
 from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.planar.facing import FINEST, LONGEST, NARROW, FacedGap, foot_on, on_wall
 from fsi.meshes.planar.grading import Grading
-from fsi.meshes.planar.spread import Indices, equidistribute_all, resolve_all, spread
+from fsi.meshes.planar.spread import Indices, equidistribute_all, resolve_all, spread_all
 
 LENGTH, SHORTEST = 0.11, 0.3
 NEIGHBOURS = 16
@@ -218,26 +218,50 @@ class Surfaces:
         h_body = self.resolution.on_body(self.radii.max())
         return np.minimum(in_gap, np.maximum(h_body, self.resolution.growth * d))
 
-    def wall(self, curve: WallCurve) -> Curve:
-        """The nodes on a piece of a wall, whose tag follows the bodies'."""
+    def walls(self, curves: Sequence[WallCurve]) -> list[Curve]:
+        """The nodes on pieces of walls, whose tags follow the bodies'.
 
-        def size(s: Array, _: Indices) -> Array:
-            x = curve.at(s)
-            bend = self.container.bends(x)[:, curve.wall]
-            longest = np.minimum(curve.longest_element, self.resolution.on_body(bend))
-            return np.minimum(np.minimum(self.sizes(x, bend=bend), longest), self.grading.sizes(x))
+        All are placed together: one by one those between strips of 1000 discs took a sixth of all boundaries.
+        """
+        if not curves:
+            return []
+        wall = np.array([curve.wall for curve in curves])
+        longest = np.array([curve.longest_element for curve in curves])
+        fewest = np.array([float(curve.fewest_elements) for curve in curves])
 
-        s, h, _ = resolve_all(size, np.array([curve.interval]), PIECES)
-        nodes = curve.at(spread(s, h, list(self._facing(curve, s)), curve.fewest_elements))
-        nodes[[0, -1]] = curve.ends
-        tag = self.bodies + 1 + curve.wall
-        half = np.zeros(1)
-        if self.bodies:
-            d, radius = self.nearest(nodes)
-            bend = self.container.bends(nodes)[:, curve.wall]
-            half = 0.5 * self.resolution.opened(d, np.minimum(radius, bend))
-        opening = -half[:, None] * self.container.normals(nodes)[:, curve.wall]
-        return Curve(tag, nodes, centre=curve.centre, opening=opening, body=curve.solid)
+        def at(s: Array, k: Indices) -> Array:
+            x = np.empty((len(s), 2))
+            for j in np.unique(k).tolist():
+                x[k == j] = curves[j].at(s[k == j])
+            return x
+
+        def bends(x: Array, k: Indices) -> Array:
+            return np.asarray(self.container.bends(x)[np.arange(len(x)), wall[k]])
+
+        def size(s: Array, k: Indices) -> Array:
+            x = at(s, k)
+            bend = bends(x, k)
+            h = np.minimum(self.sizes(x, bend=bend), np.minimum(longest[k], self.resolution.on_body(bend)))
+            return np.asarray(np.minimum(h, self.grading.sizes(x)))
+
+        s, h, k = resolve_all(size, np.array([curve.interval for curve in curves]), PIECES)
+        placed = spread_all(s, h, k, [list(self._facing(c, s[k == j])) for j, c in enumerate(curves)], fewest)
+        of = np.repeat(np.arange(len(curves)), [len(places) for places in placed])
+        x, last = at(np.concatenate(placed), of), np.cumsum([len(places) for places in placed])
+        ends = np.array([curve.ends for curve in curves])
+        x[np.append(0, last[:-1])], x[last - 1] = ends[:, 0], ends[:, 1]
+        opening = self._opening(x, wall[of], bends(x, of))
+        tags = (self.bodies + 1 + wall).tolist()
+        chains = zip(curves, tags, np.split(x, last[:-1]), np.split(opening, last[:-1]), strict=True)
+        return [Curve(tag, n, centre=c.centre, opening=o, body=c.solid) for c, tag, n, o in chains]
+
+    def _opening(self, x: Array, wall: Indices, bend: Array) -> Array:
+        """How far nodes x (n, 2) on walls, which bend so there, are moved into the solid while gmsh works."""
+        if self.bodies == 0:
+            return np.zeros_like(x)
+        d, radius = self.nearest(x)
+        half = 0.5 * self.resolution.opened(d, np.minimum(radius, bend))
+        return -half[:, None] * self.container.normals(x)[np.arange(len(x)), wall]
 
     def _facing(self, curve: WallCurve, s: Array) -> Iterator[Array]:
         """The places of nodes on a wall that face those of the bodies in narrow gaps; s: samples along it."""

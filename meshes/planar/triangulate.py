@@ -4,6 +4,7 @@ gmsh gets discrete curves and fills them by its planar algorithms; it never move
 a boundary node, and takes its sizes from them.
 """
 
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -147,8 +148,12 @@ def triangulate(curves: Sequence[Curve], far: FarSize | None = None) -> Straight
     nodes, chains = chain(curves)
     moved = nodes + _opening(nodes, chains, curves)
     bodies, numbers, pieces = 0 if far is None else far.bodies, list[Indices](), list[Piece]()
-    for piece in sorted({piece for curve in curves for piece in curve.pieces}):
-        edges, tags = _edges(chains, curves, [piece in curve.pieces for curve in curves])
+    bounds = defaultdict[int, list[int]](list)
+    for k, curve in enumerate(curves):
+        for piece in curve.pieces:
+            bounds[piece].append(k)
+    for _, some in sorted(bounds.items()):
+        edges, tags = _edges(chains, curves, some)
         used, corners = np.unique(edges, return_inverse=True)
         on_body = (tags > INSIDE) & (tags <= bodies)
         numbers.append(used)
@@ -158,17 +163,17 @@ def triangulate(curves: Sequence[Curve], far: FarSize | None = None) -> Straight
         vertices.append(x[len(used) :])
         triangles.append(np.append(used, count + np.arange(len(vertices[-1])))[cells])
         count += len(vertices[-1])
-    edges, tags = _edges(chains, curves, [curve.tag != INSIDE for curve in curves])
+    edges, tags = _edges(chains, curves, [k for k, curve in enumerate(curves) if curve.tag != INSIDE])
     straight = StraightCells(np.concatenate(vertices), np.concatenate(triangles), edges, tags)
     require_boundary(straight.cells, edges)
     return straight
 
 
-def _edges(chains: Sequence[Indices], curves: Sequence[Curve], chosen: list[bool]) -> tuple[Indices, Indices]:
-    """The edges (n, 2) of the chosen chains and the tags of their curves."""
-    every = [(c, curve.tag) for c, curve, is_one in zip(chains, curves, chosen, strict=True) if is_one]
-    edges = np.concatenate([np.column_stack([c[:-1], c[1:]]) for c, _ in every])
-    return edges, np.repeat([tag for _, tag in every], [len(c) - 1 for c, _ in every])
+def _edges(chains: Sequence[Indices], curves: Sequence[Curve], some: list[int]) -> tuple[Indices, Indices]:
+    """The edges (n, 2) of some chains and the tags of their curves."""
+    first, second = (np.concatenate([chains[k][part] for k in some]) for part in (np.s_[:-1], np.s_[1:]))
+    tags = np.repeat([curves[k].tag for k in some], [len(chains[k]) - 1 for k in some])
+    return np.column_stack([first, second]), tags
 
 
 @dataclass(frozen=True, slots=True)
