@@ -159,7 +159,7 @@ def triangulate(curves: Sequence[Curve], far: FarSize | None = None) -> Straight
         numbers.append(used)
         pieces.append(Piece(moved[used], corners.reshape(-1, 2), on_body, far))
     vertices, triangles, count = [nodes], list[Indices](), len(nodes)
-    for used, (x, cells) in zip(numbers, shared_out(fill, pieces), strict=True):
+    for used, (x, cells) in zip(numbers, _filled(pieces), strict=True):
         vertices.append(x[len(used) :])
         triangles.append(np.append(used, count + np.arange(len(vertices[-1])))[cells])
         count += len(vertices[-1])
@@ -191,6 +191,13 @@ class Piece:
     edges: Indices
     on_body: NDArray[np.bool_]
     far: FarSize | None
+
+
+def _filled(pieces: Sequence[Piece]) -> list[tuple[Array, Indices]]:
+    """All pieces as `fill` has them; the largest are dealt out first, so that ranks have as much to do."""
+    order = np.argsort([-len(piece.edges) for piece in pieces], kind="stable").tolist()
+    filled = dict(zip(order, shared_out(fill, [pieces[k] for k in order]), strict=True))
+    return [filled[k] for k in range(len(pieces))]
 
 
 def fill(piece: Piece) -> tuple[Array, Indices]:

@@ -45,7 +45,7 @@ def failing() -> str:
 
 
 def strips() -> tuple[int, float, float]:
-    """A channel of 128 discs, which is meshed in three strips."""
+    """A channel of 128 discs, which is meshed in two strips."""
     x, y = np.meshgrid(2.6 * np.arange(32) + 0.4, 2.7 * np.arange(4) + 1.4)
     wave = 0.1 * np.sin(np.arange(128))
     domain = FluidDomain(

@@ -92,6 +92,7 @@ def test_channels_in_strips(seed: int) -> None:
             centres = np.vstack([centres, x])
     radii = np.full(len(centres), 0.5)
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("fsi.meshes.planar.strips.FEWEST", 20)
         patch.setattr("fsi.meshes.planar.strips.BODIES", 10)
         curves = boundary(FluidDomain(channel, centres, radii), COARSE)
         assert len({piece for curve in curves for piece in curve.pieces}) > 1
