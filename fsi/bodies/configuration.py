@@ -16,7 +16,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
 from fsi.meshes.geometry.ellipsoid import Ellipsoid, PlacedEllipsoid
@@ -59,6 +58,8 @@ def rigid_motion(r: Array) -> Array:
 
 def turned(angles: Array, more: Array) -> Array:
     """Angles after further rotations, (N, r): in the plane their sum, in space composed as vectors."""
+    import scipy
+
     if angles.shape[1] != 3 or len(angles) == 0:
         return angles + more
     from_rotvec = scipy.spatial.transform.Rotation.from_rotvec

@@ -12,7 +12,6 @@ chapter 23). Distances of centres are convex, so that each solution has gaps of 
 from dataclasses import replace
 
 import numpy as np
-import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration
@@ -98,6 +97,8 @@ def _gaps(
 
 def _least_distance(G: Array, h: Array) -> Array | None:
     """The shortest x with G x >= h; None where there is none."""
+    import scipy
+
     scale = float(np.abs(h).max())
     rows = np.vstack([G.T, h / scale])
     target = np.append(np.zeros(G.shape[1]), 1.0)

@@ -5,7 +5,7 @@ import math
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from math import nan
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from pydantic import (
@@ -38,7 +38,9 @@ from fsi.errors import InputError
 from fsi.machine.resources import require_memory
 from fsi.meshes.geometry.ellipsoid import Ellipsoid
 from fsi.meshes.geometry.outline import Outline
-from fsi.meshes.geometry.revolved import BodyOfRevolution
+
+if TYPE_CHECKING:
+    from fsi.meshes.geometry.revolved import BodyOfRevolution
 
 FREE: Literal["free"] = "free"
 _LOAD = "a number or a table {times = [...], values = [...]}"
@@ -150,9 +152,11 @@ class Body(Section):
         return Outline.disc(self.radius) if self.shape is None else self.shape.outline
 
     @cached_property
-    def revolved(self) -> BodyOfRevolution:
+    def revolved(self) -> "BodyOfRevolution":
         """Of a body on an axis."""
         if self.shape is None:
+            from fsi.meshes.geometry.revolved import BodyOfRevolution
+
             return BodyOfRevolution.sphere(self.radius)
         assert isinstance(self.angle, float)  # it is none in space
         return self.shape.revolved(self.angle)

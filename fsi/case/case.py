@@ -19,7 +19,7 @@ from fsi.bodies.forces import Bulk, external_forces, moment_of_forces
 from fsi.bodies.opened import opened
 from fsi.case.body import FREE, Body
 from fsi.case.domains import Domain
-from fsi.case.force_laws import Force
+from fsi.case.force_laws.law import Force
 from fsi.case.gluey import Gluey, LimitStudy
 from fsi.case.macroscopic import Macroscopic
 from fsi.case.section import Geometry, Section, Text, dimension_of

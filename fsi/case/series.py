@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import itertools
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-import scipy  # its modules load when they are used
 from pydantic import AfterValidator, Discriminator, Field, Tag, field_validator, model_validator
 
 from fsi.case.section import Section
+
+if TYPE_CHECKING:
+    import scipy
 
 
 def _increasing(values: tuple[float, ...]) -> tuple[float, ...]:
@@ -111,6 +113,8 @@ def jumps(series: float | Table | str) -> tuple[float, ...]:
 
 def polynomial(series: float | Table, end: float) -> scipy.interpolate.PPoly:
     """The values on [0, end] as a piecewise polynomial: its integrals are exact across kinks and jumps."""
+    import scipy
+
     if not isinstance(series, Table):
         return scipy.interpolate.PPoly(np.array([[0.0], [series]]), np.array([0.0, end]))
     times, values = np.array(series.times), np.array(series.values)

@@ -17,7 +17,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import scipy  # its modules load when they are used
 
 from fsi.meshes.geometry.curves import Sphere
 from fsi.meshes.geometry.feet import Foot
@@ -59,6 +58,8 @@ class PlacedEllipsoid:
     @cached_property
     def rotation(self) -> Array:
         """The directions of its axes, as columns, (3, 3)."""
+        import scipy
+
         return np.asarray(scipy.spatial.transform.Rotation.from_rotvec(self.angle).as_matrix())
 
     @cached_property
@@ -133,6 +134,8 @@ class PlacedEllipsoid:
 
     def _farthest_from(self, origin: Array) -> Array:
         """Its point that is farthest from another one, (3,)."""
+        import scipy
+
         squares, c = np.square(self.form.half_axes), self.rotation.T @ (self.centre - origin)
         b, largest = self.form.half_axes * c, float(squares.max())
 

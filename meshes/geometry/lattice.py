@@ -13,7 +13,6 @@ from functools import lru_cache, partial, reduce
 from itertools import product
 
 import numpy as np
-import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
 from fsi.meshes.errors import MeshError
@@ -185,6 +184,8 @@ class Cell(WithoutWalls):
 
     def carried(self, e: Array, duration: float, strain: float = 0.0) -> Array:
         """Vectors e (n, d) carried along by the mean flow and by a strain: exp(E t) (1 + strain e_x e_d)."""
+        import scipy
+
         E = self.mean_gradient
         if strain:
             e = e + strain * e @ unit_shear(self.dimension).T
@@ -284,6 +285,8 @@ def matching_points(x: Array, lattice: Lattice) -> PeriodicPairs:
     Of all images of a point, in the plane two, in space also four on an edge and eight at a corner, the first
     is the master of all others. Raises MeshError where a point has no image.
     """
+    import scipy
+
     torus, longest = on_torus(x, lattice), lattice.longest()
     same = scipy.spatial.cKDTree(torus).query_pairs(_ON_TORUS * SAME_PLACE * longest, output_type="ndarray")
     graph = scipy.sparse.coo_array((np.ones(len(same)), same.T), shape=(len(x), len(x)))

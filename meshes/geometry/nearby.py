@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
 from fsi.meshes.geometry.container import Array
+
+if TYPE_CHECKING:
+    import scipy
 
 type Indices = NDArray[np.intp]
 
@@ -40,6 +43,8 @@ class NearbyPoints:
 
     def pairs(self, x: Array, farthest: float) -> tuple[Indices, Indices]:
         """Which of x (m, 2) and which points are no farther apart than this; each pair once."""
+        import scipy
+
         if len(self.points) > _FEW:
             tree = scipy.spatial.cKDTree(x)
             found = tree.sparse_distance_matrix(self._tree, farthest, output_type="ndarray")
@@ -55,4 +60,6 @@ class NearbyPoints:
 
     @cached_property
     def _tree(self) -> scipy.spatial.cKDTree:
+        import scipy
+
         return scipy.spatial.cKDTree(self.points)

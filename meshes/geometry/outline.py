@@ -11,13 +11,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
-import scipy  # its modules load when they are used
 from numpy.typing import NDArray
 
 from fsi.meshes.geometry.jets import Array, Jet, JetOf, circle, cross
+
+if TYPE_CHECKING:
+    import scipy
 
 FEWEST = 128  # pieces of a sample
 TURN = 0.1  # of the tangent along a piece, at most, in radians
@@ -193,6 +195,8 @@ class Outline:
     @cached_property
     def radius(self) -> float:
         """Of the smallest circle around the centre that holds the body."""
+        import scipy
+
         x = self.sample.x
         k = int(np.argmax((x**2).sum(axis=1)))
         around = self.t[k - 1] - float(k == 0), np.append(self.t, 1.0)[k + 1]
@@ -247,6 +251,8 @@ class Outline:
 
     @cached_property
     def _tree(self) -> scipy.spatial.cKDTree:
+        import scipy
+
         return scipy.spatial.cKDTree(self.sample.x)
 
     def coarse_distance(self, x: Array) -> tuple[Array, Array]:

@@ -15,7 +15,6 @@ from functools import cached_property
 from typing import override
 
 import numpy as np
-import scipy  # its modules load when they are used
 
 from fsi.meshes.geometry.jets import Array, circle
 from fsi.meshes.geometry.outline import Outline
@@ -67,6 +66,7 @@ class BodyOfRevolution(Outline):
 
     def _root(self, k: int) -> float:
         """Where r is zero between the points k and k + 1 of the sample."""
+        import scipy
 
         def r(t: float) -> float:
             return float((self.jet(np.array([t])).x @ self._frame[0])[0])

@@ -1,13 +1,14 @@
 """Angles of bodies: numbers in the plane, rotation vectors in space."""
 
 import numpy as np
-import scipy  # its modules load when they are used
 
 from fsi.meshes.geometry.jets import Array
 
 
 def turn_between(angles: Array, others: Array) -> Array:
     """What turns bodies from one set of angles to others: in the plane differences (N,), else (N, 3)."""
+    import scipy
+
     if angles.ndim == 1 or len(angles) == 0:
         return others - angles
     from_rotvec = scipy.spatial.transform.Rotation.from_rotvec
@@ -37,6 +38,8 @@ def turned(r: Array, angle: Array) -> Array:
 
     The angles are (n,) in the plane, counterclockwise, and rotation vectors (n, ..., 3) in space.
     """
+    import scipy
+
     if r.shape[-1] == 3:
         turn = scipy.spatial.transform.Rotation.from_rotvec(angle.reshape(-1, 3)).as_matrix() - np.eye(3)
         return np.asarray(np.einsum("nij,nj->ni", turn, r.reshape(-1, 3)).reshape(r.shape))

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from math import asinh, ceil, sqrt
 
 import numpy as np
-import scipy  # its modules load when they are used
 
 from fsi.meshes.geometry.container import Array, Container
 from fsi.meshes.geometry.curves import WallCurve
@@ -64,6 +63,7 @@ def on_wall(curve: WallCurve, container: Container, foot: float, xi: Array) -> A
 
 def foot_on(curve: WallCurve, container: Container, centre: Array, low: float, high: float) -> float | None:
     """Where between two lengths along a wall it is nearest to a point; None where it is not."""
+    import scipy
 
     def off(s: float) -> float:
         return float((curve.at(np.array([s]))[0] - centre) @ _along(curve, container, s))

@@ -23,14 +23,14 @@ SOLVER = {"mpi4py", "dolfinx_solver", "dolfinx", "gmsh", "petsc4py", "ufl"}
 # Of what a flow in the plane does without, and of DOLFINx's wheel: what looks through all installed packages.
 PARTS = {"numba", "scipy.spatial", "scipy.special", "scipy.sparse", "pycparser", "dolfinx_solver"}
 OTHER = {
-    "numba", "scipy.spatial", "scipy.sparse", "numpy.random", "fsi.arrangements.kinds", "fsi.cli.render",
+    "numba", "scipy", "importlib.metadata", "numpy.random", "fsi.arrangements.kinds", "fsi.cli.render",
     "fsi.integration.schemes", "fsi.observables.truncation", "fsi.meshes.spatial.sizing",
 }  # fmt: skip
 # Of what the case of one disc has none: other shapes of bodies and of walls, laws of gaps, a motion in time.
 NONE_OF_ONE_DISC = {
     "fsi.case.shapes.ellipse", "fsi.case.profiles.wave", "fsi.lubrication.exact_results",
     "fsi.lubrication.below", "fsi.lubrication.named_laws", "fsi.integration.stepper",
-    "fsi.meshes.spatial.tetrahedra",
+    "fsi.meshes.spatial.tetrahedra", "fsi.case.force_laws.gravity",
 }  # fmt: skip
 
 

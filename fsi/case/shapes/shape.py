@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from functools import cached_property, lru_cache
 from math import nan
-from typing import Annotated, Any, ClassVar, override
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, override
 
 import numpy as np
 from pydantic import BeforeValidator, SerializeAsAny, ValidationInfo
@@ -18,7 +18,9 @@ from fsi.case.section import Geometry, Registered, Registry, told
 from fsi.meshes.geometry.ellipsoid import Ellipsoid
 from fsi.meshes.geometry.jets import ArcChain, JetOf
 from fsi.meshes.geometry.outline import FEWEST, Outline
-from fsi.meshes.geometry.revolved import BodyOfRevolution
+
+if TYPE_CHECKING:
+    from fsi.meshes.geometry.revolved import BodyOfRevolution
 
 
 class AnyShape(Registered):
@@ -89,6 +91,8 @@ class BodyShape(AnyShape):
 
     @override
     def revolved(self, angle: float) -> BodyOfRevolution:
+        from fsi.meshes.geometry.revolved import BodyOfRevolution
+
         return BodyOfRevolution.about_axis(self.outline, angle)
 
     @override

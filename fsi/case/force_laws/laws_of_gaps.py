@@ -1,76 +1,19 @@
-"""The section [[forces]] of a case: gravity, and attraction or repulsion as a law of the gap."""
+"""Attraction and repulsion along lines of centres, as laws of the gap."""
 
 from __future__ import annotations
 
 import itertools
 from abc import abstractmethod
-from typing import Annotated, Any, ClassVar, Literal, override
+from typing import ClassVar, Literal, override
 
 import numpy as np
-from pydantic import BeforeValidator, Field, SerializeAsAny, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from fsi.bodies.configuration import Array
-from fsi.bodies.forces import Bulk, ForceLaw
-from fsi.case.section import Positive, Registered, Registry, toml_text
-from fsi.case.series import Series, Table, is_zero, value_at
+from fsi.case.force_laws.law import KINDS, ForceSection, register_force
+from fsi.case.section import Positive, toml_text
 from fsi.errors import InputError
 from fsi.meshes.geometry.container import Container
-
-_KINDS = '"gravity", "attraction" or "repulsion"'
-
-
-class ForceSection(Registered, ForceLaw):
-    """What acts on bodies besides the fluid. One more law is a class here, under `@register_force`."""
-
-    registry: ClassVar[Registry[Any]] = Registry("law")
-
-    def weight(self, bulk: Bulk) -> tuple[Array, tuple[float | Table, ...]] | None:  # noqa: ARG002
-        """What is heavy of each body, (N,), and its acceleration over time, (d,); None of no weight."""
-        return None
-
-    @override
-    def on_bodies(self, bulk: Bulk, t: float) -> Array | float:
-        weight = self.weight(bulk)
-        if weight is None:
-            return 0.0
-        heavy, acceleration = weight
-        force: Array = heavy[:, None] * np.array([value_at(part, t) for part in acceleration])
-        return force
-
-    def require_fit(self, key: str, container: Container, *, heavy: bool) -> None:
-        """Raise InputError, which calls the law `key`, where it makes no sense; heavy: a body has a mass."""
-
-
-register_force = ForceSection.registry.register
-
-
-@register_force
-class Gravity(ForceSection):
-    """A weight: `F = m g`, or `F = (difference of densities) V g`, V the area of a disc or volume of a ball.
-
-    With masses the buoyancy is not taken off.
-    """
-
-    kind: Literal["gravity"] = Field(description=_KINDS)
-    acceleration: tuple[Series, ...]
-    """the acceleration g, [g_x, g_y] or [g_x, g_y, g_z], each a number or a table in time"""
-    density_difference: float | None = None
-    """the density of bodies less that of the fluid; their masses act if not given"""
-
-    @override
-    def weight(self, bulk: Bulk) -> tuple[Array, tuple[float | Table, ...]]:
-        difference = self.density_difference
-        return bulk.masses if difference is None else difference * bulk.volumes, self.acceleration
-
-    @override
-    def require_fit(self, key: str, container: Container, *, heavy: bool) -> None:
-        here = f"{key}.acceleration = {toml_text(self.acceleration)}"
-        if len(self.acceleration) != container.dimension:
-            raise InputError(f"{here}: has {len(self.acceleration)} components; give {container.dimension}")
-        if container.axisymmetric and not is_zero(self.acceleration[0]):
-            raise InputError(f"{here}: is not along the axis; give [0.0, g_z]")
-        if self.density_difference is None and not heavy:
-            raise InputError(f"{here}: no body has a mass; give density_difference, or bodies a mass")
 
 
 class BetweenSurfaces(ForceSection):
@@ -78,7 +21,7 @@ class BetweenSurfaces(ForceSection):
 
     reach_key: ClassVar[str]  # which says where the force ends
 
-    kind: Literal["attraction", "repulsion"] = Field(description=_KINDS)
+    kind: Literal["attraction", "repulsion"] = Field(description=KINDS)
     law: str
     walls: bool = False
     """true for the same force between bodies and walls"""
@@ -194,6 +137,3 @@ class Tabulated(BetweenSurfaces):
     @override
     def strength_at(self, d: Array) -> Array:
         return np.interp(d, self.gaps, self.values)
-
-
-Force = Annotated[SerializeAsAny[ForceSection], BeforeValidator(ForceSection.registry.validate)]

@@ -1,0 +1,1 @@
+"""Forces on bodies besides those of the fluid; all files of this room are read when a case has one."""

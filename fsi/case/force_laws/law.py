@@ -1,0 +1,47 @@
+"""The section [[forces]] of a case: what acts on bodies besides the fluid.
+
+One more law is one file here: a section under `@register_force`. Files of this room are found by themselves;
+from outside the decorator alone does.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar, override
+
+import numpy as np
+from pydantic import BeforeValidator, SerializeAsAny
+
+from fsi.bodies.configuration import Array
+from fsi.bodies.forces import Bulk, ForceLaw
+from fsi.case.section import Registered, Registry
+from fsi.case.series import Table, value_at
+from fsi.meshes.geometry.container import Container
+
+KINDS = '"gravity", "attraction" or "repulsion"'
+
+
+class ForceSection(Registered, ForceLaw):
+    """What acts on bodies besides the fluid."""
+
+    registry: ClassVar[Registry[Any]] = Registry("law", __package__)
+
+    def weight(self, bulk: Bulk) -> tuple[Array, tuple[float | Table, ...]] | None:  # noqa: ARG002
+        """What is heavy of each body, (N,), and its acceleration over time, (d,); None of no weight."""
+        return None
+
+    @override
+    def on_bodies(self, bulk: Bulk, t: float) -> Array | float:
+        weight = self.weight(bulk)
+        if weight is None:
+            return 0.0
+        heavy, acceleration = weight
+        force: Array = heavy[:, None] * np.array([value_at(part, t) for part in acceleration])
+        return force
+
+    def require_fit(self, key: str, container: Container, *, heavy: bool) -> None:
+        """Raise InputError, which calls the law `key`, where it makes no sense; heavy: a body has a mass."""
+
+
+register_force = ForceSection.registry.register
+
+Force = Annotated[SerializeAsAny[ForceSection], BeforeValidator(ForceSection.registry.validate)]
