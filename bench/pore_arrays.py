@@ -16,7 +16,7 @@ from fsi.bodies.configuration import Array, Configuration, Motion
 from fsi.meshes.build import build
 from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.geometry.lattice import Cell
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.pores.solve import PoreLoading, solve_pores
 from fsi.pores.surfaces import surfaces_of
 from fsi.pores.system import PoreSystem

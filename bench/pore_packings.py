@@ -17,7 +17,7 @@ from fsi.meshes.build import build
 from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.lattice import Cell
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.pores.bars import CHANCE, bar_factor, reference_modes
 from fsi.pores.complement import least_viscosity
 from fsi.pores.fluid_discs import pores_without_wide

@@ -46,7 +46,7 @@ from bench.pore_packings import (
     packings,
 )
 from fsi.files import replace
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.pores.bars import reference_modes
 
 MODES, LEAST = (1, 2, 4, 8), (4, 8)

@@ -25,8 +25,9 @@ from fsi.meshes.geometry.lattice import Lattice, PeriodicPairs, matching_points
 from fsi.meshes.helping import help_root, helped
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.grading import Grading
-from fsi.meshes.planar.sizing import Curve, Resolution
+from fsi.meshes.planar.sizing import Curve
 from fsi.meshes.planar.triangulate import FarSize, Indices, StraightCells, places_of, side_keys, triangulate
+from fsi.meshes.resolution import Resolution
 
 # dolfinx's generic types at double precision.
 type Mesh = dolfinx.mesh.Mesh[np.float64]

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fsi.meshes.geometry.container import Array, Container
-from fsi.meshes.planar.sizing import SHORTEST, Resolution
+from fsi.meshes.resolution import SHORTEST, Resolution
 
 _PLACES = 96  # of an integral along a gap or away from a surface
 _FROM = 1e-3  # of the first of them, over the smallest length

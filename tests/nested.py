@@ -14,8 +14,9 @@ from fsi.meshes.build import FluidMesh, shared
 from fsi.meshes.cells.curved import curve
 from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.planar.boundary import boundary
-from fsi.meshes.planar.sizing import Curve, Resolution
+from fsi.meshes.planar.sizing import Curve
 from fsi.meshes.planar.triangulate import StraightCells, triangulate
+from fsi.meshes.resolution import Resolution
 
 
 def nested_meshes(

@@ -11,7 +11,7 @@ import numpy as np
 from fsi.bodies.configuration import Configuration, Motion
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.lattice import Cell
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.stokes.problem import Boundary
 from fsi.stokes.solution import StokesSolution
 from tests.flows import at_rest, discs, free, solved

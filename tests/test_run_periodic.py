@@ -13,7 +13,7 @@ from fsi.case.load import parse_case
 from fsi.errors import SolveError
 from fsi.integration.state import StepRecord
 from fsi.meshes.geometry.lattice import Cell
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.postprocess.analysis.strain import accumulated_strain
 from fsi.postprocess.run.run import open_run
 from fsi.report.console import standard_output

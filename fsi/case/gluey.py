@@ -1,9 +1,7 @@
 """The section [gluey] of a case file: what happens where surfaces touch, further walls, the limit's study."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, field_validator, model_validator
@@ -79,7 +77,7 @@ class Gluey(Section):
     """one section [[gluey.walls]] for each plane besides the walls of the domain"""
 
     @model_validator(mode="after")
-    def _whole(self) -> Gluey:
+    def _whole(self) -> Self:
         film = (self.eps, self.reference_gap, self.roughness)
         if self.gamma_min is not None and film != (None, None, None):
             raise ValueError("gives gamma_min and what it follows from; drop one of them")

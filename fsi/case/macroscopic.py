@@ -3,11 +3,10 @@
 Some are functions of position, mass and time, given as formulas like "where(t > 1, 2*m, 0)".
 """
 
-from __future__ import annotations
-
 import ast
 import itertools
 from types import CodeType
+from typing import Self
 
 import numpy as np
 from pydantic import Field, field_validator, model_validator
@@ -93,7 +92,7 @@ class Block(Section):
         return velocity
 
     @model_validator(mode="after")
-    def _extended(self) -> Block:
+    def _extended(self) -> Self:
         if not self.left < self.right:
             raise ValueError(f"has right = {self.right!r} not above left = {self.left!r}")
         return self

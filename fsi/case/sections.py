@@ -1,10 +1,8 @@
 """The sections of a case file below the top, but for domain, bodies, forces and the models without fluid."""
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from pathlib import Path
-from typing import Any, ClassVar, Literal, NamedTuple, get_args, override
+from typing import Any, ClassVar, Literal, NamedTuple, Self, get_args, override
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
@@ -136,7 +134,7 @@ class Calibration(Section):
         return range
 
     @model_validator(mode="after")
-    def _between_samples(self) -> Calibration:
+    def _between_samples(self) -> Self:
         if self.held_out >= self.samples:
             raise ValueError(f"has {self.samples} samples and as many between them at most one fewer")
         return self
@@ -259,7 +257,7 @@ class Expected(Section):
         return f"one of {', '.join(EXACT)}, or give `value`"
 
     @model_validator(mode="after")
-    def _one_of_them(self) -> Expected:
+    def _one_of_them(self) -> Self:
         if (self.value is None) == (self.exact is None):
             raise ValueError("needs either a value or the name of an exact result")
         return self

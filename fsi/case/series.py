@@ -1,9 +1,7 @@
 """Numbers that may depend on time: a constant, or a table with linear interpolation, perhaps with jumps."""
 
-from __future__ import annotations
-
 import itertools
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import AfterValidator, Discriminator, Field, Tag, field_validator, model_validator
@@ -54,7 +52,7 @@ class Table(Section):
         return times
 
     @model_validator(mode="after")
-    def _paired(self) -> Table:
+    def _paired(self) -> Self:
         require_pairs(times=self.times, values=self.values)
         return self
 
@@ -111,7 +109,7 @@ def jumps(series: float | Table | str) -> tuple[float, ...]:
     return tuple(one for one, other in itertools.pairwise(kinks(series)) if one == other)
 
 
-def polynomial(series: float | Table, end: float) -> scipy.interpolate.PPoly:
+def polynomial(series: float | Table, end: float) -> "scipy.interpolate.PPoly":
     """The values on [0, end] as a piecewise polynomial: its integrals are exact across kinks and jumps."""
     import scipy
 

@@ -1,7 +1,5 @@
 """What holds at the walls of a domain: a velocity, or a traction."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal, override
 
@@ -45,7 +43,7 @@ class WallCondition:
         """The velocity at time t; None where the traction is given instead."""
         return None
 
-    def resting(self, dimension: int) -> WallCondition:
+    def resting(self, dimension: int) -> "WallCondition":
         """The same wall at rest; an open wall as it is."""
         return self if self.outside_pressure is not None else Velocity((0.0,) * dimension)
 
@@ -180,7 +178,7 @@ class SlidingWall(Section, WallCondition):
         return self.velocity or super().components(dimension)
 
     @override
-    def resting(self, dimension: int) -> WallCondition:
+    def resting(self, dimension: int) -> "WallCondition":
         return self.model_copy(update={"velocity": None})
 
 

@@ -17,7 +17,7 @@ from fsi.meshes.build import FluidMesh, Made, build
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.moving.move import Mover
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.grading import COARSEST
 from fsi.observables.bars import Compared, DrivenBodies, motion_of, step_errors
 from fsi.stokes.comparisons import Comparison, comparisons

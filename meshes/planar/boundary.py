@@ -6,7 +6,8 @@ from fsi.meshes.geometry.container import Array, FluidDomain
 from fsi.meshes.planar.opened import opened
 from fsi.meshes.planar.outlines import outline_rings
 from fsi.meshes.planar.rings import half_ring, rings
-from fsi.meshes.planar.sizing import PIECES, Curve, Resolution, Surfaces
+from fsi.meshes.planar.sizing import PIECES, Curve, Surfaces
+from fsi.meshes.resolution import Resolution
 
 
 def boundary(domain: FluidDomain, resolution: Resolution) -> list[Curve]:

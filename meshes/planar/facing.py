@@ -18,9 +18,8 @@ import numpy as np
 
 from fsi.meshes.geometry.container import Array, Container
 from fsi.meshes.geometry.curves import WallCurve
+from fsi.meshes.resolution import FINEST, LONGEST
 
-FINEST = 0.04  # element size along the narrowest gaps, over sqrt(a d)
-LONGEST = 4.0  # element size over the gap, as gmsh is shown it
 SAME_FROM = (FINEST / LONGEST) ** 2  # d / a, above which cells are no longer than LONGEST gaps anyway
 NARROW = 0.5 * SAME_FROM  # the smallest gap over a, below which nodes face each other
 FARTHEST = 0.3  # xi over a, where both surfaces are nearly parallel for long

@@ -17,8 +17,9 @@ from fsi.meshes.geometry.container import Array, wall_feet
 from fsi.meshes.geometry.feet import Foot
 from fsi.meshes.geometry.outline import AT_JOINT
 from fsi.meshes.geometry.placed import Placed
-from fsi.meshes.planar.sizing import SHORTEST, Curve, Surfaces
+from fsi.meshes.planar.sizing import Curve, Surfaces
 from fsi.meshes.planar.spread import Indices, resolve_all, spread
+from fsi.meshes.resolution import SHORTEST
 
 FEWEST = 8  # elements around a body
 

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from fsi.meshes.errors import TouchingError
 from fsi.meshes.geometry.container import Array
 from fsi.meshes.planar.facing import NARROW, FacedGap, on_circle
-from fsi.meshes.planar.sizing import SHORTEST, Curve, Surfaces
+from fsi.meshes.planar.sizing import Curve, Surfaces
 from fsi.meshes.planar.spread import Indices, resolve_all, spread_all
+from fsi.meshes.resolution import SHORTEST
 
 
 def rings(surfaces: Surfaces, bodies: Sequence[int]) -> list[Curve]:

@@ -2,22 +2,14 @@
 
 The element size on a body is
 
-    h(x) = min(h_gap(gap(x)), h_body),   h_body = 2 pi a / cells_per_circle,
+    h(x) = min(h_gap(gap(x)), h_body),
 
-where `gap(x)` is the distance from the surface point x to the nearest other surface, and on a wall
+with h_gap and h_body of `fsi.meshes.resolution`, where `gap(x)` is the distance from the surface point x to
+the nearest other surface, and on a wall
 
     h(x) = min(h_gap(d(x)), max(h_body, growth d(x)), side / 4),
 
 where `d(x)` is the distance to the nearest body; towards singular corners it is smaller (see `grading`).
-The flow in a narrow gap is a polynomial across it and varies along it over the lubrication length
-sqrt(a gap), so that is what a cell must resolve:
-
-    h_gap(d) = 0.11 sqrt(a d) / cells_per_gap,   but within [0.3 d, 4 d] / cells_per_gap,
-                                                 and no less than 0.04 sqrt(a d) / cells_per_gap.
-
-With cells_per_gap = 1 that is one cell across a gap of 0.012 a, three across gaps above 0.13 a; in narrower
-gaps cells are longer than wide. One cell across leaves an error of the force of order 4 in h / sqrt(a d):
-below gaps of 1e-4 a the last bound keeps it at some 1e-6, and the number of cells grows only like log(a/d).
 
 gmsh works with absolute lengths and rounds them; cells a thousand times as long as wide, next to gaps of
 1e-8 a, are beyond it. So it is shown the narrowest gaps opened, the nodes moved into the solids on both sides
@@ -31,7 +23,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -40,52 +31,14 @@ from fsi.meshes.geometry.curves import WallCurve
 from fsi.meshes.geometry.lattice import Integers, Lattice
 from fsi.meshes.geometry.nearby import NearbyPoints
 from fsi.meshes.geometry.placed import Placed
-from fsi.meshes.planar.facing import FINEST, LONGEST, NARROW, FacedGap, foot_on, on_wall
+from fsi.meshes.planar.facing import NARROW, FacedGap, foot_on, on_wall
 from fsi.meshes.planar.grading import Grading
 from fsi.meshes.planar.spread import Indices, equidistribute_all, resolve_all, spread_all
+from fsi.meshes.resolution import Resolution
 
-LENGTH, SHORTEST = 0.11, 0.3
 NEIGHBOURS = 16
 PIECES = 64  # of a wall, to begin with
 INSIDE = 0  # the tag of lines that bound pieces of the fluid only
-
-
-@dataclass(frozen=True, slots=True)
-class Resolution:
-    """How fine a mesh is.
-
-    Attributes:
-        cells_per_gap: elements across a gap of 0.012 radii.
-        cells_per_circle: elements around an isolated body.
-        growth: element size over the distance to the nearest body, far from all bodies; twice that over the
-            distance to a singular corner.
-        interior: "graded", where sizes in the fluid go over smoothly into those on the boundary, or in the
-            plane "sparse", where those hold on the boundary alone. In a suspension of area fraction 0.4
-            sparse meshes have a fifth fewer unknowns for an error of 5e-4 of the apparent viscosity.
-    """
-
-    cells_per_gap: float = 1.0
-    cells_per_circle: int = 48
-    growth: float = 0.2
-    interior: Literal["graded", "sparse"] = "graded"
-
-    def on_body[T: (float, Array)](self, radius: T) -> T:
-        """h_body, the element size on a body without neighbours."""
-        return 2.0 * np.pi * radius / self.cells_per_circle
-
-    def across(self, gap: Array | float, radius: Array | float) -> Array:
-        """h_gap where the gap is `gap` and the smallest radius beside it `radius`."""
-        along = np.sqrt(radius * gap)
-        longest = np.maximum(LONGEST * gap, FINEST * along)
-        size: Array = np.clip(LENGTH * along, SHORTEST * gap, longest)
-        size /= self.cells_per_gap
-        return size
-
-    def opened(self, gap: Array, radius: Array | float) -> Array:
-        """By how much a gap is opened for gmsh: no cell there is longer than LONGEST times its width."""
-        gap = np.minimum(gap, radius)  # without a neighbour it is infinite
-        missing: Array = np.maximum(self.across(gap, radius) / LONGEST - gap, 0.0)
-        return missing
 
 
 @dataclass(frozen=True, slots=True)

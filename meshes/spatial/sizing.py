@@ -31,7 +31,7 @@ from fsi.meshes.errors import TouchingError
 from fsi.meshes.geometry.container import Array, FluidDomain, feet_in_space, lengths
 from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
 from fsi.meshes.geometry.lattice import Integers
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.grading import edge_sizes
 from fsi.meshes.spatial.sides import Sides
 

@@ -15,8 +15,8 @@ from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.container import FluidDomain, lengths
 from fsi.meshes.geometry.curves import Sphere, rescaled
 from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
-from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import Indices, StraightCells, gmsh_model, require_boundary
+from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.curved_tetrahedra import RoundSurface, curve_tets
 from fsi.meshes.spatial.gap_prisms import (
     CLEARANCE,

@@ -13,7 +13,7 @@ from dolfinx import fem
 from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.geometry.container import Array, Container, FluidDomain
 from fsi.meshes.geometry.containers import Box, HalfPlane
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 
 CUBE = Box((-2.0, -2.0, -2.0), (2.0, 2.0, 2.0))
 HALF_BALL = HalfPlane(30.0, dimension=3)

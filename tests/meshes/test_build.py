@@ -15,7 +15,7 @@ from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.geometry.containers import Box
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from tests.flows import BOX, HALF_PLANE, SMALL_BOX, disc_over_plane, discs, mesh
 
 QUADRATURE = {"quadrature_degree": 12}

@@ -8,8 +8,8 @@ from fsi.bodies.configuration import Array
 from fsi.meshes.cells.curved import EDGES, CurvedCells, curve, reference_points
 from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.planar.boundary import boundary
-from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import triangulate
+from fsi.meshes.resolution import Resolution
 from tests.flows import SMALL_BOX, discs
 
 Q = discs([(-1.2, 0.1), (1.1, -0.2)], [1.0, 0.6])

@@ -7,7 +7,7 @@ import pytest
 
 from fsi.meshes.build import build
 from fsi.meshes.geometry.container import Array, FluidDomain
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from tests.meshes.spheres import CUBE, cells
 
 RIGHT, BACK = (CUBE.walls.index(wall) for wall in ("right", "back"))

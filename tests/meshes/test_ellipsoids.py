@@ -19,7 +19,7 @@ from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.geometry.ellipsoid import Ellipsoid, PlacedEllipsoid
 from fsi.meshes.geometry.rotations import turn_between
 from fsi.meshes.moving.move import Mover
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from tests.meshes.spheres import volume
 
 BOX = Box((-3.0, -3.0, -3.0), (3.0, 3.0, 3.0))

@@ -10,9 +10,10 @@ from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.geometry.lattice import Cell, Lattice
 from fsi.meshes.planar.boundary import boundary
-from fsi.meshes.planar.facing import FINEST, SAME_FROM, FacedGap
-from fsi.meshes.planar.sizing import Curve, Resolution
+from fsi.meshes.planar.facing import SAME_FROM, FacedGap
+from fsi.meshes.planar.sizing import Curve
 from fsi.meshes.planar.spread import spread
+from fsi.meshes.resolution import FINEST, Resolution
 from tests.flows import BOX, disc_over_plane, discs
 
 SQUARE = Box((0.0, 0.0), (4.0, 4.0))

@@ -21,8 +21,8 @@ from fsi.meshes.files.write import write_mesh
 from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.geometry.containers import Box, HalfPlane
 from fsi.meshes.planar.boundary import boundary
-from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import gmsh_model
+from fsi.meshes.resolution import Resolution
 from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solve import solve
 from tests.flows import BOX, SMALL_BOX, disc_over_plane, discs, held, mesh, resting

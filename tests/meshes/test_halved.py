@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from fsi.meshes.geometry.container import Array, FluidDomain
 from fsi.meshes.geometry.containers import Box
-from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import StraightCells, require_boundary
+from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.halved import EDGES, halved
 from fsi.meshes.spatial.tetrahedra import fill
 

@@ -16,7 +16,7 @@ from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.helping import help_root, helped, shared_out
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from tests.ranks import needs_mpi, python_on
 
 

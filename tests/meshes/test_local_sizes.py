@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.geometry.containers import Box
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.local_sizes import LocalSizes
 from fsi.meshes.spatial.sizing import Spacing
 

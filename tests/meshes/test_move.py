@@ -14,7 +14,7 @@ from fsi.bodies.configuration import Configuration
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.moving import move
 from fsi.meshes.moving.move import Mover
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.stokes.problem import StokesProblem
 from fsi.stokes.solve import solve
 from tests.flows import SMALL_BOX, discs, held, mesh, resting, solved

@@ -15,8 +15,9 @@ from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.lattice import Cell, Lattice, matching_points, reduced
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.links import NeighbourLinks, neighbours
-from fsi.meshes.planar.sizing import Resolution, Surfaces
+from fsi.meshes.planar.sizing import Surfaces
 from fsi.meshes.planar.triangulate import triangulate
+from fsi.meshes.resolution import Resolution
 
 COARSE = Resolution(0.25, 12, 1.0)
 

@@ -28,7 +28,7 @@ from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.geometry.outline import Outline
 from fsi.meshes.geometry.placed import Placed
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 
 ELLIPSE = Ellipse(kind="ellipse", axes=(2.0, 1.0))
 ROUGH = FourierShape(kind="fourier", radius=1.0, orders=(12,), cosines=(0.05,))

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from fsi.meshes.geometry.container import Array, FluidDomain
 from fsi.meshes.geometry.containers import Box
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.gap_prisms import GapPrisms, choose, find_gaps
 from fsi.meshes.spatial.seams import APART, AS_IT_IS, SEAM, seam_turn
 from fsi.meshes.spatial.sizing import Spacing

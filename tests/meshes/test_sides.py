@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from fsi.meshes.geometry.container import Array, FluidDomain
 from fsi.meshes.geometry.lattice import Cell
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.gap_prisms import choose, find_gaps
 from fsi.meshes.spatial.seams import seam_turns
 from fsi.meshes.spatial.sides import NEAR, Sides, choose_sides, clear_where_sides_meet, images

@@ -6,7 +6,8 @@ import pytest
 from fsi.bodies.configuration import Array, Configuration
 from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.planar.boundary import boundary
-from fsi.meshes.planar.sizing import Curve, Resolution, Surfaces
+from fsi.meshes.planar.sizing import Curve, Surfaces
+from fsi.meshes.resolution import Resolution
 from tests.flows import BOX, HALF_PLANE, disc_over_plane, discs
 
 COARSE = Resolution(1.0, 24, 0.5)

@@ -13,7 +13,7 @@ from fsi.meshes.geometry.container import Array, Container, FluidDomain
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.rotations import turned
 from fsi.meshes.moving.move import Mover
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 
 BOX = Box((-4.0, -4.0), (4.0, 4.0))
 CHANNEL = Box((0.0, 0.0), (5.0, 4.0), periodic=("x",))

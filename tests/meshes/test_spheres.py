@@ -19,7 +19,7 @@ from fsi.meshes.errors import MeshError, MeshFileError
 from fsi.meshes.files.read import read_mesh
 from fsi.meshes.geometry.container import Array, Container, FluidDomain
 from fsi.meshes.geometry.containers import Box, HalfPlane, Round
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.tetrahedra import fill
 from tests.meshes.spheres import CUBE, HALF_BALL, USUAL, area, cells, mesh, volume
 from tests.ranks import python_on

@@ -21,8 +21,8 @@ from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.geometry.curves import Sphere
 from fsi.meshes.moving.move import Mover
-from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import StraightCells, gmsh_model
+from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.curved_tetrahedra import curve_tets
 from fsi.meshes.spatial.gap_prisms import split_prisms
 from fsi.stokes.model import StokesModel

@@ -15,7 +15,7 @@ from fsi.meshes.build import build
 from fsi.meshes.errors import TouchingError
 from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.geometry.tube import Tube
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from tests.meshes.spheres import volume
 
 TUBE = Tube(2.0, 5.0)

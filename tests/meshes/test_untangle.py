@@ -11,8 +11,8 @@ from fsi.meshes.cells.curved import CurvedCells, scaled_jacobian
 from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.geometry.curves import Sphere
 from fsi.meshes.geometry.lattice import Cell
-from fsi.meshes.planar.sizing import Resolution
 from fsi.meshes.planar.triangulate import StraightCells
+from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.curved_tetrahedra import curve_tets
 from fsi.meshes.spatial.tetrahedra import fill
 from fsi.meshes.spatial.untangle import curved_and_valid

@@ -19,7 +19,7 @@ from scipy.interpolate import CubicSpline
 from fsi.bodies.configuration import Array, Motion
 from fsi.case.load import parse_case
 from fsi.meshes.geometry.containers import Box, HalfPlane, Round
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.postprocess.run.run import open_run
 from fsi.runs import run
 from fsi.stokes.fields import traction

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from fsi.bodies.configuration import Array, Configuration
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.containers import Box, HalfPlane
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.stokes.discretisation import groups
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.problem import SolverOptions

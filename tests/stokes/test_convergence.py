@@ -10,7 +10,7 @@ from mpi4py import MPI
 
 from fsi.bodies.configuration import Array
 from fsi.meshes.build import FluidMesh
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.stokes.discretisation.forms import velocity_element
 from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem
 from fsi.stokes.solve import solve

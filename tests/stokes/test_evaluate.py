@@ -14,7 +14,7 @@ from fsi.bodies.configuration import Array, Configuration
 from fsi.case.load import parse_case
 from fsi.meshes.geometry.containers import Box, Round
 from fsi.meshes.geometry.lattice import Cell
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.stokes.model import StokesModel
 from fsi.stokes.problem import SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution

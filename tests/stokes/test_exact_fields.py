@@ -11,7 +11,7 @@ import pyvista as pv
 from fsi.bodies.configuration import Configuration, Motion
 from fsi.meshes.geometry.containers import Box, Round
 from fsi.meshes.geometry.lattice import Cell
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.stokes.fields import traction
 from fsi.stokes.problem import Boundary
 from tests.flows import discs, held, solved

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 from fsi.bodies.configuration import Configuration, Inertia, Motion
 from fsi.meshes.geometry.containers import Box
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import solve

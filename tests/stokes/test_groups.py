@@ -16,7 +16,7 @@ import fsi.stokes.discretisation.groups as module
 from fsi.bodies.configuration import Array, Configuration
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.containers import Box, HalfPlane
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.stokes.discretisation.groups import Groups
 from fsi.stokes.discretisation.loops import loops
 from fsi.stokes.problem import SolverOptions

@@ -8,7 +8,7 @@ import pytest
 from fsi.errors import SolveError
 from fsi.meshes.build import build
 from fsi.meshes.geometry.container import FluidDomain
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.identities import require
 from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem

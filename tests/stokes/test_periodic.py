@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from fsi.bodies.configuration import Configuration
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.lattice import Cell
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.stokes.solve import FORMULATIONS
 from tests.flows import discs, free, held
 from tests.periodic import LIGHT, THREE, couette, force_free, in_cell, in_channel, reference, square

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from fsi.case.load import parse_case
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Box
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.stokes.fields import places, traction
 from fsi.stokes.resistance import case_resistance, held_at_rest, solve_resistance
 from tests.case_data import changed

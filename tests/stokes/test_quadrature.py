@@ -15,7 +15,7 @@ from mpi4py import MPI
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.meshes.geometry.containers import Box, HalfPlane
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.stokes.discretisation.forms import Forms, pressure_element, velocity_element
 from fsi.stokes.solvers.elimination import nodal_vector
 from tests.flows import discs, mesh

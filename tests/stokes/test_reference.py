@@ -8,7 +8,7 @@ import pytest
 
 from fsi.lubrication import exact
 from fsi.meshes.geometry.containers import Box
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.stokes.problem import Boundary
 from tests.flows import BOX, HALF_PLANE, at_rest, disc_over_plane, discs, free, held, shear, solved
 

@@ -20,7 +20,7 @@ from fsi.errors import RefusedError, SolveError, apart
 from fsi.meshes.cells.curved import WORST_ACCEPTED
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.container import FluidDomain
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.report.console import standard_output
 from fsi.report.solution import print_solution
 from fsi.stokes.adapt import Refinement, _missed, solve_with_errors

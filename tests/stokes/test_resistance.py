@@ -16,7 +16,7 @@ from fsi.lubrication import exact
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.containers import Box, Round
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.observables.resistance import Resistance, difference
 from fsi.stokes.problem import Boundary, StokesProblem
 from fsi.stokes.resistance import case_resistance, held_at_rest, resistance_with_error, solve_resistance

@@ -17,7 +17,7 @@ import fsi
 from fsi.bodies.configuration import Array
 from fsi.lubrication.concentric import Concentric
 from fsi.lubrication.sliding_film import sphere_resistance
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.stokes.adapt import Solved, solve_with_errors
 from fsi.stokes.discretisation.forms import EQUISPACED
 from fsi.stokes.discretisation.slip import FACET, masses

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 
 from fsi.errors import SolveError
 from fsi.meshes.geometry.containers import Box
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.observables.bulk_stress import BulkStress
 from fsi.stokes.identities import require
 from fsi.stokes.problem import Boundary, StokesProblem

@@ -16,7 +16,7 @@ from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.moving.move import Mover
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 from fsi.stokes.problem import Boundary, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import solve

@@ -24,7 +24,7 @@ from fsi.case.sections import Discretisation
 from fsi.errors import InputError
 from fsi.machine.resources import memory, require_disk, require_memory, size
 from fsi.meshes.estimate import Narrows, cells_of
-from fsi.meshes.planar.sizing import Resolution
+from fsi.meshes.resolution import Resolution
 
 # Over the smaller radius; a little below 1e-8, the least that is resolved, as a gap is a difference.
 SMALLEST_GAP = 0.9e-8
