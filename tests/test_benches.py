@@ -13,6 +13,7 @@ SMALLEST = {
     "suspension": ["1"],
     "reduced": ["200", "--scheme", "distance"],
     "gluey": ["agitated", "100", "--steps", "1"],
+    "gallery": ["film_pressure", "--most", "1000"],
 }
 AGAINST_ITSELF = [str(ROOT), "--turns", "1", "--most", "9", "--discs", "1", "--ranks", "2"]
 SLOW = {
