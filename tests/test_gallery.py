@@ -1,4 +1,4 @@
-"""The scripts of the gallery: each makes its picture and asserts its number; `bench/gallery.py` times them."""
+"""Scripts of the gallery: each makes its picture and asserts its number; `bench/gallery.py` times them."""
 
 from __future__ import annotations
 
