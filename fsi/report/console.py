@@ -30,14 +30,17 @@ class _Lasting(Console):
 
 
 def standard_output() -> Console:
-    """Standard output, as wide as the terminal or as COLUMNS says; without either, wide enough."""
+    """Standard output, as wide as the terminal or as COLUMNS says; without either, wide enough.
+
+    What is printed is no markup: names may have brackets.
+    """
     known = sys.stdout.isatty() or "COLUMNS" in os.environ
-    return _Lasting(width=None if known else WIDTH)
+    return _Lasting(width=None if known else WIDTH, markup=False)
 
 
 def standard_error() -> Console:
     """Standard error, silent on all ranks but root."""
-    return _Lasting(stderr=True, quiet=not parallel.is_root())
+    return _Lasting(stderr=True, quiet=not parallel.is_root(), markup=False)
 
 
 class FittingTable(Table):

@@ -7,6 +7,7 @@ import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from fsi.calibration.result import CalibrationResult
 from fsi.case.case import Case
@@ -152,13 +153,18 @@ def print_calibration(console: Console, result: CalibrationResult) -> None:
         console.print(line, soft_wrap=True)
 
 
+def _verdict(good: str, bad: str, *, holds: bool) -> Text:
+    """A word, green or red on a terminal."""
+    return Text(good, style="green") if holds else Text(bad, style="red")
+
+
 def _coefficients_table(result: CalibrationResult) -> Table:
     shown = table(("phi(s)",), ("c", "± 95 %", "theory", "difference"), box=SIMPLE_HEAD, padding=(0, 1))
     shown.add_column("")
     for one in result.coefficients:
-        row = [one.term, f"{one.value:.8g}", f"{one.interval:.1e}"]
+        row: list[str | Text] = [one.term, f"{one.value:.8g}", f"{one.interval:.1e}"]
         if one.theory is not None and one.difference is not None:
-            verdict = "[green]inside[/]" if one.inside else "[red]OUTSIDE[/]"
+            verdict = _verdict("inside", "OUTSIDE", holds=bool(one.inside))
             row += [f"{one.theory:.8g}", f"{one.difference:+.1e}", verdict]
         shown.add_row(*row)
     return shown
@@ -246,7 +252,7 @@ def _rows_table(rows: Sequence[Row]) -> Table:
         if row.case != previous:
             if previous:
                 shown.add_section()
-            shown.add_row(f"[bold]{row.case}[/]")
+            shown.add_row(Text(row.case, style="bold"))
             previous = row.case
         shown.add_row(
             f"  {row.quantity}",
@@ -256,6 +262,6 @@ def _rows_table(rows: Sequence[Row]) -> Table:
             f"{row.reference:.10g}",
             f"{row.true_error:.1e}" if row.true_error > row.digits else f"< {row.digits:.0e}",
             f"{row.rtol:.0e}",
-            "[green]ok[/]" if row.passed else "[red]FAIL[/]",
+            _verdict("ok", "FAIL", holds=row.passed),
         )
     return shown

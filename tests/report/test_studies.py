@@ -1,4 +1,4 @@
-"""What is printed of a study of the limit, by hand."""
+"""What is printed of a study of the limit, and of a validation, by hand."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from rich.console import Console
 from fsi.case.gluey import LimitStudy
 from fsi.gluey.limit import Path
 from fsi.gluey.limit_study import Study
-from fsi.report.studies import print_study
+from fsi.report.studies import print_rows, print_study
+from fsi.validation.rows import Row
 
 
 def test_the_order_is_that_between_two_numbers_of_steps() -> None:
@@ -42,3 +43,18 @@ def test_half_the_error_at_more_steps(steps: int, order: float) -> None:
     console = Console(file=io.StringIO(), width=100)
     print_study(console, study)
     assert f"{order:.3f}" in console.file.getvalue()  # type: ignore[attr-defined]
+
+
+def test_verdicts_are_words() -> None:
+    """Cells are plain text: what is green or red on a terminal shows no brackets elsewhere."""
+
+    def row(value: float) -> Row:
+        return Row("disc", None, 0.1, "disc.force.x", value, 1e-6, 0.0, 2.0, 0.0, 1e-3, "", "by hand")
+
+    console = Console(file=io.StringIO(), width=120)
+    print_rows(console, [row(2.0001), row(2.1)])
+    printed = console.file.getvalue()  # type: ignore[attr-defined]
+    rows = [line.split() for line in printed.splitlines()]
+    assert [one[-1] for one in rows if one[:1] == ["disc.force.x"]] == ["ok", "FAIL"]
+    assert ["disc"] in rows
+    assert "[" not in printed
