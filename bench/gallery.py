@@ -6,11 +6,13 @@ code 1 where one takes more than `--most` CPU seconds: nobody waits longer for a
 
 import argparse
 import os
-import resource
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))  # of a checkout that runs bench/gallery.py
+
+from bench.processes import cpu_seconds
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = sorted(path.stem for path in (ROOT / "docs" / "examples").glob("*.py"))
@@ -18,12 +20,8 @@ EXAMPLES = sorted(path.stem for path in (ROOT / "docs" / "examples").glob("*.py"
 
 def seconds(name: str, picture: Path) -> float:
     """CPU seconds of an example with those of the processes that it starts."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
     command = [sys.executable, str(ROOT / "docs" / "examples" / f"{name}.py"), str(picture)]
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
-    subprocess.run(command, env=environment, stdout=subprocess.DEVNULL, check=True)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return cpu_seconds(command, os.environ | {"PYTHONPATH": str(ROOT)}, picture.parent)
 
 
 def main() -> int:

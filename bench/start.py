@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import argparse
 import os
-import resource
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
 from statistics import median
+
+sys.path.insert(0, str(Path(__file__).parents[1]))  # of a checkout that runs bench/start.py
+
+from bench.processes import cpu_seconds
 
 HERE = Path(__file__).parents[1]
 CASE = "cases/disc_in_box.toml"
@@ -24,13 +26,7 @@ def seconds(checkout: Path, command: str, case: str, compiled: str) -> float:
     """CPU seconds of a command of a checkout, on one thread; compiled: the folder of compiled sources."""
     environment = os.environ | {"PYTHONPATH": str(checkout), "OMP_NUM_THREADS": "1"}
     environment |= {"PYTHONDONTWRITEBYTECODE": "", "PYTHONPYCACHEPREFIX": compiled}
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run(
-        [sys.executable, "-m", "fsi", command, str(checkout / case)],
-        cwd=checkout, env=environment, stdout=subprocess.DEVNULL, check=True,
-    )  # fmt: skip
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return cpu_seconds([sys.executable, "-m", "fsi", command, str(checkout / case)], environment, checkout)
 
 
 def row(command: str, case: str, times: int, other: Path | None, compiled: str) -> str:

@@ -15,9 +15,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fsi.meshes.geometry.container import Array
 
 LENGTH, SHORTEST = 0.11, 0.3
 FINEST = 0.04  # element size along the narrowest gaps, over sqrt(a d)

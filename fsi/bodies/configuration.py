@@ -58,10 +58,10 @@ def rigid_motion(r: Array) -> Array:
 
 def turned(angles: Array, more: Array) -> Array:
     """Angles after further rotations, (N, r): in the plane their sum, in space composed as vectors."""
-    import scipy
-
     if angles.shape[1] != 3 or len(angles) == 0:
         return angles + more
+    import scipy  # late: `fsi check` does without
+
     from_rotvec = scipy.spatial.transform.Rotation.from_rotvec
     return np.asarray((from_rotvec(more) * from_rotvec(angles)).as_rotvec())
 

@@ -160,14 +160,14 @@ def smallest_of_each(q: Configuration, container: Container) -> Array:
     Of a body whose neighbours are all far, the nearest centre b bounds how far the centre of the nearest
     surface can be: `|q_i - q_j| <= |q_i - q_b| - a_b + max a`.
     """
-    import scipy
-
     least, largest = find_gaps(q, container).smallest_of_each(), float(q.radii.max(initial=0.0))
     if q.shaped:
         return find_gaps(q, container, np.inf).smallest_of_each() if np.any(least > 2.0 * largest) else least
     far = np.flatnonzero(least > 2.0 * largest)
     if len(far) == 0 or len(q) + len(container.periods) < 2:
         return least
+    import scipy  # late: `fsi check` does without
+
     home, images, of = _with_images(q, container)
     tree = scipy.spatial.cKDTree(images)
     to_nearest, nearest = (found[:, 1] for found in tree.query(home[far], k=2))  # the first is itself
@@ -285,14 +285,14 @@ def _between_few(x: Array, y: Array, cutoff: float) -> tuple[NDArray[np.intp], N
 
 
 def _pairs_by_tree(x: Array, cutoff: float) -> NDArray[np.intp]:
-    import scipy
+    import scipy  # late: `fsi check` does without
 
     pairs = scipy.spatial.cKDTree(x, **_QUICK).query_pairs(cutoff, output_type="ndarray")
     return np.asarray(pairs, np.intp).reshape(-1, 2)
 
 
 def _between_by_trees(x: Array, y: Array, cutoff: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    import scipy
+    import scipy  # late: `fsi check` does without
 
     trees = (scipy.spatial.cKDTree(points, **_QUICK) for points in (x, y))
     found = next(trees).sparse_distance_matrix(next(trees), cutoff, output_type="ndarray")

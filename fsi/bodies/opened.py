@@ -97,7 +97,7 @@ def _gaps(
 
 def _least_distance(G: Array, h: Array) -> Array | None:
     """The shortest x with G x >= h; None where there is none."""
-    import scipy
+    import scipy  # late: `fsi check` does without
 
     scale = float(np.abs(h).max())
     rows = np.vstack([G.T, h / scale])

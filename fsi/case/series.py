@@ -111,7 +111,7 @@ def jumps(series: float | Table | str) -> tuple[float, ...]:
 
 def polynomial(series: float | Table, end: float) -> "scipy.interpolate.PPoly":
     """The values on [0, end] as a piecewise polynomial: its integrals are exact across kinks and jumps."""
-    import scipy
+    import scipy  # late: `fsi check` does without
 
     if not isinstance(series, Table):
         return scipy.interpolate.PPoly(np.array([[0.0], [series]]), np.array([0.0, end]))

@@ -83,4 +83,4 @@ def keys(
         table = Table("key", "meaning", "if not given", title=title, title_justify="left")
         for key in each.keys:
             table.add_row(key.name, key.meaning, key.default)
-        standard_output().print(table, highlight=False, markup=False)
+        standard_output().print(table, highlight=False)

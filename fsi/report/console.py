@@ -32,15 +32,15 @@ class _Lasting(Console):
 def standard_output() -> Console:
     """Standard output, as wide as the terminal or as COLUMNS says; without either, wide enough.
 
-    What is printed is no markup: names may have brackets.
+    What is printed is no markup and has no emoji: names may have brackets and colons.
     """
     known = sys.stdout.isatty() or "COLUMNS" in os.environ
-    return _Lasting(width=None if known else WIDTH, markup=False)
+    return _Lasting(width=None if known else WIDTH, markup=False, emoji=False)
 
 
 def standard_error() -> Console:
     """Standard error, silent on all ranks but root."""
-    return _Lasting(stderr=True, quiet=not parallel.is_root(), markup=False)
+    return _Lasting(stderr=True, quiet=not parallel.is_root(), markup=False, emoji=False)
 
 
 class FittingTable(Table):

@@ -58,7 +58,7 @@ class PlacedEllipsoid:
     @cached_property
     def rotation(self) -> Array:
         """The directions of its axes, as columns, (3, 3)."""
-        import scipy
+        import scipy  # late: `fsi check` does without
 
         return np.asarray(scipy.spatial.transform.Rotation.from_rotvec(self.angle).as_matrix())
 
@@ -134,7 +134,7 @@ class PlacedEllipsoid:
 
     def _farthest_from(self, origin: Array) -> Array:
         """Its point that is farthest from another one, (3,)."""
-        import scipy
+        import scipy  # late: `fsi check` does without
 
         squares, c = np.square(self.form.half_axes), self.rotation.T @ (self.centre - origin)
         b, largest = self.form.half_axes * c, float(squares.max())

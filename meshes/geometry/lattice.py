@@ -184,15 +184,15 @@ class Cell(WithoutWalls):
 
     def carried(self, e: Array, duration: float, strain: float = 0.0) -> Array:
         """Vectors e (n, d) carried along by the mean flow and by a strain: exp(E t) (1 + strain e_x e_d)."""
-        import scipy
-
         E = self.mean_gradient
         if strain:
             e = e + strain * e @ unit_shear(self.dimension).T
         if self.dimension == 3:  # in a shear E^2 = 0: to the last bit the lattice returns at whole strains
-            sheared = not (E @ E).any()
-            carried: Array = e @ (np.eye(3) + duration * E if sheared else scipy.linalg.expm(duration * E)).T
-            return carried
+            if not (E @ E).any():
+                return np.asarray(e @ (np.eye(3) + duration * E).T)
+            import scipy  # late: `fsi check` does without
+
+            return np.asarray(e @ scipy.linalg.expm(duration * E).T)
         rate = np.sqrt(max(-np.linalg.det(E), 0.0))  # E has no trace: E^2 = -det(E) I
         by_E = np.sinh(rate * duration) / rate if rate > 0.0 else duration
         moved: Array = e @ (np.cosh(rate * duration) * np.eye(2) + by_E * E).T
@@ -285,7 +285,7 @@ def matching_points(x: Array, lattice: Lattice) -> PeriodicPairs:
     Of all images of a point, in the plane two, in space also four on an edge and eight at a corner, the first
     is the master of all others. Raises MeshError where a point has no image.
     """
-    import scipy
+    import scipy  # late: `fsi check` does without
 
     torus, longest = on_torus(x, lattice), lattice.longest()
     same = scipy.spatial.cKDTree(torus).query_pairs(_ON_TORUS * SAME_PLACE * longest, output_type="ndarray")

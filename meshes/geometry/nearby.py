@@ -43,9 +43,9 @@ class NearbyPoints:
 
     def pairs(self, x: Array, farthest: float) -> tuple[Indices, Indices]:
         """Which of x (m, 2) and which points are no farther apart than this; each pair once."""
-        import scipy
-
         if len(self.points) > _FEW:
+            import scipy  # late: `fsi check` does without
+
             tree = scipy.spatial.cKDTree(x)
             found = tree.sparse_distance_matrix(self._tree, farthest, output_type="ndarray")
             return found["i"], found["j"]
@@ -60,6 +60,6 @@ class NearbyPoints:
 
     @cached_property
     def _tree(self) -> scipy.spatial.cKDTree:
-        import scipy
+        import scipy  # late: `fsi check` does without
 
         return scipy.spatial.cKDTree(self.points)

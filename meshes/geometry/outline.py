@@ -195,7 +195,7 @@ class Outline:
     @cached_property
     def radius(self) -> float:
         """Of the smallest circle around the centre that holds the body."""
-        import scipy
+        import scipy  # late: `fsi check` does without
 
         x = self.sample.x
         k = int(np.argmax((x**2).sum(axis=1)))
@@ -251,7 +251,7 @@ class Outline:
 
     @cached_property
     def _tree(self) -> scipy.spatial.cKDTree:
-        import scipy
+        import scipy  # late: `fsi check` does without
 
         return scipy.spatial.cKDTree(self.sample.x)
 

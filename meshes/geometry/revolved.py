@@ -66,7 +66,7 @@ class BodyOfRevolution(Outline):
 
     def _root(self, k: int) -> float:
         """Where r is zero between the points k and k + 1 of the sample."""
-        import scipy
+        import scipy  # late: `fsi check` does without
 
         def r(t: float) -> float:
             return float((self.jet(np.array([t])).x @ self._frame[0])[0])

@@ -7,10 +7,10 @@ from fsi.meshes.geometry.jets import Array
 
 def turn_between(angles: Array, others: Array) -> Array:
     """What turns bodies from one set of angles to others: in the plane differences (N,), else (N, 3)."""
-    import scipy
-
     if angles.ndim == 1 or len(angles) == 0:
         return others - angles
+    import scipy  # late: `fsi check` does without
+
     from_rotvec = scipy.spatial.transform.Rotation.from_rotvec
     return np.asarray((from_rotvec(others) * from_rotvec(angles).inv()).as_rotvec())
 
@@ -38,9 +38,9 @@ def turned(r: Array, angle: Array) -> Array:
 
     The angles are (n,) in the plane, counterclockwise, and rotation vectors (n, ..., 3) in space.
     """
-    import scipy
-
     if r.shape[-1] == 3:
+        import scipy  # late: `fsi check` does without
+
         turn = scipy.spatial.transform.Rotation.from_rotvec(angle.reshape(-1, 3)).as_matrix() - np.eye(3)
         return np.asarray(np.einsum("nij,nj->ni", turn, r.reshape(-1, 3)).reshape(r.shape))
     angle = angle.reshape(-1, *[1] * (r.ndim - 2))

@@ -62,7 +62,7 @@ def on_wall(curve: WallCurve, container: Container, foot: float, xi: Array) -> A
 
 def foot_on(curve: WallCurve, container: Container, centre: Array, low: float, high: float) -> float | None:
     """Where between two lengths along a wall it is nearest to a point; None where it is not."""
-    import scipy
+    import scipy  # late: `fsi check` does without
 
     def off(s: float) -> float:
         return float((curve.at(np.array([s]))[0] - centre) @ _along(curve, container, s))

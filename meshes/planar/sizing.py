@@ -172,10 +172,7 @@ class Surfaces:
         return np.minimum(in_gap, np.maximum(h_body, self.resolution.growth * d))
 
     def walls(self, curves: Sequence[WallCurve]) -> list[Curve]:
-        """The nodes on pieces of walls, whose tags follow the bodies'.
-
-        All are placed together: one by one those between strips of 1000 discs took a sixth of all boundaries.
-        """
+        """The nodes on pieces of walls, whose tags follow the bodies'; all are placed together."""
         if not curves:
             return []
         wall = np.array([curve.wall for curve in curves])

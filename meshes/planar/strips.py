@@ -1,10 +1,10 @@
 """A channel of many bodies is divided into strips, each of which gmsh fills by itself.
 
-What gmsh takes for a triangle grows with their number: 12.5 us in a channel of 50 discs, 19 in one of 1000,
-where with strips it takes 12; and ranks take strips each (of half as many bodies they cost as much in
-triangles as they gain). Chains of links from wall to wall bound them, shortest paths as the cut is, each in a
-window of its own and without the bodies of the others. They use only links whose circle no other surface
-reaches into. Two such links never cross: of the four angles of their ends all would be acute.
+What gmsh takes for a triangle grows with their number (docs/speed.md), and ranks take strips each; strips of
+half as many bodies cost as much in triangles as they gain. Chains of links from wall to wall bound them,
+shortest paths as the cut is, each in a window of its own and without the bodies of the others. They use only
+links whose circle no other surface reaches into. Two such links never cross: of the four angles of their ends
+all would be acute.
 """
 
 from __future__ import annotations
