@@ -15,6 +15,11 @@ by one, of all the one that grows least: by what it leaves less the mean of what
 operations as MUMPS's approximate minimum fill, or fewer. At least two groups remain, or on several ranks one
 of each, with what they share.
 
+Of long domains that would grow groups whose borders wander: of 1000 discs in a channel 415 unknowns across it
+where the shortest way through gaps and bodies has 265. So where more than MOST parts are left they are first
+cut in regions of no more, each cut the least between the ends of what it cuts, which is where the greatest
+flow between them is held up (Ford and Fulkerson 1956, Can. J. Math. 8:399); within regions they grow first.
+
 No pivoting is needed. Velocities are eliminated first, whose block is positive definite. What is left of the
 inner pressures p is regular: p vanishes where other groups begin, and if it met no inner velocity, then
 on each side between two cells of the group, with its tangent t and w the product of the two barycentric
@@ -36,6 +41,7 @@ from fsi.bodies.configuration import Array
 from fsi.stokes.discretisation.loops import Numbers, loops, pointer
 
 LEVELS, FEWEST = 3, 512  # all parts choose so often at most, and only while there are so many of them
+MOST = 1000  # parts of a region
 WIDEST = 4000  # unknowns that a group leaves at most; those of 5000 discs leave fewer
 
 
@@ -75,7 +81,7 @@ class Groups:
         sizes = {"cells": len(cells[0]) - 1, "unknowns": len(stays), "rows": rows}
         lists = ffi.new("CellLists *", sizes | held)
         self.structure = ffi.gc(ffi.new("Groups *"), lib.free_groups)
-        limits = {"levels": LEVELS, "fewest": FEWEST, "widest": WIDEST} if merged else {}
+        limits = {"levels": LEVELS, "fewest": FEWEST, "most": MOST, "widest": WIDEST} if merged else {}
         wanted = ffi.new("Wanted *", limits)
         if lib.merge_cells(lists, wanted, self.structure):
             raise MemoryError
