@@ -12,7 +12,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
@@ -147,8 +147,8 @@ def step(n: int, *, moved: bool, fine: bool = False) -> StokesSolution:
     return min(found, key=lambda solution: sum(solution.seconds.values()))
 
 
-def asked() -> tuple[list[int], bool, Path | None]:
-    """The numbers of discs that the command line asks for, or all, whether finer, and the file to write."""
+def asked() -> tuple[list[int], bool, int, Path | None]:
+    """Numbers of discs that are asked for, or all, whether finer, turns of growth, the file to write."""
     parser = argparse.ArgumentParser(
         description=(__doc__ or "").split("\n\n")[1],
         epilog=EXAMPLE,
@@ -157,25 +157,34 @@ def asked() -> tuple[list[int], bool, Path | None]:
     numbers = list(PERIODS)
     parser.add_argument("N", nargs="*", type=int, help=f"numbers of discs: {numbers}; all of them if none")
     parser.add_argument("--fine", action="store_true", help="to 1e-5, by elements of degree 5")
+    parser.add_argument("--growth", type=int, default=0, metavar="TURNS", help="how the cost grows, in turns")
     parser.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP)
     given = parser.parse_args()
     for n in given.N:
         if n not in PERIODS:
             parser.error(f"N = {n}: there is no suspension of that many discs; choose from {numbers}")
-    return given.N or numbers, given.fine, given.json
+    return given.N or numbers, given.fine, given.growth, given.json
 
 
-def growth(costs: dict[int, tuple[float, float]]) -> Iterator[str]:
-    """How steps on new meshes, and these meshes, grow, by the seconds of both with each number of discs."""
-    for few, many in pairwise(sorted(costs)):
-        step, mesh = np.log(np.divide(costs[many], costs[few])) / np.log(many / few)
-        yield f"from {few} to {many} discs a step grows as N^{step:.2f}, its new mesh as N^{mesh:.2f}"
+def growth(sizes: Sequence[int], turns: int, *, fine: bool) -> Iterator[str]:
+    """How steps on new meshes, and these meshes, grow with the number of discs: medians and quartiles."""
+    for few, many in pairwise(sorted(sizes)):
+        costs = [[cost(n, fine=fine) for n in (few, many)] for _ in range(turns)]
+        exponents = np.log(np.divide(*np.moveaxis(costs, 1, 0)[::-1])) / np.log(many / few)
+        least, median, most = np.quantile(exponents, [0.25, 0.5, 0.75], axis=0)
+        step, mesh = (f"N^{median[k]:.3f} ({least[k]:.3f} to {most[k]:.3f})" for k in range(2))
+        yield f"from {few} to {many} discs a step grows as {step}, its new mesh as {mesh}"
+
+
+def cost(n: int, *, fine: bool) -> tuple[float, float]:
+    """CPU seconds of a step on a new mesh, and of that mesh."""
+    seconds = step(n, moved=False, fine=fine).seconds
+    return sum(seconds.values()), seconds["mesh"]
 
 
 def main() -> None:
     """Measure and print."""
-    chosen, fine, output = asked()
-    costs: dict[int, tuple[float, float]] = {}
+    chosen, fine, turns, output = asked()
     scaling = Scaling("a step of a sheared suspension, area fraction 0.4", "discs")
     table = Table(title="one step of a sheared suspension, phi = 0.4, CPU seconds", title_justify="left")
     for heading in ("N", "mesh", "unknowns", "viscosity", "error", *PHASES, "step", "of old", "MB"):
@@ -195,12 +204,13 @@ def main() -> None:
                 f"{seconds:.2f}", of_old, f"{peak_memory():.0f}",
             )  # fmt: skip
             scaling.add("mesh moved" if moved else "new mesh", n, seconds)
-            if not moved and n > 1:
-                costs[n] = seconds, solution.seconds["mesh"]
     if parallel.is_root():
         Console(width=130).print(table)
-        print(*growth(costs), sep="\n")
         scaling.write(output)
+    grown = growth([n for n in chosen if n > 1], turns, fine=fine) if turns else ()
+    for line in grown:
+        if parallel.is_root():
+            print(line)
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 SMALLEST = {
     "step": ["0.1", "--settings", "P2"],
-    "suspension": ["1"],
+    "suspension": ["10", "50", "--growth", "1"],
     "reduced": ["200", "--scheme", "distance"],
     "gluey": ["agitated", "100", "--steps", "1"],
     "gallery": ["film_pressure", "--most", "1000"],

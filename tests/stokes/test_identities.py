@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
 from fsi.meshes.build import build
 from fsi.meshes.geometry.container import FluidDomain
@@ -20,6 +21,7 @@ from fsi.stokes.solvers.elimination import (
     nodal_vector,
     solve_eliminated,
 )
+from fsi.stokes.solvers.mumps import REFINE_ABOVE, REFINE_AT_FIRST_ABOVE, Factorisation
 from tests.flows import BOX, at_rest, disc_over_plane, discs, free, held, mesh, resting, solved
 
 LID = Boundary({**resting(BOX).velocities, "top": lambda x: np.tile([1.0, 0.0], (len(x), 1))}, {})
@@ -92,6 +94,28 @@ def test_the_power_under_a_lid_is_balanced_however_deep_the_mesh(formulation: st
 def test_a_defect_above_the_bound_is_named(value: float) -> None:
     with pytest.raises(SolveError, match="power"):
         require({"power": value})
+
+
+def test_a_flow_that_nearly_violates_an_identity_is_refined(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At first only residuals above 1e-12 are; bounds are lowered so that identities miss them."""
+    bounds: list[float] = []
+    solution_of = Factorisation.solve
+
+    def watched(factors: Factorisation, b: Array) -> tuple[Array, Array]:
+        bounds.append(factors.refine_above)
+        return solution_of(factors, b)
+
+    monkeypatch.setattr(Factorisation, "solve", watched)
+    q, motion = disc_over_plane(1e-2), free((0.2, -1.0, 0.1))
+    usual = solved(BOX, q, motion)
+    assert bounds == [REFINE_AT_FIRST_ABOVE]
+    monkeypatch.setattr("fsi.stokes.solve.SUFFICIENT", 0.1 * max(usual.checks.values()))
+    solved(BOX, q, motion)
+    assert bounds == 2 * [REFINE_AT_FIRST_ABOVE], "its residual is too small to be refined"
+    monkeypatch.setattr("fsi.stokes.solve.REFINE_ABOVE", 0.1 * usual.checks["residual"])
+    again = solved(BOX, q, motion)
+    assert bounds == [*3 * [REFINE_AT_FIRST_ABOVE], REFINE_ABOVE]
+    np.testing.assert_allclose(again.U, usual.U, rtol=1e-10)
 
 
 def test_a_free_body_that_is_not_balanced_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -42,7 +42,7 @@ from fsi.stokes.problem import StokesProblem
 from fsi.stokes.solvers.extended import multiply, multiply_transpose
 from fsi.stokes.solvers.gmres import TOLERANCE, Iteration, SchurBlocks
 from fsi.stokes.solvers.multigrid import levels
-from fsi.stokes.solvers.mumps import Factorisation
+from fsi.stokes.solvers.mumps import REFINE_ABOVE, Factorisation
 from fsi.stokes.solvers.reduced import Added, Elimination
 from fsi.stokes.solvers.schur import film_matrix
 from fsi.stokes.solvers.workspace import Workspace
@@ -68,6 +68,7 @@ class StokesSystem:
         workspace: whose cells these are, and that keeps the factors.
         facets: along which fluid slides, None where it sticks everywhere.
         tolerance: of residuals of the iterative solver.
+        refine_above: residuals of the direct solver above that are refined.
     """
 
     problem: StokesProblem
@@ -83,6 +84,7 @@ class StokesSystem:
     workspace: Workspace
     facets: SlidingFacets | None = None
     tolerance: float = TOLERANCE
+    refine_above: float = REFINE_ABOVE
 
     @property
     def unknown_modes(self) -> NDArray[np.bool_]:
@@ -222,7 +224,7 @@ def factorised(system: StokesSystem) -> Iterator[Responses]:
     precision = np.longdouble if narrow else np.float64
     if system.mass is None:
         factors = elimination.factors()
-        factors.extended = narrow
+        factors.extended, factors.refine_above = narrow, system.refine_above
         yield lambda systems: _respond(systems, elimination, factors, precision)
         return
     try:
