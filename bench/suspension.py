@@ -169,8 +169,8 @@ def asked() -> tuple[list[int], bool, int, Path | None]:
 def growth(sizes: Sequence[int], turns: int, *, fine: bool) -> Iterator[str]:
     """How steps on new meshes, and these meshes, grow with the number of discs: medians and quartiles."""
     for few, many in pairwise(sorted(sizes)):
-        costs = [[cost(n, fine=fine) for n in (few, many)] for _ in range(turns)]
-        exponents = np.log(np.divide(*np.moveaxis(costs, 1, 0)[::-1])) / np.log(many / few)
+        costs = np.array([[cost(n, fine=fine) for n in (few, many)] for _ in range(turns)])
+        exponents = np.log(costs[:, 1] / costs[:, 0]) / np.log(many / few)
         least, median, most = np.quantile(exponents, [0.25, 0.5, 0.75], axis=0)
         step, mesh = (f"N^{median[k]:.3f} ({least[k]:.3f} to {most[k]:.3f})" for k in range(2))
         yield f"from {few} to {many} discs a step grows as {step}, its new mesh as {mesh}"

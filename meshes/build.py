@@ -209,7 +209,7 @@ def _first_valid(
     for said, make in tries.items():
         try:
             cells = make()
-            return cells, require_valid(cells.nodes[cells.cells], cells.order), said, None
+            return cells, require_valid(np.take(cells.nodes, cells.cells, axis=0), cells.order), said, None
         except TouchingError as error:
             return None, 0.0, "", error
         except MeshError as error:

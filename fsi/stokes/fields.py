@@ -135,7 +135,9 @@ def surfaces(system: StokesSystem, reaction: Array) -> Surface:
     closure = np.array(V.element.basix_element.entity_closure_dofs[d - 1])
     local = V.dofmap.list[entities[::2][:, None], closure[entities[1::2]]]
     numbers = V.dofmap.index_map.local_to_global(local.ravel().astype(np.int32)).reshape(local.shape)
-    mine = np.unique(local)
+    met = np.zeros(len(x), dtype=bool)
+    met[local] = True
+    mine = np.flatnonzero(met)
     lambda_h = fem.Function(V)
     lambda_h.x.array[: len(reaction)] = reaction
     lambda_h.x.scatter_forward()

@@ -84,7 +84,7 @@ def identities(system: StokesSystem, nodal: NodalSolution, F: Array, dissipation
     jumping, of_pressure = np.concatenate([layout.slave[is_flow], layout.on_body]), layout.slave[~is_flow]
     power += float(nodal.reaction[jumping] @ system.g[jumping])
     power -= float(nodal.reaction[of_pressure] @ system.g[of_pressure])
-    lever = np.linalg.norm(x, axis=1) * np.linalg.norm(force, axis=1)
+    lever = _lengths(x) * _lengths(force)
     b_b = system.b[:velocities] @ system.b[:velocities]
     u_u, all_u = u @ u + slip @ slip, np.abs(u).sum() + np.abs(slip).sum()
     of_rank = [power, np.abs(force).sum(), lever.sum(), u_u, all_u, b_b]
@@ -114,6 +114,12 @@ def identities(system: StokesSystem, nodal: NodalSolution, F: Array, dissipation
     return defects
 
 
+def _lengths(v: Array) -> Array:
+    """Of vectors (n, d), (n,)."""
+    lengths: Array = np.sqrt(np.einsum("ni,ni->n", v, v))
+    return lengths
+
+
 def _away_from_jumps(system: StokesSystem) -> Array | None:
     """w at this rank's velocity nodes, (n,); None where no walls that meet have different velocities."""
     container = system.problem.container
@@ -137,7 +143,7 @@ def _finite_power(system: StokesSystem, tested: Array) -> tuple[float, float]:
 def _floor(system: StokesSystem, u_u: float, all_u: float, b_b: float) -> Scales:
     """The least that defects are compared with, by sums over all nodes of u^2, |u| and b^2; collective."""
     layout, problem = system.layout, system.problem
-    farthest_here = float(np.linalg.norm(system.nodes.x, axis=1).max(initial=0.0))
+    farthest_here = float(_lengths(system.nodes.x).max(initial=0.0))
     farthest = layout.comm.allreduce(farthest_here, op=MPI.MAX)
     length = float(problem.q.radii.min(initial=farthest))
     spheres = layout.dimension == 3 or layout.axisymmetric

@@ -188,13 +188,15 @@ def _centres(tags: Indices, x: Array, curves: Sequence[Curve]) -> Array:
     of = np.array([tag for tag, _ in circles], dtype=np.int64)
     centres = np.array([centre for _, centre in circles]).reshape(-1, 2)
     images = np.bincount(of, minlength=int(tags.max(initial=0)) + 1)
-    only = np.full((len(images), 2), np.nan)
-    only[of] = centres
-    centre = only[tags]
-    for tag in np.flatnonzero(images > 1).tolist():
-        some, around = np.flatnonzero(tags == tag), centres[of == tag]
-        away = np.hypot(*np.moveaxis(x[some, None] - around, -1, 0))
-        centre[some] = around[np.argmin(away, axis=1)]
+    # By tag and image, infinitely far where there are fewer.
+    order, first = np.argsort(of, kind="stable"), np.cumsum(images) - images
+    of_tag = np.full((len(images), int(images.max(initial=1)), 2), np.inf)
+    of_tag[of[order], np.arange(len(of)) - first[of[order]]] = centres[order]
+    centre: Array = np.where((images > 0)[:, None], of_tag[:, 0], np.nan)[tags]
+    some = np.flatnonzero(images[tags] > 1)
+    there = of_tag[tags[some]]
+    nearest = np.argmin(np.hypot(*np.moveaxis(x[some, None] - there, -1, 0)), axis=1)
+    centre[some] = there[np.arange(len(some)), nearest]
     return centre
 
 
@@ -223,8 +225,9 @@ def scaled_jacobian(x: Array, order: int) -> Array:
     of the cells are in the order of basix, shape (T, nodes, dimension).
     """
     derivatives, to_bezier = _tables(order, x.shape[2])
-    J = np.tensordot(derivatives, x.transpose(1, 0, 2), axes=1)  # (a, q, cell, d)
-    bezier = np.tensordot(to_bezier, determinant(J.transpose(1, 2, 3, 0)), axes=1)
+    # Cells come last, so that what is done for all of them is done along memory.
+    J = np.tensordot(derivatives, np.ascontiguousarray(x.transpose(1, 2, 0)), axes=1)  # (a, q, d, cell)
+    bezier = np.tensordot(to_bezier, determinant(J.transpose(1, 3, 2, 0)), axes=1)
     largest = np.abs(bezier).max(axis=0)
     ratio: Array = bezier.min(axis=0) / np.maximum(largest, np.finfo(float).tiny)
     return ratio
