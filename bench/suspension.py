@@ -52,6 +52,7 @@ WARM, REPEATS = 2, 5
 START = {(50, False): 0.332, (50, True): 0.145, (200, False): 1.449, (200, True): 0.519}
 EXAMPLE = """example:
   OMP_NUM_THREADS=1 python bench/suspension.py 50 200
+  OMP_NUM_THREADS=1 python bench/suspension.py 200 1000 --growth 12
   OMP_NUM_THREADS=1 mpiexec -n 2 python bench/suspension.py 200     (of rank 0, which waits with the CPU)
 
 columns: mesh (gmsh, or the move), setup (spaces, constraints), assemble (rigid modes), solve (P^T M P and its
@@ -163,7 +164,10 @@ def asked() -> tuple[list[int], bool, int, Path | None]:
     for n in given.N:
         if n not in PERIODS:
             parser.error(f"N = {n}: there is no suspension of that many discs; choose from {numbers}")
-    return given.N or numbers, given.fine, given.growth, given.json
+    chosen = given.N or numbers
+    if given.growth and len({n for n in chosen if n > 1}) < 2:
+        parser.error("--growth: give two numbers of discs or more, e.g. 200 1000")
+    return chosen, given.fine, given.growth, given.json
 
 
 def growth(sizes: Sequence[int], turns: int, *, fine: bool) -> Iterator[str]:

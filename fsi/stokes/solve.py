@@ -14,6 +14,7 @@ import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.errors import RefusedError
 from fsi.meshes.build import FluidMesh
+from fsi.observables.truncation import BOUND
 from fsi.stokes import fields
 from fsi.stokes.corners import jumps
 from fsi.stokes.discretisation.constraints import dof_layout, rigid_modes, wall_offset
@@ -64,7 +65,7 @@ class Clock:
 MOST_DIRECT = 20_000
 DEFAULT = SolverOptions()
 # A tenth of what identities may violate: where one misses more, residuals that were left are refined.
-SUFFICIENT = 1e-9
+SUFFICIENT = 0.1 * BOUND
 # Of a law's resistance, in the units of the model: with TOLERANCE powers miss their bound from 5e3 on.
 STEEP = 1e3
 

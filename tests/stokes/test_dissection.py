@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import fsi.meshes.backend  # noqa: F401
-
 import numpy as np
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
