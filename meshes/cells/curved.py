@@ -18,6 +18,7 @@ from math import factorial, prod
 
 import basix
 import numpy as np
+from numpy.typing import NDArray
 
 from fsi.errors import apart
 from fsi.meshes.errors import MeshError
@@ -85,7 +86,7 @@ def curve(straight: StraightCells, curves: Sequence[Curve], order: int) -> Curve
     per_side = order - 1
     t = np.arange(1, order) / order
     a, b = vertices[unique[:, 0]], vertices[unique[:, 1]]
-    bent = bend(np.arange(len(unique)), np.tile(t, (len(unique), 1)))
+    bent = bend(np.arange(len(unique)), t, np.ones(len(unique), dtype=bool))
     side_nodes = a[:, None] * (1 - t)[:, None] + b[:, None] * t[:, None] + bent
 
     X = reference_points(order)
@@ -159,15 +160,16 @@ class _Bend:
         arc = a[:, None] * np.cos(turn) + perp[:, None] * np.sin(turn)
         return arc - (a[:, None] * (1 - t) + b[:, None] * t)
 
-    def __call__(self, sides: Indices, t: Array) -> Array:
-        """Polynomial minus chord of sides (s,) at fractions t (s, m) from the lower vertex, (s, m, 2)."""
-        offset = np.zeros((*t.shape, 2))
-        rows = self.row[sides]
-        curved = np.flatnonzero(rows >= 0)
-        points, place = np.unique(t[curved], return_inverse=True)
-        basis = self.side_element.tabulate(0, points[:, None])[0, :, :, 0]
-        basis = basis[place.reshape(len(curved), t.shape[1])]
-        offset[curved] = np.einsum("smn,snd->smd", basis, self.values[rows[curved]])
+    def __call__(self, sides: Indices, t: Array, upwards: NDArray[np.bool_]) -> Array:
+        """Polynomial minus chord of sides (s,) at fractions t (m,), (s, m, 2).
+
+        upwards: whether t is counted from the lower vertex of each, or from the other.
+        """
+        offset, rows = np.zeros((len(sides), len(t), 2)), self.row[sides]
+        for fractions, some in ((t, upwards), (1.0 - t, ~upwards)):
+            curved = np.flatnonzero(some & (rows >= 0))
+            basis = self.side_element.tabulate(0, fractions[:, None])[0, :, :, 0]
+            offset[curved] = basis @ self.values[rows[curved]]
         return offset
 
 
@@ -212,9 +214,8 @@ def _inner_nodes(corners: Array, inner: Array, sides: Indices, side_numbers: Ind
         return x
     for e, (i, j) in enumerate(EDGES):
         a, b = l[:, i], l[:, j]
-        t = 0.5 * (1.0 + b - a)
-        along = np.where((sides[:, e, 0] < sides[:, e, 1])[:, None], t, 1.0 - t)
-        x += (a * b / (t * (1.0 - t)))[:, None] * bend(side_numbers[:, e], along)
+        t, upwards = 0.5 * (1.0 + b - a), sides[:, e, 0] < sides[:, e, 1]
+        x += (a * b / (t * (1.0 - t)))[:, None] * bend(side_numbers[:, e], t, upwards)
     return x
 
 

@@ -108,7 +108,7 @@ class StokesCells:
         """The inner rows of x on this rank, which are its own."""
         inner = np.zeros(self.shared.size, dtype=bool)
         inner[self.rows[:, self.rows.shape[1] - self.inner :]] = True
-        return np.flatnonzero(inner[self.shared.own])
+        return np.flatnonzero(self.shared.owned(inner))
 
     def add(self, sum_: Any, groups: Groups, values: Array, kept: Array) -> None:
         """Add up what groups of cells leave of their matrices; sum_: a `Sum` of cells.h."""
@@ -148,7 +148,7 @@ class StokesCells:
         """The values of all unknowns from those of the outer ones and reduced loads; collective."""
         every, loads = self.shared.with_ghosts(x), self.shared.with_ghosts(b)
         loops().lib.recover(*self._sizes, *map(pointer, (self.rows, self.factors, loads, every)))
-        return np.asarray(every[self.shared.own])
+        return self.shared.owned(every)
 
     @property
     def _sizes(self) -> tuple[int, int, int]:

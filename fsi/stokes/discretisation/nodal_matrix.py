@@ -11,7 +11,7 @@ NO_COLUMN = -1
 
 
 class NodalMatrix:
-    """Entries of some rows of this rank, by rows: a list of them would have to be sorted by PETSc.
+    """Entries of some rows of this rank, by rows, in the places where PETSc has them: it copies none.
 
     Attributes:
         matrix: itself.
@@ -24,30 +24,29 @@ class NodalMatrix:
 
         sizes: rows of this rank, and columns of this rank and in all. NO_COLUMN: there is no entry.
         """
-        here, columns = sizes
+        comm, (here, columns) = MPI.COMM_WORLD, sizes
         flat = column.ravel()
         entries = np.flatnonzero(flat != NO_COLUMN)
         row = rows[entries // column.shape[1]]
         # They are nearly in order: rows ascend, and have few entries.
         order = np.argsort(row * (flat.max(initial=0) + 1) + flat[entries], kind="stable")
-        self._entries = entries[order]
-        counts = np.bincount(row, minlength=here)
-        indptr = np.concatenate([[0], np.cumsum(counts)]).astype(PETSc.IntType)
-        self._csr = (indptr, flat[self._entries].astype(PETSc.IntType), value.ravel()[self._entries])
-        if MPI.COMM_WORLD.size == 1:
-            size = here, columns[0]
-            self.matrix = PETSc.Mat().createAIJWithArrays(size, self._csr, comm=MPI.COMM_WORLD)
-        else:
-            sizes_of_all = (here, None), columns
-            self.matrix = PETSc.Mat().createAIJ(sizes_of_all, csr=self._csr, comm=MPI.COMM_WORLD)
+        entries, row = entries[order], row[order]
+        # PETSc has columns of this rank in numbers of its own, and apart from those of others.
+        first = comm.exscan(columns[0]) or 0
+        inside = (flat[entries] >= first) & (flat[entries] < first + columns[0])
+        parts = [inside, ~inside] if comm.size > 1 else [inside]
+        self._entries = [entries[part] for part in parts]
+        self._csr = []
+        for part, chosen, offset in zip(parts, self._entries, (first, 0), strict=False):
+            indptr = np.concatenate([[0], np.cumsum(np.bincount(row[part], minlength=here))])
+            numbers = (each.astype(PETSc.IntType) for each in (indptr, flat[chosen] - offset))
+            self._csr.append((*numbers, value.ravel()[chosen]))
+        csr = tuple(self._csr) if comm.size > 1 else self._csr[0]
+        self.matrix = PETSc.Mat().createAIJWithArrays(((here, None), columns), csr, comm=comm)
 
     def fill(self, value: Array) -> None:
         """Other values of the same entries; collective."""
-        self._csr[2][:] = value.ravel()[self._entries]
-        if MPI.COMM_WORLD.size == 1:
-            self.matrix.stateIncrease()
-        else:
-            first = self.matrix.getOwnershipRange()[0]
-            rows = np.arange(first, first + len(self._csr[0]) - 1, dtype=PETSc.IntType)
-            self.matrix.setValuesIJV(*self._csr, rowmap=rows)
+        for (_, _, values), entries in zip(self._csr, self._entries, strict=True):
+            values[:] = value.ravel()[entries]
+        self.matrix.stateIncrease()
         self.matrix.assemble()

@@ -137,7 +137,7 @@ class CellSum:
         self._lent = shared.summed(self._foreign.astype(np.int8)) > 0
         left[shared.own[self._lent]] = False
         self._pressure = pressure[left].astype(np.int8)
-        self.left = left[shared.own]
+        self.left = shared.owned(left)
         number = np.cumsum(self.left) - 1
         number += MPI.COMM_WORLD.exscan(int(self.left.sum())) or 0
         self._numbers = shared.with_ghosts(number)[left].astype(PETSc.IntType)
@@ -244,4 +244,4 @@ class CellSum:
         every = self._shared.with_ghosts(y)
         self._groups.recover(every, np.ascontiguousarray(b))
         of_others = self._shared.summed(every * self._foreign)
-        return np.where(self._lent, of_others, every[self._shared.own])
+        return np.where(self._lent, of_others, self._shared.owned(every))
