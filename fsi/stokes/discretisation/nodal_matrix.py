@@ -34,10 +34,10 @@ class NodalMatrix:
         # PETSc has columns of this rank in numbers of its own, and apart from those of others.
         first = comm.exscan(columns[0]) or 0
         inside = (flat[entries] >= first) & (flat[entries] < first + columns[0])
-        parts = [inside, ~inside] if comm.size > 1 else [inside]
-        self._entries = [entries[part] for part in parts]
+        parts = [(inside, first), (~inside, 0)] if comm.size > 1 else [(inside, first)]
+        self._entries = [entries[part] for part, _ in parts]
         self._csr = []
-        for part, chosen, offset in zip(parts, self._entries, (first, 0), strict=False):
+        for (part, offset), chosen in zip(parts, self._entries, strict=True):
             indptr = np.concatenate([[0], np.cumsum(np.bincount(row[part], minlength=here))])
             numbers = (each.astype(PETSc.IntType) for each in (indptr, flat[chosen] - offset))
             self._csr.append((*numbers, value.ravel()[chosen]))

@@ -32,7 +32,7 @@ class Shared:
         self._comm: MPI.Intracomm = MPI.COMM_WORLD
         ranks = range(self._comm.size)
         self.size, self.own, self.ghosts = size, own, ghosts
-        self._stretches = stretches(own)
+        self._stretches = _stretches(own)
         self._ghosts = [ghosts[owner == rank] for rank in ranks]
         self._lent = self._comm.alltoall([owned[owner == rank] for rank in ranks])
         self.lent: Index = np.unique(np.concatenate(self._lent))
@@ -67,7 +67,7 @@ class Shared:
         return values
 
 
-def stretches(numbers: Index) -> list[tuple[slice, slice]]:
+def _stretches(numbers: Index) -> list[tuple[slice, slice]]:
     """Stretches of numbers that follow each other, and where they stand: slices are faster than numbers."""
     bounds = [0, *(np.flatnonzero(np.diff(numbers) != 1) + 1), len(numbers)]
     return [
