@@ -17,6 +17,7 @@ from fsi.pores.orders import KNOTS, RIGID, STRAINED, Orders, numbers_of
 from fsi.pores.pattern import Index, add_forms, pattern_of
 from fsi.pores.quadrature import Rule
 from fsi.pores.regions import PoreShapes
+from fsi.pores.shape import flat_ones
 from fsi.pores.surfaces import DISC
 from fsi.pores.topology import Pores
 
@@ -146,7 +147,7 @@ def assemble(pores: Pores, shapes: PoreShapes, modes: Index) -> Assembly:
     members = np.concatenate([pores.vertices, necks], axis=1)
     pattern = pattern_of(members, np.concatenate([numbering.surface[:-1], numbering.neck]))
     entries, batches = np.zeros(len(pattern.indices)), list[Batch]()
-    for batch in in_turn(partial(_batch, pores, shapes, numbering), _parts(pores, numbering)):
+    for batch in in_turn(partial(_batch, pores, shapes, numbering), _parts(pores, shapes, numbering)):
         add_forms(entries, pattern, members[batch.pore], batch.forms.K)
         batches.append(batch)
     fluid = list(_fluid_forms(pores, numbering))
@@ -163,25 +164,27 @@ class Part(NamedTuple):
     rule: Rule
 
 
-def _parts(pores: Pores, numbering: Numbering) -> Iterator[Part]:
+def _parts(pores: Pores, shapes: PoreShapes, numbering: Numbering) -> Iterator[Part]:
     """All pores, so many at a time that their numbers have room."""
     modes = np.where(pores.sides >= 0, numbering.modes[pores.sides], 0)
-    kinds = np.column_stack([modes, numbering.order[pores.vertices], pores.surfaces.free[pores.vertices]])
+    flat = flat_ones(pores.surfaces.shapes(), pores.vertices, shapes.centre)
+    free = pores.surfaces.free[pores.vertices]
+    kinds = np.column_stack([modes, numbering.order[pores.vertices], free, flat])
     for kind in np.unique(kinds, axis=0):
         level = LEVELS[level_of(int(kind[:3].max()))]
-        points = LEVELS[level_of(max(level.modes, _FINE))] if kind[6:].any() else level
+        points = LEVELS[level_of(max(level.modes, _FINE))] if kind[6:9].any() else level
+        rule = points.finer_rule if kind[9] else points.rule
         orders = Orders(
             _three(kind[:3]),
             _three(kind[3:6]),
             level.bubbles,
             level.neck_bubbles,
-            _three(kind[6:] * min(_FREE * level.fluid, _MOST)),
+            _three(kind[6:9] * min(_FREE * level.fluid, _MOST)),
         )
         alike = np.flatnonzero(np.all(kinds == kind, axis=1))
-        along, across, _ = points.points
-        numbers = orders.total * 3 * (2 * along * across + points.rule.third.shape[1])
+        numbers = orders.total * 3 * (2 * rule.first * rule.across.shape[1] + rule.third.shape[1])
         for some in np.array_split(alike, 1 + len(alike) * numbers // _NUMBERS):
-            yield Part(some, orders, points.rule)
+            yield Part(some, orders, rule)
 
 
 def _batch(pores: Pores, shapes: PoreShapes, numbering: Numbering, part: Part) -> Batch:

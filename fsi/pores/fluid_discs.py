@@ -1,4 +1,4 @@
-"""Fluid discs: circles of fluid that stand in wide pores as bodies do, so that no pore is wide.
+"""Fluid discs: circles of fluid that stand in wide and flat pores as bodies do, so that no pore is.
 
 The flow in a fluid disc is a free polynomial. Where pores are wide beside their bodies' radii a fluid disc is
 put into the largest inscribed circles, again and again; so a large void is filled by large ones in its middle
@@ -13,14 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.machine.compiled import compiled, internal
+from fsi.meshes.geometry.lattice import reduced
 from fsi.pores.links import Corner, Links, across, corner, moved, step
 from fsi.pores.power import locate
-from fsi.pores.shape import clearance, distance, from_neck, inscribed, neck
+from fsi.pores.shape import clearance, distance, from_neck, inscribed, is_flat, length_of, neck
 from fsi.pores.start import surrounding, widest_view
 from fsi.pores.surfaces import CONTAINER, DISC, Array, Bodies, BoundingSurfaces, NoPoresError, Shapes
 from fsi.pores.topology import Pores, linked, numbered, pores_of, with_more_discs
 
 _ROUNDS = 60
+_ROUNDS_OF_FLAT = 8  # circles in flat pores may make others flat, now and then without end
+_LEAST = 0.025  # radius of a circle beside a disc near a neck over the length of that
 _MOST = 200  # pores that one circle reaches into
 _TRIALS = 20  # circles beside a body that lies across a neck
 
@@ -33,6 +36,7 @@ class Wide:
         least: inscribed radius over the least radius of its bodies, above which a pore is.
         wall: the same beside walls and containers.
         empty: the same of a pore without bodies over the mean radius of its fluid discs.
+        curved: the same beside a container, whose arc may be long.
         share: radius of a fluid disc over that of the inscribed circle.
 
     Between three fluid discs whose circles touched there is one of 1.10 radii, between two and a wall one of
@@ -42,6 +46,7 @@ class Wide:
     least: float = 0.65
     wall: float = 0.6
     empty: float = 1.2
+    curved: float = 0.96
     share: float = 0.55
 
 
@@ -51,7 +56,7 @@ def pores_without_wide(surfaces: BoundingSurfaces) -> Pores:
 
 
 def with_fluid_discs(surfaces: BoundingSurfaces, wide: Wide = Wide()) -> BoundingSurfaces:
-    """These surfaces and fluid discs in all wide pores, and where bodies lie across necks.
+    """These surfaces and fluid discs in all wide pores, in flat ones, and where bodies lie across necks.
 
     Raises NoPoresError where there is no end of it, because bodies overlap.
     """
@@ -59,8 +64,18 @@ def with_fluid_discs(surfaces: BoundingSurfaces, wide: Wide = Wide()) -> Boundin
 
 
 def _with_fluid_discs(surfaces: BoundingSurfaces, wide: Wide) -> tuple[BoundingSurfaces, Links]:
-    """The same, and their pores, linked as from the first: the last round finds no more."""
-    surfaces = _surrounded(surfaces, wide.share)
+    """The same, and their pores, linked as from the first; some may stay flat (see `Level.finer_rule`)."""
+    surfaces, links = _without_wide(_surrounded(surfaces, wide.share), wide)
+    for _ in range(_ROUNDS_OF_FLAT):
+        more, _ = _more(surfaces, links, wide, flat=True)
+        if more is surfaces:
+            break
+        surfaces, links = _without_wide(more, wide)
+    return surfaces, links
+
+
+def _without_wide(surfaces: BoundingSurfaces, wide: Wide) -> tuple[BoundingSurfaces, Links]:
+    """With fluid discs until no pore is wide: the last round finds no more."""
     for _ in range(_ROUNDS):
         more, links = _filled(surfaces, wide)
         if more is surfaces:
@@ -80,16 +95,33 @@ def _filled(surfaces: BoundingSurfaces, wide: Wide) -> tuple[BoundingSurfaces, L
         surfaces = surfaces.only(apart)
         links = linked(surfaces)
     for _ in range(_ROUNDS):
-        circles, crossed = circles_in_pores(surfaces.shapes(), links)
-        least = np.where(crossed, 0.0, _wide_from(surfaces, links, wide))
-        wanted = np.flatnonzero(circles[:, 2] > least)
-        wanted = wanted[np.argsort(-circles[wanted, 2], kind="stable")]
-        pores, radius = separate(surfaces.shapes(), links, wanted, np.column_stack([circles, least]))
-        if len(pores) == 0:
+        more, links = _more(surfaces, links, wide, flat=False)
+        if more is surfaces:
             break
-        surfaces = surfaces.with_fluid(circles[pores, :2], wide.share * radius)
-        links = with_more_discs(surfaces, links, pores)
+        surfaces = more
     return surfaces, links
+
+
+def _more(
+    surfaces: BoundingSurfaces, links: Links, wide: Wide, *, flat: bool
+) -> tuple[BoundingSurfaces, Links]:
+    """With fluid discs in wide pores that share none, if asked for in flat ones too; the same if none is."""
+    circles, asked = circles_in_pores(surfaces.shapes(), links, flat)
+    circles[:, 2] = np.minimum(circles[:, 2], _touches_its_images(surfaces.periods))
+    least = np.where(np.isfinite(asked), asked, _wide_from(surfaces, links, wide))
+    wanted = np.flatnonzero(circles[:, 2] > least)
+    wanted = wanted[np.argsort(-circles[wanted, 2], kind="stable")]
+    pores, radius = separate(surfaces.shapes(), links, wanted, np.column_stack([circles, least]))
+    if len(pores) == 0:
+        return surfaces, links
+    surfaces = surfaces.with_fluid(circles[pores, :2], wide.share * radius)
+    return surfaces, with_more_discs(surfaces, links, pores)
+
+
+def _touches_its_images(periods: Array) -> float:
+    """The radius of a circle that does, infinite without periods, (P, 2)."""
+    shortest = np.linalg.norm(reduced(periods), axis=1).min() if len(periods) else np.inf
+    return float(0.5 * shortest)
 
 
 def _apart(surfaces: BoundingSurfaces, links: Links) -> NDArray[np.bool_]:
@@ -122,26 +154,39 @@ def _wide_from(surfaces: BoundingSurfaces, links: Links, wide: Wide) -> Array:
     body = np.where(bound | surfaces.fluid[links.body], np.inf, radius).min(axis=1)
     mean = np.where(bound, 0.0, radius).sum(axis=1) / (~bound).sum(axis=1)
     beside = np.where(bound.any(axis=1), wide.wall, wide.least)
-    limit: Array = np.where(np.isfinite(body), beside * body, wide.empty * mean)
+    curved = (surfaces.kind[links.body] == CONTAINER).any(axis=1)
+    limit: Array = np.where(
+        np.isfinite(body), beside * body, np.where(curved, wide.curved, wide.empty) * mean
+    )
     return limit
 
 
 @compiled
-def circles_in_pores(shapes: Shapes, links: Links) -> tuple[Array, NDArray[np.bool_]]:
+def circles_in_pores(shapes: Shapes, links: Links, flat: bool) -> tuple[Array, Array]:
     """Centre and radius of the circle in each pore, next to its bodies there, nan for none, (T, 3).
 
-    Where a body lies across the opposite neck, (T,), it is one beyond that neck.
+    One is asked for, if its radius is more than the other number, (T,), not infinite there, where a body lies
+    across the opposite neck, or where the pore is flat, if that counts: then it is one near that neck, but
+    beside containers.
     """
-    circles, crossed = np.empty((len(links.body), 3)), np.zeros(len(links.body), np.bool_)
+    circles, asked = np.empty((len(links.body), 3)), np.full(len(links.body), np.inf)
     for t in range(len(links.body)):
         a, b, c = corner(shapes, links, t, 0), corner(shapes, links, t, 1), corner(shapes, links, t, 2)
-        circles[t, 0], circles[t, 1], circles[t, 2] = inscribed(shapes, a, b, c)
+        circle = inscribed(shapes, a, b, c)
         for _ in range(3):
             a, b, c = b, c, a
             if clearance(shapes, c, a, b) <= 0.0:
-                crossed[t] = True
-                circles[t, 0], circles[t, 1], circles[t, 2] = _beyond_neck(shapes, links, t, (a, b, c))
-    return circles, crossed
+                circle, asked[t] = _beyond_neck(shapes, links, t, (a, b, c)), 0.0
+            elif flat and is_flat(shapes, c, a, b):
+                asked[t] = 0.0
+                if shapes.kind[c[0]] != CONTAINER:
+                    circle = _on_neck(shapes, links, t, (a, b))
+                if shapes.kind[c[0]] == DISC:
+                    beyond = _beyond_neck(shapes, links, t, (a, b, c))
+                    circle = beyond if beyond[2] > circle[2] else circle
+                    asked[t] = _LEAST * length_of(shapes, a, b)
+        circles[t, 0], circles[t, 1], circles[t, 2] = circle
+    return circles, asked
 
 
 @internal
@@ -157,6 +202,22 @@ def _beyond_neck(
         away = r * 2.0 ** (0.5 * i - 5.0)
         u, v = c[1] + (r + away) * ey / length, c[2] - (r + away) * ex / length
         free = _covered(shapes, links, t, (u, v, away))[1]
+        if free > rho:
+            x, y, rho = u, v, free
+    return x, y, rho
+
+
+@internal
+def _on_neck(shapes: Shapes, links: Links, t: int, ends: tuple[Corner, Corner]) -> tuple[float, float, float]:
+    """The largest of three circles on the neck ab of pore t, free of bodies."""
+    a, b = ends if shapes.kind[ends[0][0]] == DISC else (ends[1], ends[0])
+    ex, ey = neck(shapes, a, b)
+    length, gap = np.hypot(ex, ey), length_of(shapes, a, b)
+    x, y, rho = 0.0, 0.0, 0.0
+    for part in (0.5, 0.25, 0.75):
+        along = (shapes.radius[a[0]] + part * gap) / length
+        u, v = a[1] + along * ex, a[2] + along * ey
+        free = _covered(shapes, links, t, (u, v, gap))[1]
         if free > rho:
             x, y, rho = u, v, free
     return x, y, rho

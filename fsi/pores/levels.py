@@ -28,9 +28,16 @@ class Level(NamedTuple):
         """The points of quadrature, more along necks where they gather."""
         return gauss(*self.points, _PER_GATHERING)
 
+    @property
+    def finer_rule(self) -> Rule:
+        """More of them, for flat pores, where the weights change within a part of the pore."""
+        along, across, inside = (max(pair) for pair in zip(self.points, _FLAT, strict=True))
+        return gauss(along, across, inside, 2.0 * _PER_GATHERING)
+
 
 # Points along a neck for each unit of T.
 _PER_GATHERING = 2.0
+_FLAT = (20, 24, 25)  # points of flat pores
 
 LEVELS = (
     Level(0, 3, 4, 0, (2, 6, 8)),

@@ -10,6 +10,10 @@ from fsi.pores.links import Corner, Links, across, cross, flip, turn
 from fsi.pores.surfaces import CONTAINER, DISC, WALL, Array, Bodies, Shapes
 
 CLEAR = 0.3  # radii between a body and a neck opposite, which a flip may bring about
+# Where pores are flat the weights change within a part of them, and would ask for many points of quadrature.
+FLAT = 0.15  # distance of a disc from the neck opposite over the length of that
+FLAT_AT_WALL = 0.24  # the same of a wall from the centres of the neck's discs
+STRAIGHT = 0.45  # sine of the angle between a neck to a container and the line of the neck opposite
 _EQUAL = 1e-6  # circles as far as that from a body, over their radius, touch it
 _ROUNDS = 100
 
@@ -97,6 +101,54 @@ def clearance(shapes: Shapes, c: Corner, a: Corner, b: Corner) -> float:
         return np.inf
     r, s = shapes.radius[c[0]], max(shapes.radius[a[0]], shapes.radius[b[0]])
     return float((from_neck(shapes, c[1], c[2], a, b) - r) / min(r, s))
+
+
+@internal
+def is_flat(shapes: Shapes, c: Corner, a: Corner, b: Corner) -> bool:
+    """Whether c is near the neck ab for its length; of a container, whether ab leads to it."""
+    kind = shapes.kind
+    if kind[c[0]] == CONTAINER:
+        return min(_sine(a, b, c), _sine(b, a, c)) <= STRAIGHT
+    if kind[c[0]] == WALL:
+        near = min(distance(shapes, a[1], a[2], c), distance(shapes, b[1], b[2], c))
+        return bool(kind[a[0]] == DISC == kind[b[0]] and near <= FLAT_AT_WALL * length_of(shapes, a, b))
+    if kind[a[0]] != DISC and kind[b[0]] != DISC:
+        return False
+    near = from_neck(shapes, c[1], c[2], a, b) - shapes.radius[c[0]]
+    return bool(near <= FLAT * length_of(shapes, a, b))
+
+
+@compiled
+def flat_ones(shapes: Shapes, bodies: Bodies, places: Array) -> NDArray[np.bool_]:
+    """Which pores are flat, (E,), of their three surfaces, (E, 3), in these places, (E, 3, 2)."""
+    found = np.zeros(len(bodies), np.bool_)
+    for e in range(len(bodies)):
+        a, b, c = _at(bodies, places, e, 0), _at(bodies, places, e, 1), _at(bodies, places, e, 2)
+        for _ in range(3):
+            a, b, c = b, c, a
+            found[e] = found[e] or is_flat(shapes, c, a, b)
+    return found
+
+
+@internal
+def _at(bodies: Bodies, places: Array, e: int, v: int) -> Corner:
+    """Corner v of pore e."""
+    return bodies[e, v], places[e, v, 0], places[e, v, 1]
+
+
+@internal
+def length_of(shapes: Shapes, a: Corner, b: Corner) -> float:
+    """The length of the neck ab."""
+    ex, ey = neck(shapes, a, b)
+    return float(np.hypot(ex, ey) - max(shapes.radius[a[0]], 0.0) - max(shapes.radius[b[0]], 0.0))
+
+
+@internal
+def _sine(a: Corner, b: Corner, c: Corner) -> float:
+    """|sine| of the angle at a between b and c."""
+    ex, ey, hx, hy = b[1] - a[1], b[2] - a[2], c[1] - a[1], c[2] - a[2]
+    lengths = np.hypot(ex, ey) * np.hypot(hx, hy)
+    return float(abs(cross(ex, ey, hx, hy)) / lengths) if lengths > 0.0 else 1.0
 
 
 @internal

@@ -15,6 +15,7 @@ from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError, SolveError
 from fsi.models import make_model
 from fsi.observables.bars import DrivenBodies
+from fsi.pores import fluid_discs
 from fsi.pores.accuracy import solve_with_errors
 from fsi.pores.adapt import finer
 from fsi.pores.bars import bar_factor, reference_modes
@@ -228,8 +229,8 @@ def test_a_violated_identity_is_refused() -> None:
         PoreInstant(found.bodies, found.flow, {}).require_sound()
 
 
-def test_where_no_pores_are_found_the_bodies_and_walls_are_named() -> None:
-    """Of discs that overlap, which a case would refuse, and in a box too wide for circles of fluid."""
+def test_where_no_pores_are_found_the_bodies_and_walls_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of discs that overlap, which a case would refuse, and where no circles of fluid stand in flat pores."""
     case = small()
     touching = case.configuration().moved(np.array([[0.0, 0.0, 0.0], [-0.9, -1.0, 0.0]]))
     bodies = DrivenBodies(case, touching, 0.5, case.motion_at(touching, 0.0))
@@ -237,11 +238,17 @@ def test_where_no_pores_are_found_the_bodies_and_walls_are_named() -> None:
         SolveError, match=r'model = "pores" at t = 0.5: .*, as one and other touch or overlap; '
     ):
         driven(bodies, Fineness.even(1))
-    wide = small(domain={"lower": [-1e3, -1e3], "upper": [1e3, 1e3]})
+    discs = {"one": ([26.944117, -2.66404544], 0.54785535), "other": ([15.66916, 21.70167446], 0.69509809)}
+    large = small(
+        domain={"shape": "round", "radius": 27.8288922},
+        bodies=[{"name": name, "position": x, "radius": radius} for name, (x, radius) in discs.items()],
+    )
+    at_start(large, 1)
+    monkeypatch.setattr(fluid_discs, "_ROUNDS_OF_FLAT", 0)
     with pytest.raises(
         SolveError, match=r"as the fluid between circles of fluid is no pore; .* narrower domain"
     ):
-        at_start(wide)
+        at_start(large, 1)
 
 
 def test_sides_of_a_problem_have_their_names() -> None:

@@ -1,0 +1,93 @@
+"""Points of quadrature suffice where pores would be flat: circles of fluid stand there."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fsi.bodies.configuration import Motion
+from fsi.case.load import parse_case
+from fsi.pores.fluid_discs import circles_in_pores, pores_without_wide
+from fsi.pores.forms import pore_forms
+from fsi.pores.model import PoreModel
+from fsi.pores.quadrature import rule
+from fsi.pores.solve import PoreFlow, PoreLoading, solve_pores
+from fsi.pores.surfaces import BoundingSurfaces
+from fsi.pores.system import PoreSystem
+from fsi.pores.topology import linked
+from fsi.stokes.model import StokesModel
+from tests.pore_surfaces import box, channel, round_container
+
+MODES = 8
+FINE = rule(20, 24, 25, 3.0)  # with MODES these are (7, 10, 17), 2
+BOX = box(
+    np.array([[2.8078, 0.629], [5.3753, 2.4886]]),
+    np.array([0.5567, 0.4911]),
+    np.zeros(2),
+    np.array([6.2679, 3.0013]),
+)
+NARROW_BOX = box(
+    np.array([[0.8403, 13.3697], [1.0867, 10.556]]),
+    np.array([0.4383, 0.4458]),
+    np.zeros(2),
+    np.array([2.0154, 14.5845]),
+)
+CHANNEL = channel(np.array([[3.3861, 0.929]]), np.array([0.8738]), 8.3252, 2.008)
+ROUND = round_container(
+    np.array([[3.071, 0.2719], [-2.2541, 1.6533], [-2.3399, -1.4364]]),
+    np.array([0.4229, 0.4003, 0.8699]),
+    3.6472,
+)
+
+
+def moving(surfaces: BoundingSurfaces) -> PoreFlow:
+    """With bodies that move in different ways between walls at rest."""
+    system = PoreSystem.make(surfaces, MODES, 1.0)
+    U = np.random.default_rng(1).normal(size=(system.bodies, 3))
+    still = np.zeros((surfaces.bounds, 3))
+    return solve_pores(
+        system, PoreLoading(Motion(np.ones_like(U, bool), U, 0.0 * U), still, np.zeros((2, 2)))
+    )
+
+
+def missed(flow: PoreFlow) -> float:
+    """What points miss of the dissipation in all pores, over all of it."""
+    off = 0.0
+    for batch in flow.system.assembly.batches:
+        x, shapes = flow.local_numbers(batch), flow.system.shapes.of(batch.pore)
+        more = pore_forms(shapes, FINE, batch.orders).K - batch.forms.K
+        off += np.abs(np.einsum("ei,eij,ej->e", x, more, x)).sum()
+    return float(off / flow.dissipation)
+
+
+@pytest.mark.parametrize(
+    ("surfaces", "bound"), [(BOX, 1e-7), (NARROW_BOX, 2e-6), (ROUND, 3e-7), (CHANNEL, 2e-7)]
+)
+def test_points_miss_little_of_the_dissipation(surfaces: BoundingSurfaces, bound: float) -> None:
+    """Measured: 9e-9, 6e-7, 8e-8 and 5e-8; with circles in wide pores alone 7e-6, 0.37, 3e-3 and 1e-3."""
+    assert missed(moving(surfaces)) <= bound
+
+
+@pytest.mark.parametrize("surfaces", [BOX, NARROW_BOX, ROUND, CHANNEL])
+def test_no_pore_asks_for_a_circle_in_the_end(surfaces: BoundingSurfaces) -> None:
+    pores = pores_without_wide(surfaces)
+    _, asked = circles_in_pores(pores.surfaces.shapes(), linked(pores.surfaces), flat=True)
+    assert np.isinf(asked).all()
+
+
+def test_beside_a_disc_that_nearly_fills_its_container_flows_are_those_of_elements() -> None:
+    """Pores stay flat there. Measured: dissipation 8e-7 above, force and torque within 1e-6 of it; with the
+    points that other pores have 5e-3 below, and 0.09 of the torque."""
+    disc = {"name": "disc", "radius": 1.0803, "position": [-0.3603, 0.1439]}
+    data = {
+        "name": "crescent",
+        "fluid": {"viscosity": 2.0},
+        "domain": {"shape": "round", "radius": 1.5},
+        "bodies": [disc | {"velocity": [1.0, 0.3], "angular_velocity": 0.5}],
+    }
+    case = parse_case(data | {"model": "resolved", "discretisation": {"degree": 5}})
+    q = case.configuration()
+    exact = StokesModel(case)(q, 0.0)
+    found = PoreModel(parse_case(data | {"model": "pores", "pores": {"modes": 12}}))(q, 0.0)
+    assert 0.0 < found.dissipation / exact.dissipation - 1.0 < 2e-6
+    assert np.abs(found.F - exact.F).max() <= 2e-6 * np.abs(exact.F).max()
