@@ -38,6 +38,8 @@ ROUND = round_container(
     np.array([0.4229, 0.4003, 0.8699]),
     3.6472,
 )
+ECCENTRIC = round_container(np.array([[0.1, 0.0]]), np.ones(1), 1.5)
+CRESCENT = round_container(np.array([[0.1, 0.0]]), np.array([0.8]), 1.0)  # where pores stay flat
 
 
 def moving(surfaces: BoundingSurfaces) -> PoreFlow:
@@ -61,10 +63,15 @@ def missed(flow: PoreFlow) -> float:
 
 
 @pytest.mark.parametrize(
-    ("surfaces", "bound"), [(BOX, 1e-7), (NARROW_BOX, 2e-6), (ROUND, 3e-7), (CHANNEL, 2e-7)]
+    ("surfaces", "bound"),
+    [(BOX, 1e-7), (NARROW_BOX, 2e-6), (ROUND, 3e-7), (CHANNEL, 2e-7), (ECCENTRIC, 1e-6), (CRESCENT, 3e-7)],
 )
 def test_points_miss_little_of_the_dissipation(surfaces: BoundingSurfaces, bound: float) -> None:
-    """Measured: 9e-9, 6e-7, 8e-8 and 5e-8; with circles in wide pores alone 7e-6, 0.37, 3e-3 and 1e-3."""
+    """Measured: 9e-9, 6e-7, 8e-8, 5e-8, 4e-7 and 7e-8.
+
+    With circles in wide pores alone 7e-6, 0.37, 3e-3, 1e-3 and 2e-4 of the first five; with the points that
+    other pores have 7e-5 of the last.
+    """
     assert missed(moving(surfaces)) <= bound
 
 
