@@ -166,6 +166,7 @@ packages() {
     step "compiling the sources" "$venv/bin/python" -m compileall -q fsi meshes cases postprocess
     # Numba keeps what it compiled beside the sources: the first user of pores need not wait for it.
     step "compiling the loops of pores" "$venv/bin/fsi" solve cases/pores/couette_N10.toml
+    step "compiling those of narrow necks" "$venv/bin/fsi" solve cases/pores/nearly_touching.toml
     stamp >"$venv/stamp.new" && mv "$venv/stamp.new" "$venv/stamp" # last: an interrupted set-up has none
 }
 

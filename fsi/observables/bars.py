@@ -73,11 +73,11 @@ def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> St
     speed, force = scales.largest(results, arms)
     units = np.stack([speed / arms, force * arms])
     computed = np.stack([~motion.held, motion.held]) & case.modes
-    error = _rounding(results) * units + sum(_bound(each, results, computed, units) for each in others)
+    error = ROUNDING * units + sum(_bound(each, results, computed, units) for each in others)
     U, F = np.where(computed, error, 0.0)
     lost = getattr(results, "dissipation", nan)
     off = [each.factor * abs(lost - getattr(each.results, "dissipation", nan)) for each in others]
-    dissipation = max(sum(off), _rounding(results) * lost)  # nan of an infinite one
+    dissipation = max(sum(off), ROUNDING * lost)  # nan of an infinite one
     every = (_of_viscosity(results, each) for each in others)
     of_viscosity = [part for part in every if part is not None]
     viscosity = sum(of_viscosity) if of_viscosity else None
@@ -93,11 +93,6 @@ def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> St
         relative["viscosity"] = viscosity / abs(mu)
     away = [each.factor * (_motion(each.results) - _motion(results)) for each in others]
     return StepErrors(errors, relative, np.sum(away, axis=0))
-
-
-def _rounding(results: Results) -> float:
-    """Of the largest result: at least ROUNDING, more where the model knows of digits that cancel."""
-    return max(ROUNDING, getattr(results, "rounding", 0.0))
 
 
 def _motion(results: Results) -> Array:
@@ -124,7 +119,7 @@ def _of_viscosity(results: Results, other: Compared) -> float | None:
     of_other: BulkStress | None = getattr(other.results, "bulk", None)
     if bulk is None or of_other is None:
         return None
-    return bulk.viscosity_error(of_other, other.factor, other.chance_of_stress, _rounding(results))
+    return bulk.viscosity_error(of_other, other.factor, other.chance_of_stress, ROUNDING)
 
 
 def _of_driven(results: Results, others: Sequence[Compared]) -> tuple[Mapping[str, float], float | None]:
@@ -133,7 +128,7 @@ def _of_driven(results: Results, others: Sequence[Compared]) -> tuple[Mapping[st
     def bound(name: str, value_in: Callable[[Any], float]) -> float:
         value = value_in(getattr(results, name))
         off = (each.factor * abs(value - value_in(getattr(each.results, name))) for each in others)
-        return max(sum(off), _rounding(results) * abs(value))
+        return max(sum(off), ROUNDING * abs(value))
 
     walls = getattr(results, "wall_speeds", {})
     of_walls = {wall: bound("wall_speeds", operator.itemgetter(wall)) for wall in walls}
@@ -146,4 +141,4 @@ def _of_stress(results: Results, other: Compared) -> StressErrors | None:
     of_other: BulkStress | None = getattr(other.results, "bulk", None)
     if bulk is None or of_other is None:
         return None
-    return bulk.errors(of_other, other.factor, other.chance_of_stress, _rounding(results))
+    return bulk.errors(of_other, other.factor, other.chance_of_stress, ROUNDING)

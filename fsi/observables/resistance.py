@@ -56,7 +56,6 @@ class Resistance:
         seconds: CPU seconds of this process by phase.
         mesh_instead: the size that was taken as those of the case gave no valid mesh, "" where they did.
         pieces: what the fluid is cut into, of which there are so many as `cells` says.
-        rounding: what cancelling digits may leave of the diagonal entries, relative, (n,) or of all.
     """
 
     modes: Modes
@@ -69,7 +68,6 @@ class Resistance:
     seconds: dict[str, float]
     mesh_instead: str = ""
     pieces: str = "cells"
-    rounding: Array | float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,8 +165,7 @@ def estimated_errors(found: Resistance, others: Sequence[tuple[float, Resistance
     def bound(A: Array, compared: Sequence[tuple[float, Array]]) -> Array:
         error, size = sum((factor * np.abs(A - B) for factor, B in compared), 0.0 * A), np.sqrt(np.diag(A))
         cancelling = np.sqrt(np.diag(error))
-        left = np.sqrt(np.maximum(rounding, found.rounding)) * size
-        least = np.outer(left, left) + KNOWN_TO * np.outer(cancelling, cancelling)
+        least = rounding * np.outer(size, size) + KNOWN_TO * np.outer(cancelling, cancelling)
         return np.asarray(np.maximum(error, least))
 
     rounding = max(
@@ -179,5 +176,4 @@ def estimated_errors(found: Resistance, others: Sequence[tuple[float, Resistance
     if found.mobility is not None and len(inverses) == len(others):
         of_mobility = bound(found.mobility, inverses)
     largest = sum(factor * difference(found.R, other.R, found.modes.scale) for factor, other in others)
-    largest = max(largest, float(np.max(found.rounding)))
     return ResistanceErrors(bound(found.R, [(f, other.R) for f, other in others]), of_mobility, largest)

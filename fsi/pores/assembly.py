@@ -1,19 +1,21 @@
 """K of all pores and fluid discs: a sparse form of the numbers of surfaces and the modes of necks."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.machine.threads import in_turn
 from fsi.pores.forms import PoreForms, pore_forms
 from fsi.pores.inner import inner_form
 from fsi.pores.levels import LEVELS, level_of
-from fsi.pores.orders import KNOTS, RIGID, STRAINED, Orders, numbers_of
+from fsi.pores.narrow import Ties, functions_of, narrow_necks, ties_of
+from fsi.pores.orders import KNOTS, RIGID, STRAINED, TIED, Orders, numbers_of
 from fsi.pores.pattern import Index, add_forms, pattern_of
 from fsi.pores.quadrature import Rule
 from fsi.pores.regions import PoreShapes
@@ -34,15 +36,17 @@ class Numbering:
 
     Attributes:
         surface: first unknown of each surface, (B + 1,): U_x, U_y, omega, c, those of its order.
-        neck: first unknown of each neck, and their end, (K + 1,): modes, then knots.
+        neck: first unknown of each neck, and their end, (K + 1,): those of a narrow one, modes, then knots.
         order: as in `Orders.fluid`: of fluid discs, of bodies where there is a mean stress STRAINED, (B,).
         knots: of each neck, KNOTS for each foot on a surface where psi is free, (K,).
+        narrow: which necks are narrow, (K,).
     """
 
     surface: Index
     neck: Index
     order: Index
     knots: Index
+    narrow: NDArray[np.bool_]
 
     @property
     def unknowns(self) -> int:
@@ -52,7 +56,7 @@ class Numbering:
     @property
     def modes(self) -> Index:
         """How many modes each neck has, (K,)."""
-        return np.diff(self.neck) - self.knots
+        return np.diff(self.neck) - self.knots - TIED * self.narrow
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,10 +65,11 @@ class Batch:
 
     Attributes:
         pore: which, (n,).
-        unknown: of each function of each, (n, m).
+        unknown: of each number of each, (n, m).
         orders: which functions they have.
         rule: their points of quadrature.
         forms: their dissipation.
+        ties: constraints of narrow necks.
     """
 
     pore: Index
@@ -72,6 +77,12 @@ class Batch:
     orders: Orders
     rule: Rule
     forms: PoreForms
+    ties: Ties
+
+    def of_functions(self, numbers: Array) -> Array:
+        """Numbers of all functions, (n, total), from those of pores and their bubbles, (n, m + bubbles)."""
+        shared = functions_of(self.orders)
+        return np.concatenate([numbers[:, shared], numbers[:, self.unknown.shape[1] :]], axis=1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,12 +111,14 @@ class Assembly:
         batches: the forms of the pores.
         numbering: of the unknowns.
         fluid: the forms inside fluid discs.
+        ties: B of the constraints B x = 0 of narrow necks, (t, n).
     """
 
     lower: sp.csr_matrix
     batches: list[Batch]
     numbering: Numbering
     fluid: list[FluidForms]
+    ties: sp.csr_matrix
 
     @property
     def K(self) -> sp.csr_matrix:
@@ -131,8 +144,9 @@ def number(pores: Pores, modes: Index) -> Numbering:
     order = np.where(surfaces.fluid, tabulated(lambda k: LEVELS[level_of(k)].fluid, most), of_bodies)
     surface = np.concatenate([[0], np.cumsum(tabulated(numbers_of, order))]).astype(np.int64)
     knots = KNOTS * np.sum(surfaces.free[pores.necks], axis=1)
-    neck = surface[-1] + np.concatenate([[0], np.cumsum(modes + knots)]).astype(np.int64)
-    return Numbering(surface, neck, order, knots)
+    narrow = narrow_necks(pores)
+    neck = surface[-1] + np.concatenate([[0], np.cumsum(TIED * narrow + modes + knots)]).astype(np.int64)
+    return Numbering(surface, neck, order, knots, narrow)
 
 
 def tabulated(function: Callable[[int], int], at: Index) -> Index:
@@ -147,13 +161,14 @@ def assemble(pores: Pores, shapes: PoreShapes, modes: Index) -> Assembly:
     members = np.concatenate([pores.vertices, necks], axis=1)
     pattern = pattern_of(members, np.concatenate([numbering.surface[:-1], numbering.neck]))
     entries, batches = np.zeros(len(pattern.indices)), list[Batch]()
-    for batch in in_turn(partial(_batch, pores, shapes, numbering), _parts(pores, shapes, numbering)):
+    rows = _rows_of_ties(pores, numbering)
+    for batch in in_turn(partial(_batch, pores, shapes, numbering, rows), _parts(pores, shapes, numbering)):
         add_forms(entries, pattern, members[batch.pore], batch.forms.K)
         batches.append(batch)
     fluid = list(_fluid_forms(pores, numbering))
     for forms in fluid:
         add_forms(entries, pattern, forms.disc[:, None], forms.per_area[:, None, None] * forms.K)
-    return Assembly(pattern.matrix(entries), batches, numbering, fluid)
+    return Assembly(pattern.matrix(entries), batches, numbering, fluid, _tied(batches, numbering))
 
 
 class Part(NamedTuple):
@@ -168,18 +183,20 @@ def _parts(pores: Pores, shapes: PoreShapes, numbering: Numbering) -> Iterator[P
     """All pores, so many at a time that their numbers have room."""
     modes = np.where(pores.sides >= 0, numbering.modes[pores.sides], 0)
     flat = flat_ones(pores.surfaces.shapes(), pores.vertices, shapes.centre)
-    free = pores.surfaces.free[pores.vertices]
-    kinds = np.column_stack([modes, numbering.order[pores.vertices], free, flat])
+    free, narrow = pores.surfaces.free[pores.vertices], numbering.narrow[pores.sides] & (pores.sides >= 0)
+    kinds = np.column_stack([modes, numbering.order[pores.vertices], free, narrow, flat])
     for kind in np.unique(kinds, axis=0):
-        level = LEVELS[level_of(int(kind[:3].max()))]
-        points = LEVELS[level_of(max(level.modes, _FINE))] if kind[6:9].any() else level
-        rule = points.finer_rule if kind[9] else points.rule
+        of_sides, of_vertices, are_free, are_narrow, (is_flat,) = np.split(kind, (3, 6, 9, 12))
+        level = LEVELS[level_of(int(of_sides.max()))]
+        points = LEVELS[level_of(max(level.modes, _FINE))] if are_free.any() else level
+        rule = points.finer_rule if is_flat else points.rule
         orders = Orders(
-            _three(kind[:3]),
-            _three(kind[3:6]),
+            _three(of_sides),
+            _three(of_vertices),
             level.bubbles,
             level.neck_bubbles,
-            _three(kind[6:9] * min(_FREE * level.fluid, _MOST)),
+            _three(are_free * min(_FREE * level.fluid, _MOST)),
+            _three(are_narrow),
         )
         alike = np.flatnonzero(np.all(kinds == kind, axis=1))
         numbers = orders.total * 3 * (2 * rule.first * rule.across.shape[1] + rule.third.shape[1])
@@ -187,10 +204,36 @@ def _parts(pores: Pores, shapes: PoreShapes, numbering: Numbering) -> Iterator[P
             yield Part(some, orders, rule)
 
 
-def _batch(pores: Pores, shapes: PoreShapes, numbering: Numbering, part: Part) -> Batch:
+def _batch(pores: Pores, shapes: PoreShapes, numbering: Numbering, rows: Index, part: Part) -> Batch:
     some, orders, rule = part
-    forms = pore_forms(shapes.of(some), rule, orders)
-    return Batch(some, _unknowns(pores, some, orders, numbering), orders, rule, forms)
+    own = shapes.of(some)
+    forms, ties = pore_forms(own, rule, orders), ties_of(own, orders, rows[some])
+    return Batch(some, _unknowns(pores, some, orders, numbering), orders, rule, forms, ties)
+
+
+def _rows_of_ties(pores: Pores, numbering: Numbering) -> Index:
+    """First row of the constraints that each side of each pore tells, (E, 3): once each; -1 for none."""
+    rows = np.full(pores.sides.size, -1)
+    neck, place = np.unique(pores.sides.ravel(), return_index=True)
+    first = TIED * (np.cumsum(numbering.narrow) - 1)
+    narrow = (neck >= 0) & numbering.narrow[neck]
+    rows[place[narrow]] = first[neck[narrow]]
+    return rows.reshape(-1, 3)
+
+
+def _tied(batches: Sequence[Batch], numbering: Numbering) -> sp.csr_matrix:
+    """B of all constraints."""
+    parts = [(np.empty(0), np.empty(0, np.int64), np.empty(0, np.int64))]
+    for batch in batches:
+        row, pore, of = batch.ties
+        rows = np.broadcast_to((row[:, None] + np.arange(TIED))[..., None], of.shape)
+        columns = np.broadcast_to(batch.unknown[pore][:, None], of.shape)
+        parts.append((of.ravel(), rows.ravel(), columns.ravel()))
+    value, rows, columns = (np.concatenate(part) for part in zip(*parts, strict=True))
+    shape = (TIED * int(numbering.narrow.sum()), numbering.unknowns)
+    B = sp.csr_matrix((value, (rows, columns)), shape=shape)
+    B.eliminate_zeros()
+    return B
 
 
 def _three(numbers: Index) -> tuple[int, int, int]:
@@ -205,7 +248,7 @@ def _unknowns(pores: Pores, chosen: Index, orders: Orders, numbering: Numbering)
         numbers = np.arange(numbers_of(orders.fluid[v]))
         parts.append(numbering.surface[pores.vertices[chosen, v], None] + numbers)
     for v in range(3):
-        numbers = np.arange(orders.modes[v] + orders.knots[v])
+        numbers = np.arange(TIED * orders.narrow[v] + orders.modes[v] + orders.knots[v])
         parts.append(numbering.neck[pores.sides[chosen, v], None] + numbers)
     return np.concatenate(parts, axis=1)
 

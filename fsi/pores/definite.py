@@ -57,27 +57,6 @@ class Cholesky:
         return float(np.max(largest / (size + _TINY), initial=0.0))
 
 
-class LastFactors:
-    """The factors of the last flow in a system: another with the same numbers free takes them again."""
-
-    def __init__(self) -> None:
-        """None are known yet."""
-        self._last: tuple[NDArray[np.bool_], Array, Cholesky] | None = None
-
-    def of(self, lower: sp.csr_matrix, free: NDArray[np.bool_], D: Array) -> Cholesky:
-        """Those of K + diag(D), always of the same K, by its lower triangle; raises as they do."""
-        if self._last is None or not (
-            np.array_equal(free, self._last[0]) and np.array_equal(D, self._last[1])
-        ):
-            self.forget()  # before others take as much memory
-            self._last = free, D, Cholesky(lower, free, D)
-        return self._last[2]
-
-    def forget(self) -> None:
-        """Free their memory."""
-        self._last = None
-
-
 def _factors(upper: Any) -> Any:
     """Those of a matrix with this upper triangle. Raises SolveError: a pivot is 0."""
     from cvxopt import cholmod

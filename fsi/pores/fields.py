@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from fsi.bodies.configuration import Array
 from fsi.pores.assembly import Batch
 from fsi.pores.carrier import stream
-from fsi.pores.forms import strain_rates, values, with_bubbles
+from fsi.pores.forms import rates_of_numbers, values, with_bubbles
 from fsi.pores.inner import inner_flow
 from fsi.pores.orders import numbers_of
 from fsi.pores.pattern import Index
@@ -77,9 +77,8 @@ class FlowFields:
         self._shapes = flow.system.shapes
         self._numbers = []
         for batch in flow.system.assembly.batches:
-            data = pore_data(self._shapes.of(batch.pore))
-            rates = strain_rates(data, batch.orders, pore_points(data, batch.rule))
-            self._numbers.append(with_bubbles(rates, flow.numbers(batch)))
+            rates, _ = rates_of_numbers(self._shapes.of(batch.pore), batch.rule, batch.orders)
+            self._numbers.append(batch.of_functions(with_bubbles(rates, flow.numbers(batch))))
 
     def at(self, points: Array) -> FluidField:
         """The fields at points (n, 2), in fluid discs too; not a number in bodies and outside."""

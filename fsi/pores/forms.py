@@ -15,9 +15,10 @@ from fsi.bodies.configuration import Array
 from fsi.machine.compiled import compiled, inlined, internal
 from fsi.pores.elimination import least_bubbles, squares, take_off
 from fsi.pores.jets import AT_ONCE
+from fsi.pores.narrow import ZONES, seen_from_necks
 from fsi.pores.orders import Orders
 from fsi.pores.pore_data import Complex, pore_data
-from fsi.pores.quadrature import ROOT, ROWS, WEIGHT, Points, Rule, fill_pore, most_points
+from fsi.pores.quadrature import ROOT, ROWS, WEIGHT, Points, Rule, fill_pore, most_points, pore_points
 from fsi.pores.regions import PoreShapes
 from fsi.pores.target import JETS, RATES, Target
 from fsi.pores.trial import room_for, take_functions
@@ -27,7 +28,7 @@ class PoreForms(NamedTuple):
     """Of n pores.
 
     Attributes:
-        K: dissipation of their shared functions, (n, m, m).
+        K: dissipation of their numbers, (n, m, m).
         area: of each, (n,).
         least: smallest weight of quadrature, (n,); not positive where a pore is no region.
     """
@@ -39,9 +40,14 @@ class PoreForms(NamedTuple):
 
 def pore_forms(shapes: PoreShapes, rule: Rule, orders: Orders) -> PoreForms:
     """The forms of pores of the same orders."""
-    data, n, m = pore_data(shapes), len(shapes.gap), orders.shared
+    data, n, m = pore_data(shapes), len(shapes.gap), orders.numbers
     forms = PoreForms(np.empty((n, m, m)), np.empty(n), np.empty(n))
-    _take_forms(data, rule, orders, Work.of(most_points(data, rule), RATES, orders), forms)
+    if any(orders.narrow):
+        zones = seen_from_necks(shapes, orders)
+        most = most_points(data, rule) + ZONES * AT_ONCE
+        _take_narrow_forms(zones, rule, orders, Work.of(most, RATES, orders), forms)
+    else:
+        _take_forms(data, rule, orders, Work.of(most_points(data, rule), RATES, orders), forms)
     return forms
 
 
@@ -51,13 +57,31 @@ def applied(K: Array, x: Array) -> Array:
 
 
 def with_bubbles(rates: Array, x: Array) -> Array:
-    """The numbers of all functions of pores, (n, total), from those of the shared ones, (n, shared).
+    """Numbers x of pores, (n, m), followed by those of their bubbles, (n, m + bubbles).
 
-    rates: of all functions at the points of quadrature, as `strain_rates` has them.
+    rates: at the points of quadrature, as `rates_of_numbers` has them.
     """
     numbers = np.empty(rates.shape[:2])
     _take_bubbles(rates.reshape(*rates.shape[:2], -1), x, numbers)
     return numbers
+
+
+def rates_of_numbers(shapes: PoreShapes, rule: Rule, orders: Orders) -> tuple[Array, Points]:
+    """`strain_rates` of all numbers of pores, then of bubbles, (n, m + bubbles, 2, Q), and their points."""
+    data = pore_data(shapes)
+    points = pore_points(data, rule)
+    if not any(orders.narrow):
+        return strain_rates(data, orders, points), points
+    zone = np.sum(np.arange(points.rows.shape[2]) >= points.ends[:, : ZONES - 1, None], axis=1)
+    seen, T = seen_from_necks(shapes, orders)
+    found = np.zeros((len(data), orders.numbers + orders.total - orders.shared, 2, points.rows.shape[2]))
+    for z in range(ZONES):
+        rates = strain_rates(seen[:, z], orders, points)
+        S = np.einsum("efk,efdq->ekdq", T[:, z], rates[:, : orders.shared])
+        found += np.where(
+            (zone == z)[:, None, None], np.concatenate([S, rates[:, orders.shared :]], axis=1), 0.0
+        )
+    return found, points
 
 
 def strain_rates(data: Complex, orders: Orders, points: Points) -> Array:
@@ -116,8 +140,49 @@ def _take_forms(data: Complex, rule: Rule, orders: Orders, work: Work, forms: Po
 
 
 @compiled
+def _take_narrow_forms(
+    zones: tuple[Complex, Array], rule: Rule, orders: Orders, work: Work, forms: PoreForms
+) -> None:
+    """The forms of all pores with narrow necks, (data, T) as by `seen_from_necks`."""
+    (data, T), ends = zones, np.empty(4, np.int64)
+    shared, numbers = T.shape[2], T.shape[3]
+    for e in range(len(data)):
+        fill_pore(data[e, ZONES - 1], rule, work.points, ends)
+        width, first, at = 0, 0, 0
+        for z in range(ZONES):
+            width += RATES * AT_ONCE * blocks(ends[z] - first)
+            first = ends[z]
+        rates = work.out[: work.total * width].reshape((work.total, width))
+        S = np.zeros((numbers, width))
+        first = 0
+        for z in range(ZONES):
+            points, begin = work.points[:, first : ends[z]], at
+            for b in range(blocks(ends[z] - first)):
+                take_points(points, b * AT_ONCE, work.some)
+                take_functions(data[e, z], orders, Target(work.some, work.room, rates, at))
+                at += RATES * AT_ONCE
+            _add_seen(rates[:shared, begin:at], T[e, z], S[:, begin:at])
+            first = ends[z]
+        B = rates[shared:]
+        take_off(S, least_bubbles(S, B), B)
+        squares(S, forms.K[e])
+        points = work.points[:, : ends[3]]
+        forms.area[e], forms.least[e] = points[WEIGHT].sum(), points[WEIGHT].min()
+
+
+@internal
+def _add_seen(rates: Array, T: Array, S: Array) -> None:
+    """Add T^T times the rates of functions to those of numbers."""
+    for f in range(len(rates)):
+        for k in range(len(S)):
+            if T[f, k] != 0.0:
+                for p in range(rates.shape[1]):
+                    S[k, p] += T[f, k] * rates[f, p]
+
+
+@compiled
 def _take_bubbles(rates: Array, x: Array, numbers: Array) -> None:
-    """The numbers of all functions from x, those of the shared ones."""
+    """x and the numbers of bubbles."""
     shared = x.shape[1]
     for e in range(len(x)):
         X = least_bubbles(rates[e, :shared], rates[e, shared:])

@@ -14,7 +14,7 @@ from fsi.bodies.configuration import Array
 from fsi.pores.assembly import Batch
 from fsi.pores.carrier import stream
 from fsi.pores.fields import stream_function
-from fsi.pores.forms import strain_rates, with_bubbles
+from fsi.pores.forms import rates_of_numbers, with_bubbles
 from fsi.pores.pore_data import Complex, pore_data
 from fsi.pores.quadrature import Points, pore_points, uniform
 from fsi.pores.regions import NEXT, OTHER
@@ -51,12 +51,11 @@ def necks_of(flow: PoreFlow) -> Necks:
     pores, surfaces = system.pores, system.pores.surfaces
     dissipation, flux = np.zeros(len(pores.necks)), np.zeros(len(pores.necks))
     for batch in system.assembly.batches:
-        data = pore_data(system.shapes.of(batch.pore))
-        points = pore_points(data, batch.rule)
-        rates = strain_rates(data, batch.orders, points)
+        shapes = system.shapes.of(batch.pore)
+        rates, points = rates_of_numbers(shapes, batch.rule, batch.orders)
         numbers = with_bubbles(rates, flow.numbers(batch))
         lost = system.viscosity * _in_strips(rates, points, numbers)
-        through = _fluxes(flow, batch, data, numbers)
+        through = _fluxes(flow, batch, pore_data(shapes), batch.of_functions(numbers))
         neck = pores.sides[batch.pore]
         there = neck >= 0
         np.add.at(dissipation, neck[there], lost[there])

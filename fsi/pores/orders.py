@@ -6,6 +6,7 @@ RIGID = 4  # U_x, U_y, omega, c
 STRAINED = 2  # the order of bodies whose stresslets are wanted: z^2 is a strain rate
 CUBIC = 3  # the least order of fluid discs
 KNOTS = 4  # of a neck at a foot on a surface where psi is free: f, f', g, g'
+TIED = 2  # of a narrow neck: the flux through it, and the speed at which its surfaces part (`narrow`)
 
 
 class Orders(NamedTuple):
@@ -19,6 +20,7 @@ class Orders(NamedTuple):
         bubbles: the degree of p(x, y).
         neck_bubbles: degrees + 1 of p(e, l_j - l_i) along and across each neck; 0 for none.
         free: of the vertices on which psi is free, how many polynomials f has between feet, and g; else 0.
+        narrow: 1 of sides that are narrow necks, which have TIED numbers of their own, 0 of others.
     """
 
     modes: tuple[int, int, int]
@@ -26,6 +28,7 @@ class Orders(NamedTuple):
     bubbles: int
     neck_bubbles: int
     free: tuple[int, int, int] = (0, 0, 0)
+    narrow: tuple[int, int, int] = (0, 0, 0)
 
     @property
     def knots(self) -> tuple[int, int, int]:
@@ -38,6 +41,11 @@ class Orders(NamedTuple):
         """How many functions belong to surfaces and necks; those that follow are bubbles."""
         numbers = sum(numbers_of(order) for order in self.fluid)
         return numbers + sum(self.modes) + sum(self.knots)
+
+    @property
+    def numbers(self) -> int:
+        """How many numbers surfaces and necks have: those of shared functions, and of narrow necks."""
+        return self.shared + TIED * sum(self.narrow)
 
     @property
     def total(self) -> int:

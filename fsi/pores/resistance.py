@@ -4,15 +4,15 @@ With walls at rest and all other numbers free, the load of mode i at a unit moti
 
     R = K_bb - K_bf K_ff^-1 K_fb,
 
-b the velocities of bodies, f all numbers that are free. At given velocities the dissipation U^T R U is an
-upper bound.
+b the velocities of bodies, f all numbers that are free, and the multipliers of narrow necks. At given
+velocities the dissipation U^T R U is an upper bound.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from time import process_time
-from typing import NamedTuple
 
 import numpy as np
+import scipy.sparse as sp
 
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
@@ -23,12 +23,11 @@ from fsi.observables.resistance import Resistance, ResistanceErrors
 from fsi.pores.accuracy import missed, with_modes
 from fsi.pores.adapt import finer
 from fsi.pores.bars import bar_factor, reference_modes
-from fsi.pores.definite import Cholesky
 from fsi.pores.fineness import Fineness
 from fsi.pores.model import make_system
 from fsi.pores.orders import RIGID
-from fsi.pores.solve import EPSILON
 from fsi.pores.system import PoreSystem
+from fsi.pores.tied import factors_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,28 +71,21 @@ def case_resistance(case: Case) -> Resistance:
     bodies = DrivenBodies(case, q, 0.0, case.motion(0.0))
     system = make_system(bodies, Fineness.even(case.pores.modes))
     assembled = process_time()
-    columns, checked = _schur_complement(system)
+    columns, residual = _schur_complement(system)
     seconds = {"assemble": assembled - began, "solve": process_time() - assembled}
     labels = matrix.all_modes(case.names, q.radii, system.viscosity, 2)
     R, asymmetry = matrix.symmetrised(columns, labels.scale)
     eigenvalues = matrix.positive_eigenvalues(R, labels.scale, resting=True)
-    checks = {"residual": checked.residual, "reciprocity": asymmetry}
+    checks = {"residual": residual, "reciprocity": asymmetry}
     size = (system.unknowns, len(system.pores))
     mobility = matrix.inverse(R)
-    found = Resistance(labels, R, mobility, eigenvalues, checks, *size, seconds, pieces="pores")
-    return replace(found, rounding=checked.rounding)
+    return Resistance(labels, R, mobility, eigenvalues, checks, *size, seconds, pieces="pores")
 
 
-class Checked(NamedTuple):
-    """The largest relative residual of columns, and what rounding may leave of diagonal entries, (3 N,)."""
-
-    residual: float
-    rounding: Array
-
-
-def _schur_complement(system: PoreSystem) -> tuple[Array, Checked]:
-    """R as computed, (3 N, 3 N), and how well."""
-    K, first = system.viscosity * system.assembly.K, system.assembly.numbering.surface
+def _schur_complement(system: PoreSystem) -> tuple[Array, float]:
+    """R as computed, (3 N, 3 N), and the largest relative residual of its columns."""
+    K, B = system.viscosity * system.assembly.K, system.assembly.ties
+    first = system.assembly.numbering.surface
     discs, surfaces = system.pores.surfaces.discs, len(system.pores.surfaces)
     free = np.ones(system.size, dtype=bool)
     body = (first[: system.bodies, None] + np.arange(3)).ravel()
@@ -101,15 +93,11 @@ def _schur_complement(system: PoreSystem) -> tuple[Array, Checked]:
     free[body] = free[system.strains] = free[walls.ravel()] = False
     if len(walls) == 2:
         free[walls[1, 3]] = True  # the flux through a channel is a result
-    f = np.flatnonzero(free)
-    B = K[f][:, body].toarray()
-    factors, inner = Cholesky(system.viscosity * system.assembly.lower, free), K[f][:, f]
-    X = factors.solve(B)
-    X += factors.solve(B - inner @ X)
-    R = K[body][:, body].toarray() - B.T @ X
-    x = np.zeros((system.size, len(body)))
-    x[f], x[body] = np.abs(X), np.eye(len(body))
-    terms = np.einsum("nj,nj->j", x, abs(K) @ x)
-    with np.errstate(divide="ignore"):  # where all digits have cancelled
-        rounding = EPSILON * terms / np.diag(R)
-    return R, Checked(factors.residual(B - inner @ X, B), rounding)
+    f = np.flatnonzero(np.append(free, np.ones(B.shape[0], dtype=bool)))
+    tied = sp.csr_matrix(sp.block_array([[K, B.T], [B, None]])) if B.shape[0] else K
+    of_bodies, inner = tied[f][:, body].toarray(), tied[f][:, f]
+    factors = factors_of(system.viscosity * system.assembly.lower, free, np.zeros(system.size), B)
+    X = factors.solve(of_bodies)
+    X += factors.solve(of_bodies - inner @ X)
+    R = K[body][:, body].toarray() - of_bodies.T @ X
+    return R, factors.residual(of_bodies - inner @ X, of_bodies)

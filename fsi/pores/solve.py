@@ -2,13 +2,15 @@
 
     1/2 x^T K x - b . x -> min     over the numbers x that are free,
 
-K x = b. What is held gives the forces that hold it, (K x)_held. The dissipation x^T K x is that of a flow
+K x = b. What is held gives the forces that hold it, (K x)_held. Narrow necks have numbers of their own, tied
+to those of surfaces (see `narrow`): then K x + B^T p = b, B x = 0. The dissipation x^T K x is that of a flow
 that satisfies all but the momentum equation, so at given velocities, or for bodies free of force between
 moving walls, it is never less than that of Stokes flow: an upper bound of the apparent viscosity.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
@@ -20,10 +22,10 @@ from fsi.bodies.configuration import Array, Inertia, Motion
 from fsi.pores.assembly import Batch
 from fsi.pores.carrier import Carrier, carried, mean_flow, product
 from fsi.pores.forms import applied
-from fsi.pores.orders import RIGID
+from fsi.pores.orders import RIGID, TIED
 from fsi.pores.system import PoreSystem
 
-_TINY, EPSILON = float(np.finfo(float).tiny), float(np.finfo(float).eps)
+_TINY = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +71,9 @@ class PoreFlow:
         y: what they have more than surfaces carried along (`Carrier`), (n,): small in a large domain.
         U: velocities of bodies, (N, 3).
         F: loads on them less their inertia, those that hold them too, (N, 3): minus those of the fluid.
-        reactions: mu K x with the mean flow, (n,): the power that a unit of each number takes.
+        multipliers: of the constraints of narrow necks, (t,): minus the pressures that drive fluxes through
+            them, and the forces that part their surfaces.
+        reactions: mu K x + B^T p with the mean flow, (n,): the power that a unit of each number takes.
         dissipation: in the fluid, mu x^T K x with the mean flow.
         checks: relative defects: residual, power, momentum.
     """
@@ -80,6 +84,7 @@ class PoreFlow:
     y: Array
     U: Array
     F: Array
+    multipliers: Array
     reactions: Array
     dissipation: float
     checks: dict[str, float]
@@ -97,13 +102,6 @@ class PoreFlow:
         return np.asarray(self.reactions[first[:, None] + np.arange(3)])
 
     @property
-    def rounding(self) -> float:
-        """What cancelling digits may leave of the dissipation, relative: eps |x|^T |K| |x| / x^T K x."""
-        y, lower = np.abs(self.y), abs(self.system.assembly.lower)
-        terms = 2.0 * y @ (lower @ y) - lower.diagonal() @ y**2
-        return float(EPSILON * self.system.viscosity * terms / (self.dissipation + _TINY))
-
-    @property
     def stresslets(self) -> Array:
         """Of the bodies of a periodic flow, less their traces, (N, 2, 2).
 
@@ -116,7 +114,7 @@ class PoreFlow:
         return np.stack([xx, xy, xy, -xx], axis=1).reshape(-1, 2, 2)
 
     def numbers(self, batch: Batch) -> Array:
-        """Of all functions of the pores of a batch, with the mean flow of their images, (n, m)."""
+        """Of the pores of a batch, with the mean flow of their images, (n, m)."""
         found: Array = self.x[batch.unknown] + mean_flow(self.system, batch, self.loading.gradient)
         return found
 
@@ -130,7 +128,8 @@ class PoreFlow:
         system, total = self.system, 0.0
         for batch, Kx in zip(system.assembly.batches, self._local_products, strict=True):
             total += float(np.vdot(mean_flow(system, batch, gradient), Kx))
-        return system.viscosity * total
+        of_ties = tied(system, lambda batch: mean_flow(system, batch, gradient))
+        return system.viscosity * total + float(self.multipliers @ of_ties)
 
     def dissipation_of_pores(self) -> Array:
         """Of each pore, (E,); fluid discs have theirs besides."""
@@ -161,32 +160,48 @@ def solve_pores(system: PoreSystem, loading: PoreLoading) -> PoreFlow:
         D[body] = loading.inertia.D
         b[body] += loading.inertia.D * loading.inertia.U0
     of_base, base_power = carrier.power(system)
-    free = ~held
+    free, B = ~held, system.assembly.ties
+    B_base = tied(system, lambda batch: carried(system, batch, carrier.G))
+    p = np.zeros(len(B_base))
 
-    def left(y: Array) -> Array:
-        """Of the equations of free numbers."""
-        return np.asarray(b - of_base - mu * product(system, y) - D * (y + base))[free]
+    def left() -> Array:
+        """Of the equations of free numbers, over mu, and of the constraints."""
+        of_numbers = b - of_base - mu * product(system, y) - D * (y + base) - B.T @ p
+        return np.concatenate([of_numbers[free] / mu, -B_base - B @ y])
 
-    rhs = left(y)
-    factors = system.factors.of(system.assembly.lower, free, D / mu)
-    y[free] = factors.solve(rhs) / mu
-    y[free] += factors.solve(left(y)) / mu
+    rhs = defect = left()
+    factors = system.factors.of(system.assembly.lower, free, D / mu, B)
+    for _ in range(2):
+        of_y, of_p = np.split(factors.solve(defect), [len(rhs) - len(p)])
+        y[free] += of_y
+        p += mu * of_p
+        defect = left()
+    residual = factors.residual(defect, rhs)
     Ky = mu * product(system, y)
-    residual = factors.residual((b - of_base - Ky - D * (y + base))[free], rhs)
     x = y + base
     if not len(loading.walls):
         first = system.assembly.numbering.surface[:-1]
         x[first + 3] -= x[first[0] + 3]
     U = x[body]
-    reactions = Ky + of_base
+    reactions = Ky + of_base + B.T @ p
     # On free modes what they are given, less what inertia takes; what holds the others is found.
     inertia = D[body] * (U - loading.inertia.U0) if loading.inertia else np.zeros_like(U)
     F = np.where(loading.motion.held, reactions[body], loading.motion.F - inertia)
     dissipation = float(y @ Ky + 2.0 * of_base @ y + base_power)
-    flow = PoreFlow(system, loading, x, y, U, F, reactions, dissipation, {})
+    flow = PoreFlow(system, loading, x, y, U, F, p, reactions, dissipation, {})
     flow.checks.update(residual=residual, power=_power(flow, flow.power_of_mean(loading.gradient)))
     flow.checks.update(_translations(flow))
     return flow
+
+
+def tied(system: PoreSystem, numbers: Callable[[Batch], Array]) -> Array:
+    """What numbers of pores, (n, m) of each batch, leave in the constraints of narrow necks, (t,)."""
+    found = np.zeros(system.assembly.ties.shape[0])
+    for batch in system.assembly.batches:
+        row, pore, of = batch.ties
+        if len(row):
+            found[row[:, None] + np.arange(TIED)] = np.einsum("tij,tj->ti", of, numbers(batch)[pore])
+    return found
 
 
 def _prescribed(system: PoreSystem, loading: PoreLoading) -> tuple[Array, NDArray[np.bool_]]:

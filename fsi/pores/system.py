@@ -10,12 +10,12 @@ import numpy as np
 from fsi.bodies.configuration import Array
 from fsi.machine.heap import keep_freed
 from fsi.pores.assembly import Assembly, assemble
-from fsi.pores.definite import LastFactors
 from fsi.pores.fluid_discs import pores_without_wide
 from fsi.pores.orders import RIGID
 from fsi.pores.pattern import Index
 from fsi.pores.regions import PoreShapes, shapes_of
 from fsi.pores.surfaces import DISC, BoundingSurfaces, NoPoresError
+from fsi.pores.tied import LastFactors
 from fsi.pores.topology import Pores
 
 
@@ -72,8 +72,8 @@ class PoreSystem:
 
     @property
     def unknowns(self) -> int:
-        """All numbers but those that strain bodies, the prescribed ones too."""
-        return self.size - self.strains.size
+        """All numbers but those that strain bodies, and those that others tie; the prescribed ones too."""
+        return self.size - self.strains.size - int(self.assembly.ties.shape[0])
 
     @property
     def strains(self) -> Index:

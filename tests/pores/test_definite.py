@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
-from fsi.pores.definite import Cholesky, LastFactors
+from fsi.pores.definite import Cholesky
 
 
 def form(n: int, seed: int) -> sp.csr_matrix:
@@ -58,18 +58,3 @@ def test_what_is_singular_is_refused() -> None:
         solved([[1.0, 1.0], [1.0, 1.0]], [1.0, 1.0])
     with pytest.raises(SolveError, match="not determined"):
         solved([[1.0, 0.0], [0.0, 0.0]], [1.0, 1.0])
-
-
-def test_factors_are_kept_for_the_same_numbers_and_diagonal_alone() -> None:
-    """Each solves its own system: those of another would be off by a half or more."""
-    K, b = sp.csr_matrix(np.diag([2.0, 4.0])), np.ones(2)
-    last, free, none = LastFactors(), np.ones(2, dtype=bool), np.zeros(2)
-    first = last.of(K, free, none)
-    assert last.of(K, free.copy(), none.copy()) is first
-    np.testing.assert_allclose(last.of(K, free, np.full(2, 2.0)).solve(b), [1.0 / 4.0, 1.0 / 6.0], rtol=1e-15)
-    second = np.array([False, True])
-    np.testing.assert_allclose(last.of(K, second, none).solve(b[1:]), [1.0 / 4.0], rtol=1e-15)
-    again = last.of(K, free, none)
-    assert again is not first
-    last.forget()
-    assert last.of(K, free, none) is not again

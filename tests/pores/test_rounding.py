@@ -1,4 +1,4 @@
-"""What rounding leaves of a disc in two narrow gaps at once: bars hold it, or the flow is refused."""
+"""What rounding leaves of a disc in two narrow gaps at once: hardly anything."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import pytest
 
 from fsi.case.case import Case
 from fsi.case.load import parse_case
-from fsi.errors import SolveError
 from fsi.pores.accuracy import solve_with_errors
 from fsi.pores.resistance import resistance_with_error
 
@@ -20,21 +19,26 @@ def between_walls(gap: float, x: float, **more: object) -> Case:
     return parse_case(data | {"pores": {"modes": 4}})
 
 
-@pytest.mark.parametrize(("gap", "least", "most"), [(1e-5, 1e-4, 1e-3), (3e-6, 5e-4, 1e-2)])
-def test_slides_by_two_narrow_gaps_are_off_by_less_than_their_bar(
-    gap: float, least: float, most: float
-) -> None:
-    """Where the disc stands along the channel makes no difference but for rounding; squeezes keep digits."""
+@pytest.mark.parametrize("gap", [1e-5, 1e-8])
+def test_slides_and_rolls_by_two_narrow_gaps_keep_their_digits(gap: float) -> None:
+    """Each film resists a slide by 2 pi mu sqrt(2 a / gap), and a turn as much (Jeffrey and Onishi 1981).
+
+    The rest resists a slide by less than 3, a turn by less than 20.
+    Where the disc stands along the channel makes no difference. As differences of numbers of surfaces slides
+    would be known to 3e-4 at 1e-5, and not at all at 1e-8.
+    """
     found = [resistance_with_error(between_walls(gap, x)) for x in (0.4234567, 1.077)]
-    R = np.array([one.resistance.R for one in found])
-    bars = np.array([one.errors.R for one in found])
-    assert np.all(np.abs(R[1] - R[0]) <= bars.min(axis=0))
-    assert least < bars[0, 0, 0] / R[0, 0, 0] < most
-    assert bars[0, 1, 1] < 1e-5 * R[0, 1, 1]
+    R, other = (np.diag(one.resistance.R) for one in found)
+    assert np.all(np.abs(R - other) <= 1e-8 * R)
+    films = 4.0 * np.pi * np.sqrt(2.0 / gap)
+    assert R[0] == pytest.approx(films, abs=3.0)
+    assert R[2] == pytest.approx(films, abs=20.0)
 
 
-def test_what_is_worse_is_refused() -> None:
-    with pytest.raises(SolveError, match=r"reciprocity|not positive"):
-        resistance_with_error(between_walls(3e-8, 0.3))
-    with pytest.raises(SolveError, match=r"is violated by .*; widen the narrowest gaps"):
-        solve_with_errors(between_walls(1e-7, 0.3, force=[1.0, 0.0]))
+def test_a_disc_that_is_pulled_along_two_narrow_gaps_moves() -> None:
+    """At 1e-8 by its resistance to slides; with pressure that drives a flux this was refused."""
+    case = between_walls(1e-8, 0.3, force=[1.0, 0.0])
+    found = solve_with_errors(case).solution
+    R = resistance_with_error(case).resistance.R
+    assert found.U[0, 0] == pytest.approx(1.0 / R[0, 0], rel=1e-7)
+    assert found.checks["power"] <= 1e-10
