@@ -23,7 +23,7 @@ def between_walls(gap: float, x: float, **more: object) -> Case:
 def test_slides_and_rolls_by_two_narrow_gaps_keep_their_digits(gap: float) -> None:
     """Each film resists a slide by 2 pi mu sqrt(2 a / gap), and a turn as much (Jeffrey and Onishi 1981).
 
-    The rest resists a slide by less than 3, a turn by less than 20.
+    The rest resists a slide by less than 3, a turn by less than 20. Squeezes have 3 sqrt(2) pi mu (a / gap)^3/2.
     Where the disc stands along the channel makes no difference. As differences of numbers of surfaces slides
     would be known to 3e-4 at 1e-5, and not at all at 1e-8.
     """
@@ -33,6 +33,7 @@ def test_slides_and_rolls_by_two_narrow_gaps_keep_their_digits(gap: float) -> No
     films = 4.0 * np.pi * np.sqrt(2.0 / gap)
     assert R[0] == pytest.approx(films, abs=3.0)
     assert R[2] == pytest.approx(films, abs=20.0)
+    assert R[1] == pytest.approx(6.0 * np.sqrt(2.0) * np.pi * gap**-1.5, rel=3e-5)
 
 
 def test_a_disc_that_is_pulled_along_two_narrow_gaps_moves() -> None:
