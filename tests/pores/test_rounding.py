@@ -23,7 +23,8 @@ def between_walls(gap: float, x: float, **more: object) -> Case:
 def test_slides_and_rolls_by_two_narrow_gaps_keep_their_digits(gap: float) -> None:
     """Each film resists a slide by 2 pi mu sqrt(2 a / gap), and a turn as much (Jeffrey and Onishi 1981).
 
-    The rest resists a slide by less than 3, a turn by less than 20. Squeezes have 3 sqrt(2) pi mu (a / gap)^3/2.
+    The rest resists a slide by less than 3, a turn by less than 20. Squeezes: 3 sqrt(2) pi mu (a / gap)^3/2.
+
     Where the disc stands along the channel makes no difference. As differences of numbers of surfaces slides
     would be known to 3e-4 at 1e-5, and not at all at 1e-8.
     """
