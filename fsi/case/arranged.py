@@ -102,7 +102,13 @@ def with_arrangement(data: Mapping[str, Any]) -> dict[str, Any]:
             )
     made = _section(given).arrangement()
     rest = {key: value for key, value in data.items() if key != "arrangement"}
-    return rest | {"bodies": made.bodies(), "domain": _domain(made) | domain}
+    fills = _domain(made)
+    if (shape := domain.get("shape")) not in (None, own := fills.get("shape", "box")):
+        cell = ' or give arrangement.cell = "periodic"' if shape == "cell" else ""
+        raise InputError(
+            f'domain.shape = {toml_text(shape)}: [arrangement] makes shape = "{own}"; drop it{cell}'
+        )
+    return rest | {"bodies": made.bodies(), "domain": fills | domain}
 
 
 def _section(given: Any) -> Arranged:

@@ -52,6 +52,10 @@ def test_defaults_hold_for_arranged_bodies() -> None:
             r"arrangement.angle = 3.0: random has no such option",
         ),
         (
+            {"arrangement": GIVEN, "domain": {"shape": "cell", "shear": 1.0}},
+            r'domain.shape = "cell": .*; drop it or give arrangement.cell = "periodic"',
+        ),
+        (
             {"arrangement": GIVEN | {"kind": "heap"}},
             r'arrangement.kind = "heap": not one of the choices',
         ),

@@ -49,8 +49,20 @@ def solved(case: Case) -> PoreInstant:
 
 @pytest.mark.parametrize(
     ("kind", "seed"),
-    [("box, walls at rest", 2), ("box, walls at rest", 3), ("channel, driven", 2), ("channel, driven", 3)]
-    + [("cell", 2), ("cell", 9), ("round container", 2), ("round container", 3)],  # cell 9: images of discs
+    [
+        *(
+            ("box, walls at rest", 2),
+            ("box, walls at rest", 3),
+            ("channel, driven", 2),
+            ("channel, driven", 3),
+        ),
+        *(
+            ("cell", 2),
+            ("cell", 9),
+            ("round container", 2),
+            ("round container", 3),
+        ),  # cell 9: images of discs
+    ],
 )
 def test_the_flow_is_that_without_numbers_of_their_own(
     kind: str, seed: int, monkeypatch: pytest.MonkeyPatch
