@@ -41,8 +41,7 @@ class TiedFactors:
         augmented = sp.csr_matrix(lower + sp.tril(ties.T @ sp.diags_array(self._kappa) @ ties))
         augmented.sort_indices()
         self._factors = Cholesky(augmented, free, D)
-        own = sp.csr_matrix(lower[free][:, free])
-        self._K = own + sp.tril(own, -1).T + sp.diags_array(D[free])
+        self._lower, self._above, self._free = lower, D - lower.diagonal(), free
         self._B = ties[:, free]
 
     def solve(self, b: Array) -> Array:
@@ -67,8 +66,11 @@ class TiedFactors:
         return float(np.max(largest / (size + _TINY), initial=0.0))
 
     def _times(self, z: Array) -> Array:
-        x, p = self._parts(z)
-        return np.concatenate([self._K @ x + self._B.T @ p, self._B @ x])
+        of_free, p = self._parts(z)
+        x = np.zeros(len(self._free))
+        x[self._free] = of_free
+        Kx = self._lower @ x + self._lower.T @ x + self._above * x
+        return np.concatenate([Kx[self._free] + self._B.T @ p, self._B @ of_free])
 
     def _nearly_solved(self, b: Array) -> Array:
         """(x, p) of the system with -1/kappa."""
