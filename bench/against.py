@@ -4,15 +4,16 @@
     python bench/against.py /tmp/before
     python bench/against.py /tmp/before --bars
     python bench/against.py /tmp/before --discs 200
+    python bench/against.py /tmp/before --gap 0.1 --gap 0.001
     python bench/against.py . --ranks 2 --discs 200
 
 Each of the two solves the same case files in a process of its own, warm, mesh included; with `--bars` what
 counts is their error bars, which come after the solve, with `--discs` one step of so many sheared discs (see
-`bench/suspension.py`), on a new mesh and on a moved one. They are asked for one solve each in turn, so that
-other work on the machine slows down both, and their CPU seconds are compared: those of the cheapest solve,
-and the quartiles of the ratio of the two of each turn. With `--ranks` this checkout solves on several ranks;
-seconds are those of the first, which does not sleep while it waits. The bench ends with exit code 1 where a
-median is above `--most`.
+`bench/suspension.py`), on a new mesh and on a moved one, with `--gap` a disc so many radii beside a plane.
+They are asked for one solve each in turn, so that other work on the machine slows down both, and their CPU
+seconds are compared: those of the cheapest solve, and the quartiles of the ratio of the two of each turn.
+With `--ranks` this checkout solves on several ranks; seconds are those of the first, which does not sleep
+while it waits. The bench ends with exit code 1 where a median is above `--most`.
 """
 
 from __future__ import annotations
@@ -34,7 +35,8 @@ from fsi.workers.launch import mpiexec
 ROOT = Path(__file__).parents[1]
 CASES = ["disc_beside_plane", "two_discs", "disc_in_box", "couette_N10", "sheared_cell"]
 # Read by both: for each line of the input one solve, and its CPU seconds in the output. A line is the path of
-# a case file, behind "bars" where these are asked for, or a number of discs and "new" or "moved".
+# a case file, behind "bars" where these are asked for, and before a gap if it has one of its own; or a number
+# of discs and "new" or "moved".
 SERVE = """
 import sys, time, fsi
 from pathlib import Path
@@ -51,11 +53,12 @@ def of_discs(n, mesh):
     (solution,) = (moved_steps if mesh == "moved" else new_steps)(suspension(int(n)), 1)
     return sum(solution.seconds.values())
 
-def of_case(path, bars):
-    if path not in models:
-        case = load_case(Path(path), [])
-        models[path] = StokesModel(case), case.configuration()
-    model, q = models[path]
+def of_case(asked, bars):
+    if asked not in models:
+        path, *gaps = asked.split(" at ")
+        case = load_case(Path(path), [f"bodies.0.position=[0.0, {1.0 + float(gap)}]" for gap in gaps])
+        models[asked] = StokesModel(case), case.configuration()
+    model, q = models[asked]
     start = time.process_time()
     solution = model(q, 0.0)
     if bars:
@@ -78,8 +81,8 @@ def next_asked():
 
 while asked := next_asked():
     comm.barrier()
-    path = asked.removeprefix("bars ")
-    seconds = of_discs(*asked.split()) if asked[0].isdigit() else of_case(path, path != asked)
+    case = asked.removeprefix("bars ")
+    seconds = of_discs(*asked.split()) if asked[0].isdigit() else of_case(case, case != asked)
     if comm.rank == 0:
         print(seconds, flush=True)
 """
@@ -120,6 +123,7 @@ def main(
     cases: Annotated[list[str] | None, typer.Option(help="Of the folder cases.", show_default="five")] = None,
     bars: Annotated[bool, typer.Option("--bars", help="Of cases the seconds of their error bars.")] = False,
     discs: Annotated[list[int] | None, typer.Option(help="Sheared discs, in place of cases.")] = None,
+    gap: Annotated[list[float] | None, typer.Option(help="Of a disc and a plane, in place of cases.")] = None,
     ranks: Annotated[int, typer.Option(help="On which this checkout solves.", min=1)] = 1,
 ) -> None:
     """Solve cases in turns, print a table, and fail where they have become dearer."""
@@ -127,10 +131,11 @@ def main(
     for heading in ("case", "there", "here", "quartiles of here / there, each turn"):
         table.add_column(heading, justify="left" if heading == "case" else "right")
     medians = []
-    what = "bars " if bars else ""
-    asked = {f"{what}{case}": f"{what}{ROOT / 'cases' / case}.toml" for case in cases or CASES}
-    if discs:
-        asked = {f"{n} discs, {mesh} mesh": f"{n} {mesh}" for n in discs for mesh in ("new", "moved")}
+    what, disc = "bars " if bars else "", ROOT / "cases" / f"{CASES[0]}.toml"
+    asked = {f"{what}gap {q:g}": f"{what}{disc} at {q!r}" for q in gap or []}
+    asked |= {f"{n} discs, {mesh} mesh": f"{n} {mesh}" for n in discs or [] for mesh in ("new", "moved")}
+    if cases or not asked:
+        asked |= {f"{what}{case}": f"{what}{ROOT / 'cases' / case}.toml" for case in cases or CASES}
     with closing(Checkout(ROOT, ranks)) as here, closing(Checkout(other.resolve())) as there:
         for case, solve in asked.items():
             taken = np.array([(there.seconds(solve), here.seconds(solve)) for _ in range(turns + 1)])[1:]
