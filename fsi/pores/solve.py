@@ -164,20 +164,21 @@ def solve_pores(system: PoreSystem, loading: PoreLoading) -> PoreFlow:
     B_base = tied(system, lambda batch: carried(system, batch, carrier.G))
     p = np.zeros(len(B_base))
 
-    def left() -> Array:
+    def left(Ky: Array) -> Array:
         """Of the equations of free numbers, over mu, and of the constraints."""
-        of_numbers = b - of_base - mu * product(system, y) - D * (y + base) - B.T @ p
+        of_numbers = b - of_base - Ky - D * (y + base) - B.T @ p
         return np.concatenate([of_numbers[free] / mu, -B_base - B @ y])
 
-    rhs = defect = left()
+    Ky = mu * product(system, y)
+    rhs = defect = left(Ky)
     factors = system.factors.of(system.assembly.lower, free, D / mu, B)
     for _ in range(2):
         of_y, of_p = np.split(factors.solve(defect), [len(rhs) - len(p)])
         y[free] += of_y
         p += mu * of_p
-        defect = left()
+        Ky = mu * product(system, y)
+        defect = left(Ky)
     residual = factors.residual(defect, rhs)
-    Ky = mu * product(system, y)
     x = y + base
     if not len(loading.walls):
         first = system.assembly.numbering.surface[:-1]
