@@ -103,7 +103,9 @@ def with_arrangement(data: Mapping[str, Any]) -> dict[str, Any]:
     made = _section(given).arrangement()
     rest = {key: value for key, value in data.items() if key != "arrangement"}
     fills = _domain(made)
-    if (shape := domain.get("shape")) not in (None, own := fills.get("shape", "box")):
+    own = fills.get("shape", "box")
+    shape = domain.get("shape", own)
+    if shape != own:
         cell = ' or give arrangement.cell = "periodic"' if shape == "cell" else ""
         raise InputError(
             f'domain.shape = {toml_text(shape)}: [arrangement] makes shape = "{own}"; drop it{cell}'

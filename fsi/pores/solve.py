@@ -71,8 +71,8 @@ class PoreFlow:
         y: what they have more than surfaces carried along (`Carrier`), (n,): small in a large domain.
         U: velocities of bodies, (N, 3).
         F: loads on them less their inertia, those that hold them too, (N, 3): minus those of the fluid.
-        multipliers: of the constraints of narrow necks, (t,): minus the pressures that drive fluxes through
-            them, and the forces that part their surfaces.
+        multipliers: of the constraints of narrow necks, (t,): of each minus the pressure that drives the flux
+            through it, then minus the force that parts its surfaces.
         reactions: mu K x + B^T p with the mean flow, (n,): the power that a unit of each number takes.
         dissipation: in the fluid, mu x^T K x with the mean flow.
         checks: relative defects: residual, power, momentum.
