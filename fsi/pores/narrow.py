@@ -28,8 +28,8 @@ from fsi.pores.regions import NEXT, OTHER, PoreShapes
 from fsi.pores.surfaces import CONTAINER, WALL
 from fsi.pores.topology import Pores
 
-# Of the gap times half the curvature of both surfaces: of 1800 discs, many of them a little further apart than
-# 1e-3, rounding leaves 3e-8 of the power with that, 2e-10 with this.
+# Of the gap times half the curvature of both surfaces. Rounding leaves of the power of 1800
+# discs, many of them a little further apart than 1e-3, 3e-8 with that limit and 2e-10 with this.
 NARROW = 3e-3
 ZONES = 4  # of a pore: its three strips, and its triangle
 
