@@ -168,7 +168,7 @@ def assemble(pores: Pores, shapes: PoreShapes, modes: Index) -> Assembly:
     fluid = list(_fluid_forms(pores, numbering))
     for forms in fluid:
         add_forms(entries, pattern, forms.disc[:, None], forms.per_area[:, None, None] * forms.K)
-    return Assembly(pattern.matrix(entries), batches, numbering, fluid, _tied(batches, numbering))
+    return Assembly(pattern.matrix(entries), batches, numbering, fluid, _constraints(batches, numbering))
 
 
 class Part(NamedTuple):
@@ -221,14 +221,14 @@ def _rows_of_ties(pores: Pores, numbering: Numbering) -> Index:
     return rows.reshape(-1, 3)
 
 
-def _tied(batches: Sequence[Batch], numbering: Numbering) -> sp.csr_matrix:
+def _constraints(batches: Sequence[Batch], numbering: Numbering) -> sp.csr_matrix:
     """B of all constraints."""
     parts = [(np.empty(0), np.empty(0, np.int64), np.empty(0, np.int64))]
     for batch in batches:
-        row, pore, of = batch.ties
-        rows = np.broadcast_to((row[:, None] + np.arange(TIED))[..., None], of.shape)
-        columns = np.broadcast_to(batch.unknown[pore][:, None], of.shape)
-        parts.append((of.ravel(), rows.ravel(), columns.ravel()))
+        row, pore, coefficients = batch.ties
+        rows = np.broadcast_to((row[:, None] + np.arange(TIED))[..., None], coefficients.shape)
+        columns = np.broadcast_to(batch.unknown[pore][:, None], coefficients.shape)
+        parts.append((coefficients.ravel(), rows.ravel(), columns.ravel()))
     value, rows, columns = (np.concatenate(part) for part in zip(*parts, strict=True))
     shape = (TIED * int(numbering.narrow.sum()), numbering.unknowns)
     B = sp.csr_matrix((value, (rows, columns)), shape=shape)

@@ -53,8 +53,13 @@ class Cholesky:
 
     def residual(self, defect: Array, b: Array) -> float:
         """The largest defect over the largest right side of its column, both scaled."""
-        largest, size = (np.abs((r.T * self._scale).T).max(axis=0, initial=0.0) for r in (defect, b))
-        return float(np.max(largest / (size + _TINY), initial=0.0))
+        return scaled_residual(defect, b, self._scale)
+
+
+def scaled_residual(defect: Array, b: Array, scale: Array) -> float:
+    """The largest defect over the largest right side of its column, both times the scale of rows."""
+    largest, size = (np.abs((r.T * scale).T).max(axis=0, initial=0.0) for r in (defect, b))
+    return float(np.max(largest / (size + _TINY), initial=0.0))
 
 
 def _factors(upper: Any) -> Any:

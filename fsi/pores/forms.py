@@ -132,11 +132,7 @@ def _take_forms(data: Complex, rule: Rule, orders: Orders, work: Work, forms: Po
         for b in range(blocks(ends[3])):
             take_points(points, b * AT_ONCE, work.some)
             take_functions(data[e], orders, Target(work.some, work.room, rates, RATES * AT_ONCE * b))
-        S, B = rates[:shared], rates[shared:]
-        # Whatever X is, this is the dissipation of flows: positive, an upper bound, off by X's error squared.
-        take_off(S, least_bubbles(S, B), B)
-        squares(S, forms.K[e])
-        forms.area[e], forms.least[e] = points[WEIGHT].sum(), points[WEIGHT].min()
+        _put_form(rates[:shared], rates[shared:], points[WEIGHT], e, forms)
 
 
 @compiled
@@ -163,11 +159,16 @@ def _take_narrow_forms(
                 at += RATES * AT_ONCE
             _add_seen(rates[:shared, begin:at], T[e, z], S[:, begin:at])
             first = ends[z]
-        B = rates[shared:]
-        take_off(S, least_bubbles(S, B), B)
-        squares(S, forms.K[e])
-        points = work.points[:, : ends[3]]
-        forms.area[e], forms.least[e] = points[WEIGHT].sum(), points[WEIGHT].min()
+        _put_form(S, rates[shared:], work.points[WEIGHT, : ends[3]], e, forms)
+
+
+@internal
+def _put_form(S: Array, B: Array, weight: Array, e: int, forms: PoreForms) -> None:
+    """The form of pore e, of strain rates S of its numbers and B of its bubbles; S is lost."""
+    # Whatever X is, this is the dissipation of flows: positive, an upper bound, off by X's error squared.
+    take_off(S, least_bubbles(S, B), B)
+    squares(S, forms.K[e])
+    forms.area[e], forms.least[e] = weight.sum(), weight.min()
 
 
 @internal

@@ -40,12 +40,12 @@ class Ties(NamedTuple):
     Attributes:
         row: their numbers, of q; that of v follows, (t,).
         pore: places of the pores in the batch, (t,).
-        of: coefficients of all numbers of the pore, of q and v, (t, TIED, m).
+        coefficients: of all numbers of the pore, in the constraints of q and v, (t, TIED, m).
     """
 
     row: Index
     pore: Index
-    of: Array
+    coefficients: Array
 
 
 def narrow_necks(pores: Pores) -> NDArray[np.bool_]:

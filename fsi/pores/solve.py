@@ -199,9 +199,9 @@ def tied(system: PoreSystem, numbers: Callable[[Batch], Array]) -> Array:
     """What numbers of pores, (n, m) of each batch, leave in the constraints of narrow necks, (t,)."""
     found = np.zeros(system.assembly.ties.shape[0])
     for batch in system.assembly.batches:
-        row, pore, of = batch.ties
+        row, pore, B = batch.ties
         if len(row):
-            found[row[:, None] + np.arange(TIED)] = np.einsum("tij,tj->ti", of, numbers(batch)[pore])
+            found[row[:, None] + np.arange(TIED)] = np.einsum("tij,tj->ti", B, numbers(batch)[pore])
     return found
 
 

@@ -19,7 +19,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
-from fsi.pores.definite import Cholesky
+from fsi.pores.definite import Cholesky, scaled_residual
 
 # kappa of constraints of unit length, for K of unit diagonal: with 1e5 and more rounding takes iterations.
 _AUGMENTED = 1e4
@@ -62,8 +62,7 @@ class TiedFactors:
 
     def residual(self, defect: Array, b: Array) -> float:
         """The largest defect over the largest right side of its column, both scaled."""
-        largest, size = (np.abs((r.T * self._scale).T).max(axis=0, initial=0.0) for r in (defect, b))
-        return float(np.max(largest / (size + _TINY), initial=0.0))
+        return scaled_residual(defect, b, self._scale)
 
     def _times(self, z: Array) -> Array:
         of_free, p = self._parts(z)
