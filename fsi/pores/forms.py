@@ -12,16 +12,20 @@ from typing import NamedTuple
 import numpy as np
 
 from fsi.bodies.configuration import Array
-from fsi.machine.compiled import compiled, inlined, internal
-from fsi.pores.elimination import least_bubbles, squares, take_off
-from fsi.pores.jets import AT_ONCE
+from fsi.machine.compiled import compiled, inlined, internal, vectorised
+from fsi.pores.elimination import least_bubbles
+from fsi.pores.jets import AT_ONCE, aligned
 from fsi.pores.narrow import ZONES, seen_from_necks
 from fsi.pores.orders import Orders
 from fsi.pores.pore_data import Complex, pore_data
+from fsi.pores.products import squares, take_off
 from fsi.pores.quadrature import ROOT, ROWS, WEIGHT, Points, Rule, fill_pore, most_points, pore_points
 from fsi.pores.regions import PoreShapes
 from fsi.pores.target import JETS, RATES, Target
 from fsi.pores.trial import room_for, take_functions
+
+# Numbers that a processor multiplies at once, of both rates: of points so many stay that fill up AT_ONCE.
+_SIDE_BY_SIDE = 4
 
 
 class PoreForms(NamedTuple):
@@ -104,6 +108,7 @@ class Work(NamedTuple):
         points: its points, (ROWS, .).
         some: AT_ONCE of them.
         out: what comes out of all functions, as in `Target`.
+        seen: what comes out of numbers, as `out`, beside narrow necks.
         room: to make them.
         total: how many functions there are.
     """
@@ -111,14 +116,19 @@ class Work(NamedTuple):
     points: Array
     some: Array
     out: Array
+    seen: Array
     room: Array
     total: int
 
     @staticmethod
     def of(points: int, numbers: int, orders: Orders) -> "Work":
         """Room for so many points and these numbers at each, of functions of these orders."""
-        out = np.empty(orders.total * numbers * (points + AT_ONCE))
-        return Work(np.empty((ROWS, points)), np.empty(ROWS * AT_ONCE), out, room_for(orders), orders.total)
+        width, some = numbers * (points + AT_ONCE), aligned(ROWS * AT_ONCE)
+        out, seen = (
+            aligned(orders.total * width),
+            aligned(orders.numbers * width if any(orders.narrow) else 0),
+        )
+        return Work(np.empty((ROWS, points)), some, out, seen, room_for(orders), orders.total)
 
 
 @compiled
@@ -132,7 +142,8 @@ def _take_forms(data: Complex, rule: Rule, orders: Orders, work: Work, forms: Po
         for b in range(blocks(ends[3])):
             take_points(points, b * AT_ONCE, work.some)
             take_functions(data[e], orders, Target(work.some, work.room, rates, RATES * AT_ONCE * b))
-        _put_form(rates[:shared], rates[shared:], points[WEIGHT], e, forms)
+        end = _closed_up(rates, width, ends[3])
+        _put_form((rates[:shared], rates[shared:], end), points[WEIGHT], e, forms)
 
 
 @compiled
@@ -144,40 +155,55 @@ def _take_narrow_forms(
     shared, numbers = T.shape[2], T.shape[3]
     for e in range(len(data)):
         fill_pore(data[e, ZONES - 1], rule, work.points, ends)
-        width, first, at = 0, 0, 0
+        width, first = 0, 0
         for z in range(ZONES):
             width += RATES * AT_ONCE * blocks(ends[z] - first)
             first = ends[z]
         rates = work.out[: work.total * width].reshape((work.total, width))
-        S = np.zeros((numbers, width))
-        first = 0
+        S = work.seen[: numbers * width].reshape((numbers, width))
+        first, end = 0, 0
         for z in range(ZONES):
-            points, begin = work.points[:, first : ends[z]], at
+            points, begin = work.points[:, first : ends[z]], end
             for b in range(blocks(ends[z] - first)):
                 take_points(points, b * AT_ONCE, work.some)
-                take_functions(data[e, z], orders, Target(work.some, work.room, rates, at))
-                at += RATES * AT_ONCE
-            _add_seen(rates[:shared, begin:at], T[e, z], S[:, begin:at])
+                take_functions(data[e, z], orders, Target(work.some, work.room, rates, end))
+                end += RATES * AT_ONCE
+            end = _closed_up(rates, end, ends[z] - first)
+            _take_seen(rates[:shared], T[e, z], S, (begin, end))
             first = ends[z]
-        _put_form(S, rates[shared:], work.points[WEIGHT, : ends[3]], e, forms)
+        _put_form((S, rates[shared:], end), work.points[WEIGHT, : ends[3]], e, forms)
 
 
 @internal
-def _put_form(S: Array, B: Array, weight: Array, e: int, forms: PoreForms) -> None:
-    """The form of pore e, of strain rates S of its numbers and B of its bubbles; S is lost."""
+def _closed_up(rates: Array, end: int, points: int) -> int:
+    """Where rates of so many points end that ended there, once numbers of none at the end are left out."""
+    none = (AT_ONCE * blocks(points) - points) // _SIDE_BY_SIDE * _SIDE_BY_SIDE
+    if none > 0:
+        for f in range(len(rates)):
+            for w in range(AT_ONCE - none):
+                rates[f, end - AT_ONCE - none + w] = rates[f, end - AT_ONCE + w]
+    return end - RATES * none
+
+
+@internal
+def _put_form(rates: tuple[Array, Array, int], weight: Array, e: int, forms: PoreForms) -> None:
+    """The form of pore e, of strain rates S of its numbers and B of its bubbles, up to an end; S is lost."""
+    S, B, end = rates
     # Whatever X is, this is the dissipation of flows: positive, an upper bound, off by X's error squared.
-    take_off(S, least_bubbles(S, B), B)
-    squares(S, forms.K[e])
+    take_off(S, least_bubbles(S, B, end), B, end)
+    squares(S, forms.K[e], end)
     forms.area[e], forms.least[e] = weight.sum(), weight.min()
 
 
-@internal
-def _add_seen(rates: Array, T: Array, S: Array) -> None:
-    """Add T^T times the rates of functions to those of numbers."""
-    for f in range(len(rates)):
-        for k in range(len(S)):
+@vectorised
+def _take_seen(rates: Array, T: Array, S: Array, place: tuple[int, int]) -> None:
+    """The rates of numbers in this place: T^T times those of functions."""
+    for k in range(len(S)):
+        for p in range(place[0], place[1]):
+            S[k, p] = 0.0
+        for f in range(len(rates)):
             if T[f, k] != 0.0:
-                for p in range(rates.shape[1]):
+                for p in range(place[0], place[1]):
                     S[k, p] += T[f, k] * rates[f, p]
 
 
@@ -186,7 +212,7 @@ def _take_bubbles(rates: Array, x: Array, numbers: Array) -> None:
     """x and the numbers of bubbles."""
     shared = x.shape[1]
     for e in range(len(x)):
-        X = least_bubbles(rates[e, :shared], rates[e, shared:])
+        X = least_bubbles(rates[e, :shared], rates[e, shared:], rates.shape[2])
         numbers[e, :shared] = x[e]
         for b in range(len(X)):
             numbers[e, shared + b] = -(X[b] * x[e]).sum()
