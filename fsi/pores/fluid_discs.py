@@ -8,6 +8,7 @@ and by smaller ones towards the bodies.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +51,23 @@ class Wide:
     share: float = 0.55
 
 
+class Circles(NamedTuple):
+    """The circles in pores, next to their bodies there.
+
+    One is asked for where a body lies across the opposite neck, or where the pore is flat, if that counts:
+    then it is one near that neck, but beside containers.
+
+    Attributes:
+        centre: nan for none, (T, 2).
+        radius: nan for none, (T,).
+        asked: the radius that one must have to stand where it is asked for, else infinite, (T,).
+    """
+
+    centre: Array
+    radius: Array
+    asked: Array
+
+
 def pores_without_wide(surfaces: BoundingSurfaces) -> Pores:
     """The pores between these surfaces and fluid discs. Raises NoPoresError: there are none."""
     return pores_of(*_with_fluid_discs(surfaces, Wide()))
@@ -67,7 +85,7 @@ def _with_fluid_discs(surfaces: BoundingSurfaces, wide: Wide) -> tuple[BoundingS
     """The same, and their pores, linked as from the first; some may stay flat (see `Level.finer_rule`)."""
     surfaces, links = _without_wide(_surrounded(surfaces, wide.share), wide)
     for _ in range(_ROUNDS_OF_FLAT):
-        more, _ = _more(surfaces, links, wide, flat=True)
+        more, _, _ = _more(surfaces, links, circles_in_pores(surfaces.shapes(), links, flat=True), wide)
         if more is surfaces:
             break
         surfaces, links = _without_wide(more, wide)
@@ -94,8 +112,9 @@ def _filled(surfaces: BoundingSurfaces, wide: Wide) -> tuple[BoundingSurfaces, L
     if not apart.all():
         surfaces = surfaces.only(apart)
         links = linked(surfaces)
+    circles = circles_in_pores(surfaces.shapes(), links, flat=False)
     for _ in range(_ROUNDS):
-        more, links = _more(surfaces, links, wide, flat=False)
+        more, links, circles = _more(surfaces, links, circles, wide)
         if more is surfaces:
             break
         surfaces = more
@@ -103,19 +122,21 @@ def _filled(surfaces: BoundingSurfaces, wide: Wide) -> tuple[BoundingSurfaces, L
 
 
 def _more(
-    surfaces: BoundingSurfaces, links: Links, wide: Wide, *, flat: bool
-) -> tuple[BoundingSurfaces, Links]:
-    """With fluid discs in wide pores that share none, if asked for in flat ones too; the same if none is."""
-    circles, asked = circles_in_pores(surfaces.shapes(), links, flat)
-    circles[:, 2] = np.minimum(circles[:, 2], _touches_its_images(surfaces.periods))
-    least = np.where(np.isfinite(asked), asked, _wide_from(surfaces, links, wide))
-    wanted = np.flatnonzero(circles[:, 2] > least)
-    wanted = wanted[np.argsort(-circles[wanted, 2], kind="stable")]
-    pores, radius = separate(surfaces.shapes(), links, wanted, np.column_stack([circles, least]))
+    surfaces: BoundingSurfaces, links: Links, circles: Circles, wide: Wide
+) -> tuple[BoundingSurfaces, Links, Circles]:
+    """With fluid discs in wide pores, and where they are asked for, that share none; the same if none is."""
+    radius = np.minimum(circles.radius, _touches_its_images(surfaces.periods))
+    least = np.where(np.isfinite(circles.asked), circles.asked, _wide_from(surfaces, links, wide))
+    wanted = np.flatnonzero(radius > least)
+    wanted = wanted[np.argsort(-radius[wanted], kind="stable")]
+    pores, radius = separate(
+        surfaces.shapes(), links, wanted, np.column_stack([circles.centre, radius, least])
+    )
     if len(pores) == 0:
-        return surfaces, links
-    surfaces = surfaces.with_fluid(circles[pores, :2], wide.share * radius)
-    return surfaces, with_more_discs(surfaces, links, pores)
+        return surfaces, links, circles
+    surfaces = surfaces.with_fluid(circles.centre[pores], wide.share * radius)
+    links, kept = with_more_discs(surfaces, links, pores)
+    return surfaces, links, _renewed(surfaces.shapes(), links, circles, kept)
 
 
 def _touches_its_images(periods: Array) -> float:
@@ -162,31 +183,51 @@ def _wide_from(surfaces: BoundingSurfaces, links: Links, wide: Wide) -> Array:
 
 
 @compiled
-def circles_in_pores(shapes: Shapes, links: Links, flat: bool) -> tuple[Array, Array]:
-    """Centre and radius of the circle in each pore, next to its bodies there, nan for none, (T, 3).
-
-    One is asked for, if its radius is more than the other number, (T,), not infinite there, where a body lies
-    across the opposite neck, or where the pore is flat, if that counts: then it is one near that neck, but
-    beside containers.
-    """
-    circles, asked = np.empty((len(links.body), 3)), np.full(len(links.body), np.inf)
+def circles_in_pores(shapes: Shapes, links: Links, flat: bool) -> Circles:
+    """Those of all pores, with circles asked for in flat ones if that counts."""
+    circles = _no_circles(len(links.body))
     for t in range(len(links.body)):
-        a, b, c = corner(shapes, links, t, 0), corner(shapes, links, t, 1), corner(shapes, links, t, 2)
-        circle = inscribed(shapes, a, b, c)
-        for _ in range(3):
-            a, b, c = b, c, a
-            if clearance(shapes, c, a, b) <= 0.0:
-                circle, asked[t] = _beyond_neck(shapes, links, t, (a, b, c)), 0.0
-            elif flat and is_flat(shapes, c, a, b):
-                asked[t] = 0.0
-                if shapes.kind[c[0]] != CONTAINER:
-                    circle = _on_neck(shapes, links, t, (a, b))
-                if shapes.kind[c[0]] == DISC:
-                    beyond = _beyond_neck(shapes, links, t, (a, b, c))
-                    circle = beyond if beyond[2] > circle[2] else circle
-                    asked[t] = _LEAST * length_of(shapes, a, b)
-        circles[t, 0], circles[t, 1], circles[t, 2] = circle
-    return circles, asked
+        _take_circle(shapes, links, t, flat, circles)
+    return circles
+
+
+@compiled
+def _renewed(shapes: Shapes, links: Links, known: Circles, kept: NDArray[np.bool_]) -> Circles:
+    """Those of all pores, (T,), flat or not, of which the first have known ones, some of these kept."""
+    circles = _no_circles(len(links.body))
+    for t in range(len(links.body)):
+        if t < len(kept) and kept[t] and known.asked[t] == np.inf:  # it depends on its own bodies alone
+            circles.centre[t, 0], circles.centre[t, 1] = known.centre[t, 0], known.centre[t, 1]
+            circles.radius[t] = known.radius[t]
+        else:
+            _take_circle(shapes, links, t, False, circles)
+    return circles
+
+
+@internal
+def _no_circles(pores: int) -> Circles:
+    """Room for those of so many pores; none is asked for."""
+    return Circles(np.empty((pores, 2)), np.empty(pores), np.full(pores, np.inf))
+
+
+@internal
+def _take_circle(shapes: Shapes, links: Links, t: int, flat: bool, circles: Circles) -> None:
+    """Find the circle in pore t, and whether it is asked for."""
+    a, b, c = corner(shapes, links, t, 0), corner(shapes, links, t, 1), corner(shapes, links, t, 2)
+    circle = inscribed(shapes, a, b, c)
+    for _ in range(3):
+        a, b, c = b, c, a
+        if clearance(shapes, c, a, b) <= 0.0:
+            circle, circles.asked[t] = _beyond_neck(shapes, links, t, (a, b, c)), 0.0
+        elif flat and is_flat(shapes, c, a, b):
+            circles.asked[t] = 0.0
+            if shapes.kind[c[0]] != CONTAINER:
+                circle = _on_neck(shapes, links, t, (a, b))
+            if shapes.kind[c[0]] == DISC:
+                beyond = _beyond_neck(shapes, links, t, (a, b, c))
+                circle = beyond if beyond[2] > circle[2] else circle
+                circles.asked[t] = _LEAST * length_of(shapes, a, b)
+    circles.centre[t, 0], circles.centre[t, 1], circles.radius[t] = circle
 
 
 @internal

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.machine.compiled import compiled, internal
-from fsi.pores.links import Corner, Links, across, cross, flip, turn
+from fsi.pores.links import Corner, Links, across, corner, cross, flip, turn
 from fsi.pores.surfaces import CONTAINER, DISC, WALL, Array, Bodies, Shapes
 
 CLEAR = 0.3  # radii between a body and a neck opposite, which a flip may bring about
@@ -62,8 +62,14 @@ def inscribed(shapes: Shapes, a: Corner, b: Corner, c: Corner) -> tuple[float, f
 
 @internal
 def conflict(shapes: Shapes, a: Corner, b: Corner, c: Corner, d: Corner) -> float:
-    """Distance of d from the inscribed circle of a, b, c over its radius; -inf where there is none."""
-    x, y, rho = inscribed(shapes, a, b, c)
+    """Distance of d from the inscribed circle of a, b, c over its radius, as by `_from_circle`."""
+    return _from_circle(shapes, inscribed(shapes, a, b, c), d)
+
+
+@internal
+def _from_circle(shapes: Shapes, circle: tuple[float, float, float], d: Corner) -> float:
+    """Distance of d from a circle over its radius; -inf where there is none."""
+    x, y, rho = circle
     return distance(shapes, x, y, d) / rho - 1.0 if rho > 0.0 else -np.inf
 
 
@@ -158,16 +164,15 @@ def narrowest(shapes: Shapes, a: Corner, b: Corner, c: Corner) -> float:
 
 
 @internal
-def _urgency(shapes: Shapes, links: Links, t: int, k: int) -> float:
-    """What side k of pore t asks for a flip by, the less the sooner; infinite where it should stay.
+def _urgency(shapes: Shapes, links: Links, h: int, before: float, worst: float) -> float:
+    """What side h of a pore asks for a flip by, the less the sooner; infinite where it should stay.
 
-    It asks for one where a body is too near to a neck, or in the inscribed circle of its neighbour.
+    It asks for one where a body is too near to a neck of its two pores, or in the inscribed circle of its
+    neighbour: their least clearance, and the least distance from a circle over its radius, are given.
     """
-    c, a, b, d = across(shapes, links, t, k)
-    before = min(narrowest(shapes, c, a, b), narrowest(shapes, d, b, a))
-    worst = min(conflict(shapes, c, a, b, d), conflict(shapes, d, b, a, c))
     if before >= CLEAR and worst >= -_EQUAL:
         return np.inf
+    c, a, b, d = across(shapes, links, h // 3, h % 3)
     if turn(shapes, c, a, d) <= 0.0 or turn(shapes, d, b, c) <= 0.0:
         return np.inf
     after = min(narrowest(shapes, c, a, d), narrowest(shapes, d, b, c))
@@ -202,13 +207,33 @@ def _flip_apart(shapes: Shapes, links: Links, sides: Bodies, last: Bodies) -> No
 def _pending(shapes: Shapes, links: Links, last: Bodies, count: int) -> tuple[Bodies, Array]:
     """The sides of pores flipped in round `count` that ask for a flip, and their urgency."""
     sides, urgency = np.empty(len(links.twin) // 2, np.int64), np.empty(len(links.twin) // 2)
+    known, seen = np.zeros(len(links.body), np.bool_), np.empty((len(links.body), 4))
     n = 0
     for h in range(len(links.twin)):
         twin = links.twin[h]
         t, u = h // 3, twin // 3
         if h < twin and t != u and max(last[t], last[u]) == count:
-            wish = _urgency(shapes, links, t, h % 3)
+            for pore in (t, u):
+                if not known[pore]:
+                    known[pore] = True
+                    _see(shapes, links, pore, seen[pore])
+            worst = min(_beyond(shapes, links, h, seen[t]), _beyond(shapes, links, twin, seen[u]))
+            wish = _urgency(shapes, links, h, min(seen[t, 3], seen[u, 3]), worst)
             if wish < np.inf:
                 sides[n], urgency[n] = h, wish
                 n += 1
     return sides[:n], urgency[:n]
+
+
+@internal
+def _see(shapes: Shapes, links: Links, t: int, seen: Array) -> None:
+    """Centre and radius of the circle in pore t, and its smallest clearance."""
+    a, b, c = corner(shapes, links, t, 0), corner(shapes, links, t, 1), corner(shapes, links, t, 2)
+    seen[0], seen[1], seen[2] = inscribed(shapes, a, b, c)
+    seen[3] = narrowest(shapes, a, b, c)
+
+
+@internal
+def _beyond(shapes: Shapes, links: Links, h: int, circle: Array) -> float:
+    """Distance of what is beyond side h from the circle in its pore, as by `conflict`."""
+    return _from_circle(shapes, (circle[0], circle[1], circle[2]), across(shapes, links, h // 3, h % 3)[3])

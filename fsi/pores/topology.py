@@ -23,6 +23,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fsi.machine.compiled import compiled
 from fsi.pores.links import Links, corner, turn
@@ -124,8 +125,13 @@ def linked(surfaces: BoundingSurfaces) -> Links:
     return links
 
 
-def with_more_discs(surfaces: BoundingSurfaces, links: Links, near: Bodies) -> Links:
-    """The pores once the last discs of `surfaces` are put into these, each near a pore of these, (n,)."""
+def with_more_discs(
+    surfaces: BoundingSurfaces, links: Links, near: Bodies
+) -> tuple[Links, NDArray[np.bool_]]:
+    """The pores once the last discs of `surfaces` are put into these, each near a pore of these, (n,).
+
+    Besides, which of the T pores are as before, (T,).
+    """
     n, T = len(near), len(links.body)
     first = surfaces.discs - n
     room = (2 * n, 2 * n, 6 * n)
@@ -137,7 +143,8 @@ def with_more_discs(surfaces: BoundingSurfaces, links: Links, near: Bodies) -> L
     discs = np.column_stack([np.arange(first, first + n), np.zeros((n, 2), np.int64)])
     insert(shapes, more, T, discs, near)
     improve(shapes, more, (more.body != before).any(axis=1))
-    return more
+    same = (more.body[:T] == before[:T]).all(axis=1) & (more.image[:T] == links.image).all(axis=(1, 2))
+    return more, same
 
 
 def numbered(surfaces: BoundingSurfaces, links: Links) -> Pores:

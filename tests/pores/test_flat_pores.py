@@ -87,8 +87,8 @@ def test_points_miss_little_of_the_dissipation(surfaces: BoundingSurfaces, bound
 @pytest.mark.parametrize("surfaces", [BOX, NARROW_BOX, ROUND, CHANNEL])
 def test_no_pore_asks_for_a_circle_in_the_end(surfaces: BoundingSurfaces) -> None:
     pores = pores_without_wide(surfaces)
-    _, asked = circles_in_pores(pores.surfaces.shapes(), linked(pores.surfaces), flat=True)
-    assert np.isinf(asked).all()
+    circles = circles_in_pores(pores.surfaces.shapes(), linked(pores.surfaces), flat=True)
+    assert np.isinf(circles.asked).all()
 
 
 def test_beside_a_disc_that_nearly_fills_its_container_flows_are_those_of_elements() -> None:

@@ -17,11 +17,11 @@ from tests.pores.test_topology import require_tiling
 def require_narrow(surfaces: BoundingSurfaces) -> None:
     """No inscribed circle beside a body is larger than `Wide` says but where bodies reach into it."""
     links, wide = linked(surfaces), Wide()
-    circles, asked = circles_in_pores(surfaces.shapes(), links, flat=False)
+    circles = circles_in_pores(surfaces.shapes(), links, flat=False)
     body = (surfaces.kind[links.body] == DISC) & ~surfaces.fluid[links.body]
     smallest = np.where(body, surfaces.radius[links.body], np.inf).min(axis=1)
-    assert np.nanmax(circles[:, 2] / smallest, initial=0.0) <= 2.0 * wide.least
-    assert np.isinf(asked).all()  # no body lies across a neck
+    assert np.nanmax(circles.radius / smallest, initial=0.0) <= 2.0 * wide.least
+    assert np.isinf(circles.asked).all()  # no body lies across a neck
 
 
 def test_a_void_between_two_walls_is_filled() -> None:
