@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fsi.bodies.configuration import Array
-from fsi.machine.compiled import compiled, internal
+from fsi.machine.compiled import compiled, internal, vectorised
 from fsi.pores.assembly import Batch
 from fsi.pores.forms import applied
 from fsi.pores.orders import numbers_of
@@ -98,16 +98,24 @@ class Seen(NamedTuple):
 @compiled
 def add_products(found: Array, y: Array, pores: Seen, K: Array) -> None:
     """Add what K (n, m, m) makes of the numbers y of pores to `found`."""
-    q = np.empty(pores.unknown.shape[1])
+    q, Kq = np.empty(pores.unknown.shape[1]), np.empty(pores.unknown.shape[1])
     for e in range(len(pores.unknown)):
         for i in range(len(q)):
             q[i] = y[pores.unknown[e, i]]
         _rest(q, pores.places, pores.reference[e], pores.size[e])
+        _times(K[e], q, Kq)
         for i in range(len(q)):
-            total = 0.0
-            for j in range(len(q)):
-                total += K[e, i, j] * q[j]
-            found[pores.unknown[e, i]] += total
+            found[pores.unknown[e, i]] += Kq[i]
+
+
+@vectorised
+def _times(K: Array, q: Array, Kq: Array) -> None:
+    """K q of one pore."""
+    for i in range(len(q)):
+        total = 0.0
+        for j in range(len(q)):
+            total += K[i, j] * q[j]
+        Kq[i] = total
 
 
 @internal

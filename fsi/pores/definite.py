@@ -28,7 +28,8 @@ class Cholesky:
 
         Raises SolveError: it is not positive definite.
         """
-        diagonal = lower.diagonal() if D is None else lower.diagonal() + D
+        diagonal = _diagonal(lower.indptr, lower.indices, lower.data)
+        diagonal += 0.0 if D is None else D
         if not np.all(diagonal[free] > 0.0):
             raise SolveError("pores: the motion is not determined: a free body meets no fluid")
         scale = np.zeros(len(free))
@@ -74,6 +75,17 @@ def _factors(upper: Any) -> Any:
             continue
         return factors
     raise SolveError("pores: the dissipation is not positive: do bodies overlap?")
+
+
+@compiled
+def _diagonal(indptr: Short, indices: Short, data: Array) -> Array:
+    """The diagonal of a lower triangle, with which rows end where it is not 0, (n,)."""
+    diagonal = np.zeros(len(indptr) - 1)
+    for i in range(len(diagonal)):
+        last = indptr[i + 1] - 1
+        if last >= indptr[i] and indices[last] == i:
+            diagonal[i] = data[last]
+    return diagonal
 
 
 @compiled
