@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
-from fsi.pores.fluid_discs import Wide, circles_in_pores, pores_without_wide, with_fluid_discs
-from fsi.pores.surfaces import DISC, BoundingSurfaces
+from fsi.pores import fluid_discs
+from fsi.pores.fluid_discs import Circles, Wide, circles_in_pores, pores_without_wide, with_fluid_discs
+from fsi.pores.links import Links
+from fsi.pores.surfaces import DISC, BoundingSurfaces, Shapes
 from fsi.pores.topology import linked, triangulate
 from tests.packings import in_box, in_cell, in_channel, in_container, in_square, scattered
 from tests.pores.test_topology import require_tiling
@@ -119,3 +122,36 @@ def test_pores_of_the_last_round_are_those_made_anew() -> None:
     assert kept.surfaces.fluid.any()
     for name in ("necks", "neck_image", "neck_gap", "vertices", "image", "sides"):
         np.testing.assert_array_equal(getattr(kept, name), getattr(anew, name))
+
+
+CELL = np.array([[4.0, 0.0], [1.7125, 7.5018]])
+HIGH_CELL = np.array([[4.0, 0.0], [0.1365, 10.574]])
+FIVE = np.array([[0.96, 2.88], [3.41, 1.48], [3.7, 1.17], [3.68, 2.78], [1.88, 1.56]])
+
+
+@pytest.mark.parametrize(
+    "surfaces",
+    [
+        in_box(FIVE, np.array([0.021, 0.085, 0.205, 0.301, 0.027]), 4.0, 4.0),
+        in_box(np.array([[3.05, 1.33], [3.44, 2.32], [1.8, 1.4]]), np.array([0.561, 0.024, 0.618]), 4.0, 4.0),
+        in_cell(np.array([[0.86, 2.12], [0.15, 2.69]]), np.array([0.569, 0.239]), CELL),
+        in_cell(np.array([[0.91, 0.09], [3.31, 0.62]]), np.array([0.428, 0.138]), HIGH_CELL),
+    ],
+)
+def test_circles_that_are_kept_are_those_found_anew(
+    surfaces: BoundingSurfaces, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where discs lie across necks, and where pores meet the same discs in other places after flips."""
+    renewed, rounds = fluid_discs._renewed, list[int]()
+
+    def checked(shapes: Shapes, links: Links, known: Circles, kept: NDArray[np.bool_]) -> Circles:
+        circles = renewed(shapes, links, known, kept)
+        for one, other in zip(circles, circles_in_pores(shapes, links, flat=False), strict=True):
+            assert np.array_equal(one, other, equal_nan=True)
+        rounds.append(np.count_nonzero(kept))
+        return circles
+
+    monkeypatch.setattr(fluid_discs, "_renewed", checked)
+    with_fluid_discs(surfaces)
+    assert len(rounds) > 2
+    assert min(rounds[1:]) > 0
