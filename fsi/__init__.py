@@ -6,6 +6,7 @@ What a Python user needs stands here, from `fsi.api`: `load_case`, `make_case`, 
 
 from typing import Any
 
+import fsi.machine.kernels as _kernels  # noqa: F401  before libraries: it tells them which to take
 import fsi.machine.threads as _threads  # noqa: F401  before NumPy: it sets the number of threads
 
 __all__ = [

@@ -148,7 +148,7 @@ def test_circles_that_are_kept_are_those_found_anew(
         circles = renewed(shapes, links, known, kept)
         for one, other in zip(circles, circles_in_pores(shapes, links, flat=False), strict=True):
             assert np.array_equal(one, other, equal_nan=True)
-        rounds.append(np.count_nonzero(kept))
+        rounds.append(int(np.count_nonzero(kept)))
         return circles
 
     monkeypatch.setattr(fluid_discs, "_renewed", checked)
