@@ -1,7 +1,7 @@
 """Which kernels OpenBLAS multiplies with: those of this processor, also where a library is older than it.
 
-NumPy, SciPy, PETSc and CVXOPT bring an OpenBLAS each, and each asks who made the processor. CVXOPT's, of
-2021, does not know those made since, and falls back to kernels of 2007: Cholesky's factors take twice as long.
+NumPy, SciPy, PETSc and CVXOPT bring an OpenBLAS each, and each asks who made the processor. That of CVXOPT,
+of 2021, does not know those made since, and takes kernels of 2007: Cholesky's factors take twice as long.
 """
 
 import os
