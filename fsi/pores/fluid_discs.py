@@ -124,7 +124,10 @@ def _filled(surfaces: BoundingSurfaces, wide: Wide) -> tuple[BoundingSurfaces, L
 def _more(
     surfaces: BoundingSurfaces, links: Links, circles: Circles, wide: Wide
 ) -> tuple[BoundingSurfaces, Links, Circles]:
-    """With fluid discs in wide pores, and where they are asked for, that share none; the same if none is."""
+    """With fluid discs in wide pores, and where they are asked for, that share none; the same if none is.
+
+    With them their pores, and the circles in these, none asked for in flat ones.
+    """
     radius = np.minimum(circles.radius, _touches_its_images(surfaces.periods))
     least = np.where(np.isfinite(circles.asked), circles.asked, _wide_from(surfaces, links, wide))
     wanted = np.flatnonzero(radius > least)

@@ -123,11 +123,8 @@ class Work(NamedTuple):
     @staticmethod
     def of(points: int, numbers: int, orders: Orders) -> "Work":
         """Room for so many points and these numbers at each, of functions of these orders."""
-        width, some = numbers * (points + AT_ONCE), aligned(ROWS * AT_ONCE)
-        out, seen = (
-            aligned(orders.total * width),
-            aligned(orders.numbers * width if any(orders.narrow) else 0),
-        )
+        width, rows = numbers * (points + AT_ONCE), orders.numbers if any(orders.narrow) else 0
+        out, seen, some = aligned(orders.total * width), aligned(rows * width), aligned(ROWS * AT_ONCE)
         return Work(np.empty((ROWS, points)), some, out, seen, room_for(orders), orders.total)
 
 
