@@ -1,11 +1,15 @@
-"""How what a step frees is kept for the next one."""
+"""Memory: what a step frees is kept for the next one, and where what loops work in begins."""
 
 import ctypes
 import platform
 from functools import cache
 
+import numpy as np
+from numpy.typing import NDArray
+
 # <malloc.h> of glibc
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3
+LINE = 64  # bytes of the cache
 MOST_KEPT, LARGEST = 2**31 - 1, 2**30  # bytes; what exceeds LARGEST still goes back when it is freed
 
 
@@ -20,3 +24,10 @@ def keep_freed() -> None:
         libc = ctypes.CDLL(None)
         libc.mallopt(M_TRIM_THRESHOLD, MOST_KEPT)
         libc.mallopt(M_MMAP_THRESHOLD, LARGEST)
+
+
+def aligned(numbers: int) -> NDArray[np.float64]:
+    """Room for numbers from where a line of the cache begins: several are loaded at once, of one line."""
+    room = np.empty(numbers + LINE // 8)
+    first = -room.ctypes.data % LINE // 8
+    return room[first : first + numbers]

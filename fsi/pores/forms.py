@@ -13,8 +13,9 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.machine.compiled import compiled, inlined, internal, vectorised
+from fsi.machine.heap import aligned
 from fsi.pores.elimination import least_bubbles
-from fsi.pores.jets import AT_ONCE, aligned
+from fsi.pores.jets import AT_ONCE
 from fsi.pores.narrow import ZONES, seen_from_necks
 from fsi.pores.orders import Orders
 from fsi.pores.pore_data import Complex, pore_data

@@ -12,10 +12,9 @@ numbers one after the other AT_ONCE times each: of known distances a compiler se
 takes several points at once.
 """
 
-import numpy as np
-
 from fsi.bodies.configuration import Array
 from fsi.machine.compiled import inlined, vectorised
+from fsi.machine.heap import aligned
 
 AT_ONCE = 32  # points
 
@@ -25,14 +24,6 @@ type Jet = tuple[float, complex, complex, float]
 def room(functions: int) -> Array:
     """Place for the jets of functions, (functions, 6 AT_ONCE)."""
     return aligned(functions * 6 * AT_ONCE).reshape(functions, 6 * AT_ONCE)
-
-
-def aligned(numbers: int) -> Array:
-    """Room for numbers, from where a line of the cache begins: several are loaded at once, of one line."""
-    line, of_one = 64, 8
-    room = np.empty(numbers + line // of_one)
-    first = -room.ctypes.data % line // of_one
-    return room[first : first + numbers]
 
 
 @inlined

@@ -51,7 +51,7 @@ INLINE Part cell_left(const Cells *c, const Sum *s, int cell, double *room, doub
   if (s->plain[cell])
     return (Part){m, stride, E, room, R};
   constrain(s, cell, n, outer, m, E, stride, R);
-  return (Part){m, m, R, room, R + m * m};
+  return (Part){m, m, R, room, R + m * widened(m)};
 }
 
 /* The lower triangle of n rows, further down: whole vectors are moved, which end within each row. */
@@ -108,7 +108,7 @@ int64_t room_of_groups(const CellLists *c, const Groups *g)
       int64_t needed;
       if (merge < 0) {
         const int64_t m = c->start[g->steps[step] + 1] - c->start[g->steps[step]];
-        needed = ends[last] + of_cell + m * m, last++;
+        needed = ends[last] + of_cell + m * widened(m), last++;
         ends[last] = needed;
       } else {
         const int64_t size = size_of(g, merge), outer = g->outer[merge];

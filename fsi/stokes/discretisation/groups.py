@@ -38,6 +38,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
+from fsi.machine.heap import aligned
 from fsi.stokes.discretisation.loops import Numbers, loops, pointer
 
 LEVELS, FEWEST = 3, 512  # all parts choose so often at most, and only while there are so many of them
@@ -92,7 +93,7 @@ class Groups:
         lib.list_groups(lists, self.structure, *map(pointer, listed))
         self.list = self.list[: self.start[-1]].copy()
         self.factors: Array = np.empty(self.structure.factors[self.structure.merges])
-        self.room: Array = np.empty(lib.room_of_groups(lists, self.structure))
+        self.room: Array = aligned(lib.room_of_groups(lists, self.structure))
 
     def reduce(self, b: Array) -> None:
         """Give the loads b of all unknowns that are not left to those that are, in place."""
