@@ -7,7 +7,8 @@ import pytest
 
 from fsi.bodies.configuration import Motion
 from fsi.case.load import parse_case
-from fsi.pores.fluid_discs import circles_in_pores, pores_without_wide
+from fsi.pores.circles import circles_in_pores
+from fsi.pores.fluid_discs import pores_without_wide
 from fsi.pores.forms import pore_forms
 from fsi.pores.model import PoreModel
 from fsi.pores.quadrature import rule

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from fsi.pores import fluid_discs
-from fsi.pores.fluid_discs import Circles, Wide, circles_in_pores, pores_without_wide, with_fluid_discs
+from fsi.pores.circles import Circles, circles_in_pores, renewed
+from fsi.pores.fluid_discs import Wide, pores_without_wide, with_fluid_discs
 from fsi.pores.links import Links
 from fsi.pores.surfaces import DISC, BoundingSurfaces, Shapes
 from fsi.pores.topology import linked, triangulate
@@ -142,7 +143,7 @@ def test_circles_that_are_kept_are_those_found_anew(
     surfaces: BoundingSurfaces, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Where discs lie across necks, and where pores meet the same discs in other places after flips."""
-    renewed, rounds = fluid_discs._renewed, list[int]()
+    rounds = list[int]()
 
     def checked(shapes: Shapes, links: Links, known: Circles, kept: NDArray[np.bool_]) -> Circles:
         circles = renewed(shapes, links, known, kept)
@@ -151,7 +152,7 @@ def test_circles_that_are_kept_are_those_found_anew(
         rounds.append(int(np.count_nonzero(kept)))
         return circles
 
-    monkeypatch.setattr(fluid_discs, "_renewed", checked)
+    monkeypatch.setattr(fluid_discs, "renewed", checked)
     with_fluid_discs(surfaces)
     assert len(rounds) > 2
     assert min(rounds[1:]) > 0
