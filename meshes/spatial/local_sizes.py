@@ -54,7 +54,7 @@ class LocalSizes:
         self._smallest = np.array([pair.smallest for pair in self._pairs])
         self._longest = np.array([pair.longest for pair in self._pairs])
         self._across = resolution.cells_per_gap
-        self._largest = domain.container.largest_element(resolution.cells_per_circle)
+        self._largest = spacing.largest
         self._width = WIDTH * float(domain.radii.min(initial=domain.container.size()))
         self._near: dict[Key, _Near] = {}
         # Of a plane wall the distance is linear.

@@ -75,13 +75,20 @@ class ClosePair:
 class Spacing:
     """The law of sizes around the bodies of a domain in space; a periodic one has sides and images.
 
-    of: whose images its spheres are, (n,), where it has images.
+    of: whose images its spheres are, (n,), where it has images. parted: whether each cell becomes eight.
     """
 
     domain: FluidDomain
     resolution: Resolution
     sides: Sides | None = None
     of: Integers | None = None
+    parted: bool = False
+
+    @property
+    def largest(self) -> float:
+        """What no cell exceeds, nor half of one that is parted."""
+        times = 2 if self.parted else 1
+        return times * self.domain.container.largest_element(times * self.resolution.cells_per_circle)
 
     @property
     def bodies(self) -> Integers:
@@ -166,7 +173,7 @@ class Spacing:
             along = f"min({LENGTH!r}*sqrt({gap.smallest!r}*abs({d})),{gap.longest!r}*{d})"
             sizes.append(f"max({along},{SHORTEST!r}*{d})/{across!r}")
         sizes += edge_sizes(self.domain, growth)
-        sizes.append(repr(container.largest_element(self.resolution.cells_per_circle)))
+        sizes.append(repr(self.largest))
         field = gmsh.model.mesh.field
         numbers = []
         for expression in sizes:

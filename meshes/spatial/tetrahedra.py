@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import fsi.meshes.backend  # noqa: F401
 
@@ -10,11 +9,10 @@ import gmsh
 import numpy as np
 import scipy  # its modules load when they are used
 
-from fsi.meshes.cells.curved import CurvedCells
-from fsi.meshes.errors import MeshError
+from fsi.meshes.cells.curved import CurvedCells, require_valid
+from fsi.meshes.errors import MeshError, TouchingError
 from fsi.meshes.geometry.container import FluidDomain, lengths
 from fsi.meshes.geometry.curves import Sphere, rescaled
-from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
 from fsi.meshes.planar.triangulate import Indices, StraightCells, gmsh_model, require_boundary
 from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.curved_tetrahedra import RoundSurface, curve_tets
@@ -29,19 +27,23 @@ from fsi.meshes.spatial.gap_prisms import (
 )
 from fsi.meshes.spatial.halved import halved
 from fsi.meshes.spatial.local_sizes import LocalSizes
-from fsi.meshes.spatial.seams import seam_turns
+from fsi.meshes.spatial.refined import is_fine, refined, twice, volumes
 from fsi.meshes.spatial.sides import choose_sides, images, with_bodies
 from fsi.meshes.spatial.sizing import Spacing
+from fsi.meshes.spatial.solids import ON_CURVE, add_fluid, structure
 from fsi.meshes.spatial.untangle import curved_and_valid
 
-OVERLAP = 0.25  # how far a layer's cylinder enters either surface, in radii of the smaller body
-ON_CURVE = 1e-5  # of a layer's radius: where gmsh's intersections lie
 # Elements around a body: what misses more than elements of two degrees tell is made again with smaller ones.
 MENDED_FROM = 14
 TRIANGLE, TETRAHEDRON = 2, 4  # as gmsh calls them
 # Cells. For 250,000 Netgen takes three times as long as all else in gmsh, and a tenth off errors; for fewer
 # it takes less time for each.
 OPTIMISED = 100_000
+# Of the smaller radius: where a gap is narrower, two layers of cells take many times the iterations of one.
+NARROW = 0.01
+
+# Cells, round surfaces by their tags, and of a periodic domain which bodies images are.
+type _Filled = tuple[StraightCells, dict[int, RoundSurface], Indices | None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,19 +89,45 @@ def fill(domain: FluidDomain, resolution: Resolution) -> StraightTetrahedra:
         domain.container.scaled(1.0 / unit), centres, radii, edges=domain.edges, ellipsoids=ellipsoids
     )
     try:
-        spacing, of = Spacing(in_units, resolution), None
-        if len(in_units.container.periods):
-            spacing, of = _opened(spacing)
-        cells, surfaces = _fill(spacing)
+        made = _parted(in_units, resolution) if is_fine(resolution) else None
+        cells, surfaces, of = made or _filled(Spacing(in_units, resolution))
     except MeshError as error:
         raise error.in_units(unit) from error
     mended = resolution.cells_per_circle >= MENDED_FROM
     return StraightTetrahedra(cells, surfaces, mended, unit, of, len(domain.radii))
 
 
-def _opened(spacing: Spacing) -> tuple[Spacing, Indices]:
+def _filled(asked: Spacing) -> _Filled:
+    """Cells of these sizes, those between surfaces halved."""
+    spacing, of = _opened(asked)
+    layers = _layers(spacing)
+    outside = halved(_outside(spacing, layers), spacing.side_tag - 1)
+    return *_completed(outside, spacing, layers), of
+
+
+def _parted(domain: FluidDomain, resolution: Resolution) -> _Filled | None:
+    """The cells of twice the sizes, parted; None where gaps are narrow, or these cells are not valid."""
+    try:
+        spacing, of = _opened(Spacing(domain, twice(resolution), parted=True))
+        layers = _layers(spacing)
+        if any(layer.gap.width(0.0) < NARROW * layer.gap.smallest for layer in layers):
+            return None
+        coarse, surfaces = _completed(_outside(spacing, layers), spacing, layers)
+        curved = curved_and_valid(coarse, surfaces, 2)
+        require_valid(curved.nodes[curved.cells], 2)
+    except TouchingError:
+        raise
+    except MeshError:
+        return None
+    cells = refined(curved)
+    return (cells, surfaces, of) if volumes(cells.vertices, cells.cells).min() > 0.0 else None
+
+
+def _opened(spacing: Spacing) -> tuple[Spacing, Indices | None]:
     """A periodic domain between sides, which have the tag after the last wall's; which bodies images are."""
     domain = spacing.domain
+    if len(domain.container.periods) == 0:
+        return spacing, None
     reach = 0.5 * float(domain.radii.max(initial=0.0))
     anywhere = choose_sides(domain, np.empty((0, 3)), np.empty(0))
     around = replace(spacing, domain=images(domain, anywhere, reach)[0])
@@ -107,19 +135,24 @@ def _opened(spacing: Spacing) -> tuple[Spacing, Indices]:
     middles = np.array([gap.middle() for gap in gaps]).reshape(-1, 3)
     sides = choose_sides(domain, middles, np.array([WIDEST / CLEARANCE * gap.smallest for gap in gaps]))
     every, of = images(domain, sides, reach)
-    return Spacing(every, spacing.resolution, sides, of), of
+    return replace(spacing, domain=every, sides=sides, of=of), of
 
 
-def _fill(spacing: Spacing) -> tuple[StraightCells, dict[int, RoundSurface]]:
-    """The cells of these sizes, valid or not, and round surfaces by their tags."""
+def _layers(spacing: Spacing) -> list[GapPrisms]:
+    """Of prisms, in narrow gaps of spheres."""
+    return [] if spacing.domain.ellipsoids else choose(find_gaps(spacing), spacing)
+
+
+def _completed(
+    cells: StraightCells, spacing: Spacing, layers: Sequence[GapPrisms]
+) -> tuple[StraightCells, dict[int, RoundSurface]]:
+    """The cells with those of the layers, valid or not, and round surfaces by their tags."""
     domain = spacing.domain
-    layers, bodies = list[GapPrisms](), list[RoundSurface](domain.ellipsoids)
+    bodies: list[RoundSurface] = list(domain.ellipsoids)
     if not bodies:
-        layers = choose(find_gaps(spacing), spacing)
         bodies = [Sphere(x, float(a)) for x, a in zip(domain.centres, domain.radii, strict=True)]
     surfaces = enumerate([*bodies, *domain.container.spheres], 1)
     spheres = {tag: sphere for tag, sphere in surfaces if sphere is not None}
-    cells = halved(_outside(spacing, layers), spacing.side_tag - 1)
     if spacing.sides is not None:
         on_sides = np.unique(cells.facets[cells.tags == spacing.side_tag])
         cells = replace(cells, vertices=spacing.sides.matched(cells.vertices, on_sides))
@@ -135,9 +168,9 @@ def _fill(spacing: Spacing) -> tuple[StraightCells, dict[int, RoundSurface]]:
 def _outside(spacing: Spacing, layers: Sequence[GapPrisms]) -> StraightCells:
     """gmsh's cells of the fluid outside the layers of prisms, whose sides have the tag 0."""
     with gmsh_model():
-        _add_fluid(spacing, layers)
+        add_fluid(spacing, layers)
         tied = [] if spacing.sides is None else spacing.sides.tie(gmsh.model)
-        sides = [face for layer in layers for face in _structure(layer)]
+        sides = [face for layer in layers for face in structure(layer)]
         gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
         gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
         gmsh.option.setNumber("Mesh.OptimizeThreshold", 0.5)
@@ -166,76 +199,6 @@ def _apply(spacing: Spacing) -> None:
         spacing.apply()
     else:
         gmsh.model.mesh.setSizeCallback(LocalSizes(spacing))
-
-
-def _add_fluid(spacing: Spacing, layers: Sequence[GapPrisms]) -> None:
-    """The container without the bodies and the cylinders of the layers."""
-    occ, holes, domain = gmsh.model.occ, [], spacing.domain
-    whole = domain.container.solid(occ) if spacing.sides is None else spacing.sides.solid(occ)
-    holes += [(3, _add_ellipsoid(body)) for body in domain.ellipsoids]
-    if not domain.ellipsoids:
-        for x, a, turn in zip(domain.centres, domain.radii, seam_turns(spacing, layers), strict=True):
-            holes.append((3, occ.addSphere(*x, a)))
-            if turn.angle:
-                occ.rotate(holes[-1:], *x, *turn.axis, turn.angle)
-    holes += [(3, _add_cylinder(layer)) for layer in layers]
-    if holes:
-        occ.cut([(3, whole)], holes)
-    occ.synchronize()
-
-
-def _add_ellipsoid(body: PlacedEllipsoid) -> int:
-    """The unit sphere, stretched, turned and moved."""
-    occ = gmsh.model.occ
-    solid, angle = [(3, occ.addSphere(0.0, 0.0, 0.0, 1.0))], float(np.linalg.norm(body.angle))
-    occ.dilate(solid, 0.0, 0.0, 0.0, *body.form.half_axes)
-    if angle > 0.0:
-        occ.rotate(solid, 0.0, 0.0, 0.0, *(body.angle / angle), angle)
-    occ.translate(solid, *body.centre)
-    return int(solid[0][1])
-
-
-def _add_cylinder(layer: GapPrisms) -> int:
-    """The cylinder of a layer, its side in four quarters as gmsh's structured surfaces have four corners."""
-    occ, gap = gmsh.model.occ, layer.gap
-    below, above = (float(height) for height in gap.heights(layer.rho))
-    overlap = OVERLAP * gap.smallest
-    foot = gap.centre + (below - overlap) * gap.along
-    quarters, axes = pairwise(0.5 * np.pi * k for k in range(5)), (list(gap.along), list(gap.frame()[0]))
-    arcs = [occ.addCircle(*foot, layer.rho, -1, start, end, *axes) for start, end in quarters]
-    disc = occ.addPlaneSurface([occ.addCurveLoop(arcs)])
-    occ.synchronize()
-    solid = occ.extrude([(2, disc)], *((above - below + 2.0 * overlap) * gap.along))
-    return next(int(tag) for dimension, tag in solid if dimension == 3)
-
-
-def _structure(layer: GapPrisms) -> list[int]:
-    """One row of triangles on the side of a layer; returns the faces of the side."""
-    gap, segments = layer.gap, {}
-    heights = [float(height) for height in gap.heights(layer.rho)]
-    for _, curve in gmsh.model.getEntities(1):
-        (low,), (high,) = gmsh.model.getParametrizationBounds(1, curve)
-        x = gmsh.model.getValue(1, curve, [low, 0.5 * (low + high), high]).reshape(3, 3) - gap.centre
-        z = x @ gap.along
-        from_axis = lengths(x - z[:, None] * gap.along)
-        if np.abs(from_axis - layer.rho).max() > ON_CURVE * layer.rho:
-            continue
-        if min(abs(z[1] - height) for height in heights) < ON_CURVE * layer.rho:
-            segments[curve] = layer.on_edge // 4
-        elif heights[0] < z[1] < heights[1]:
-            segments[curve] = 1
-    for curve, number in segments.items():
-        gmsh.model.mesh.setTransfiniteCurve(curve, number + 1)
-    sides = []
-    for _, face in gmsh.model.getEntities(2):
-        bounds = {abs(curve) for _, curve in gmsh.model.getBoundary([(2, face)], oriented=False)}
-        if bounds <= set(segments) and 1 in {segments[curve] for curve in bounds}:
-            gmsh.model.mesh.setTransfiniteSurface(face)
-            sides.append(face)
-    if len(sides) != 4:
-        remedy = "raise discretisation.cells_per_gap"
-        raise MeshError(f"the gap at {{}} has no room for its cells; {remedy}", gap.middle())
-    return sides
 
 
 def _read(domain: FluidDomain, sides: Sequence[int], tied: Sequence[int]) -> StraightCells:
@@ -298,6 +261,5 @@ def _with_prisms(cells: StraightCells, layer: GapPrisms, spacing: Spacing) -> St
 
 def _upright(cells: StraightCells) -> Indices:
     """The cells, those with a negative volume mirrored."""
-    a, b, c, d = (cells.vertices[cells.cells[:, k]] for k in range(4))
-    mirrored = np.einsum("td,td->t", np.cross(b - a, c - a), d - a) < 0.0
+    mirrored = volumes(cells.vertices, cells.cells) < 0.0
     return np.where(mirrored[:, None], cells.cells[:, [0, 2, 1, 3]], cells.cells)
