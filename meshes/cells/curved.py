@@ -30,6 +30,7 @@ from fsi.meshes.planar.triangulate import Indices, StraightCells, side_keys
 SIMPLEX = {2: basix.CellType.triangle, 3: basix.CellType.tetrahedron}  # by dimension
 EDGES = ((1, 2), (0, 2), (0, 1))  # local vertices of the local edges, as in basix
 WORST_ACCEPTED = 0.1
+AT_ONCE = 1000  # cells whose determinants are found together, so that they stay in the processor's cache
 ON_OUTLINE = 1e-9  # of its radius: what is nearer stands on an outline
 
 
@@ -226,11 +227,14 @@ def scaled_jacobian(x: Array, order: int) -> Array:
     of the cells are in the order of basix, shape (T, nodes, dimension).
     """
     derivatives, to_bezier = _tables(order, x.shape[2])
-    # Cells come last, so that what is done for all of them is done along memory.
-    J = np.tensordot(derivatives, np.ascontiguousarray(x.transpose(1, 2, 0)), axes=1)  # (a, q, d, cell)
-    bezier = np.tensordot(to_bezier, determinant(J.transpose(1, 3, 2, 0)), axes=1)
-    largest = np.abs(bezier).max(axis=0)
-    ratio: Array = bezier.min(axis=0) / np.maximum(largest, np.finfo(float).tiny)
+    ratio = np.empty(len(x))
+    for first in range(0, len(x), AT_ONCE):
+        some = slice(first, first + AT_ONCE)
+        # Cells come last, so that what is done for all of them is done along memory.
+        J = np.tensordot(derivatives, np.ascontiguousarray(x[some].transpose(1, 2, 0)), axes=1)
+        bezier = np.tensordot(to_bezier, determinant(J.transpose(1, 3, 2, 0)), axes=1)
+        largest = np.abs(bezier).max(axis=0)
+        ratio[some] = bezier.min(axis=0) / np.maximum(largest, np.finfo(float).tiny)
     return ratio
 
 

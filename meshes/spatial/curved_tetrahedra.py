@@ -60,13 +60,22 @@ def curved_places(straight: StraightCells, spheres: Mapping[int, RoundSurface], 
     parts = [_bent(straight, tag, sphere, order) for tag, sphere in spheres.items() if tag in straight.tags]
     if parts:
         edges, bends, faces, bubbles = (np.concatenate(each) for each in zip(*parts, strict=True))
+        some = bent_cells(straight, spheres)
+        near = tets[some]
         for ij in permutations(range(4), 2):
-            cells, rows = _matches(tets[:, ij], edges)
-            x[cells] += np.einsum("nm,cmd->cnd", _edge_lift(l[:, ij], order), bends[rows])
+            cells, rows = _matches(near[:, ij], edges)
+            x[some[cells]] += np.einsum("nm,cmd->cnd", _edge_lift(l[:, ij], order), bends[rows])
         for ijk in permutations(range(4), 3) if order > 2 else ():
-            cells, rows = _matches(tets[:, ijk], faces)
-            x[cells] += np.einsum("nm,cmd->cnd", _bubbles(l[:, ijk], order), bubbles[rows])
+            cells, rows = _matches(near[:, ijk], faces)
+            x[some[cells]] += np.einsum("nm,cmd->cnd", _bubbles(l[:, ijk], order), bubbles[rows])
     return x
+
+
+def bent_cells(straight: StraightCells, spheres: Mapping[int, RoundSurface]) -> Indices:
+    """The cells with two vertices and more on round surfaces, (b,): all others stay straight."""
+    on = np.zeros(len(straight.vertices), dtype=bool)
+    on[straight.facets[np.isin(straight.tags, list(spheres))]] = True
+    return np.flatnonzero(on[straight.cells].sum(axis=1) >= 2)
 
 
 def _bent(

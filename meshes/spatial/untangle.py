@@ -11,6 +11,7 @@ walls and sides stay where they are; a mesh without bad cells is left as it is.
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import batched
 
 import numpy as np
@@ -19,7 +20,7 @@ from numpy.typing import NDArray
 from fsi.meshes.cells.curved import WORST_ACCEPTED, CurvedCells, scaled_jacobian
 from fsi.meshes.geometry.container import Array, lengths
 from fsi.meshes.planar.triangulate import Indices, StraightCells
-from fsi.meshes.spatial.curved_tetrahedra import RoundSurface, curve_tets, curved_places
+from fsi.meshes.spatial.curved_tetrahedra import RoundSurface, bent_cells, curve_tets, curved_places
 
 WANTED = 2.0 * WORST_ACCEPTED  # of the cells of a mesh that is mended at all
 SWEEPS = 20
@@ -32,8 +33,9 @@ AT_ONCE = 20_000  # cells that are tried together: calls of NumPy take longer th
 
 def curved_and_valid(straight: StraightCells, spheres: Mapping[int, RoundSurface], order: int) -> CurvedCells:
     """`curve_tets`, with vertices moved where cells would not be valid, as far as that helps."""
-    tangle = _Tangle(straight, spheres, order)
-    quality = tangle.quality(straight.vertices, np.arange(len(straight.cells)))
+    tangle, bent = _Tangle(straight, spheres, order), bent_cells(straight, spheres)
+    quality = np.ones(len(straight.cells))
+    quality[bent] = tangle.quality(straight.vertices, bent)
     if not 0 < np.sum(quality <= WORST_ACCEPTED) <= MOST * len(quality):
         return curve_tets(straight, spheres, order)
     vertices, idle = straight.vertices.copy(), 0
@@ -59,24 +61,41 @@ class _Tangle:
     """Cells whose vertices move."""
 
     def __init__(self, straight: StraightCells, spheres: Mapping[int, RoundSurface], order: int) -> None:
-        self.straight, self._spheres, self._order = straight, spheres, order
-        n = len(straight.vertices)
+        """What only vertices that move need is found when the first does."""
+        self.straight, self._spheres, self._order, self._tried = straight, spheres, order, 0
+        self._round = np.isin(straight.tags, list(spheres))
+
+    @cached_property
+    def _surface(self) -> Indices:
+        """The tag of the one surface that a vertex is on; 0: inside, -1: on several."""
+        n, mesh = len(self.straight.vertices), self.straight
         low, high = np.full(n, np.iinfo(np.int64).max), np.zeros(n, dtype=np.int64)
-        corners, tags = straight.facets.ravel(), np.repeat(straight.tags, 3)
+        corners, tags = mesh.facets.ravel(), np.repeat(mesh.tags, 3)
         np.minimum.at(low, corners, tags)
         np.maximum.at(high, corners, tags)
-        # 0: inside; else the tag of the one surface that a vertex is on.
-        self._surface = np.where(low == high, high, 0)
-        self._movable = (high == 0) | np.isin(self._surface, list(spheres))
-        self._by_vertex = np.argsort(straight.cells.ravel(), kind="stable") // 4
-        self._first = np.searchsorted(np.sort(straight.cells.ravel()), np.arange(n + 1))
-        self._round = np.isin(straight.tags, list(spheres))
-        self._tried = 0
-        self._least = np.minimum(_shape(straight.vertices[straight.cells]), FLATTEST)
+        return np.where((low == high) | (high == 0), high, -1)
+
+    @cached_property
+    def _movable(self) -> NDArray[np.bool_]:
+        movable: NDArray[np.bool_] = (self._surface == 0) | np.isin(self._surface, list(self._spheres))
+        return movable
+
+    @cached_property
+    def _by_vertex(self) -> tuple[Indices, Indices]:
+        """The cells of all vertices, and where those of each begin."""
+        corners = self.straight.cells.ravel()
+        order = np.argsort(corners, kind="stable")
+        return order // 4, np.searchsorted(corners[order], np.arange(len(self.straight.vertices) + 1))
+
+    @cached_property
+    def _least(self) -> Array:
+        """How flat each cell may become."""
+        return np.minimum(_shape(self.straight.vertices[self.straight.cells]), FLATTEST)
 
     def around(self, vertex: int) -> Indices:
         """The cells of a vertex."""
-        return self._by_vertex[self._first[vertex] : self._first[vertex + 1]]
+        cells, first = self._by_vertex
+        return cells[first[vertex] : first[vertex + 1]]
 
     def quality(self, vertices: Array, some: Indices) -> Array:
         """Scaled Jacobians of some cells, with the vertices (n, 3) where they are now."""

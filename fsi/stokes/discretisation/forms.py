@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fsi.bodies.configuration import Array
-from fsi.meshes.build import FluidMesh, coordinate_element
+from fsi.meshes.build import FluidMesh, FunctionSpace, coordinate_element
 from fsi.stokes.discretisation.jit import compile_form
 
 CELL = fem.IntegralType.cell
@@ -177,12 +177,14 @@ def weak_forms(order: int, degree: int, dimension: int, axisymmetric: bool) -> W
 
 
 @cache
-def compile_gradients(order: int, degree: int) -> tuple[fem.forms.CompiledForm, ufl.Constant]:
-    """int mu grad u.grad v of one component of the velocity in space, with mu; exact on straight cells."""
+def compile_gradients(
+    order: int, degree: int, quadrature: int
+) -> tuple[fem.forms.CompiledForm, ufl.Constant]:
+    """int mu grad u.grad v of one component of a velocity in space, with mu; quadrature: its degree."""
     omega = ufl.Mesh(coordinate_element(order, 3))
     W, mu = ufl.FunctionSpace(omega, component_element(degree)), ufl.Constant(omega)
     u, v = ufl.TrialFunction(W), ufl.TestFunction(W)
-    dx = ufl.dx(omega, metadata={"quadrature_degree": 2 * (degree - 1)})
+    dx = ufl.dx(omega, metadata={"quadrature_degree": quadrature})
     return compile_form(mu * ufl.inner(ufl.grad(u), ufl.grad(v)) * dx), mu
 
 
@@ -259,12 +261,16 @@ class Forms:
         functions = {f: getattr(self, letter) for letter, f in self._weak.coefficients.items()}
         return fem.create_form(form, spaces, self.mesh, subdomains, functions, self._constants)
 
-    def gradients(self) -> PETSc.Mat:
-        """The matrix of int mu grad u.grad v over all nodes of V, for one component; in space; collective."""
+    def gradients(self, V: FunctionSpace, degree: int) -> PETSc.Mat:
+        """The matrix of int mu grad u.grad v over all nodes of V, for one component; in space; collective.
+
+        V: velocities of that degree, at most that of these forms: for such as both have, the integrals are
+        the same, exact on straight cells.
+        """
         mesh, mu = self.mesh, fem.Constant(self.mesh, self.viscosity)
-        form, placeholder = compile_gradients(mesh.geometry.cmaps[0].degree, self.degree)
-        W = fem.functionspace(mesh, component_element(self.degree))
-        assert np.array_equal(W.dofmap.list, self.V.dofmap.list), "spaces of one mesh number nodes alike"
+        form, placeholder = compile_gradients(mesh.geometry.cmaps[0].degree, degree, 2 * (self.degree - 1))
+        W = fem.functionspace(mesh, component_element(degree))
+        assert np.array_equal(W.dofmap.list, V.dofmap.list), "spaces of one mesh number nodes alike"
         cells = np.arange(mesh.topology.index_map(mesh.topology.dim).size_local, dtype=np.int32)
         subdomains = {CELL: [(EVERYWHERE, cells)]}
         bound = fem.create_form(form, [W, W], mesh, subdomains, {}, {placeholder: mu})

@@ -33,7 +33,7 @@ from petsc4py import PETSc
 import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError, apart
-from fsi.stokes.solvers.multigrid import COMPONENTS, Levels, between
+from fsi.stokes.solvers.multigrid import COMPONENTS, Levels
 from fsi.stokes.solvers.schur import SchurComplement
 
 # Of the residual relative to the right-hand side: errors of forces, and of identities, whose bound is 1e-8,
@@ -60,6 +60,8 @@ AGGREGATION: dict[str, str | int] = {
     "ksp_max_it": 2,
     "ksp_norm_type": "none",
     "pc_type": "gamg",
+    # To square the graph, so as to know what lies within two edges, takes several ranks longer than all else.
+    "pc_gamg_aggressive_square_graph": "false",
 }
 OPTIONS: dict[str, str | int] = {
     "fieldsplit_u_ksp_type": "preonly",
@@ -159,7 +161,7 @@ def _solver(matrix: PETSc.Mat, blocks: SchurBlocks) -> PETSc.KSP:
     ksp.setOptionsPrefix(prefix)
     numbers = (rows.astype(PETSc.IntType) for rows in (blocks.u, blocks.p))
     u, p = parts = [PETSc.IS().createGeneral(rows, matrix.comm) for rows in numbers]
-    B, finest = matrix.createSubMatrix(p, u), blocks.levels.matrix
+    B, finest = matrix.createSubMatrix(p, u), blocks.levels.matrices[0]
     B_T = B.transpose(PETSc.Mat())
     approximate = PETSc.Mat().createNest(
         [[finest, B_T], [B, blocks.mass]], isrows=parts, iscols=parts, comm=matrix.comm
@@ -204,22 +206,18 @@ def _small_solver(unknowns: int) -> dict[str, str | int]:
 
 
 def _cycle(pc: PETSc.PC, levels: Levels) -> None:
-    """One cycle through the levels; the matrix of each is that of the finer one between its velocities."""
-    pc.setMGLevels(len(levels.transfers) + 1)
-    matrix = levels.matrix
-    for level, transfer in reversed(list(enumerate(reversed(levels.transfers), 1))):
+    """One cycle through the levels."""
+    pc.setMGLevels(len(levels.matrices))
+    for level, transfer in enumerate(reversed(levels.transfers), 1):
         pc.setMGInterpolation(level, transfer)
-        coarser = between(matrix, transfer)
-        coarser.setBlockSize(COMPONENTS)
-        coarser.setOption(PETSc.Mat.Option.SPD, True)
-        smoother = pc.getMGCoarseSolve() if level == 1 else pc.getMGSmoother(level - 1)
-        smoother.setOperators(coarser)
-        if matrix is not levels.matrix:
-            matrix.destroy()
-        matrix = coarser
-    _tell_translations(matrix, levels.translations)
+    coarser = reversed(levels.matrices[1:])
+    for level, matrix in enumerate(coarser):
+        matrix.setBlockSize(COMPONENTS)
+        matrix.setOption(PETSc.Mat.Option.SPD, True)
+        smoother = pc.getMGCoarseSolve() if level == 0 else pc.getMGSmoother(level)
+        smoother.setOperators(matrix)
+    _tell_translations(levels.matrices[-1], levels.translations)
     pc.setFromOptions()
-    matrix.destroy()
 
 
 def _smooth_enough(smoother: PETSc.KSP) -> None:

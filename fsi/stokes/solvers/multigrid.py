@@ -48,53 +48,61 @@ class Levels(AbstractContextManager["Levels"]):
     """The hierarchy; z of each level has its free nodal values and, last on rank 0, all modes.
 
     Attributes:
-        matrix: MIDDLE L on the finest level, between modes with what laws below a gap resist; ones on the
-            diagonal for modes that are held.
+        matrices: MIDDLE L on each level, the finest first, between modes with what laws below a gap resist;
+            ones on the diagonal for modes that are held. Each is T^T A T of the one before, but a product
+            of matrices takes longer than to add up its cells, on several ranks many times as long.
         transfers: from each level to the next finer one, the finest first.
         translations: of everything, in z of the coarsest, this rank's rows, (rows, 3).
     """
 
-    matrix: PETSc.Mat
+    matrices: list[PETSc.Mat]
     transfers: list[PETSc.Mat]
     translations: Array
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        for used in (self.matrix, *self.transfers):
+        for used in (*self.matrices, *self.transfers):
             used.destroy()
 
 
 def levels(problem: StokesProblem, forms: Forms) -> Levels:
     """The levels of a mesh, with zero velocity on walls with a given one; collective."""
-    held = problem.motion.held.ravel()
-    layout, P = _constrained(problem, forms.V)
-    gradients = _of_components(forms.gradients())
-    matrix = between(gradients, P)
+    held, space = problem.motion.held.ravel(), forms.V
+    layout, P = _constrained(problem, space)
+    matrices, transfers = [_approximate(problem, forms.gradients(space, forms.degree), P, layout)], []
+    for degree in range(forms.degree - 1, 0, -1):
+        coarser = fem.functionspace(forms.mesh, ("Lagrange", degree, (COMPONENTS,)))
+        P.destroy()
+        layout_of_coarser, P = _constrained(problem, coarser)
+        interpolation = petsc_forms().interpolation_matrix(coarser, space)
+        interpolation.assemble()
+        nodal = interpolation.matMult(P)
+        transfers.append(_transfer(nodal, layout.free, held))
+        for used in (interpolation, nodal):
+            used.destroy()
+        space, layout = coarser, layout_of_coarser
+        matrices.append(_approximate(problem, forms.gradients(space, degree), P, layout))
+    P.destroy()
+    of_nodes = np.tile(np.eye(COMPONENTS), (int(layout.free.sum()) // COMPONENTS, 1))
+    of_bodies = rigid_motion(problem.q.centres)[..., :COMPONENTS].reshape(layout.modes, COMPONENTS)
+    return Levels(matrices, transfers, np.concatenate([of_nodes, of_bodies[: layout.modes_here]]))
+
+
+def _approximate(problem: StokesProblem, gradients: PETSc.Mat, P: PETSc.Mat, layout: DofLayout) -> PETSc.Mat:
+    """The matrix of a level from that of gradients of one component, which is destroyed; collective."""
+    every = _of_components(gradients)
+    matrix = between(every, P)
+    every.destroy()
     matrix.scale(MIDDLE)
     first_mode = matrix.getOwnershipRange()[1] - layout.modes
     if problem.laws is not None and len(problem.laws.own):
         resisted = _resisted(problem, problem.laws)
         rows = first_mode + np.arange(layout.modes_here)
         add_to_modes(matrix, rows, resisted[: layout.modes_here, : layout.modes_here])
-    rows = first_mode + np.flatnonzero(held)[: layout.modes_here]
+    rows = first_mode + np.flatnonzero(problem.motion.held.ravel())[: layout.modes_here]
     matrix.zeroRowsColumns(rows.astype(PETSc.IntType), diag=1.0)
-    for used in (gradients, P):
-        used.destroy()
-    transfers, space = [], forms.V
-    for degree in range(forms.degree - 1, 0, -1):
-        coarser = fem.functionspace(forms.mesh, ("Lagrange", degree, (COMPONENTS,)))
-        layout_of_coarser, P = _constrained(problem, coarser)
-        interpolation = petsc_forms().interpolation_matrix(coarser, space)
-        interpolation.assemble()
-        nodal = interpolation.matMult(P)
-        transfers.append(_transfer(nodal, layout.free, held))
-        for used in (interpolation, P, nodal):
-            used.destroy()
-        space, layout = coarser, layout_of_coarser
-    of_nodes = np.tile(np.eye(COMPONENTS), (int(layout.free.sum()) // COMPONENTS, 1))
-    of_bodies = rigid_motion(problem.q.centres)[..., :COMPONENTS].reshape(layout.modes, COMPONENTS)
-    return Levels(matrix, transfers, np.concatenate([of_nodes, of_bodies[: layout.modes_here]]))
+    return matrix
 
 
 def _resisted(problem: StokesProblem, laws: PairLaws) -> scipy.sparse.csr_array:
