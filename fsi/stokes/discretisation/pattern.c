@@ -69,14 +69,17 @@ static int alike(const Meetings *m, int32_t i)
   return cells - before == count && memcmp(cells, before, count * sizeof *cells) == 0;
 }
 
-/* The columns of each row of the sum in any order, one row after the other; mark: (unknowns,), any values. */
+/* The columns of each row of the sum in any order, one row after the other; mark: (unknowns,), any values. What no
+   cell meets, the motion of a body in another rank's fluid, has its own column alone. */
 void gather_entries(const Meetings *m, int32_t *mark, int32_t *indptr, int32_t *columns)
 {
   memset(mark, -1, m->unknowns * sizeof *mark);
   indptr[0] = 0;
   for (int32_t i = 0; i < m->unknowns; i++) {
     int32_t end = indptr[i];
-    if (alike(m, i)) {
+    if (m->first[i] == m->first[i + 1])
+      columns[end++] = i;
+    else if (alike(m, i)) {
       memcpy(columns + end, columns + indptr[i - 1], (end - indptr[i - 1]) * sizeof *columns);
       indptr[i + 1] = 2 * end - indptr[i - 1];
       continue;

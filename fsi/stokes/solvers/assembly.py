@@ -77,13 +77,22 @@ class CellSum:
     """
 
     def __init__(
-        self, cells: StokesCells, P: Prolongation, *, grouped: bool = False, stays: Index | None = None
+        self,
+        cells: StokesCells,
+        P: Prolongation,
+        *,
+        grouped: bool = False,
+        apart: bool = False,
+        stays: Index | None = None,
     ) -> None:
         """Find the pattern, and fill it; collective.
 
-        grouped: see `groups`. stays: columns of P, of any rank, that are left besides those that ranks share.
+        grouped: see `groups`. apart: whether each rank keeps what its own cells give, where products are all
+        that is wanted: to send rows to their owners takes as long as to add up the cells. stays: columns of
+        P, of any rank, that are left besides those that ranks share.
         """
         self._cells, self._P = cells, P
+        self._apart = apart and P.matrix.comm.size > 1
         self.constrained = ConstrainedRows(cells, P.constrained)
         columns = cells.shared.with_ghosts(P.columns)
         self._numbered(columns)
@@ -164,8 +173,8 @@ class CellSum:
         sizes = {"unknowns": unknowns, "coupled": int(coupled)}
         meetings = ffi.new("Meetings *", sizes | held)
         self._first = np.concatenate([[0], np.cumsum(np.diff(start).astype(np.int64) ** 2)])
-        # There is room in it for the columns, until they are in order.
-        self._positions = np.empty(self._first[-1], dtype=np.int32)
+        # There is room in it for the columns, until they are in order, and one of each that no cell meets.
+        self._positions = np.empty(self._first[-1] + unknowns, dtype=np.int32)
         lib.gather_entries(meetings, *map(pointer, (mark, self._indptr, self._positions)))
         self._indices = np.empty(self._indptr[-1], dtype=np.int32)
         ordered = (self._indptr, self._positions, mark, self._indices)
@@ -176,9 +185,12 @@ class CellSum:
     def _created(self) -> PETSc.Mat:
         """The matrix with room for this pattern; on one rank its values are these."""
         comm, here = self._P.matrix.comm, int(self.left.sum())
+        csr, met = (self._indptr, self._indices, self._values), len(self._numbers)
         if comm.size == 1:
-            csr = (self._indptr, self._indices, self._values)
             return PETSc.Mat().createAIJWithArrays((here, here), csr, comm=comm)
+        if self._apart:
+            own = PETSc.Mat().createAIJWithArrays((met, met), csr, comm=PETSc.COMM_SELF)
+            return _summed(own, self._numbers, here, comm)
         matrix = PETSc.Mat().createAIJ(size=((here, None), (here, None)), nnz=self._room(here), comm=comm)
         self._indices = self._numbers[self._indices]
         return matrix
@@ -216,7 +228,9 @@ class CellSum:
         sizes = {"width": self._slots.shape[2], "most": self._most}
         sum_ = loops().ffi.new("Sum *", sizes | held)
         self._cells.add(sum_, self._groups, self._values, self.constrained.values)
-        if self.matrix.comm.size == 1:
+        if self._apart:
+            self.matrix.getISLocalMat().stateIncrease()
+        elif self.matrix.comm.size == 1:
             self.matrix.stateIncrease()
         else:
             self.matrix.zeroEntries()
@@ -245,3 +259,13 @@ class CellSum:
         self._groups.recover(every, np.ascontiguousarray(b))
         of_others = self._shared.summed(every * self._foreign)
         return np.where(self._lent, of_others, self._shared.owned(every))
+
+
+def _summed(own: PETSc.Mat, numbers: NDArray[np.int32], here: int, comm: PETSc.Comm) -> PETSc.Mat:
+    """The sum over all ranks of matrices whose rows and columns have these global numbers."""
+    places, size = PETSc.LGMap().create(numbers, comm=comm), (here, None)
+    matrix = PETSc.Mat().createIS((size, size), lgmapr=places, lgmapc=places, comm=comm)
+    matrix.setISLocalMat(own)
+    matrix.assemble()
+    places.destroy()
+    return matrix

@@ -72,7 +72,10 @@ class Elimination:
         self.weighed = added.modes[unknown]
         self._prolongation = P = Prolongation(layout, rigid, unknown)
         grouped = cells.condensed and layout.dimension == 2 and not layout.sliding
-        self._sum: CellSum | None = CellSum(cells, P, grouped=grouped, stays=P.modes[self.weighed])
+        # Only the iterative solver, whose cells keep their inner unknowns, takes a matrix that is in parts.
+        apart = not (cells.condensed or self.weighed.any())
+        stays = P.modes[self.weighed]
+        self._sum: CellSum | None = CellSum(cells, P, grouped=grouped, apart=apart, stays=stays)
         self._P, self.reduced, self.left = P.matrix, self._sum.matrix, self._sum.left
         self.constrained = self._sum.constrained
         self.first_mode = self._prolongation.here - self._modes_here
