@@ -89,7 +89,9 @@ def fill(domain: FluidDomain, resolution: Resolution) -> StraightTetrahedra:
         domain.container.scaled(1.0 / unit), centres, radii, edges=domain.edges, ellipsoids=ellipsoids
     )
     try:
-        made = _parted(in_units, resolution) if is_fine(resolution) else None
+        # Towards edges where the flow is singular cells grow as fast as gmsh can make them.
+        parted = is_fine(resolution) and not domain.edges
+        made = _parted(in_units, resolution) if parted else None
         cells, surfaces, of = made or _filled(Spacing(in_units, resolution))
     except MeshError as error:
         raise error.in_units(unit) from error

@@ -127,6 +127,14 @@ def test_fine_meshes_with_no_narrow_gap_are_parted(
     assert made(beside_plane(gap), sizes, monkeypatch) == parted
 
 
+def test_cells_are_not_parted_beside_edges_where_the_flow_is_singular(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Sizes there end at growth = 0.5: twice 0.4 and twice 0.3 would give the same, and bars see nothing."""
+    domain = FluidDomain(ROOM, np.zeros((1, 3)), np.ones(1), edges=((0, 4),))
+    assert made(domain, FINE, monkeypatch) == [False]
+
+
 def test_where_large_cells_are_not_valid_gmsh_makes_small_ones(monkeypatch: pytest.MonkeyPatch) -> None:
     def flat(cells: object, surfaces: dict[int, Sphere], order: int) -> CurvedCells:
         good = curve_tets(cells, surfaces, order)  # type: ignore[arg-type]
