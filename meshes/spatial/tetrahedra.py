@@ -20,6 +20,7 @@ from fsi.meshes.spatial.gap_prisms import (
     CLEARANCE,
     WIDEST,
     GapPrisms,
+    NarrowGap,
     choose,
     find_gaps,
     pattern,
@@ -102,7 +103,7 @@ def fill(domain: FluidDomain, resolution: Resolution) -> StraightTetrahedra:
 def _filled(asked: Spacing) -> _Filled:
     """Cells of these sizes, those between surfaces halved."""
     spacing, of = _opened(asked)
-    layers = _layers(spacing)
+    layers = choose(_gaps(spacing), spacing)
     outside = halved(_outside(spacing, layers), spacing.side_tag - 1)
     return *_completed(outside, spacing, layers), of
 
@@ -111,9 +112,10 @@ def _parted(domain: FluidDomain, resolution: Resolution) -> _Filled | None:
     """The cells of twice the sizes, parted; None where gaps are narrow, or these cells are not valid."""
     try:
         spacing, of = _opened(Spacing(domain, twice(resolution), parted=True))
-        layers = _layers(spacing)
-        if any(layer.gap.width(0.0) < NARROW * layer.gap.smallest for layer in layers):
+        gaps = _gaps(spacing)
+        if any(gap.width(0.0) < NARROW * gap.smallest for gap in gaps):
             return None
+        layers = choose(gaps, spacing)
         coarse, surfaces = _completed(_outside(spacing, layers), spacing, layers)
         curved = curved_and_valid(coarse, surfaces, 2)
         require_valid(curved.nodes[curved.cells], 2)
@@ -140,9 +142,9 @@ def _opened(spacing: Spacing) -> tuple[Spacing, Indices | None]:
     return replace(spacing, domain=every, sides=sides, of=of), of
 
 
-def _layers(spacing: Spacing) -> list[GapPrisms]:
-    """Of prisms, in narrow gaps of spheres."""
-    return [] if spacing.domain.ellipsoids else choose(find_gaps(spacing), spacing)
+def _gaps(spacing: Spacing) -> list[NarrowGap]:
+    """Those that layers of prisms may fill, of spheres."""
+    return [] if spacing.domain.ellipsoids else find_gaps(spacing)
 
 
 def _completed(

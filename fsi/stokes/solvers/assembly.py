@@ -183,7 +183,7 @@ class CellSum:
         lib.find_positions(meetings, *map(pointer, pattern))
 
     def _created(self) -> PETSc.Mat:
-        """The matrix with room for this pattern; on one rank its values are these."""
+        """The matrix with room for this pattern; on one rank, and in parts, its values are these."""
         comm, here = self._P.matrix.comm, int(self.left.sum())
         csr, met = (self._indptr, self._indices, self._values), len(self._numbers)
         if comm.size == 1:
