@@ -90,7 +90,7 @@ def fill(domain: FluidDomain, resolution: Resolution) -> StraightTetrahedra:
         domain.container.scaled(1.0 / unit), centres, radii, edges=domain.edges, ellipsoids=ellipsoids
     )
     try:
-        # Towards edges where the flow is singular cells grow as fast as gmsh can make them.
+        # Sizes towards edges where the flow is singular end at a growth that twice as large ones would pass.
         parted = is_fine(resolution) and not domain.edges
         made = _parted(in_units, resolution) if parted else None
         cells, surfaces, of = made or _filled(Spacing(in_units, resolution))

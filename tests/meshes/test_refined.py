@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -13,17 +14,16 @@ from hypothesis.extra.numpy import arrays
 from fsi.meshes.cells.curved import CurvedCells, reference_points, scaled_jacobian
 from fsi.meshes.geometry.container import Array, FluidDomain, lengths
 from fsi.meshes.geometry.containers import Box
-from fsi.meshes.geometry.curves import Sphere
 from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.planar.triangulate import StraightCells, require_boundary
 from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial import tetrahedra
-from fsi.meshes.spatial.curved_tetrahedra import curve_tets
+from fsi.meshes.spatial.curved_tetrahedra import RoundSurface, curve_tets
 from fsi.meshes.spatial.gap_prisms import GapPrisms
 from fsi.meshes.spatial.halved import EDGES
 from fsi.meshes.spatial.refined import refined, twice, volumes
 from fsi.meshes.spatial.sizing import Spacing
-from fsi.meshes.spatial.tetrahedra import StraightTetrahedra, fill
+from fsi.meshes.spatial.tetrahedra import fill
 from tests.meshes.spheres import HALF_BALL, mesh, volume
 from tests.meshes.test_halved import block
 
@@ -136,8 +136,8 @@ def test_cells_are_not_parted_beside_edges_where_the_flow_is_singular(
 
 
 def test_where_large_cells_are_not_valid_gmsh_makes_small_ones(monkeypatch: pytest.MonkeyPatch) -> None:
-    def flat(cells: object, surfaces: dict[int, Sphere], order: int) -> CurvedCells:
-        good = curve_tets(cells, surfaces, order)  # type: ignore[arg-type]
+    def flat(cells: StraightCells, surfaces: Mapping[int, RoundSurface], order: int) -> CurvedCells:
+        good = curve_tets(cells, surfaces, order)
         good.nodes[good.cells[0, 0]] = good.nodes[good.cells[0, 1]]
         return good
 
@@ -168,7 +168,6 @@ def test_a_cell_with_periods_is_parted(order: int) -> None:
     """Its sides match, though they cut the larger sphere, and cells of either order have the whole volume."""
     centres, radii = np.array([[0.2, 0.1, 0.3], [1.5, 1.6, 1.7]]), np.array([1.0, 0.6])
     cells = fill(FluidDomain(SKEW, centres, radii), FINE)
-    assert isinstance(cells, StraightTetrahedra)
     assert len(cells.cells.cells) % 8 == 0
     curved = cells.curved(order)
     assert scaled_jacobian(curved.nodes[curved.cells], order).min() > 0.1

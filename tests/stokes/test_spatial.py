@@ -1,4 +1,4 @@
-"""Spheres in space: exact forces, both solvers, both forms, ranks, resistance, motion in time."""
+"""Spheres in space: exact forces, both solvers, both forms, resistance, motion in time."""
 
 from __future__ import annotations
 
@@ -27,7 +27,6 @@ from fsi.stokes.model import StokesModel
 from fsi.stokes.resistance import case_resistance
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solvers import gmres
-from tests.ranks import json_on, needs_mpi
 
 LIGHT = {"degree": 2, "cells_per_circle": 10, "cells_per_gap": 0.5, "growth": 0.8}
 BOX: dict[str, Any] = {
@@ -44,16 +43,6 @@ BOX: dict[str, Any] = {
         },
     ],
     "discretisation": LIGHT,
-}  # fmt: skip
-
-# Two spheres at opposite ends of a long box.
-APART = BOX | {
-    "domain": {"lower": [-2.0, -2.0, -9.0], "upper": [2.0, 2.0, 9.0]},
-    "bodies": [
-        {"name": name, "radius": 1.0, "position": [0.0, 0.0, z],
-         "velocity": [0.0, 0.0, -1.0], "angular_velocity": [0.0, 0.0, 0.0]}
-        for name, z in (("low", -6.0), ("high", 6.0))
-    ],
 }  # fmt: skip
 
 
@@ -233,37 +222,6 @@ def test_resistance_in_space() -> None:
     domain = {k: BOX["domain"][k] for k in ("lower", "upper")}
     together = solved(case(BOX | {"bodies": bodies, "domain": domain}))
     assert_allclose(together.F.ravel(), found.R[:, 0] + found.R[:, 6], atol=1e-9 * found.R.max())
-
-
-@pytest.mark.mpi
-@needs_mpi
-@pytest.mark.parametrize("solver", ["direct", pytest.param("iterative", marks=pytest.mark.slow)])
-def test_ranks_agree_in_space(tmp_path: Path, solver: str) -> None:
-    path = tmp_path / "case.toml"
-    path.write_text(case(BOX, solver=solver, cells_per_circle=7, growth=1.0).as_toml())
-    found = [np.array(json_on(ranks, "resistance", path)["resistance"]) for ranks in (1, 2, 3)]
-    for other in found[1:]:
-        assert_allclose(other, found[0], atol=1e-9 * np.abs(found[0]).max())
-
-
-@pytest.mark.mpi
-@needs_mpi
-def test_ranks_agree_on_a_flow_by_iterations(tmp_path: Path) -> None:
-    """The matrix of two ranks is in parts; one of them has no cell that meets a body whose motion it has."""
-    path = tmp_path / "case.toml"
-    path.write_text(case(APART, solver="iterative", cells_per_circle=7, growth=1.0).as_toml())
-    one, two = ([body["force"] for body in json_on(ranks, "solve", path)["bodies"]] for ranks in (1, 2))
-    assert_allclose(two, one, atol=1e-9 * np.abs(one).max())
-
-
-@pytest.mark.slow
-@pytest.mark.mpi
-@needs_mpi
-def test_ranks_agree_on_the_default_sphere() -> None:
-    """On two ranks factors of its coarsest matrix take a third more workspace than MUMPS reckons with."""
-    path = Path(__file__).parents[2] / "cases" / "validation" / "sphere_in_space.toml"
-    one, two = (np.array(json_on(ranks, "solve", path)["bodies"][0]["force"]) for ranks in (1, 2))
-    assert_allclose(two, one, atol=1e-9 * np.abs(one).max())
 
 
 def test_spheres_move_in_space(tmp_path: Path) -> None:
