@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, partial
+from importlib import import_module
 from math import ceil, comb
 from typing import Protocol
 
@@ -184,6 +185,8 @@ def shared(tries: Mapping[str, Callable[[], CurvedCells]], domain: FluidDomain) 
     problem: MeshError | None = None
     quality, order, instead = 0.0, 0, ""
     if comm.rank > 0:
+        if container.dimension == 3:  # what all need later takes a quarter of a second to load
+            import_module("scipy.spatial")
         help_root()
     else:
         with helped():

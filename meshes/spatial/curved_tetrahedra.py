@@ -35,6 +35,8 @@ from fsi.meshes.planar.triangulate import Indices, StraightCells, places_of
 
 type RoundSurface = Sphere | PlacedEllipsoid
 
+LARGEST = np.iinfo(np.int64).max
+
 NEWTON_STEPS = 3  # for the radial place of a facet: linear but for (h / a)^2
 
 
@@ -175,12 +177,15 @@ def _numbered(x: Array, tets: Indices, weights: Indices) -> tuple[Array, Indices
     A node is known by its barycentric coordinates, in steps of 1 / order, to vertices: `weights` (nodes, 4).
     """
     order, n = int(weights[0].sum()), int(tets.max()) + 1
-    names = np.array([np.repeat(np.arange(4), w) for w in weights])
+    corners = np.array([np.repeat(np.arange(4), w) for w in weights])
     inner = slice(4, None)
-    ids = np.sort(tets[:, names[inner]], axis=2).reshape(-1, order)
-    key = ids[:, 0]
+    ids = np.sort(tets[:, corners[inner]], axis=2).reshape(-1, order)
+    key, names = ids[:, 0], n
     for column in ids.T[1:]:
-        key = np.unique(key, return_inverse=True)[1] * n + column
+        if names > LARGEST // n:
+            found, key = np.unique(key, return_inverse=True)
+            names = len(found)
+        key, names = key * n + column, names * n
     _, first, number = np.unique(key, return_index=True, return_inverse=True)
     cells = np.concatenate([tets, n + number.reshape(len(tets), -1)], axis=1)
     nodes = np.empty((n + len(first), 3))

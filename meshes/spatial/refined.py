@@ -107,10 +107,12 @@ def _eased(cells: StraightCells, first: int) -> StraightCells:
 def _means(cells: StraightCells) -> Array:
     """Of the neighbours of each vertex, weighted by one over their distance."""
     x, n = cells.vertices, len(cells.vertices)
-    keys = np.unique(side_keys(cells.cells[:, EDGES].reshape(-1, 2), n))
-    a, b = np.divmod(keys, n)
-    weight = 1.0 / lengths(x[a] - x[b])
-    half = scipy.sparse.csr_array((weight, (a, b)), shape=(n, n))
+    # Each edge once, at its lower end, however many cells share it.
+    low, high = np.sort(cells.cells[:, EDGES].reshape(-1, 2), axis=1).T
+    half = scipy.sparse.csr_array((np.ones(len(low)), (low, high)), shape=(n, n))
+    half.sum_duplicates()
+    a, b = np.repeat(np.arange(n), np.diff(half.indptr)), half.indices
+    half.data = 1.0 / lengths(x[a] - x[b])
     near = half + half.T
     means: Array = (near @ x) / near.sum(axis=1)[:, None]
     return means

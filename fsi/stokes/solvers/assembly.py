@@ -99,7 +99,7 @@ class CellSum:
         self._listed()
         self._grouped(np.empty(0, dtype=np.int64) if stays is None else stays, merged=grouped)
         self._patterned(coupled=cells.inner > 0 or grouped)
-        self._values = np.zeros(len(self._indices))
+        self._values = np.empty(len(self._indices))
         self.matrix = self._created()
         self.fill()
 

@@ -33,7 +33,8 @@ from petsc4py import PETSc
 import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError, apart
-from fsi.stokes.solvers.multigrid import COMPONENTS, Levels
+from fsi.stokes.solvers.components import COMPONENTS
+from fsi.stokes.solvers.multigrid import Levels
 from fsi.stokes.solvers.schur import SchurComplement
 
 # Of the residual relative to the right-hand side: errors of forces, and of identities, whose bound is 1e-8,

@@ -37,9 +37,9 @@ from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.discretisation.images import tied
 from fsi.stokes.discretisation.nodes import locate
 from fsi.stokes.problem import PairLaws, StokesProblem
+from fsi.stokes.solvers.components import COMPONENTS, projected
 from fsi.stokes.solvers.reduced import add_to_modes
 
-COMPONENTS = 3
 MIDDLE = 1.5
 
 
@@ -73,28 +73,28 @@ def levels(problem: StokesProblem, forms: Forms) -> Levels:
     matrices, transfers = [_approximate(problem, forms.gradients(space, forms.degree), P, layout)], []
     for degree in range(forms.degree - 1, 0, -1):
         coarser = fem.functionspace(forms.mesh, ("Lagrange", degree, (COMPONENTS,)))
-        P.destroy()
+        P.matrix.destroy()
         layout_of_coarser, P = _constrained(problem, coarser)
         interpolation = petsc_forms().interpolation_matrix(coarser, space)
         interpolation.assemble()
-        nodal = interpolation.matMult(P)
+        nodal = interpolation.matMult(P.matrix)
         transfers.append(_transfer(nodal, layout.free, held))
         for used in (interpolation, nodal):
             used.destroy()
         space, layout = coarser, layout_of_coarser
         matrices.append(_approximate(problem, forms.gradients(space, degree), P, layout))
-    P.destroy()
+    P.matrix.destroy()
     of_nodes = np.tile(np.eye(COMPONENTS), (int(layout.free.sum()) // COMPONENTS, 1))
     of_bodies = rigid_motion(problem.q.centres)[..., :COMPONENTS].reshape(layout.modes, COMPONENTS)
     return Levels(matrices, transfers, np.concatenate([of_nodes, of_bodies[: layout.modes_here]]))
 
 
-def _approximate(problem: StokesProblem, gradients: PETSc.Mat, P: PETSc.Mat, layout: DofLayout) -> PETSc.Mat:
+def _approximate(
+    problem: StokesProblem, gradients: PETSc.Mat, P: Prolongation, layout: DofLayout
+) -> PETSc.Mat:
     """The matrix of a level from that of gradients of one component, which is destroyed; collective."""
-    every = _of_components(gradients)
-    matrix = between(every, P)
-    every.destroy()
-    matrix.scale(MIDDLE)
+    gradients.scale(MIDDLE)
+    matrix = projected(gradients, P)
     first_mode = matrix.getOwnershipRange()[1] - layout.modes
     if problem.laws is not None and len(problem.laws.own):
         resisted = _resisted(problem, problem.laws)
@@ -118,41 +118,16 @@ def _resisted(problem: StokesProblem, laws: PairLaws) -> scipy.sparse.csr_array:
     )
 
 
-def between(A: PETSc.Mat, T: PETSc.Mat) -> PETSc.Mat:
-    """T^T A T, in two products: PETSc's triple one takes several times as long."""
-    half = A.matMult(T)
-    product = T.transposeMatMult(half)
-    # The product holds what it was made with, on several ranks four times as much as its entries.
-    entries = product.duplicate(copy=True)
-    for used in (half, product):
-        used.destroy()
-    return entries
-
-
-def _constrained(problem: StokesProblem, space: FunctionSpace) -> tuple[DofLayout, PETSc.Mat]:
+def _constrained(problem: StokesProblem, space: FunctionSpace) -> tuple[DofLayout, Prolongation]:
     """The rows of velocities of a degree, and their P with all modes."""
     fluid, q = problem.fluid, problem.q
     nodes = locate(fluid, space)
     layout = dof_layout(fluid, nodes, problem.boundary.velocities, 0, None)
     layout = tied(layout, fluid, [(space, nodes.with_ghosts)])
     rigid = rigid_modes(layout, nodes, q, fluid.lattice)
-    P = Prolongation(layout, rigid, np.ones(layout.modes, dtype=bool)).matrix
+    P = Prolongation(layout, rigid, np.ones(layout.modes, dtype=bool))
     rigid.matrix.destroy()
     return layout, P
-
-
-def _of_components(scalar: PETSc.Mat) -> PETSc.Mat:
-    """The matrix of vectors that acts on each component as the given one, which is destroyed."""
-    indptr, column, value = scalar.getValuesCSR()
-    here, comm = len(indptr) - 1, scalar.comm
-    rows = scipy.sparse.csr_matrix((value, column, indptr), shape=(here, scalar.size[1]))
-    scalar.destroy()
-    rows = rows[np.repeat(np.arange(here), COMPONENTS)]
-    # In place: there are as many entries as in all levels together.
-    rows.indices *= COMPONENTS
-    rows.indices += np.repeat(np.tile(np.arange(COMPONENTS, dtype=np.int8), here), np.diff(rows.indptr))
-    csr, size = (rows.indptr, rows.indices, rows.data), (COMPONENTS * here, None)
-    return PETSc.Mat().createAIJ(size=(size, size), csr=csr, comm=comm)
 
 
 def _transfer(nodal: PETSc.Mat, free: NDArray[np.bool_], held: NDArray[np.bool_]) -> PETSc.Mat:
