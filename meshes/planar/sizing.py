@@ -150,6 +150,9 @@ class Surfaces:
         if self.bodies == 0:
             return np.full(len(x), np.inf)
         x = self.lattice.wrapped(x)
+        if self.nearby.few:
+            of_all: Array = (self.nearby.distances(x) - self.radii).min(axis=1)
+            return of_all
         k = min(len(self.radii), NEIGHBOURS)
         away, body = self.nearby.nearest(x, k)
         nearest: Array = (away - self.radii[body]).min(axis=1)

@@ -9,6 +9,8 @@ from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.container import Array
 
 MOST_HALVINGS = 60
+# Calls take longer than the sizes of few places: of few intervals they are found ahead, for some halvings.
+FEW, AT_ONCE = 64, 3
 SAME_PLACE = 1e-3  # of the distance between places
 
 Indices = NDArray[np.int64]
@@ -25,23 +27,63 @@ def resolve_all(size: Sizes, ends: Array, pieces: int) -> tuple[Array, Array, In
     found, inside = [(s, size(s, k), k)], np.flatnonzero(k[:-1] == k[1:])
     # Both ends of the intervals that may be too long, the sizes there, (2, n) each, and their curves.
     ends, h = (np.stack([values[inside], values[inside + 1]]) for values in found[0][:2])
-    of = k[inside]
-    for _ in range(MOST_HALVINGS):
-        long = np.flatnonzero(ends[1] - ends[0] > 0.5 * h.min(axis=0))
+    of, halvings = k[inside], 0
+    while halvings < MOST_HALVINGS:
+        long = np.flatnonzero(_too_long(ends, h))
         if len(long) == 0:
             s, h, k = (np.concatenate(every) for every in zip(*found, strict=True))
             order = np.lexsort((s, k))
             return s[order], h[order], k[order]
         ends, h, of = ends[:, long], h[:, long], of[long]
-        middle = 0.5 * ends.sum(axis=0)
-        between = size(middle, of)
-        found.append((middle, between, of))
-        ends, h = _halved(ends, middle), _halved(h, between)
-        of = np.tile(of, 2)
+        at_once = AT_ONCE if len(long) <= FEW else 1
+        middle, halvings = _middles(ends, at_once), halvings + at_once
+        between = size(middle.ravel(), np.tile(of, len(middle))).reshape(middle.shape)
+        ends, h, of = _halved((ends, h, of), (middle, between), found)
     raise MeshError("element sizes down to {} cannot be resolved; is a gap that small meant?", h.min())
 
 
-def _halved(ends: Array, middle: Array) -> Array:
+def _too_long(ends: Array, h: Array) -> NDArray[np.bool_]:
+    """Whether intervals are longer than half the sizes at their ends; both (2, ...)."""
+    too_long: NDArray[np.bool_] = ends[1] - ends[0] > 0.5 * h.min(axis=0)
+    return too_long
+
+
+def _middles(ends: Array, levels: int) -> Array:
+    """The places that halve intervals, (2, n), so many times, ascending, (2^levels - 1, n)."""
+    for _ in range(levels):
+        finer = np.empty((2 * len(ends) - 1, ends.shape[1]))
+        finer[::2], finer[1::2] = ends, 0.5 * (ends[:-1] + ends[1:])
+        ends = finer
+    return ends[1:-1]
+
+
+def _halved(
+    intervals: tuple[Array, Array, Indices],
+    middles: tuple[Array, Array],
+    found: list[tuple[Array, Array, Indices]],
+) -> tuple[Array, Array, Indices]:
+    """Intervals that are too long, halved while they are and their middles are known; these are found.
+
+    Args:
+        intervals: both ends, sizes there, and curves.
+        middles: places within them, as `_middles` has them, and the sizes there.
+        found: places, sizes and curves; more are appended.
+
+    Returns the last halves.
+    """
+    (ends, h, of), (middle, between) = intervals, middles
+    while True:
+        m = len(middle) // 2
+        found.append((middle[m], between[m], of))
+        ends, h, of = _halves(ends, middle[m]), _halves(h, between[m]), np.tile(of, 2)
+        if m == 0:
+            return ends, h, of
+        middle, between = (np.concatenate([each[:m], each[m + 1 :]], axis=1) for each in (middle, between))
+        long = np.flatnonzero(_too_long(ends, h))
+        ends, h, of, middle, between = ends[:, long], h[:, long], of[long], middle[:, long], between[:, long]
+
+
+def _halves(ends: Array, middle: Array) -> Array:
     """What is known at both ends of intervals, (2, n), at those of their halves, (2, 2 n)."""
     return np.stack([np.concatenate([ends[0], middle]), np.concatenate([middle, ends[1]])])
 

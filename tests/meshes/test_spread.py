@@ -3,7 +3,16 @@
 import numpy as np
 import pytest
 
-from fsi.meshes.planar.spread import equidistribute, equidistribute_all, spread, spread_all
+from fsi.meshes.errors import MeshError
+from fsi.meshes.planar import spread as module
+from fsi.meshes.planar.spread import (
+    Indices,
+    equidistribute,
+    equidistribute_all,
+    resolve_all,
+    spread,
+    spread_all,
+)
 
 
 def sampled(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -41,3 +50,36 @@ def test_curves_with_fixed_places_are_spread_among_others() -> None:
         alone = spread(s[k == j], h[k == j], fixed[j], float(fewest[j]))
         np.testing.assert_allclose(places, alone, rtol=1e-14, atol=0.0)
     assert np.isin(inner, placed[2]).all()
+
+
+def beside_places(s: np.ndarray, k: Indices) -> np.ndarray:
+    """Sizes that grow from 1e-5 where each of three curves is nearest to something."""
+    size: np.ndarray = 1e-5 + 0.3 * np.abs(s - np.array([0.3, -2.0, 1.7])[k])
+    return size
+
+
+def test_sizes_that_are_found_ahead_change_no_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of few intervals several halvings are looked at in one call: places and their order are the same."""
+    ends = np.array([[0.0, 1.0], [-3.0, 4.0], [1.7, 40.0]])
+    calls = list[int]()
+
+    def counted(s: np.ndarray, k: Indices) -> np.ndarray:
+        calls.append(len(s))
+        return beside_places(s, k)
+
+    found = resolve_all(counted, ends, 4)
+    ahead = len(calls)
+    monkeypatch.setattr(module, "FEW", 0)
+    one_by_one = resolve_all(counted, ends, 4)
+    for values, expected in zip(found, one_by_one, strict=True):
+        np.testing.assert_array_equal(values, expected)
+    assert 2 * ahead < len(calls) - ahead
+    s, h, k = found
+    inside = k[:-1] == k[1:]
+    assert np.all((np.diff(s) <= 0.5 * np.minimum(h[:-1], h[1:]))[inside])
+    np.testing.assert_array_equal(h, beside_places(s, k))
+
+
+def test_sizes_that_vanish_are_an_error() -> None:
+    with pytest.raises(MeshError, match="cannot be resolved"):
+        resolve_all(lambda s, _: np.abs(s - 0.3), np.array([[0.0, 1.0]]), 3)

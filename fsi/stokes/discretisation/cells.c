@@ -3,9 +3,11 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Two versions of a loop, of which a machine takes the faster one that it can: machines may share the library. */
+/* Two versions of a loop, of which a machine takes the faster one that it can: machines may share the library. Wider
+   registers, of 512 bits, gain nothing but in `subtract`. */
 #if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__clang__) && __GNUC__ >= 12
 #define FOR_THIS_MACHINE __attribute__((target_clones("arch=x86-64-v3", "default")))
+#define WITH_512_BITS
 #else
 #define FOR_THIS_MACHINE
 #endif
@@ -79,6 +81,7 @@ INLINE int padded(int n)
 
 /* The same for rows of matrices. */
 enum { WIDE = 2 * TILE };
+typedef double Wide __attribute__((vector_size(WIDE * sizeof(double)), aligned(sizeof(double)), may_alias));
 
 INLINE int widened(int n)
 {
@@ -177,29 +180,51 @@ INLINE void matrix_of_cell(const Cells *c, int cell, int stride, double *restric
       E[c->place[d * n + k] * stride + c->place[d * n + l]] = 0.0;
 }
 
-/* F_ij -= sum over k of L_ki P_kj for `count` rows k, of rows i from one to before another and j <= i; what is written
-   beyond j = i is of no use. */
-INLINE void subtract(int count, int from, int to, int stride, const double *L, const double *P, double *restrict F)
+/* F_ij -= sum over k of L_ki P_kj for `count` rows k, of so many rows from i on, at most 2 TILE, and j <= i; what is
+   written beyond j = i is of no use. */
+INLINE void subtract_tiles(int rows, int i, int count, int stride, const double *L, const double *P, double *restrict F)
+{
+  for (int j = 0; j < i + rows; j += WIDE) {
+    Wide sum[2 * TILE];
+    for (int r = 0; r < rows; r++)
+      sum[r] = *(const Wide *)(F + (i + r) * stride + j);
+    for (int k = 0; k < count; k++)
+      for (int r = 0; r < rows; r++)
+        sum[r] -= L[k * stride + i + r] * *(const Wide *)(P + k * stride + j);
+    for (int r = 0; r < rows; r++)
+      *(Wide *)(F + (i + r) * stride + j) = sum[r];
+  }
+}
+
+/* The same of all rows from one to before another, so many at a time. */
+INLINE void subtract_by(int rows, int count, int from, int to, int stride, const double *L, const double *P,
+                        double *restrict F)
 {
   int i = from;
-  for (; i + TILE <= to; i += TILE)
-    for (int j = 0; j < i + TILE; j += WIDE) {
-      Columns sum[TILE][2];
-      for (int r = 0; r < TILE; r++)
-        for (int h = 0; h < 2; h++)
-          sum[r][h] = *(const Columns *)(F + (i + r) * stride + j + h * TILE);
-      for (int k = 0; k < count; k++)
-        for (int r = 0; r < TILE; r++)
-          for (int h = 0; h < 2; h++)
-            sum[r][h] -= L[k * stride + i + r] * *(const Columns *)(P + k * stride + j + h * TILE);
-      for (int r = 0; r < TILE; r++)
-        for (int h = 0; h < 2; h++)
-          *(Columns *)(F + (i + r) * stride + j + h * TILE) = sum[r][h];
-    }
+  for (; i + rows <= to; i += rows)
+    subtract_tiles(rows, i, count, stride, L, P, F);
   for (; i < to; i++)
-    for (int k = 0; k < count; k++)
-      for (int j = 0; j <= i; j++)
-        F[i * stride + j] -= L[k * stride + i] * P[k * stride + j];
+    subtract_tiles(1, i, count, stride, L, P, F);
+}
+
+#ifdef WITH_512_BITS
+__attribute__((target("arch=x86-64-v4")))
+static void subtract_wide(int count, int from, int to, int stride, const double *L, const double *P, double *restrict F)
+{
+  subtract_by(2 * TILE, count, from, to, stride, L, P, F);
+}
+#endif
+
+/* By as many rows as registers hold the sums of. */
+INLINE void subtract(int count, int from, int to, int stride, const double *L, const double *P, double *restrict F)
+{
+#ifdef WITH_512_BITS
+  if (__builtin_cpu_supports("avx512f")) {
+    subtract_wide(count, from, to, stride, L, P, F);
+    return;
+  }
+#endif
+  subtract_by(TILE, count, from, to, stride, L, P, F);
 }
 
 /* F = L D L^T, its lower triangle, from its last row up to the first inner one, BLOCK rows at a time; L: room for the
