@@ -98,6 +98,7 @@ def test_the_error_is_eps_times_a_constant(name: str) -> None:
 
 @settings(max_examples=10)
 @given(forces, st.floats(-2.0, 2.0))
+@example(np.array([-2.0, 2.0, 2.0]), 0.0)  # what is stored in the first second is paid back in the next
 def test_the_limit_is_a_projection_of_any_push(values: Array, u0: float) -> None:
     """Random piecewise constant forces: q >= 0, gamma <= 0, q gamma = 0, and the scheme tends to it."""
     f = piecewise_constant(np.arange(len(values) + 1.0), values)

@@ -88,7 +88,7 @@ def test_the_elements_are_those_of_taylor_and_hood() -> None:
     assert pressure_element(DEGREE, 2).embedded_superdegree == 2
 
 
-@pytest.mark.parametrize("degree", [2, 3, pytest.param(4, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("degree", [2, 3, 4])
 def test_nothing_flows_through_curved_boundaries_in_space(degree: int) -> None:
     """u = (z, 0, 0) through all of a half-ball, and any u through each cell: degree 3 left 1e-7 of it."""
     container = HalfPlane(4.0, dimension=3)
