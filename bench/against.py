@@ -6,10 +6,12 @@
     python bench/against.py /tmp/before --discs 200
     python bench/against.py /tmp/before --gap 0.1 --gap 0.001
     python bench/against.py . --ranks 2 --discs 200
+    python bench/against.py . --ranks 2 --sphere "P2, 16 times"
 
 Each of the two solves the same case files in a process of its own, warm, mesh included; with `--bars` what
 counts is their error bars, which come after the solve, with `--discs` one step of so many sheared discs (see
-`bench/suspension.py`), on a new mesh and on a moved one, with `--gap` a disc so many radii beside a plane.
+`bench/suspension.py`), on a new mesh and on a moved one, with `--gap` a disc so many radii beside a plane,
+with `--sphere` a setting of `bench/space.py`.
 They are asked for one solve each in turn, so that other work on the machine slows down both, and their CPU
 seconds are compared: those of the cheapest solve, and the quartiles of the ratio of the two of each turn.
 With `--ranks` this checkout solves on several ranks; seconds are those of the first, which does not sleep
@@ -35,8 +37,8 @@ from fsi.workers.launch import mpiexec
 ROOT = Path(__file__).parents[1]
 CASES = ["disc_beside_plane", "two_discs", "disc_in_box", "couette_N10", "sheared_cell"]
 # Read by both: for each line of the input one solve, and its CPU seconds in the output. A line is the path of
-# a case file, behind "bars" where these are asked for, and before a gap if it has one of its own; or a number
-# of discs and "new" or "moved".
+# a case file, behind "bars" where these are asked for, and before a gap if it has one of its own; a number of
+# discs and "new" or "moved"; or "sphere" and a setting.
 SERVE = """
 import sys, time, fsi
 from pathlib import Path
@@ -52,6 +54,13 @@ models = {}
 def of_discs(n, mesh):
     (solution,) = (moved_steps if mesh == "moved" else new_steps)(suspension(int(n)), 1)
     return sum(solution.seconds.values())
+
+def of_sphere(setting):
+    from bench.space import SETTINGS, sphere_case
+    if setting not in SETTINGS:
+        raise SystemExit(f"{setting}: not a setting; known: {', '.join(SETTINGS)}")
+    case = sphere_case(SETTINGS[setting])
+    return sum(StokesModel(case)(case.configuration(), 0.0).seconds.values())
 
 def of_case(asked, bars):
     if asked not in models:
@@ -81,8 +90,11 @@ def next_asked():
 
 while asked := next_asked():
     comm.barrier()
-    case = asked.removeprefix("bars ")
-    seconds = of_discs(*asked.split()) if asked[0].isdigit() else of_case(case, case != asked)
+    case, setting = asked.removeprefix("bars "), asked.removeprefix("sphere ")
+    if asked[0].isdigit():
+        seconds = of_discs(*asked.split())
+    else:
+        seconds = of_case(case, case != asked) if setting == asked else of_sphere(setting)
     if comm.rank == 0:
         print(seconds, flush=True)
 """
@@ -124,6 +136,7 @@ def main(
     bars: Annotated[bool, typer.Option("--bars", help="Of cases the seconds of their error bars.")] = False,
     discs: Annotated[list[int] | None, typer.Option(help="Sheared discs, in place of cases.")] = None,
     gap: Annotated[list[float] | None, typer.Option(help="Of a disc and a plane, in place of cases.")] = None,
+    sphere: Annotated[list[str] | None, typer.Option(help="A setting of bench/space.py.")] = None,
     ranks: Annotated[int, typer.Option(help="On which this checkout solves.", min=1)] = 1,
 ) -> None:
     """Solve cases in turns, print a table, and fail where they have become dearer."""
@@ -134,6 +147,7 @@ def main(
     what, disc = "bars " if bars else "", ROOT / "cases" / f"{CASES[0]}.toml"
     asked = {f"{what}gap {q:g}": f"{what}{disc} at {q!r}" for q in gap or []}
     asked |= {f"{n} discs, {mesh} mesh": f"{n} {mesh}" for n in discs or [] for mesh in ("new", "moved")}
+    asked |= {f"sphere, {setting}": f"sphere {setting}" for setting in sphere or []}
     if cases or not asked:
         asked |= {f"{what}{case}": f"{what}{ROOT / 'cases' / case}.toml" for case in cases or CASES}
     with closing(Checkout(ROOT, ranks)) as here, closing(Checkout(other.resolve())) as there:

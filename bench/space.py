@@ -7,7 +7,7 @@ series. "s" are seconds on the clock, the others CPU seconds of the first rank; 
 peaks of all ranks, some 200 each of which are libraries, "most" the largest of them. "of old" is what all
 CPU seconds are of START.
 
-`mpiexec -n 2 python bench/space.py million` does the same on two ranks.
+`mpiexec -n 2 python bench/space.py million` does the same on two ranks; `bench/against.py` takes turns.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def main(
     for name in chosen:
         table.add_row(*measured(name, scaling))
     if MPI.COMM_WORLD.rank == 0:
-        Console(width=130).print(table)
+        Console(width=140).print(table)
         scaling.write(json)
 
 

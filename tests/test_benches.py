@@ -15,7 +15,21 @@ SMALLEST = {
     "gluey": ["agitated", "100", "--steps", "1"],
     "gallery": ["film_pressure", "--most", "1000"],
 }
-AGAINST_ITSELF = [str(ROOT), "--turns", "1", "--most", "9", "--discs", "1", "--gap", "0.1", "--ranks", "2"]
+AGAINST_ITSELF = [
+    str(ROOT),
+    "--turns",
+    "1",
+    "--most",
+    "9",
+    "--discs",
+    "1",
+    "--gap",
+    "0.1",
+    "--sphere",
+    "P2",
+    "--ranks",
+    "2",
+]
 SLOW = {
     "start": ["--times", "1"],
     "against": AGAINST_ITSELF,

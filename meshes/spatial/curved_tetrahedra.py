@@ -58,7 +58,7 @@ def curved_places(straight: StraightCells, spheres: Mapping[int, RoundSurface], 
     """The nodes of each cell, (T, nodes, 3); as `curve_tets`, with the facets near these cells."""
     vertices, tets = straight.vertices, straight.cells
     l = barycentric(reference_points(order, 3))  # noqa: E741
-    x: Array = np.einsum("nv,tvd->tnd", l, vertices[tets])
+    x: Array = l @ vertices[tets]
     parts = [_bent(straight, tag, sphere, order) for tag, sphere in spheres.items() if tag in straight.tags]
     if parts:
         edges, bends, faces, bubbles = (np.concatenate(each) for each in zip(*parts, strict=True))
