@@ -5,6 +5,8 @@ with the weights that P has there, and those of images to what they are images o
 from rank to rank. PETSc's two products with P take twice as long on one rank, on two nine times as long.
 """
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np
