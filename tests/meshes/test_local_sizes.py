@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from fsi.meshes.geometry.container import FluidDomain
@@ -17,6 +17,7 @@ BOX, SIDE = Box((0.0, 0.0, 0.0), (12.0, 12.0, 12.0)), 12.0
 
 @settings(max_examples=10, deadline=None)
 @given(st.integers(0, 10**6), st.floats(1e-5, 0.5), st.floats(0.3, 1.0))
+@example(148, 0.125, 1.0)  # at one place larger than a quarter of a side
 def test_as_all_bodies_and_gaps_say(seed: int, gap: float, growth: float) -> None:
     """27 spheres, pairs of which are closer, against the law in the docstring of `sizing`."""
     rng = np.random.default_rng(seed)
@@ -31,7 +32,7 @@ def test_as_all_bodies_and_gaps_say(seed: int, gap: float, growth: float) -> Non
 
     def law(x: np.ndarray) -> float:
         away = np.concatenate([np.linalg.norm(x - centres, axis=1) - radii, x, SIDE - x])
-        every = [0.25 * SIDE, *(h_body + growth * away[: len(radii)])]
+        every = [0.25 * np.sqrt(3.0) * SIDE, *(h_body + growth * away[: len(radii)])]
         to_walls = np.concatenate([centres, SIDE - centres], axis=1) - radii[:, None]
         for i in range(len(radii)):
             to_bodies = np.linalg.norm(centres - centres[i], axis=1) - radii - radii[i]
