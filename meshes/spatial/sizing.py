@@ -10,9 +10,9 @@ lubrication length sqrt(a gap), thus
 
     h_gap(d) = 0.3 sqrt(a d) / cells_per_gap,   but within [0.3 d, 10 d] / cells_per_gap,
 
-a: the smaller radius. No element is larger than a quarter of a box's diagonal, or 2 pi R / cells_per_circle in
-a container of radius R; towards edges where the flow is singular they are smaller (see `grading`). The law is
-said in gmsh's own language: a function in Python takes ten times as long.
+a: the smaller radius. No element is larger than a quarter of a box's diagonal, or 2 pi R / cells_per_circle
+in a container of radius R; towards edges where the flow is singular they are smaller (see `grading`). The law
+is said in gmsh's own language: a function in Python takes ten times as long.
 
 Around ellipsoids a is the radius 1 / H of the mean curvature, and b the distance to first order: with a point
 y before space is stretched by the half axes a_k, k = |y|, and p = k / |y_k / a_k|,
