@@ -52,7 +52,7 @@ assert Path(fsi.__file__).is_relative_to(sys.argv[1]), f"{fsi.__file__} is not o
 models = {}
 
 def of_discs(n, mesh):
-    (solution,) = (moved_steps if mesh == "moved" else new_steps)(suspension(int(n)), 1)
+    (solution,) = (moved_steps if mesh == "moved" else new_steps)(suspension(n), 1)
     return sum(solution.seconds.values())
 
 def of_sphere(setting):
@@ -90,11 +90,13 @@ def next_asked():
 
 while asked := next_asked():
     comm.barrier()
-    case, setting = asked.removeprefix("bars "), asked.removeprefix("sphere ")
-    if asked[0].isdigit():
-        seconds = of_discs(*asked.split())
+    kind, _, what = asked.partition(" ")
+    if kind == "sphere":
+        seconds = of_sphere(what)
+    elif kind == "bars":
+        seconds = of_case(what, True)
     else:
-        seconds = of_case(case, case != asked) if setting == asked else of_sphere(setting)
+        seconds = of_discs(int(kind), what) if kind.isdigit() else of_case(asked, False)
     if comm.rank == 0:
         print(seconds, flush=True)
 """

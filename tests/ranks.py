@@ -51,3 +51,17 @@ def json_of_each(ranks: int, commands: Sequence[tuple[str, Path]]) -> list[Any]:
     assert done.returncode == 0, done.stderr
     found: list[Any] = json.loads(done.stdout)
     return found
+
+
+def result_on(ranks: int, module: str, call: str) -> Any:
+    """What an expression in the names of a module gives on rank 0, through JSON."""
+    program = f"""from {module} import *
+import json
+from mpi4py import MPI
+found = {call}
+if MPI.COMM_WORLD.rank == 0:
+    print(json.dumps(found))"""
+    command = [*python_on(ranks), "-c", program]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)

@@ -17,18 +17,7 @@ SMALLEST = {
 }
 AGAINST_ITSELF = [
     str(ROOT),
-    "--turns",
-    "1",
-    "--most",
-    "9",
-    "--discs",
-    "1",
-    "--gap",
-    "0.1",
-    "--sphere",
-    "P2",
-    "--ranks",
-    "2",
+    *["--turns", "1", "--most", "9", "--discs", "1", "--gap", "0.1", "--sphere", "P2", "--ranks", "2"],
 ]
 SLOW = {
     "start": ["--times", "1"],

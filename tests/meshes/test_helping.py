@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
+from typing import Any
 
 import fsi.meshes.backend  # noqa: F401
 
@@ -17,7 +16,7 @@ from fsi.meshes.geometry.container import FluidDomain
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.helping import help_root, helped, shared_out
 from fsi.meshes.resolution import Resolution
-from tests.ranks import needs_mpi, python_on
+from tests.ranks import needs_mpi, result_on
 
 
 def root(x: float) -> float:
@@ -60,16 +59,9 @@ def strips() -> tuple[int, float, float]:
     return fluid.cells(), fluid.quality, moment
 
 
-def on_ranks(ranks: int, call: str) -> object:
+def on_ranks(ranks: int, call: str) -> Any:
     """What a function of this module gives on rank 0."""
-    program = f"""from tests.meshes.test_helping import *
-found = {call}
-if MPI.COMM_WORLD.rank == 0:
-    print(json.dumps(found))"""
-    command = [*python_on(ranks), "-c", program]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
+    return result_on(ranks, "tests.meshes.test_helping", call)
 
 
 def test_alone_rank_0_does_all() -> None:

@@ -23,10 +23,12 @@ from fsi.meshes.geometry.curves import Sphere
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.planar.triangulate import StraightCells, gmsh_model
 from fsi.meshes.resolution import Resolution
+from fsi.meshes.spatial import curved_tetrahedra
 from fsi.meshes.spatial.curved_tetrahedra import curve_tets
 from fsi.meshes.spatial.gap_prisms import split_prisms
 from fsi.stokes.model import StokesModel
 from tests.meshes.spheres import CUBE, area, mesh, volume
+from tests.meshes.test_halved import block
 
 CENTRES, RADII = np.array([[-0.8, 0.1, 0.0], [0.9, -0.2, 0.3]]), np.array([0.8, 0.5])
 STEP = np.array([[0.06, -0.04, 0.02], [-0.03, 0.05, 0.01]])
@@ -174,6 +176,19 @@ def test_a_curved_facet_meets_its_sphere(order: int) -> None:
         assert away.max() < 1e-15
     others = made.nodes[made.cells[0]][X[:, 2] == 1.0]
     np.testing.assert_array_equal(others, [[1.5, 0.1, 0.1]])
+
+
+@pytest.mark.parametrize("order", [2, 3, 4])
+def test_nodes_have_the_same_numbers_where_their_names_are_too_long(
+    order: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Names of nodes, of up to four vertices, that no integer has room for are renumbered on the way."""
+    cells = block(3, 2)
+    nodes = curve_tets(cells, {}, order)
+    monkeypatch.setattr(curved_tetrahedra, "LARGEST", 0)
+    renumbered = curve_tets(cells, {}, order)
+    np.testing.assert_array_equal(renumbered.cells, nodes.cells)
+    np.testing.assert_array_equal(renumbered.nodes, nodes.nodes)
 
 
 def test_containers_in_space() -> None:

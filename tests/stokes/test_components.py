@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
 from typing import Any
 
 import fsi.meshes.backend  # noqa: F401
@@ -18,7 +16,7 @@ from fsi.stokes.discretisation.constraints import Prolongation
 from fsi.stokes.discretisation.loops import loops, pointer
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solvers import components, multigrid
-from tests.ranks import needs_mpi, python_on
+from tests.ranks import needs_mpi, result_on
 from tests.stokes import test_periodic_in_space as periodic
 from tests.stokes import test_spatial as spatial
 
@@ -94,13 +92,5 @@ def test_what_a_node_meets_through_images_is_added_up_in_order() -> None:
 @pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_ranks_send_each_other_what_rows_of_others_have(ranks: int) -> None:
     """Nodes on bodies and images of one rank, whose modes and unknowns are another's."""
-    program = """from mpi4py import MPI
-from tests.stokes.test_components import *
-found = [max(differences(name)) for name in CASES]
-if MPI.COMM_WORLD.rank == 0:
-    print(json.dumps(found))"""
-    command = [*python_on(ranks), "-c", program]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
-    assert done.returncode == 0, done.stderr
-    found: Any = json.loads(done.stdout)
+    found = result_on(ranks, "tests.stokes.test_components", "[max(differences(name)) for name in CASES]")
     assert max(found) < 1e-14

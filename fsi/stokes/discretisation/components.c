@@ -59,8 +59,8 @@ static int of_modes(const Alike *a, int32_t i, int component, int32_t *number, d
   return in_order(count, number, sum);
 }
 
-/* Three rows for each of these nodes, unknowns ascending; number, sum: each with room for width times the entries of any row of L.
-   Returns the number of entries. */
+/* Three rows for each of these nodes, unknowns ascending; number, sum: each has room for width times the entries of any
+   row of L. Returns the number of entries. */
 int64_t rows_of_nodes(const Alike *a, int rows, const int32_t *row, int32_t *number, double *sum, int32_t *indptr,
                       int32_t *columns, double *values)
 {

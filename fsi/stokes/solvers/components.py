@@ -2,7 +2,7 @@
 
 Rows of free nodes are L's own, but where they meet bodies. Rows of nodes on bodies go to the modes of these,
 with the weights that P has there, and those of images to what they are images of: these few alone are sent
-from rank to rank. PETSc's two products with P take twice as long on one rank, on two nine times as long.
+from rank to rank. PETSc's two products with P take more than twice as long on one rank, on two seven times.
 """
 
 from __future__ import annotations
