@@ -81,7 +81,6 @@ INLINE int padded(int n)
 
 /* The same for rows of matrices. */
 enum { WIDE = 2 * TILE };
-typedef double Wide __attribute__((vector_size(WIDE * sizeof(double)), aligned(sizeof(double)), may_alias));
 
 INLINE int widened(int n)
 {
@@ -180,38 +179,45 @@ INLINE void matrix_of_cell(const Cells *c, int cell, int stride, double *restric
       E[c->place[d * n + k] * stride + c->place[d * n + l]] = 0.0;
 }
 
-/* F_ij -= sum over k of L_ki P_kj for `count` rows k, of so many rows from i on, at most 2 TILE, and j <= i; what is
-   written beyond j = i is of no use. */
-INLINE void subtract_tiles(int rows, int i, int count, int stride, const double *L, const double *P, double *restrict F)
-{
-  for (int j = 0; j < i + rows; j += WIDE) {
-    Wide sum[2 * TILE];
-    for (int r = 0; r < rows; r++)
-      sum[r] = *(const Wide *)(F + (i + r) * stride + j);
-    for (int k = 0; k < count; k++)
-      for (int r = 0; r < rows; r++)
-        sum[r] -= L[k * stride + i + r] * *(const Wide *)(P + k * stride + j);
-    for (int r = 0; r < rows; r++)
-      *(Wide *)(F + (i + r) * stride + j) = sum[r];
+/* F_ij -= sum over k of L_ki P_kj for `count` rows k, of rows from one to before another, ROWS at a time, and j <= i;
+   what is written beyond j = i is of no use. In registers of one type: what is as wide as two goes through memory. */
+#define SUBTRACT(name, tiles, ROWS, Vector) \
+  INLINE void tiles(int rows, int i, int count, int stride, const double *L, const double *P, double *restrict F) \
+  { \
+    enum { LENGTH = sizeof(Vector) / sizeof(double), ACROSS = WIDE / LENGTH }; \
+    for (int j = 0; j < i + rows; j += WIDE) { \
+      Vector sum[ROWS][ACROSS]; \
+      for (int r = 0; r < rows; r++) \
+        for (int h = 0; h < ACROSS; h++) \
+          sum[r][h] = *(const Vector *)(F + (i + r) * stride + j + h * LENGTH); \
+      for (int k = 0; k < count; k++) \
+        for (int r = 0; r < rows; r++) \
+          for (int h = 0; h < ACROSS; h++) \
+            sum[r][h] -= L[k * stride + i + r] * *(const Vector *)(P + k * stride + j + h * LENGTH); \
+      for (int r = 0; r < rows; r++) \
+        for (int h = 0; h < ACROSS; h++) \
+          *(Vector *)(F + (i + r) * stride + j + h * LENGTH) = sum[r][h]; \
+    } \
+  } \
+  INLINE void name(int count, int from, int to, int stride, const double *L, const double *P, double *restrict F) \
+  { \
+    int i = from; \
+    for (; i + ROWS <= to; i += ROWS) \
+      tiles(ROWS, i, count, stride, L, P, F); \
+    for (; i < to; i++) \
+      tiles(1, i, count, stride, L, P, F); \
   }
-}
 
-/* The same of all rows from one to before another, so many at a time. */
-INLINE void subtract_by(int rows, int count, int from, int to, int stride, const double *L, const double *P,
-                        double *restrict F)
-{
-  int i = from;
-  for (; i + rows <= to; i += rows)
-    subtract_tiles(rows, i, count, stride, L, P, F);
-  for (; i < to; i++)
-    subtract_tiles(1, i, count, stride, L, P, F);
-}
+SUBTRACT(subtract_narrow, narrow_tiles, TILE, Columns)
 
 #ifdef WITH_512_BITS
+typedef double Wide __attribute__((vector_size(WIDE * sizeof(double)), aligned(sizeof(double)), may_alias));
+SUBTRACT(subtract_wide, wide_tiles, WIDE, Wide)
+
 __attribute__((target("arch=x86-64-v4")))
-static void subtract_wide(int count, int from, int to, int stride, const double *L, const double *P, double *restrict F)
+static void subtract_512(int count, int from, int to, int stride, const double *L, const double *P, double *restrict F)
 {
-  subtract_by(2 * TILE, count, from, to, stride, L, P, F);
+  subtract_wide(count, from, to, stride, L, P, F);
 }
 #endif
 
@@ -220,11 +226,11 @@ INLINE void subtract(int count, int from, int to, int stride, const double *L, c
 {
 #ifdef WITH_512_BITS
   if (__builtin_cpu_supports("avx512f")) {
-    subtract_wide(count, from, to, stride, L, P, F);
+    subtract_512(count, from, to, stride, L, P, F);
     return;
   }
 #endif
-  subtract_by(TILE, count, from, to, stride, L, P, F);
+  subtract_narrow(count, from, to, stride, L, P, F);
 }
 
 /* F = L D L^T, its lower triangle, from its last row up to the first inner one, BLOCK rows at a time; L: room for the
