@@ -233,11 +233,11 @@ INLINE void subtract(int count, int from, int to, int stride, const double *L, c
   subtract_narrow(count, from, to, stride, L, P, F);
 }
 
-/* F = L D L^T, its lower triangle, from its last row up to the first inner one, BLOCK rows at a time; L: room for the
-   rows from there. */
+/* F = L D L^T, its lower triangle, from its last row up to the first inner one, BLOCK rows at a time, which outer rows
+   take off as many at a time as stay in the cache; L: room for the rows from there. */
 INLINE void eliminate(int n, int outer, int stride, double *restrict F, double *restrict L)
 {
-  enum { BLOCK = 16 };
+  enum { BLOCK = 16, CACHED = 64 };
   for (int end = n, begin; end > outer; end = begin) {
     const int over = (end - outer) % BLOCK;
     begin = end - (over ? over : BLOCK);
@@ -255,7 +255,8 @@ INLINE void eliminate(int n, int outer, int stride, double *restrict F, double *
     }
     subtract(end - begin, outer, begin, stride, L + (begin - outer) * stride, F + begin * stride, F);
   }
-  subtract(n - outer, 0, outer, stride, L, F + outer * stride, F);
+  for (int k = outer; k < n; k += CACHED)
+    subtract(n - k < CACHED ? n - k : CACHED, 0, outer, stride, L + (k - outer) * stride, F + k * stride, F);
 }
 
 /* What is left of the outer rows of a cell's matrix stands there, and in the inner ones its factors. */
