@@ -20,7 +20,7 @@ from fsi.gluey.contacts import Room
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, System
 from fsi.macroscopic.model import Parcels, at_rest_in_memory, blocks
-from fsi.meshes.geometry.container import Unbounded
+from fsi.meshes.geometry.unbounded import Unbounded
 from fsi.report.console import standard_output
 
 END, FINE = 0.4, 6400

@@ -25,7 +25,7 @@ from fsi.errors import SolveError
 from fsi.gluey.contacts import Room
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, System
-from fsi.meshes.geometry.container import Unbounded
+from fsi.meshes.geometry.unbounded import Unbounded
 
 H = 0.01
 HEADINGS = ("discs", "step", "contacts", "closed", "iterations", "Newton", "kkt", "overlap", "CPU s")

@@ -10,8 +10,8 @@ import scipy  # its modules load when they are used
 from bench.random_walls import KINDS, Data, Random, Walls, round_container
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps
-from fsi.meshes.geometry.container import feet_in_space
 from fsi.meshes.geometry.ellipsoid import Ellipsoid, PlacedEllipsoid
+from fsi.meshes.geometry.wall_feet import feet_in_space
 
 TRIES, SLIDES = 60, 30
 # Gaps over the smallest half axis, equal in the logarithm; narrower ones are not meshed beside ellipsoids.

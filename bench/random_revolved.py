@@ -12,9 +12,9 @@ from bench.random_walls import Data, Random, Walls
 from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps
 from fsi.errors import InputError
-from fsi.meshes.geometry.container import wall_feet
 from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.geometry.revolved import BodyOfRevolution
+from fsi.meshes.geometry.wall_feet import wall_feet
 
 # How often a body is a sphere, is put close to what is there, has a surface along which fluid slides.
 SPHERES, CLOSE, SLIDING = 0.25, 0.75, 0.7

@@ -12,9 +12,9 @@ from fsi.bodies.gaps import find_gaps
 from fsi.case.section import tuples
 from fsi.case.shapes.shape import BodyShape
 from fsi.errors import InputError
-from fsi.meshes.geometry.container import wall_feet
 from fsi.meshes.geometry.feet import Foot
 from fsi.meshes.geometry.placed import Placed
+from fsi.meshes.geometry.wall_feet import wall_feet
 
 # Gaps over the radius of the smallest circle that holds the body, equal in the logarithm.
 NARROWEST, WIDEST = 1e-4, 1.0

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.bodies.gaps import Gaps, feet_on_walls, find_gaps, foot_between
-from fsi.meshes.geometry.container import Container, all_wall_feet
+from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.feet import Foot
+from fsi.meshes.geometry.wall_feet import all_wall_feet
 
 
 def feet_between(q: Configuration, i: int, j: int, away: Array, reach: float) -> list[Foot]:

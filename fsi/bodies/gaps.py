@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration
-from fsi.meshes.geometry.container import Container, feet_in_space, wall_feet
+from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.feet import Foot
 from fsi.meshes.geometry.lattice import Integers, Lattice
+from fsi.meshes.geometry.wall_feet import feet_in_space, wall_feet
 
 _WIDER = 1.0 + 1e-12  # so that rounding leaves out no pair at the very end of a reach
 # Of the smallest radius: what rounding makes of a gap in contact, and how deep a contact may be solved.

@@ -32,10 +32,10 @@ from fsi.case.sections import Calibration
 from fsi.errors import InputError
 from fsi.integration.state import Results
 from fsi.lubrication.expansions import LawShape
-from fsi.meshes.geometry.container import wall_feet
 from fsi.meshes.geometry.feet import Foot
 from fsi.meshes.geometry.outline import Outline
 from fsi.meshes.geometry.placed import Placed
+from fsi.meshes.geometry.wall_feet import wall_feet
 
 # Sections of a case that its samples do not have.
 _LEFT_OUT = {"calibration", "time", "output", "expected", "sweep", "forces", "reduced"}

@@ -19,10 +19,11 @@ from fsi.case.section import (
 )
 from fsi.case.shaped_walls import StraightWalls
 from fsi.errors import InputError
-from fsi.meshes.geometry.container import Container, Unbounded
+from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.geometry.tube import Tube
+from fsi.meshes.geometry.unbounded import Unbounded
 
 
 def _walls_of(geometry: Geometry, periodic: tuple[str, ...] = ()) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import combinations
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,6 @@ from numpy.typing import NDArray
 from fsi.meshes.errors import MeshError
 from fsi.meshes.geometry.curves import Sphere, WallCurve
 from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
-from fsi.meshes.geometry.feet import Foot, Opposite
 from fsi.meshes.geometry.placed import Placed
 
 Array = NDArray[np.float64]
@@ -259,65 +258,3 @@ class FluidDomain:
     edges: tuple[tuple[int, int], ...] = ()
     placed: tuple[Placed, ...] = ()
     ellipsoids: tuple[PlacedEllipsoid, ...] = ()
-
-
-def feet_in_space(body: PlacedEllipsoid, container: Container) -> list[Foot]:
-    """The gaps of an ellipsoid to all walls, which are planes or the sphere around it."""
-    here = body.centre[None]
-    each = zip(container.spheres, container.distances(here)[0], container.normals(here)[0], strict=True)
-    return [
-        body.gap_to_plane(float(distance), normal) if sphere is None else body.gap_within(sphere)
-        for sphere, distance, normal in each
-    ]
-
-
-def wall_feet(body: Placed, container: Container) -> list[Foot]:
-    """The gaps of a body to all walls."""
-    waves = enumerate(container.waves)
-    return [body.gap_to_surface(_opposite(container, k), wave) for k, wave in waves]
-
-
-def all_wall_feet(body: Placed, container: Container, reach: float) -> list[list[Foot]]:
-    """All gaps of a body to each wall up to `reach`, the narrowest first and whatever its width."""
-    waves = enumerate(container.waves)
-    return [body.feet_on(_opposite(container, k), reach, wave) for k, wave in waves]
-
-
-def _opposite(container: Container, wall: int) -> Opposite:
-    return lambda x: container.to_wall(wall, x)
-
-
-class WithoutWalls(Container):
-    """What has no walls."""
-
-    __slots__ = ()
-    walls: ClassVar[tuple[str, ...]] = ()
-
-    def distances(self, x: Array) -> Array:
-        """There are none: shape (n, 0)."""
-        return np.empty((len(x), 0))
-
-    def normals(self, x: Array) -> Array:
-        """There are none: shape (n, 0, dimension)."""
-        return np.empty((len(x), 0, self.dimension))
-
-    def distance_formulas(self) -> list[str]:
-        """There are none."""
-        return []
-
-
-@dataclass(frozen=True, slots=True)
-class Unbounded(WithoutWalls):
-    """All of the plane or space, without walls: nothing there is meshed."""
-
-    axisymmetric: bool = False
-    dimension: int = 2
-
-    def size(self) -> float:
-        """Without a bound."""
-        return np.inf
-
-    @property
-    def volume(self) -> float:
-        """Without a bound."""
-        return np.inf

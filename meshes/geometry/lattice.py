@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.meshes.errors import MeshError
-from fsi.meshes.geometry.container import Array, WithoutWalls, lengths
+from fsi.meshes.geometry.container import Array, lengths
 from fsi.meshes.geometry.curves import WallCurve, rescaled
+from fsi.meshes.geometry.unbounded import WithoutWalls
 
 Integers = NDArray[np.int64]
 Vector = tuple[float, ...]

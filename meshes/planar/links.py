@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.meshes.errors import TouchingError
-from fsi.meshes.geometry.container import Array, wall_feet
+from fsi.meshes.geometry.container import Array
 from fsi.meshes.geometry.feet import Foot
 from fsi.meshes.geometry.lattice import Integers, positive
 from fsi.meshes.geometry.placed import Placed
+from fsi.meshes.geometry.wall_feet import wall_feet
 from fsi.meshes.planar.sizing import Surfaces
 
 Indices = NDArray[np.int64]

@@ -28,9 +28,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from fsi.meshes.errors import TouchingError
-from fsi.meshes.geometry.container import Array, FluidDomain, feet_in_space, lengths
+from fsi.meshes.geometry.container import Array, FluidDomain, lengths
 from fsi.meshes.geometry.ellipsoid import PlacedEllipsoid
 from fsi.meshes.geometry.lattice import Integers
+from fsi.meshes.geometry.wall_feet import feet_in_space
 from fsi.meshes.resolution import Resolution
 from fsi.meshes.spatial.grading import edge_sizes
 from fsi.meshes.spatial.sides import Sides

@@ -17,11 +17,11 @@ from fsi.case.shapes.ellipse import Ellipse
 from fsi.case.shapes.fourier import FourierShape
 from fsi.case.shapes.stadium import Stadium
 from fsi.integration.gap_limiter import LEAST_ROOM, greatest_approach
-from fsi.meshes.geometry.container import Unbounded
 from fsi.meshes.geometry.containers import Box, Round
 from fsi.meshes.geometry.feet import Foot
 from fsi.meshes.geometry.outline import Outline
 from fsi.meshes.geometry.shaped import ShapedWalls
+from fsi.meshes.geometry.unbounded import Unbounded
 
 PEANUT = FourierShape(kind="fourier", radius=1.0, orders=(2,), cosines=(0.4,)).outline
 ROD = Stadium(kind="stadium", length=2.0, radius=0.25).outline  # between the ends' centres

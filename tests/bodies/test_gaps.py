@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.bodies.gaps import find_gaps, nearest_gaps, smallest_of_each, without_rounding
-from fsi.meshes.geometry.container import Container, Unbounded
+from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.lattice import Cell
+from fsi.meshes.geometry.unbounded import Unbounded
 
 BOX = Box((-20.0, -20.0), (20.0, 20.0))
 

@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose
 from fsi.bodies.configuration import Array, rigid_motion
 from fsi.gluey.contacts import Room, find_contacts, slip_rows
 from fsi.gluey.step import advance
-from fsi.meshes.geometry.container import Unbounded
 from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.unbounded import Unbounded
 from tests.gluey.test_step import H, bodies
 
 

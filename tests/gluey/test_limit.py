@@ -17,7 +17,7 @@ from fsi.gluey.contacts import Room
 from fsi.gluey.limit import ESTIMATES, A, Limit, log_gap, piecewise_constant, slides_scheme, solve
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, System
-from fsi.meshes.geometry.container import Unbounded
+from fsi.meshes.geometry.unbounded import Unbounded
 
 REFERENCE: dict[str, Any] = json.loads(
     (Path(__file__).parents[1] / "reference" / "gluey_1d.json").read_text()

@@ -15,8 +15,8 @@ from fsi.gluey.constraints import solve_rows
 from fsi.gluey.contacts import Room, find_contacts
 from fsi.gluey.step import Checks, _require, advance
 from fsi.gluey.system import GlueyState, System
-from fsi.meshes.geometry.container import Unbounded
 from fsi.meshes.geometry.containers import Box
+from fsi.meshes.geometry.unbounded import Unbounded
 
 H = 0.01
 

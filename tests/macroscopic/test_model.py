@@ -13,7 +13,7 @@ from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, System
 from fsi.macroscopic.evolution import smallest_gap
 from fsi.macroscopic.model import Force, Parcels, at_rest_in_memory, blocks
-from fsi.meshes.geometry.container import Unbounded
+from fsi.meshes.geometry.unbounded import Unbounded
 
 NUMBERS = (200, 800, 3200)
 

@@ -14,10 +14,11 @@ from fsi.bodies.gaps import find_gaps, narrowest_gap
 from fsi.integration.gap_limiter import greatest_approach
 from fsi.meshes.build import build
 from fsi.meshes.errors import TouchingError
-from fsi.meshes.geometry.container import Array, FluidDomain, feet_in_space
+from fsi.meshes.geometry.container import Array, FluidDomain
 from fsi.meshes.geometry.containers import Box, HalfPlane, Round
 from fsi.meshes.geometry.ellipsoid import Ellipsoid, PlacedEllipsoid
 from fsi.meshes.geometry.rotations import turn_between
+from fsi.meshes.geometry.wall_feet import feet_in_space
 from fsi.meshes.moving.move import Mover
 from fsi.meshes.resolution import Resolution
 from tests.meshes.spheres import volume

@@ -23,11 +23,12 @@ from fsi.case.shapes.superellipse import Superellipse
 from fsi.case.shapes.tip import Tip
 from fsi.integration.gap_limiter import greatest_approach
 from fsi.meshes.build import build
-from fsi.meshes.geometry.container import Array, FluidDomain, wall_feet
+from fsi.meshes.geometry.container import Array, FluidDomain
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.geometry.outline import Outline
 from fsi.meshes.geometry.placed import Placed
+from fsi.meshes.geometry.wall_feet import wall_feet
 from fsi.meshes.resolution import Resolution
 
 ELLIPSE = Ellipse(kind="ellipse", axes=(2.0, 1.0))

@@ -12,10 +12,10 @@ from fsi.case.shapes.fourier import FourierShape
 from fsi.case.shapes.profile import HalfOutline
 from fsi.case.shapes.stadium import Stadium
 from fsi.case.shapes.tip import Tip
-from fsi.meshes.geometry.container import wall_feet
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.geometry.revolved import BodyOfRevolution
+from fsi.meshes.geometry.wall_feet import wall_feet
 
 TUBE = Box((0.0, -3.0), (2.0, 4.0), axisymmetric=True)  # walls right, bottom, top
 
