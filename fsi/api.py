@@ -32,6 +32,7 @@ from fsi.integration.errors import ErrorEstimate
 from fsi.integration.evolution import Evolution
 from fsi.integration.state import Instant, StepRecord
 from fsi.models import flow_solvers, make_evolution, make_model
+from fsi.observables.quantities import found_gradient
 from fsi.observables.resistance import Resistance
 from fsi.parallel import on_root, together
 from fsi.postprocess.run.run import Run, open_run
@@ -74,8 +75,8 @@ class Solution:
     Attributes:
         case: what was solved; with a tolerance the refined one.
         instant: velocities U and external loads F, shape (N, M), and what the model knows besides.
-        errors: estimated errors of U and F, of the dissipation and the apparent viscosity; None of a model
-            without a flow.
+        errors: estimated errors of U and F, of the dissipation, the apparent viscosity and dp_dx; None of a
+            model without a flow.
     """
 
     case: Case
@@ -114,6 +115,11 @@ class Solution:
         mu: float | None = getattr(self.instant, "apparent_viscosity", None)
         return mu
 
+    @property
+    def dp_dx(self) -> float | None:
+        """The mean pressure gradient along a channel whose net flux is given, else None."""
+        return found_gradient(self.instant)
+
     @together()
     def evaluate(self, points: ArrayLike) -> tuple[Array, Array]:
         """Velocity (n, d) and pressure (n,) at points (n, d); NaN outside the fluid. Raises InputError."""
@@ -123,14 +129,16 @@ class Solution:
                 f'model = "{self.case.model}": has no pressure; use Solution.velocity, or solve the resolved '
                 "case"
             )
-        values: tuple[Array, Array] = flow.evaluate(_points(points))
+        x = _points(points, self.case.dimension)
+        values: tuple[Array, Array] = flow.evaluate(x) if len(x) else (x, x[:, 0])
         return values
 
     @together()
     def velocity(self, points: ArrayLike) -> Array:
         """Velocity (n, d) at points (n, d); NaN outside the fluid. Raises InputError."""
         flow = self._flow("evaluate")
-        u: Array = flow.velocity(_points(points))
+        x = _points(points, self.case.dimension)
+        u: Array = flow.velocity(x) if len(x) else x
         return u
 
     @together()
@@ -162,8 +170,19 @@ class Solution:
         return "\n".join(lines)
 
 
-def _points(points: ArrayLike) -> Array:
-    return np.atleast_2d(np.asarray(points, dtype=float))
+def _points(points: ArrayLike, d: int) -> Array:
+    """Points (n, d), of none too. Raises InputError."""
+    try:
+        x = np.atleast_2d(np.asarray(points, dtype=float))
+    except (TypeError, ValueError):
+        raise InputError(
+            "points: are no numbers, or not as many of each point; give (n, d) numbers"
+        ) from None
+    if not x.size:
+        return np.empty((0, d))
+    if x.ndim != 2 or x.shape[1] != d:
+        raise InputError(f"points have {x.shape[-1]} components where this geometry has {d}; give (n, {d})")
+    return x
 
 
 def make_case(**sections: Any) -> Case:

@@ -18,6 +18,7 @@ from fsi.integration.state import State, StepRecord
 from fsi.meshes.errors import MeshFileError
 from fsi.models import make_evolution
 from fsi.parallel import on_root
+from fsi.run_folder.alone import alone
 from fsi.run_folder.folder import Commit, RunFolder
 from fsi.run_folder.kept import REMEDY
 from fsi.run_folder.one_case import Changes, changes, require_one_case
@@ -65,11 +66,12 @@ def run(
     on_root(lambda: check_work(case))
     evolution = make(case)
     new = RunFolder.create(folder, case, launch())
-    try:
-        return _drive(case, new, evolution, progress)
-    except (InputError, MeshFileError):
-        new.discard_if_unused()
-        raise
+    with alone(new.path, refused=folder):
+        try:
+            return _drive(case, new, evolution, progress)
+        except (InputError, MeshFileError):
+            new.discard_if_unused()
+            raise
 
 
 def resume(
@@ -88,10 +90,15 @@ def resume(
             the folder, with what it was.
 
     Raises:
-        InputError: it is not the folder of a run, a file in it is not sound, or the case is not that of the
-            run any more; nothing in the folder has been changed.
+        InputError: it is not the folder of a run, a file in it is not sound, another process runs it, or
+            the case is not that of the run any more; nothing in the folder has been changed.
         SolveError: as in `run`.
     """
+    with alone(folder, refused=folder):
+        return _resume(folder, progress, make, overrides)
+
+
+def _resume(folder: Path, progress: Progress, make: MakeEvolution, overrides: Sequence[str]) -> Outcome:
     run = RunFolder.reopen(folder)
     case, changed = on_root(lambda: _case_of(run, overrides))
     if run.checkpoint is not None:

@@ -64,6 +64,17 @@ def test_a_resolved_case_is_solved_evaluated_and_has_a_resistance() -> None:
     assert np.isnan(u[1]).all()  # in it there is no fluid
     assert np.isnan(p[1])
     np.testing.assert_allclose(u[2], 0.0, atol=1e-6)
+    assert [values.shape for values in solution.evaluate([])] == [(0, 2), (0,)]
+    assert solution.velocity(np.empty((0, 2))).shape == (0, 2)
+    assert solution.velocity([0.0, 1e-9]).shape == (1, 2)
+    for points, words in (
+        ([[0.0, 4.0, 0.0]], "points have 3 components where this geometry has 2; give"),
+        ([4.0], "points have 1 components where this geometry has 2; give"),
+        ([[0.0, 4.0], [1.0]], "points: are no numbers, or not as many of each point; give"),
+    ):
+        for values_at in (solution.evaluate, solution.velocity):
+            with pytest.raises(fsi.InputError, match=words):
+                values_at(points)
     R = solution.resistance()
     assert R.R[1, 1] == pytest.approx(disc.force[1], rel=1e-9)
     assert "disc: V = [ 0. -1.]" in repr(solution)

@@ -46,10 +46,21 @@ def test_the_page_of_the_case_file_is_what_the_schema_says() -> None:
     page = (ROOT / "docs" / "case-file.md").read_text().partition("<!-- generated -->")[2]
     sections = sections_of_case()
     assert page.strip() == as_markdown(sections).strip(), "write it anew with `fsi keys --markdown`"
+    assert all(line.endswith("|") for line in page.splitlines() if line.startswith("| ")), "a row is one line"
     assert [key.name for section in sections for key in section.keys if not key.meaning] == []
     named = {key.name for section in sections for key in section.keys}
     assert {"variant", "gamma_min", "eps", "roughness", "friction", "tangential", "scheme"} <= named
     assert {"drag", "wall_law", "extrapolate", "parcels", "blocks", "counts"} <= named
+
+
+def test_the_page_of_the_run_folder_has_all_that_commands_write_there() -> None:
+    page = (ROOT / "docs" / "run-folder.md").read_text()
+    commands = ("analyse", "export", "plot", "render", "report")
+    text = "\n".join((ROOT / "fsi" / "cli" / f"{name}.py").read_text() for name in commands)
+    written = set(re.findall(r'"(\w+\.(?:png|html|xdmf|vtkhdf|csv)|revolved)"', text))
+    assert {"history.png", "report.html", "revolved", "fields.xdmf"} <= written
+    written.remove("calibration.png")  # into the folder of a calibration
+    assert [name for name in sorted(written) if not re.search(rf"`{re.escape(name)}/?`", page)] == []
 
 
 def test_the_files_that_they_name_exist() -> None:

@@ -76,7 +76,9 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
     if result.leading is not None:
         data["leading"] = asdict(result.leading)
     if test is not None:
-        data["held_out_passed"] = test.passed
+        data["held_out_error"] = test.error
+        if test.passed is not None:
+            data["held_out_passed"] = test.passed
     return data
 
 

@@ -43,8 +43,6 @@ _LEFT_OUT = {"calibration", "time", "output", "expected", "sweep", "forces", "re
 _PLACE = ("name", "radius", "shape", "angle", "position")
 # Radii are equal to this, relative.
 _EQUAL = 1e-9
-# A wall is plane if a body moved along its normal is as far away as it should be, relative to its radius.
-_FLAT = 1e-9
 # Of a gap: what closest points of shapes may be off it.
 _SAME_GAP = 1e-6
 # Of a radius: what closest points on an axis may be off it.
@@ -271,20 +269,17 @@ def _across(n: Array) -> Array:
 
 
 def _beside_wall(case: Case, first: int, wall: str) -> Pair:
-    """The normal of the wall points to where moving along it increases the distance as much."""
+    """A body and a wall, whose normal points into the fluid. Raises InputError: the wall is not plane."""
     container, q = case.container(), case.configuration()
     k = container.walls.index(wall)
     if q.outlines and container.spheres[k] is None:
         foot = wall_feet(q.placed[first], container)[k]
         return _at_closest_points(Pair(case, first, None, foot.normal, foot.gap), foot)
-    axis = container.corner_axes[k]
-    normal = np.zeros(q.centres.shape[1])
-    normal[axis] = 1.0
-    step, centre = float(q.radii[first]), q.centres[first]
-    before, after = container.distances(np.stack([centre, centre + step * normal]))[:, k]
-    if abs(abs(after - before) - step) > _FLAT * step:
+    around = case.axisymmetric and container.corner_axes[k] == 0  # a cylinder about the axis
+    if around or not container.plane[k]:
         raise InputError(f"calibration.pair.1 = {toml_text(wall)}: this wall is not plane; give one that is")
-    return Pair(case, first, None, np.sign(after - before) * normal, float(before) - step)
+    distance, normal = container.to_wall(k, q.centres[first][None])
+    return Pair(case, first, None, normal[0], float(distance[0] - q.radii[first]))
 
 
 def _check_surroundings(case: Case) -> None:

@@ -47,15 +47,28 @@ class Coefficient:
 
 @dataclass(frozen=True, slots=True)
 class HeldOut:
-    """The samples that were held out, the law at their gaps, (n,), and half of its 95 % interval there."""
+    """The samples that were held out, and the law at their gaps.
+
+    Attributes:
+        samples: these.
+        law: kappa by the law, (n,).
+        band: half of its 95 % interval, (n,); None of a table, whose error is what is found here.
+    """
 
     samples: Samples
     law: Array
-    band: Array
+    band: Array | None
 
     @property
-    def passed(self) -> bool:
-        """Whether law and samples differ by no more than the errors that both state."""
+    def error(self) -> float:
+        """The largest difference of the law from a sample, over that."""
+        return float(np.max(np.abs(self.law / self.samples.kappa - 1.0)))
+
+    @property
+    def passed(self) -> bool | None:
+        """Whether law and samples differ by no more than the errors that both state; None of a table."""
+        if self.band is None:
+            return None
         return bool(np.all(np.abs(self.law - self.samples.kappa) <= self.band + self.samples.bars))
 
 
@@ -84,7 +97,8 @@ class CalibrationResult:
         pair: what was sampled.
         samples: of it, also those held out.
         law: as its file has it.
-        fit, coefficients, test: of a series; None or empty for a table.
+        fit, coefficients: of a series; None or empty for a table.
+        test: what samples that were held out say; None where there are none in the range of the law.
     """
 
     pair: Pair
@@ -116,8 +130,8 @@ def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
     common["ratio"] = None if pair.second is None or pair.shaped else pair.ratio
     common |= {"viscosity": pair.case.fluid.viscosity, "source": _source(pair, case, samples)}
     if pair.plan.form == "table":
-        table = TableSection(s=tuple(s.tolist()), K=tuple(K.tolist()))
-        return CalibrationResult(pair, samples, LawFile(**common, table=table), None, [], None)
+        law = LawFile(**common, table=TableSection(s=tuple(s.tolist()), K=tuple(K.tolist())))
+        return CalibrationResult(pair, samples, law, None, [], _tested(pair, samples, law))
     shape: LawShape = pair.shape
     known: dict[Term, float] = {}
     if shape == "shapes":
@@ -152,6 +166,4 @@ def _tested(pair: Pair, samples: list[Sample], law: LawFile) -> HeldOut | None:
     if not np.any(inside):
         return None
     held = Samples(held.d[inside], held.kappa[inside], held.bars[inside])
-    band = law.error(held.d, a)
-    assert band is not None  # of a series
-    return HeldOut(held, kappa.kappa(held.d, a), band)
+    return HeldOut(held, kappa.kappa(held.d, a), law.error(held.d, a))

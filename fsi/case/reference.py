@@ -62,7 +62,8 @@ def as_markdown(sections: list[SectionKeys]) -> str:
 
 
 def _cell(text: str) -> str:
-    return text.replace("|", "\\|")
+    """A text in one line, as a row of a table has to be."""
+    return " ".join(text.split()).replace("|", "\\|")
 
 
 def _walk(section: type[Section], path: str, title: str, seen: set[type[Section]]) -> Iterator[SectionKeys]:

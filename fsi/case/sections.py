@@ -148,6 +148,13 @@ class PoreResolution(Section):
     tolerance: Fraction | None = None
     """the estimated relative error down to which modes are added, in (0, 1), or none"""
 
+    @field_validator("modes", mode="before")
+    @classmethod
+    def _number(cls, modes: Any) -> Any:
+        if isinstance(modes, bool):  # which are 0 and 1 to Python
+            raise ValueError("is no number; give one")
+        return modes
+
 
 EDGE_MODES: tuple[int, ...] = get_args(PoreResolution.model_fields["modes"].annotation)
 

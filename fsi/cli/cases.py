@@ -1,5 +1,6 @@
 """`fsi cases`, `fsi check`, `fsi keys`: the cases to begin with, what a case holds, and what it may."""
 
+import shlex
 import shutil
 from pathlib import Path
 from typing import Annotated
@@ -41,7 +42,8 @@ def cases(
 ) -> None:
     """Write the cases that come with the program into a folder: examples, validation, calibration."""
     count = parallel.on_root(lambda: write_cases(folder))
-    tell(f"wrote {count} cases to {folder}; begin with: fsi run {folder}/settling_disc.toml")
+    first = shlex.join(["fsi", "run", str(folder / "settling_disc.toml")])
+    tell(f"wrote {count} cases to {folder}; begin with: {first}")
 
 
 def check(case_file: CaseFile, overrides: Overrides = None) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -48,7 +49,7 @@ def new(
     if path.exists():
         raise InputError(f"output = {path}: is there already; give the name of a new file")
     parallel.on_root(lambda: write_whole(path, commented(shipped_cases() / KINDS[kind], chosen)))
-    tell(f"wrote {path}; see what it holds with: fsi check {path}")
+    tell(f"wrote {path}; see what it holds with: {shlex.join(['fsi', 'check', str(path)])}")
 
 
 def _kind(asks: bool) -> str:

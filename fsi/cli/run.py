@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -111,18 +112,27 @@ def _follow(
         return
     if not quiet:
         _tell_end(folder, outcome, bar)
-        typer.echo(f"look at it with: fsi {'render' if fields else 'plot'} {folder}")
+        look = ["fsi", "render" if fields else "plot", str(folder)]
+        typer.echo(f"look at it with: {shlex.join(look)}")
     for column, t in since.items():
         typer.echo(f"note: from t = {t:g} {NOTES[column]}; see {column} in steps.csv")
 
 
 def _tell_end(folder: Path, outcome: Outcome, bar: ProgressBar) -> None:
+    from fsi.report.watch import complete_rows
+    from fsi.run_folder.kept import STEPS
+
     if outcome.steps == 0:
         typer.echo(f"{folder} was finished at t = {outcome.state.t:g}; nothing to do")
     else:
+        # Of the whole run: what was resumed may have come nearest before.
+        nearest = min(complete_rows(folder / STEPS), key=lambda row: float(row["smallest_gap"]))
+        all_steps = outcome.state.step
+        these = "" if outcome.steps == all_steps else f"the last {outcome.steps} in "
         typer.echo(
-            f"{folder}: {outcome.steps} steps to t = {outcome.state.t:g}, "
-            f"smallest gap {bar.smallest_gap:.4g} (at t = {bar.smallest_at:g}), {bar.elapsed:.0f} s"
+            f"{folder}: {all_steps} steps to t = {outcome.state.t:g}, "
+            f"smallest gap {float(nearest['smallest_gap']):.4g} (at t = {float(nearest['t']):g}), "
+            f"{these}{bar.elapsed:.0f} s"
         )
     if outcome.contact:
         from fsi.postprocess.run.run import open_run

@@ -10,7 +10,7 @@ from fsi.bodies.configuration import Array
 from fsi.bodies.forces import Bulk
 from fsi.case.case import Case
 from fsi.case.gluey import LimitStudy
-from fsi.case.section import toml_text
+from fsi.case.section import refusal, toml_text
 from fsi.case.series import Table, polynomial
 from fsi.errors import InputError
 from fsi.gluey.limit import Limit, Path, slides_scheme, solve
@@ -52,26 +52,26 @@ class OneGap:
 def one_gap(case: Case) -> OneGap:
     """The gap of one body that a wall faces, or of two along an axis. Raises InputError of other cases."""
     end, masses = case.timing.end, case.masses()
-    if masses is None or len(case.bodies) not in (1, 2):
+    if masses is None or any(body.mass is None for body in case.bodies) or len(case.bodies) not in (1, 2):
         raise InputError(
             f"bodies: there are {len(case.bodies)}; `fsi limit` is for one gap, of a body with a mass and a "
             "wall, or of two such bodies on a line along an axis"
         )
+    _require_known(case)
     q, U = case.configuration(), case.initial_velocity()
     if len(case.bodies) == 2:
         between = q.centres[1] - q.centres[0]
         axis = int(np.abs(between).argmax())
-        sides, n = (1, 0) if between[axis] > 0.0 else (0, 1), 1.0
+        sides = (1, 0) if between[axis] > 0.0 else (0, 1)
         gap = float(abs(between[axis]) - q.radii.sum())
         if np.count_nonzero(between) > 1:
             raise InputError(
                 f"bodies.1.position = {toml_text(case.bodies[1].position)}: not on a line along an axis with "
                 "the other one; `fsi limit` is for one gap"
             )
-        signed = zip((1.0, -1.0), sides, strict=True)
-        terms = [(sign / masses[i, axis], case.bodies[i].loads[axis]) for sign, i in signed]
+        upper, lower = (_accelerations(case, i, axis, n) for i, n in zip(sides, (1.0, -1.0), strict=True))
         rate = float(U[sides[0], axis] - U[sides[1], axis])
-        return OneGap(gap, rate, _sum(terms, end), end, float(q.radii.min()))
+        return OneGap(gap, rate, _sum([*upper, *lower], end), end, float(q.radii.min()))
     container = case.container()
     free = [axis for axis in range(case.dimension) if case.bodies[0].motion[axis] == "free"]
     axis = free[-1] if free else case.dimension - 1
@@ -87,12 +87,32 @@ def one_gap(case: Case) -> OneGap:
     gaps = container.distances(q.centres)[0, facing] - q.radii[0]
     wall = facing[int(gaps.argmin())]
     n = float(container.normals(q.centres)[0, wall, axis])
-    terms = [(n / masses[0, axis], case.bodies[0].loads[axis])]
-    bulk = Bulk.of(masses[:, 0], q.radii, spheres=case.spheres)
-    weights = [weight for force in case.forces if (weight := force.weight(bulk)) is not None]
-    terms += [(n * float(heavy[0]) / masses[0, axis], g[axis]) for heavy, g in weights]
     rate, radius = n * float(U[0, axis]), float(q.radii[0])
-    return OneGap(float(gaps.min()), rate, _sum(terms, end), end, radius)
+    return OneGap(float(gaps.min()), rate, _sum(_accelerations(case, 0, axis, n), end), end, radius)
+
+
+def _accelerations(case: Case, i: int, axis: int, n: float) -> list[tuple[float, float | Table]]:
+    """n times those of body i along an axis, as multiples of its load and of gravity's accelerations."""
+    body, q, masses = case.bodies[i], case.configuration(), case.masses()
+    assert masses is not None  # `one_gap` has asked
+    terms = [(n / masses[i, axis], body.loads[axis])]
+    if body.motion[axis] == "free":
+        bulk = Bulk.of(masses[:, 0], q.radii, spheres=case.spheres)
+        weights = [weight for force in case.forces if (weight := force.weight(bulk)) is not None]
+        terms += [(n * float(heavy[i]) / masses[i, axis], g[axis]) for heavy, g in weights]
+    return terms
+
+
+def _require_known(case: Case) -> None:
+    """What drives the gap is known in time, whatever the gap is, and walls are those of the domain."""
+    if case.gluey.walls:
+        name = case.gluey.walls[0].name
+        raise refusal("gluey.walls.0.name", name, "`fsi limit` knows walls of the domain only; drop it")
+    for k, force in enumerate(case.forces):
+        if force.reach > 0.0:
+            raise refusal(
+                f"forces.{k}", force, "depends on the gap, and `fsi limit` knows forces in time; drop it"
+            )
 
 
 def _sum(terms: Sequence[tuple[float, float | Table]], end: float) -> PPoly:

@@ -29,6 +29,7 @@ from fsi.gluey.augmented_lagrangian import Impulses, Program, minimise
 from fsi.gluey.constraints import Rows, make_rows, solve_rows
 from fsi.gluey.contacts import Contacts, find_contacts, gap_rows
 from fsi.gluey.film import Film
+from fsi.gluey.held import is_given, why_no_room
 from fsi.gluey.system import GlueyState, System
 
 # Of the largest velocity: the residual at which the projection stops, and the one that a step may leave.
@@ -80,12 +81,14 @@ class Checks:
 class _Found:
     """A projection.
 
-    contacts, rows, impulses; gamma: memories at the beginning, (C,); speed: what the residual is measured by.
+    contacts, rows, impulses; gamma: memories at the beginning, (C,); program: what the impulses solve; speed:
+    what the residual is measured by.
     """
 
     contacts: Contacts
     gamma: Array
     rows: Rows
+    program: Program
     impulses: Impulses
     speed: float
 
@@ -93,7 +96,8 @@ class _Found:
 def advance(system: System, state: GlueyState, t: float, h: float) -> tuple[GlueyState, Touching, Checks]:
     """The state after a step from t to t + h, what touched on the way, and how good it is.
 
-    Raises SolveError: friction does not settle, or a check fails, as the projection has not converged.
+    Raises SolveError: friction does not settle, or a check fails, as the projection has not converged, or as
+    what is held leaves no room.
     """
     load = system.load(state.centres, t, t + h)
     free = state.U + load / system.mass
@@ -115,7 +119,8 @@ def advance(system: System, state: GlueyState, t: float, h: float) -> tuple[Glue
         found.impulses.iterations,
         found.impulses.steps,
     )
-    _require(checks, t + h)
+    if (failure := _failure(checks, t + h)) is not None:
+        raise SolveError(why_no_room(system, new, found.program, len(contacts), t + h) or failure)
     film = system.film(h)
     if film is not None:  # a gap that its places lose to rounding is positive
         contacts = replace(contacts, D=np.where(found.gamma < 0.0, film.gap(found.gamma), contacts.D))
@@ -133,6 +138,7 @@ def _project_far_enough(system: System, state: GlueyState, free: Array, h: float
     known = np.empty(0, dtype=np.int64)
     while True:
         pairs = find_contacts(state.centres, system.radii, system.room, reach + system.law.delta0)
+        pairs = pairs[np.flatnonzero(~is_given(system, pairs))]
         near = _approach(system, pairs, free, h) >= pairs.D
         near |= (state.remembered(pairs.key) < 0.0) | np.isin(pairs.key, known)
         found = _project(system, state, pairs[np.flatnonzero(near)], free, h)
@@ -178,7 +184,7 @@ def _project(system: System, state: GlueyState, contacts: Contacts, free: Array,
         impulses = solve_rows(rows, program, tolerance, lambda p: mu_f * _solid(system, gamma, p))
     else:
         impulses = minimise(program, rows.p, film, tolerance)
-    return _Found(contacts, gamma, rows, impulses, speed)
+    return _Found(contacts, gamma, rows, program, impulses, speed)
 
 
 def _past_held(rows: Rows, held: NDArray[np.bool_], free: Array, d: int) -> Rows:
@@ -247,11 +253,10 @@ def _overlap(system: System, state: GlueyState) -> float:
     return abs(float(gaps.min(initial=0.0))) / float(system.radii.min())
 
 
-def _require(checks: Checks, t: float) -> None:
-    """Raise SolveError if a check fails."""
+def _failure(checks: Checks, t: float) -> str | None:
+    """The first check that fails in the step to t."""
     for name, limit in (("kkt", ACCEPTED), ("momentum", MOMENTUM), ("overlap", OVERLAP)):
         value = getattr(checks, name)
         if not value <= limit:
-            raise SolveError(
-                f"{name} = {value:.3g} in the step to t = {t:.9g}: more than {limit:g}; lower time.step"
-            )
+            return f"{name} = {value:.3g} in the step to t = {t:.9g}: more than {limit:g}; lower time.step"
+    return None

@@ -155,10 +155,21 @@ def room(case: Case) -> Room:
     near = [k for k, name in enumerate(container.walls) if name not in container.far_walls]
     normals = [*container.normals(origin)[0, near]]
     points = [-away * n for away, n in zip(container.distances(origin)[0, near], normals, strict=True)]
-    for wall in case.gluey.walls:
-        points.append(np.array(wall.point))
-        normals.append(np.array(wall.normal) / np.linalg.norm(wall.normal))
-    return Room(np.array(points).reshape(-1, d), np.array(normals).reshape(-1, d), container)
+    further_points, further_normals = _planes(case)
+    return Room(
+        np.append(np.reshape(points, (-1, d)), further_points, axis=0),
+        np.append(np.reshape(normals, (-1, d)), further_normals, axis=0),
+        container,
+    )
+
+
+def _planes(case: Case) -> tuple[Array, Array]:
+    """Points and unit normals of the walls besides those of the domain, (W, d) each."""
+    points, normals = (
+        np.array([getattr(wall, key) for wall in case.gluey.walls], dtype=float).reshape(-1, case.dimension)
+        for key in ("point", "normal")
+    )
+    return points, normals / np.linalg.norm(normals, axis=1, keepdims=True)
 
 
 def _masses(case: Case) -> Array:
@@ -206,18 +217,20 @@ def _integrals(
 
 
 def _forces(case: Case) -> Callable[[Array, float], Array] | None:
-    """Of attraction and repulsion; None without."""
+    """Of attraction and repulsion, also from the walls besides those of the domain; None without."""
     acting = [force for force in case.forces if force.reach > 0.0]
     if not acting:
         return None
     radii, container = case.configuration().radii, case.container()
+    points, normals = _planes(case)
     free = ~case.held()[:, : case.dimension]
 
     def forces(centres: Array, t: float) -> Array:
         q = Configuration.unturned(centres, radii)
+        to_planes = np.einsum("iwd,wd->iw", centres[:, None] - points, normals) - radii[:, None]
         total = np.zeros_like(centres)
         for force in acting:
-            total += between_bodies(force, q, container.at(t))
+            total += between_bodies(force, q, container.at(t)) + force.wall_repulsion(to_planes) @ normals
         return free * total
 
     return forces

@@ -77,6 +77,7 @@ class ErrorEstimate:
         stress: of a periodic flow.
         wall_speeds: of the walls that a stress moves, along x.
         shear_rate: of a cell that a stress shears, else None.
+        dp_dx: of the mean pressure gradient of a channel whose net flux is given, else None.
     """
 
     U: Array
@@ -86,6 +87,7 @@ class ErrorEstimate:
     stress: StressErrors | None = None
     wall_speeds: Mapping[str, float] = field(default_factory=dict)
     shear_rate: float | None = None
+    dp_dx: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,6 +120,8 @@ class StepErrors:
         columns |= {f"err_speed_{wall}": error for wall, error in self.errors.wall_speeds.items()}
         if self.errors.shear_rate is not None:
             columns["err_shear_rate"] = self.errors.shear_rate
+        if self.errors.dp_dx is not None:
+            columns["err_pressure_gradient"] = self.errors.dp_dx
         stress = self.errors.stress
         return columns if stress is None else {**columns, **stress.columns}
 

@@ -16,7 +16,8 @@ other. For the same reason a body that moves by U at q is meshed with the veloci
 to it is the same. Loads of either set of rates balance for themselves, and power is dissipation to rounding.
 
 A law counts in full up to `FULL` times the reduced radius a_r and ends, falling linearly, at a_r: of bodies
-farther apart others are nearer. Bodies nearer than `lubrication.below` are well within.
+farther apart others are nearer. Within a round wall it ends also where a body is nearer to the middle than to
+the wall. Bodies nearer than `lubrication.below` are well within.
 
 Laws are the exact ones. Of spheres whose radii differ by more than a factor of five, and of discs within a
 round wall, shear and rotation have the first term of their expansion, of which the difference lacks
@@ -135,9 +136,9 @@ class OpenedGaps:
         """Bodies beside walls that are displaced. Raises SolveError: no law is known of one."""
         gaps = wall_gaps(self.q, self.container)
         i, wall = np.nonzero(lubricating(self.container, self.solid) & (gaps < np.inf))
-        n, curvature, a_r = self._of_walls(self.q, i, wall)
+        n, from_middle, a_r = self._of_walls(self.q, i, wall)
         gap = gaps[i, wall]
-        curved = self.spheres & (curvature != 0.0)
+        curved = self.spheres & (from_middle < inf)
         if self.container.axisymmetric:
             curved |= np.abs(n[:, 0]) > _STRAIGHT
         if np.any(curved & (gap < self.below)):
@@ -145,22 +146,27 @@ class OpenedGaps:
                 f"lubrication.below = {self.below:g}: no law is known of a sphere beside a curved wall; "
                 "give a smaller one, or drop it"
             )
-        weight, moved = _weight(gap, a_r), np.any(self.meshed.centres != self.q.centres, axis=1)
+        # Near the middle of a round wall the gap is as wide all around, and no law of a place on it holds.
+        reach = np.maximum(np.minimum(a_r, from_middle), self.below / FULL)
+        weight, moved = _weight(gap, reach), np.any(self.meshed.centres != self.q.centres, axis=1)
         near = NearPairs(np.stack([i, i], axis=1), wall, np.zeros((len(i), self.q.dimension)), weight)
         return _those(near, (weight > 0.0) & moved[i] & ~curved)
 
     def _of_walls(
         self, q: Configuration, i: NDArray[np.intp], wall: NDArray[np.intp]
     ) -> tuple[Array, Array, Array]:
-        """Normals (P, d), curvatures of the gap and reduced radii (P,) of bodies beside walls."""
+        """Normals (P, d) of bodies beside walls, distances from the walls' middles, and reduced radii, (P,).
+
+        The middle of a plane is at infinity.
+        """
         n = self.container.normals(q.centres)[i, wall] if len(i) else np.zeros((0, q.dimension))
         gap, a = wall_gaps(q, self.container)[i, wall], q.radii[i]
-        a_r, K = a.copy(), np.zeros(len(i))
+        a_r, from_middle = a.copy(), np.full(len(i), inf)
         for k, each in enumerate(wall):
             if (sphere := self.container.spheres[each]) is not None:
                 a_r[k] = a[k] * sphere.radius / (sphere.radius - a[k])
-                K[k] = -1.0 / (sphere.radius - a[k] - gap[k])
-        return n, K, a_r
+                from_middle[k] = sphere.radius - a[k] - gap[k]
+        return n, from_middle, a_r
 
     def _sides_between(self, near: NearPairs, q: Configuration) -> tuple[Nearby, Array, Array]:
         """How the bodies stand at q; the lattice vectors, and from centre to centre, (P, d)."""
@@ -174,10 +180,11 @@ class OpenedGaps:
     def _sides_beside(self, near: NearPairs, q: Configuration) -> tuple[Nearby, Array, Array]:
         """How they stand beside walls; the nearest points of these, and from there to the centres."""
         i, a = near.body[:, 0], q.radii[near.body[:, 0]]
-        n, K, a_r = self._of_walls(q, i, near.wall)
+        n, from_middle, a_r = self._of_walls(q, i, near.wall)
         gap = wall_gaps(q, self.container)[i, near.wall]
         apart = (a + gap)[:, None] * n
-        return Nearby(n, gap, a_r, a, a, np.ones(len(i), dtype=bool), K), q.centres[i] - apart, apart
+        sides = Nearby(n, gap, a_r, a, a, np.ones(len(i), dtype=bool), -1.0 / from_middle)
+        return sides, q.centres[i] - apart, apart
 
     def _rows(
         self, near: NearPairs, sides: Nearby, place: Array, apart: Array, meshed: bool

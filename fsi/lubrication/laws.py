@@ -246,6 +246,10 @@ class TabulatedProfile:
             integral = np.where(beyond, integral + self._tail(s, inside, x), integral)
         return integral
 
+    def less(self, limit: float) -> "TabulatedProfile":
+        """K(s) less what it tends to far away, below all K; beyond the points a power of s once more."""
+        return TabulatedProfile(self.s, self.K - limit, self.smooth)
+
     def _between(self, start: Array, end: Array) -> Array:
         """The integral of K ds = K s d ln s between logarithms of one interval of the table."""
         half = 0.5 * (end - start)

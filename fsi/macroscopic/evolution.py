@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.case.case import Case
-from fsi.case.checks.levels import line_of
+from fsi.case.checks.levels import line_of, past_walls
 from fsi.case.macroscopic import evaluate
 from fsi.case.section import toml_text
-from fsi.case.series import value_at
+from fsi.case.series import polynomial
 from fsi.errors import InputError, SolveError
 from fsi.integration.evolution import CsvTable, Moment
 from fsi.integration.state import Schedule, State, StepRecord
@@ -31,12 +31,12 @@ class Line:
 
     Attributes:
         parcels: at time 0.
-        force: the force per mass f(x, m, t) on parcels.
+        force: `(t0, t1) ->` the force per mass f(x, m, t) on parcels that a step from t0 to t1 takes.
         bodies: the rigid bodies that they make up, if the case gives such.
     """
 
     parcels: Parcels
-    force: Force
+    force: Callable[[float, float], Force]
     bodies: BodiesOnLine | None
 
 
@@ -108,11 +108,14 @@ def _of_blocks(case: Case) -> Line:
             )
         return f
 
-    return Line(at_rest_in_memory(m, dm, X, u), force, None)
+    return Line(at_rest_in_memory(m, dm, X, u), lambda _t0, _t1: force, None)
 
 
 def _of_bodies(case: Case) -> Line:
-    """Each body is a stretch of density 1 as long as its diameter, under its own force over its mass."""
+    """Each body is a stretch of density 1 as long as its diameter, under its own force over its mass.
+
+    A step takes the mean of it, `1/(t1 - t0) int F dt / m`, so that no pulse of a table is lost.
+    """
     q, axis, masses = case.configuration(), line_of(case), case.masses()
     assert masses is not None  # checked with the case
     order = np.argsort(q.centres[:, axis])
@@ -123,10 +126,12 @@ def _of_bodies(case: Case) -> Line:
     of_parcel = order[np.minimum(np.searchsorted(ends, m), len(radii) - 1)]
     mass = masses[:, axis]
 
-    def per_mass(_x: Array, _m: Array, t: float) -> Array:
-        F = np.array([value_at(body.loads[axis], t) for body in case.bodies])
+    impulses = [polynomial(body.loads[axis], case.timing.end).antiderivative() for body in case.bodies]
+
+    def per_mass(t0: float, t1: float) -> Force:
+        F = np.array([float(impulse(t1) - impulse(t0)) for impulse in impulses]) / (t1 - t0)
         accelerations: Array = (F / mass)[of_parcel]
-        return accelerations
+        return lambda _x, _m, _t: accelerations
 
     u = case.initial_velocity()[of_parcel, axis]
     bodies = BodiesOnLine(q, axis, of_parcel, lambda t: case.motion(t).F)
@@ -154,10 +159,13 @@ class MacroscopicEvolution:
         return self._moment(0.0, 0, 0.0)
 
     def advance(self, state: State) -> Moment:
-        """One step."""
+        """One step. Raises SolveError: a force is not finite, or a body is past a wall."""
         t_end = self.schedule.landing(state.t, self._step)
-        h = t_end - state.t
-        self.parcels = self.parcels.advance(self.line.force, state.t, h)
+        h, force = t_end - state.t, self.line.force(state.t, t_end)
+        self.parcels = self.parcels.advance(force, state.t, h)
+        bodies = self.line.bodies
+        if bodies and (past := past_walls(self.case, bodies.at(self.parcels.X), t_end)) is not None:
+            raise SolveError(past)
         return self._moment(t_end, state.step + 1, h)
 
     def memory(self) -> dict[str, NDArray[Any]]:

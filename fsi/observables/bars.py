@@ -19,11 +19,9 @@ from fsi.case.case import Case
 from fsi.integration.errors import ErrorEstimate, StepErrors, StressErrors
 from fsi.integration.state import Results
 from fsi.observables.bulk_stress import BulkStress
+from fsi.observables.quantities import found_gradient
 from fsi.observables.resistance import KNOWN_TO
-from fsi.observables.truncation import flow_scales, relative_change
-
-# Of the largest result: what the factorisation leaves at gaps of 1e-5 radii, where it is worst.
-ROUNDING = 1e-11
+from fsi.observables.truncation import ROUNDING, flow_scales, relative_change
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,8 +120,10 @@ def _of_viscosity(results: Results, other: Compared) -> float | None:
     return bulk.viscosity_error(of_other, other.factor, other.chance_of_stress, ROUNDING)
 
 
-def _of_driven(results: Results, others: Sequence[Compared]) -> tuple[Mapping[str, float], float | None]:
-    """The sum for the speeds of walls that a stress moves, and for the rate of shear of a cell."""
+def _of_driven(
+    results: Results, others: Sequence[Compared]
+) -> tuple[Mapping[str, float], float | None, float | None]:
+    """The sum for speeds of walls that a stress moves, the rate of shear of a cell, and dp/dx of a flux."""
 
     def bound(name: str, value_in: Callable[[Any], float]) -> float:
         value = value_in(getattr(results, name))
@@ -132,7 +132,8 @@ def _of_driven(results: Results, others: Sequence[Compared]) -> tuple[Mapping[st
 
     walls = getattr(results, "wall_speeds", {})
     of_walls = {wall: bound("wall_speeds", operator.itemgetter(wall)) for wall in walls}
-    return of_walls, None if getattr(results, "shear_rate", None) is None else bound("shear_rate", float)
+    of_cell = None if getattr(results, "shear_rate", None) is None else bound("shear_rate", float)
+    return of_walls, of_cell, None if found_gradient(results) is None else bound("dp_dx", float)
 
 
 def _of_stress(results: Results, other: Compared) -> StressErrors | None:

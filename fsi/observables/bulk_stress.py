@@ -96,9 +96,10 @@ class BulkStress:
         if mu is None or of_other is None:
             return nan
         missed = 0.0
-        if S is not None:
-            by_stress = float(np.abs(S).sum() / np.sum(S**2))
-            missed = by_stress * float(np.abs(_deviator(self.mean - other.mean)).max())
+        if S is not None and S.any():
+            largest = np.abs(S).max()  # by it: a small square would vanish
+            by_stress = np.abs(S / largest).sum() / np.sum((S / largest) ** 2)
+            missed = float(by_stress * np.abs(_deviator(self.mean - other.mean) / largest).max())
         return max(factor * max(abs(mu - of_other), chance * missed), rounding * abs(mu))
 
     @property

@@ -49,10 +49,17 @@ class Driven(Protocol):
         """Of a cell that a stress shears, else None."""
 
 
+def found_gradient(results: object) -> float | None:
+    """dp/dx of a channel whose net flux is given, or its error, else None; only models of a flow know it."""
+    dp_dx: float | None = getattr(results, "dp_dx", None)
+    return dp_dx
+
+
 def stress_driven(driven: Driven) -> dict[str, float]:
-    """Columns of steps.csv: what a stress drives, speeds of walls and the rate of shear of a cell."""
-    speeds = {f"speed_{wall}": speed for wall, speed in driven.wall_speeds.items()}
-    return speeds if driven.shear_rate is None else {**speeds, "shear_rate": driven.shear_rate}
+    """Columns of steps.csv: speeds of walls and the rate of shear that a stress drives, dp/dx of a flux."""
+    columns = {f"speed_{wall}": speed for wall, speed in driven.wall_speeds.items()}
+    others = {"shear_rate": driven.shear_rate, "pressure_gradient": found_gradient(driven)}
+    return columns | {name: value for name, value in others.items() if value is not None}
 
 
 def stress_column(case: Case, quantity: str) -> str:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,9 +105,10 @@ def truncation(case: Case, whole: Results, half: Results) -> dict[str, float]:
     """How much the results change when the radius R of the container is halved.
 
     The effect of R decays like R^-1 (a net force in a ball) or faster, so the error at R is at most this
-    change; with a plane it decays like R^-2 or faster, and the error is at most a third of it. Results are
-    the loads on held components and the velocities of free ones; torques count over the radius of the body,
-    rotations times it; see `relative_change`.
+    change; with a plane it decays like R^-2 or faster, and the error is at most a third of it. In a disc a
+    velocity over a net force grows like log R for ever (Stokes's paradox): this is no error then, but the
+    change for each factor of two. Results are the loads on held components and the velocities of free ones;
+    torques count over the radius of the body, rotations times it; see `relative_change`.
     """
     change = ErrorEstimate(np.abs(half.U - whole.U), np.abs(half.F - whole.F))
     q = case.configuration()
@@ -115,15 +117,26 @@ def truncation(case: Case, whole: Results, half: Results) -> dict[str, float]:
 
 @dataclass(frozen=True, slots=True)
 class FlowScales:
-    """Rate of shear times the largest radius; force over velocity, mu in the plane and mu a for spheres."""
+    """Rate of shear times the largest radius; force over velocity, mu in the plane and mu a for spheres.
+
+    Attributes:
+        thrust: the pressure outside open walls times the surface of the largest body, on which it cancels.
+    """
 
     velocity: float
     resistance: float
+    thrust: float = 0.0
 
     def largest(self, results: Results, arm: Array) -> tuple[float, float]:
         """The largest velocity and load, of all modes and what drives them; arm: as for `relative_change`."""
         speed = max(float(np.abs(results.U * arm).max(initial=0.0)), self.velocity)
         return speed, max(float(np.abs(results.F / arm).max(initial=0.0)), self.resistance * speed)
+
+    @property
+    def rounding(self) -> tuple[float, float]:
+        """The velocity and the load that rounding leaves of a pressure all around a body."""
+        load = ROUNDING * self.thrust
+        return load / self.resistance if load else 0.0, load
 
 
 def flow_scales(case: Case, t: float) -> FlowScales:
@@ -138,14 +151,18 @@ def flow_scales(case: Case, t: float) -> FlowScales:
     rates += [abs(stress) / case.fluid.viscosity for stress in case.wall_stress(t).values()]
     rate = max([*rates, float(np.abs(container.mean_gradient).max())])
     swimming = (abs(mode) for body in case.bodies for mode in body.surface_velocity or ())
+    surface = 4.0 * pi * radius**2 if case.spheres else 2.0 * pi * radius
     return FlowScales(
         max(rate * radius, max(swimming, default=0.0)),
         case.fluid.viscosity * (radius if case.spheres else 1.0),
+        max(map(abs, case.wall_pressure().values()), default=0.0) * surface,
     )
 
 
 # A result that is smaller than this part of what drives the flow may be zero by symmetry.
 LEAST = 0.01
+# Of the largest result: what the factorisation leaves at gaps of 1e-5 radii, where it is worst.
+ROUNDING = 1e-11
 
 
 def relative_change(
@@ -155,16 +172,17 @@ def relative_change(
 
     Gives "force" and "velocity", largest |change| / largest |result|, each only if there is such a result.
     Where symmetry makes all of a kind zero, what is computed is an error itself: a hundredth of what drives
-    the flow is the least that a change counts over. arm: 1 for translations, the radius for rotations, (N,
-    M).
+    the flow is the least that a change counts over. Where nothing drives one, a change may be what rounding
+    leaves of a pressure; that is none. arm: 1 for translations, the radius for rotations, (N, M).
     """
     F, V, relative = results.F / arm, results.U * arm, {}
-    speed, force = scales.largest(results, arm)
-    for name, of_kind, values, changed, scale in (
-        ("force", held, F, change.F / arm, force),
-        ("velocity", ~held, V, change.U * arm, speed),
+    (speed, force), (slow, weak) = scales.largest(results, arm), scales.rounding
+    for name, of_kind, values, changed, scale, rounding in (
+        ("force", held, F, change.F / arm, force, weak),
+        ("velocity", ~held, V, change.U * arm, speed, slow),
     ):
         if np.any(values[of_kind]):
             largest = max(float(np.abs(values[of_kind]).max()), LEAST * scale)
-            relative[name] = float(np.abs(changed[of_kind]).max()) / largest
+            off = float(np.abs(changed[of_kind]).max())
+            relative[name] = off / largest if off > rounding else 0.0
     return relative

@@ -20,7 +20,9 @@ from fsi.pores.surfaces import CONTAINER, DISC, Array, BoundingSurfaces, NoPores
 from fsi.pores.topology import Pores, linked, numbered, pores_of, with_more_discs
 
 _ROUNDS = 60
-_ROUNDS_OF_FLAT = 8  # circles in flat pores may make others flat, now and then without end
+# Circles in flat pores may make others flat: of a disc in a tight container they go around it, one by one,
+# and into the crescent where they nearly touch without end: there those of the first rounds are enough.
+_ROUNDS_OF_FLAT, _ENOUGH = 200, 30
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,12 +63,14 @@ def with_fluid_discs(surfaces: BoundingSurfaces, wide: Wide = Wide()) -> Boundin
 def _with_fluid_discs(surfaces: BoundingSurfaces, wide: Wide) -> tuple[BoundingSurfaces, Links]:
     """The same, and their pores, linked as from the first; some may stay flat (see `Level.finer_rule`)."""
     surfaces, links = _without_wide(_surrounded(surfaces, wide.share), wide)
-    for _ in range(_ROUNDS_OF_FLAT):
+    enough = surfaces, links
+    for count in range(_ROUNDS_OF_FLAT):
         more, _, _ = _more(surfaces, links, circles_in_pores(surfaces.shapes(), links, flat=True), wide)
         if more is surfaces:
-            break
+            return surfaces, links
         surfaces, links = _without_wide(more, wide)
-    return surfaces, links
+        enough = (surfaces, links) if count < _ENOUGH else enough
+    return enough
 
 
 def _without_wide(surfaces: BoundingSurfaces, wide: Wide) -> tuple[BoundingSurfaces, Links]:

@@ -91,6 +91,12 @@ class PoreInstant:
         return float(self.flow.loading.gradient[0, 1]) if sheared else None
 
     @property
+    def dp_dx(self) -> float | None:
+        """The mean pressure gradient along a channel whose net flux is given, else None."""
+        given = self.flow.loading.pressure_gradient is not None
+        return None if given else self.flow.pressure_gradient
+
+    @property
     def force_free(self) -> bool:
         """Whether walls or mean flow alone do work: then dissipation and viscosity are upper bounds."""
         return is_force_free(self.bodies, self.flow)

@@ -95,7 +95,7 @@ def errors_of(bodies: DrivenBodies, instant: PoreInstant) -> StepErrors:
 def adapted(bodies: DrivenBodies, tolerance: float, fineness: Fineness) -> tuple[PoreInstant, StepErrors]:
     """The flow with all errors, over the largest result of their kind, below the tolerance, and these.
 
-    Modes are added to a fineness pore by pore. Raises SolveError: the most modes there are do not do.
+    Modes are added to a fineness pore by pore. Raises SolveError: the most whose error is known do not do.
     """
     drive, aim, system = drive_of(bodies), tolerance / SAFETY, make_system(bodies, fineness)
     while True:
@@ -142,7 +142,7 @@ def make_system(bodies: DrivenBodies, fineness: Fineness) -> PoreSystem:
         problem = error.between([*case.names, *(f"wall {name}" for name in container.walls)])
         raise SolveError(
             f'model = "pores" at t = {bodies.t:.9g}: no pores are found, as {problem}; give other places '
-            '(bodies.position) or a narrower domain, or model = "resolved"'
+            '(bodies.position), another domain, or model = "resolved"'
         ) from None
 
 

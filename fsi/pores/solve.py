@@ -102,6 +102,12 @@ class PoreFlow:
         return np.asarray(self.reactions[first[:, None] + np.arange(3)])
 
     @property
+    def pressure_gradient(self) -> float:
+        """dp/dx along a channel: a unit of flux takes the power -dp/dx times the length of a period."""
+        top, length = _driven(self.system)
+        return -_flux_sign(self.system) * float(self.reactions[top]) / length
+
+    @property
     def stresslets(self) -> Array:
         """Of the bodies of a periodic flow, less their traces, (N, 2, 2).
 
@@ -230,14 +236,20 @@ def _flux_sign(system: PoreSystem) -> float:
     return float(np.sign(p[1] * n[0] - p[0] * n[1]))
 
 
+def _driven(system: PoreSystem) -> tuple[int, float]:
+    """Which number is the flux of a channel, but for its sign, and the length of a period."""
+    surfaces = system.pores.surfaces
+    first = system.assembly.numbering.surface
+    return int(first[len(surfaces) - 1]) + 3, float(np.linalg.norm(surfaces.periods[0]))
+
+
 def _loads(system: PoreSystem, loading: PoreLoading) -> Array:
     """What has power on each number: loads on free modes, the pressure gradient on the flux."""
     b, first = np.zeros(system.size), system.assembly.numbering.surface
     body = first[: system.bodies, None] + np.arange(3)
     b[body] = np.where(loading.motion.held, 0.0, loading.motion.F)
     if loading.pressure_gradient:
-        length = float(np.linalg.norm(system.pores.surfaces.periods[0]))
-        top = first[len(system.pores.surfaces) - 1] + 3
+        top, length = _driven(system)
         b[top] = -loading.pressure_gradient * length * _flux_sign(system)
     return b
 

@@ -52,7 +52,7 @@ def write_flow(bodies: DrivenBodies, fields: FlowFields, path: Path) -> None:
         with appearing(path) as partial:
             meshio.write(partial, grid, file_format="vtu")
     except OSError as error:
-        remedy = "make room, or drop output.fields, and go on with fsi resume"
+        remedy = "make room or put that right, or drop output.fields, and go on with fsi resume"
         raise SolveError(f"cannot write {path}: {error.strerror}; {remedy}") from error
 
 

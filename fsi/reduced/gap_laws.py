@@ -3,12 +3,16 @@
 Besides a_r, a film knows its k = a b/(a + b)^2: from 1/4 of equal bodies to 0 beside a plane, and less inside
 a round wall, where b = -R. The leading term of kappa needs a_r alone; all that follows depends on k. A law
 that is for one k refuses films of another.
+
+Far apart the exact law of squeeze of spheres tends to 6 pi mu a_r, which is their own drag (6 pi mu a of a
+sphere far from a plane; of two that are drawn apart 6 pi mu a and 6 pi mu b in series). Here the law is what
+it has beyond that, so that drag counts once. That of discs tends to zero.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement, permutations
-from math import inf
+from math import inf, pi
 from pathlib import Path
 from typing import Literal
 
@@ -20,7 +24,7 @@ from fsi.case.case import Case
 from fsi.case.law_file import read_law_file
 from fsi.errors import InputError, SolveError
 from fsi.lubrication.expansions import Mode, Shape, overlap_of, ratio_of
-from fsi.lubrication.laws import CutLaw, LubricationLaw, RangeError
+from fsi.lubrication.laws import CutLaw, LubricationLaw, RangeError, ScaledLaw, TabulatedProfile
 from fsi.lubrication.named_laws import LAWS, GapFilm, names_of_laws
 from fsi.reduced.enclosure import make_enclosure, overlap, wall_gaps
 
@@ -66,13 +70,21 @@ class FilmLaw:
     Attributes:
         laws: none where there can be no film.
         overlaps: k of each law, (m,).
+        key: of the section [reduced], for messages.
     """
 
     laws: tuple[LubricationLaw, ...]
     overlaps: Array
+    key: str
 
-    def each(self, method: Literal["kappa", "integral"], D: Array, radius: Array, overlap: Array) -> Array:
-        """kappa or its integral at gaps D of films, (P,). Raises RangeError."""
+    def each(self, method: Literal["kappa", "integral"], D: Array, films: Films) -> Array:
+        """kappa or its integral at gaps D of films, (P,). Raises SolveError: it does not hold there."""
+        try:
+            return self._each(method, D, films.radius, films.overlap)
+        except RangeError as error:
+            raise SolveError(f"reduced.{self.key}: {error} with reduced.extrapolate = true") from None
+
+    def _each(self, method: Literal["kappa", "integral"], D: Array, radius: Array, overlap: Array) -> Array:
         if len(self.laws) == 1:
             return np.asarray(getattr(self.laws[0], method)(D, radius))
         total = np.zeros(len(D))
@@ -101,12 +113,10 @@ class GapLaws:
     Attributes:
         bodies: the law between bodies.
         walls: the law between bodies and walls.
-        key: of the section [reduced], for messages.
     """
 
     bodies: FilmLaw
     walls: FilmLaw
-    key: str = "law"
 
     def kappa(self, x: Array, films: Films) -> Array:
         """The resistances kappa; infinite where they overflow."""
@@ -126,10 +136,7 @@ class GapLaws:
         values = np.empty(len(D))
         for law, here in zip((self.bodies, self.walls), films.places, strict=True):
             if len(here):
-                try:
-                    values[here] = law.each(method, D[here], films.radius[here], films.overlap[here])
-                except RangeError as error:
-                    raise SolveError(f"reduced.{self.key}: {error} with reduced.extrapolate = true") from None
+                values[here] = law.each(method, D[here], films.of(here))
         return values
 
 
@@ -149,7 +156,7 @@ def _laws(case: Case, mode: Mode, key: str, name: str) -> GapLaws:
     bodies = _Asked(case, mode, key, name, _between_bodies(case), key)
     wall_key = key if wall_law is None else f"wall_{key}"
     walls = _Asked(case, mode, wall_key, wall_law or name, _beside_walls(case), f"wall_{key}")
-    return GapLaws(bodies.law(0.25), walls.law(0.0), key)
+    return GapLaws(bodies.law(0.25), walls.law(0.0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,7 +189,7 @@ class _Asked:
         else:
             laws = [self._named(overlap) for overlap in overlaps.tolist()]
         cut = self.case.reduced.cutoff
-        return FilmLaw(tuple(laws if cut is None else [CutLaw(law, cut) for law in laws]), overlaps)
+        return FilmLaw(tuple(laws if cut is None else [CutLaw(law, cut) for law in laws]), overlaps, self.key)
 
     def _film(self, overlap: float) -> GapFilm:
         shape: Shape = "spheres" if self.case.spheres else "discs"
@@ -191,7 +198,7 @@ class _Asked:
     def _named(self, overlap: float) -> LubricationLaw:
         self._require_mode()
         try:
-            return LAWS[self.name].of(self._film(overlap))
+            return self._beyond_drag(self.name, LAWS[self.name].of(self._film(overlap)))
         except ValueError as error:
             raise InputError(f'{self._here}: {error}; give reduced.{self.own} = "leading"') from None
 
@@ -221,7 +228,17 @@ class _Asked:
                     f"{self._here}: a law of {file.pair}, but the case has {between}; give "
                     f'reduced.{self.own} = "exact", or a law of such a film'
                 )
-        return file.law(viscosity=film.viscosity, extrapolate=self.case.reduced.extrapolate)
+        law = file.law(viscosity=film.viscosity, extrapolate=self.case.reduced.extrapolate)
+        return self._beyond_drag(file.form, law)
+
+    def _beyond_drag(self, form: str, law: LubricationLaw) -> LubricationLaw:
+        """The exact squeeze of spheres that have drag less what it tends to, which that is; else the law."""
+        has_drag = self.case.spheres and self.case.drag != 0.0
+        if (form, self.mode) != ("exact", "squeeze") or not has_drag:
+            return law
+        assert isinstance(law, ScaledLaw)
+        assert isinstance(law.profile, TabulatedProfile)  # as exact laws are
+        return replace(law, profile=law.profile.less(6.0 * pi))
 
     @property
     def _here(self) -> str:

@@ -5,16 +5,16 @@
 l is the distance from the centre to the middle of a gap of two bodies, or to a wall. For bodies without
 loads, and walls that move along themselves, `|Omega| Sigma_L:E` is the dissipation of drag and gaps at the
 strain rate E of the background. It is a contribution only, and not called the apparent viscosity: how a lone
-body resists strain, 2 phi of discs and 5/2 phi of spheres in the viscosity, and what sliding pairs add, are
-not in the model.
+body resists strain, and what sliding pairs add, are not in the model.
 
 Where pairs also resist sliding and rolling (`fsi.reduced.tangential`), each rate of theirs, that by a uniform
 gradient W of velocity is S : W, adds lambda S. A rotation of everything changes no rate of two bodies, so
-that S is symmetric; of a wall, which does not turn, S is the symmetric tensor of the same xy. With the bodies
-by themselves that gives a bulk stress and an apparent viscosity, of discs
+that S is symmetric; of a wall, which does not turn, S is the symmetric tensor of the same S : W. A lone body
+held in strain has the stresslet 2 mu v_i E, with v_i = 2 pi a_i^2 of a disc and 10/3 pi a_i^3 of a sphere,
+2 and 5/2 times its volume (Einstein 1911). Together that gives a bulk stress and an apparent viscosity
 
-    Sigma = 2 mu E + 1/|Omega| (sum_i 4 pi mu a_i^2 E + sum over the rates of lambda S) - forces,
-    mu_app / mu = 1 + 2 phi + Sigma_L:E / (2 mu E:E)
+    Sigma = 2 mu E + 1/|Omega| (sum_i 2 mu v_i E + sum over the rates of lambda S) - forces,
+    mu_app / mu = 1 + sum_i v_i / |Omega| + Sigma_L:E / (2 mu E:E)
 
 (as R. Mari, R. Seto, J. F. Morris and M. M. Denn, J. Rheol. 58 (2014) 1693, have it of spheres), and for
 bodies without loads mu_app 2 E:E |Omega| is what is dissipated.
@@ -27,20 +27,19 @@ from math import nan
 import numpy as np
 
 from fsi.bodies.configuration import Array
-from fsi.observables.bulk_stress import BulkStress, area_fraction
+from fsi.integration.errors import components
+from fsi.observables.bulk_stress import BulkStress
 from fsi.reduced.enclosure import Enclosure
 from fsi.reduced.pairs import Pairs
 from fsi.reduced.tangential import TangentialRows
 
-_COMPONENTS = {"xx": (0, 0), "xy": (0, 1), "yy": (1, 1)}
-
 
 @dataclass(frozen=True, slots=True)
 class LubricationStress:
-    """The lubrication stress over a periodic domain of the area |Omega|.
+    """The lubrication stress over a periodic domain of the area, in space the volume |Omega|.
 
     Attributes:
-        stresslets: S_i, (N, 2, 2).
+        stresslets: S_i, (N, d, d).
         area: |Omega|.
         viscosity: `Sigma_L:E / (2 mu E:E)`, what lubrication along the lines of centres adds to the viscosity
             over that of the fluid, None without a mean strain rate.
@@ -52,26 +51,25 @@ class LubricationStress:
 
     @property
     def mean(self) -> Array:
-        """Sigma_L, (2, 2)."""
+        """Sigma_L, (d, d)."""
         total: Array = self.stresslets.sum(axis=0) / self.area
         return total
 
     @property
     def record(self) -> Mapping[str, float]:
         """Columns of steps.csv; the viscosity is not a number at instants without a strain rate."""
-        mu, mean = nan if self.viscosity is None else self.viscosity, self.mean
-        return {"lubrication_viscosity": mu} | {
-            f"lubrication_stress_{name}": float(mean[at]) for name, at in _COMPONENTS.items()
-        }
+        mu = nan if self.viscosity is None else self.viscosity
+        mean = components("lubrication_stress", self.mean, pressure=True)
+        return {"lubrication_viscosity": mu} | {name: float(part) for name, part in mean.items()}
 
     @property
     def body_columns(self) -> Mapping[str, Array]:
         """Columns of bodies.csv."""
-        return {f"lubrication_S_{name}": self.stresslets[:, *at] for name, at in _COMPONENTS.items()}
+        return components("lubrication_S", self.stresslets, pressure=True)
 
 
 def lubrication_stress(enclosure: Enclosure, stresslets: Array, viscosity: float) -> LubricationStress | None:
-    """Sigma_L of the stresslets S_i, (N, 2, 2), in a periodic domain; else None."""
+    """Sigma_L of the stresslets S_i, (N, d, d), in a periodic domain; else None."""
     if not len(enclosure.container.periods):
         return None
     E = enclosure.strain_rate
@@ -85,31 +83,38 @@ def lubrication_stress(enclosure: Enclosure, stresslets: Array, viscosity: float
 def bulk_stress(
     enclosure: Enclosure, lubrication: LubricationStress, radii: Array, viscosity: float, forces: Array
 ) -> BulkStress:
-    """Sigma of discs whose pairs resist all their relative motions; forces: sum of r (x) F, (2, 2)."""
+    """Sigma of bodies whose pairs resist all their relative motions; forces: sum of r (x) F, (d, d)."""
     E, area, mu = enclosure.strain_rate, lubrication.area, lubrication.viscosity
-    alone = 4.0 * np.pi * viscosity * radii[:, None, None] ** 2 * E
+    v = _rigid_volumes(radii, len(E))
+    alone = 2.0 * viscosity * v[:, None, None] * E
     carried = 0.0 - forces / area
     if mu is not None:
-        mu += 1.0 + 2.0 * area_fraction(radii, area)
+        mu += 1.0 + float(v.sum()) / area
         mu += float(np.sum(carried * E)) / (2.0 * viscosity * float(np.sum(E**2)))
     return BulkStress(2.0 * viscosity * E, alone + lubrication.stresslets, carried, area, mu)
 
 
 def dissipation_of_strain(enclosure: Enclosure, radii: Array, viscosity: float) -> float:
-    """Of fluid at the mean strain rate with lone discs in it, `2 mu E:E (|Omega| + 2 pi sum a^2)`."""
-    area = enclosure.container.volume + 2.0 * np.pi * float(np.sum(radii**2))
-    return 2.0 * viscosity * float(np.sum(enclosure.strain_rate**2)) * area
+    """Of fluid at the mean strain rate with lone bodies in it, `2 mu E:E (|Omega| + sum_i v_i)`."""
+    E = enclosure.strain_rate
+    volume = enclosure.container.volume + float(_rigid_volumes(radii, len(E)).sum())
+    return 2.0 * viscosity * float(np.sum(E**2)) * volume
+
+
+def _rigid_volumes(radii: Array, dimension: int) -> Array:
+    """v_i, twice the area of discs and 5/2 of the volume of spheres, (N,)."""
+    return 2.0 * np.pi * radii**2 if dimension == 2 else 10.0 / 3.0 * np.pi * radii**3
 
 
 def _of_slip(pairs: Pairs, slip: TangentialRows, force: Array, radii: Array) -> Array:
-    """S_i of what slides and rolls in the plane, (N, 2, 2)."""
+    """S_i of what slides and rolls, (N, d, d)."""
     p, between = slip.pair, slip.between
     arm, arm_other = (arms[p] for arms in _arms(pairs, radii))
     # The rate S : W of shear along a wall has half of its rotation too.
     moment = force * (slip.across * arm + np.where(between, 0.0, 0.5 * slip.turn))
     symmetric = 0.5 * np.einsum("rk,rl->rkl", slip.tangent, pairs.n[p])
     symmetric = symmetric + np.swapaxes(symmetric, 1, 2)
-    S = np.zeros((len(radii), 2, 2))
+    S = np.zeros((len(radii), *symmetric.shape[1:]))
     np.add.at(S, pairs.i[p], (np.where(between, 1.0, 2.0) * moment)[:, None, None] * symmetric)
     other = (force * slip.across * arm_other)[between, None, None] * symmetric[between]
     np.add.at(S, pairs.j[p][between], other)

@@ -1,6 +1,5 @@
 """Progress on a terminal: of a run its time, smallest gap and time left; of other things their number."""
 
-import math
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -35,12 +34,10 @@ def _new_bar(*, quiet: bool = False) -> Progress:
 class ProgressBar:
     """A context in which `show` follows a run; silent on all ranks but root and where stderr is no terminal.
 
-    smallest_gap, smallest_at: the smallest gap seen and its time; elapsed: wall-clock seconds.
+    elapsed: wall-clock seconds.
     """
 
     def __init__(self, *, quiet: bool = False) -> None:
-        self.smallest_gap = math.inf
-        self.smallest_at = 0.0
         self._began = time.monotonic()
         self._bar = _new_bar(quiet=quiet)
         self._task: TaskID = self._bar.add_task("first mesh", total=None)
@@ -56,8 +53,6 @@ class ProgressBar:
 
     def show(self, record: StepRecord) -> None:
         """Show an accepted step."""
-        if record.smallest_gap < self.smallest_gap:
-            self.smallest_gap, self.smallest_at = record.smallest_gap, record.t
         d = record.q.dimension
         fastest = float(np.linalg.norm(record.U[:, :d], axis=1).max(initial=0.0))
         text = f"step {record.step}  t = {record.t:.4g}  smallest gap {record.smallest_gap:.3e}"

@@ -17,7 +17,7 @@ from fsi.bodies.opened import lubricating, way_out
 from fsi.case.case import Case
 from fsi.integration.errors import ErrorEstimate, StressErrors
 from fsi.observables.bulk_stress import BulkStress
-from fsi.observables.quantities import Driven
+from fsi.observables.quantities import Driven, found_gradient
 from fsi.observables.truncation import SolvedFlow
 from fsi.report.case import components
 from fsi.report.console import checks_table, print_mesh_instead, table
@@ -63,12 +63,14 @@ def solution_json(
 
 
 def driven_json(driven: Driven, errors: Driven) -> dict[str, Any]:
-    """What a stress drives, with its estimated errors."""
+    """What a stress drives and a flux needs, with their estimated errors."""
     data: dict[str, Any] = {}
     if driven.wall_speeds:
         data |= {"wall_speeds": dict(driven.wall_speeds), "wall_speed_errors": dict(errors.wall_speeds)}
     if driven.shear_rate is not None:
         data |= {"shear_rate": driven.shear_rate, "shear_rate_error": errors.shear_rate}
+    if (dp_dx := found_gradient(driven)) is not None:
+        data |= {"pressure_gradient": dp_dx, "pressure_gradient_error": found_gradient(errors)}
     return data
 
 
@@ -80,6 +82,8 @@ def driven_lines(driven: Driven, errors: Driven) -> Iterator[str]:
     if driven.shear_rate is not None:
         rate = f"{driven.shear_rate:.8g} ± {errors.shear_rate:.0e}"
         yield f"the cell is sheared at the rate {rate}, as its stress drives it"
+    if (dp_dx := found_gradient(driven)) is not None:
+        yield f"the mean dp/dx is {dp_dx:.8g} ± {found_gradient(errors):.0e}, as the net flux needs it"
 
 
 def _dissipation_json(solution: SolvedFlow, errors: ErrorEstimate) -> dict[str, Any]:

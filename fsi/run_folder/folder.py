@@ -10,9 +10,11 @@
     state.npz         what the next step depends on
 
 Rows are appended and files added first; state.npz, replaced in one go, is the commit: it knows how
-long the tables and series were. Resuming reads all of them, and changes nothing unless all are sound; then it
-cuts off whatever came after the commit and repeats those steps. So a run that was killed and resumed ends, in
-serial, with the same files bit by bit as an unbroken one, but for the columns cpu_* and provenance.json.
+long the tables and series were. Resuming reads these, but no field files, and changes nothing unless all are
+sound; then it cuts off whatever came after the commit and repeats those steps. So a run that was killed and
+resumed ends, in serial, with the same files bit by bit as an unbroken one, but for provenance.json, the
+columns cpu_*, and the length of steps.csv, which has these, in state.npz. One process runs a folder at a
+time, see `fsi.run_folder.alone`.
 
 To have all on the disk takes milliseconds, more than many a step. So steps are committed together where they
 follow each other so fast, SELDOM times as long after a commit as it took: a kill loses no more than that,
@@ -22,6 +24,7 @@ besides the step that is under way.
 import csv
 import io
 import os
+import shlex
 import shutil
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -38,6 +41,7 @@ from fsi.errors import InputError, SolveError
 from fsi.files import TEMPORARY, replace
 from fsi.integration.state import State, StepRecord
 from fsi.parallel import is_root, on_root
+from fsi.run_folder.alone import locked
 from fsi.run_folder.checkpoint import Checkpoint, write_checkpoint
 from fsi.run_folder.kept import (
     BODIES,
@@ -150,7 +154,7 @@ class RunFolder:
     @property
     def _goes_on(self) -> str:
         """What to do about a disk that takes no more."""
-        return f"make room, or make it writable, and `fsi resume {self.path}`"
+        return f"make room, or make it writable, and `{shlex.join(['fsi', 'resume', str(self.path)])}`"
 
     def _keep(self, commit: Commit) -> None:
         record = commit.record
@@ -218,6 +222,7 @@ class RunFolder:
 
     def _rewind(self, case: Case, launch: Mapping[str, Any]) -> None:
         with disk(self.path, InputError, REMEDY):
+            self.fields.mkdir(exist_ok=True)  # or the first step that writes there fails
             # The case first: killed after it, the next launch finds the same changes.
             if "changed" in launch:
                 replace(self.case, case.as_toml().encode())
@@ -239,14 +244,21 @@ class RunFolder:
 
 def _create(path: Path, case: Case, launch: Mapping[str, Any]) -> Kept:
     with disk(path, InputError, "give a folder that can be written"):
-        if path.exists() and not (path.is_dir() and not any(path.iterdir())):
-            resume = f", or `fsi resume {path}` to continue that run" if (path / CASE).is_file() else ""
-            raise InputError(f"output = {path}: exists and is not empty; give another folder{resume}")
+        _require_new(path)
         partial = path.with_name(f".{path.name}{TEMPORARY}")
-        if partial.exists():
-            shutil.rmtree(partial)
-        (partial / FIELDS).mkdir(parents=True)
-        replace(partial / CASE, case.as_toml().encode())
-        provenance = write_provenance(partial, case, [launch])
-        partial.rename(path)
+        (partial / FIELDS).mkdir(parents=True, exist_ok=True)  # what was killed left is written over
+        with locked(partial, refused=path):
+            _require_new(path)  # another process may have made it since
+            replace(partial / CASE, case.as_toml().encode())
+            provenance = write_provenance(partial, case, [launch])
+            partial.rename(path)
         return Kept(provenance)
+
+
+def _require_new(path: Path) -> None:
+    if path.exists() and not (path.is_dir() and not any(path.iterdir())):
+        resume = f", or `{shlex.join(['fsi', 'resume', str(path)])}` to continue that run"
+        raise InputError(
+            f"output = {path}: exists and is not empty; give another folder"
+            f"{resume if (path / CASE).is_file() else ''}"
+        )

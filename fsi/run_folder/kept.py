@@ -49,7 +49,7 @@ def require_run(path: Path) -> None:
 
 
 def sound(path: Path) -> Kept:
-    """What is in a folder; every file that a run needs to go on is read.
+    """What is in a folder; every file that a run needs to go on is read, no field files.
 
     Raises InputError: no run folder, of another version, or a file is not sound.
     """

@@ -92,5 +92,5 @@ def _write(path: Path, x: Array, cells: Cells, **data: dict[str, object]) -> Non
         with appearing(path) as partial:
             meshio.Mesh(in_space(x), cells, **data).write(partial, file_format="vtu")
     except OSError as error:
-        remedy = "make room, or drop output.fields, and go on with fsi resume"
+        remedy = "make room or put that right, or drop output.fields, and go on with fsi resume"
         raise SolveError(f"cannot write {path}: {error.strerror}; {remedy}") from error

@@ -239,7 +239,7 @@ def _write(path: Path, mesh: meshio.Mesh) -> None:
         with appearing(path) as partial:
             meshio.write(partial, mesh, file_format="vtu")
     except OSError as error:
-        remedy = "make room, or drop output.fields, and go on with fsi resume"
+        remedy = "make room or put that right, or drop output.fields, and go on with fsi resume"
         raise SolveError(f"cannot write {path}: {error.strerror}; {remedy}") from error
 
 

@@ -29,13 +29,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import MODES, Array, Configuration, Motion
-from fsi.stokes.problem import PairLaws, StokesProblem
+from fsi.errors import SolveError
+from fsi.stokes.problem import Field, PairLaws, StokesProblem
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem
 
 if TYPE_CHECKING:  # laws take long to load, and most flows have none
     from fsi.lubrication.below import PairRates
 
-# Of the largest: loads that are combinations of others.
+# Of the largest: loads that are combinations of others, and what velocities that are alike may differ by.
 SAME = 1e-12
 
 type Solver = Callable[..., list[NodalSolution]]
@@ -116,8 +117,9 @@ def pair_laws(rates: "PairRates", problem: StokesProblem, q: Configuration) -> P
     own = np.einsum("rk,rk->r", rates.along, rates.place @ E.T)
     for k in np.unique(rates.wall[rates.wall >= 0]):
         here = rates.wall == k
-        velocity = problem.boundary.velocities[names[k]](rates.place[here])
-        own[here] = np.einsum("rk,rk->r", rates.along[here], velocity)
+        velocity = problem.boundary.velocities[names[k]]
+        _require_rigid(velocity, rates.place[here], rates.apart[here], names[k])
+        own[here] = np.einsum("rk,rk->r", rates.along[here], velocity(rates.place[here]))
     carried = np.zeros_like(problem.motion.U)
     carried[:, : q.dimension] = (problem.q.centres - q.centres) @ W.T
     a, apart = q.radii[rates.body], np.linalg.norm(rates.apart, axis=1)
@@ -126,6 +128,21 @@ def pair_laws(rates: "PairRates", problem: StokesProblem, q: Configuration) -> P
         rates.G, own, rates.resistance, _strains(rates), rates.along, rates.wall, rates.body, rates.meshed,
         carried, a / a.sum(axis=1)[:, None], 1.0 - np.where(rates.wall < 0, a.sum(axis=1), a[:, 0]) / apart,
     )  # fmt: skip
+
+
+def _require_rigid(velocity: Field, place: Array, apart: Array, wall: str) -> None:
+    """Raise SolveError unless the linear velocity of a wall is the same all around points on it, (n, d).
+
+    apart: from there along the normals. A wall that turns or stretches drives fluid into a gap or out of it.
+    """
+    at, size = velocity(place), np.linalg.norm(apart, axis=1)[:, None]
+    for axis in np.eye(place.shape[1]):
+        along = axis - (apart @ axis)[:, None] * apart / size**2
+        if np.abs(velocity(place + size * along) - at).max() > SAME * np.abs(at).max():
+            raise SolveError(
+                f"lubrication.below: no law is known beside wall {wall!r}, whose velocity varies along it; "
+                "drop it, or give the wall one velocity"
+            )
 
 
 def _strains(rates: "PairRates") -> Array:

@@ -43,7 +43,9 @@ def _remedy(problem: StokesProblem, names: Sequence[str], *, shift: bool) -> str
     (i, other), sides = found.between, (*names, *container.walls)
     between = f"{names[i]!r} and {sides[other]!r}"
     what = f"bodies: the narrowest gap, between {between}, is {found.gap:.3g}; widen it"
-    if not shift or np.linalg.norm(found.place) <= _NEAR * q.radii[i]:
+    walls = zip(container.walls, container.plane, strict=True)
+    stands = any(not plane and name not in container.far_walls for name, plane in walls)
+    if stands or not shift or np.linalg.norm(found.place) <= _NEAR * q.radii[i]:
         return what
     where = ", ".join(f"{x:.6g}" for x in found.place)
     return f"{what}, or shift all coordinates so that the origin is there, at ({where})"

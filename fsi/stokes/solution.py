@@ -25,13 +25,20 @@ class StokesSolution(SolvedFlow):
         problem: what was solved; its mesh may have been moved on since.
         flow: velocity and pressure, of this rank.
         surface: the bodies' surfaces, on root.
-        pressure_gradient: the mean one of a periodic flow, (2,).
+        pressure_gradient: the mean one of a periodic flow, (d,).
     """
 
     problem: StokesProblem = field(repr=False)
     flow: Flow = field(repr=False)
     surface: Surface = field(repr=False)
     pressure_gradient: Array | None = None
+
+    @property
+    def dp_dx(self) -> float | None:
+        """The mean pressure gradient along a channel whose net flux is given, else None."""
+        if self.pressure_gradient is None or self.problem.boundary.pressure_gradient is not None:
+            return None
+        return float(self.pressure_gradient[0])
 
     @property
     def mesh_instead(self) -> str:

@@ -1,22 +1,21 @@
 """One run of a sweep in its folder: its case and what is wanted of it, then its result."""
 
-import fcntl
 import hashlib
 import json
 import os
 import platform
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import fsi.parallel as parallel
 from fsi.case.checks.work import check_work
 from fsi.case.load import case_text, load_case, named_files
 from fsi.errors import InputError
 from fsi.files import content, json_of, replace
+from fsi.run_folder.alone import alone
 from fsi.run_folder.kept import CASE
 from fsi.run_folder.provenance import launch
 from fsi.studies.evaluate import Evaluation, FoundValue, at_instant, of_motion
@@ -80,7 +79,8 @@ def compute(folder: Path) -> None:
 
     Whoever else does it is waited for. Raises InputError, MeshError, SolveError: the run fails.
     """
-    with _alone(folder):
+    parallel.on_root((folder / LAUNCHES).touch)
+    with alone(folder / LAUNCHES):
         asked = parallel.on_root(lambda: json_of(folder / REQUEST, _REMEDY))
         quantities = tuple(asked["quantities"])
         if parallel.on_root(lambda: kept_values(folder, quantities)) is not None:
@@ -113,20 +113,6 @@ def _keep(folder: Path, found: Evaluation) -> None:
     values = before | {name: [one.value, one.error] for name, one in found.values.items()}
     text = json.dumps({"values": values, "checks": dict(found.checks), "launch": launch()}, indent=1)
     replace(folder / RESULT, (text + "\n").encode())
-
-
-@contextmanager
-def _alone(folder: Path) -> Iterator[None]:
-    """Keep other processes from the same run for as long, on all ranks."""
-
-    def locked() -> IO[str]:
-        file = (folder / LAUNCHES).open("a", encoding="utf-8")
-        fcntl.flock(file, fcntl.LOCK_EX)
-        return file
-
-    with locked() if parallel.is_root() else nullcontext():
-        parallel.on_every_rank(lambda: None)  # nobody goes on before root has it
-        yield
 
 
 def _note_launch(folder: Path) -> None:

@@ -290,6 +290,9 @@ def matching_points(x: Array, lattice: Lattice) -> PeriodicPairs:
 
     torus, longest = on_torus(x, lattice), lattice.longest()
     same = scipy.spatial.cKDTree(torus).query_pairs(_ON_TORUS * SAME_PLACE * longest, output_type="ndarray")
+    # In a narrow gap neighbours may be as near as that; they are no nearer on the torus than they are here.
+    spacing = scipy.spatial.cKDTree(x).query(x, k=2)[0][:, 1]
+    same = same[lengths(torus[same[:, 0]] - torus[same[:, 1]]) < 0.5 * spacing[same].min(axis=1)]
     graph = scipy.sparse.coo_array((np.ones(len(same)), same.T), shape=(len(x), len(x)))
     places, place = scipy.sparse.csgraph.connected_components(graph, directed=False)
     _, any_there = np.unique(place, return_index=True)

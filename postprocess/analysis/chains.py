@@ -11,7 +11,7 @@ that whose least link dissipates most; it lies in the tree of all links that dis
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import isfinite
+from math import inf, isfinite
 from typing import Any
 
 import numpy as np
@@ -24,7 +24,15 @@ from fsi.bodies.configuration import Array, Configuration
 from fsi.case.case import Case
 from fsi.case.section import toml_text
 from fsi.errors import InputError
-from fsi.postprocess.analysis.links import NECKS, ChainLinks, find_links, in_necks
+from fsi.postprocess.analysis.links import (
+    CONTACTS,
+    NECKS,
+    STORED,
+    ChainLinks,
+    at_stored_gaps,
+    find_links,
+    in_necks,
+)
 from fsi.postprocess.analysis.strain import strain_rate
 from fsi.postprocess.run.run import Run
 from fsi.report.console import table
@@ -119,6 +127,8 @@ def read_chains(run: Run, step: int | None = None, close: float = CLOSE) -> Chai
     q = run.configuration(step)
     V = run.bodies.loc[run.bodies["step"] == step, ["V_x", "V_y"]].to_numpy()
     links = find_links(case, q, V, t, close * float(q.radii.mean()))
+    if STORED in steps:
+        links = at_stored_gaps(run, q, links, {column: float(of[row]) for column, of in steps.items()})
     measured = run.has(NECKS)
     if measured:
         links = replace(links, dissipation=in_necks(run, step, links, float(q.radii.mean())))
@@ -132,10 +142,11 @@ def read_chains(run: Run, step: int | None = None, close: float = CLOSE) -> Chai
 
 
 def _row_of(run: Run, steps: dict[str, Array], step: int | None) -> int:
-    """The row of a step, or of that which dissipates most, of those with necks where the run has any."""
+    """The row of a step, or of that which dissipates most, of those whose links are known by a series."""
     written = steps["step"]
     if step is None:
-        known = np.isin(written, run.times_of(NECKS).index) | (not run.has(NECKS))
+        series = CONTACTS if STORED in steps else NECKS
+        known = np.isin(written, run.times_of(series).index) | (not run.has(series))
         return int(np.argmax(np.where(known, steps["dissipation"], -np.inf)))
     if step not in written:
         ends = f"the run has the steps {written[0]:g} to {written[-1]:g}"
@@ -211,7 +222,8 @@ def _row(chains: Chains, chain: Chain, shown: int) -> list[str]:
 
 def _costs(chains: Chains, dissipation: float, links: Sequence[int]) -> list[str]:
     """What links dissipate, its part in the whole, and what they carry of the apparent viscosity, if any."""
-    part = f"{dissipation / chains.dissipation:.1%}" if isfinite(chains.dissipation) else "of infinite"
+    whole = chains.dissipation
+    part = f"{dissipation / whole:.1%}" if 0.0 < whole < inf else f"of {'infinite' if whole else 'none'}"
     cells, share = [f"{dissipation:.5g}", part], chains.share(links)
     return cells if share is None else [*cells, f"{share:.1%}"]
 

@@ -5,7 +5,8 @@ In each close pair, of radii a_i and a_j or of a disc and a wall (a_j infinite),
     kappa(d) (G.u)^2,   kappa = 3 sqrt2 pi mu (a/d)^(3/2),   a = a_i a_j / (a_i + a_j),   G.u = d'
 
 d being the gap, d' its rate; for equal discs kappa = (3 pi/2) mu (a_i/d)^(3/2). It is the leading term for
-motion along the line of centres: an estimate. Runs of pores have measured what is dissipated in the fluid of
+motion along the line of centres: an estimate. Reduced runs had a law of their own, which is taken, with the
+scheme "distance" at the gaps that they stored. Runs of pores have measured what is dissipated in the fluid of
 each neck, by sliding, rolling and flux too.
 
 Bodies that are free hardly approach; what a close pair costs a sheared suspension is rather the stress that
@@ -17,7 +18,8 @@ with E the mean strain rate and |Omega| the area: positive where the pair is pre
 compression or held together along the extension of the flow.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,10 +29,15 @@ from fsi.bodies.configuration import Array, Configuration
 from fsi.bodies.forces import separations
 from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
+from fsi.errors import InputError
 from fsi.lubrication.exact import plane_lubrication
 from fsi.postprocess.run.run import Run, nodes
+from fsi.reduced.enclosure import overlap
+from fsi.reduced.gap_laws import Films, make_laws
 
 NECKS = "necks"  # the series of a run of pores
+CONTACTS = "contacts"  # that of a reduced run, with the gaps that it took
+STORED = "log10_stored_gap"  # the column of a run that stores them, of the smallest
 _SAME = 1e-6  # of a radius: a link and a neck between the same places
 
 
@@ -81,12 +88,51 @@ def find_links(case: Case, q: Configuration, V: Array, t: float, reach: float) -
     of_pairs = np.sum(unit * (V[i] - V[j] - container.mean_velocity(gaps.away)), axis=1)
     of_walls = np.sum(normal * (V[body] - _wall_velocities(case, t)[wall]), axis=1)
     rates = np.concatenate([of_pairs, of_walls])
-    reduced = np.concatenate([a[i] * a[j] / (a[i] + a[j]), a[body]])
-    kappa = plane_lubrication(d, reduced, case.fluid.viscosity)
     to_wall = normal * (gaps.wall_gaps[body, wall] + a[body])[:, None]
     ends = np.concatenate([gaps.pairs, np.column_stack([body, len(q) + wall])])
     vectors = np.concatenate([between, to_wall])
-    return ChainLinks(ends, vectors, d, rates, kappa * rates, kappa * rates**2)
+    nothing = np.zeros(len(d))
+    return _lubricated(case, q, ChainLinks(ends, vectors, d, rates, nothing, nothing), np.log(d))
+
+
+def _lubricated(case: Case, q: Configuration, links: ChainLinks, x: Array) -> ChainLinks:
+    """Links with what lubrication does in them at gaps exp x, (L,)."""
+    (i, j), a = links.ends.T, q.radii
+    is_wall = j >= len(q)
+    other = a[np.where(is_wall, 0, j)]
+    radius = np.where(is_wall, a[i], a[i] * other / (a[i] + other))
+    if case.model == "reduced":
+        kappa = make_laws(case).kappa(x, Films(radius, overlap(radius, a[i]), is_wall))
+    else:
+        kappa = plane_lubrication(np.exp(x), radius, case.fluid.viscosity)
+    force = kappa * links.rates
+    return replace(links, gaps=np.exp(x), tension=force, dissipation=force * links.rates)
+
+
+def at_stored_gaps(run: Run, q: Configuration, links: ChainLinks, row: Mapping[str, float]) -> ChainLinks:
+    """The links of a run with the scheme "distance" at the gaps that it stored, which drift from the bodies'.
+
+    row: of steps.csv.
+
+    Raises InputError: the run has not written them.
+    """
+    step, x = int(row["step"]), np.log(links.gaps)
+    if step in run.times_of(CONTACTS).index:
+        contacts = run.mesh(step, CONTACTS)
+        start, end = np.asarray(contacts.points, float)[nodes(contacts)][..., : q.dimension].swapaxes(0, 1)
+        places = np.column_stack([q.centres[links.ends[:, 0]], links.vectors]) / q.radii.mean()
+        written = cKDTree(np.column_stack([start, start - end]) / q.radii.mean())
+        away, nearest = written.query(places)
+        stored = np.log(np.maximum(contacts.cell_data["gap"], np.finfo(float).tiny))
+        x = np.where(away < _SAME, stored[np.minimum(nearest, len(stored) - 1)], x)
+    elif row["pairs"] == 1:
+        x = np.full(len(x), row[STORED] * np.log(10.0))
+    elif row["pairs"]:
+        raise InputError(
+            f"step = {step}: the run has not written which gaps it stored there; give a step with fields, or "
+            "run it again with output.fields = true"
+        )
+    return _lubricated(run.case, q, links, x)
 
 
 def _wall_velocities(case: Case, t: float) -> Array:

@@ -12,18 +12,20 @@ from vtkmodules.vtkCommonCore import vtkLogger
 
 from fsi.errors import InputError
 
+_REMEDY = "run the case again, or ask for another time"  # `fsi resume` does not look at field files
+
 
 def read_grid(path: Path, names: Sequence[str] = ()) -> pv.UnstructuredGrid:
     """The grid of a .vtu file, with these values at its nodes. Raises InputError: it is damaged."""
     if not path.is_file():
-        raise InputError(f"{path}: is not there, or no file; mend it with `fsi resume`")
+        raise InputError(f"{path}: is not there, or no file; {_REMEDY}")
     try:
         with _quiet_vtk(), warnings.catch_warnings(action="error"):  # pyvista only warns of a broken file
             grid = pv.read(path)
             _require_sound(grid, names)
     except (OSError, RuntimeError, ValueError, AttributeError, UserWarning) as error:
         told = " ".join(str(error).split())[:200]
-        raise InputError(f"{path}: cannot be read ({told}); mend it with `fsi resume`") from None
+        raise InputError(f"{path}: cannot be read ({told}); {_REMEDY}") from None
     return grid
 
 

@@ -7,17 +7,21 @@ jump from cell to cell; at a point they are those of the cell that holds it.
 
 import io
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pyvista as pv
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
-from fsi.bodies.configuration import Array
+from fsi.bodies.configuration import Array, Configuration
 from fsi.errors import InputError
 from fsi.files import data_of, write_whole
 from fsi.meshes.cells.lagrange import gradient, locate, order_of, tabulate
+from fsi.meshes.geometry.container import Container
+from fsi.meshes.geometry.lattice import Lattice, positive
 from fsi.observables.bulk_stress import hoop_rate, strain_rate, vorticity
 from fsi.postprocess.run.run import Run, nodes
 
@@ -25,6 +29,7 @@ FLUID = "fluid"
 OUTSIDE = "outside"
 # Curved sides follow circles to 1e-5 radii or better: a point that is on a body to rounding counts as fluid.
 _TOLERANCE = 1e-4
+_SAME_PLACE = 1e-12  # of the size of the domain: a mesh has images to rounding, and neighbours in narrow gaps
 
 
 def probe(run: Run, points: Array, step: int | None = None) -> pd.DataFrame:
@@ -33,58 +38,123 @@ def probe(run: Run, points: Array, step: int | None = None) -> pd.DataFrame:
     Columns x, y (with an axis r, z; in space x, y, z), `where` ("fluid", the name of the body that holds the
     point, or "outside"), u_x, u_y ..., p (in a model with pressure), vorticity (in space vorticity_x ...),
     strain_rate; NaN where there is no fluid. For their signs see `fsi.observables.bulk_stress`. A point up to
-    1e-4 of a cell beyond the fluid's boundary counts as on it.
+    1e-4 of a cell beyond the fluid's boundary counts as on it. Periodic flows have values at all images, as
+    `fsi.Solution.evaluate`.
 
     Raises InputError: the run has no fields of that step.
     """
     letters = "rz" if run.case.axisymmetric else "xyz"[: run.case.dimension]
     step = run.step(step)
     points = np.asarray(points, dtype=float)
-    inside, values = _values(run, run.mesh(step), points, letters)
-    places = {"where": _places(run, points, step)}
-    table = pd.DataFrame(dict(zip(letters, points.T, strict=True)) | places)
-    table.loc[inside, "where"] = FLUID
-    for name, known in values.items():
+    fluid, container = run.mesh(step), run.container(step)
+    table = pd.DataFrame(dict(zip(letters, points.T, strict=True)) | {"where": FLUID})
+    with np.errstate(over="ignore", invalid="ignore"):  # no integer tells which image is far out
+        found = _located(fluid, Lattice(container.periods), points)
+        inside = found.cell >= 0
+        table.loc[~inside, "where"] = _places(run, points[~inside], step)
+    for name, known in _values(fluid, found.those(inside), container, letters).items():
         table[name] = np.nan
         table.loc[inside, name] = known
     return table
 
 
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """Where points lie in the mesh.
+
+    Attributes:
+        cell: that holds an image of the point, -1 where none does, (n,).
+        X: where in it, (n, d).
+        away: the lattice vector from that image to the point, (n, d).
+    """
+
+    cell: NDArray[np.int64]
+    X: Array
+    away: Array
+
+    def those(self, which: NDArray[np.bool_]) -> "_Found":
+        """Some of them."""
+        return _Found(self.cell[which], self.X[which], self.away[which])
+
+
+def _located(fluid: pv.UnstructuredGrid, lattice: Lattice, points: Array) -> _Found:
+    """Where images of points (n, d) lie in the mesh, opened along a cut that winds around bodies."""
+    x = fluid.points[nodes(fluid)][..., : points.shape[1]]
+    low, high = x.min(axis=(0, 1)), x.max(axis=(0, 1))
+    nearest = lattice.nearest(points - 0.5 * (low + high))
+    found = _Found(np.full(len(points), -1), np.full(points.shape, np.nan), np.zeros(points.shape))
+    for m in lattice.near(float(np.linalg.norm(high - low))):
+        missing = np.flatnonzero(found.cell < 0)
+        away = lattice.shift(nearest[missing] + m)
+        found.cell[missing], found.X[missing] = locate(x, points[missing] - away, _TOLERANCE)
+        found.away[missing] = away
+    return found
+
+
 def _values(
-    run: Run, fluid: pv.UnstructuredGrid, points: Array, letters: str
-) -> tuple[NDArray[np.bool_], dict[str, Array]]:
-    """Which points lie in the fluid, (n,), and what is found at those, by name."""
-    d, cells = len(letters), nodes(fluid)
-    x, u = fluid.points[cells][..., :d], fluid["velocity"][cells][..., :d]
-    cell, X = locate(x, points, _TOLERANCE)
-    inside = cell >= 0
-    x, u, at = x[cell[inside]], u[cell[inside]], cells[cell[inside]]
-    phi, dphi = tabulate(order_of(cells.shape[1], d), X[inside])
+    fluid: pv.UnstructuredGrid, found: _Found, container: Container, letters: str
+) -> dict[str, Array]:
+    """What is known at points in the fluid, by name.
+
+    u(x + e) = u(x) + E e,    p(x + e) = p(x) + G.e
+    """
+    d, at = len(letters), nodes(fluid)[found.cell]
+    x, u = fluid.points[at][..., :d], fluid["velocity"][at][..., :d]
+    phi, dphi = tabulate(order_of(at.shape[1], d), found.X)
     G = gradient(x, u, dphi)
-    velocity = np.einsum("pn,pnc->pc", phi, u)
-    hoop = hoop_rate(points[inside, 0], velocity[:, 0], G) if run.case.axisymmetric else 0.0
+    velocity = np.einsum("pn,pnc->pc", phi, u) + container.mean_velocity(found.away)
+    hoop: Array | float = 0.0
+    if letters == "rz":
+        hoop = hoop_rate(np.einsum("pn,pn->p", phi, x[..., 0]), velocity[:, 0], G)
     curl = vorticity(G)
     curls = {"vorticity": curl} if d == 2 else {f"vorticity_{c}": curl[:, k] for k, c in enumerate(letters)}
     values = {f"u_{c}": velocity[:, k] for k, c in enumerate(letters)}
     if "pressure" in fluid.point_data:
-        values["p"] = np.sum(phi * fluid["pressure"][at], axis=1)
-    return inside, values | curls | {"strain_rate": strain_rate(G, hoop)}
+        rises = found.away @ _mean_gradient(fluid, Lattice(container.periods))
+        values["p"] = np.sum(phi * fluid["pressure"][at], axis=1) + rises
+    return values | curls | {"strain_rate": strain_rate(G, hoop)}
+
+
+def _mean_gradient(fluid: pv.UnstructuredGrid, lattice: Lattice) -> Array:
+    """G along the periods, (d,), by the pressures on both sides of the cut; no other G is a part of G.e."""
+    d = lattice.vectors.shape[1]
+    vertices = np.unique(nodes(fluid)[:, : d + 1])
+    x, p = np.asarray(fluid.points)[vertices, :d], np.asarray(fluid["pressure"])[vertices]
+    tree, every = cKDTree(x), lattice.near(fluid.length)
+    shifts = lattice.shift(every[positive(every)])
+    steps, rises = [np.zeros((0, d))], [np.zeros(0)]
+    for e in shifts:
+        distance, image = tree.query(x + e, distance_upper_bound=_SAME_PLACE * fluid.length)
+        there = np.isfinite(distance)
+        steps.append(np.tile(e, (int(there.sum()), 1)))
+        rises.append(p[image[there]] - p[there])
+    return np.asarray(np.linalg.lstsq(np.concatenate(steps), np.concatenate(rises))[0])
 
 
 def _places(run: Run, points: Array, step: int) -> list[str]:
     """The body that holds each point, or "outside"."""
-    q = run.meshed(step)
-    places = np.full(len(points), OUTSIDE, dtype=object)
-    for name, body in zip(run.case.names, q.placed, strict=False):
-        places[body.signed_distance(points)[0] <= _TOLERANCE * body.outline.radius] = name
-    for name, form in zip(run.case.names, q.standing, strict=False):
-        places[form.off(points) <= _TOLERANCE * form.form.radius] = name
-    if q.shaped:
-        return [str(place) for place in places]
-    for name, centre, radius in zip(run.case.names, q.centres, (1.0 + _TOLERANCE) * q.radii, strict=True):
-        near = np.flatnonzero(np.abs(points - centre).max(axis=1) <= radius)  # squares of others may overflow
-        places[near[np.linalg.norm(points[near] - centre, axis=1) <= radius]] = name
-    return [str(place) for place in places]
+    q, lattice = run.meshed(step), Lattice(run.container(step).periods)
+    places = [OUTSIDE] * len(points)
+    home, centres, reach = lattice.wrapped(points), lattice.wrapped(q.centres), (1.0 + _TOLERANCE) * q.radii
+    tree = cKDTree(home)
+    for e in lattice.shift(lattice.near(float(reach.max(initial=0.0)))):
+        # In squares: of far points those of distances overflow.
+        for i, near in enumerate(tree.query_ball_point(centres + e, reach, p=np.inf)):
+            if near:
+                for k in np.array(near)[_holds(q, i, home[near] - centres[i] - e)]:
+                    places[k] = run.case.names[i]
+    return places
+
+
+def _holds(q: Configuration, i: int, r: Array) -> NDArray[np.bool_]:
+    """Which points, r from its centre, (n, d), body i holds."""
+    if q.placed:
+        off = q.placed[i].signed_distance(q.centres[i] + r)[0]
+    elif q.standing:
+        off = q.standing[i].off(q.centres[i] + r)
+    else:
+        off = np.linalg.norm(r, axis=1) - q.radii[i]
+    return np.asarray(off <= _TOLERANCE * q.radii[i])
 
 
 def on_plane(corner: Sequence[float], opposite: Sequence[float], count: int) -> Array:

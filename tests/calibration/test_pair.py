@@ -175,6 +175,26 @@ def test_mistakes(data: dict[str, Any], complaint: str) -> None:
         pair_of(parse_case(data))
 
 
+@pytest.mark.parametrize("z", [0.0, 3.0])
+@pytest.mark.parametrize(
+    ("geometry", "domain", "wall"),
+    [
+        ("axisymmetric", {"shape": "round", "radius": 100.0}, "far"),
+        ("planar", {"shape": "round", "radius": 100.0}, "far"),
+        ("axisymmetric", {"lower": [0.0, -9.0], "upper": [9.0, 9.0]}, "right"),
+    ],
+)
+def test_a_wall_that_is_round_is_not_plane_wherever_the_body_is(
+    geometry: str, domain: dict[str, Any], wall: str, z: float
+) -> None:
+    """At the centre, and on the axis of a cylinder, the distance falls as beside a plane."""
+    body = {"name": "s", "radius": 1.0, "position": [0.0, z]}
+    plan = {"pair": ["s", wall], "range": [0.1, 1.0]}
+    data = case_data(geometry=geometry, domain=domain, bodies=[body], calibration=plan)
+    with pytest.raises(InputError, match=f'calibration.pair.1 = "{wall}": this wall is not plane'):
+        pair_of(parse_case(data))
+
+
 def test_a_case_without_the_section() -> None:
     data = case_data()
     del data["calibration"]

@@ -105,6 +105,7 @@ BAD = [
     ("time.end", 0.0, ["greater than 0"]),
     ("time.gap_loss", 1.0, ["less than 1"]),
     ("time.smallest_step", 6.0, ["not below time.end"]),
+    ("time.first_step", 1e-12, ["time.first_step = 1e-12", "below time.smallest_step", "make it longer"]),
     ("time.remesh", "never", ['"always" or "when-needed"']),
     ("expected", [{"quantity": "disc.forse.x", "value": 1.0, "rtol": 1e-4, "source": "x"}], ["BODY.force.x"]),
 ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import tomllib
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any, Literal, override
 
@@ -194,6 +195,20 @@ def test_in_space_there_are_ellipsoids() -> None:
 def test_what_ellipsoids_are_not_is_refused(body: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         in_space(**body)
+
+
+@pytest.mark.parametrize(("part", "sound"), [(0.0199, False), (0.0201, True)])
+def test_gaps_of_ellipsoids_below_those_that_are_meshed_are_refused(part: float, sound: bool) -> None:
+    """0.02 of the smallest half axis, 0.5, to a wall and between bodies; 0.25 of a small one counts there."""
+    wall = {"position": [0.0, 0.0, -7.5 + 0.5 * part]}
+    small = {"name": "other", "position": [0.0, 1.5 + 0.25 * part, 0.0]}
+    other = small | {"shape": {"kind": "ellipsoid", "axes": [1.0, 0.5, 0.25]}}
+    to_wall = r"bodies\.0\.position = .*: the gap of 'body' to wall 'bottom' is 0\.00995, below .*, 0\.5; "
+    to_body = r"bodies\.1\.position = .*: the gap of 'other' to 'body' is 0\.0049\d, below .*, 0\.25; "
+    with nullcontext() if sound else pytest.raises(InputError, match=to_wall):
+        in_space(**wall)
+    with nullcontext() if sound else pytest.raises(InputError, match=to_body):
+        in_space(other)
 
 
 def test_ellipsoids_have_no_periods() -> None:

@@ -1,6 +1,7 @@
 """The commands as a user types them: what they print, their exit codes, one message on all ranks."""
 
 import os
+import shutil
 import subprocess
 import sys
 import textwrap
@@ -197,6 +198,23 @@ def test_run_then_resume(
     assert "steps to t = 1, smallest gap 0.637" in summary  # the exact gap is 0.63717
     assert "nothing to do" in typed(capsys, monkeypatch, "resume", folder)
     assert "exists and is not empty" in complaint(capsys, monkeypatch, *arguments)
+
+
+@pytest.mark.usefixtures("exact")
+def test_the_end_of_a_resumed_run_tells_of_all_of_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A disc that is pulled up from where it is nearest; its folder's name has a blank."""
+    case, folder = str(CASE.with_name("settling_disc.toml")), str(tmp_path / "my run")
+    up = ("--set", "bodies.0.force=[0.0, 10.0]", "--set", "time.end=0.5")
+    started = typed(capsys, monkeypatch, "run", case, "--output", folder, *up).splitlines()
+    assert started[-1] == f"look at it with: fsi render '{folder}'"
+    shutil.rmtree(f"{folder}/fields")
+    resumed = typed(capsys, monkeypatch, "resume", folder, "--set", "time.end=1")
+    written = (tmp_path / "my run" / "steps.csv").read_text().splitlines()
+    steps, gap = len(written) - 2, float(written[1].split(",")[3])
+    assert f": {steps} steps to t = 1, smallest gap {gap:.4g} (at t = 0), the last " in resumed
+    assert list((tmp_path / "my run" / "fields").iterdir())  # made anew, for what comes after
 
 
 @pytest.mark.usefixtures("exact")

@@ -108,6 +108,12 @@ def test_two_discs_part_when_the_pull_has_paid_back(tmp_path: Path) -> None:
         ("domain={shape='cell',vectors=[[7,0],[0,9]]}", "below four diameters"),
         ("domain={shape='half-plane',radius=50,walls={plane=[1.0,0.0]}}", r"domain\.walls\.plane.*at rest"),
         ("bodies.0.initial_velocity=[1.0,0.0,0.0]", r"bodies\.0\.initial_velocity"),
+        ("domain={shape='round',radius=50}", r'domain\.shape = "round": .* give "box", "half-plane" or'),
+        ("output.error_estimates=true", r"output\.error_estimates = true: .* has no mesh .*; drop it"),
+        (
+            "forces=[{kind='attraction',law='power',strength=1,length=1,exponent=2,cutoff=5}]",
+            r'forces\.0\.law = "power": is infinite between bodies that touch; give "exponential"',
+        ),
     ],
 )
 def test_mistakes_are_one_line(change: str, message: str) -> None:

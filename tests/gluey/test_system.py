@@ -118,3 +118,18 @@ def test_a_run_records_the_energy_and_draws_contacts_from_centre_to_centre(tmp_p
     ends = np.asarray(lines.points)[:, :2]
     assert_allclose(sorted(ends.tolist()), sorted(q.tolist()), atol=1e-12)
     assert np.linalg.norm(ends[1] - ends[0]) == pytest.approx(1.0, rel=1e-12)
+
+
+def test_forces_act_from_the_walls_of_gluey_too() -> None:
+    """|F| = 2 exp(-d / 3) towards a plane that stands askew: 0.8 in front of it, over a step of 0.1.
+
+    Its normal is given ten times as long; without `walls = true` there is none.
+    """
+    n = np.array([0.6, 0.8])
+    walls = [{"name": "askew", "point": [1.0, 2.0], "normal": (10.0 * n).tolist()}]
+    law = {"kind": "attraction", "law": "exponential", "strength": 2.0, "length": 3.0, "cutoff": 5.0}
+    body = {"position": (np.array([1.0, 2.0]) + 1.3 * n + 4.0 * np.array([-0.8, 0.6])).tolist()}
+    for acts in (True, False):
+        case = case_of(body, gluey={"walls": walls}, forces=[law | {"walls": acts}])
+        load = gluey_system(case).load(case.configuration().centres, 0.0, 0.1)
+        assert_allclose(load[0, :2], -0.1 * 2.0 * np.exp(-0.8 / 3.0) * acts * n, rtol=1e-12)

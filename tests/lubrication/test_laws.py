@@ -117,6 +117,16 @@ def test_a_table_takes_its_points_and_stays_between_them() -> None:
     assert_allclose(table.value(fine), exact_resistance("discs", "squeeze", fine, 1.0), rtol=5e-3)
 
 
+def test_a_table_less_its_limit_is_exact_between_its_points_and_falls_like_the_next_term() -> None:
+    """K - 6 pi of a sphere beside a plane, far away 6 pi 9/8 /s (H. A. Lorentz, 1907); beyond 100 a power."""
+    s = np.exp(np.random.default_rng(2).uniform(np.log(1e-3), np.log(100.0), 50))
+    profile = exact_law(SPHERES).profile
+    assert isinstance(profile, TabulatedProfile)
+    less = profile.less(6.0 * pi)
+    assert_allclose(less.value(s), spheres.normal_resistance(s, 1.0, 1.0) - 6.0 * pi, rtol=1e-7)
+    assert_allclose(less.value(np.array([1e4])), 6.0 * pi * 9.0 / 8.0 / 1e4, rtol=0.02)
+
+
 def test_a_law_is_not_asked_for_what_it_does_not_know() -> None:
     law = sampled_law()
     with pytest.raises(RangeError, match="radius = 20: the lubrication law holds from 1e-07 to 10"):

@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 
 from fsi.bodies.configuration import Array
 from fsi.case.load import parse_case
+from fsi.errors import InputError, SolveError
 from fsi.macroscopic.evolution import MacroscopicEvolution, matter, profile
 from fsi.macroscopic.model import Parcels, at_rest_in_memory
 
@@ -76,3 +77,56 @@ def test_what_is_pushed_is_still_pushed_when_a_run_goes_on() -> None:
     other.restore(evolution.memory())
     assert np.array_equal(other.parcels.gamma, evolution.parcels.gamma)
     assert np.array_equal(other.advance(state).record.U, evolution.advance(state).record.U)
+
+
+def test_a_pulse_within_a_step_is_not_lost() -> None:
+    """100 from 0.011 to 0.014, past the middle of a step of 0.1: the impulse 0.3, exactly."""
+    pulse = {"times": [0.011, 0.011, 0.014, 0.014], "values": [0.0, 100.0, 100.0, 0.0]}
+    evolution = MacroscopicEvolution(bodies_case(force=[pulse, 0.0]))
+    after = evolution.advance(evolution.start().state).record
+    assert_allclose(after.U[:, 0], [0.3, 0.0, 0.0], atol=1e-12)
+
+
+def of_blocks(domain: dict[str, Any]) -> Any:
+    block = {"left": 0.0, "right": 1.0, "density": 1.0, "initial_velocity": "0"}
+    return {
+        "name": "test", "model": "macroscopic", "domain": domain, "time": {"end": 1.0, "step": 0.1},
+        "macroscopic": {"blocks": [block]},
+    }  # fmt: skip
+
+
+BOX = {"lower": [-50.0, -50.0], "upper": [50.0, 50.0]}
+
+
+@pytest.mark.parametrize(
+    ("domain", "line"),
+    [
+        (BOX, r'^domain\.shape = "box": has walls, .*; give "unbounded"$'),
+        (BOX | {"periodic": ["x"]}, r'^domain\.shape = "box": is periodic, .*; give "unbounded"$'),
+        ({"shape": "cell", "vectors": [[9.0, 0.0], [0.0, 9.0]]}, r'^domain\.shape = "cell": is periodic'),
+        (BOX | {"walls": {"top": [1.0, 0.0]}}, r"^domain\.walls\.top = .* at rest"),
+    ],
+)
+def test_a_line_of_blocks_has_neither_walls_nor_periods(domain: dict[str, Any], line: str) -> None:
+    with pytest.raises(InputError, match=line):
+        parse_case(of_blocks(domain))
+    parse_case(of_blocks({"shape": "unbounded"}))
+
+
+def test_there_are_no_error_estimates() -> None:
+    estimates = {"output": {"error_estimates": True}}
+    with pytest.raises(InputError, match=r"^output\.error_estimates = true: .*no mesh"):
+        parse_case(of_blocks({"shape": "unbounded"}) | estimates)
+
+
+def test_bodies_do_not_run_through_a_wall_unseen() -> None:
+    """From 7.75 and radius 1 the first is past the wall at 50 when it has come 41.25: at 100 after 0.4125."""
+    evolution = MacroscopicEvolution(bodies_case(initial_velocity=[100.0, 0.0]))
+    state = evolution.start().state
+    for _ in range(4):
+        state = evolution.advance(state).state
+    line = r"""^domain\.shape = "box": body 'b0' is past wall 'right' at t = 0\.5, .*; give "unbounded", or"""
+    with pytest.raises(SolveError, match=line):
+        evolution.advance(state)
+    with pytest.raises(InputError, match="body 'b0' is past wall 'right' at t = 0"):
+        bodies_case(position=[49.5, 0.0])

@@ -139,6 +139,15 @@ def test_images_match_to_1e9_of_a_period_or_not_at_all(off: float, match: bool) 
             matching_points(x, lattice)
 
 
+def test_nodes_of_a_narrow_gap_match_though_they_are_nearer_to_each_other_than_a_misplaced_image() -> None:
+    """Sides of a period of 5 whose nodes are 1e-9 apart, by the order of the numbers along each."""
+    left = np.column_stack([np.zeros(4), 1e-9 * np.arange(4.0)])
+    x, lattice = np.vstack([left, left + np.array([5.0, 0.0])]), Lattice(np.array([[5.0, 0.0]]))
+    pairs = matching_points(x, lattice)
+    np.testing.assert_array_equal(pairs.slave, [4, 5, 6, 7])
+    np.testing.assert_array_equal(pairs.master, [0, 1, 2, 3])
+
+
 BIG_AND_TINY = FluidDomain(
     Cell(((9.0, 0.0), (0.0, 9.0)), ((0.0, 1.0), (0.0, 0.0))),
     np.array([[4.5, 4.0], [0.0, 0.0]]),

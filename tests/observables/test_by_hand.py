@@ -46,6 +46,18 @@ def test_an_apparent_viscosity_is_known_to_a_part_of_what_the_stress_misses(
     assert alone == pytest.approx(max(0.5 * missed, 2e-12))
 
 
+def test_an_apparent_viscosity_is_known_as_well_in_the_thinnest_fluid() -> None:
+    """The first of these bars, 0.06, with all stresses times 1e-300, whose squares are zero."""
+    S, none = np.array([[0.0, 2e-300], [2e-300, 0.0]]), np.zeros((1, 2, 2))
+    off = np.diag([4e-301, -4e-301])
+    first, other = (
+        BulkStress(stress, none, np.zeros((2, 2)), 1.0, 2.0, newtonian=S)
+        for stress in (2.0 * S, 2.0 * S + off)
+    )
+    with np.errstate(divide="raise", invalid="raise", over="raise"):
+        assert first.viscosity_error(other, 1.0, 0.3, 1e-12) == pytest.approx(0.06)
+
+
 def test_a_resistance_matrix_is_symmetric_to_1e9_or_refused() -> None:
     """Half of a difference of 1e-10 goes to both sides; one of 2e-9 is no rounding."""
     R, scale = np.array([[4.0, 1.0], [1.0 + 4e-10, 4.0]]), np.ones(2)

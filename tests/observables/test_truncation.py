@@ -9,7 +9,7 @@ import pytest
 
 from fsi.case.load import parse_case
 from fsi.integration.errors import ErrorEstimate
-from fsi.observables.truncation import FlowScales, halved, relative_change
+from fsi.observables.truncation import ROUNDING, FlowScales, flow_scales, halved, relative_change, truncation
 
 
 @pytest.mark.parametrize("geometry", ["planar", "axisymmetric", "spatial"])
@@ -55,3 +55,37 @@ def test_what_is_zero_by_symmetry_counts_over_a_hundredth_of_what_drives_the_flo
     free = np.zeros((1, 3), dtype=bool)
     found = relative_change(noise, noise, free, np.ones((1, 3)), FlowScales(5.0, 1.0))
     assert found["velocity"] == pytest.approx(1e-9 / 0.05)
+
+
+@pytest.mark.parametrize(("geometry", "surface"), [("planar", np.pi), ("spatial", np.pi)])
+def test_what_rounding_leaves_of_a_pressure_all_around_is_no_change(geometry: str, surface: float) -> None:
+    """Radius 0.5, pressure 2: on 2 pi a, or 4 pi a^2, it pushes with 2 pi, of which 6e-11 is rounding.
+
+    Forces of 1e-14 that differ by as much changed by the whole of themselves; a force of 1e-9 is none of it.
+    """
+    d = 2 if geometry == "planar" else 3
+    case = parse_case(
+        {
+            "name": "at rest", "geometry": geometry, "fluid": {"viscosity": 1.0},
+            "domain": {"shape": "round", "radius": 5.0, "walls": {"far": {"pressure": 2.0}}},
+            "bodies": [{
+                "name": "one", "radius": 0.5, "position": [0.0] * d, "velocity": [0.0] * d,
+                "angular_velocity": 0.0 if d == 2 else [0.0] * 3,
+            }],
+        }
+    )  # fmt: skip
+    assert flow_scales(case, 0.0).thrust == pytest.approx(2.0 * surface, rel=1e-14)
+    U = np.zeros((1, len(case.modes)))
+    whole, half = (ErrorEstimate(U, np.full_like(U, F)) for F in (1e-14, 2e-14))
+    assert truncation(case, whole, half) == {"force": 0.0}
+    real = ErrorEstimate(U, np.full_like(U, 1e-9))
+    assert truncation(case, real, half)["force"] == pytest.approx(1.0, rel=1e-4)
+
+
+def test_a_free_body_in_a_pressure_all_around_is_at_rest() -> None:
+    """Velocities up to the load that rounding leaves over the resistance, 1e-11 times 3 / 2, are none."""
+    scales = FlowScales(0.0, 2.0, 3.0)
+    free, arm = np.zeros((1, 3), dtype=bool), np.ones((1, 3))
+    for part, expected in ((0.9, 0.0), (1.1, 1.0)):
+        noise = ErrorEstimate(np.full((1, 3), part * ROUNDING * 1.5), np.zeros((1, 3)))
+        assert relative_change(noise, noise, free, arm, scales) == {"velocity": pytest.approx(expected)}

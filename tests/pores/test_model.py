@@ -246,7 +246,7 @@ def test_where_no_pores_are_found_the_bodies_and_walls_are_named(monkeypatch: py
     at_start(large, 1)
     monkeypatch.setattr(fluid_discs, "_ROUNDS_OF_FLAT", 0)
     with pytest.raises(
-        SolveError, match=r"as the fluid between circles of fluid is no pore; .* narrower domain"
+        SolveError, match=r"as the fluid between circles of fluid is no pore; .* another domain"
     ):
         at_start(large, 1)
 

@@ -55,8 +55,11 @@ KINDS = ["box, walls at rest", "channel, driven", "cell", "round container"]
 def test_the_flow_is_that_without_numbers_of_their_own(
     kind: str, seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Random bodies, held and free, of all necks as if they were narrow: a wrong sign, arm or image would be
-    off by order 1. Without, necks of gaps of 0.01 leave 1e-10. The last case has necks to images of discs."""
+    """Random bodies, held and free, of all necks as if they were narrow.
+
+    A wrong sign, arm or image would be off by order 1. Without, necks of gaps of 0.01 leave 1e-10, of 0.004
+    up to 1.4e-8. The last case has necks to images of discs.
+    """
     data = random_case(kind, seed).model_dump(mode="json", exclude_unset=True)
     del data["discretisation"]
     case = with_modes(parse_case(data | {"model": "pores"}), 4)
@@ -72,7 +75,7 @@ def test_the_flow_is_that_without_numbers_of_their_own(
         (found.necks.dissipation, without.necks.dissipation),
         (found.necks.flux, without.necks.flux),
     ):
-        assert np.abs(of_one - of_other).max() <= 1e-8 * np.abs(of_other).max()
+        assert np.abs(of_one - of_other).max() <= 1e-7 * np.abs(of_other).max()
     assert found.dofs == without.dofs
     if found.bulk is not None and without.bulk is not None:
         assert np.abs(found.bulk.mean - without.bulk.mean).max() <= 1e-8 * np.abs(without.bulk.mean).max()

@@ -1,5 +1,8 @@
 """A run as one file: what VTK's reader gives back is what the run has."""
 
+import subprocess
+import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -123,3 +126,40 @@ def test_what_is_not_written(
 ) -> None:
     assert fsi_command("export", run, *words) == 2
     assert message in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("damage", [Path.unlink, lambda file: file.write_text("no grid")])
+@pytest.mark.parametrize("step", [0, 2])
+def test_a_damaged_step_is_told_and_leaves_no_file(
+    damage: Callable[[Path], object], step: int, run: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """VTK's writer asks for ever where it is told that there is no mesh; `fsi resume` would not mend this."""
+    file = run / "fields" / f"fluid_{step:06d}_1.vtu"
+    damage(file)
+    assert fsi_command("export", run) == 2
+    (line,) = capfd.readouterr().err.splitlines()
+    assert str(file) in line
+    assert line.endswith("; run the case again, or ask for another time")
+    assert not list(run.glob("*fields.vtkhdf"))
+
+
+SHORT_OF_ROOM = """
+import resource, sys
+from fsi.cli.main import main
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv.pop()), resource.RLIM_INFINITY))
+sys.exit(main())
+"""
+
+
+@pytest.mark.parametrize("part", [0.2, 0.99])
+def test_a_file_that_the_disk_does_not_take_whole_is_none(part: float, run: Path) -> None:
+    """VTK's writer says that all went well, and HDF5 prints pages, the last as the process ends."""
+    whole = run / "whole.vtkhdf"
+    assert fsi_command("export", run, "-o", whole) == 0
+    room = str(int(part * whole.stat().st_size))
+    command = [sys.executable, "-c", SHORT_OF_ROOM, "export", str(run), room]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert line.endswith("fields.vtkhdf: could not be written, perhaps for want of room")
+    assert not list(run.glob("*fields.vtkhdf"))

@@ -29,7 +29,7 @@ def films(number: int) -> Films:
 
 
 def integral_of(law: LubricationLaw) -> tuple[GapLaws, object]:
-    for_all = FilmLaw((law,), np.zeros(1))
+    for_all = FilmLaw((law,), np.zeros(1), "law")
     laws = GapLaws(for_all, for_all)
 
     def integral(x: Array, part: NDArray[np.intp]) -> tuple[Array, Array]:

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from fsi.bodies.configuration import Configuration
+from fsi.case.case import Case
 from fsi.case.law_file import LawFile, TableSection, save_law
-from fsi.errors import InputError
+from fsi.errors import InputError, SolveError
 from fsi.lubrication import exact, spheres
 from fsi.lubrication.expansions import Shape
 from fsi.lubrication.named_laws import exact_resistance
@@ -83,19 +84,86 @@ def test_a_law_of_another_film_is_refused(
     tmp_path: Path,
 ) -> None:
     """One of radii 1 : 3 for equal discs, of two discs beside a wall, of a plane in a round container."""
-    case = reduced_case(bodies, {"law": law_file(tmp_path, ratio), "drag": 1.0, "cutoff": 1.0}, domain=domain)
+    case = reduced_case(bodies, {"law": law_file(tmp_path, ratio), "drag": 1.0, "cutoff": 0.5}, domain=domain)
     with pytest.raises(InputError, match=refusal):
         make_model(case)
 
 
 def test_a_law_is_taken_where_it_belongs(tmp_path: Path) -> None:
     """Of radii 3 : 1 for 1 : 3, of equal ones for a disc and its images, and the slides' for all."""
-    more = {"wall_law": "exact", "drag": 1.0, "cutoff": 1.0}
+    more = {"wall_law": "exact", "drag": 1.0, "cutoff": 0.5}
     make_model(reduced_case(UNEQUAL, {"law": law_file(tmp_path, 3.0), **more}, domain=LARGE))
     channel = {"periodic": ["x"], "lower": [0.0, 0.0], "upper": [8.0, 8.0]}
     make_model(reduced_case([disc("a", 4.0, 4.0)], {"law": law_file(tmp_path, 1.0), **more}, domain=channel))
     (tmp_path / "slides.toml").write_text('form = "slides"\nviscosity = 1.0')
     make_model(reduced_case(UNEQUAL, {"law": str(tmp_path / "slides.toml"), "drag": 1.0}, domain=LARGE))
+
+
+def between(cutoff: float | None, gap: float = 0.05, **more: object) -> Case:
+    """Two discs of radius 4 without walls, by a law file for gaps from 0.002 to 2."""
+    bodies = [disc("a", 0.0, 0.0, 4.0), disc("b", 8.0 + gap, 0.0, 4.0)]
+    cut = {} if cutoff is None else {"cutoff": cutoff}
+    return reduced_case(bodies, {"drag": 1.0, **cut, **more}, domain={"shape": "unbounded"})
+
+
+@pytest.mark.parametrize("cutoff", [6.0, 2.0001, 0.0019])
+def test_a_law_must_hold_at_the_cutoff(cutoff: float, tmp_path: Path) -> None:
+    """a_r = 2: s from 1e-3 to 1 are gaps from 0.002 to 2, whatever gaps there are."""
+    law = law_file(tmp_path, 1.0)
+    refusal = rf"^reduced\.cutoff = {cutoff:g}: reduced\.law = .* holds for gaps from 0\.002 to 2 of .*give a"
+    with pytest.raises(InputError, match=refusal):
+        between(cutoff, law=law)
+    between(cutoff, law=law, extrapolate=True)
+    for holds in (0.002, 2.0):
+        case = between(holds, law=law)
+        make_model(case)(case.configuration(), 0.0)
+
+
+def test_beside_a_plane_a_law_must_hold_at_the_cutoff_for_the_smallest_disc(tmp_path: Path) -> None:
+    """a_r = a: s up to 1 are gaps up to 0.5 of a disc of radius 0.5."""
+    given = {"law": "leading", "wall_law": law_file(tmp_path, None), "drag": 1.0}
+    discs = [disc("a", 0.0, 5.0), disc("b", 9.0, 5.0, 0.5)]
+    reduced_case(discs, given | {"cutoff": 0.5})
+    with pytest.raises(InputError, match=r"cutoff = 0\.6: reduced\.wall_law = .* from 0\.001 to 0\.5 of"):
+        reduced_case(discs, given | {"cutoff": 0.6})
+
+
+def test_a_file_of_a_law_that_is_not_known_is_one_line(tmp_path: Path) -> None:
+    (tmp_path / "law.toml").write_text('form = "exact"\nmode = "shear"\nratio = 1.0\nviscosity = 1.0')
+    bodies = [
+        {"name": name, "radius": 1.0, "position": [0.0, 0.0, z]} for name, z in (("a", 0.0), ("b", 2.1))
+    ]
+    given = {"law": "leading", "shear_law": str(tmp_path / "law.toml"), "cutoff": 1.0}
+    with pytest.raises(
+        InputError, match=r'^reduced\.shear_law = .*of two spheres is known here; give "leading"'
+    ):
+        reduced_case(bodies, given, geometry="spatial", domain={"shape": "unbounded"})
+
+
+@pytest.mark.parametrize(
+    ("laws", "key"),
+    [
+        ({"law": "file"}, "law"),
+        ({"law": "leading", "wall_law": "file"}, "wall_law"),
+        ({"law": "leading", "shear_law": "leading", "wall_shear_law": "file"}, "wall_shear_law"),
+        ({"law": "leading", "rotation_law": "leading", "wall_rotation_law": "file"}, "wall_rotation_law"),
+    ],
+)
+def test_a_gap_out_of_range_is_that_of_the_law_that_has_it(
+    laws: dict[str, str], key: str, tmp_path: Path
+) -> None:
+    """A disc beside a plane at a gap of 1e-4, below 1e-3: the message names the key of the file."""
+    mode = next((mode for mode in ("shear", "rotation") if mode in key), "squeeze")
+    law = LawFile.model_validate(
+        {"form": "table", "shape": "discs", "mode": mode, "viscosity": 1.0, "table": TABLE}
+    )
+    save_law(tmp_path / "law.toml", law)
+    given = {key: str(tmp_path / "law.toml") if name == "file" else name for key, name in laws.items()}
+    case = reduced_case([disc("a", 0.0, 1.0001)], given | {"drag": 1.0, "cutoff": 1.0})
+    with pytest.raises(
+        SolveError, match=rf"^reduced\.{key}: gap / reduced radius = 0\.0001: .* 0\.001 to 1;"
+    ):
+        make_model(case)(case.configuration(), 0.0)
 
 
 def resistance(radii: tuple[float, float], gap: float, shape: str) -> float:
@@ -115,10 +183,10 @@ def resistance(radii: tuple[float, float], gap: float, shape: str) -> float:
 
 @pytest.mark.parametrize("shape", ["discs", pytest.param("spheres", marks=pytest.mark.slow)])
 def test_the_exact_law_is_that_of_the_pair(shape: Shape) -> None:
-    """Radii 2 : 6 at a gap of 0.3: the law of equal bodies is off by 0.8 % or more."""
+    """Radii 2 : 6 at a gap of 0.3, of spheres less 6 pi a_r: that of equal bodies is off by 0.8 % or more."""
     own = float(exact_resistance(shape, "squeeze", 0.2, 3.0))
-    unit = 1.0 if shape == "discs" else 1.5
-    assert resistance((2.0, 6.0), 0.3, shape) == pytest.approx(unit * own, rel=1e-8)
+    unit, far = (1.0, 0.0) if shape == "discs" else (1.5, 6.0 * pi)
+    assert resistance((2.0, 6.0), 0.3, shape) == pytest.approx(unit * (own - far), rel=1e-8)
     equal = float(exact_resistance(shape, "squeeze", 0.2, 1.0))
     assert abs(equal / own - 1.0) > 0.008
 
@@ -145,12 +213,12 @@ def test_a_disc_in_a_round_container() -> None:
 
 
 def test_the_law_of_a_plane_is_for_spheres_in_large_containers_only() -> None:
-    """Beyond 100 radii it is within 1 %; less is refused."""
+    """Beyond 100 radii it is within 1 %, of which 6 pi a are drag; less is refused."""
     ball, near = [disc("a", 0.0, 0.0)], {"shape": "round", "radius": 3.0}
     far = reduced_case(ball, {}, domain={"shape": "round", "radius": 200.0}, geometry="axisymmetric")
     films = Films(np.array([200.0 / 199.0]), np.array([-200.0 / 199.0**2]), np.array([True]))
     K = make_laws(far).kappa(np.log([0.1]), films)
-    assert pytest.approx(float(spheres.normal_resistance(0.1, 1.0, 1.0)), rel=0.01) == K
+    assert pytest.approx(float(spheres.normal_resistance(0.1, 1.0, 1.0)) - 6.0 * pi, rel=0.01) == K
     refusal = r"within a round wall of 3 radii; give reduced\.wall_law = \"leading\""
     with pytest.raises(InputError, match=refusal):
         make_model(reduced_case(ball, {}, domain=near, geometry="axisymmetric"))

@@ -6,6 +6,7 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from scipy.interpolate import CubicHermiteSpline
 from fsi.errors import InputError, SolveError
 from fsi.lubrication import exact, spheres
 from fsi.models import make_model, make_stepper
+from fsi.reduced.gap_laws import Films, make_laws
 from fsi.reduced.model import ReducedInstant, ReducedModel
 from fsi.reduced.pairs import find_pairs
 from fsi.reduced.system import identities, require, solve_system
@@ -86,6 +88,121 @@ def test_a_sphere_at_the_cutoff_feels_its_drag_and_a_turning_one_its_own() -> No
     U = make_model(case)(case.configuration(), 0.0).U
     assert U[0, :3] == pytest.approx(np.array([3.0, 0.0, 1.0]) / (6.0 * math.pi * 2.0))
     assert U[0, 4] == pytest.approx(5.0 / (8.0 * math.pi * 8.0))
+
+
+@pytest.mark.parametrize("law", ["exact", "file"])
+@pytest.mark.parametrize("gap", [0.1, 1.0, 50.0, 400.0])
+def test_the_drag_of_a_sphere_counts_once(gap: float, law: str, tmp_path: Path) -> None:
+    """By default, without a cutoff, a sphere settles as H. Brenner has it, Chem. Eng. Sci. 16 (1961) 242.
+
+    With 6 pi mu a in drag and law it had half the speed far away. Beyond 100 radii it is a power of the gap,
+    whose error was measured 2e-6.
+    """
+    path = tmp_path / "law.toml"
+    path.write_text('form = "exact"\nviscosity = 7.0')
+    load = -6.0 * math.pi
+    ball = {"name": "ball", "radius": 1.0, "position": [0.0, 1.0 + gap], "force": [0.0, load]}
+    given = {"law": "exact" if law == "exact" else str(path), "extrapolate": True}
+    case = reduced_case([ball], given, geometry="axisymmetric")
+    V = make_model(case)(case.configuration(), 0.0).U[0, 1]
+    expected = load / float(spheres.normal_resistance(gap, 1.0, 1.0))
+    assert pytest.approx(expected, rel=1e-8 if gap < 100.0 else 3e-6) == V
+    if gap == 50.0:
+        assert pytest.approx(-1.0 / (1.0 + 9.0 / 8.0 / 51.0), rel=1e-3) == V
+
+
+def test_without_drag_the_exact_law_has_all_of_it() -> None:
+    """Brenner's resistance of a sphere with a mass, whose drag is none."""
+    ball = {"name": "ball", "radius": 1.0, "position": [0.0, 1.1], "mass": 1.0, "force": [0.0, -1.0]}
+    case = reduced_case([ball], {"drag": 0.0}, geometry="axisymmetric")
+    films = Films(np.array([1.0]), np.array([0.0]), np.array([True]))
+    K = make_laws(case).kappa(np.log([0.1]), films)
+    assert pytest.approx(float(spheres.normal_resistance(0.1, 1.0, 1.0)), rel=1e-8) == K
+
+
+def test_two_spheres_drawn_apart_have_their_drag_once() -> None:
+    """By the exact resistance of the pair over the rate of the gap (Brenner 1961), of radii 1 and 3."""
+    gap, b, mu = 2.0, 3.0, 0.5
+    bodies = [
+        {"name": "a", "radius": 1.0, "position": [0.0, 0.0], "force": [0.0, -1.0]},
+        {"name": "b", "radius": b, "position": [0.0, 1.0 + b + gap], "force": [0.0, 1.0]},
+    ]
+    case = reduced_case(
+        bodies, {}, geometry="axisymmetric", domain={"shape": "unbounded"}, fluid={"viscosity": mu}
+    )
+    U = make_model(case)(case.configuration(), 0.0).U
+    exact_rate = 1.0 / float(spheres.relative_resistance(gap, 1.0, b, mu))
+    assert U[1, 1] - U[0, 1] == pytest.approx(exact_rate, rel=1e-8)
+
+
+@pytest.mark.parametrize("geometry", ["planar", "axisymmetric", "spatial"])
+def test_a_pair_settles_without_a_container(geometry: str) -> None:
+    """One falls onto the other, by leading laws: `zeta (V + v) = F` and `(zeta + 2 kappa) D' = F`.
+
+    With kappa = 3/2 pi D^-n, n = 1 of spheres and 3/2 of discs, zeta D + 2 int kappa grows by F t.
+    """
+    down = [0.0] * (2 if geometry == "spatial" else 1)
+    zeta, load, start = 10.0, -20.0, 0.3
+    bodies = [
+        {"name": "low", "radius": 1.0, "position": [*down, 0.0]},
+        {"name": "high", "radius": 1.0, "position": [*down, 2.0 + start], "force": [*down, load]},
+    ]
+    case = reduced_case(
+        bodies,
+        {"law": "leading", "drag": zeta},
+        geometry=geometry,
+        domain={"shape": "unbounded"},
+        time={"end": 2.0, "tolerance": 1e-6},
+    )
+    stepper = make_stepper(case, make_model(case))
+    step = stepper.start(case.configuration())
+    while step.state.t < stepper.schedule.end:
+        step = stepper.advance(step.state)
+    z, t = step.state.q.centres[:, len(down)], step.state.t
+    assert z.sum() == pytest.approx(2.0 + start + load / zeta * t, rel=1e-9)
+
+    def potential(D: float) -> float:
+        films = -2.0 * D**-0.5 if geometry == "planar" else math.log(D)
+        return zeta * D + 3.0 * math.pi * films
+
+    D = float(z[1] - z[0]) - 2.0
+    assert 0.6 * start > D
+    assert potential(D) - potential(start) == pytest.approx(load * t, rel=1e-4)
+
+
+def test_inertia_needs_no_container_either() -> None:
+    """A lone disc that coasts, 1 kg against zeta = 4: what is left of its speed is 1/(1 + 4 h) a step."""
+    body = {"name": "disc", "radius": 1.0, "position": [0.0, 0.0], "initial_velocity": [1.0, 0.0]} | INERTIA
+    case = reduced_case(
+        [body], {"drag": 4.0, "scheme": "distance", "step": 0.1}, domain={"shape": "unbounded"}
+    )
+    stepper = make_stepper(case, make_model(case))
+    step = stepper.advance(stepper.start(case.configuration()).state)
+    assert step.instant.U[0, 0] == pytest.approx(1.0 / 1.4)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"model": "resolved"}, r'^domain\.shape = "unbounded": a flow is solved for in a container'),
+        ({"model": "pores"}, r'^domain\.shape = "unbounded": a flow is solved for in a container'),
+        ({"bodies": heap()[:1] + heap()[:1]}, "has the same name"),
+        (
+            {
+                "bodies": [
+                    {"name": name, "radius": 1.0, "position": [x, 0.0]}
+                    for name, x in (("a", 0.0), ("b", 2.0))
+                ]
+            },
+            r"overlap or touch \(gap 0\); move them apart",
+        ),
+        ({"bodies": []}, r"^bodies: missing; give \[\[bodies\]\]"),
+    ],
+)
+def test_what_is_no_case_without_a_container_is_refused(change: dict[str, Any], message: str) -> None:
+    given = {"bodies": heap(), "domain": {"shape": "unbounded"}} | change
+    with pytest.raises(InputError, match=message):
+        reduced_case(given.pop("bodies"), {"drag": 10.0}, **given)
 
 
 def test_a_body_alone_moves_and_turns_with_the_background() -> None:

@@ -79,6 +79,13 @@ def test_without_fields_only_tables_are_written(tmp_path: Path) -> None:
     assert not list((tmp_path / "run").glob("*.pvd"))
 
 
+def test_a_command_that_is_told_has_its_folder_quoted(tmp_path: Path) -> None:
+    (tmp_path / "my run").mkdir()
+    (tmp_path / "my run" / "case.toml").touch()
+    with pytest.raises(InputError, match=r"or `fsi resume '.*my run'` to continue that run"):
+        start(small_case(), tmp_path / "my run")
+
+
 def test_folders_that_cannot_be_used(tmp_path: Path) -> None:
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "thesis.tex").write_text("")

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+import fsi
 from fsi.bodies.configuration import Configuration
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.lattice import Cell
@@ -104,6 +105,35 @@ def test_a_channel_does_not_know_where_it_begins() -> None:
     U = [in_channel(channel, shifted(THREE, (s, 0.0)), motion).U for s in (0.0, 4.9, -7.3)]
     for other in U[1:]:
         assert_allclose(other, U[0], rtol=0, atol=1e-6 * np.abs(U[0]).max())
+
+
+@pytest.mark.parametrize("gap", [1e-7, 1e-8])
+@pytest.mark.parametrize("among", ["alone", "in a chain"])
+def test_a_channel_that_is_opened_through_a_narrow_gap_does_not_know_where(gap: float, among: str) -> None:
+    """Velocities within the bars, of 1e-7, of those of the same bodies 1.3 on; the cut goes with the bodies.
+
+    Nodes on the cut are as near to each other as 1e-10 of the period.
+    """
+    at = [5.0, 1.0 + gap], [7.0, 4.7], [9.0, 2.0]
+    if among == "in a chain":  # from the wall over the same gap to the next body
+        reach = 2.0 + gap
+        at = [3.0, 1.0 + gap], [3.0 + reach * np.cos(1.0), 1.0 + gap + reach * np.sin(1.0)], [7.0, 3.0]
+    here, there = (sheared_channel([(x + by, y) for x, y in at], [1.0, 1.0, 0.5]) for by in (0.0, 1.3))
+    assert here.errors is not None
+    assert there.errors is not None
+    assert here.errors.U.max() < 2e-7
+    assert np.all(np.abs(here.instant.U - there.instant.U) <= here.errors.U + there.errors.U)
+
+
+def sheared_channel(centres: list[tuple[float, float]], radii: list[float]) -> fsi.Solution:
+    """Free discs between walls that slide past each other."""
+    walls = {"top": [1.0, 0.0], "bottom": [-1.0, 0.0]}
+    bodies = [
+        {"name": f"b{k}", "radius": a, "position": list(x)}
+        for k, (x, a) in enumerate(zip(centres, radii, strict=True))
+    ]
+    domain = {"lower": [0.0, 0.0], "upper": [10.0, 6.0], "periodic": ["x"], "walls": walls}
+    return fsi.solve(fsi.make_case(name="channel", fluid={"viscosity": 1.0}, domain=domain, bodies=bodies))
 
 
 def test_a_cell_does_not_know_where_it_begins() -> None:

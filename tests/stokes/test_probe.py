@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -98,3 +100,43 @@ def test_stokes_flow_past_spheres_has_a_hoop_strain(tmp_path: Path) -> None:
     table = probe(run, x, step=0)
     dissipation = w.ravel() @ np.square(table["strain_rate"])
     assert dissipation == pytest.approx(run.steps["dissipation"][0], rel=2e-4)
+
+
+CHANNEL: dict[str, Any] = {
+    "domain": {"lower": [0.0, 0.0], "upper": [8.0, 5.0], "periodic": ["x"], "pressure_gradient": -1.3},
+    "bodies": [
+        {"name": "a", "radius": 1.0, "position": [4.0, 1.1]},
+        {"name": "b", "radius": 1.0, "position": [6.0, 3.8]},
+        {"name": "c", "radius": 0.5, "position": [7.9, 2.0]},
+    ],
+}
+CELL: dict[str, Any] = {
+    "domain": {"shape": "cell", "vectors": [[5.0, 0.0], [1.5, 4.0]], "shear": 1.0},
+    "bodies": [
+        {"name": "one", "radius": 1.0, "position": [1.6, 1.5], "force": [1.0, 0.5]},
+        {"name": "ellipse", "position": [3.3, 2.2], "shape": {"kind": "ellipse", "axes": [0.9, 0.5]}},
+    ],
+}
+
+
+@pytest.mark.parametrize("sections", [CHANNEL, CELL], ids=["channel", "cell"])
+def test_a_periodic_flow_is_found_at_all_images(sections: dict[str, Any], tmp_path: Path) -> None:
+    """As the solution has it, to rounding: with E e of the mean flow, and the pressure's G.e, in the cell of
+    the force over its area, (1, 0.5)/20. Images of bodies have the names of these.
+    """
+    more = {"time": {"end": 1e-3, "first_step": 1e-3}, "discretisation": {"cells_per_circle": 12}}
+    case = fsi.make_case(name="periodic", fluid={"viscosity": 1.0}, **more, **sections)
+    solution, run = fsi.solve(case), fsi.run(case, tmp_path / "run")
+    x = np.random.default_rng(0).uniform((-12.0, 0.0), (20.0, 5.0), (300, 2))
+    table = probe(run, x, 0)
+    u, p = solution.evaluate(x)
+    fluid = (table["where"] == "fluid").to_numpy()
+    np.testing.assert_array_equal(fluid, np.isfinite(p))
+    np.testing.assert_allclose(table[["u_x", "u_y"]], u, rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(table["p"], p, rtol=0.0, atol=1e-11)
+    assert 0.7 < fluid.mean() < 0.9  # bodies have a sixth of the area, and a quarter
+    e = case.container().periods.sum(axis=0)
+    for name, centre in zip(case.names, case.configuration().centres, strict=True):
+        assert set(probe(run, centre + np.outer([-2.0, 0.0, 1.0], e), 0)["where"]) == {name}
+    with warnings.catch_warnings(action="error"):  # beyond 2^63 periods
+        assert set(probe(run, np.array([[1e200, 2.5], [2.5, 1e200]]), 0)["where"]) == {"outside"}

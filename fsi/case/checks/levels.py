@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fsi.bodies.configuration import Array
-from fsi.bodies.gaps import find_gaps
+from fsi.bodies.configuration import Array, Configuration
+from fsi.bodies.gaps import find_gaps, wall_gaps
 from fsi.case.background_flow import background
 from fsi.case.case import Case
 from fsi.case.domain import MeanDrive
@@ -21,24 +21,50 @@ def check_gluey(case: Case) -> None:
     """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
     if not case.bodies:
         raise InputError("bodies: missing; give [[bodies]], [[grids]] or bodies_from")
+    _check_estimates(case)
+    _check_rest(case)
     _check_walls(case)
     _check_names(case)
+    for k, force in enumerate(case.forces):
+        force.require_contact(f"forces.{k}")
     _check_contacts(case)
 
 
-def _check_walls(case: Case) -> None:
-    """Walls are at rest, and the lattice stands along the axes, several bodies wide."""
+def _check_estimates(case: Case) -> None:
+    """There is no mesh."""
+    if case.output.error_estimates:
+        raise InputError(
+            f'output.error_estimates = true: model = "{case.model}" has no mesh to estimate the error of; '
+            "drop it"
+        )
+
+
+def _check_rest(case: Case) -> None:
+    """Walls are at rest, and nothing drives a mean flow."""
     for name, wall in case.domain.walls.items():
         if not wall.rests:
             raise refusal(
-                f"domain.walls.{name}", wall, "walls of the gluey model are solid and at rest; drop it"
+                f"domain.walls.{name}",
+                wall,
+                f"walls of the {case.model} model are solid and at rest; drop it",
             )
-    container, largest = case.container(), case.configuration().radii.max()
-    if container.mean_gradient.any() or case.domain.mean_drive() != MeanDrive():
+    if case.container().mean_gradient.any() or case.domain.mean_drive() != MeanDrive():
         raise InputError(
-            f"domain = {toml_text(case.domain)}: no fluid drives gluey bodies; drop shear, extension, "
+            f"domain = {toml_text(case.domain)}: no fluid drives {case.model} bodies; drop shear, extension, "
             "pressure_gradient or net_flux"
         )
+
+
+def _check_walls(case: Case) -> None:
+    """Walls are plane, and the lattice stands along the axes, several bodies wide."""
+    container, largest = case.container(), case.configuration().radii.max()
+    for name, plane in zip(container.walls, container.plane, strict=True):
+        # A gap in a round wall is concave, so that a step, which keeps its linearisation, would overlap.
+        if not plane and name not in container.far_walls:
+            raise InputError(
+                f"domain.shape = {toml_text(case.domain.shape)}: the gluey model knows no contact with the "
+                'round wall; give "box", "half-plane" or "unbounded"'
+            )
     periods = container.periods
     if np.count_nonzero(periods) > len(periods):
         raise refusal(
@@ -93,11 +119,18 @@ _SAME = 1e-9
 
 def check_macroscopic(case: Case) -> None:
     """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
+    container, here = case.container(), f"domain.shape = {toml_text(case.domain.shape)}"
+    _check_estimates(case)
+    _check_rest(case)
+    if len(container.periods):
+        raise InputError(f'{here}: is periodic, but the line of the macroscopic model ends; give "unbounded"')
     if case.macroscopic.blocks:
         if case.bodies:
             raise refusal(
                 "bodies.0", case.bodies[0].name, "there are [[macroscopic.blocks]]; give bodies or blocks"
             )
+        if container.walls:
+            raise InputError(f'{here}: has walls, which [[macroscopic.blocks]] do not meet; give "unbounded"')
         return
     if not case.bodies:
         raise InputError("macroscopic.blocks: missing; give [[macroscopic.blocks]] or [[bodies]] on a line")
@@ -114,6 +147,22 @@ def check_macroscopic(case: Case) -> None:
             f"here {per_length[0]:g}; give {2.0 * q.radii[uneven] * per_length[0]:g}"
         )
     _check_parcels(case, q.radii)
+    if (past := past_walls(case, q)) is not None:
+        raise InputError(past)
+
+
+def past_walls(case: Case, q: Configuration, t: float = 0.0) -> str | None:
+    """The line that says which body of the macroscopic model, at q and t, is past a wall; None if none is.
+
+    The model has no walls: a domain with some is as good as an unbounded one while bodies do not meet them.
+    """
+    for i, w in np.argwhere(wall_gaps(q, case.container()) < -_ROUNDING * q.radii.min())[:1]:
+        here, body, wall = toml_text(case.domain.shape), case.names[i], case.container().walls[w]
+        return (
+            f"domain.shape = {here}: body {body!r} is past wall {wall!r} at t = {t:.9g}, "
+            'and the macroscopic model has no walls; give "unbounded", or model = "gluey"'
+        )
+    return None
 
 
 def line_of(case: Case) -> int:
@@ -156,17 +205,17 @@ def _check_parcels(case: Case, radii: Array) -> None:
 
 def check_reduced(case: Case) -> None:
     """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
+    if not case.bodies:
+        raise InputError("bodies: missing; give [[bodies]], [[grids]] or bodies_from")
     _check_drag_file(case)
     if case.drag == 0.0 and case.masses() is None:
         raise InputError(
             "reduced.drag = 0: only lubrication would resist bodies without mass; give them drag or mass"
         )
-    if case.output.error_estimates:
-        raise InputError(
-            "output.error_estimates = true: a reduced model has no mesh to estimate the error of; drop it"
-        )
+    _check_estimates(case)
     _check_periodic(case)
     _check_tangential(case)
+    _check_cutoff(case)
     _check_background(case)
     laws = {case.reduced.law, case.reduced.wall_law or case.reduced.law}
     literal = case.time is not None and case.time.scheme == "backward-euler"
@@ -256,6 +305,44 @@ def _check_tangential(case: Case) -> None:
             raise InputError(
                 f'{here}: scheme "{scheme.name}" stores gaps, for squeeze alone; drop it, or time.scheme'
             )
+
+
+def _check_cutoff(case: Case) -> None:
+    """A law is taken less what it is at the cutoff: one of a file must hold there, for all its films."""
+    from fsi.case.law_file import read_law_file
+    from fsi.lubrication.named_laws import LAWS
+
+    if (cutoff := case.reduced.cutoff) is None:
+        return
+    for key in case.reduced.laws:
+        name = getattr(case.reduced, key)
+        if name in LAWS or not Path(name).is_file():
+            continue
+        file, here = read_law_file(Path(name)), f'reduced.{key} = "{name}"'
+        try:
+            smallest, largest = file.law().range
+        except ValueError as error:
+            raise InputError(f'{here}: {error}; give "leading"') from None
+        a_r = _reduced_radii(case, file.ratio)
+        low, high = smallest * a_r.max(initial=0.0), largest * a_r.min(initial=np.inf)
+        if not low <= cutoff <= high and not case.reduced.extrapolate:
+            raise InputError(
+                f"reduced.cutoff = {cutoff:g}: {here} holds for gaps from {low:.6g} to {high:.6g} of these "
+                "bodies; give a cutoff among them, or reduced.extrapolate = true"
+            )
+
+
+def _reduced_radii(case: Case, ratio: float | None) -> Array:
+    """a_r of the films for which a law of one ratio of radii is: none where the bodies have another ratio.
+
+    Beside a plane, None, it is a of each body; between bodies the same a b/(a + b) of all pairs.
+    """
+    a, images = case.configuration().radii, len(case.container().periods)
+    if ratio is None:
+        return a
+    larger = max(ratio, 1.0 / ratio)
+    paired = len(a) + images > 1 and np.isclose(a.max(), larger * a.min())
+    return np.array([a.min() * larger / (1.0 + larger)] if paired else [])
 
 
 def _check_background(case: Case) -> None:

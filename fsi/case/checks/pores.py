@@ -2,6 +2,7 @@
 
 from fsi.case.case import Case
 from fsi.case.section import refusal, toml_text
+from fsi.case.sections import EDGE_MODES
 from fsi.errors import InputError
 
 _RESOLVED = 'or give model = "resolved"'
@@ -17,8 +18,18 @@ def check_pores(case: Case) -> None:
         raise InputError(f"bodies: missing; pores lie between discs: add [[bodies]], {_RESOLVED}")
     if case.domain.mesh is not None:
         raise refusal("domain.mesh", case.domain.mesh, "pores are no mesh; drop it")
+    _check_modes(case)
     _check_closed(case)
     _check_walls(case)
+
+
+def _check_modes(case: Case) -> None:
+    """A tolerance begins with modes whose error more of them tell."""
+    if case.pores.tolerance is not None and case.pores.modes == EDGE_MODES[-1]:
+        raise InputError(
+            f"pores.modes = {case.pores.modes}: a tolerance takes {EDGE_MODES[-2]} at most, whose error "
+            "these tell; drop one of them"
+        )
 
 
 def _check_closed(case: Case) -> None:

@@ -2,6 +2,9 @@
 
 from math import pi
 
+import numpy as np
+
+from fsi.bodies.gaps import find_gaps
 from fsi.case.case import Case
 from fsi.case.section import toml_text
 from fsi.errors import InputError
@@ -40,6 +43,32 @@ def _check_ellipsoids(case: Case, here: str) -> None:
         if body.mass is not None:
             mass = f"bodies.{i}.mass = {body.mass!r}"
             raise InputError(f"{mass}: there are ellipsoids, whose inertia is not known in space; drop it")
+
+
+def check_gaps_of_ellipsoids(case: Case) -> None:
+    """Raise InputError where a gap is narrower than those that are meshed beside ellipsoids."""
+    q, container = case.configuration(), case.container()
+    if not q.ellipsoids:
+        return
+    from fsi.meshes.spatial.sizing import NARROWEST  # which other cases do without
+
+    smallest = np.array([form.half_axes.min() for form in q.ellipsoids])
+    gaps = find_gaps(q, container, reach=NARROWEST * float(smallest.max()))
+    narrow = [
+        (int(i), gap, f"wall {container.walls[w]!r}", float(smallest[i]))
+        for (i, w), gap in np.ndenumerate(gaps.wall_gaps)
+    ]
+    narrow += [
+        (int(j), gap, repr(case.names[i]), float(smallest[[i, j]].min()))
+        for (i, j), gap in zip(gaps.pairs, gaps.pair_gaps, strict=True)
+    ]
+    for i, gap, other, least in narrow:
+        if gap < NARROWEST * least:
+            here = f"bodies.{i}.position = {toml_text(case.bodies[i].position)}"
+            raise InputError(
+                f"{here}: the gap of {case.names[i]!r} to {other} is {gap:.3g}, below {NARROWEST:g} of the "
+                f"smallest half axis, {least:g}; widen it"
+            )
 
 
 def _check_symmetric(case: Case) -> None:

@@ -7,13 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
+from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps, wall_gaps
 from fsi.case.case import Case
 from fsi.case.checks.determined import check_determined, check_flux, check_stress
 from fsi.case.checks.levels import check_gluey, check_macroscopic, check_reduced
 from fsi.case.checks.lubrication import check_lubrication
 from fsi.case.checks.pores import check_pores
-from fsi.case.checks.shapes import check_shapes
+from fsi.case.checks.shapes import check_gaps_of_ellipsoids, check_shapes
 from fsi.case.checks.surfaces import check_surfaces
 from fsi.case.checks.time import check_time
 from fsi.case.section import refusal, toml_text
@@ -63,9 +64,11 @@ def _check_fluid(case: Case) -> None:
     """What holds wherever a viscous fluid moves the bodies."""
     if "fluid" not in case.model_fields_set:
         raise InputError("fluid: missing; give a section [fluid] with its viscosity")
-    case.domain.require_fluid()
+    if case.level.flow or np.isfinite(case.container().size()):  # drag and gaps alone need no container
+        case.domain.require_fluid()
     _check_discretisation(case)
     _check_room(case)
+    check_gaps_of_ellipsoids(case)
     check_flux(case)
     check_determined(case)
 
@@ -100,7 +103,7 @@ def _check_discretisation(case: Case) -> None:
 def _check_room(case: Case) -> None:
     """No body touches a wall or another body."""
     q, container = case.configuration(), case.container()
-    touching = _ROUNDING * container.size()
+    touching = _ROUNDING * _largest_coordinate(q, container)
     to_walls = wall_gaps(q, container)
     for i, w in np.argwhere(to_walls <= touching)[:1]:
         raise InputError(
@@ -115,6 +118,13 @@ def _check_room(case: Case) -> None:
             f"bodies.{j}.position = {toml_text(case.bodies[j].position)}: bodies {case.names[i]!r} and "
             f"{other} overlap or touch (gap {gap:.6g}); move them apart"
         )
+
+
+def _largest_coordinate(q: Configuration, container: Container) -> float:
+    """The size of the container or, without one, of what there is."""
+    if np.isfinite(size := container.size()):
+        return size
+    return float((np.linalg.norm(q.centres, axis=1) + q.radii).max(initial=0.0))
 
 
 def _check_near(case: Case, container: Container) -> None:

@@ -23,6 +23,12 @@ def check_time(case: Case) -> None:
         raise InputError(f"time.end = {end!r}: there are no bodies to move; add [[bodies]] or drop [time]")
     if smallest >= end:
         raise InputError(f"time.smallest_step = {smallest!r}: not below time.end = {end!r}; make it smaller")
+    first = case.time.first_step
+    if first is not None and first < smallest:
+        raise InputError(
+            f"time.first_step = {first!r}: below time.smallest_step = {smallest!r}; make it longer, or that "
+            "smaller"
+        )
     _check_scheme(case)
     _check_contact(case)
 

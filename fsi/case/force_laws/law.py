@@ -41,6 +41,9 @@ class ForceSection(Registered, ForceLaw):
     def require_fit(self, key: str, container: Container, *, heavy: bool) -> None:
         """Raise InputError, which calls the law `key`, where it makes no sense; heavy: a body has a mass."""
 
+    def require_contact(self, key: str) -> None:
+        """Raise InputError, which calls the law `key`, where it has no value at the gap 0."""
+
 
 register_force = ForceSection.registry.register
 

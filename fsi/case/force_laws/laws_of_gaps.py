@@ -102,6 +102,13 @@ class Power(_CutOff):
         power: Array = self.strength * (self.length / d) ** self.exponent
         return power
 
+    @override
+    def require_contact(self, key: str) -> None:
+        raise InputError(
+            f'{key}.law = "{self.law}": is infinite between bodies that touch; give "exponential", or a '
+            '"table" with a first gap > 0'
+        )
+
 
 @register_force
 class Tabulated(BetweenSurfaces):

@@ -33,6 +33,7 @@ from petsc4py import PETSc
 import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.bodies.gaps import narrowest_gap
+from fsi.errors import RefusedError, SolveError
 from fsi.stokes.discretisation.cells import StokesCells
 from fsi.stokes.discretisation.constraints import DofLayout, RigidModes
 from fsi.stokes.discretisation.forms import Form, Forms
@@ -240,6 +241,27 @@ def _is_narrow(problem: StokesProblem) -> bool:
     return narrowest is not None and narrowest.gap < NARROW * problem.q.radii[narrowest.between[0]]
 
 
+def _solutions(problem: StokesProblem, solver: Factorisation | Iteration, rhs: Array) -> tuple[Array, Array]:
+    """Those of the solver, with residuals. Raises SolveError: as the solver, or one that says why."""
+    try:
+        return solver.solve(rhs)
+    except RefusedError as error:
+        if not _only_friction_holds(problem):
+            raise
+        raise SolveError(
+            f"{error}: nothing but the friction viscosity / slip_length of the walls holds fluid and bodies, "
+            "and too little of it is left beside rounding; lower slip_length in domain.walls, or hold a body"
+        ) from error
+
+
+def _only_friction_holds(problem: StokesProblem) -> bool:
+    """Whether everything may slide along a channel, or turn within a round container, but for friction."""
+    container, slip_lengths = problem.container, problem.boundary.slip_lengths
+    is_round = not all(container.plane) and not container.axisymmetric
+    slides = bool(slip_lengths) and set(slip_lengths) == set(container.walls)
+    return slides and (problem.periodic or is_round) and not problem.motion.held.any()
+
+
 def _iteration(system: StokesSystem, mass: PETSc.Mat, elimination: Elimination) -> Iteration:
     """The iterative solver; it changes the matrix."""
     elimination.forget_sum()
@@ -285,7 +307,7 @@ def _respond(
     of_modes += np.column_stack([load[unknown][:modes_here] for load in given])
     # Held modes that stand in y all the same are zero there: g has what they do.
     of_modes[~free.ravel()[unknown][:modes_here]] = 0.0
-    solutions, residuals = solver.solve(rhs)
+    solutions, residuals = _solutions(system.problem, solver, rhs)
     for each, offset, y, residual in zip(systems, g, solutions.T, residuals, strict=True):
         x = elimination.prolonged(y[:, None])[:, 0] + offset
         moved = each.problem.motion.U.copy()

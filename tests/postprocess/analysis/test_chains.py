@@ -175,6 +175,46 @@ def links_of(*each: tuple[int, int, float]) -> ChainLinks:
     )
 
 
+LEVELS = ['model="reduced"', 'time.scheme="distance"', "time.step=0.05", "time.end=2.0"]
+
+
+@pytest.mark.parametrize("fields", ["true", "false"])
+def test_gaps_that_a_run_stored_are_taken_with_its_law(
+    fields: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Without drag the only pair dissipates all; at the gap of the bodies it would be 38 % at the step 14."""
+    more = [f"output.fields={fields}", "output.interval=0.1"]
+    fsi.run(load_case(CASES / "levels.toml", [*LEVELS, *more]), tmp_path / "run")
+    run = open_run(tmp_path / "run")
+    found = read_chains(run)
+    assert found.step == 14
+    assert found.links.dissipation == pytest.approx([found.dissipation], rel=1e-12)
+    assert found.links.gaps == pytest.approx(10.0 ** run.columns("steps")["log10_stored_gap"][[14]])
+    assert fsi_command("analyse", "chains", run.path, "--step", 0) == 0  # where nothing moves yet
+    assert fsi_command("analyse", "chains", run.path, "--step", 20) == 0
+    assert "100.0%" in capsys.readouterr().out
+
+
+def test_of_many_pairs_the_stored_gaps_are_those_that_were_written(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Three discs, nearly in a row, none far from another: their pairs dissipate all, as there is no drag."""
+    data = load_case(CASES / "levels.toml", LEVELS).as_data()
+    data["output"] = {"interval": 0.1}
+    data["time"]["end"] = 0.8
+    third = data["bodies"][1] | {"name": "third", "position": [3.65, 0.1]}
+    data["bodies"] = [*data["bodies"], third]
+    fsi.run(parse_case(data), tmp_path / "run")
+    run = open_run(tmp_path / "run")
+    found = read_chains(run, int(run.times_of("contacts").index[-1]), close=5.0)
+    assert sorted(found.links.gaps) == pytest.approx(sorted(run.mesh(found.step, "contacts")["gap"]))
+    assert run.steps["drift"].iloc[-1] > 1e-3
+    assert found.links.dissipation.sum() == pytest.approx(found.dissipation, rel=1e-3)
+    (tmp_path / "run" / "contacts.pvd").unlink()
+    assert fsi_command("analyse", "chains", tmp_path / "run") == 2
+    assert "has not written which gaps it stored there; give a step with fields" in capfd.readouterr().err
+
+
 def test_the_chain_from_wall_to_wall_is_that_whose_least_link_dissipates_most() -> None:
     """Walls are 4 and 5. By 0 and 1 the least is 2, by 2 and 3 it is 1; 0 and 1 have two links."""
     links = links_of(

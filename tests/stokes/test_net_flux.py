@@ -1,0 +1,101 @@
+"""Channels whose net flux is given: the mean pressure gradient is a result, with a bar."""
+
+from __future__ import annotations
+
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+import fsi
+from fsi.meshes.geometry.containers import Box
+from fsi.report.solution import print_solution, solution_json
+from fsi.stokes.solution import StokesSolution
+from fsi.stokes.solve import DEFAULT, FORMULATIONS, Clock, assembled
+from fsi.stokes.solvers.drives import Averages
+from fsi.stokes.solvers.periodic import solve_periodic
+from tests.flows import discs
+from tests.periodic import force_free, in_channel
+
+VISCOSITY, HEIGHT, LENGTH, FLUX, SPEED = 3.0, 5.0, 8.0, 1.7, 0.4
+# Plane Couette-Poiseuille flow: Q = U H / 2 - G H^3 / (12 mu).
+GRADIENT = 12.0 * VISCOSITY * (0.5 * SPEED * HEIGHT - FLUX) / HEIGHT**3
+
+
+def channel(*bodies: dict[str, Any], **more: Any) -> fsi.Case:
+    """The top slides, the bottom rests; degree 2 has a parabola exactly."""
+    domain = {"lower": [0.0, 0.0], "upper": [LENGTH, HEIGHT], "periodic": ["x"], "net_flux": FLUX}
+    return fsi.make_case(
+        name="a channel", fluid={"viscosity": VISCOSITY}, bodies=list(bodies),
+        domain=domain | {"walls": {"top": [SPEED, 0.0]}} | more.pop("domain", {}),
+        discretisation={"degree": 2, "cells_per_circle": 12, "growth": 0.8}, **more,
+    )  # fmt: skip
+
+
+DISC = {"name": "disc", "radius": 1.0, "position": [4.0, 2.0]}
+
+
+def test_the_gradient_of_couette_poiseuille_flow_is_found_and_told() -> None:
+    """A wrong sign, viscosity or unit of length would be off by as much as it is."""
+    solution = fsi.solve(channel())
+    found, errors = solution.instant, solution.errors
+    assert isinstance(found, StokesSolution)
+    assert errors is not None
+    assert solution.dp_dx == pytest.approx(GRADIENT, rel=1e-9)
+    assert found.record["pressure_gradient"] == solution.dp_dx
+    data = json.loads(json.dumps(solution_json(solution.case, found, errors, None)))
+    assert data["pressure_gradient"] == solution.dp_dx
+    assert data["pressure_gradient_error"] == errors.dp_dx
+    printed = io.StringIO()
+    print_solution(Console(file=printed, width=200), solution.case, found, errors, None)
+    assert f"the mean dp/dx is {GRADIENT:.8g} ± {errors.dp_dx:.0e}, as the net" in printed.getvalue()
+
+
+def test_the_gradient_of_a_flux_is_the_one_that_drives_it() -> None:
+    """The flux beside a disc is computed from the flow with dp/dx = -0.3, by which it is driven then."""
+    box, q, G = Box((0.0, 0.0), (LENGTH, HEIGHT), periodic=("x",)), discs([(7.9, 2.0)], [1.0]), -0.3
+    given = in_channel(box, q, force_free(q), G)
+    assert given.dp_dx is None
+    with assembled(given.problem, DEFAULT, Clock()) as system:
+        loaded, nodal = solve_periodic(system, FORMULATIONS[DEFAULT.formulation])
+        flux = float(HEIGHT * Averages(loaded).velocity(nodal, np.zeros((2, 2)))[0])
+    assert in_channel(box, q, force_free(q), None, flux).dp_dx == pytest.approx(G, rel=1e-8)
+
+
+def test_the_bar_of_the_gradient_holds_the_one_of_finer_elements() -> None:
+    """Degree 2 against 4, some 30 times as good; a bar ten times too long would be seen too."""
+    coarse = fsi.solve(channel(DISC))
+    fine = fsi.solve(fsi.make_case(**channel(DISC).as_data() | {"discretisation": {"degree": 4}}))
+    assert coarse.errors is not None
+    assert coarse.errors.dp_dx is not None
+    assert coarse.dp_dx is not None
+    assert fine.dp_dx is not None
+    off = abs(coarse.dp_dx - fine.dp_dx)
+    assert 0.1 * coarse.errors.dp_dx < off < coarse.errors.dp_dx
+
+
+def test_a_run_has_the_gradient_of_every_step_and_its_bar(tmp_path: Path) -> None:
+    """The first is that of the instant, but for what rounding leaves of one more solve."""
+    time = {"end": 0.2, "first_step": 0.2, "tolerance": 0.1}
+    case = channel(DISC, time=time, output={"fields": False, "error_estimates": True})
+    steps = fsi.run(case, tmp_path / "run").steps
+    solution = fsi.solve(case)
+    assert solution.errors is not None
+    assert len(steps) >= 2
+    assert steps["pressure_gradient"][0] == pytest.approx(solution.dp_dx, rel=1e-9)
+    assert steps["err_pressure_gradient"][0] == pytest.approx(solution.errors.dp_dx, rel=1e-3)
+
+
+def test_where_the_gradient_is_given_none_is_found() -> None:
+    domain = {"lower": [0.0, 0.0], "upper": [LENGTH, HEIGHT], "periodic": ["x"], "pressure_gradient": -0.3}
+    data = channel().as_data() | {"domain": domain}
+    solution = fsi.solve(fsi.make_case(**data))
+    assert isinstance(solution.instant, StokesSolution)
+    assert solution.dp_dx is None
+    assert solution.errors is not None
+    assert "pressure_gradient" not in solution.instant.record
+    assert "pressure_gradient" not in solution_json(solution.case, solution.instant, solution.errors, None)
