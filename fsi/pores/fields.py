@@ -24,7 +24,7 @@ from fsi.pores.solve import PoreFlow
 from fsi.pores.system import PoreSystem
 
 _PATCHES = 0.75  # of a strip, for each unit of T by which points gather in it
-_CANDIDATES = 8, 64  # pores near a point, of which one holds it; long ones have their middles far away
+_CANDIDATES = 8  # pores near a point, of which one holds it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,12 +100,14 @@ class FlowFields:
         if len(disc) == 0 or len(missing) == 0:
             return place
         place = place.copy()
+        # Balls, not the nearest centres: a small disc may be nearer to what lies in a large one.
+        wrapped = _wrapped(points[missing], surfaces.periods, surfaces.centre[disc])
+        tree = cKDTree(wrapped)
         for c in _around(len(surfaces.periods)):
             shift = np.array(c, float) @ surfaces.periods if c else np.zeros(2)
-            wrapped = _wrapped(points[missing], surfaces.periods, surfaces.centre[disc])
-            length, nearest = cKDTree(surfaces.centre[disc] + shift).query(wrapped)
-            inside = length < surfaces.radius[disc[nearest]]
-            here, own = missing[inside], disc[nearest[inside]]
+            found = tree.query_ball_point(surfaces.centre[disc] + shift, surfaces.radius[disc])
+            inside, own = np.concatenate(found).astype(int), np.repeat(disc, [len(each) for each in found])
+            here = missing[inside]
             place[here] = wrapped[inside] - shift
             jet[:, here] = self._inner(own, place[here] - surfaces.centre[own])
         return place
@@ -167,15 +169,14 @@ def locate(system: PoreSystem, points: Array) -> tuple[Index, Array]:
     middle = shapes.touch.mean(axis=1)
     tree = cKDTree(np.concatenate([middle + shift for shift in images]))
     wrapped = _wrapped(points, periods, middle)
+    count = min(_CANDIDATES, len(tree.data))
+    near = tree.query(wrapped, k=count)[1].reshape(len(points), count)
     pore, place = np.full(len(points), -1), points.copy()
-    for count in _CANDIDATES:
-        missing = np.flatnonzero(pore < 0)
-        near = tree.query(wrapped[missing], k=range(1, min(count, len(tree.data)) + 1))[1]
-        for candidate in near.T[::-1]:  # the nearest has the last word
-            number, image = candidate % len(middle), np.asarray(images)[candidate // len(middle)]
-            x = wrapped[missing] - image
-            inside = _inside(shapes.of(number), x)
-            pore[missing[inside]], place[missing[inside]] = number[inside], x[inside]
+    for candidate in near.T[::-1]:  # the nearest has the last word
+        number, image = candidate % len(middle), np.asarray(images)[candidate // len(middle)]
+        x = wrapped - image
+        inside = _inside(shapes.of(number), x)
+        pore[inside], place[inside] = number[inside], x[inside]
     return pore, place
 
 
