@@ -23,7 +23,7 @@ from scipy.optimize import brentq
 
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
-from fsi.case.checks.levels import relative_cutoff
+from fsi.case.checks.reduced import relative_cutoff
 from fsi.case.drag_file import DragFile
 from fsi.case.load import parse_case
 from fsi.errors import InputError

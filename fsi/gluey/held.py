@@ -7,7 +7,6 @@ stands between held ones, its rows are those of a program without a solution: no
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.optimize import linprog
 
 from fsi.bodies.gaps import OVERLAP
 from fsi.gluey.augmented_lagrangian import Program
@@ -46,6 +45,8 @@ def why_no_room(system: System, after: GlueyState, program: Program, gaps: int, 
 
 def _missing(program: Program, gaps: int) -> float:
     """`min_u max(0, -(b + J u))` of the gaps, over the largest rate."""
+    from scipy.optimize import linprog  # takes long to load: not where a step succeeds
+
     b, J = program.b[:gaps], program.J[:gaps]
     size, modes = float(np.abs(b).max()) or 1.0, J.shape[1]
     rows = -sp.hstack([J, np.ones((gaps, 1))]).tocsr()

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.case.case import Case
-from fsi.case.checks.levels import line_of, past_walls
+from fsi.case.checks.macroscopic import line_of, past_walls
 from fsi.case.macroscopic import evaluate
 from fsi.case.section import toml_text
 from fsi.case.series import polynomial

@@ -13,7 +13,6 @@ from fsi.errors import InputError
 from fsi.meshes.geometry.outline import Outline
 from fsi.postprocess.render.fields import DISTURBANCE, RenderedField
 from fsi.postprocess.render.mean_flow import undisturbed
-from fsi.postprocess.render.periodic_box import PeriodicBox
 from fsi.postprocess.render.view import View
 from fsi.postprocess.run.gaps import SurfaceGap
 from fsi.postprocess.run.probe import FLUID, probe
@@ -138,8 +137,7 @@ def flow_on(run: Run, step: int, cut: Cut, field: RenderedField, reach: float) -
     s, t, _ = np.asarray(grid.points, dtype=float).T
     x = cut.points(s, t)
     container = run.container(step)
-    period = PeriodicBox.of(container) if len(container.periods) else None
-    table = probe(run, x, step) if period is None else period.probed(run, x, step)
+    table = probe(run, x, step)
     fluid = (table["where"] == FLUID).to_numpy()
     nearest = np.flatnonzero(fluid)[cKDTree(x[fluid]).query(x)[1]]
     known = _known(table.iloc[nearest], cut)

@@ -6,23 +6,20 @@ of that box fill the space as those of the cell do. Periods that the mean flow l
 that the box of a cell that is sheared along one of them stands still. A place is a lattice vector e away from
 one in the mesh, where
 
-    u(x + e) = u(x) + E e,      p(x + e) = p(x) + G.e.
+    u(x + e) = u(x) + E e,      p(x + e) = p(x) + G.e   (`probe`).
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-import pandas as pd
 import pyvista as pv
-from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.meshes.spatial.sides import frame
 from fsi.postprocess.render.view import View
-from fsi.postprocess.run.probe import OUTSIDE, probe
-from fsi.postprocess.run.run import Run, nodes
+from fsi.postprocess.run.run import nodes
 
 _MARGIN = 1.08  # of the window around the box
 _SAME_PLACE = 1e-9  # of the domain: vertices that are images
@@ -105,33 +102,3 @@ class PeriodicBox:
         of_nodes[facets] = shift[:, None]
         moved.points = np.asarray(spheres.points, dtype=float) - of_nodes
         return moved
-
-    def probed(self, run: Run, x: Array, step: int) -> pd.DataFrame:
-        """What `probe` finds at points (n, 3), or at their images in the mesh, for the points themselves."""
-        fluid, lattice = run.mesh(step), self._lattice
-        low, high = np.array(fluid.bounds).reshape(3, 2).T
-        shift = lattice.nearest(x - 0.5 * (low + high))
-        found = probe(run, x - lattice.shift(shift), step)
-        for m in lattice.near()[1:]:
-            missing = np.flatnonzero(found["where"].to_numpy() == OUTSIDE)
-            if not len(missing):
-                break
-            trial = lattice.nearest(x[missing] - 0.5 * (low + high)) + m
-            table = probe(run, x[missing] - lattice.shift(trial), step)
-            there = table["where"].to_numpy() != OUTSIDE
-            found.iloc[missing[there]] = table[there].to_numpy()
-            shift[missing[there]] = trial[there]
-        found[["x", "y", "z"]] = x
-        found[["u_x", "u_y", "u_z"]] += self.container.mean_velocity(lattice.shift(shift))
-        if "p" in found:
-            found["p"] += shift @ np.array([_rise(fluid, e) for e in lattice.vectors])
-        return found
-
-
-def _rise(fluid: pv.UnstructuredGrid, e: Array) -> float:
-    """By how much the pressure rises over a period e: from each vertex of a side to its image."""
-    vertices = np.unique(nodes(fluid)[:, :4])
-    x, p = np.asarray(fluid.points)[vertices], np.asarray(fluid["pressure"])[vertices]
-    distance, image = cKDTree(x).query(x + e, distance_upper_bound=_SAME_PLACE * fluid.length)
-    there = np.isfinite(distance)
-    return float(np.mean(p[image[there]] - p[there]))

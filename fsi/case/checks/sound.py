@@ -11,9 +11,11 @@ from fsi.bodies.configuration import Configuration
 from fsi.bodies.gaps import find_gaps, wall_gaps
 from fsi.case.case import Case
 from fsi.case.checks.determined import check_determined, check_flux, check_stress
-from fsi.case.checks.levels import check_gluey, check_macroscopic, check_reduced
+from fsi.case.checks.gluey import check_gluey
 from fsi.case.checks.lubrication import check_lubrication
+from fsi.case.checks.macroscopic import check_macroscopic
 from fsi.case.checks.pores import check_pores
+from fsi.case.checks.reduced import check_reduced
 from fsi.case.checks.shapes import check_gaps_of_ellipsoids, check_shapes
 from fsi.case.checks.surfaces import check_surfaces
 from fsi.case.checks.time import check_time

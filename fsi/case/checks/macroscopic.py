@@ -1,0 +1,100 @@
+"""What a case must satisfy to be run with the macroscopic model."""
+
+import numpy as np
+
+from fsi.bodies.configuration import Array, Configuration
+from fsi.bodies.gaps import wall_gaps
+from fsi.case.case import Case
+from fsi.case.checks.without_flow import ROUNDING, check_estimates, check_rest
+from fsi.case.section import refusal, toml_text
+from fsi.case.series import is_zero
+from fsi.errors import InputError
+
+# Relative: densities of bodies, and numbers of parcels in each, nearer than this are the same.
+_SAME = 1e-9
+
+
+def check_macroscopic(case: Case) -> None:
+    """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
+    container, here = case.container(), f"domain.shape = {toml_text(case.domain.shape)}"
+    check_estimates(case)
+    check_rest(case)
+    if len(container.periods):
+        raise InputError(f'{here}: is periodic, but the line of the macroscopic model ends; give "unbounded"')
+    if case.macroscopic.blocks:
+        if case.bodies:
+            raise refusal(
+                "bodies.0", case.bodies[0].name, "there are [[macroscopic.blocks]]; give bodies or blocks"
+            )
+        if container.walls:
+            raise InputError(f'{here}: has walls, which [[macroscopic.blocks]] do not meet; give "unbounded"')
+        return
+    if not case.bodies:
+        raise InputError("macroscopic.blocks: missing; give [[macroscopic.blocks]] or [[bodies]] on a line")
+    axis = line_of(case)
+    q, masses = case.configuration(), case.masses()
+    _check_loads(case, axis)
+    if masses is None or any(body.mass is None for body in case.bodies):
+        raise InputError("bodies.0.mass: missing; the macroscopic model wants the mass of each body")
+    per_length = masses[:, axis] / (2.0 * q.radii)
+    uneven = int(np.abs(per_length - per_length[0]).argmax())
+    if abs(per_length[uneven] - per_length[0]) > _SAME * per_length[0]:
+        raise InputError(
+            f"bodies.{uneven}.mass = {masses[uneven, axis]:g}: matter has one density, mass over diameter, "
+            f"here {per_length[0]:g}; give {2.0 * q.radii[uneven] * per_length[0]:g}"
+        )
+    _check_parcels(case, q.radii)
+    if (past := past_walls(case, q)) is not None:
+        raise InputError(past)
+
+
+def past_walls(case: Case, q: Configuration, t: float = 0.0) -> str | None:
+    """The line that says which body of the macroscopic model, at q and t, is past a wall; None if none is.
+
+    The model has no walls: a domain with some is as good as an unbounded one while bodies do not meet them.
+    """
+    for i, w in np.argwhere(wall_gaps(q, case.container()) < -ROUNDING * q.radii.min())[:1]:
+        here, body, wall = toml_text(case.domain.shape), case.names[i], case.container().walls[w]
+        return (
+            f"domain.shape = {here}: body {body!r} is past wall {wall!r} at t = {t:.9g}, "
+            'and the macroscopic model has no walls; give "unbounded", or model = "gluey"'
+        )
+    return None
+
+
+def line_of(case: Case) -> int:
+    """The axis along which the bodies of a case stand, the first that separates them. Raises InputError."""
+    centres = case.configuration().centres
+    spread = np.ptp(centres, axis=0)
+    if case.axisymmetric:
+        return 1
+    if np.count_nonzero(spread) > 1:
+        raise InputError(
+            f"bodies.1.position = {toml_text(case.bodies[1].position)}: not on a line along an axis with the "
+            'others; model = "macroscopic" is for bodies on such a line'
+        )
+    return int(spread.argmax())
+
+
+def _check_loads(case: Case, axis: int) -> None:
+    """Along the line bodies are free; nothing pushes free ones off it."""
+    for i, body in enumerate(case.bodies):
+        if body.motion[axis] != "free":
+            raise InputError(
+                f"bodies.{i}.velocity = {toml_text(body.velocity)}: bodies of the macroscopic model are free "
+                'along their line; give "free" there'
+            )
+        for k, (motion, load, key) in enumerate(zip(body.motion, body.loads, body.keys, strict=True)):
+            if k != axis and motion == "free" and not is_zero(load):
+                raise refusal(f"bodies.{i}.{key}", load, "pushes the body off its line; drop it")
+    for k, _ in enumerate(case.forces):
+        raise InputError(f"forces.{k}: the macroscopic model knows only the forces of [[bodies]]; drop it")
+
+
+def _check_parcels(case: Case, radii: Array) -> None:
+    parts = case.macroscopic.parcels * radii / radii.sum()
+    if np.abs(parts - np.rint(parts)).max() > _SAME * case.macroscopic.parcels:
+        raise InputError(
+            f"macroscopic.parcels = {case.macroscopic.parcels}: the diameters of the bodies are not whole "
+            f"numbers of parcels; give a multiple of {len(radii)} for equal bodies"
+        )
