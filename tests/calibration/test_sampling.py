@@ -154,7 +154,8 @@ def test_what_is_held_out_has_no_part_in_the_law(model: ExactModel, tmp_path: Pa
     assert not other.test.passed
 
 
-def test_what_is_held_out_tells_the_error_of_a_table(model: ExactModel, tmp_path: Path) -> None:  # noqa: ARG001
+@pytest.mark.usefixtures("model")
+def test_what_is_held_out_tells_the_error_of_a_table(tmp_path: Path) -> None:
     """Held-out samples 10 % too large: the law is off by 1 - 1/1.1, but for its error between points."""
     pair = pair_of(small_case("calibration.form=table"))
     samples = take_samples(pair, Sampling(tmp_path, 1, silent))

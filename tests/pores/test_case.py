@@ -102,3 +102,17 @@ def test_a_gap_narrower_than_digits_reach_is_refused() -> None:
     case = parse_case(changed(bodies=[near]))
     with pytest.raises(InputError, match=r"the gap between 'one' and 'bottom' is 1e-09"):
         check_work(case)
+
+
+@pytest.mark.parametrize(
+    ("pores", "message"),
+    [
+        ({"modes": 16, "tolerance": 0.5}, r"^pores\.modes = 16: a tolerance takes 12 at most, .* drop one"),
+        ({"modes": True}, r"^pores\.modes = true: is no number; give one"),
+    ],
+)
+def test_modes_that_cannot_be_are_refused(pores: dict[str, Any], message: str) -> None:
+    """16 with a tolerance were said not to reach 2/3 of it; true was taken for 1."""
+    with pytest.raises(InputError, match=message):
+        parse_case(changed(pores=pores))
+    parse_case(changed(pores={"modes": 12, "tolerance": 0.5}))

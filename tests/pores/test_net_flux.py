@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ import pytest
 import fsi
 from fsi.pores.instant import PoreInstant
 from fsi.report.pores import solution_json
+from tests.net_flux import require_told
 
 LENGTH, GRADIENT = 5.0, -0.7
 
@@ -38,14 +38,7 @@ def flux() -> float:
 
 def test_the_gradient_of_a_flux_is_the_one_that_drives_it() -> None:
     solution = fsi.solve(fsi.make_case(**channel(net_flux=flux())))
-    found, errors = solution.instant, solution.errors
-    assert isinstance(found, PoreInstant)
-    assert errors is not None
-    assert solution.dp_dx == pytest.approx(GRADIENT, rel=1e-8)
-    assert found.record["pressure_gradient"] == solution.dp_dx
-    data = json.loads(json.dumps(solution_json(solution.case, found, errors, None)))
-    assert data["pressure_gradient"] == solution.dp_dx
-    assert data["pressure_gradient_error"] == errors.dp_dx
+    require_told(solution, GRADIENT, 1e-8, solution_json)
 
 
 def test_the_gradient_is_that_of_the_resolved_flow_within_its_bar() -> None:

@@ -14,7 +14,7 @@ from bench.random_cases import random_case
 from fsi.calibration.pair import pair_of
 from fsi.calibration.sampling import resolved_sample
 from fsi.case.case import Case
-from fsi.case.load import load_case
+from fsi.case.load import load_case, parse_case
 from fsi.case.sections import Lubrication
 from fsi.errors import RefusedError, SolveError, apart
 from fsi.meshes.cells.curved import WORST_ACCEPTED
@@ -43,6 +43,7 @@ def solved(case: Case) -> object:
     return StokesModel(case)(case.configuration(), 0.0)
 
 
+ROUND = {"shape": "round", "radius": 3.0, "walls": {"far": [1.0, 0.3]}}
 GAP = r"; bodies: the narrowest gap, between 'disc' and '(left|bottom)', is 1e-07; widen it"
 ORIGIN = re.compile(GAP + r", or shift all coordinates so that the origin is there, at \((\S+), (\S+)\)$")
 
@@ -58,6 +59,16 @@ def test_a_refused_solve_names_the_gap_and_remedies_that_work() -> None:
     assert found is not None
     solved(in_corner(-800.0, gap=1e-3))
     solved(in_corner(-800.0 - float(found[2]), -float(found[3])))
+
+
+def test_the_origin_of_a_round_container_cannot_be_shifted() -> None:
+    """Its middle is there: the gap of a disc away from it is named, and no place for the origin."""
+    body = {"name": "disc", "radius": 1.0, "position": [1.99, 0.0]}
+    case = parse_case({"name": "t", "fluid": {"viscosity": 1.0}, "domain": ROUND, "bodies": [body]})
+    problem = StokesModel(case)(case.configuration(), 0.0).problem
+    with pytest.raises(SolveError, match=r"^no; bodies: .* 'disc' and 'far', is 0\.01; widen it$"):
+        with explained(problem, case.names):
+            raise RefusedError("no")
 
 
 def test_a_refused_resistance_names_the_gap_and_a_remedy_that_works(monkeypatch: pytest.MonkeyPatch) -> None:
