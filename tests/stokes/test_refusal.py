@@ -66,9 +66,9 @@ def test_the_origin_of_a_round_container_cannot_be_shifted() -> None:
     body = {"name": "disc", "radius": 1.0, "position": [1.99, 0.0]}
     case = parse_case({"name": "t", "fluid": {"viscosity": 1.0}, "domain": ROUND, "bodies": [body]})
     problem = StokesModel(case)(case.configuration(), 0.0).problem
-    with pytest.raises(SolveError, match=r"^no; bodies: .* 'disc' and 'far', is 0\.01; widen it$"):
-        with explained(problem, case.names):
-            raise RefusedError("no")
+    remedy = r"^no; bodies: .* 'disc' and 'far', is 0\.01; widen it$"
+    with pytest.raises(SolveError, match=remedy), explained(problem, case.names):
+        raise RefusedError("no")
 
 
 def test_a_refused_resistance_names_the_gap_and_a_remedy_that_works(monkeypatch: pytest.MonkeyPatch) -> None:
