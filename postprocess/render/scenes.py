@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array, Configuration
 from fsi.meshes.geometry.container import Container
@@ -20,6 +19,7 @@ from fsi.postprocess.render.fields import DISTURBANCE, RenderedField
 from fsi.postprocess.render.mean_flow import undisturbed
 from fsi.postprocess.render.view import View, around_bodies, around_period
 from fsi.postprocess.run.gaps import SurfaceGap, gap_between, narrowest_gap
+from fsi.postprocess.run.probe import mean_pressure_gradient
 from fsi.postprocess.run.run import Run, nodes
 
 _SIDE = 12.0  # of the triangles that stand for a cell, in pixels; the colours between are linear
@@ -157,11 +157,11 @@ def tiled(grid: pv.UnstructuredGrid, container: Container, view: View) -> pv.Uns
     """The cells of all images of the fluid, or of surfaces, that meet the window, in one grid.
 
     Their velocities and stream functions differ by those of the mean flow, their pressures by that of the
-    mean gradient along a channel.
+    mean gradient.
     """
     lattice = Lattice(container.periods)
     low, high = np.array(grid.bounds[:4]).reshape(2, 2).T
-    rise = _rise(grid, container.periods[0]) if container.walls else 0.0
+    G = mean_pressure_gradient(grid, lattice) if "pressure" in grid.point_data else np.zeros(2)
     copies = []
     for m in _near(lattice, 0.5 * (low + high), view, float(grid.length)):
         e = lattice.shift(m)
@@ -170,8 +170,8 @@ def tiled(grid: pv.UnstructuredGrid, container: Container, view: View) -> pv.Uns
             copy.points[:, :2] += e
             if "velocity" in copy.point_data:
                 copy["velocity"][:, :2] += container.mean_velocity(e)
-            if rise:
-                copy["pressure"] += rise * m[0]
+            if "pressure" in copy.point_data:
+                copy["pressure"] += e @ G
             if "psi" in copy.point_data:
                 x = np.asarray(copy.points)[:, :2]
                 copy["psi"] += mean_stream_function(container, x) - mean_stream_function(container, x - e)
@@ -185,17 +185,6 @@ def mean_stream_function(container: Container, x: Array) -> Array:
     E = container.mean_gradient
     psi: Array = E[0, 0] * x[:, 0] * x[:, 1] + 0.5 * (E[0, 1] * x[:, 1] ** 2 - E[1, 0] * x[:, 0] ** 2)
     return psi
-
-
-def _rise(grid: pv.UnstructuredGrid, e: Array) -> float:
-    """By how much the pressure rises over a period e: from each vertex of the cut to its image."""
-    if "pressure" not in grid.point_data:
-        return 0.0
-    vertices = np.unique(nodes(grid)[:, :3])
-    x, p = np.asarray(grid.points)[vertices, :2], np.asarray(grid["pressure"])[vertices]
-    distance, image = cKDTree(x).query(x + e, distance_upper_bound=_SAME_PLACE * grid.length)
-    there = np.isfinite(distance)
-    return float(np.mean(p[image[there]] - p[there]))
 
 
 def images(q: Configuration, container: Container, view: View) -> tuple[Configuration, NDArray[np.int64]]:

@@ -110,12 +110,12 @@ def _values(
     curls = {"vorticity": curl} if d == 2 else {f"vorticity_{c}": curl[:, k] for k, c in enumerate(letters)}
     values = {f"u_{c}": velocity[:, k] for k, c in enumerate(letters)}
     if "pressure" in fluid.point_data:
-        rises = found.away @ _mean_gradient(fluid, Lattice(container.periods))
+        rises = found.away @ mean_pressure_gradient(fluid, Lattice(container.periods))
         values["p"] = np.sum(phi * fluid["pressure"][at], axis=1) + rises
     return values | curls | {"strain_rate": strain_rate(G, hoop)}
 
 
-def _mean_gradient(fluid: pv.UnstructuredGrid, lattice: Lattice) -> Array:
+def mean_pressure_gradient(fluid: pv.UnstructuredGrid, lattice: Lattice) -> Array:
     """G along the periods, (d,), by the pressures on both sides of the cut; no other G is a part of G.e."""
     d = lattice.vectors.shape[1]
     vertices = np.unique(nodes(fluid)[:, : d + 1])
