@@ -104,8 +104,9 @@ def halved(case: Case) -> Case | None:
 def truncation(case: Case, whole: Results, half: Results) -> dict[str, float]:
     """How much the results change when the radius R of the container is halved.
 
-    The effect of R decays like R^-1 (a net force in a ball) or faster, so the error at R is at most this
-    change; with a plane it decays like R^-2 or faster, and the error is at most a third of it. In a disc a
+    The effect of R decays like R^-1 or faster (R^-1: a net force in a ball, a plane along which fluid slips
+    or that has not the velocity that is given far away), so the error at R is at most about this change;
+    with another plane it decays like R^-2 or faster, and the error is at most a third of it. In a disc a
     velocity over a net force grows like log R for ever (Stokes's paradox): this is no error then, but the
     change for each factor of two. Results are the loads on held components and the velocities of free ones;
     torques count over the radius of the body, rotations times it; see `relative_change`.

@@ -5,10 +5,12 @@ In polar coordinates around a right angle between
 - walls with different velocities the flow is u ~ r^0, and pressure and shear go like 1 / r (Taylor 1962). The
   dissipation 2 mu e : e ~ 1 / r^2 has no integral: it is infinite, like the force that moves such a wall.
 - a wall with a given velocity and an open one it is u ~ r^0.59; the dissipation is finite.
+- a wall along which fluid slides with a slip length b and an open one the shear traction jumps from
+  -(mu / b) u to 0, and u ~ r ln r.
 
 Where fluid slides along a wall only the normal component there is given: a lid that slides past walls at rest
 does not jump. Beside a wall without friction the flow is that of twice the angle, a plane wall, and friction
-is of lower order: what slides makes no corner singular.
+is of lower order: what slides makes no corner singular with a wall to which fluid sticks.
 
 A force on a body between the walls is finite with both: meshes are graded towards these corners
 (`fsi.meshes.planar.grading`).
@@ -53,12 +55,7 @@ def _given(container: Container, boundary: Boundary) -> NDArray[np.bool_]:
 def singular(container: Container, boundary: Boundary) -> list[tuple[int, int]]:
     """The pairs of walls that meet in corners where the flow is singular."""
     is_open = [wall in boundary.pressures for wall in container.walls]
-    sticks = [wall in boundary.velocities and wall not in boundary.slip_lengths for wall in container.walls]
-    mixed = [
-        (one, other)
-        for one, other in container.meetings()
-        if (is_open[one] and sticks[other]) or (sticks[one] and is_open[other])
-    ]
+    mixed = [(one, other) for one, other in container.meetings() if is_open[one] != is_open[other]]
     return jumps(container, boundary) + mixed
 
 

@@ -86,13 +86,14 @@ def identities(system: StokesSystem, nodal: NodalSolution, F: Array, dissipation
     power -= float(nodal.reaction[of_pressure] @ system.g[of_pressure])
     lever = _lengths(x) * _lengths(force)
     b_b = system.b[:velocities] @ system.b[:velocities]
-    u_u, all_u = u @ u + slip @ slip, np.abs(u).sum() + np.abs(slip).sum()
-    of_rank = [power, np.abs(force).sum(), lever.sum(), u_u, all_u, b_b]
+    speed = np.abs(u) + (np.abs(slip) if slip.size else 0.0)
+    u_u, all_u, lever_u = u @ u + slip @ slip, speed.sum(), _lengths(x) @ speed.reshape(-1, d).sum(axis=1)
+    of_rank = [power, np.abs(force).sum(), lever.sum(), u_u, all_u, lever_u, b_b]
     sums = np.array([*of_rank, *force.sum(axis=0), *moment.sum(axis=0)])
     layout.comm.Allreduce(MPI.IN_PLACE, sums)
-    parts, force_sum, moment_sum = np.split(sums, [6, 6 + d])
-    power_of_walls_and_loads, all_forces, all_moments, u_u, all_u, b_b = parts
-    floor = _floor(system, u_u, all_u, b_b)
+    parts, force_sum, moment_sum = np.split(sums, [7, 7 + d])
+    power_of_walls_and_loads, all_forces, all_moments, u_u, all_u, lever_u, b_b = parts
+    floor = _floor(system, u_u, all_u, lever_u, b_b)
     scale = dissipation
     if w is not None:
         dissipation, scale = _finite_power(system, tested)
@@ -140,8 +141,11 @@ def _finite_power(system: StokesSystem, tested: Array) -> tuple[float, float]:
     return float(power), float(scale)
 
 
-def _floor(system: StokesSystem, u_u: float, all_u: float, b_b: float) -> Scales:
-    """The least that defects are compared with, by sums over all nodes of u^2, |u| and b^2; collective."""
+def _floor(system: StokesSystem, u_u: float, all_u: float, lever_u: float, b_b: float) -> Scales:
+    """The least that defects are compared with; collective.
+
+    By sums over all nodes of u^2, |u|, |x| |u| and b^2: rounding far from the origin has long levers.
+    """
     layout, problem = system.layout, system.problem
     farthest_here = float(_lengths(system.nodes.x).max(initial=0.0))
     farthest = layout.comm.allreduce(farthest_here, op=MPI.MAX)
@@ -150,7 +154,7 @@ def _floor(system: StokesSystem, u_u: float, all_u: float, b_b: float) -> Scales
     drag = problem.viscosity * (length if spheres else 1.0)
     power, force = max(drag * u_u, b_b / drag), drag * all_u
     flux = float(np.sqrt(b_b)) / drag * length ** (2 if spheres else 1)
-    return Scales(*(ROUNDING_FLOOR * scale for scale in (power, force, force * length, flux)))
+    return Scales(*(ROUNDING_FLOOR * scale for scale in (power, force, drag * lever_u, flux)))
 
 
 def require(defects: dict[str, float]) -> None:

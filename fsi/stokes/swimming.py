@@ -4,7 +4,8 @@ In the plane, with theta from the axis of the body, which stands at its angle, a
 
     w = sum_n B_n sin(n theta) e_theta,
 
-and on a sphere, whose axis p is e_z, in space turned with the body, with theta from p,
+and on a sphere, whose axis p is e_z, in space turned with the body, on an axis -e_z at an angle of pi, with
+theta from p,
 
     w = sum_n B_n 2 / (n (n + 1)) sin theta P_n'(cos theta) e_theta = B_1 sin theta e_theta + ...
 
@@ -75,7 +76,7 @@ def _axes(problem: StokesProblem) -> Array:
     """The axis of each body, (N, d)."""
     q = problem.q
     if problem.container.axisymmetric:
-        return np.tile([0.0, 1.0], (len(q), 1))
+        return np.copysign([[0.0, 1.0]], np.cos(q.angles)[:, None])
     if q.dimension == 2:
         return np.column_stack([np.cos(q.angles), np.sin(q.angles)])
     from_rotvec = scipy.spatial.transform.Rotation.from_rotvec

@@ -38,6 +38,7 @@ LIDS = {"top": [1.0, 0.0], "left": [0.0, -0.5], "bottom": [0.3, 0.0]}
 PARTIAL = {"left": [0.5, 0.2], "right": [0.5, 0.0], "top": [1.0, 0.1], "bottom": [0.2, 0.1]}
 OPEN = {"top": "open"}
 OPEN_LID = {"top": {"pressure": 2.0}, "right": [0.0, 1.0]}
+OPEN_SLIP: dict[str, Any] = {"top": "open", "left": {"slip_length": 0.3}, "right": {"slip_length": 0.3}}
 
 
 def case(walls: dict[str, Any], body: dict[str, Any], **sizes: Any) -> Case:
@@ -120,7 +121,7 @@ def test_corners_of_walls_that_move_for_a_while_are_singular_at_all_times() -> N
     assert singular_corners(case({}, DISC)).shape == (0, 2)
 
 
-@pytest.mark.parametrize("walls", [LID, LIDS, PARTIAL, OPEN, OPEN_LID])
+@pytest.mark.parametrize("walls", [LID, LIDS, PARTIAL, OPEN, OPEN_LID, OPEN_SLIP])
 @pytest.mark.parametrize(
     ("body", "sizes"),
     [
@@ -137,7 +138,7 @@ def test_bars_hold_where_walls_jump(walls: dict[str, Any], body: dict[str, Any],
     assert np.median(found) >= 0.05
 
 
-@pytest.mark.parametrize("walls", [LID, OPEN])
+@pytest.mark.parametrize("walls", [LID, OPEN, OPEN_SLIP])
 def test_the_order_of_the_force_comes_back(walls: dict[str, Any]) -> None:
     """It is 5.0 here, on its way to 6. Without grading it is 1.0 with any degree for the open wall, and for
     the lid the errors are 40 times as large: 7e-5.

@@ -1,11 +1,15 @@
 """What a case must satisfy whose fluid slides along surfaces, or whose bodies swim."""
 
+from math import sin
+
 from fsi.case.case import Case
 from fsi.case.section import refusal
 from fsi.errors import InputError
 
 # Of the largest radius or, without bodies, of the container: shorter slips are none to nine digits.
 SHORTEST = 1e-9
+# Sine of the angle between an axis and that of a swimmer on it: pi need not have all of its digits.
+STRAIGHT = 1e-4
 
 
 def check_surfaces(case: Case) -> None:
@@ -23,6 +27,8 @@ def check_surfaces(case: Case) -> None:
         if body.surface_velocity is not None and body.shape is not None:
             key = f"bodies.{i}.surface_velocity"
             raise refusal(key, body.surface_velocity, "its modes are those of discs and spheres; drop it")
+        if body.swims and case.axisymmetric and abs(sin(body.angle)) > STRAIGHT:
+            raise refusal(f"bodies.{i}.angle", body.angle, "a swimmer goes along the axis; give 0.0 or 3.14159265")
     if not sliding:
         return
     key, b = next(iter(sliding.items()))
