@@ -87,12 +87,13 @@ def _follow(
 ) -> None:
     """Show the progress of a run, and say how it ended and what to look at it with; quiet: only notes."""
     from fsi.case.case import Case
+    from fsi.case.load import load_case
     from fsi.integration.evolution import Evolution
     from fsi.models import make_evolution
     from fsi.report.progress import ProgressBar
+    from fsi.run_folder.kept import CASE
 
     since: dict[str, float] = {}
-    fields = True
 
     def show(record: StepRecord) -> None:
         for column in NOTES:
@@ -101,8 +102,6 @@ def _follow(
         bar.show(record)
 
     def make(case: Case) -> Evolution:
-        nonlocal fields
-        fields = case.output.fields
         bar.begin(case.timing.end)
         return make_evolution(case)
 
@@ -112,6 +111,7 @@ def _follow(
         return
     if not quiet:
         _tell_end(folder, outcome, bar)
+        fields = load_case(folder / CASE).output.fields
         look = ["fsi", "render" if fields else "plot", str(folder)]
         typer.echo(f"look at it with: {shlex.join(look)}")
     for column, t in since.items():

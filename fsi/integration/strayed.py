@@ -26,9 +26,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsi.bodies.configuration import PLACES, Array, Configuration, Inertia, Motion
+from fsi.bodies.configuration import MODES, PLACES, Array, Configuration, Inertia, Motion
 from fsi.bodies.gaps import nearest_gaps
-from fsi.integration.errors import StepErrors
+from fsi.integration.errors import ErrorEstimate, StepErrors
 from fsi.integration.state import Model, State, Step
 from fsi.meshes.geometry.container import Container
 
@@ -36,6 +36,8 @@ from fsi.meshes.geometry.container import Container
 SMALL = 0.02
 # At the loosest tolerance, 1e-2, a step of a disc beside a plane erred by up to 2.2 times the estimate.
 STEP_SAFETY = 2.5
+# The velocity of a body with mass erred by up to six times the estimate, at first steps.
+VELOCITY_SAFETY = 8.0
 # Their signs are chosen: where one carries the other along, they may cancel in the estimate alone. So each is
 # known to this part of the largest.
 HIDDEN = 0.1
@@ -104,9 +106,11 @@ class Strayed:
     def _carried(self, step: Step, e: Array, d: Array, model: Model, container: Container) -> Array:
         """What the distances d become over a step that ends at the distances e, (N, M)."""
         q, t, U = step.state.q, step.state.t, step.state.U
-        scale = SMALL * _scale(q, e, container.at(t)) or float(d.any())
-        if scale == 0.0:
-            return np.zeros_like(e)
+        scale = SMALL * _scale(q, e, container.at(t))
+        if scale == 0.0:  # only d counts, of which the velocities are a linear function
+            if not d.any():
+                return np.zeros_like(e)
+            scale = 1.0
         inertia = None
         if self.masses is not None:
             inertia = Inertia(self.masses / step.h, U - step.h * self.run[1] + scale * d)
@@ -120,12 +124,17 @@ class Strayed:
         rate = abs(_gap_rate(q, state.U, now, lambda after: container.at(state.t + after)))
         return {"err_smallest_gap": error, "err_t": error / rate if rate > 0.0 else inf}
 
-    def body_columns(self, q: Configuration) -> Mapping[str, Array]:
-        """Of bodies.csv: the errors of positions and angles, absolute, (N,) each."""
-        of_elements, of_steps = np.abs(self.e)
-        hidden = HIDDEN * (q.arms * of_steps).max(initial=0.0) / q.arms
-        errors = of_elements + np.where(of_steps > 0.0, np.maximum(of_steps, hidden), 0.0)
-        return {f"err_{name}": error for name, error in zip(PLACES[q.dimension], errors.T, strict=True)}
+    def body_columns(self, q: Configuration, errors: ErrorEstimate) -> Mapping[str, Array]:
+        """Of bodies.csv: the errors of positions and angles, absolute, (N,) each.
+
+        With mass those of velocities too, which carry on what was missed before; without, a velocity is that
+        of the flow where the run has the bodies, and `errors` has what it misses there.
+        """
+        found = {f"err_{name}": e for name, e in zip(PLACES[q.dimension], _bars(q, self.e).T, strict=True)}
+        if self.masses is None:
+            return found
+        of_velocities = np.maximum(errors.U, _bars(q, self.d * [[[1.0]], [[VELOCITY_SAFETY]]]))
+        return found | {f"err_{name}": d for name, d in zip(MODES[q.dimension], of_velocities.T, strict=True)}
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """What must be restored, by name."""
@@ -134,6 +143,14 @@ class Strayed:
     def restore(self, memory: Mapping[str, NDArray[Any]]) -> None:
         """Take back what `memory` gave."""
         self.e, self.d, self.run = memory["strayed"]
+
+
+def _bars(q: Configuration, distances: Array) -> Array:
+    """Of distances (2, N, M) by cause, (N, M)."""
+    of_elements, of_steps = np.abs(distances)
+    hidden = HIDDEN * (q.arms * of_steps).max(initial=0.0) / q.arms
+    bars: Array = of_elements + np.where(of_steps > 0.0, np.maximum(of_steps, hidden), 0.0)
+    return bars
 
 
 def _of_elements(values: Array) -> Array:

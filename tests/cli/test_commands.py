@@ -192,11 +192,15 @@ def test_run_then_resume(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = str(tmp_path / "runs" / "settling")
-    arguments = ["run", str(CASE.with_name("settling_disc.toml")), "--output", folder, "--set", "time.end=1"]
+    changes = ["--set", "time.end=1", "--set", "output.fields=false"]
+    arguments = ["run", str(CASE.with_name("settling_disc.toml")), "--output", folder, *changes]
     summary = typed(capsys, monkeypatch, *arguments)
     assert f"{folder}: " in summary
     assert "steps to t = 1, smallest gap 0.637" in summary  # the exact gap is 0.63717
-    assert "nothing to do" in typed(capsys, monkeypatch, "resume", folder)
+    again = typed(capsys, monkeypatch, "resume", folder)
+    assert "nothing to do" in again
+    assert "look at it with: fsi plot" in summary  # there are no fields to render
+    assert "look at it with: fsi plot" in again
     assert "exists and is not empty" in complaint(capsys, monkeypatch, *arguments)
 
 
