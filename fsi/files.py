@@ -4,7 +4,7 @@ import json
 import os
 import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -19,22 +19,30 @@ _WHOLE = 2**63  # whole numbers are smaller, as in TOML
 
 def replace(path: Path, content: bytes) -> None:
     """Give a file new content in one go: whoever reads it sees the old or the new one."""
-    temporary = path.with_name(path.name + TEMPORARY)
-    with temporary.open("wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    temporary.replace(path)
+    with _becoming(path, path.with_name(path.name + TEMPORARY)) as temporary:
+        temporary.write_bytes(content)
+
+
+def appearing(path: Path) -> AbstractContextManager[Path]:
+    """A path to write a file to, which then takes its place, with its content on the disk.
+
+    Where that fails nothing is left of it, and what was there before stays.
+    """
+    return _becoming(path, path.with_name(f".{path.name}.partial"))
 
 
 @contextmanager
-def appearing(path: Path) -> Iterator[Path]:
-    """A path to write a file to, which then takes its place, with its content on the disk."""
-    partial = path.with_name(f".{path.name}.partial")
-    yield partial
-    with partial.open("rb") as file:
-        os.fsync(file.fileno())
-    partial.replace(path)
+def _becoming(path: Path, temporary: Path) -> Iterator[Path]:
+    """The second path, whose file is then that of the first."""
+    try:
+        yield temporary
+        with temporary.open("rb") as file:
+            os.fsync(file.fileno())
+        temporary.replace(path)
+    except BaseException:
+        with suppress(OSError):  # what the disk has refused already is told
+            temporary.unlink()
+        raise
 
 
 def require_suffix(output: Path, *suffixes: str) -> None:
@@ -42,6 +50,12 @@ def require_suffix(output: Path, *suffixes: str) -> None:
     if output.suffix not in suffixes or not output.absolute().parent.is_dir():
         kinds = " or ".join(filter(None, [", ".join(suffixes[:-1]), suffixes[-1]]))
         raise InputError(f"output = {output}: give the path of a {kinds} file in a folder that exists")
+
+
+def require_new(folder: Path, remedy: str = "give another folder") -> None:
+    """Raise InputError, with the remedy, of what is there, unless it is an empty folder."""
+    if folder.exists() and not (folder.is_dir() and not any(folder.iterdir())):
+        raise InputError(f"output = {folder}: exists and is not empty; {remedy}")
 
 
 def require_folder(folder: Path) -> None:

@@ -5,6 +5,9 @@ triangle becomes a ring of wedges, and all data are those of the nodes, vectors 
 rings of rectangles.
 """
 
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -26,17 +29,30 @@ def export_revolved(run: Run, folder: Path, degrees: float, sectors: int) -> lis
 
     degrees: how far to turn, up to 360 (less shows the inside), in so many sectors.
 
-    Raises InputError: the run is planar or has no fields, or the folder is there or cannot be written.
+    Raises InputError: the run is not axisymmetric or has no fields, or the folder is there or not to be
+    written.
     """
     if not run.case.axisymmetric:
-        raise InputError(f"{run.path}: the run is planar; only an axisymmetric one can be revolved")
+        kind = run.case.geometry
+        raise InputError(f"{run.path}: the run is {kind}; only an axisymmetric one can be revolved")
     run.step()
     try:
-        folder.mkdir()
-        angles = np.linspace(0.0, np.radians(degrees), sectors + 1)
-        return [_series(run, name, folder, angles) for name in SERIES]
+        with _new_folder(folder):
+            angles = np.linspace(0.0, np.radians(degrees), sectors + 1)
+            return [_series(run, name, folder, angles) for name in SERIES]
     except OSError as error:
         raise InputError(f"output = {folder}: {error.strerror}; give a new folder") from None
+
+
+@contextmanager
+def _new_folder(folder: Path) -> Iterator[None]:
+    """Make a folder, and take it away again where what fills it fails."""
+    folder.mkdir()
+    try:
+        yield
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
 
 
 def _series(run: Run, series: str, folder: Path, angles: Array) -> Path:

@@ -13,8 +13,10 @@ from typing import Any
 import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from fsi.bodies.gaps import OVERLAP
 from fsi.errors import InputError
 from fsi.files import require_suffix, write_whole
+from fsi.gluey.step import ACCEPTED, MOMENTUM
 from fsi.observables.truncation import BOUND, IDENTITIES
 from fsi.pores.instant import BOUND as PORES_BOUND
 from fsi.postprocess.plots.histories import plot_runs
@@ -32,7 +34,7 @@ _MANY = 20  # bodies, more than which are not listed in the open
 _FRAMES, _FRAME_SIZE, _PICTURE_SIZE = 30, 320, 700
 _OF_VISCOSITY = {
     "stress": "viscosity by stress = viscosity by dissipation",
-    "viscosity_bound": "viscosity >= 1 / (1 - area fraction)",
+    "viscosity_bound": "viscosity >= 1 / (1 - fraction of the bodies)",
 }
 _OF_NETWORK = {
     "kernel": "rigid motions of clusters change no gap",
@@ -40,14 +42,23 @@ _OF_NETWORK = {
     "energy": "the energy inequality",
     "stress": "stress and loads do the work that drag and gaps dissipate",
 }
-_OF_IMPULSES = {"kkt": "velocities and impulses are optimal", "momentum_defect": "impulses act and react"}
+
+
+def _all_within(bound: float, says: dict[str, str]) -> dict[str, tuple[str, float]]:
+    return {name: (text, bound) for name, text in says.items()}
+
+
 # By model: columns of steps.csv, what they say, and the bound of each, which the models enforce.
-_IDENTITIES: dict[str, tuple[dict[str, str], float]] = {
-    "resolved": (IDENTITIES, BOUND),
-    "pores": (IDENTITIES | _OF_VISCOSITY, PORES_BOUND),
-    "reduced": (IDENTITIES | _OF_NETWORK, REDUCED_BOUND),
-    "gluey": (_OF_IMPULSES, BOUND),
-    "macroscopic": ({}, BOUND),
+_IDENTITIES: dict[str, dict[str, tuple[str, float]]] = {
+    "resolved": _all_within(BOUND, IDENTITIES | _OF_VISCOSITY),
+    "pores": _all_within(PORES_BOUND, IDENTITIES | _OF_VISCOSITY),
+    "reduced": _all_within(REDUCED_BOUND, IDENTITIES | _OF_NETWORK),
+    "gluey": {
+        "kkt": ("velocities and impulses are optimal", ACCEPTED),
+        "momentum_defect": ("impulses act and react", MOMENTUM),
+        "overlap": ("bodies overlap by so little, in smallest radii", OVERLAP),
+    },
+    "macroscopic": {},
 }
 
 
@@ -68,7 +79,7 @@ def write_report(run: Run, output: Path) -> None:
         pictures=_pictures(run),
         checks=_or_reason(lambda: _checks(run)),
         bodies=_or_reason(lambda: run.bodies[run.bodies["step"] == run.bodies["step"].iloc[-1]]),
-        steps=_or_reason(lambda: _steps(run.steps)),
+        steps=_or_reason(lambda: _steps(run)),
         launches=_or_reason(lambda: _launches(run)),
     )
     write_whole(output, page)
@@ -139,12 +150,13 @@ def _animation(run: Run, path: Path) -> Path:
 def _checks(run: Run) -> pd.DataFrame:
     """The worst defect of each identity over the whole run, and the smallest gap."""
     steps, rows = run.steps, []
-    identities, bound = _IDENTITIES[run.case.model]
-    for name in (name for name in identities if name in steps):
+    for name, (says, bound) in _IDENTITIES[run.case.model].items():
+        if name not in steps or steps[name].isna().all():
+            continue
         worst = steps[name].abs().idxmax()
         defect, t = abs(float(steps[name][worst])), steps["t"][worst]
         verdict = "holds" if defect <= bound else "VIOLATED"
-        rows.append([name, identities[name], f"{defect:.1e}", f"{t:g}", f"{bound:g}", verdict])
+        rows.append([name, says, f"{defect:.1e}", f"{t:g}", f"{bound:g}", verdict])
     if run.viscous:
         least = steps.loc[steps["smallest_gap"].idxmin()]
         verdict = "holds" if least["smallest_gap"] > 0.0 else "VIOLATED"
@@ -153,8 +165,10 @@ def _checks(run: Run) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["check", "what it says", "worst", "at t", "bound", ""])
 
 
-def _steps(steps: pd.DataFrame) -> pd.DataFrame:
-    columns = [name for name in steps if not name.startswith("cpu_") and name not in IDENTITIES]
+def _steps(run: Run) -> pd.DataFrame:
+    """Some of the steps, evenly spread, without what is said of them elsewhere."""
+    steps, identities = run.steps, _IDENTITIES[run.case.model]
+    columns = [name for name in steps if not name.startswith("cpu_") and name not in identities]
     return steps[columns].iloc[spread(len(steps), _ROWS)]
 
 

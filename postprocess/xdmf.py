@@ -78,6 +78,8 @@ def write_xdmf(run: Run, output: Path) -> int:
     Raises InputError: the run has no such series, or the files cannot be written.
     """
     require_suffix(output, SUFFIX)
+    if not output.stem.isascii():  # VTK does not find such a folder by what XML has of its name
+        raise InputError(f"output = {output}: ParaView reads .xdmf files with ASCII names only; give one")
     run.step(None, run.series)
     times = run.times_of(run.series)
     data = output.with_suffix(HEAVY)

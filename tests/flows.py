@@ -11,7 +11,7 @@ from fsi.meshes.build import FluidMesh, build
 from fsi.meshes.geometry.container import Container, FluidDomain
 from fsi.meshes.geometry.containers import Box, HalfPlane
 from fsi.meshes.resolution import Resolution
-from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem
+from fsi.stokes.problem import Boundary, Formulation, SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solve import solve
 
@@ -65,7 +65,7 @@ def solved(
     boundary: Boundary | None = None,
     resolution: Resolution | None = None,
     degree: int = 3,
-    formulation: str = "eliminated",
+    formulation: Formulation = "eliminated",
 ) -> StokesSolution:
     """Mesh and solve at mu = 1."""
     fluid = mesh(container, q, resolution, degree)

@@ -12,7 +12,7 @@ from fsi.bodies.configuration import Configuration, Motion
 from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.resolution import Resolution
-from fsi.stokes.problem import Boundary
+from fsi.stokes.problem import Boundary, Formulation
 from fsi.stokes.solution import StokesSolution
 from tests.flows import at_rest, discs, free, solved
 
@@ -48,7 +48,7 @@ def couette(name: str, resolution: Resolution, degree: int = 3) -> StokesSolutio
 
 def in_cell(
     cell: Cell, q: Configuration, motion: Motion | None = None, resolution: Resolution | None = None,
-    degree: int = 3, formulation: str = "eliminated",
+    degree: int = 3, formulation: Formulation = "eliminated",
 ) -> StokesSolution:  # fmt: skip
     """The flow in a cell without walls."""
     return solved(cell, q, motion or force_free(q), Boundary({}, {}), resolution, degree, formulation)
@@ -56,7 +56,7 @@ def in_cell(
 
 def in_channel(
     channel: Box, q: Configuration, motion: Motion, pressure_gradient: float | None = 0.0,
-    net_flux: float = 0.0, formulation: str = "eliminated",
+    net_flux: float = 0.0, formulation: Formulation = "eliminated",
 ) -> StokesSolution:  # fmt: skip
     """The flow between walls at rest."""
     boundary = Boundary(dict.fromkeys(channel.walls, at_rest), {}, None, pressure_gradient, net_flux)

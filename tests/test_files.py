@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fsi.files import replace
+from fsi.files import appearing, replace
 from fsi.run_folder.paraview import write_points
 from fsi.runs import run
 from tests.exact_model import by
@@ -54,3 +54,26 @@ def test_tables_are_on_the_disk_before_the_checkpoint_that_knows_their_lengths(
         assert {"steps.csv", "bodies.csv"} <= set(order[before + 1 : commit])
     last = (tmp_path / "run" / "steps.csv").stat().st_size
     assert [name for name in synced if name.startswith("steps.csv ")][-1] == f"steps.csv {last}"
+
+
+def test_nothing_is_left_of_a_file_that_could_not_be_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What was there before stays, whether writing or synchronising fails."""
+    path = tmp_path / "a.txt"
+    path.write_text("before")
+
+    def interrupted() -> None:
+        with appearing(path) as partial:
+            partial.write_text("half a fi")
+            raise KeyboardInterrupt
+
+    def fsync(_: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    monkeypatch.setattr(os, "fsync", fsync)
+    with pytest.raises(OSError, match="No space"):
+        replace(path, b"after")
+    assert {file.name: file.read_text() for file in tmp_path.iterdir()} == {"a.txt": "before"}

@@ -112,47 +112,10 @@ def nearest_gaps(q: Configuration, container: Container) -> Gaps:
     """Gaps among which the smallest of all is, however wide that is; none for a lone body without walls."""
     reach, farthest = 2.0 * float(q.radii.max(initial=0.0)), _farthest(q, container)
     gaps = find_gaps(q, container, reach)
-    while reach < min(gaps.smallest(), farthest):
+    while 0.0 < reach < min(gaps.smallest(), farthest):
         reach *= 2.0
         gaps = find_gaps(q, container, reach)
     return gaps
-
-
-@dataclass(frozen=True, slots=True)
-class NarrowestGap:
-    """The smallest of all gaps.
-
-    Attributes:
-        between: its two sides, a body and a place in the bodies followed by the walls.
-        gap: its width.
-        place: where it is: of the other side the point that is nearest to the body, (d,).
-    """
-
-    between: tuple[int, int]
-    gap: float
-    place: Array
-
-
-def narrowest_gap(q: Configuration, container: Container) -> NarrowestGap | None:
-    """The smallest of the gaps that `find_gaps` finds; None where it finds none."""
-    gaps = find_gaps(q, container)
-    if not np.isfinite(gaps.smallest()):
-        return None
-    of_walls = gaps.wall_gaps
-    if of_walls.min(initial=np.inf) <= gaps.pair_gaps.min(initial=np.inf):
-        i, k = divmod(int(of_walls.argmin()), of_walls.shape[1])
-        other, gap = len(q) + k, float(of_walls[i, k])
-        if q.shaped:
-            return NarrowestGap((i, other), gap, feet_on_walls(q, i, container)[k].opposite)
-        towards = -container.normals(q.centres[[i]])[0, k]
-    else:
-        pair = int(gaps.pair_gaps.argmin())
-        (i, other), gap = gaps.pairs[pair].tolist(), float(gaps.pair_gaps[pair])
-        if q.shaped:
-            return NarrowestGap((i, other), gap, foot_between(q, i, other, gaps.away[pair]).opposite)
-        between = q.centres[other] + gaps.away[pair] - q.centres[i]
-        towards = between / np.linalg.norm(between)
-    return NarrowestGap((i, other), gap, q.centres[i] + (q.radii[i] + gap) * towards)
 
 
 def smallest_of_each(q: Configuration, container: Container) -> Array:

@@ -21,7 +21,7 @@ EXAMPLE = "Example: fsi analyse settling runs/settling_disc"
 
 analyse = typer.Typer(
     name="analyse",
-    help="Tell which chains of discs resist, how long contacts remember, or how well a disc settles.\n\n"
+    help="Tell which chains of discs resist, how long contacts remember, or how well a body settles.\n\n"
     "Prints a table, and draws a picture into the run folder: chains.png, memory.png or settling.png.",
     epilog=EXAMPLE,
     no_args_is_help=True,
@@ -72,9 +72,9 @@ def memory(folder: RunFolder, as_json: AsJson = False) -> None:
 
 @analyse.command(epilog=EXAMPLE)
 def settling(folder: RunFolder, as_json: AsJson = False) -> None:
-    """Compare the gap of a disc that settles onto a plane with the exact law.
+    """Compare the gap of a disc or sphere that settles onto a plane with the exact law.
 
-    The run is of one disc above the plane of a half-plane under a constant normal force.
+    The run is of one body above the plane of a half-plane under a constant normal force.
     """
     from fsi.postprocess.analysis.settling import read_settling, settling_data, settling_table
     from fsi.postprocess.plots.analyses import plot_settling

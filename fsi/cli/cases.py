@@ -50,8 +50,10 @@ def check(case_file: CaseFile, overrides: Overrides = None) -> None:
     """Read a case and say what it holds: bodies, gaps, what is free or held, walls. Nothing is computed."""
     case = load(case_file, overrides)
     from fsi.case.checks.expected import check_expected
+    from fsi.case.checks.own_mesh import check_mesh_file
 
     check_expected(case)
+    parallel.on_root(lambda: check_mesh_file(case))
     if parallel.is_root():
         from fsi.report.case import print_case
 

@@ -35,8 +35,9 @@ def compare(
     First at time 0, of all levels that give velocities at an instant: apparent viscosity, velocities less
     the mean flow, spins, and rates of the narrowest gaps; a case without [time] is compared there alone.
     Then over time: smallest gaps, and apparent viscosities where two levels have them, in one picture.
-    What is in the folder already is not run again. Of the reduced level against the resolved one the rates of
-    the gaps are compared too, at the same configurations.
+    What is in the folder already is not run again. Of the reduced level against the resolved one alone the
+    rates of the gaps are compared too, at the same configurations; the picture then shows these and the
+    smallest gap of each body.
     """
     from fsi.comparison.instants import compare_instants
     from fsi.comparison.motion import case_at_levels, require_motion, run_levels
@@ -114,7 +115,7 @@ def _compare_runs(cases: "dict[str, Case]", folder: Path, *, quiet: bool) -> dic
 
 def limit(
     case_file: CaseFile,
-    output: Annotated[Path | None, output_to("A picture to write.", "none")] = None,
+    output: Annotated[Path | None, output_to("A .png, .svg or .pdf file.", "none")] = None,
     overrides: Overrides = None,
 ) -> None:
     """Solve q'' = -eps q'/q + f, of one gap of a case, for ever smaller eps, and compare with the limit.
@@ -122,16 +123,18 @@ def limit(
     Prints when the body sticks and is released, the errors for each eps, and the order of the slides' scheme.
     """
     from fsi.gluey.limit_study import study
-    from fsi.report.console import standard_output
-    from fsi.report.studies import draw, print_study
+    from fsi.postprocess.plots.figure import require_figure
+    from fsi.postprocess.plots.studies import plot_limit
+    from fsi.report.studies import print_study
 
     case = load(case_file, overrides)
     if not parallel.is_root():
         return
     if output is not None:
+        require_figure(output)
         require_writable(output)
     found = study(case)
     print_study(standard_output(), found)
     if output is not None:
-        draw(case, found, output)
+        plot_limit(case.name, found, output)
         typer.echo(f"{output}: written")

@@ -37,9 +37,9 @@ def export(
 ) -> None:
     """Write a run as one file.
 
-    ParaView and pyvista read .vtkhdf and .xdmf files as a series whose mesh changes from step to step. XDMF
-    has no curved cells of these orders: each is cut between its nodes. The numbers of NAME.xdmf are in the
-    folder NAME.data beside it.
+    ParaView reads .vtkhdf and .xdmf files as a series whose mesh changes from step to step; pyvista does so
+    with .xdmf, and has the first step of .vtkhdf alone. XDMF has no curved cells of these orders: each is cut
+    between its nodes. The numbers of NAME.xdmf are in the folder NAME.data beside it.
     """
     from fsi.postprocess.export import write_bodies
     from fsi.postprocess.run.run import open_run

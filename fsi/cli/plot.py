@@ -144,8 +144,7 @@ def _histories(
 
 def _checked(path: Path) -> Path:
     """The path of a figure. Raises InputError: its suffix is unknown."""
-    from fsi.files import require_suffix
-    from fsi.postprocess.plots.figure import SUFFIXES
+    from fsi.postprocess.plots.figure import require_figure
 
-    require_suffix(path, *SUFFIXES)
+    require_figure(path)
     return path

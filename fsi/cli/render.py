@@ -37,7 +37,7 @@ def render(
     span: Annotated[
         str | None, option("What the colours span.", False, "--range", metavar="LOW,HIGH")
     ] = None,
-    size: Annotated[int, option("Pixels of a panel's width.", min=50)] = 1000,
+    size: Annotated[int, option("Pixels of a panel's width.", min=100)] = 1000,
     plane: Annotated[
         str | None,
         option("In space, which plane is shown.", "y = that of the bodies", metavar="x=X|y=Y|z=Z"),

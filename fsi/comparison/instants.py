@@ -63,7 +63,7 @@ def compare_instants(cases: Mapping[str, Case]) -> dict[str, LevelAtInstant]:
         if first is None:
             first, of_first = (U, rates), mu
         found[level] = replace(_errors(case, first, (U, rates)), seconds=spent)
-        if mu is not None and of_first is not None and np.isfinite(mu):
+        if mu is not None and of_first is not None and np.isfinite([mu, of_first]).all():
             both = {"apparent_viscosity": float(mu), "viscosity": float(mu / of_first - 1.0)}
             found[level] = replace(found[level], **both)
     return found

@@ -13,8 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
-from fsi.errors import SolveError
-from fsi.files import appearing
 from fsi.meshes.cells.lagrange import lattice
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
@@ -23,7 +21,7 @@ from fsi.observables.bulk_stress import strain_rate, vorticity
 from fsi.pores.carrier import stream
 from fsi.pores.fields import FlowFields, PoreMesh
 from fsi.pores.necks import Necks
-from fsi.run_folder.paraview import in_space, write_lines
+from fsi.run_folder.paraview import in_space, write_lines, write_vtu
 
 ORDER = 4
 _SIDE = ORDER + 1
@@ -48,12 +46,7 @@ def write_flow(bodies: DrivenBodies, fields: FlowFields, path: Path) -> None:
         values | {"strain_rate": nodes[:, 6]},
         {"pore": [np.concatenate([pore[~ends], pore[~ends], pore[ends]])]},
     )
-    try:
-        with appearing(path) as partial:
-            meshio.write(partial, grid, file_format="vtu")
-    except OSError as error:
-        remedy = "make room or put that right, or drop output.fields, and go on with fsi resume"
-        raise SolveError(f"cannot write {path}: {error.strerror}; {remedy}") from error
+    write_vtu(path, grid)
 
 
 def _cells(known: Array, ends: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int64]]:

@@ -1,7 +1,6 @@
-"""What the studies print, and draw: `fsi compare`, `fsi limit`, `fsi calibrate`, `fsi validate`."""
+"""What the studies print: `fsi compare`, `fsi limit`, `fsi calibrate`, `fsi validate`."""
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 import numpy as np
 from rich.box import SIMPLE_HEAD
@@ -115,30 +114,6 @@ def print_study(console: Console, study: Study) -> None:
         shown.add_row(str(steps), f"{error:.3e}", "" if np.isnan(order) else f"{order:.3f}")
         before = (steps, error)
     console.print(shown)
-
-
-def draw(case: Case, study: Study, path: Path) -> None:
-    """q and gamma over time, for each eps and in the limit."""
-    from matplotlib import colormaps
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7.0, 6.0), layout="constrained")
-    above, below = figure.subplots(2, 1, sharex=True)
-    colours = colormaps["viridis"](np.linspace(0.85, 0.15, len(study.wanted.eps)))
-    for eps, solution, colour in zip(study.wanted.eps, study.paths, colours, strict=True):
-        label = rf"$\varepsilon = 10^{{{np.log10(eps):.3g}}}$"
-        above.plot(solution.t, solution.q, color=colour, label=label)
-        below.plot(solution.t, solution.gamma, color=colour, label=label)
-    above.plot(study.t, study.q, "k--", linewidth=1.0, label="limit")
-    below.plot(study.t, study.gamma, "k--", linewidth=1.0, label="limit")
-    above.set_ylabel(r"distance $q_\varepsilon$")
-    below.set_ylabel(r"memory $\gamma_\varepsilon = \varepsilon\,\ln(q_\varepsilon/a)$")
-    below.set_xlabel("time $t$")
-    above.set_title(case.name)
-    above.legend(frameon=False)
-    for axes in (above, below):
-        axes.spines[["top", "right"]].set_visible(False)
-    figure.savefig(path, dpi=150)
 
 
 def print_calibration(console: Console, result: CalibrationResult) -> None:

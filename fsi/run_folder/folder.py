@@ -38,7 +38,7 @@ from numpy.typing import NDArray
 
 from fsi.case.case import Case
 from fsi.errors import InputError, SolveError
-from fsi.files import TEMPORARY, replace
+from fsi.files import TEMPORARY, replace, require_new
 from fsi.integration.state import State, StepRecord
 from fsi.parallel import is_root, on_root
 from fsi.run_folder.alone import locked
@@ -256,9 +256,5 @@ def _create(path: Path, case: Case, launch: Mapping[str, Any]) -> Kept:
 
 
 def _require_new(path: Path) -> None:
-    if path.exists() and not (path.is_dir() and not any(path.iterdir())):
-        resume = f", or `{shlex.join(['fsi', 'resume', str(path)])}` to continue that run"
-        raise InputError(
-            f"output = {path}: exists and is not empty; give another folder"
-            f"{resume if (path / CASE).is_file() else ''}"
-        )
+    resume = f", or `{shlex.join(['fsi', 'resume', str(path)])}` to continue that run"
+    require_new(path, "give another folder" + (resume if (path / CASE).is_file() else ""))

@@ -22,7 +22,7 @@ type Changes = dict[str, tuple[object, object]]
 def case_record(case: Case) -> dict[str, Any]:
     """What provenance.json keeps of a case: its data, and the SHA-256 of each file that it names by a key."""
     data = case.as_data()
-    digests = {key: _digest(path) for key, path in named_files(data)}
+    digests = {key: digest(path) for key, path in named_files(data)}
     record: dict[str, Any] = json.loads(json.dumps({"case": data, "files": digests}))
     return record
 
@@ -31,7 +31,7 @@ def changes(kept: Mapping[str, Any], case: Case) -> Changes:
     """The keys in which a case differs from the one that was kept, each with its old and its new value."""
     now = case_record(case)
     before, after = (
-        {key: digest[:_BRIEF] for key, digest in record["files"].items()} for record in (kept, now)
+        {key: known[:_BRIEF] for key, known in record["files"].items()} for record in (kept, now)
     )
     of_files = {f"the file of {key}": values for key, values in _differences(before, after, "")}
     return {**dict(_differences(kept["case"], now["case"], "")), **of_files}
@@ -81,5 +81,6 @@ def _text(value: object) -> str:
             return toml_text(value)
 
 
-def _digest(path: Path) -> str:
+def digest(path: Path) -> str:
+    """The SHA-256 of a file, or the word for none."""
     return sha256(path.read_bytes()).hexdigest() if path.is_file() else ABSENT

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 from xml.sax.saxutils import quoteattr
 
@@ -12,6 +13,9 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError
 from fsi.files import appearing, content
+
+if TYPE_CHECKING:
+    import meshio
 
 _HEAD = b'<?xml version="1.0"?>\n<VTKFile type="Collection" version="1.0">\n  <Collection>\n'
 _TAIL = b"  </Collection>\n</VTKFile>\n"
@@ -80,17 +84,21 @@ def write_polyline(path: Path, x: Array, values: Mapping[str, Array]) -> None:
 
 
 def in_space(vectors: Array) -> Array:
-    """Vectors (n, d) with three components."""
+    """Vectors (n, d) with a third component, zero in the plane, (n, 3)."""
     return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
 
 
 def _write(path: Path, x: Array, cells: Cells, **data: dict[str, object]) -> None:
-    """Write under a temporary name that is then the path's."""
     import meshio  # takes a tenth of a second to load
 
+    write_vtu(path, meshio.Mesh(in_space(x), cells, **data))
+
+
+def write_vtu(path: Path, mesh: "meshio.Mesh") -> None:
+    """Write under a temporary name that is then the path's. Raises SolveError: the disk refuses."""
     try:
         with appearing(path) as partial:
-            meshio.Mesh(in_space(x), cells, **data).write(partial, file_format="vtu")
+            mesh.write(partial, file_format="vtu")
     except OSError as error:
         remedy = "make room or put that right, or drop output.fields, and go on with fsi resume"
         raise SolveError(f"cannot write {path}: {error.strerror}; {remedy}") from error

@@ -27,13 +27,13 @@ from numpy.typing import NDArray
 
 import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
-from fsi.errors import SolveError
-from fsi.files import appearing
 from fsi.meshes.cells.lagrange import gradient, locate, tabulate
 from fsi.meshes.files.write import vtk_order
 from fsi.meshes.geometry.lattice import SAME_PLACE, Integers, Lattice, on_torus
 from fsi.observables.bulk_stress import hoop_rate, strain_rate, vorticity
+from fsi.run_folder.paraview import in_space, write_vtu
 from fsi.stokes.discretisation.forms import EQUISPACED, Forms
+from fsi.stokes.discretisation.slip import masses
 from fsi.stokes.solvers.elimination import StokesSystem
 
 if TYPE_CHECKING:
@@ -96,9 +96,6 @@ def values_at(flow: Flow, points: Array) -> Array:
     for other in others:
         first = np.where(np.isnan(first), other, first)
     return first
-
-
-FACET = {2: basix.CellType.interval, 3: basix.CellType.triangle}
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,19 +172,12 @@ def traction(surface: Surface) -> Array:
     facets, d = surface.facets, surface.x.shape[1]
     if len(facets) == 0:
         return np.empty((0, d))
-    element = basix.create_element(basix.ElementFamily.P, FACET[d], surface.degree, EQUISPACED)
-    points, weights = basix.make_quadrature(FACET[d], 3 * surface.degree)
-    phi, *dphi = element.tabulate(1, points)[:, :, :, 0]
-    tangents = [np.einsum("qn,end->eqd", along, surface.x[facets]) for along in dphi]
-    area = weights * np.linalg.norm(tangents[0] if d == 2 else np.cross(*tangents), axis=2)
-    if surface.axisymmetric:
-        area *= 2.0 * np.pi * (surface.x[facets, 0] @ phi.T)
-    masses = np.einsum("eq,qi,qj->eij", area, phi, phi)
+    of_facet, _ = masses(surface.x[facets], surface.degree, axisymmetric=surface.axisymmetric)
     place = places(surface)
     of_facets = place[facets]
     rows = np.repeat(of_facets, of_facets.shape[1], axis=1).ravel()
     columns = np.tile(of_facets, (1, of_facets.shape[1])).ravel()
-    mass = scipy.sparse.csc_matrix((masses.ravel(), (rows, columns)))
+    mass = scipy.sparse.csc_matrix((of_facet.ravel(), (rows, columns)))
     reaction = np.zeros((mass.shape[0], d))
     np.add.at(reaction, place, surface.reaction)
     t: Array = scipy.sparse.linalg.spsolve(mass, reaction).reshape(-1, d)
@@ -195,11 +185,6 @@ def traction(surface: Surface) -> Array:
 
 
 CELLS = {1: "VTK_LAGRANGE_CURVE", 2: "VTK_LAGRANGE_TRIANGLE", 3: "VTK_LAGRANGE_TETRAHEDRON"}
-
-
-def in_space(vectors: Array) -> Array:
-    """Vectors (n, d) with a third component, zero in the plane, (n, 3)."""
-    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
 
 
 def write_flow(flow: Flow, folder: Path, step: int) -> list[str]:
@@ -211,7 +196,7 @@ def write_flow(flow: Flow, folder: Path, step: int) -> list[str]:
     name = f"fluid_{step:06d}{part}.vtu"
     mesh = _mesh(flow.x, flow.cells, flow.x.shape[1])
     mesh.point_data = {"velocity": in_space(flow.u), "pressure": flow.p, **_nodal_rates(flow)}
-    parallel.on_every_rank(lambda: _write(folder / name, mesh))
+    parallel.on_every_rank(lambda: write_vtu(folder / name, mesh))
     return parallel.gather(name)
 
 
@@ -220,7 +205,7 @@ def write_surface(surface: Surface, traction: Array, folder: Path, step: int) ->
     name = f"surface_{step:06d}.vtu"
     mesh = _mesh(surface.x, surface.facets, surface.x.shape[1] - 1)
     mesh.point_data, mesh.cell_data = {"traction": in_space(traction)}, {"body": [surface.body]}
-    parallel.on_root(lambda: _write(folder / name, mesh))
+    parallel.on_root(lambda: write_vtu(folder / name, mesh))
     return [name]
 
 
@@ -229,18 +214,6 @@ def _mesh(x: Array, cells: NDArray[np.int64], dimension: int) -> meshio.Mesh:
     import meshio  # takes a tenth of a second to load
 
     return meshio.Mesh(in_space(x), [(CELLS[dimension], cells[:, vtk_order(cells.shape[1], dimension)])])
-
-
-def _write(path: Path, mesh: meshio.Mesh) -> None:
-    """Write a VTU file to a temporary name and rename it. Raises SolveError: the disk refuses."""
-    import meshio  # takes a tenth of a second to load
-
-    try:
-        with appearing(path) as partial:
-            meshio.write(partial, mesh, file_format="vtu")
-    except OSError as error:
-        remedy = "make room or put that right, or drop output.fields, and go on with fsi resume"
-        raise SolveError(f"cannot write {path}: {error.strerror}; {remedy}") from error
 
 
 def _nodal_rates(flow: Flow) -> dict[str, Array]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 import scipy  # its modules load when they are used
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
 from fsi.meshes.build import FluidMesh
+from fsi.meshes.geometry.channel import gradient_between, wall_heights
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import unit_shear
 
@@ -18,6 +20,7 @@ from fsi.meshes.geometry.lattice import unit_shear
 STIFF = 1e5
 
 type Field = Callable[[Array], Array]
+type Formulation = Literal["eliminated", "multiplier"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,13 +220,12 @@ class StokesProblem:
 
         Zero elsewhere, and in a channel whose walls have no given velocity.
         """
-        W, walls = self.mean_gradient, self.boundary.velocities
-        if self.periodic and len(walls) == 2:
-            heights, d = channel_walls(self.container), self.container.dimension
-            places = [np.append(np.zeros(d - 1), height)[None] for height in heights.values()]
-            bottom, top = (walls[wall](x)[0, :-1] for wall, x in zip(heights, places, strict=True))
-            W[:-1, -1] = (top - bottom) / (heights["top"] - heights["bottom"])
-        return W
+        walls = self.boundary.velocities
+        if not self.periodic or len(walls) != 2:
+            return self.mean_gradient
+        across = np.eye(self.container.dimension)[-1:]
+        moves = {wall: walls[wall](h * across)[0] for wall, h in wall_heights(self.container).items()}
+        return gradient_between(self.container, moves)
 
     @property
     def mean_strain_rate(self) -> Array:
@@ -244,14 +246,8 @@ class SolverOptions:
     """
 
     degree: int = 3
-    formulation: str = "eliminated"
-    solver: str = "automatic"
-
-
-def channel_walls(channel: Container) -> dict[str, float]:
-    """Heights of the walls bottom and top, by their distances from the origin."""
-    to_bottom, to_top = channel.distances(np.zeros((1, channel.dimension)))[0]
-    return {"bottom": -float(to_bottom), "top": float(to_top)}
+    formulation: Formulation = "eliminated"
+    solver: Literal["automatic", "direct", "iterative"] = "automatic"
 
 
 def wall_area(channel: Container) -> float:

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from fsi.bodies.gaps import narrowest_gap
+from fsi.bodies.surface_gap import narrowest_gap
 from fsi.errors import RefusedError, SolveError
 from fsi.stokes.problem import StokesProblem
 
@@ -38,14 +38,14 @@ def _remedy(problem: StokesProblem, names: Sequence[str], *, shift: bool) -> str
     """The narrowest gap, and what to do about it."""
     q, container = problem.q, problem.container
     found = narrowest_gap(q, container)
-    if found is None or found.gap > _WIDE * q.radii[found.between[0]]:
+    if found is None or found.width > _WIDE * q.radii[found.sides[0]]:
         return "lower discretisation.growth or raise discretisation.cells_per_circle"
-    (i, other), sides = found.between, (*names, *container.walls)
+    (i, other), sides = found.sides, (*names, *container.walls)
     between = f"{names[i]!r} and {sides[other]!r}"
-    what = f"bodies: the narrowest gap, between {between}, is {found.gap:.3g}; widen it"
+    what = f"bodies: the narrowest gap, between {between}, is {found.width:.3g}; widen it"
     walls = zip(container.walls, container.plane, strict=True)
     stands = any(not plane and name not in container.far_walls for name, plane in walls)
-    if stands or not shift or np.linalg.norm(found.place) <= _NEAR * q.radii[i]:
+    if stands or not shift or np.linalg.norm(found.opposite) <= _NEAR * q.radii[i]:
         return what
-    where = ", ".join(f"{x:.6g}" for x in found.place)
+    where = ", ".join(f"{x:.6g}" for x in found.opposite)
     return f"{what}, or shift all coordinates so that the origin is there, at ({where})"

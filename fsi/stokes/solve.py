@@ -25,7 +25,7 @@ from fsi.stokes.discretisation.slip import sliding_facets, with_slip
 from fsi.stokes.identities import identities, require
 from fsi.stokes.laws import with_laws
 from fsi.stokes.pressure_level import at_level, pressure_level
-from fsi.stokes.problem import SolverOptions, StokesProblem
+from fsi.stokes.problem import Formulation, SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solvers import elimination
 from fsi.stokes.solvers.elimination import (
@@ -69,7 +69,10 @@ SUFFICIENT = 0.1 * BOUND
 # Of a law's resistance, in the units of the model: with TOLERANCE powers miss their bound from 5e3 on.
 STEEP = 1e3
 
-FORMULATIONS: dict[str, Solver] = {"eliminated": elimination.solve_eliminated, "multiplier": solve_multiplier}
+FORMULATIONS: dict[Formulation, Solver] = {
+    "eliminated": elimination.solve_eliminated,
+    "multiplier": solve_multiplier,
+}
 
 
 def solve(

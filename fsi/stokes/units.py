@@ -27,7 +27,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
-from fsi.bodies.gaps import narrowest_gap, wall_gaps
+from fsi.bodies.gaps import wall_gaps
+from fsi.bodies.surface_gap import narrowest_gap
 from fsi.case.case import Case
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.container import Container
@@ -230,9 +231,9 @@ def _origin(case: Case) -> Array:
     if case.domain.mesh is not None or container.seen_from(here) is None:
         return here
     narrowest = narrowest_gap(q, container)
-    if narrowest is None or narrowest.gap > NARROW * q.radii.min():
+    if narrowest is None or narrowest.width > NARROW * q.radii.min():
         return here
-    origin, i = narrowest.place[None], narrowest.between[0]
+    origin, i = narrowest.opposite[None], narrowest.sides[0]
     near = wall_gaps(q, container)[i] <= NARROW * q.radii.min()
     for wall in np.flatnonzero(near):
         origin = origin - container.distances(origin)[0, wall] * container.normals(origin)[0, wall]

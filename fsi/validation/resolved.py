@@ -12,6 +12,7 @@ from fsi.bodies.gaps import nearest_gaps
 from fsi.case.case import Case
 from fsi.case.sections import Expected, gap_of
 from fsi.errors import InputError, SolveError, ValidationError
+from fsi.files import require_new
 from fsi.integration.errors import ErrorEstimate
 from fsi.lubrication.exact_results import EXACT
 from fsi.meshes.errors import MeshError
@@ -67,8 +68,7 @@ def require_passed(rows: Sequence[Row]) -> None:
 
 
 def _make(output: Path) -> None:
-    if output.exists() and not (output.is_dir() and not any(output.iterdir())):
-        raise InputError(f"output = {output}: exists and is not empty; give another folder")
+    require_new(output)
     try:
         (output / "runs").mkdir(parents=True)
     except OSError as error:

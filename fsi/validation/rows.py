@@ -1,6 +1,7 @@
 """Validation: rows of computed values against references, their verdicts, and the files that keep them."""
 
 import csv
+import io
 import json
 import tomllib
 from collections.abc import Iterator, Sequence
@@ -16,6 +17,7 @@ from fsi.case.load import load_case, override, parse_case
 from fsi.case.section import nearest_word, toml_text
 from fsi.case.sections import TIME_AT_GAP, Expected, gap_of
 from fsi.errors import InputError
+from fsi.files import write_whole
 from fsi.lubrication.exact_results import EXACT, ExactProblem
 from fsi.lubrication.expansions import expansion
 from fsi.lubrication.spheres import normal_resistance
@@ -159,7 +161,9 @@ def swept(path: Path) -> Iterator[tuple[float | None, Case]]:
         data = tomllib.loads(case.as_toml())
         number = int(value) if value.is_integer() else value  # some keys take whole numbers only
         override(data, f"{case.sweep.key}={number!r}")
-        yield value, parse_case(data)
+        changed = parse_case(data)
+        check_expected(changed)
+        yield value, changed
 
 
 def _require_comparable(path: Path, case: Case) -> None:
@@ -198,21 +202,26 @@ def sphere_records(rows: Sequence[Row]) -> list[Record]:
 
 
 def write_rows(rows: Sequence[Row], folder: Path) -> None:
-    """Write validation.json and validation.csv, and of a sphere beside a plane sphere_wall_ratios.csv."""
+    """Write validation.json and validation.csv, and of a sphere beside a plane sphere_wall_ratios.csv.
+
+    Each file appears whole. Raises InputError: the disk refuses.
+    """
     records = [row.record for row in rows]
     no_nan = [
         {key: None if isinstance(x, float) and not np.isfinite(x) else x for key, x in record.items()}
         for record in records
     ]
     text = json.dumps(no_nan, indent=1)
-    (folder / "validation.json").write_text(text + "\n", encoding="utf-8")
-    _write_csv(records, folder / "validation.csv")
+    write_whole(folder / "validation.json", text + "\n")
+    write_whole(folder / "validation.csv", _csv(records))
     if ratios := sphere_records(rows):
-        _write_csv(ratios, folder / "sphere_wall_ratios.csv")
+        write_whole(folder / "sphere_wall_ratios.csv", _csv(ratios))
 
 
-def _write_csv(records: Sequence[Record], path: Path) -> None:
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, list(records[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(records)
+def _csv(records: Sequence[Record]) -> str:
+    """Records of the same keys as a table."""
+    table = io.StringIO()
+    writer = csv.DictWriter(table, list(records[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(records)
+    return table.getvalue()

@@ -162,12 +162,6 @@ class Placed:
             return Foot(float(depth[0]), float(self.nearest(inside)[0]), inside[0], -out[0])
         return self._foot(other.signed_distance, Sampled(self.outline.t, distance))
 
-    def gap_to_disc(self, centre: Array, radius: float) -> Foot:
-        """The gap to a disc."""
-        distance, normal = self.signed_distance(centre[None])
-        t = self.nearest(centre[None])
-        return Foot(float(distance[0]) - radius, float(t[0]), self.at(t).x[0], 0.0 - normal[0])
-
     def _facing(self, normals: CommonNormals, other: Placed) -> Foot:
         """The gap along the shortest of some common normals."""
         k = int(np.argmin(normals.gap))

@@ -34,12 +34,12 @@ from fsi.postprocess.analysis.links import (
     in_necks,
 )
 from fsi.postprocess.analysis.strain import strain_rate
+from fsi.postprocess.run.gaps import CLOSE
 from fsi.postprocess.run.run import Run
 from fsi.report.console import table
 
 type Indices = NDArray[np.integer[Any]]
 
-CLOSE = 0.1  # gaps below this many mean radii make a link
 _ROWS = 12
 
 
@@ -95,10 +95,8 @@ class Chains:
         return None if self.shares is None else float(self.shares[list(links)].sum())
 
 
-def read_chains(run: Run, step: int | None = None, close: float = CLOSE) -> Chains:
+def read_chains(run: Run, step: int | None = None) -> Chains:
     """The chains of discs of a step of a run, of the one that dissipates most if none is given.
-
-    close: gaps below this many mean radii make a link.
 
     Raises InputError: another kind of run, or no such step.
     """
@@ -126,7 +124,7 @@ def read_chains(run: Run, step: int | None = None, close: float = CLOSE) -> Chai
     step, t = int(steps["step"][row]), float(steps["t"][row])
     q = run.configuration(step)
     V = run.bodies.loc[run.bodies["step"] == step, ["V_x", "V_y"]].to_numpy()
-    links = find_links(case, q, V, t, close * float(q.radii.mean()))
+    links = find_links(case, q, V, t, CLOSE * float(q.radii.mean()))
     if STORED in steps:
         links = at_stored_gaps(run, q, links, {column: float(of[row]) for column, of in steps.items()})
     measured = run.has(NECKS)

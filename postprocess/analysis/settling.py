@@ -1,4 +1,4 @@
-"""How a disc settles onto the plane of a half-plane under a constant normal force, against the exact law."""
+"""How a disc or sphere settles onto a plane under a constant normal force, against the exact law."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -26,13 +26,15 @@ class Settling:
         time: of the steps, (steps,).
         gap: that of the run, (steps,).
         exact: that of the exact law, (steps,).
-        radius: of the disc.
+        radius: of the body.
+        body: "disc" or "sphere".
     """
 
     time: Array
     gap: Array
     exact: Array
     radius: float
+    body: str
 
     @property
     def difference(self) -> Array:
@@ -43,8 +45,12 @@ class Settling:
 def read_settling(run: Run) -> Settling:
     """The computed and the exact gap history of a run. Raises InputError, as does `exact_gap`."""
     case, table = run.case, run.columns("bodies")
-    disc = case.bodies[0]
-    return Settling(table["t"], table["y"] - disc.radius, exact_gap(case, table["t"]), disc.radius)
+    exact, a = exact_gap(case, table["t"]), case.bodies[0].radius
+    return Settling(table["t"], table["y"] - a, exact, a, _kind(case))
+
+
+def _kind(case: Case) -> str:
+    return "sphere" if case.spheres else "disc"
 
 
 def exact_gap(case: Case, t: Array) -> Array:
@@ -54,7 +60,9 @@ def exact_gap(case: Case, t: Array) -> Array:
     """
     force, body = _normal_force(case), case.bodies[0]
     if body.shape is not None:
-        raise InputError(f"bodies.0.shape = {toml_text(body.shape)}: the exact law is that of a disc")
+        raise InputError(
+            f"bodies.0.shape = {toml_text(body.shape)}: the exact law is that of a {_kind(case)}"
+        )
     law = spheres.settling_gap if case.axisymmetric else exact.settling_gap
     return law(t, body.position[1] - body.radius, body.radius, case.fluid.viscosity, force)
 
@@ -77,19 +85,21 @@ def asymptotic_gap(case: Case, t: Array) -> Array:
 
 
 def _normal_force(case: Case) -> float:
-    """The constant F_y on the only disc; InputError where the exact law does not apply."""
+    """The constant F_y on the only body; InputError where the exact law does not apply."""
     if "plane" not in case.container().walls:
         raise InputError(f'domain.shape = "{case.domain.shape}": the exact settling law needs "half-plane"')
     if len(case.bodies) != 1:
-        raise InputError(f"bodies: there are {len(case.bodies)}; the exact settling law is that of one disc")
-    disc = case.bodies[0]
-    if disc.velocity[1] != "free":
-        raise InputError(f'bodies.0.velocity = {list(disc.velocity)}: a disc that settles has [.., "free"]')
-    sideways, force = disc.force
+        count = f"bodies: there are {len(case.bodies)}"
+        raise InputError(f"{count}; the exact settling law is that of one {_kind(case)}")
+    body = case.bodies[0]
+    if body.velocity[1] != "free":
+        moves = f"bodies.0.velocity = {list(body.velocity)}"
+        raise InputError(f'{moves}: a {_kind(case)} that settles has [.., "free"]')
+    sideways, force = body.force
     if not isinstance(force, float | int) or force == 0.0 or sideways != 0.0:
-        raise InputError(f"bodies.0.force = {list(disc.force)}: the exact law needs a constant [0.0, F_y]")
-    if disc.mass is not None:
-        raise InputError(f"bodies.0.mass = {disc.mass}: the exact settling law has no inertia; drop the mass")
+        raise InputError(f"bodies.0.force = {list(body.force)}: the exact law needs a constant [0.0, F_y]")
+    if body.mass is not None:
+        raise InputError(f"bodies.0.mass = {body.mass}: the exact settling law has no inertia; drop the mass")
     for name, wall in case.domain.walls.items():
         if not wall.rests:
             value = f"domain.walls.{name} = {toml_text(wall)}"
@@ -110,7 +120,7 @@ def settling_table(history: Settling) -> Table:
     cells = [[f"{t[k]:.6g}", f"{gap[k]:.6e}", f"{exact[k]:.6e}", f"{difference[k]:+.1e}"] for k in rows]
     headings = ("t", "gap", "exact gap", "relative difference")
     caption = f"last line: the largest difference of all {len(t)} steps"
-    listed = table((), headings, cells, title="disc settling onto a plane", caption=caption)
+    listed = table((), headings, cells, title=f"{history.body} settling onto a plane", caption=caption)
     listed.rows[-2].end_section = True
     return listed
 

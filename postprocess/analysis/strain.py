@@ -4,10 +4,11 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
+from fsi.meshes.geometry.channel import CHANNEL, gradient_between, wall_heights
 
 
 def strain_rate(case: Case, t: float) -> Array | None:
-    """E, the symmetric gradient of the mean flow of a channel or a cell at time t, (2, 2); else None."""
+    """E, the symmetric gradient of the mean flow of a channel or a cell at time t, (d, d); else None."""
     gradient = _mean_gradient(case, t)
     if gradient is None:
         return None
@@ -18,30 +19,34 @@ def strain_rate(case: Case, t: float) -> Array | None:
 def shear_rate(case: Case, t: float) -> float | None:
     """The shear rate that the walls of a channel, or the mean flow of a cell, impose at time t.
 
-    Channel: (u_top - u_bottom) / H. Cell: sqrt(2 E:E), E the symmetric gradient; of a shear its rate, of an
-    extension twice that. Nothing where there is no such flow.
+    It is sqrt(2 E:E), E the symmetric gradient; of a shear its rate, of an extension of the plane twice that.
+    Of a channel, |u_top - u_bottom| / H, it has the sign of u_top - u_bottom: walls may go to and fro.
+    Nothing where there is no such flow.
     """
     gradient = _mean_gradient(case, t)
-    if gradient is None or case.container().walls:
-        return None if gradient is None else float(gradient[0, 1])
-    return float(np.sqrt(0.5 * np.sum((gradient + gradient.T) ** 2)))
+    if gradient is None:
+        return None
+    rate = float(np.sqrt(0.5 * np.sum((gradient + gradient.T) ** 2)))
+    return float(np.copysign(rate, gradient.sum())) if case.container().walls else rate
 
 
 def _mean_gradient(case: Case, t: float) -> Array | None:
-    """Rows (dV_i / dx_j) of a cell, or of what both walls of a channel impose, (2, 2); else None.
+    """Rows (dV_i / dx_j) of a cell, or of what both walls of a channel impose, (d, d); else None.
 
     None too where a stress moves a wall or a cell: the case does not know the rate, steps.csv does, by
     `speed_top` or `shear_rate`.
     """
-    container = case.container()
+    container, walls = case.container(), case.wall_velocity(t)
     if not len(container.periods) or case.domain.mean_drive().mean_stress is not None:
         return None
     if not container.walls:
         return container.mean_gradient
-    y_bottom, y_top = container.distances(np.zeros((1, 2)))[0] * [-1.0, 1.0]
-    ends = [(case.domain.walls[w].velocity_at(t, 2), y) for w, y in (("bottom", y_bottom), ("top", y_top))]
-    u = [float(wall.velocity[0]) + wall.shear * y for wall, y in ends if wall is not None]
-    return np.array([[0.0, (u[1] - u[0]) / (y_top - y_bottom)], [0.0, 0.0]]) if len(u) == 2 else None
+    if set(container.walls) != set(CHANNEL) or set(walls) != set(CHANNEL):
+        return None
+    along = np.eye(container.dimension)[0]
+    heights = wall_heights(container)
+    moves = {name: wall.velocity + wall.shear * heights[name] * along for name, wall in walls.items()}
+    return gradient_between(container, moves)
 
 
 def accumulated_strain(case: Case, t: Array) -> Array | None:

@@ -1,4 +1,4 @@
-"""Figures of `fsi analyse`: chains in their cell, memories of contacts, a settling disc and its exact law."""
+"""Figures of `fsi analyse`: chains in their cell, memories of contacts, settling and its exact law."""
 
 from pathlib import Path
 
@@ -8,11 +8,12 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.ticker import NullFormatter
 
-from fsi.postprocess.analysis.chains import CLOSE, Chains
+from fsi.postprocess.analysis.chains import Chains
 from fsi.postprocess.analysis.memory import ContactMemories
 from fsi.postprocess.analysis.settling import Settling
 from fsi.postprocess.plots.arrangement import draw_case
 from fsi.postprocess.plots.figure import BLUE, GREY, ORANGE, saved_figure
+from fsi.postprocess.run.gaps import CLOSE
 
 
 def plot_chains(chains: Chains, path: Path) -> None:
@@ -59,7 +60,7 @@ def plot_settling(history: Settling, path: Path) -> None:
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2.5, 1.0])
         upper.loglog(t, exact, color=GREY, lw=5, alpha=0.6, label="exact")
         upper.loglog(t, gap, "o-", color=BLUE, ms=3.5, lw=1, label="computed")
-        upper.set(ylabel="gap / radius", title="disc settling onto a plane under a constant force")
+        upper.set(ylabel="gap / radius", title=f"{history.body} settling onto a plane under a constant force")
         upper.legend()
         _draw_difference(lower, history)
         for axis in (upper.xaxis, upper.yaxis, lower.xaxis, lower.yaxis):

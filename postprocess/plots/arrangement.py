@@ -21,8 +21,8 @@ from fsi.errors import InputError
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.postprocess.plots.figure import ORANGE, saved_figure
+from fsi.postprocess.run.gaps import CLOSE
 
-CLOSE = 0.1  # gaps below this many mean radii are joined by a line
 _FRAME = "#222222"
 _SIDES = 96  # of what stands for a body that is no disc
 _LONGEST_SIDE = 8.0  # of the figure, inches
@@ -121,15 +121,16 @@ def _add_bodies(
     axes.add_collection(drawn)
 
 
-def close_links(arrangement: Arrangement, close: float = CLOSE) -> NDArray[np.float64]:
-    """Segments, (P, 2, 2), between the centres of discs or spheres whose gap is below `close` mean radii."""
+def close_links(arrangement: Arrangement) -> NDArray[np.float64]:
+    """Segments, (P, 2, 2), between the centres of discs or spheres whose gap is below CLOSE mean radii."""
     if arrangement.oriented is not None:
         return np.empty((0, 2, 2))
     cell, radii = arrangement.cell, arrangement.radii
-    reach = 2.0 * float(radii.max()) + close * float(radii.mean())
+    close = CLOSE * float(radii.mean())
+    reach = 2.0 * float(radii.max()) + close
     i, j = cell.near_pairs(arrangement.centres, reach).T
     between = cell.separation(arrangement.centres[j], arrangement.centres[i])
-    near = np.linalg.norm(between, axis=1) - radii[i] - radii[j] < close * float(radii.mean())
+    near = np.linalg.norm(between, axis=1) - radii[i] - radii[j] < close
     i, j, between = i[near], j[near], between[near][:, [0, -1]]
     x = arrangement.centres[:, [0, -1]]
     # a pair across a periodic side is drawn from both of its bodies, up to the middle of the gap and beyond
@@ -145,7 +146,7 @@ def _draw_frame(axes: Axes, cell: SimulationCell) -> None:
         style = {"ls": "--", "lw": 0.9} if periodic else {"ls": "-", "lw": 3.0}
         for at in (0.0, (width, height)[k]):
             ends = ([at, at], [0.0, height]) if k == 0 else ([0.0, width], [at, at])
-            axes.plot(*ends, color=_FRAME, zorder=4, **style)  # type: ignore[arg-type]
+            axes.plot(*ends, color=_FRAME, zorder=4, **style)  # type: ignore[arg-type]  # of one type
     margin = 0.02 * max(width, height)
     axes.set(xlim=(-margin, width + margin), ylim=(-margin, height + margin))
 

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from fsi.errors import InputError
+from fsi.files import appearing, require_suffix
 
 # Okabe and Ito: told apart by every eye.
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
@@ -54,15 +55,24 @@ _SHORT = 100.0  # ratio of the ends of an axis up to which steps in between have
 def saved_figure(
     path: Path, size: tuple[float, float], font: float = 11.0, dpi: int = 160, theme: Theme = LIGHT
 ) -> Iterator[Figure]:
-    """A figure, size in inches, that is written to the path when all has been drawn. Raises InputError."""
+    """A figure, size in inches, that is written to the path when all has been drawn.
+
+    A file that was there before stays until the new one is complete. Raises InputError.
+    """
     with mpl.rc_context(theme.style | {"font.size": font}):
         figure = Figure(figsize=size, layout="constrained")
         yield figure
         try:
-            figure.savefig(path, dpi=dpi)
+            with appearing(path) as partial:
+                figure.savefig(partial, dpi=dpi, format=path.suffix.removeprefix(".") or None)
         except (OSError, ValueError) as error:  # ValueError: a suffix that it does not know
             reason = getattr(error, "strerror", None) or error
             raise InputError(f"output = {path}: {reason}; choose another path") from None
+
+
+def require_figure(path: Path) -> None:
+    """Raise InputError unless the path is that of a figure in a folder that exists."""
+    require_suffix(path, *SUFFIXES)
 
 
 def label_short(axis: Axis) -> None:

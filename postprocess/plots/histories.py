@@ -19,12 +19,12 @@ from matplotlib.ticker import NullFormatter
 
 from fsi.bodies.configuration import Array
 from fsi.bodies.gaps import smallest_of_each
+from fsi.bodies.surface_gap import gap_between
 from fsi.errors import InputError
-from fsi.files import require_suffix
 from fsi.postprocess.analysis.settling import asymptotic_gap, exact_gap
 from fsi.postprocess.analysis.strain import accumulated_strain
-from fsi.postprocess.plots.figure import COLOURS, LIGHT, SUFFIXES, Theme, label_short, saved_figure
-from fsi.postprocess.run.gaps import gap_between, parse_sides
+from fsi.postprocess.plots.figure import COLOURS, LIGHT, Theme, label_short, require_figure, saved_figure
+from fsi.postprocess.run.gaps import parse_sides
 from fsi.postprocess.run.run import Run
 
 _DASHES = ("-", "--", ":", "-.")
@@ -226,7 +226,7 @@ def plot_runs(
 
     Raises InputError: unknown suffix or gap, a run without rows, or the disk refuses.
     """
-    require_suffix(output, *SUFFIXES)
+    require_figure(output)
     singly = len(COLOURS) if len(runs) == 1 else len(_DASHES)
     histories = [read_history(run, gap, singly, curves) for run in runs]
     titles = [title for title in panel_titles(curves) if any(title in one.panels for one in histories)]

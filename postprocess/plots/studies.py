@@ -1,19 +1,22 @@
-"""Figures of studies that use models: `fsi compare` and `fsi validate`.
+"""Figures of studies that use models: `fsi compare`, `fsi limit` and `fsi validate`.
 
-Of a comparison gaps over time at several levels, and the error of gap rates over the gap; of a validation
-resolved forces on the exact curve and asymptotes, all errors below.
+Of a comparison gaps over time at several levels, and the error of gap rates over the gap; of a limit the gap
+and its memory as the viscosity vanishes; of a validation resolved forces on the exact curve and asymptotes,
+all errors below.
 """
 
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 
 from fsi.bodies.configuration import Array
 from fsi.comparison.motion import LIMITS, RateComparison, Trajectories
 from fsi.comparison.viscosity import ViscosityHistories
+from fsi.gluey.limit_study import Study
 from fsi.lubrication.expansions import expansion
 from fsi.lubrication.spheres import normal_resistance
 from fsi.postprocess.plots.figure import BLUE, COLOURS, GREY, ORANGE, saved_figure
@@ -98,6 +101,24 @@ def plot_levels(paths: Trajectories, viscosities: ViscosityHistories | None, pat
             axes[2].set(ylabel="apparent viscosity")
         axes[-1].set(xlabel="time")
         axes[0].legend()
+
+
+def plot_limit(name: str, study: Study, path: Path) -> None:
+    """Draw q and gamma over time, for each eps and in the limit; name: of the case. Raises InputError."""
+    colours = mpl.colormaps["viridis"](np.linspace(0.85, 0.15, len(study.wanted.eps)))
+    with saved_figure(path, (7.0, 6.0)) as figure:
+        above, below = figure.subplots(2, 1, sharex=True)
+        for eps, solution, colour in zip(study.wanted.eps, study.paths, colours, strict=True):
+            label = rf"$\varepsilon = 10^{{{np.log10(eps):.3g}}}$"
+            above.plot(solution.t, solution.q, color=colour, label=label)
+            below.plot(solution.t, solution.gamma, color=colour)
+        above.plot(study.t, study.q, "k--", lw=1.0, label="limit")
+        below.plot(study.t, study.gamma, "k--", lw=1.0)
+        above.set(ylabel=r"distance $q_\varepsilon$", title=name)
+        below.set(
+            ylabel=r"memory $\gamma_\varepsilon = \varepsilon\,\ln(q_\varepsilon/a)$", xlabel="time $t$"
+        )
+        above.legend()
 
 
 def plot_rows(rows: Sequence[Row], path: Path) -> None:

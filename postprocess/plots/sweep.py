@@ -38,7 +38,8 @@ def _draw(axes: Axes, plan: SweepPlan, rows: Sequence[SweepRow], found: Sequence
         colour, marker = COLOURS[k % len(COLOURS)], _MARKERS[k % len(_MARKERS)]
         of_curve = [found[i * curves + k] for i in order]
         x = np.array(place)[order]
-        label = ", ".join(toml_text(value) for value in list(of_curve[0].point.values())[1:])
+        others = list(of_curve[0].point.items())[1:]
+        label = ", ".join(f"{key} = {toml_text(value)}" for key, value in others)
         mean, deviation = (
             np.array([getattr(one, name) for one in of_curve]) for name in ("mean", "deviation")
         )

@@ -17,7 +17,7 @@ _SINGLY = len(COLOURS)  # of more bodies all paths have one colour
 _ACROSS = {2: ("x", "y"), 3: ("x", "z")}
 _RARE = 0.05  # of the largest density: where there is less, nothing moves or remembers
 # Columns of profiles.csv, what they are, and their colours: perceptual, on both sides of zero for u.
-_PROFILES = {
+PROFILES = {
     "rho": (r"density $\rho$", "viridis"),
     "u": ("velocity u", "PuOr_r"),
     "gamma": (r"memory $\gamma$", "cividis"),
@@ -89,7 +89,7 @@ def _draw_paths(axes: Axes, names: tuple[str, ...], x: Array, radii: Array) -> N
 
 def plot_space_time(run: Run, output: Path, theme: Theme = LIGHT) -> None:
     """Draw density, velocity and memory of a macroscopic run over x and t. Raises InputError."""
-    with saved_figure(output, (3.1 * len(_PROFILES), 3.4), theme=theme) as figure:
+    with saved_figure(output, (3.1 * len(PROFILES), 3.4), theme=theme) as figure:
         space_time_figure(run, figure)
 
 
@@ -97,8 +97,8 @@ def space_time_figure(run: Run, figure: Figure) -> Figure:
     """The figure with a panel for each. Raises InputError."""
     grids = _over_space_and_time(run)
     x, t = grids["x"], grids["t"]
-    panels = figure.subplots(1, len(_PROFILES), sharex=True, sharey=True)
-    for axes, (name, (label, colours)) in zip(panels, _PROFILES.items(), strict=True):
+    panels = figure.subplots(1, len(PROFILES), sharex=True, sharey=True)
+    for axes, (name, (label, colours)) in zip(panels, PROFILES.items(), strict=True):
         there = (grids["rho"] > _RARE * grids["rho"].max()) | (name == "rho")
         values = np.where(there, grids[name], np.nan)
         largest = float(np.nanmax(np.abs(values))) or 1.0
@@ -116,7 +116,7 @@ def _over_space_and_time(run: Run) -> dict[str, Array]:
     """x, t and the profiles, a row for each step. Raises InputError: the rows are no such grid."""
     table = run.table("profiles")
     steps = table["step"].nunique()
-    values = {name: table[name].to_numpy(dtype=float) for name in ("t", "x", *_PROFILES)}
+    values = {name: table[name].to_numpy(dtype=float) for name in ("t", "x", *PROFILES)}
     if len(table) % steps == 0:
         grids = {name: column.reshape(steps, -1) for name, column in values.items()}
         if (np.diff(grids["x"], axis=1) > 0.0).all() and (np.diff(grids["t"], axis=0) > 0.0).all():

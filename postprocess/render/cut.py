@@ -8,13 +8,13 @@ import pyvista as pv
 from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array, Configuration
+from fsi.bodies.surface_gap import SurfaceGap
 from fsi.case.shapes.ellipse import Ellipse
 from fsi.errors import InputError
 from fsi.meshes.geometry.outline import Outline
 from fsi.postprocess.render.fields import DISTURBANCE, RenderedField
 from fsi.postprocess.render.mean_flow import undisturbed
 from fsi.postprocess.render.view import View
-from fsi.postprocess.run.gaps import SurfaceGap
 from fsi.postprocess.run.probe import FLUID, probe
 from fsi.postprocess.run.run import Run, nodes
 

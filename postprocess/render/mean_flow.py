@@ -35,7 +35,7 @@ class UndisturbedFlow:
         return u
 
     def stream_function(self, x: Array) -> Array:
-        """Its stream function at points (n, 3) of the plane, (n,), zero at the origin."""
+        """Its stream function at points (n, 2) or (n, 3) of the plane, (n,), zero at the origin."""
         (a, b), E = self.velocity, self.gradient
         X, Y = x[:, 0], x[:, 1]
         psi: Array = a * Y - b * X + E[0, 0] * X * Y + 0.5 * (E[0, 1] * Y**2 - E[1, 0] * X**2)

@@ -20,15 +20,16 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import LogNorm
+from matplotlib.colors import LogNorm, SymLogNorm
 from matplotlib.figure import Figure
 from PIL import Image
 
+from fsi.bodies.surface_gap import SurfaceGap, gap_between
 from fsi.errors import InputError
 from fsi.postprocess.plots.figure import LIGHT, Theme, label_short
 from fsi.postprocess.render.canvas import Picture, require_opengl
 from fsi.postprocess.render.view import Choice, View
-from fsi.postprocess.run.gaps import SurfaceGap, gap_between, parse_sides
+from fsi.postprocess.run.gaps import parse_sides
 from fsi.postprocess.run.run import Run
 
 type Cut = Literal["neither", "both", "min", "max"]
@@ -144,9 +145,11 @@ def compose(title: str, panels: Sequence[Framed], theme: Theme = LIGHT) -> Pictu
             axes = figure.add_axes((left / wide, low / high, 1.0 / wide, panel.aspect / high))
             _frame(axes, panel)
             bar = figure.add_axes(((left + 1.015) / wide, low / high, 0.03 / wide, panel.aspect / high))
-            figure.colorbar(panel.shades, cax=bar, extend=panel.cut, extendfrac=0.025)
-            if isinstance(panel.shades.norm, LogNorm):
+            shown = figure.colorbar(panel.shades, cax=bar, extend=panel.cut, extendfrac=0.025)
+            if isinstance(norm := panel.shades.norm, LogNorm):
                 label_short(bar.yaxis)
+            elif isinstance(norm, SymLogNorm):  # labels within the linear part would lie upon each other
+                shown.set_ticks([t for t in shown.get_ticks() if t == 0.0 or abs(t) >= norm.linthresh])
             bar.set_title(panel.label, fontsize=11, pad=7, loc="left")
         drawn = Image.fromarray(pixels(figure))
     picture = Image.new("RGBA", drawn.size, theme.page)

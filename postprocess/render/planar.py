@@ -6,6 +6,7 @@ from functools import lru_cache
 import numpy as np
 from matplotlib.cm import ScalarMappable
 
+from fsi.bodies.surface_gap import SurfaceGap
 from fsi.errors import InputError
 from fsi.postprocess.render.canvas import INK, Panel, Picture, new_panel
 from fsi.postprocess.render.curved_cells import edges, rims
@@ -20,7 +21,6 @@ from fsi.postprocess.render.mean_flow import is_sheared, sliding_walls
 from fsi.postprocess.render.picture import FlowArtist, Framed, compose
 from fsi.postprocess.render.scenes import Scene, gap_at, in_window, scene, window_on
 from fsi.postprocess.render.view import Choice, View
-from fsi.postprocess.run.gaps import SurfaceGap
 from fsi.postprocess.run.run import Run
 
 _STREAMLINES = 24

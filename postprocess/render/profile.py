@@ -9,14 +9,14 @@ from matplotlib.figure import Figure
 from fsi.bodies.configuration import Array
 from fsi.errors import InputError
 from fsi.postprocess.plots.figure import BLUE
+from fsi.postprocess.plots.trajectories import PROFILES
 from fsi.postprocess.render.canvas import Picture
 from fsi.postprocess.render.fields import Span
 from fsi.postprocess.render.picture import Artist, pixels
 from fsi.postprocess.render.view import Choice
 from fsi.postprocess.run.run import Run
 
-# Columns of profiles.csv, and what they are.
-LABELS = {"rho": r"density $\rho$", "u": "velocity u", "gamma": r"memory $\gamma$"}
+_LABELS = {name: label for name, (label, _) in PROFILES.items()}
 _ROUNDING = 1e-9  # of the largest number in a profile
 
 
@@ -30,9 +30,9 @@ class ProfileArtist(Artist):
         super().__init__(run, choice)
         if choice.gap is not None:
             raise InputError(f"--gap {choice.gap}: there are no bodies in this run; drop it")
-        if choice.field not in (None, *LABELS):
-            raise InputError(f"--field {choice.field}: give one of {', '.join(LABELS)}")
-        self.names = [choice.field] if choice.field else [*LABELS]
+        if choice.field not in (None, *_LABELS):
+            raise InputError(f"--field {choice.field}: give one of {', '.join(_LABELS)}")
+        self.names = [choice.field] if choice.field else [*_LABELS]
 
     def require(self, step: int) -> None:
         """Figures need no OpenGL."""
@@ -68,13 +68,13 @@ def profile_figure(
 
     ends: of the axis of each column; choice: its size is about as many pixels high and wide.
     """
-    names = [name for name in LABELS if name in profile]
+    names = [name for name in _LABELS if name in profile]
     with mpl.rc_context(choice.theme.style):
         figure = Figure(figsize=(6.0, 1.2 + 1.7 * len(names)), dpi=choice.size / 6.0, layout="constrained")
         figure.suptitle(title, x=0.02, ha="left", fontsize=13)
         axes = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
         for name, panel in zip(names, axes, strict=True):
             panel.plot(profile["x"], profile[name], ".-", color=BLUE, ms=2, lw=1.0)
-            panel.set(ylabel=LABELS[name], xlim=ends["x"], ylim=ends[name])
+            panel.set(ylabel=_LABELS[name], xlim=ends["x"], ylim=ends[name])
         axes[-1].set_xlabel("x")
     return figure

@@ -12,13 +12,13 @@ import pyvista as pv
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array, Configuration
+from fsi.bodies.surface_gap import SurfaceGap, gap_between, narrowest_gap
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Integers, Lattice
 from fsi.postprocess.render.curved_cells import cells_within, mirrored, refine, stream_function
 from fsi.postprocess.render.fields import DISTURBANCE, RenderedField
-from fsi.postprocess.render.mean_flow import undisturbed
+from fsi.postprocess.render.mean_flow import UndisturbedFlow, undisturbed
 from fsi.postprocess.render.view import View, around_bodies, around_period
-from fsi.postprocess.run.gaps import SurfaceGap, gap_between, narrowest_gap
 from fsi.postprocess.run.probe import mean_pressure_gradient
 from fsi.postprocess.run.run import Run, nodes
 
@@ -114,6 +114,7 @@ def gap_at(run: Run, step: int, sides: tuple[int, int] | None, window: View) -> 
     container = run.container(step)
     if sides is None:
         narrowest = narrowest_gap(run.configuration(step), container)
+        assert narrowest is not None  # there are fields: the fluid has walls or periods
         gap = gap_between(run.meshed(step), container, narrowest.sides, narrowest.away)
     else:
         gap = gap_between(run.meshed(step), container, sides)
@@ -162,6 +163,7 @@ def tiled(grid: pv.UnstructuredGrid, container: Container, view: View) -> pv.Uns
     lattice = Lattice(container.periods)
     low, high = np.array(grid.bounds[:4]).reshape(2, 2).T
     G = mean_pressure_gradient(grid, lattice) if "pressure" in grid.point_data else np.zeros(2)
+    psi = UndisturbedFlow(np.zeros(2), container.mean_gradient).stream_function
     copies = []
     for m in _near(lattice, 0.5 * (low + high), view, float(grid.length)):
         e = lattice.shift(m)
@@ -174,17 +176,10 @@ def tiled(grid: pv.UnstructuredGrid, container: Container, view: View) -> pv.Uns
                 copy["pressure"] += e @ G
             if "psi" in copy.point_data:
                 x = np.asarray(copy.points)[:, :2]
-                copy["psi"] += mean_stream_function(container, x) - mean_stream_function(container, x - e)
+                copy["psi"] += psi(x) - psi(x - e)
             copies.append(copy)
     together = pv.merge(copies, merge_points=False)
     return together.clean(tolerance=_SAME_PLACE * view.half, remove_unused_points=False)
-
-
-def mean_stream_function(container: Container, x: Array) -> Array:
-    """That of the mean flow E x at points (n, 2), `E_xx x y + (E_xy y^2 - E_yx x^2) / 2`, (n,)."""
-    E = container.mean_gradient
-    psi: Array = E[0, 0] * x[:, 0] * x[:, 1] + 0.5 * (E[0, 1] * x[:, 1] ** 2 - E[1, 0] * x[:, 0] ** 2)
-    return psi
 
 
 def images(q: Configuration, container: Container, view: View) -> tuple[Configuration, NDArray[np.int64]]:

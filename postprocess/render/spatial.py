@@ -8,6 +8,7 @@ import pyvista as pv
 from matplotlib.cm import ScalarMappable
 
 from fsi.bodies.configuration import Array, Configuration
+from fsi.bodies.surface_gap import gap_between
 from fsi.errors import InputError
 from fsi.postprocess.render.canvas import INK, Picture, new_panel, new_spatial_panel
 from fsi.postprocess.render.cut import Cut, Flow, cut_cells, flow_on, plane_of_choice, through_gap
@@ -16,7 +17,6 @@ from fsi.postprocess.render.mean_flow import is_sheared
 from fsi.postprocess.render.periodic_box import PeriodicBox
 from fsi.postprocess.render.picture import FlowArtist, Framed, compose
 from fsi.postprocess.render.view import Choice, View, around_all
-from fsi.postprocess.run.gaps import gap_between
 from fsi.postprocess.run.run import Run
 
 _WIDE = 2.2  # of the window over that which just holds the bodies

@@ -9,10 +9,10 @@ import pyvista as pv
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
+from fsi.bodies.surface_gap import SurfaceGap
 from fsi.meshes.geometry.container import Container
 from fsi.postprocess.plots.figure import DARK, LIGHT, Theme
 from fsi.postprocess.render.fields import Span
-from fsi.postprocess.run.gaps import SurfaceGap
 
 _CLOSE_UP = 12.0  # width of the close-up, in gaps
 _STRIP = 0.4  # height of the close-up over its width: films are long

@@ -1,81 +1,8 @@
-"""The gap that is meant: the narrowest of all, or that between two sides of the user's choice."""
+"""Which gaps are meant: those that link bodies, or that between two sides of the user's choice."""
 
-from dataclasses import dataclass
-
-import numpy as np
-
-from fsi.bodies.configuration import Array, Configuration
-from fsi.bodies.gaps import feet_on_walls, foot_between, nearest_gaps
 from fsi.errors import InputError
-from fsi.meshes.geometry.container import Container
-from fsi.meshes.geometry.lattice import Lattice
 
-
-@dataclass(frozen=True, slots=True)
-class SurfaceGap:
-    """A gap between a body and what is opposite.
-
-    Attributes:
-        width: the distance of the surfaces.
-        middle: the point half-way, shape (d,).
-        sides: what lies on both sides, numbers of bodies and then of walls.
-        normal: the unit vector across it, from the first side to the second, shape (d,).
-        away: how far the image of a second body that is meant lies from it, shape (d,); of a wall None.
-    """
-
-    width: float
-    middle: Array
-    sides: tuple[int, int]
-    normal: Array
-    away: Array | None = None
-
-
-def narrowest_gap(q: Configuration, container: Container) -> SurfaceGap:
-    """The smallest of all gaps between bodies or to a wall."""
-    gaps = nearest_gaps(q, container)
-    if gaps.pair_gaps.min(initial=np.inf) == gaps.smallest():
-        pair = np.argmin(gaps.pair_gaps)
-        i, j = gaps.pairs[pair]
-        return gap_between(q, container, (int(i), int(j)), gaps.away[pair])
-    i, wall = np.unravel_index(np.argmin(gaps.wall_gaps), gaps.wall_gaps.shape)
-    return gap_between(q, container, (int(i), len(q) + int(wall)))
-
-
-def gap_between(
-    q: Configuration, container: Container, sides: tuple[int, int], away: Array | None = None
-) -> SurfaceGap:
-    """The gap of body `sides[0]` to another body, or to the wall of number `sides[1] - len(q)`.
-
-    away: how far the image of the other body that is meant lies from it; the nearest if not given.
-    """
-    i, j = sides
-    if q.shaped:
-        if j >= len(q):
-            foot = feet_on_walls(q, i, container)[j - len(q)]
-        else:
-            images = _images_near(q, container, sides) if away is None else [away]
-            feet = ((foot_between(q, i, j, e), e) for e in images)
-            foot, away = min(feet, key=lambda found: found[0].gap)
-        return SurfaceGap(foot.gap, 0.5 * (foot.x + foot.opposite), sides, 0.0 - foot.normal, away)
-    if j < len(q):
-        towards, lattice = q.centres[j] - q.centres[i], Lattice(container.periods)
-        if away is None:
-            away = -lattice.shift(lattice.nearest(towards[None]))[0]
-        towards += away
-        width = float(np.linalg.norm(towards)) - q.radii[i] - q.radii[j]
-    else:
-        x, wall = q.centres[i : i + 1], j - len(q)
-        towards = -container.normals(x)[0, wall]
-        width = float(container.distances(x)[0, wall]) - q.radii[i]
-    reach, normal = q.radii[i] + 0.5 * width, towards / np.linalg.norm(towards)
-    return SurfaceGap(float(width), q.centres[i] + reach * normal, sides, normal, away)
-
-
-def _images_near(q: Configuration, container: Container, sides: tuple[int, int]) -> Array:
-    """How far those images of a body lie from it that may be nearest to another one, (n, 2)."""
-    lattice, (i, j) = Lattice(container.periods), sides
-    m = lattice.nearest((q.centres[i] - q.centres[j])[None])
-    return lattice.shift(m + lattice.near(2.0 * float(q.radii.max())))
+CLOSE = 0.1  # gaps below this many mean radii link bodies
 
 
 def parse_sides(text: str, names: tuple[str, ...], walls: tuple[str, ...]) -> tuple[int, int]:

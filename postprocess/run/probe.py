@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pyvista as pv
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from fsi.bodies.configuration import Array, Configuration
@@ -32,7 +32,7 @@ _TOLERANCE = 1e-4
 _SAME_PLACE = 1e-12  # of the size of the domain: a mesh has images to rounding, and neighbours in narrow gaps
 
 
-def probe(run: Run, points: Array, step: int | None = None) -> pd.DataFrame:
+def probe(run: Run, points: ArrayLike, step: int | None = None) -> pd.DataFrame:
     """Velocity, pressure, vorticity and strain rate at points (n, d), a row for each, at a step.
 
     Columns x, y (with an axis r, z; in space x, y, z), `where` ("fluid", the name of the body that holds the
@@ -41,11 +41,11 @@ def probe(run: Run, points: Array, step: int | None = None) -> pd.DataFrame:
     1e-4 of a cell beyond the fluid's boundary counts as on it. Periodic flows have values at all images, as
     `fsi.Solution.evaluate`.
 
-    Raises InputError: the run has no fields of that step.
+    Raises InputError: the run has no fields of that step, or those are no points.
     """
     letters = "rz" if run.case.axisymmetric else "xyz"[: run.case.dimension]
     step = run.step(step)
-    points = np.asarray(points, dtype=float)
+    points = given_points(points, run.case.dimension)
     fluid, container = run.mesh(step), run.container(step)
     table = pd.DataFrame(dict(zip(letters, points.T, strict=True)) | {"where": FLUID})
     with np.errstate(over="ignore", invalid="ignore"):  # no integer tells which image is far out
@@ -56,6 +56,26 @@ def probe(run: Run, points: Array, step: int | None = None) -> pd.DataFrame:
         table[name] = np.nan
         table.loc[inside, name] = known
     return table
+
+
+def given_points(points: ArrayLike, d: int) -> Array:
+    """What a user gives as points, (n, d): also one point, or none. Raises InputError."""
+    try:
+        x = np.asarray(points)
+    except ValueError:  # rows of different lengths
+        x = np.empty(0, dtype=object)
+    if x.dtype.kind not in "biuf":
+        raise InputError(f"points: are no numbers, or not as many of each point; give (n, {d}) numbers")
+    if not x.size:
+        return np.empty((0, d))
+    x = np.asarray(x, dtype=float)
+    if x.ndim not in (1, 2):
+        raise InputError(f"points: an array of {x.ndim} dimensions; give (n, {d}) numbers")
+    if x.shape[-1] != d:
+        raise InputError(f"points have {x.shape[-1]} components where this geometry has {d}; give (n, {d})")
+    if not np.isfinite(x).all():
+        raise InputError(f"points: not all are finite; give (n, {d}) finite numbers")
+    return np.atleast_2d(x)
 
 
 @dataclass(frozen=True, slots=True)

@@ -53,8 +53,7 @@ def open_run(path: Path | str) -> Run:
     return Run(path)
 
 
-# By series: what is known at its nodes.
-_POINT_DATA = {"fluid": ("velocity",), "surface": ("traction",)}
+_POINT_DATA = {"fluid": ("velocity",), "surface": ("traction",)}  # known at nodes, by series
 
 
 @dataclass(frozen=True)
@@ -158,11 +157,13 @@ class Run:
 
     def nearest(self, time: float, series: str = "fluid") -> int:
         """The step with fields nearest to a time. Raises InputError."""
+        if not np.isfinite(time):
+            raise InputError(f"time = {time}: give a finite number")
         self.step(None, series)
         return int((self.times_of(series) - time).abs().idxmin())
 
     def time(self, step: int) -> float:
-        """Of a step, with fields or without."""
+        """Of a step, with fields or without. Raises InputError, as all that ask for a step: there is none."""
         return float(self.times[step]) if step in self.times.index else self._of_step(step, "t")
 
     def container(self, step: int) -> Container:
@@ -180,16 +181,15 @@ class Run:
         return self.case.domain.mean_drive().mean_stress is not None
 
     def _of_step(self, step: int, column: str) -> float:
-        return float(self.steps.loc[self.steps["step"] == step, column].iloc[0])
+        return float(_rows(self.steps, step)[column].iloc[0])
 
     def configuration(self, step: int) -> Configuration:
-        """Where the bodies were at a step."""
+        """Where the bodies were at a step. Raises InputError: bodies.csv has none of it."""
         start, d = self.case.configuration(), self.case.dimension
         if not len(start):
             return start
-        place = self.bodies.loc[self.bodies["step"] == step, list(PLACES[d])].to_numpy()
-        angles = place[:, d:].reshape(start.angles.shape)
-        return replace(start, centres=place[:, :d], angles=angles, strain=self.strain(step))
+        x, angles = np.hsplit(_rows(self.bodies, step)[list(PLACES[d])].to_numpy(), [d])
+        return replace(start, centres=x, angles=angles.reshape(start.angles.shape), strain=self.strain(step))
 
     def meshed(self, step: int) -> Configuration:
         """Where the fields of a step have the bodies: apart where laws stand for narrow gaps."""
@@ -200,8 +200,7 @@ class Run:
         if self.viscous:
             return self.case.container().distances(x)
         walls = room(self.case)
-        distances: Array = np.sum((x[:, None] - walls.points) * walls.normals, axis=2)
-        return distances
+        return np.asarray(np.sum((x[:, None] - walls.points) * walls.normals, axis=2))
 
     @property
     def end(self) -> float:
@@ -249,6 +248,14 @@ def _sound[T](read: Callable[[Path], T], path: Path) -> T:
         return read(path)
     except ValueError as error:
         raise InputError(f"{path}: is damaged ({error}); {_REMEDY}") from None
+
+
+def _rows(table: pd.DataFrame, step: int) -> pd.DataFrame:
+    """Those of a step. Raises InputError: there are none."""
+    rows = table.loc[table["step"] == step]
+    if rows.empty:
+        raise InputError(f"step = {step}: is not there, the last is {table['step'].iloc[-1]}; give another")
+    return rows
 
 
 def _step(entry: Entry) -> int:

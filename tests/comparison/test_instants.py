@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +14,7 @@ from typer.testing import CliRunner
 from fsi.case.case import Case
 from fsi.case.load import load_case
 from fsi.cli.main import app
-from fsi.comparison.instants import compare_instants
+from fsi.comparison.instants import compare_instants, instants_json
 from fsi.errors import InputError
 from fsi.models import make_model
 from tests.reduced_data import reduced_case
@@ -55,6 +57,22 @@ def test_the_errors_are_those_of_their_definitions() -> None:
         return np.array([first @ (U[1] - U[0])[:2], -U[2, 1], second @ (U[2] - U[1])[:2]])
 
     assert row.gap_rates == pytest.approx(norm(rates(off)) / norm(rates(one.U)))
+
+
+def test_a_viscosity_that_is_no_number_compares_with_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither that of a level, nor that of the first: JSON knows no NaN."""
+
+    def at(case: Case) -> Callable[..., SimpleNamespace]:
+        mu = float("nan") if case.drag == 5.0 else 1.5
+        U = np.ones((3, 3))
+        return lambda *_: SimpleNamespace(U=U, record={"apparent_viscosity": mu})
+
+    monkeypatch.setattr("fsi.comparison.instants.make_model", at)
+    known, unknown = three_discs(50.0), three_discs(5.0)
+    for cases in ({"a": known, "b": unknown}, {"a": unknown, "b": known}):
+        found = compare_instants(cases)
+        assert found["b"].viscosity is None
+        json.dumps(instants_json(found), allow_nan=False)
 
 
 def test_a_case_without_time_is_compared_at_its_instant(tmp_path: Path) -> None:

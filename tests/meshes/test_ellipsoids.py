@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fsi.bodies.configuration import Configuration
-from fsi.bodies.gaps import find_gaps, narrowest_gap
+from fsi.bodies.gaps import find_gaps
+from fsi.bodies.surface_gap import narrowest_gap
 from fsi.integration.gap_limiter import greatest_approach
 from fsi.meshes.build import build
 from fsi.meshes.errors import TouchingError
@@ -113,7 +114,7 @@ def test_gaps_of_a_configuration_turn_with_its_bodies() -> None:
     assert find_gaps(q.moved(turn), container).wall_gaps[0, 0] == pytest.approx(0.5, rel=1e-13)
     found = narrowest_gap(q.moved(turn), container)
     assert found is not None
-    np.testing.assert_allclose(found.place, [0.0, 0.0, 0.0], atol=1e-9)
+    np.testing.assert_allclose(found.opposite, [0.0, 0.0, 0.0], atol=1e-9)
     np.testing.assert_allclose(q.way_to(q.moved(turn)), turn, atol=1e-14)
     # It loses 1.5 of 2 on the whole way.
     assert greatest_approach(q, container, turn, 0.5).loss > 0.5

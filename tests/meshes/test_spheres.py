@@ -132,7 +132,7 @@ def test_sizes_follow_the_law() -> None:
     facets = len(on_facets(mesh(CUBE, [[0.0, 0.0, 0.0]], [1.0], Resolution(1.0, 40, 1.0)), 1)) * 2
     h = 2.0 * np.pi / 40
     # 1.15 as a regression: gmsh makes a few more; cells a tenth larger would be a fifth fewer.
-    assert facets == pytest.approx(1.15 * 4.0 * np.pi / (np.sqrt(3.0) / 4.0 * h**2), rel=0.08)
+    assert facets == pytest.approx(1.15 * 4.0 * np.pi / (np.sqrt(3.0) / 4.0 * h**2), rel=0.02)
 
 
 def test_a_mesh_is_the_same_twice() -> None:

@@ -75,6 +75,13 @@ def test_other_programs_read_xdmf(run: Path, monkeypatch: pytest.MonkeyPatch) ->
     assert len(list((run / "fields.data").iterdir())) == 8  # points, cells and two fields, twice
 
 
+def test_xdmf_has_a_name_that_its_readers_find(run: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """VTK reads no numbers of `é.data`: 0 cells, and a warning."""
+    assert fsi_command("export", run, "--format", "xdmf", "-o", run / "é.xdmf") == 2
+    assert "ASCII names only" in capfd.readouterr().err
+    assert list(run.glob("é*")) == []
+
+
 def test_xdmf_in_space(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     run = fsi.open_run(write_spatial_run(tmp_path))
     assert fsi_command("export", tmp_path, "--format", "xdmf", "-o", tmp_path / "in space.xdmf") == 0

@@ -10,6 +10,7 @@ import fsi
 from fsi.errors import InputError
 from fsi.meshes.cells.lagrange import reference_nodes
 from fsi.postprocess.export import export_revolved, revolved
+from tests.postprocess.spatial_run import write_spatial_run
 
 
 def meridian() -> pv.UnstructuredGrid:
@@ -51,7 +52,31 @@ def test_a_curve_becomes_a_surface_that_keeps_its_body() -> None:
     assert set(cylinder["body"]) == {7}
 
 
-def test_planar_runs_are_refused(run: Path) -> None:
-    with pytest.raises(InputError, match="the run is planar"):
-        export_revolved(fsi.open_run(run), run / "revolved", 360.0, 12)
-    assert not (run / "revolved").exists()
+def test_only_axisymmetric_runs_are_revolved(run: Path, tmp_path: Path) -> None:
+    in_space = tmp_path / "in_space"
+    in_space.mkdir()
+    for path, kind in (run, "planar"), (write_spatial_run(in_space), "spatial"):
+        with pytest.raises(InputError, match=f"the run is {kind}; only an axisymmetric"):
+            export_revolved(fsi.open_run(path), path / "revolved", 360.0, 12)
+        assert not (path / "revolved").exists()
+
+
+def test_nothing_is_left_of_a_revolution_that_fails(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """So that the command can be given again; a folder that was there is left alone."""
+    case, folder = run / "case.toml", run / "revolved"
+    case.write_text(case.read_text().replace('"planar"', '"axisymmetric"'))
+
+    def full(_: object, path: Path) -> None:
+        path.write_text("half a gr")
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(pv.UnstructuredGrid, "save", full)
+        with pytest.raises(InputError, match="No space left on device"):
+            export_revolved(fsi.open_run(run), folder, 90.0, 3)
+    assert not folder.exists()
+    folder.mkdir()
+    (folder / "mine.txt").touch()
+    with pytest.raises(InputError, match="give a new folder"):
+        export_revolved(fsi.open_run(run), folder, 90.0, 3)
+    assert [path.name for path in folder.iterdir()] == ["mine.txt"]

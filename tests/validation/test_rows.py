@@ -13,8 +13,9 @@ from fsi.case.case import Case
 from fsi.case.load import load_case
 from fsi.case.sections import Expected
 from fsi.comparison.motion import RateComparison, Trajectories
+from fsi.errors import InputError
 from fsi.validation import resolved
-from fsi.validation.rows import Row, reference
+from fsi.validation.rows import Row, reference, write_rows
 
 CASES = Path(__file__).parents[2] / "cases"
 ROW = Row("case", None, 0.1, "ball.force.z", 202.0, 0.01, 0.005, 200.0, 1e-6, 0.02, "", "a source")
@@ -90,3 +91,21 @@ def test_a_model_is_good_below_a_gap_if_nine_tenths_of_the_samples_are() -> None
 def test_levels_differ_from_the_first() -> None:
     gap = {name: np.array([[1.0, 2.0], [a, 2.0]]) for name, a in (("one", 1.0), ("two", 1.5), ("three", 4.0))}
     assert Trajectories(np.array([0.0, 1.0]), gap).differences == {"one": 0.0, "two": 0.5, "three": 3.0}
+
+
+def test_files_of_rows_appear_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a full disk those that were there before stay."""
+    write_rows([ROW], tmp_path)
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    assert set(before) == {"validation.json", "validation.csv"}
+    header, line = before["validation.csv"].decode().splitlines()
+    assert header.split(",")[:4] == ["case", "sweep", "gap", "quantity"]
+    assert line.split(",")[:4] == ["case", "", "0.1", "ball.force.z"]
+
+    def full(_: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.fsync", full)
+    with pytest.raises(InputError, match=r"validation\.json: No space left on device"):
+        write_rows([replace(ROW, value=1.0)], tmp_path)
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before

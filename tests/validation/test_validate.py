@@ -194,6 +194,11 @@ def test_names_are_those_of_files(tmp_path: Path) -> None:
         ('exact = "concentric_sphere"', "", "needs either a value or the name of an exact result"),
         ("values = [4.0, 2.0]", "values = []", "sweep.values"),
         ('key = "domain.radius"', 'key = "domain.radios"', "unknown key; use domain.radius"),
+        (
+            'key = "domain.radius"\nvalues = [4.0, 2.0]',
+            'key = "bodies.0.position.1"\nvalues = [0.0, 0.5]',
+            "is for a body at the centre",
+        ),
         ("[[expected]]", "[[expectid]]", "unknown key; use expected"),
         ("ball.force.z", "bell.force.z", "no such body; the nearest is 'ball'"),
         ("ball.force.z", "ball.torque", "a sphere on the axis does not turn"),

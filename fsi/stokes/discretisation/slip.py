@@ -149,8 +149,9 @@ def masses(x: Array, degree: int, *, axisymmetric: bool) -> tuple[Array, Array]:
     n = n * weights[:, None]
     if axisymmetric:
         n *= 2.0 * np.pi * (x[:, :, 0] @ phi.T)[..., None]
-    mass = np.einsum("eq,qi,qj->eij", np.linalg.norm(n, axis=2), phi, phi)
-    return mass, np.einsum("eqc,qi,qj->eijc", n, phi, phi)
+    products = np.einsum("qi,qj->qij", phi, phi)
+    mass = np.tensordot(np.linalg.norm(n, axis=2), products, 1)
+    return mass, np.moveaxis(np.tensordot(n.swapaxes(1, 2), products, 1), 1, -1)
 
 
 def _nodes_of(forms: Forms, facets: NDArray[np.int32], x: Array) -> tuple[Index, Array]:

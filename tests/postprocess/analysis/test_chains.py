@@ -14,6 +14,7 @@ import fsi
 from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError
 from fsi.pores.instant import PoreInstant
+from fsi.postprocess.analysis import chains
 from fsi.postprocess.analysis.chains import chains_data, read_chains, wall_to_wall
 from fsi.postprocess.analysis.links import ChainLinks, find_links
 from fsi.postprocess.run.run import open_run
@@ -74,10 +75,11 @@ def test_unequal_discs_have_their_reduced_radius(run: Path) -> None:
     assert links.dissipation[k] == pytest.approx(kappa * 1.0**2, rel=1e-9)
 
 
-def test_more_room_makes_longer_links(run: Path) -> None:
+def test_more_room_makes_longer_links(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Gaps below 0.03 of the mean radius 5/6 are only those to the walls."""
-    assert {chain.bodies for chain in read_chains(open_run(run), 1, close=0.03).chains} == {(0,), (2,)}
     assert {chain.bodies for chain in read_chains(open_run(run), 1).chains} == {(0, 1, 2), (3, 4)}
+    monkeypatch.setattr(chains, "CLOSE", 0.03)
+    assert {chain.bodies for chain in read_chains(open_run(run), 1).chains} == {(0,), (2,)}
 
 
 def test_the_table_and_the_picture(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -196,7 +198,7 @@ def test_gaps_that_a_run_stored_are_taken_with_its_law(
 
 
 def test_of_many_pairs_the_stored_gaps_are_those_that_were_written(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Three discs, nearly in a row, none far from another: their pairs dissipate all, as there is no drag."""
     data = load_case(CASES / "levels.toml", LEVELS).as_data()
@@ -206,7 +208,8 @@ def test_of_many_pairs_the_stored_gaps_are_those_that_were_written(
     data["bodies"] = [*data["bodies"], third]
     fsi.run(parse_case(data), tmp_path / "run")
     run = open_run(tmp_path / "run")
-    found = read_chains(run, int(run.times_of("contacts").index[-1]), close=5.0)
+    monkeypatch.setattr(chains, "CLOSE", 5.0)
+    found = read_chains(run, int(run.times_of("contacts").index[-1]))
     assert sorted(found.links.gaps) == pytest.approx(sorted(run.mesh(found.step, "contacts")["gap"]))
     assert run.steps["drift"].iloc[-1] > 1e-3
     assert found.links.dissipation.sum() == pytest.approx(found.dissipation, rel=1e-3)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from fsi.errors import InputError
@@ -36,9 +37,33 @@ def test_table_and_plot(settling_run: Fill, capsys: pytest.CaptureFixture[str]) 
     assert fsi_command("analyse", "settling", run) == 0
     printed = capsys.readouterr().out
     assert "relative difference" in printed
+    assert "disc settling onto a plane" in printed
     worst = next(line for line in printed.splitlines() if f"{exact_times(GAPS)[17]:.6g}" in line)
     assert "+3.0e-03" in worst
     assert (run / "settling.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_sphere_is_called_one(
+    settling_run: Fill, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the table, the picture, and what is said where there is no exact law."""
+    run, titles = settling_run([0.0, 1.0], [1.2, 1.19]), list[str]()
+    case = (run / "case.toml").read_text().replace('"planar"', '"axisymmetric"')
+    (run / "case.toml").write_text(case)
+    draw = Axes.set
+
+    def note(axes: Axes, **given: object) -> object:
+        titles.extend(str(value) for name, value in given.items() if name == "title")
+        return draw(axes, **given)
+
+    monkeypatch.setattr(Axes, "set", note)
+    assert fsi_command("analyse", "settling", run) == 0
+    printed = capsys.readouterr().out
+    assert "sphere settling onto a plane" in printed
+    assert titles == ["sphere settling onto a plane under a constant force"]
+    (run / "case.toml").write_text(case.replace("force = [0.0, -1.0]", "velocity = [0.0, -1.0]"))
+    with pytest.raises(InputError, match="a sphere that settles has"):
+        read_settling(open_run(run))
 
 
 def test_rows_spread_over_the_logarithm_of_the_gap() -> None:

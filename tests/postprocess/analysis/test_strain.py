@@ -5,7 +5,7 @@ import pytest
 
 from fsi.case.case import Case
 from fsi.case.load import parse_case
-from fsi.postprocess.analysis.strain import accumulated_strain
+from fsi.postprocess.analysis.strain import accumulated_strain, strain_rate
 
 
 def sheared(**domain: object) -> Case:
@@ -18,19 +18,45 @@ def channel(top: object) -> Case:
     return sheared(lower=[0.0, 0.0], upper=[4.0, 4.0], periodic=["x"], walls={"top": top})
 
 
+def channel_in_space(top: list[object], bottom: list[object]) -> Case:
+    """One of height 4 whose walls do not stand symmetrically, of one sphere."""
+    domain = {"lower": [0.0, 0.0, -1.0], "upper": [4.0, 4.0, 3.0], "periodic": ["x", "y"]}
+    walls = {"top": top, "bottom": bottom}
+    ball = {"name": "ball", "radius": 0.5, "position": [2.0, 2.0, 1.0]}
+    return parse_case(
+        {
+            "name": "in space",
+            "geometry": "spatial",
+            "fluid": {"viscosity": 1.0},
+            "domain": domain | {"walls": walls},
+            "bodies": [ball],
+        }
+    )
+
+
 @pytest.mark.parametrize(
     ("case", "rate"),
     [
         (channel([8.0, 0.0]), 2.0),
+        (channel([-8.0, 0.0]), -2.0),
+        (channel_in_space([6.0, 0.0, 0.0], [-2.0, 0.0, 0.0]), 2.0),
+        (channel_in_space([0.0, -6.0, 0.0], [0.0, 2.0, 0.0]), -2.0),
         (sheared(shape="cell", vectors=[[4.0, 0.0], [0.0, 4.0]], shear=3.0), 3.0),
         (sheared(shape="cell", vectors=[[4.0, 0.0], [0.0, 4.0]], extension=3.0), 6.0),
     ],
-    ids=["walls", "shear", "extension"],
+    ids=["walls", "backwards", "in space", "along y", "shear", "extension"],
 )
 def test_rate_of_walls_and_of_cells(case: Case, rate: float) -> None:
+    """(u_top - u_bottom) / H between walls, sqrt(2 E:E) of cells."""
     strain = accumulated_strain(case, np.array([0.0, 0.5, 2.0]))
     assert strain is not None
     np.testing.assert_allclose(strain, np.array([0.0, 0.5, 2.0]) * rate)
+
+
+def test_strain_rate_of_a_channel_in_space() -> None:
+    """E_xz = E_zx = (u_top - u_bottom) / 2H = 1, all others are 0."""
+    E = strain_rate(channel_in_space([6.0, 0.0, 0.0], [-2.0, 0.0, 0.0]), 0.0)
+    np.testing.assert_array_equal(E, [[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
 
 
 def test_rate_that_varies_between_steps() -> None:

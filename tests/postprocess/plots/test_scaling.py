@@ -17,7 +17,12 @@ def test_draws_each_curve_with_its_exponent(tmp_path: Path, monkeypatch: pytest.
     """log(1.068 / 0.025) / log(100) = 0.815 is what three equally spaced points fit; 4 s for 4 N is N^1."""
     write_scaling(tmp_path / "b.json", "a step", "discs", CURVES)
     drawn: list[Figure] = []
-    monkeypatch.setattr(Figure, "savefig", lambda figure, *_, **__: drawn.append(figure))
+
+    def savefig(figure: Figure, path: Path, **_: object) -> None:
+        path.touch()
+        drawn.append(figure)
+
+    monkeypatch.setattr(Figure, "savefig", savefig)
     plot_scaling(tmp_path / "b.json", tmp_path / "b.png")
     labels = [text.get_text() for text in drawn[0].axes[0].get_legend().get_texts()]  # type: ignore[union-attr]
     assert labels[:2] == ["distance, $N^{0.82}$", "linear, $N^{1.00}$"]

@@ -5,10 +5,10 @@ import pytest
 import pyvista as pv
 
 from fsi.bodies.configuration import Configuration
+from fsi.bodies.surface_gap import gap_between, narrowest_gap
 from fsi.meshes.geometry.containers import Box
 from fsi.postprocess.render.scenes import tiled
 from fsi.postprocess.render.view import View
-from fsi.postprocess.run.gaps import gap_between, narrowest_gap
 
 RISE = -0.3
 CHANNEL = Box((0.0, 0.0), (1.0, 1.0), periodic=("x",))
@@ -33,5 +33,6 @@ def test_gap_to_the_nearest_image(shift: float) -> None:
     """Discs at 0.1 and 0.95 - or periods away - face each other across the end of the period."""
     q = Configuration(np.array([[0.1, 0.5], [0.95 + shift, 0.5]]), np.zeros(2), np.array([0.05, 0.06]))
     for gap in (narrowest_gap(q, CHANNEL), gap_between(q, CHANNEL, (0, 1))):
+        assert gap is not None
         assert gap.width == pytest.approx(0.15 - 0.11)
         assert gap.middle[0] == pytest.approx(0.03)

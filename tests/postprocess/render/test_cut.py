@@ -10,12 +10,12 @@ from matplotlib.image import imread
 
 import fsi
 from fsi.bodies.configuration import Configuration
+from fsi.bodies.surface_gap import gap_between
 from fsi.meshes.geometry.containers import Box
 from fsi.postprocess.render.cut import Cut, flow_on, through_gap
 from fsi.postprocess.render.fields import rendered_field
 from fsi.postprocess.render.render import render_run
 from fsi.postprocess.render.view import Choice, View
-from fsi.postprocess.run.gaps import gap_between
 from tests.postprocess.spatial_run import velocity, write_spatial_run
 
 BOX = Box((-9.0, -9.0, -9.0), (9.0, 9.0, 9.0))

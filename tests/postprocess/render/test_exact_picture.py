@@ -156,13 +156,13 @@ def test_what_is_written_above_pictures_and_beside_them(
 
 @pytest.mark.usefixtures("drawing")
 def test_what_is_written_above_a_gap(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A disc 0.2 above a plane, in a window of 5 and one of twelve gaps."""
+    """A disc 0.2 above a plane, in a window of 5 and one of twelve gaps; no labels of a bar meet."""
     bars: list[Any] = []
     drawing = Figure.colorbar
 
     def colorbar(figure: Figure, shades: Any, **more: Any) -> Any:
-        bars.append(shades)
-        return drawing(figure, shades, **more)
+        bars.append(drawing(figure, shades, **more))
+        return bars[-1]
 
     monkeypatch.setattr(Figure, "colorbar", colorbar)
     ((title, panels),) = drawn_around(fsi.open_run(run), [2], Choice(size=100), monkeypatch)
@@ -172,11 +172,14 @@ def test_what_is_written_above_a_gap(run: Path, monkeypatch: pytest.MonkeyPatch)
         "narrowest gap, 0.2: pressure and mesh",
     ]
     assert [panel.half for panel in panels] == pytest.approx([2.5, 1.2])
-    assert bars == [panel.shades for panel in panels]
+    assert [bar.mappable for bar in bars] == [panel.shades for panel in panels]
     ((_, (only,)),) = drawn_around(
         fsi.open_run(run), [2], Choice("pressure", "disc,plane", size=100), monkeypatch
     )
     assert only.title == "gap disc - plane, 0.2: pressure"
+    (signed,) = bars[2:]
+    assert isinstance(signed.norm, SymLogNorm)
+    assert np.diff(signed.norm(np.sort(signed.get_ticks()))).min() > 0.05  # 1e-2 beside 0 is at 0.013
 
 
 def test_the_scale_bar_is_as_long_as_it_says() -> None:

@@ -13,13 +13,13 @@ from PIL.GifImagePlugin import GifImageFile
 
 import fsi
 from fsi.bodies.configuration import Configuration
+from fsi.bodies.surface_gap import SurfaceGap, narrowest_gap
 from fsi.errors import InputError
 from fsi.meshes.geometry.containers import Box, HalfPlane
 from fsi.postprocess.render import canvas
 from fsi.postprocess.render.picture import round_length
 from fsi.postprocess.render.render import render_run
 from fsi.postprocess.render.view import Choice, View, around_bodies
-from fsi.postprocess.run.gaps import SurfaceGap, narrowest_gap
 
 BODY = (0xF3, 0xEF, 0xE6)
 WALL = (0xC9, 0xC9, 0xC9)
@@ -142,6 +142,7 @@ def test_close_up_is_centred_on_the_narrowest_gap(
 ) -> None:
     q = Configuration(np.array(centres), np.zeros(len(centres)), np.ones(len(centres)))
     found = narrowest_gap(q, Box((0.0, 0.0), (10.0, 10.0)))
+    assert found is not None
     view = View(np.array([5.0, 5.0]), 5.0).close_up(found)
     assert found.width == pytest.approx(gap)
     np.testing.assert_allclose(view.centre, middle, atol=1e-9)
@@ -151,8 +152,9 @@ def test_close_up_is_centred_on_the_narrowest_gap(
 def test_close_up_at_a_curved_wall_points_outwards() -> None:
     ray = np.array([0.6, 0.8])
     q = Configuration(4.9 * ray[None], np.zeros(1), np.ones(1))
-    view = narrowest_gap(q, HalfPlane(6.0))
-    np.testing.assert_allclose(view.middle, 5.95 * ray, atol=1e-6)
+    found = narrowest_gap(q, HalfPlane(6.0))
+    assert found is not None
+    np.testing.assert_allclose(found.middle, 5.95 * ray, atol=1e-6)
 
 
 def test_no_close_up_of_wide_gaps() -> None:

@@ -1,4 +1,4 @@
-"""Which gap is the narrowest, and its history in a plot, also where bodies are far apart."""
+"""The history of gaps in a plot, also where bodies are far apart."""
 
 from pathlib import Path
 
@@ -6,20 +6,9 @@ import numpy as np
 import pytest
 
 import fsi
-from fsi.bodies.configuration import Configuration
 from fsi.case.load import parse_case
-from fsi.meshes.geometry.containers import Box
 from fsi.postprocess.plots.histories import Asked, _gaps
-from fsi.postprocess.run.gaps import narrowest_gap
 from fsi.runs import run
-
-
-def test_two_discs_far_apart_are_narrower_than_to_the_walls() -> None:
-    """4 apart in a box whose walls are 16 away."""
-    q = Configuration.unturned(np.array([[-3.0, 0.0], [3.0, 0.0]]), np.ones(2))
-    found = narrowest_gap(q, Box((-20.0, -20.0), (20.0, 20.0)))
-    assert (found.width, found.sides) == (4.0, (0, 1))
-    np.testing.assert_array_equal(found.middle, [0.0, 0.0])
 
 
 def test_gaps_of_a_pair_that_parts_go_on(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """Values of flow in space, at points of the user's choice."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,6 +21,32 @@ def test_pressure_is_found_in_curved_tetrahedra(tmp_path: Path) -> None:
     # The cells are bent: a flow of second degree is met to their error only.
     np.testing.assert_allclose(table["u_x"], x[:, 1] * x[:, 2], atol=0.3)
     assert {"vorticity_x", "vorticity_y", "vorticity_z", "strain_rate"} <= {*table}
+
+
+@pytest.mark.parametrize(
+    ("points", "words"),
+    [
+        ([[0.0, 1.0]], "points have 2 components where this geometry has 3; give"),
+        ([0.0], "points have 1 components where this geometry has 3; give"),
+        (np.zeros((1, 1, 3)), r"points: an array of 3 dimensions; give \(n, 3\) numbers"),
+        (1.0, "points: an array of 0 dimensions; give"),
+        ([[0.0, np.nan, 0.0]], "points: not all are finite; give"),
+        ([[0.0, np.inf, 0.0]], "points: not all are finite; give"),
+        ([[0.0, 1.0, 0.0], [1.0]], "points: are no numbers, or not as many of each point; give"),
+        ("a", "points: are no numbers"),
+        (None, "points: are no numbers"),
+        (np.array([[0.0, 1.0j, 0.0]]), "points: are no numbers"),
+    ],
+)
+def test_what_is_no_point_is_refused(points: Any, words: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=f"^{words}"):
+        probe(fsi.open_run(write_spatial_run(tmp_path)), points)
+
+
+def test_one_point_or_none(tmp_path: Path) -> None:
+    run = fsi.open_run(write_spatial_run(tmp_path))
+    assert probe(run, [0.5, 0.0, 0.0])["where"].tolist() == ["fluid"]
+    assert probe(run, []).empty
 
 
 def test_rectangles_lie_across_an_axis() -> None:

@@ -45,6 +45,19 @@ def test_a_step_that_is_not_the_only_one(run: Path) -> None:
         fsi.open_run(run).mesh(2)
 
 
+def test_steps_and_times_that_are_none(run: Path, tmp_path: Path) -> None:
+    start(small_case(time={"end": 0.1}), tmp_path / "small")
+    small = fsi.open_run(tmp_path / "small")
+    last = small.steps["step"].iloc[-1]
+    for ask in (small.time, small.container, small.configuration):
+        with pytest.raises(InputError, match=f"^step = 99: is not there, the last is {last}; give"):
+            ask(99)
+    opened = fsi.open_run(run)
+    for time in (np.nan, np.inf):
+        with pytest.raises(InputError, match=f"^time = {time}: give a finite number$"):
+            opened.nearest(time)
+
+
 def test_a_run_without_fields(run: Path) -> None:
     (run / "fluid.pvd").unlink()
     opened = fsi.open_run(run)

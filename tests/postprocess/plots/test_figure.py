@@ -1,0 +1,48 @@
+"""How figures are saved."""
+
+from pathlib import Path
+
+import pytest
+from matplotlib.figure import Figure
+
+from fsi.errors import InputError
+from fsi.postprocess.plots.figure import SUFFIXES, require_figure, saved_figure
+
+
+def test_a_picture_that_is_there_stays_until_the_new_one_is_complete(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A disk that fills half-way through leaves the old picture, and nothing of the new one."""
+
+    def full(_: Figure, path: Path, **__: object) -> None:
+        path.write_bytes(b"half a pic")
+        raise OSError(28, "No space left on device")
+
+    (tmp_path / "a.png").write_bytes(b"the old one")
+    monkeypatch.setattr(Figure, "savefig", full)
+    with (
+        pytest.raises(InputError, match=r"a\.png: No space left on device"),
+        saved_figure(tmp_path / "a.png", (1.0, 1.0)),
+    ):
+        pass
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {"a.png": b"the old one"}
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_figure_has_the_format_of_its_suffix(suffix: str, tmp_path: Path) -> None:
+    path = tmp_path / f"a{suffix}"
+    require_figure(path)
+    with saved_figure(path, (1.0, 1.0)):
+        pass
+    begins = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
+    assert path.read_bytes().startswith(begins[suffix])
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("name", ["a.foo", "a", "nowhere/a.png"])
+def test_what_is_no_path_of_a_figure_is_refused(name: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"give the path of a \.png, \.svg or \.pdf file"):
+        require_figure(tmp_path / name)
+    with pytest.raises(InputError, match="choose another path"), saved_figure(tmp_path / name, (1.0, 1.0)):
+        pass
+    assert list(tmp_path.iterdir()) == []
