@@ -210,6 +210,20 @@ def test_a_flow_that_misses_an_identity_is_solved_again(
         solved(case(BOX, solver="iterative"))
 
 
+@pytest.mark.parametrize("force", [0.0, -1.0])
+def test_walls_that_carry_all_along_are_as_exact_as_walls_at_rest(force: float) -> None:
+    """Forces are a small part of what such walls do: identities were off by 1e-8 to 2e-7, and refused."""
+    walls = {wall: [0.0, 1.0, 0.0] for wall in ("left", "right", "front", "back", "bottom", "top")}
+    ball = {"name": "ball", "radius": 0.8, "position": [0.5, 0.3, 0.2], "force": [0.0, force, 0.0]}
+    domain = {"lower": [-2.0, -2.0, -2.0], "upper": [2.0, 2.0, 3.0]}
+    at_rest, carried = (
+        solved(case(BOX | {"domain": domain | {"walls": given}, "bodies": [ball]}, solver="iterative"))
+        for given in ({}, walls)
+    )
+    assert_allclose(carried.U, at_rest.U + np.eye(6)[1], rtol=0, atol=1e-8)
+    assert_allclose(carried.F, at_rest.F, rtol=0, atol=1e-9)
+
+
 def test_resistance_in_space() -> None:
     found = case_resistance(case(BOX))
     assert found.R.shape == (12, 12)

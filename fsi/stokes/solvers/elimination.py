@@ -32,7 +32,7 @@ from petsc4py import PETSc
 
 import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
-from fsi.bodies.gaps import narrowest_gap
+from fsi.bodies.surface_gap import narrowest_gap
 from fsi.errors import RefusedError, SolveError
 from fsi.stokes.discretisation.cells import StokesCells
 from fsi.stokes.discretisation.constraints import DofLayout, RigidModes
@@ -40,6 +40,7 @@ from fsi.stokes.discretisation.forms import Form, Forms
 from fsi.stokes.discretisation.nodes import BoundaryNodes
 from fsi.stokes.discretisation.slip import SlidingFacets
 from fsi.stokes.problem import StokesProblem
+from fsi.stokes.solvers.components import COMPONENTS
 from fsi.stokes.solvers.extended import multiply, multiply_transpose
 from fsi.stokes.solvers.gmres import TOLERANCE, Iteration, SchurBlocks
 from fsi.stokes.solvers.multigrid import levels
@@ -238,7 +239,7 @@ def factorised(system: StokesSystem) -> Iterator[Responses]:
 def _is_narrow(problem: StokesProblem) -> bool:
     """Whether fluid may be shut in by gaps below NARROW."""
     narrowest = narrowest_gap(problem.q, problem.container)
-    return narrowest is not None and narrowest.gap < NARROW * problem.q.radii[narrowest.between[0]]
+    return narrowest is not None and narrowest.width < NARROW * problem.q.radii[narrowest.sides[0]]
 
 
 def _solutions(problem: StokesProblem, solver: Factorisation | Iteration, rhs: Array) -> tuple[Array, Array]:
@@ -270,6 +271,8 @@ def _iteration(system: StokesSystem, mass: PETSc.Mat, elimination: Elimination) 
     held = np.flatnonzero(system.problem.motion.held.ravel())[: system.modes_here]
     reduced.zeroRowsColumns((start + first_mode + held).astype(PETSc.IntType), diag=1.0)
     pressures = int(layout.free[layout.velocities :].sum())
+    of_nodes = np.tile(np.eye(COMPONENTS), ((first_mode - pressures) // COMPONENTS, 1))
+    of_bodies = np.eye(layout.modes_of_each, COMPONENTS) * ~system.problem.motion.held[..., None]
     modes = np.arange(first_mode, first_mode + system.modes_here)
     of_pressures = np.arange(first_mode - pressures, first_mode)
     films = film_matrix(system.problem, system.forms, mass)
@@ -281,6 +284,7 @@ def _iteration(system: StokesSystem, mass: PETSc.Mat, elimination: Elimination) 
             mass=elimination.tied(mass, of_pressures),
             films=elimination.tied(films, of_pressures),
             closed=not system.problem.boundary.pressures,
+            translations=np.concatenate([of_nodes, of_bodies.reshape(-1, COMPONENTS)[: system.modes_here]]),
         )
         return Iteration(reduced, blocks, system.tolerance)
 

@@ -34,6 +34,7 @@ import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.errors import SolveError, apart
 from fsi.stokes.solvers.components import COMPONENTS
+from fsi.stokes.solvers.extended import multiply
 from fsi.stokes.solvers.multigrid import Levels
 from fsi.stokes.solvers.schur import SchurComplement
 
@@ -88,6 +89,7 @@ class SchurBlocks:
         mass: of the pressures, / 2 mu.
         films: of Reynolds' equation.
         closed: whether a constant pressure changes nothing.
+        translations: of all free nodes and bodies, in the rows u, (rows, 3).
     """
 
     u: NDArray[np.int64]
@@ -96,6 +98,7 @@ class SchurBlocks:
     mass: PETSc.Mat
     films: PETSc.Mat
     closed: bool
+    translations: Array
 
 
 class Iteration(AbstractContextManager["Iteration"]):
@@ -105,13 +108,17 @@ class Iteration(AbstractContextManager["Iteration"]):
         """Set up; tolerance: of residuals."""
         self.matrix, self.iterations, self._tolerance = matrix, 0, tolerance
         self._closed = blocks.closed
+        start = matrix.getOwnershipRange()[0]
         self._constant = matrix.createVecRight()
-        self._constant.array[blocks.p - matrix.getOwnershipRange()[0]] = 1.0
+        self._constant.array[blocks.p - start] = 1.0
         self._constant.normalize()
         if blocks.closed:
             null_space = PETSc.NullSpace().create(vectors=[self._constant], comm=matrix.comm)
             matrix.setNullSpace(null_space)
             null_space.destroy()
+        self._translations = np.zeros((matrix.getLocalSize()[0], COMPONENTS))
+        self._translations[blocks.u - start] = blocks.translations
+        self._of_translations = np.column_stack([multiply(matrix, t) for t in self._translations.T])
         self._ksp = _solver(matrix, blocks)
         self._ksp.setTolerances(rtol=tolerance, max_it=MOST_ITERATIONS)
 
@@ -131,7 +138,8 @@ class Iteration(AbstractContextManager["Iteration"]):
 
     def _solve_one(self, b: Array) -> tuple[Array, float]:
         x, right = self.matrix.createVecs()
-        right.array[:] = b
+        c = self._carried(b)
+        right.array[:] = b - self._of_translations @ c
         if self._closed:
             right.axpy(-right.dot(self._constant), self._constant)
         size, residual, iterations, relative = right.norm(), right.duplicate(), 0, np.inf
@@ -151,10 +159,22 @@ class Iteration(AbstractContextManager["Iteration"]):
                 f"{iterations} iterations (bound {self._tolerance:g}); "
                 'set discretisation.solver = "direct", or change discretisation.cells_per_gap'
             )
-        values: Array = x.array.copy()
+        values: Array = x.array + self._translations @ c
         for used in (x, right, residual):
             used.destroy()
         return values, relative
+
+    def _carried(self, b: Array) -> Array:
+        """The translation c that leaves least of b, (3,), where that is less than half; else 0; collective.
+
+        Where walls carry everything along alike b is what they do, and forces are a tiny part of it.
+        """
+        of_rank = np.column_stack([self._of_translations, b])
+        gram = of_rank.T @ of_rank
+        self.matrix.comm.tompi4py().Allreduce(MPI.IN_PLACE, gram)
+        c: Array = np.linalg.lstsq(gram[:-1, :-1], gram[:-1, -1])[0]
+        left = gram[-1, -1] - gram[-1, :-1] @ c
+        return c if left < 0.25 * gram[-1, -1] else np.zeros_like(c)
 
 
 def _solver(matrix: PETSc.Mat, blocks: SchurBlocks) -> PETSc.KSP:
