@@ -181,11 +181,11 @@ def test_with_inertia_discs_approach_their_quasi_static_velocities(case_file: Pa
     q = Configuration(centres[-1], np.zeros(2), case.configuration().radii)
     quasi_static = StokesModel(case)(q, 0.3).U[:, 1]
     np.testing.assert_allclose(V[0], 0.0, atol=1e-6)
-    # Each by itself, with R = F / V: V (1 - exp(-R t / m)); what they drag each other along makes 11 %. Half
-    # or twice the mass or the step would be off by 30 % and more.
+    # Each by itself, with R = F / V: V (1 - exp(-R t / m)); what they drag each other along makes 12 %,
+    # as measured. Half or twice the mass or the step would be off by 30 % and more.
     t = table["t"].reshape(-1, 2)[1, 0]
     R = np.array([-40.0, -20.0]) / quasi_static
-    np.testing.assert_allclose(V[1], quasi_static * -np.expm1(-R * t / 0.2), rtol=0.15)
+    np.testing.assert_allclose(V[1], quasi_static * -np.expm1(-R * t / 0.2), rtol=0.13)
     np.testing.assert_allclose(V[-1], quasi_static, rtol=0.01)
 
 

@@ -15,13 +15,13 @@ Source: the isotropic resistance of fast lubrication dynamics, A. Kumar and J. J
 (2010) 051401, who fit it to the mean self-mobility of Stokesian dynamics; here the flow is resolved.
 """
 
-from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
 from scipy.optimize import brentq
 
 from fsi.bodies.configuration import Array
+from fsi.calibration.pair import LEFT_OUT
 from fsi.case.case import Case
 from fsi.case.checks.reduced import relative_cutoff
 from fsi.case.drag_file import DragFile
@@ -33,8 +33,6 @@ from fsi.run_folder.provenance import launch
 
 # Drags are looked for between these, over mu.
 _LEAST, _MOST = 1e-6, 1e9
-# Sections of a case that its resistance does not have.
-_LEFT_OUT = {"calibration", "time", "output", "expected", "sweep", "forces"}
 
 
 def reduced_model(case: Case) -> ReducedModel:
@@ -43,7 +41,7 @@ def reduced_model(case: Case) -> ReducedModel:
         raise InputError(
             f'geometry = "{case.geometry}": spheres on an axis have no mean mobility; the drag is 6 pi'
         )
-    data = {key: value for key, value in case.as_data().items() if key not in _LEFT_OUT}
+    data = {key: value for key, value in case.as_data().items() if key not in LEFT_OUT}
     section = {key: value for key, value in data["reduced"].items() if key != "drag_from"}
     return ReducedModel(parse_case(data | {"model": "reduced", "reduced": section | {"drag": 1.0}}))
 
@@ -74,13 +72,9 @@ def calibrated_drag(
     drag = float(brentq(lambda x: mobility(x) - target, _LEAST, _MOST, rtol=1e-12))
     slope = (mobility(1.001 * drag) - mobility(0.999 * drag)) / (0.002 * drag)
     found = {"case": source.name, "name": case.name, "bodies": len(q), "mean_mobility": target}
-    here, now = launch(), datetime.now(UTC).isoformat(timespec="seconds")
-    found |= {
-        "computed": now,
-        "command": here["command"],
-        "git": here["git"] or "",
-        "packages": here["packages"],
-    }
+    here = launch()
+    found |= {"computed": here["started"], "command": here["command"]}
+    found |= {"git": here["git"] or "", "packages": here["packages"]}
     return DragFile(
         drag=drag,
         error=error / abs(slope),

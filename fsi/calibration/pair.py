@@ -32,13 +32,14 @@ from fsi.case.sections import Calibration
 from fsi.errors import InputError
 from fsi.integration.state import Results
 from fsi.lubrication.expansions import LawShape
+from fsi.lubrication.sliding import tangents
 from fsi.meshes.geometry.feet import Foot
 from fsi.meshes.geometry.outline import Outline
 from fsi.meshes.geometry.placed import Placed
 from fsi.meshes.geometry.wall_feet import wall_feet
 
-# Sections of a case that its samples do not have.
-_LEFT_OUT = {"calibration", "time", "output", "expected", "sweep", "forces", "reduced"}
+# Sections of a case that none of its resistances has.
+LEFT_OUT = frozenset({"calibration", "time", "output", "expected", "sweep", "forces"})
 # Of a body, its samples have these keys.
 _PLACE = ("name", "radius", "shape", "angle", "position")
 # Radii are equal to this, relative.
@@ -99,7 +100,7 @@ class Pair:
     def at(self, gap: float) -> Case:
         """The case at this gap, with its unit motion alone. Raises InputError: bodies have no room there."""
         centre = self.case.configuration().centres[self.first] + (gap - self.gap) * self.normal
-        data: dict[str, Any] = self.case.model_dump(exclude_none=True, exclude=_LEFT_OUT)
+        data: dict[str, Any] = self.case.model_dump(exclude_none=True, exclude={*LEFT_OUT, "reduced"})
         data["bodies"] = list(data["bodies"])
         for i, body in enumerate(data["bodies"]):
             place = {key: body[key] for key in _PLACE if key in body}
@@ -142,7 +143,7 @@ class Pair:
     def _unit_loads(self, i: int, gap: float) -> Array:
         """Force and torque on body i of two, which are also the factors of its modes in the rate, (M,)."""
         n, mode, sign = self.normal, self.plan.mode, 1.0 if i == self.first else -1.0
-        t = np.array([-n[1], n[0]]) if len(n) == 2 else _across(n)
+        t = tangents(n[None])[0][0]
         m = np.ones(1) if len(n) == 2 else np.cross(n, t)
         if mode == "squeeze":
             return np.concatenate([sign * n, 0.0 * m])
@@ -260,12 +261,6 @@ def _is_sharp(outline: Outline) -> bool:
 def _turning(values: list[float]) -> float | tuple[float, ...]:
     """As a case has rotations and torques: a number in the plane."""
     return values[0] if len(values) == 1 else tuple(values)
-
-
-def _across(n: Array) -> Array:
-    """A unit vector across n in space."""
-    across: Array = np.cross(n, np.eye(3)[np.abs(n).argmin()])
-    return across / np.linalg.norm(across)
 
 
 def _beside_wall(case: Case, first: int, wall: str) -> Pair:

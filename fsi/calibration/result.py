@@ -1,7 +1,6 @@
 """What a calibration finds: a law, its coefficients against theory, its error against samples held out."""
 
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
@@ -153,9 +152,8 @@ def fit_law(pair: Pair, samples: list[Sample], case: str) -> CalibrationResult:
 
 
 def _source(pair: Pair, case: str, samples: list[Sample]) -> dict[str, Any]:
-    here = launch()
-    count, now = sum(not one.held_out for one in samples), datetime.now(UTC).isoformat(timespec="seconds")
-    source = {"case": case, "name": pair.case.name, "samples": count, "fitted": now}
+    here, count = launch(), sum(not one.held_out for one in samples)
+    source = {"case": case, "name": pair.case.name, "samples": count, "fitted": here["started"]}
     return source | {"git": here["git"] or "", "packages": here["packages"]}
 
 

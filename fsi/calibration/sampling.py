@@ -20,7 +20,6 @@ import numpy as np
 import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.calibration.pair import Pair, pair_of
-from fsi.case.case import Case
 from fsi.case.load import parse_case
 from fsi.errors import FsiError, InputError, SolveError
 from fsi.files import json_of, replace
@@ -32,7 +31,7 @@ from fsi.workers.launch import outcomes
 from fsi.workers.pools import Pool
 
 DIGITS = 8  # of a gap over a radius
-_PACKAGE = Path(__file__).parents[1]
+_PACKAGE, _SOURCES = Path(__file__).parents[1], (".py", ".c", ".h")
 # What computes a sample besides its case.
 _SOLVERS = ("fenics-dolfinx", "dolfinx-solver-real", "gmsh", "petsc4py", "numba")
 
@@ -101,9 +100,9 @@ def planned_gaps(pair: Pair) -> list[tuple[float, bool]]:
 
 
 def key_of(pair: Pair, gap: float) -> str:
-    """What names a sample: a hash of the case at the gap, of the mode, and of all code that computes it."""
+    """What names a sample: a hash of the case at the gap, of the mode, and of all code."""
     case = pair.at(gap).model_dump(mode="json", exclude={"name"})
-    content = {"case": case, "pair": pair.plan.pair, "mode": pair.plan.mode, "code": _code(pair.case)}
+    content = {"case": case, "pair": pair.plan.pair, "mode": pair.plan.mode, "code": _code()}
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:32]
 
 
@@ -128,11 +127,13 @@ def keep_sample(cache: Path, key: str, sample: Sample) -> None:
     replace(cache / f"{key}.json", json.dumps(asdict(sample)).encode())
 
 
-def _code(case: Case) -> str:
-    """Hash of the sources that compute a flow, and the versions of the libraries that they use."""
+def _code() -> str:
+    """Hash of the sources of the program, and the versions of the libraries that compute a flow."""
     sources = hashlib.sha256()
-    for folder in ("meshes", "stokes") if case.level.meshed else ("pores",):
-        for path in sorted((_PACKAGE / folder).rglob("*.py")):
+    folders = _PACKAGE.walk(follow_symlinks=True)  # in a checkout some are links
+    files = sorted(folder / name for folder, _, names in folders for name in names)
+    for path in files:
+        if path.suffix in _SOURCES:
             sources.update(path.read_bytes())
     for name in _SOLVERS:
         try:

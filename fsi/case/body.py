@@ -19,6 +19,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from fsi.bodies.configuration import Array
 from fsi.case.complaints import explain
 from fsi.case.section import (
     Geometry,
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
 
 FREE: Literal["free"] = "free"
 _LOAD = "a number or a table {times = [...], values = [...]}"
+_TOUCHING = 1e-9  # of the smallest radius: an overlap by less is rounding
 _BYTES = 4000.0  # of a body of a case: measured 3 kB
 _MOTION = f'"free", {_LOAD}'
 
@@ -243,18 +245,35 @@ class Grid(Section):
             raise ValueError("has the largest before the smallest")
         return radius
 
-    def bodies(self) -> list[dict[str, Any]]:
-        """Its members as entries of [[bodies]], the last coordinate running first."""
+    def bodies(self, here: str) -> list[dict[str, Any]]:
+        """Its members as entries of [[bodies]], the last coordinate running first; here: the grid's key.
+
+        Raises InputError: neighbours in a row overlap.
+        """
         random = np.random.default_rng(self.seed)
         places = np.array(list(itertools.product(*map(range, self.counts))), dtype=float)
         disturbance = random.uniform(-self.jitter, self.jitter, places.shape)
         centres = np.array(self.lower) + self.spacing * places + disturbance
         radii = random.uniform(*self.radius, len(places))
+        self._require_room(here, centres, radii)
         moving = {} if self.initial_velocity is None else {"initial_velocity": self.initial_velocity}
         return [
             {"name": f"{self.name} {k}", "radius": float(a), "position": tuple(x.tolist())} | moving
             for k, (x, a) in enumerate(zip(centres, radii, strict=True))
         ]
+
+    def _require_room(self, here: str, centres: Array, radii: Array) -> None:
+        """Neighbours may touch; whatever else overlaps, and where they may not, the whole case tells."""
+        x, a = centres.reshape(*self.counts, -1), radii.reshape(self.counts)
+        for axis in range(a.ndim):
+            x_along, a_along = np.moveaxis(x, axis, 0), np.moveaxis(a, axis, 0)
+            with np.errstate(over="ignore", invalid="ignore"):  # of what is too large the schema tells
+                gaps = np.linalg.norm(np.diff(x_along, axis=0), axis=-1) - a_along[1:] - a_along[:-1]
+            if (least := gaps.min(initial=0.0)) < -_TOUCHING * self.radius[0]:
+                raise InputError(
+                    f"{here}.spacing = {self.spacing}: neighbours overlap by {-least:.3g}; widen it, or "
+                    "lower radius or jitter"
+                )
 
 
 def with_grids(data: Mapping[str, Any], context: object) -> dict[str, Any]:
@@ -275,6 +294,6 @@ def with_grids(data: Mapping[str, Any], context: object) -> dict[str, Any]:
         count = math.prod(sound.counts)
         what = f"grids.{i}.counts = {toml_text(sound.counts)}: makes {count:.3g} bodies"
         require_memory(what, count * _BYTES, "give fewer")
-        members += sound.bodies()
+        members += sound.bodies(f"grids.{i}")
     rest = {key: value for key, value in data.items() if key != "grids"}
     return rest | {"bodies": (*bodies, *members)} if members else rest

@@ -6,9 +6,9 @@ A CSV file has a header with the columns
 
 in any order; `name` (disc0001, disc0002, ...), `z` (only in space) and `angle` (0) may be left out. A JSON
 file is an object whose list `bodies` has objects with the same keys; there a body may have a table `shape` in
-place of its radius. Beside it may stand `lower` and
-`upper`, the corners of the bodies' box, and anything that describes them. A JSON object
-with `centers` ([[x, y], ...]), one `radius` and the sides `L` and `H` of the box is understood as well.
+place of its radius, whose path of `points` is seen from the folder of the JSON file. Beside it may stand
+`lower` and `upper`, the corners of the bodies' box, and anything that describes them. A JSON object with
+`centers` ([[x, y], ...]), one `radius` and the sides `L` and `H` of the box is understood as well.
 """
 
 import csv
@@ -140,9 +140,16 @@ def _body(path: Path, number: int, row: Any) -> dict[str, Any]:
             raise _refusal(path, f"{here}: {key} = {toml_text(value)}: not {wanted}; correct the file")
     position = tuple(float(row[axis]) for axis in "xyz" if axis in row)
     name = row.get("name", f"{'sphere' if 'z' in row else 'disc'}{number:04d}")
-    size = {"shape": tuples(row["shape"])} if "shape" in row else {"radius": float(row["radius"])}
+    size = {"shape": _shape(path, row["shape"])} if "shape" in row else {"radius": float(row["radius"])}
     body = {"name": name, "position": position} | size
     return body | ({"angle": float(row["angle"])} if "angle" in row else {})
+
+
+def _shape(path: Path, shape: Any) -> Any:
+    """A shape as a case has it, with the path of its points absolute."""
+    if isinstance(shape, dict) and isinstance(points := shape.get("points"), str):
+        shape = shape | {"points": str((path.parent / points).resolve())}
+    return tuples(shape)
 
 
 def _check_columns(

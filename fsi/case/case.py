@@ -18,6 +18,7 @@ from fsi.bodies.configuration import MODES, Array, Configuration, Motion
 from fsi.bodies.forces import Bulk, external_forces, moment_of_forces
 from fsi.bodies.opened import opened
 from fsi.case.body import FREE, Body
+from fsi.case.domain import Walled
 from fsi.case.domains import Domain
 from fsi.case.force_laws.law import Force
 from fsi.case.gluey import Gluey, LimitStudy
@@ -80,8 +81,7 @@ class Case(Section):
     '"resolved", "pores", "reduced", "gluey" or "macroscopic": the level'
     fluid: Fluid = Field(default_factory=lambda: Fluid(viscosity=1.0))
     """a section [fluid] with its viscosity"""
-    domain: Domain
-    'a section [domain] of shape "box", "half-plane" or "round"'
+    domain: Domain = Field(description=f"a section [domain] of shape {Walled.registry.choices}")
     bodies: tuple[Body, ...] = ()
     """one section [[bodies]] for each body"""
     # The next four are None in a sound case: what they give is in `bodies`, so that a case stands alone.

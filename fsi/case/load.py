@@ -17,11 +17,12 @@ from pydantic import ValidationError
 
 from fsi.case.arranged import with_arrangement
 from fsi.case.body import Body, with_grids
-from fsi.case.body_file import with_bodies
+from fsi.case.body_file import read_bodies, with_bodies
 from fsi.case.case import MODELS, Case
 from fsi.case.checks.sound import check_case
 from fsi.case.complaints import explain
 from fsi.case.section import CaseContext, Geometry, toml_data, toml_text, tuples
+from fsi.case.sections import LAW_KEYS
 from fsi.errors import InputError
 from fsi.files import plain, write_whole
 
@@ -44,28 +45,16 @@ def case_data(
     data = read_toml(path)
     if not data:
         raise InputError(f"{path}: the case is empty; give at least name, [fluid] and [domain]")
+    if isinstance(overrides, str) or not all(isinstance(text, str) for text in overrides):
+        raise InputError(f'overrides = {overrides!r}: give a list of texts, ["fluid.viscosity=2"]')
     for text in overrides:
         override(data, text)
     for key, value in (values or {}).items():
         _put(data, key, deepcopy(value), f"{key}={toml_text(value)}")
     _check_model(path, data.get("model", MODELS[0]))
-    for section, key, value in _paths(data):
-        data[section][key] = str((path.parent / value).resolve())
-    if isinstance(data.get("bodies_from"), str):
-        data["bodies_from"] = str((path.parent / data["bodies_from"]).resolve())
-    for shape in _shapes(data):
-        if isinstance(shape.get("points"), str):
-            shape["points"] = str((path.parent / shape["points"]).resolve())
+    for _, table, last in _paths(data):
+        table[last] = str((path.parent / table[last]).resolve())
     return data
-
-
-def _shapes(data: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """The tables of the shapes of bodies in the data of a case."""
-    bodies = data.get("bodies", ())
-    for body in bodies if isinstance(bodies, list) else ():
-        shape = body.get("shape") if isinstance(body, dict) else None
-        if isinstance(shape, dict):
-            yield shape
 
 
 def saved_data(data: Mapping[str, Any], path: Path) -> None:
@@ -76,10 +65,8 @@ def saved_data(data: Mapping[str, Any], path: Path) -> None:
 def case_text(data: Mapping[str, Any], path: Path) -> str:
     """What stands in a case file with these data at that path: paths in it are seen from its folder."""
     seen = deepcopy(dict(data))
-    for section, key, value in _paths(data):
-        seen[section][key] = os.path.relpath(value, path.parent)
-    if "bodies_from" in data:
-        seen["bodies_from"] = os.path.relpath(data["bodies_from"], path.parent)
+    for _, table, last in _paths(seen):
+        table[last] = os.path.relpath(table[last], path.parent)
     return tomli_w.dumps(seen)
 
 
@@ -128,25 +115,41 @@ def _check_model(path: Path, model: Any) -> None:
         raise InputError(f"{path}: model = {toml_text(model)}: there is no such model; give {choices}")
 
 
-_LAW_KEYS = ("law", "wall_law", "shear_law", "wall_shear_law", "rotation_law", "wall_rotation_law")
-# Keys that are paths of files, seen from the folder of the case; words without a suffix are none.
-_PATHS: dict[str, tuple[str, ...]] = {"domain": ("mesh",), "reduced": (*_LAW_KEYS, "drag_from")}
+# Keys of sections that are paths of files; words without a suffix are laws that have a name.
+_PATHS: dict[str, tuple[str, ...]] = {"domain": ("mesh",), "reduced": (*LAW_KEYS, "drag_from")}
 
 
-def _paths(data: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
-    """Section, key and value of each of these in the data of a case."""
+def _paths(data: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any], str]]:
+    """The dotted key of each path of a file in the data of a case, the table that has it, and its key there.
+
+    These are the paths that are seen from the folder of the case file.
+    """
     for name, keys in _PATHS.items():
-        section = data.get(name)
-        given = section if isinstance(section, dict) else {}
-        for key in keys:
-            value = given.get(key)
+        section: Any = data.get(name)
+        for key in keys if isinstance(section, dict) else ():
+            value = section.get(key)
             if isinstance(value, str) and (key == "mesh" or Path(value).suffix):
-                yield name, key, value
+                yield f"{name}.{key}", section, key
+    if isinstance(data.get("bodies_from"), str):
+        yield "bodies_from", data, "bodies_from"
+    listed = data.get("bodies")
+    bodies = enumerate(listed if isinstance(listed, list | tuple) else ())
+    for key, body in [("body_defaults", data.get("body_defaults")), *((f"bodies.{i}", b) for i, b in bodies)]:
+        shape = body.get("shape") if isinstance(body, dict) else None
+        if isinstance(shape, dict) and isinstance(shape.get("points"), str):
+            yield f"{key}.shape.points", shape, "points"
 
 
 def named_files(data: Mapping[str, Any]) -> Iterator[tuple[str, Path]]:
-    """The dotted keys of a case that are files, in the data of `Case.as_data`, and their paths."""
-    return ((f"{section}.{key}", Path(value)) for section, key, value in _paths(data))
+    """The dotted keys of all files that the data of a case name, and their paths.
+
+    A file of bodies may name files in turn. Raises InputError: it cannot be read.
+    """
+    for key, table, last in _paths(dict(data)):
+        yield key, Path(table[last])
+        if key == "bodies_from":
+            bodies = read_bodies(Path(table[last])).bodies
+            yield from ((f"{key}.{inner}", path) for inner, path in named_files({"bodies": bodies}))
 
 
 _REMEDY = "write key=value, for instance --set discretisation.degree=2"

@@ -140,7 +140,7 @@ def refuse_unknown(key: str, known: Iterable[str]) -> None:
 def words_like(word: str, known: Iterable[str]) -> list[str]:
     """The known word that looks like `word`, or all of them if none does."""
     known = list(known)
-    return difflib.get_close_matches(word, known, n=1) or known
+    return difflib.get_close_matches(str(word), known, n=1) or known  # a key in Python may be a number
 
 
 def nearest_word(word: str, known: Iterable[str]) -> str:
@@ -231,7 +231,7 @@ class Registry[S: Section]:
 
     def register[T: Section](self, section: type[T]) -> type[T]:
         """Take a section up; a decorator."""
-        self.sections.append(section)  # type: ignore[arg-type]
+        self.sections.append(section)  # type: ignore[arg-type]  # T is an S, which no bound can say
         return section
 
     @property

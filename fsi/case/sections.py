@@ -159,6 +159,10 @@ class PoreResolution(Section):
 EDGE_MODES: tuple[int, ...] = get_args(PoreResolution.model_fields["modes"].annotation)
 
 
+# Of [reduced]: laws of gaps, by name or as files.
+LAW_KEYS = ("law", "wall_law", "shear_law", "wall_shear_law", "rotation_law", "wall_rotation_law")
+
+
 class Reduced(Section):
     """The reduced model: which laws, which drag."""
 
@@ -196,8 +200,7 @@ class Reduced(Section):
     @property
     def laws(self) -> dict[str, str]:
         """The laws that are given, by their keys; those of files by the names of the files."""
-        keys = ("law", "wall_law", "shear_law", "wall_shear_law", "rotation_law", "wall_rotation_law")
-        return {key: Path(law).name for key in keys if (law := getattr(self, key)) is not None}
+        return {key: Path(law).name for key in LAW_KEYS if (law := getattr(self, key)) is not None}
 
 
 class Lubrication(Section):

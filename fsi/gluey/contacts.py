@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
 from fsi.bodies.gaps import neighbours
+from fsi.lubrication.sliding import tangents
 from fsi.meshes.geometry.container import Container
 from fsi.meshes.geometry.lattice import Lattice
-
-SPINS = {1: 0, 2: 1, 3: 3}
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,13 +112,9 @@ def slip_rows(contacts: Contacts, radii: Array, modes: int) -> sp.csr_matrix:
     a_j = radii[contacts.j][:, None]
     a_i = np.append(radii, 0.0)[np.minimum(contacts.i, len(radii))][:, None]
     if d == 2:
-        t = np.column_stack([-n[:, 1], n[:, 0]])
-        one = np.ones((len(n), 1))
+        (t,), one = tangents(n), np.ones((len(n), 1))
         return _rows(contacts, len(radii), modes, np.hstack([t, -a_j * one]), np.hstack([-t, -a_i * one]))
-    along = np.eye(3)[np.argmin(np.abs(n), axis=1)]
-    t1 = np.cross(n, along)
-    t1 /= np.linalg.norm(t1, axis=1)[:, None]
-    t2 = np.cross(n, t1)
+    t1, t2 = tangents(n)
     both = [  # t.(omega x n) = omega.(n x t), with n x t1 = t2 and n x t2 = -t1
         (np.hstack([t1, -a_j * t2]), np.hstack([-t1, -a_i * t2])),
         (np.hstack([t2, a_j * t1]), np.hstack([-t2, a_i * t1])),

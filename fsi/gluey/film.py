@@ -83,7 +83,7 @@ class Film:
 
 def _positive_root(R: Array, k: Array) -> Array:
     """The positive root of `x^3 - R x - k = 0`, k > 0 (it is the only one), by Newton from the right."""
-    x = np.maximum(np.sqrt(np.maximum(R, 0.0)), 0.0) + np.cbrt(k)
+    x = np.sqrt(np.maximum(R, 0.0)) + np.cbrt(k)
     for _ in range(60):
         step = (x * x * x - R * x - k) / (3.0 * x * x - R)
         x = x - step

@@ -34,7 +34,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import PPoly
 from scipy.optimize import brentq
 from scipy.special import wrightomega
@@ -135,11 +134,6 @@ def slides_scheme(q0: float, u0: float, impulses: Array, h: Array) -> tuple[Arra
             u[n + 1] = -q[n] / step
             gamma[n + 1] = u_tilde - u[n + 1]
     return q, u, gamma
-
-
-def piecewise_constant(times: NDArray[np.float64], values: Array) -> PPoly:
-    """f with `values[k]` on (times[k], times[k + 1]); times has one entry more than values."""
-    return PPoly(np.asarray(values, dtype=float)[None, :], times)
 
 
 A = np.array(

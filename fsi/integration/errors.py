@@ -10,6 +10,7 @@ import numpy as np
 
 from fsi.bodies.configuration import LOADS, MODES, Array
 
+# Of velocities and loads by their number, 3 in the plane and 6 in space.
 NAMES = {len(MODES[d]): (*MODES[d], *LOADS[d]) for d in MODES}
 
 

@@ -20,7 +20,7 @@ from fsi.bodies.configuration import Array, Configuration, Inertia
 from fsi.integration.errors import StepErrors
 from fsi.meshes.geometry.container import Container
 
-# A step that ends this close to a stop is stretched to land on it; `limiter.SAFETY` allows for it.
+# A step that ends this close to a stop is stretched to land on it; `gap_limiter.SAFETY` allows for it.
 STRETCH = 1.1
 # Two times closer than this, relative to the end, are one.
 SAME_TIME = 1e-12
@@ -69,7 +69,6 @@ class Schedule:
         return abs(t - other) <= SAME_TIME * self.end
 
 
-# The names of velocities and loads by their number, 3 in the plane and 6 in space.
 class Results(Protocol):
     """What a model computes."""
 

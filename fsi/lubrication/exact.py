@@ -30,17 +30,17 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
 
 def normal_resistance(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -> Array:
     """F_y / V_y of a disc moving along the normal of the plane: `4 pi mu / (al - tanh al)`, no torque."""
-    return 4.0 * np.pi * np.asarray(viscosity) / less_tanh(_plane_angle(gap_ratio(gap, radius)))
+    return 4.0 * np.pi * np.asarray(viscosity) / less_tanh(bipolar_angle(gap_ratio(gap, radius)))
 
 
 def parallel_resistance(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -> Array:
     """F_x / V_x of a disc moving along the plane without rotating: `4 pi mu / al`, no torque."""
-    return 4.0 * np.pi * np.asarray(viscosity) / _plane_angle(gap_ratio(gap, radius))
+    return 4.0 * np.pi * np.asarray(viscosity) / bipolar_angle(gap_ratio(gap, radius))
 
 
 def rotation_resistance(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -> Array:
     """T / omega of a disc turning in place: `4 pi mu a^2 coth al`, no force."""
-    tanh = np.tanh(_plane_angle(gap_ratio(gap, radius)))
+    tanh = np.tanh(bipolar_angle(gap_ratio(gap, radius)))
     return 4.0 * np.pi * np.asarray(viscosity) * np.square(radius) / tanh
 
 
@@ -54,7 +54,7 @@ def held_in_shear(
     """
     s = gap_ratio(gap, radius)
     stress = np.asarray(viscosity) * np.asarray(shear_rate)
-    force = -4.0 * np.pi * stress * np.asarray(radius) * _sinh(s) / _plane_angle(s)
+    force = -4.0 * np.pi * stress * np.asarray(radius) * _sinh(s) / bipolar_angle(s)
     torque = 2.0 * np.pi * stress * np.square(radius) * np.ones_like(s)
     return force, torque
 
@@ -84,7 +84,7 @@ def relative_resistance(gap: ArrayLike, radius: ArrayLike, other: ArrayLike, vis
     infinite radius is the plane, one of radius -R the wall of a round container, seen from inside.
     """
     s, t = gap_ratio(gap, radius), np.asarray(gap, dtype=np.float64) / np.asarray(other, dtype=np.float64)
-    return 4.0 * np.pi * np.asarray(viscosity) / less_tanh(_plane_angle(s + t + 0.5 * s * t))
+    return 4.0 * np.pi * np.asarray(viscosity) / less_tanh(bipolar_angle(s + t + 0.5 * s * t))
 
 
 def plane_lubrication(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -> Array:
@@ -100,7 +100,7 @@ def settling_time(
     `q' = F_y (al - tanh al) / (4 pi mu)`. A force towards the plane (F_y < 0) never closes the gap:
     `t ~ 12 pi mu a / (|F_y| sqrt(2 s))`. Negative where the disc was at `gap` before it was at `start`.
     """
-    al, al0 = _plane_angle(gap_ratio(gap, radius)), _plane_angle(gap_ratio(start, radius))
+    al, al0 = bipolar_angle(gap_ratio(gap, radius)), bipolar_angle(gap_ratio(start, radius))
     return _rise_time(al, al0) * _time_unit(radius, viscosity, force)
 
 
@@ -114,8 +114,8 @@ def settling_gap(
     """
     rise = np.asarray(time) / _time_unit(radius, viscosity, force)
     s0, rise = np.broadcast_arrays(gap_ratio(start, radius), rise)
-    al0 = _plane_angle(s0)
-    al = _plane_angle(np.square(np.sqrt(s0) + np.maximum(rise, 0.0) / np.sqrt(2.0)))
+    al0 = bipolar_angle(s0)
+    al = bipolar_angle(np.square(np.sqrt(s0) + np.maximum(rise, 0.0) / np.sqrt(2.0)))
     for _ in range(100):
         step = (_rise_time(al, al0) - rise) * less_tanh(al) / (np.square(al) * np.sinh(al))
         al = al / (1.0 + al * step)
@@ -132,9 +132,9 @@ def gap_ratio(gap: ArrayLike, radius: ArrayLike) -> Array:
     return s
 
 
-def _plane_angle(s: Array) -> Array:
+def bipolar_angle(s: ArrayLike) -> Array:
     """The angle al with cosh al = 1 + s, from `2 sinh^2(al/2) = s`."""
-    return 2.0 * np.arcsinh(np.sqrt(0.5 * s))
+    return np.asarray(2.0 * np.arcsinh(np.sqrt(0.5 * np.asarray(s))))
 
 
 def _sinh(s: Array) -> Array:

@@ -96,6 +96,8 @@ class Fitting:
         gives: "force" (and torque), "velocity" (and rotation) or "time".
         sheared: whether it needs a shear flow far away.
         enclosed: whether the container is real, and does not stand for an infinite one.
+        place: the body at the centre, or two equal ones that meet along an axis of coordinates.
+        shaped: whether bodies may have a `shape`.
     """
 
     geometry: str
@@ -104,6 +106,8 @@ class Fitting:
     gives: Literal["force", "velocity", "time"]
     sheared: bool = False
     enclosed: bool = False
+    place: Literal["anywhere", "centre", "line"] = "anywhere"
+    shaped: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,7 +175,7 @@ def free_sphere_pair(problem: ExactProblem) -> float:
     return float((problem.pair_mobility() @ problem.F.ravel()).reshape(2, 6)[problem.body, problem.mode])
 
 
-@exact_result(Fitting("axisymmetric", "round", 1, "force", enclosed=True))
+@exact_result(Fitting("axisymmetric", "round", 1, "force", enclosed=True, place="centre"))
 def concentric_sphere(problem: ExactProblem) -> float:
     """A sphere at the centre of a spherical container (Cunningham 1910)."""
     a = problem.radii[0]
@@ -179,14 +183,14 @@ def concentric_sphere(problem: ExactProblem) -> float:
     return -float(R) * float(problem.U[0, problem.mode])
 
 
-@exact_result(Fitting("axisymmetric", "round", 1, "force", enclosed=True))
+@exact_result(Fitting("axisymmetric", "round", 1, "force", enclosed=True, place="centre"))
 def sliding_sphere(problem: ExactProblem) -> float:
     """A sphere at the centre of a spherical container, with slip on both."""
     V = float(problem.U[0, problem.mode])
     return -problem.concentric(spheres=True).force(V, problem.swimming, problem.viscosity)
 
 
-@exact_result(Fitting("axisymmetric", "round", 1, "force", enclosed=True))
+@exact_result(Fitting("axisymmetric", "round", 1, "force", enclosed=True, place="centre", shaped=True))
 def spheroid(problem: ExactProblem) -> float:
     """A spheroid along its axis, at the centre of a spherical container so large that it hardly counts.
 
@@ -197,7 +201,7 @@ def spheroid(problem: ExactProblem) -> float:
     return -ellipsoids.in_far_ball(R, 0.5 * problem.size, mu) * float(problem.U[0, problem.mode])
 
 
-@exact_result(Fitting("spatial", "round", 1, "force", enclosed=True))
+@exact_result(Fitting("spatial", "round", 1, "force", enclosed=True, place="centre", shaped=True))
 def ellipsoid(problem: ExactProblem) -> float:
     """An ellipsoid with its axes along x, y and z, moving or turning at the centre of such a container."""
     axes, mu, speed = np.array(problem.half_axes), problem.viscosity, float(problem.U[0, problem.mode])
@@ -207,7 +211,9 @@ def ellipsoid(problem: ExactProblem) -> float:
     return -float(ellipsoids.rotation_resistance(axes, mu)[problem.mode - 3]) * speed
 
 
-@exact_result(Fitting("spatial", "round", 1, "velocity", sheared=True, enclosed=True))
+@exact_result(
+    Fitting("spatial", "round", 1, "velocity", sheared=True, enclosed=True, place="centre", shaped=True)
+)
 def ellipsoid_in_shear(problem: ExactProblem) -> float:
     """A free ellipsoid at the centre of such a container in the shear flow u = z e_x (Jeffery 1922)."""
     if not problem.ellipsoids:
@@ -235,7 +241,7 @@ def spheres_in_shear(problem: ExactProblem) -> float:
     return float(velocity[problem.mode])
 
 
-@exact_result(Fitting("planar", "round", 1, "force", enclosed=True))
+@exact_result(Fitting("planar", "round", 1, "force", enclosed=True, place="centre"))
 def sliding_disc(problem: ExactProblem) -> float:
     """A disc moving or turning at the centre of a round container, with slip on both; none swims."""
     disc, speed = problem.concentric(spheres=False), float(problem.U[0, problem.mode])
@@ -244,13 +250,13 @@ def sliding_disc(problem: ExactProblem) -> float:
     return -disc.force(speed, 0.0, problem.viscosity)
 
 
-@exact_result(Fitting("axisymmetric", "round", 1, "velocity", enclosed=True))
+@exact_result(Fitting("axisymmetric", "round", 1, "velocity", enclosed=True, place="centre"))
 def swimming_sphere(problem: ExactProblem) -> float:
     """A free squirmer at the centre of a spherical container, with slip on both."""
     return problem.concentric(spheres=True).swimming(problem.swimming)
 
 
-@exact_result(Fitting("planar", "round", 1, "velocity", enclosed=True))
+@exact_result(Fitting("planar", "round", 1, "velocity", enclosed=True, place="centre"))
 def swimming_disc(problem: ExactProblem) -> float:
     """A free squirming disc at the centre of a round container; its axis is that of x."""
     return problem.concentric(spheres=False).swimming(problem.swimming) if problem.mode == 0 else 0.0
@@ -271,7 +277,7 @@ def disc_in_shear(problem: ExactProblem) -> float:
     return float((velocity, 0.0, omega)[problem.mode])
 
 
-@exact_result(Fitting("planar", "round", 2, "force"))
+@exact_result(Fitting("planar", "round", 2, "force", place="line"))
 def two_discs(problem: ExactProblem) -> float:
     """Two equal discs approaching along their line of centres, which is an axis of coordinates."""
     i, U = problem.body, problem.U[:, problem.mode]

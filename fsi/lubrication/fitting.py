@@ -35,7 +35,6 @@ class Fit:
         coefficients, covariance: of c, shapes (k,) and (k, k).
         range: the smallest and largest s of the samples that were used.
         used: which samples, (n,).
-        residuals: (K - fit)/b of all samples, (n,).
         chi2, dof: of the used ones.
         exponent, exponent_error: the leading power of s if free, and its standard deviation, or nan.
     """
@@ -46,7 +45,6 @@ class Fit:
     covariance: Array
     range: tuple[float, float]
     used: NDArray[np.bool_]
-    residuals: Array
     chi2: float
     dof: int
     exponent: float
@@ -89,7 +87,7 @@ def fit_series(s: Array, K: Array, bars: Array, terms: tuple[Term, ...], free: i
     exponent, error = _leading_exponent(s[:n], K[:n], bars[:n], terms, widths)
     return Fit(
         terms, free, c, covariance, (float(s[0]), float(s[n - 1])), np.arange(len(s)) < n,
-        (K - design(terms, s) @ c) / bars, misfit, n - free, exponent, error,
+        misfit, n - free, exponent, error,
     )  # fmt: skip
 
 

@@ -80,7 +80,7 @@ def fit_exponent(s: Array, K: Array, bars: Array, series: FreeSeries = PLANAR) -
     _, every, _ = regression(columns, K[:n], bars[:n], widths)
     return Fit(
         terms, FREE, c, every[1:, 1:], (float(s[0]), float(s[n - 1])), np.arange(len(s)) < n,
-        (K - phi @ c) / bars, misfit, n - FREE - 1, -m, float(np.sqrt(every[0, 0])),
+        misfit, n - FREE - 1, -m, float(np.sqrt(every[0, 0])),
     )  # fmt: skip
 
 

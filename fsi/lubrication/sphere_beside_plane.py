@@ -31,7 +31,7 @@ import numpy as np
 import scipy  # its modules load when they are used
 from numpy.typing import ArrayLike
 
-from fsi.lubrication.exact import Array, gap_ratio, less_tanh
+from fsi.lubrication.exact import Array, bipolar_angle, gap_ratio, less_tanh
 
 _SMALLEST = 1e-10
 _DECAY = 22.0  # modes up to z = 22: the terms fall off like e^(-2 z)
@@ -96,7 +96,7 @@ def _solve(s: float) -> Array:
     That is 6 pi mu a, 8 pi mu a^2, 8 pi mu a^3, -6 pi mu a h gamma and 4 pi mu a^3 gamma. B is taken from the
     force on the turning sphere, which loses fewer digits than the torque on the moving one.
     """
-    al = 2.0 * np.arcsinh(np.sqrt(0.5 * s))
+    al = float(bipolar_angle(s))
     n = np.arange(int(_DECAY / al) + 6.0)
     e, r = _motions(n, al)
     A = _coefficients(n, al, r)

@@ -24,14 +24,14 @@ from numpy.polynomial import Chebyshev
 from numpy.typing import ArrayLike
 
 from fsi.lubrication.bispherical import sum_common, sum_cross, sum_self
-from fsi.lubrication.exact import Array, gap_ratio
+from fsi.lubrication.exact import Array, bipolar_angle, gap_ratio
 
 type Both = tuple[ArrayLike, ArrayLike]  # of the first sphere and of the second
 
 
 def normal_resistance(gap: ArrayLike, radius: ArrayLike, viscosity: ArrayLike) -> Array:
     """F / V of a sphere moving along the normal of a plane: `6 pi mu a lambda(s)`, Brenner's lambda."""
-    al = _angle(gap_ratio(gap, radius))
+    al = bipolar_angle(gap_ratio(gap, radius))
     return _scale(al, radius, viscosity) * sum_self(al, np.zeros_like(al))
 
 
@@ -63,7 +63,8 @@ def line_forces(gap: ArrayLike, radii: Both, viscosity: ArrayLike, velocities: B
     """
     a, b = (np.asarray(radius, dtype=np.float64) for radius in radii)
     s, t = gap_ratio(gap, a), gap_ratio(gap, b)
-    al, be = _angle(s * (1.0 + 0.5 * t) / (1.0 + a / b + t)), _angle(t * (1.0 + 0.5 * s) / (1.0 + b / a + s))
+    al = bipolar_angle(s * (1.0 + 0.5 * t) / (1.0 + a / b + t))
+    be = bipolar_angle(t * (1.0 + 0.5 * s) / (1.0 + b / a + s))
     v1, v2 = (np.asarray(velocity, dtype=np.float64) for velocity in velocities)
     shared = np.where(v1 * v2 > 0.0, np.sign(v1) * np.minimum(np.abs(v1), np.abs(v2)), 0.0)
     v1, v2 = v1 - shared, v2 - shared
@@ -90,11 +91,6 @@ def _drag(radius: ArrayLike, viscosity: ArrayLike) -> Array:
     """6 pi mu a."""
     drag: Array = 6.0 * np.pi * np.asarray(viscosity, dtype=np.float64) * np.asarray(radius, dtype=np.float64)
     return drag
-
-
-def _angle(height: Array) -> Array:
-    """The angle al with cosh al = 1 + height, from `2 sinh^2(al/2) = height`."""
-    return 2.0 * np.arcsinh(np.sqrt(0.5 * height))
 
 
 def _scale(al: Array, radius: ArrayLike, viscosity: ArrayLike) -> Array:

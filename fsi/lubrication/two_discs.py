@@ -15,8 +15,9 @@ L = al + be and del = al - be, the stream function over the metric is
 
     (a0 + c0 xi) cosh xi + (b0 + d0 xi) sinh xi + (a1 cosh 2 xi + b1 + c1 sinh 2 xi - c0 xi) cos eta
 
-whose log xi-terms leave the pressure single-valued, and are the force f = -4 pi mu d0 and the couple
-tau = 4 pi mu (c c0 + x d0). That it moves rigidly on both discs gives s and rho by f and tau, with y = x/c:
+with one c0 in both places, or the pressure would not be single-valued. Terms with xi are the force f =
+-4 pi mu d0 and the couple tau = 4 pi mu (c c0 + x d0). That it moves rigidly on both discs gives s and rho by
+f and tau, with y = x/c:
 
     4 pi mu s     =  (M1 - 2 y M2 + y^2 M3) f + (y M3 - M2) tau/c       M1 = L + sinh L cosh del
     4 pi mu c rho =  (y M3 - M2) f + M3 tau/c                           M2 = sinh L sinh del

@@ -33,7 +33,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy  # its modules load when they are used
 
-from fsi.lubrication.exact import Array
+from fsi.lubrication.exact import Array, bipolar_angle
 from fsi.lubrication.spheres import line_forces
 
 MOST = 1000  # multipoles, whose matrix takes 130 MB; equal spheres reach it at q / a = 4e-4
@@ -97,7 +97,7 @@ def orders(gap: float, radii: tuple[float, float]) -> Array:
     """The multipoles n = 1, 2, ... that are taken."""
     small, large = min(radii), max(radii)
     height = gap * (2.0 * small + gap) / (2.0 * large * (small + large + gap))
-    most = _DECAY / (2.0 * np.arcsinh(np.sqrt(0.5 * height))) + 8.0 if gap > 0.0 else np.inf
+    most = _DECAY / float(bipolar_angle(height)) + 8.0 if gap > 0.0 else np.inf
     if not most <= MOST:
         raise ValueError(
             f"gap = {gap}, radii = {radii}: takes {most:.4g} multipoles, more than {MOST}; widen it"

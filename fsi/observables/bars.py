@@ -81,8 +81,7 @@ def step_errors(bodies: DrivenBodies, results: Results, *others: Compared) -> St
     viscosity = sum(of_viscosity) if of_viscosity else None
     of_stress = [part for each in others if (part := _of_stress(results, each)) is not None]
     stress = reduce(operator.add, of_stress) if of_stress else None
-    bulk: BulkStress | None = getattr(results, "bulk", None)
-    if stress is not None and bulk is not None and bulk.in_gaps is not None:
+    if stress is not None and (bulk := _bulk(results)) is not None and bulk.in_gaps is not None:
         stress += bulk.error_in_gaps
     errors = ErrorEstimate(U, F, dissipation, viscosity, stress, *_of_driven(results, others))
     relative = relative_change(results, errors, motion.held, arms, scales)
@@ -111,11 +110,15 @@ def _bound(other: Compared, results: Results, computed: NDArray[np.bool_], units
     return bound
 
 
+def _bulk(results: Results) -> BulkStress | None:
+    """The stress of a periodic flow; only models of a flow know it."""
+    bulk: BulkStress | None = getattr(results, "bulk", None)
+    return bulk
+
+
 def _of_viscosity(results: Results, other: Compared) -> float | None:
     """The same for the apparent viscosity of a periodic flow, not a number at instants without one."""
-    bulk: BulkStress | None = getattr(results, "bulk", None)
-    of_other: BulkStress | None = getattr(other.results, "bulk", None)
-    if bulk is None or of_other is None:
+    if (bulk := _bulk(results)) is None or (of_other := _bulk(other.results)) is None:
         return None
     return bulk.viscosity_error(of_other, other.factor, other.chance_of_stress, ROUNDING)
 
@@ -138,8 +141,6 @@ def _of_driven(
 
 def _of_stress(results: Results, other: Compared) -> StressErrors | None:
     """The same for the stress of a periodic flow."""
-    bulk: BulkStress | None = getattr(results, "bulk", None)
-    of_other: BulkStress | None = getattr(other.results, "bulk", None)
-    if bulk is None or of_other is None:
+    if (bulk := _bulk(results)) is None or (of_other := _bulk(other.results)) is None:
         return None
     return bulk.errors(of_other, other.factor, other.chance_of_stress, ROUNDING)

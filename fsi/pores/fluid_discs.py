@@ -52,16 +52,12 @@ def pores_without_wide(surfaces: BoundingSurfaces) -> Pores:
     return pores_of(*_with_fluid_discs(surfaces, Wide()))
 
 
-def with_fluid_discs(surfaces: BoundingSurfaces, wide: Wide = Wide()) -> BoundingSurfaces:
-    """These surfaces and fluid discs in all wide pores, in flat ones, and where bodies lie across necks.
-
-    Raises NoPoresError where there is no end of it, because bodies overlap.
-    """
-    return _with_fluid_discs(surfaces, wide)[0]
-
-
 def _with_fluid_discs(surfaces: BoundingSurfaces, wide: Wide) -> tuple[BoundingSurfaces, Links]:
-    """The same, and their pores, linked as from the first; some may stay flat (see `Level.finer_rule`)."""
+    """With fluid discs in all wide pores, in flat ones, and where bodies lie across necks, and these pores.
+
+    They are linked as from the first; some may stay flat (see `Level.finer_rule`). Raises NoPoresError where
+    there is no end of it, because bodies overlap.
+    """
     surfaces, links = _without_wide(_surrounded(surfaces, wide.share), wide)
     enough = surfaces, links
     for count in range(_ROUNDS_OF_FLAT):

@@ -1,6 +1,5 @@
 """One run of a sweep in its folder: its case and what is wanted of it, then its result."""
 
-import hashlib
 import json
 import os
 import platform
@@ -17,6 +16,7 @@ from fsi.errors import InputError
 from fsi.files import content, json_of, replace
 from fsi.run_folder.alone import alone
 from fsi.run_folder.kept import CASE
+from fsi.run_folder.one_case import digest
 from fsi.run_folder.provenance import launch
 from fsi.studies.evaluate import Evaluation, FoundValue, at_instant, of_motion
 
@@ -68,9 +68,7 @@ class Request:
         return case_text(self.case, self.folder / CASE)
 
     def _wanted(self) -> dict[str, Any]:
-        files = {key: _digest(path) for key, path in named_files(self.case)}
-        if isinstance(bodies := self.case.get("bodies_from"), str):
-            files["bodies_from"] = _digest(Path(bodies))
+        files = {key: digest(path) for key, path in named_files(self.case)}
         return {"quantities": list(self.quantities), "motion": self.motion, "files": files}
 
 
@@ -119,7 +117,3 @@ def _note_launch(folder: Path) -> None:
     """A line for each time that the run begins: one more than it was broken off."""
     with (folder / LAUNCHES).open("a", encoding="utf-8") as file:
         file.write(f"{datetime.now(UTC).isoformat(timespec='seconds')} {platform.node()} {os.getpid()}\n")
-
-
-def _digest(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else "none"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from importlib import metadata
 from pathlib import Path
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+import fsi.calibration.calibrate
 import fsi.calibration.sampling
 from fsi.calibration.calibrate import calibrate_case, summary
 from fsi.calibration.pair import Pair, pair_of
@@ -115,16 +117,22 @@ def test_other_code_is_another_sample(monkeypatch: pytest.MonkeyPatch) -> None:
     assert key_of(pair_of(small_case()), 0.1) != before
 
 
-@pytest.mark.parametrize("file", ["meshes/build.py", "stokes/solve.py"])
-def test_other_sources_of_mesh_and_solver_are_another_sample(
-    file: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.setattr(fsi.calibration.sampling, "_PACKAGE", tmp_path)
-    for name in ("meshes/build.py", "stokes/solve.py"):
-        (tmp_path / name).parent.mkdir()
-        (tmp_path / name).write_text("one")
+SOURCES = ("meshes/build.py", "stokes/solve.py", "stokes/cells.c", "stokes/cells.h", "calibration/pair.py")
+
+
+@pytest.mark.parametrize("file", SOURCES)
+def test_other_sources_are_another_sample(file: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Those of a linked folder too, as `meshes` of a checkout is one."""
+    package = tmp_path / "fsi"
+    (tmp_path / "meshes").mkdir()
+    for room in ("stokes", "calibration"):
+        (package / room).mkdir(parents=True)
+    (package / "meshes").symlink_to(tmp_path / "meshes")
+    monkeypatch.setattr(fsi.calibration.sampling, "_PACKAGE", package)
+    for name in SOURCES:
+        (package / name).write_text("one")
     before = key_of(pair_of(small_case()), 0.1)
-    (tmp_path / file).write_text("two")
+    (package / file).write_text("two")
     assert key_of(pair_of(small_case()), 0.1) != before
 
 
@@ -207,6 +215,37 @@ def test_a_broken_off_calibration_goes_on(model: ExactModel, tmp_path: Path) -> 
     assert len(model.asked) == 4
     take_samples(pair_of(small_case()), Sampling(tmp_path, 1, silent))
     assert len(set(model.asked)) == len(model.asked) == 10
+
+
+def test_a_broken_off_calibration_goes_on_in_its_own_folder(
+    model: ExactModel, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Ctrl-C at a sample, with the samples in the folder of the law, and then between its files."""
+
+    def interrupt(there: int, total: int) -> None:  # noqa: ARG001
+        if there == 4:
+            raise KeyboardInterrupt
+
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    def calibrate(show: Callable[[int, int], None]) -> None:
+        calibrate_case(small_case(), "disc.toml", out, Sampling(out / "samples", 1, show))
+
+    out = tmp_path / "out"
+    with pytest.raises(KeyboardInterrupt):
+        calibrate(interrupt)
+    assert [path.name for path in out.iterdir()] == ["samples"]
+    with monkeypatch.context() as patch:
+        patch.setattr(fsi.calibration.calibrate, "save_law", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            calibrate(silent)
+    calibrate(silent)
+    assert len(model.asked) == 10
+    assert (out / "law.toml").exists()
+    (out / "calibration.json").unlink()
+    with pytest.raises(InputError, match="exists and is no calibration; give another folder"):
+        calibrate(silent)  # law.toml and samples.csv may be someone's
 
 
 def test_the_folder_of_a_law(model: ExactModel, tmp_path: Path) -> None:  # noqa: ARG001

@@ -35,8 +35,11 @@ BAD = [
     ("fluid.viscosity", "1.0", ['"1.0"', "valid number"]),
     ("fluid.viscosity", True, ["true", "valid number"]),
     ("fluid.viscosity", None, ["missing", "give the dynamic viscosity"]),
+    ("domain", None, ["missing", 'of shape "box", "half-plane", "round", "tube", "cell" or "unbounded"']),
     ("fluid.viscocity", 1.0, ["unknown key", "use fluid.viscosity"]),
     ("fluids", {}, ["unknown key", "use fluid "]),
+    ("fluid", {1: 2}, ["fluid.1 = 2", "unknown key", "use fluid.viscosity"]),
+    ("body_defaults", {1: 2}, ["body_defaults.1", "unknown key"]),
     ("domain.angles", 1.0, ["unknown key", "use domain.shape, domain.walls"]),  # none is like it
     ("discretization", {}, ["unknown key", "use discretisation"]),
     ("discretisation.cells_per_cicle", 3, ["use discretisation.cells_per_circle"]),
@@ -167,6 +170,13 @@ def test_only_what_is_round_swims() -> None:
     parse_case(data)
     data["bodies"][0]["surface_velocity"] = [1.0]
     assert message(data).startswith("bodies.0.surface_velocity = [1.0]: its modes are those of discs")
+
+
+def test_a_swimmer_on_an_axis_goes_along_it() -> None:
+    ball = {"name": "ball", "radius": 1.0, "position": [0.0, 0.0], "surface_velocity": [1.0], "angle": 0.3}
+    data = BOX | {"geometry": "axisymmetric", "domain": {"shape": "round", "radius": 3.0}, "bodies": [ball]}
+    assert message(data) == "bodies.0.angle = 0.3: a swimmer goes along the axis; give 0.0 or 3.14159265"
+    parse_case(data | {"bodies": [ball | {"angle": 3.14159265}]})
 
 
 def test_what_slides_is_not_at_infinity() -> None:

@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from scipy.interpolate import PPoly
 
 from fsi.bodies.configuration import Array
 from fsi.case.gluey import ContactLaw
 from fsi.gluey.contacts import Room
-from fsi.gluey.limit import ESTIMATES, A, Limit, log_gap, piecewise_constant, slides_scheme, solve
+from fsi.gluey.limit import ESTIMATES, A, Limit, log_gap, slides_scheme, solve
 from fsi.gluey.step import advance
 from fsi.gluey.system import GlueyState, System
 from fsi.meshes.geometry.unbounded import Unbounded
@@ -27,6 +28,11 @@ EPS = (1e-1, 1e-2, 1e-4)
 
 # No numbers so small that their quotients overflow.
 forces = st.lists(st.integers(-3000, 3000), min_size=1, max_size=6).map(lambda f: 1e-3 * np.array(f))
+
+
+def piecewise_constant(times: Array, values: Array) -> PPoly:
+    """f with `values[k]` on (times[k], times[k + 1]); times has one entry more than values."""
+    return PPoly(np.asarray(values, dtype=float)[None, :], times)
 
 
 def force(case: dict[str, Any]) -> Any:

@@ -98,6 +98,10 @@ def test_two_discs_part_when_the_pull_has_paid_back(tmp_path: Path) -> None:
         ("grids=[{name='g',counts=[0,2],lower=[9,9],spacing=3,radius=[1,1]}]", r"grids\.0\.counts"),
         ("grids=[{name='g',counts=[2,2],lower=[9,9],spacing=3,radius=[-1,1]}]", r"grids\.0\.radius"),
         ("grids=[{name='g',counts=[2,2],lower=[9,9],spacing=3,radius=[2,1]}]", r"grids\.0\.radius"),
+        (
+            "grids=[{name='g',counts=[2,2],lower=[9,9],spacing=1.9,radius=[1,1]}]",
+            r"^grids\.0\.spacing = 1\.9: neighbours overlap by 0\.1; widen it",
+        ),
         ("grids=[{name='g',counts=[2,2],lower=[9,9,9],spacing=3,radius=[1,1]}]", r"grids\.0\.lower"),
         ("gluey.walls=[{name='w',point=[0,-9],normal=[0,0]}]", r"gluey\.walls\.0\.normal"),
         ("gluey.walls=[{name='left',point=[0,-9],normal=[0,1]}]", r"gluey\.walls\.0\.name"),
@@ -121,6 +125,22 @@ def test_mistakes_are_one_line(change: str, message: str) -> None:
     with pytest.raises(InputError, match=message) as mistake:
         load_case(CASES / "gluey" / "two_discs.toml", [*touching, change])
     assert "\n" not in str(mistake.value)
+
+
+def test_neighbours_of_a_grid_may_touch() -> None:
+    grid = "grids=[{name='g',counts=[2,2],lower=[9,9],spacing=2,radius=[1,1]}]"
+    assert len(load_case(CASES / "gluey" / "two_discs.toml", [grid]).bodies) == 6
+
+
+def test_many_overlaps_are_told_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of n bodies in one heap, n^2/2 pairs, the names were put together for each pair: 31 s for 1000."""
+    asked = []
+    names = Case.names
+    monkeypatch.setattr(Case, "names", property(lambda case: asked.append(1) or names.fget(case)))  # type: ignore[attr-defined,func-returns-value]
+    bodies = ",".join(f"{{name='b{k}',radius=1,position=[{k / 100},0]}}" for k in range(40))
+    with pytest.raises(InputError, match=r"b0 and b1 overlap by 1\.99; move them apart"):
+        load_case(CASES / "gluey" / "two_discs.toml", [f"bodies=[{bodies}]"])
+    assert len(asked) < 40  # 1560 for 780 pairs
 
 
 @pytest.mark.parametrize(

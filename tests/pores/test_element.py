@@ -214,7 +214,7 @@ def test_the_viscosity_of_ten_discs_falls_to_the_exact_one() -> None:
         # The traction of the wall gives the same.
         assert flow.wall_forces[1, 0] / 8.862269 == pytest.approx(viscosities[-1], rel=1e-8)
     assert np.all(np.diff(viscosities) < 0.0)
-    assert viscosities[1] == pytest.approx(exact, rel=2.5e-2)
+    assert viscosities[1] == pytest.approx(exact, rel=7e-3)  # measured 5.9e-3, as a regression
     assert exact * (1 - 1e-7) <= viscosities[-1] <= exact * (1 + 1e-6)
     assert pytest.approx(U, abs=3e-6) == flow.U
 

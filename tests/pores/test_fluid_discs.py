@@ -10,12 +10,17 @@ from numpy.typing import NDArray
 
 from fsi.pores import fluid_discs
 from fsi.pores.circles import Circles, circles_in_pores, renewed
-from fsi.pores.fluid_discs import Wide, pores_without_wide, with_fluid_discs
+from fsi.pores.fluid_discs import Wide, pores_without_wide
 from fsi.pores.links import Links
 from fsi.pores.surfaces import DISC, BoundingSurfaces, Shapes
 from fsi.pores.topology import linked, triangulate
 from tests.packings import in_box, in_cell, in_channel, in_container, in_square, scattered
 from tests.pores.test_topology import require_tiling
+
+
+def with_fluid_discs(surfaces: BoundingSurfaces) -> BoundingSurfaces:
+    """These surfaces and fluid discs, until no pore is wide."""
+    return pores_without_wide(surfaces).surfaces
 
 
 def require_narrow(surfaces: BoundingSurfaces) -> None:

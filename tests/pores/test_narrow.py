@@ -86,7 +86,7 @@ def test_the_flow_is_that_without_numbers_of_their_own(
 
 @pytest.mark.parametrize("domain", DOMAINS)
 def test_identities_hold_and_velocities_tend_to_their_limit(domain: str) -> None:
-    """Like sqrt(gap): from one gap to a hundredth of it the difference becomes a tenth.
+    """Like sqrt(gap): from one gap to a hundredth of it the difference becomes a tenth; measured to 7 %.
 
     As differences of numbers of surfaces pressures at 1e-4 were known to 1e-6, and at 1e-6 not at all.
     """
@@ -97,8 +97,8 @@ def test_identities_hold_and_velocities_tend_to_their_limit(domain: str) -> None
         turning.append(found.U[:, 2])
         lost.append(float(found.necks.dissipation[found.necks.gap < 2.0 * gap].sum()))
     first, second = np.diff(turning, axis=0)
-    assert second == pytest.approx(0.1 * first, rel=0.15)
-    assert lost[1] - lost[2] == pytest.approx(0.1 * (lost[0] - lost[1]), rel=0.15)
+    assert second == pytest.approx(0.1 * first, rel=0.08)
+    assert lost[1] - lost[2] == pytest.approx(0.1 * (lost[0] - lost[1]), rel=0.08)
 
 
 def test_three_discs_that_nearly_touch_turn_as_in_the_resolved_model() -> None:

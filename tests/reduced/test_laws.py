@@ -89,14 +89,31 @@ def test_a_law_of_another_film_is_refused(
         make_model(case)
 
 
+def between_bodies(bodies: list[dict[str, object]], law: str, domain: dict[str, object]) -> float:
+    """kappa between bodies a thousandth of their reduced radius apart, beside walls the exact one."""
+    case = reduced_case(bodies, {"law": law, "wall_law": "exact", "drag": 1.0, "cutoff": 0.5}, domain=domain)
+    a, b = case.configuration().radii[[0, -1]]
+    a_r = a * b / (a + b)
+    films = Films(np.array([a_r]), np.array([a_r * (1.0 - a_r / a) / a]), np.array([False]))
+    return float(make_laws(case).kappa(np.log([1e-3 * a_r]), films)[0])
+
+
 def test_a_law_is_taken_where_it_belongs(tmp_path: Path) -> None:
-    """Of radii 3 : 1 for 1 : 3, of equal ones for a disc and its images, and the slides' for all."""
-    more = {"wall_law": "exact", "drag": 1.0, "cutoff": 0.5}
-    make_model(reduced_case(UNEQUAL, {"law": law_file(tmp_path, 3.0), **more}, domain=LARGE))
+    """Of radii 3 : 1 for 1 : 3, of equal ones for a disc and its images, and the slides' for all.
+
+    Less what they are at the cutoff: the table is 2 s^-p with p = log(2000) / log(1000), where the exact law
+    has 4.2e5, and the law of the slides is mu / d. The reduced radii are 3/4 and 1/2.
+    """
+    p = log(2000.0) / log(1000.0)
     channel = {"periodic": ["x"], "lower": [0.0, 0.0], "upper": [8.0, 8.0]}
-    make_model(reduced_case([disc("a", 4.0, 4.0)], {"law": law_file(tmp_path, 1.0), **more}, domain=channel))
+    assert between_bodies(UNEQUAL, law_file(tmp_path, 3.0), LARGE) == pytest.approx(
+        4000.0 - 2.0 * 1.5**p, rel=1e-12
+    )
+    lone = between_bodies([disc("a", 4.0, 4.0)], law_file(tmp_path, 1.0), channel)
+    assert lone == pytest.approx(4000.0 - 2.0, rel=1e-12)
     (tmp_path / "slides.toml").write_text('form = "slides"\nviscosity = 1.0')
-    make_model(reduced_case(UNEQUAL, {"law": str(tmp_path / "slides.toml"), "drag": 1.0}, domain=LARGE))
+    slides = between_bodies(UNEQUAL, str(tmp_path / "slides.toml"), LARGE)
+    assert slides == pytest.approx(1.0 / 7.5e-4 - 2.0, rel=1e-12)
 
 
 def between(cutoff: float | None, gap: float = 0.05, **more: object) -> Case:

@@ -126,7 +126,7 @@ def test_a_uniform_motion_of_everything_costs_nothing() -> None:
 def test_a_pressure_difference_drives_a_channel() -> None:
     """A small free disc on the centreline moves with u = (dp/L) (H^2/4 - y^2) / (2 mu).
 
-    The ends do not have a parallel profile: they add some 1 % to the length L, but the same to any. So the
+    The ends do not have a parallel profile: they take some 2 % off the length L, but the same to any. So the
     resistance to 1/U grows with L as it must, 2 mu / (dp H^2/4) for each length.
     """
     inverse = []
@@ -137,7 +137,7 @@ def test_a_pressure_difference_drives_a_channel() -> None:
         inverse.append(1.0 / U[0])
         assert abs(U[1]) < 1e-6 * U[0]
     assert (inverse[1] - inverse[0]) / 10.0 == pytest.approx(2.0 / 40.0, rel=2e-3)  # (2/3) (a/H)^2 is 3e-4
-    assert inverse[0] == pytest.approx(10.0 / 20.0, rel=0.1)
+    assert inverse[0] == pytest.approx(10.0 / 20.0, rel=0.025)
 
 
 def test_a_disc_in_simple_shear_turns_at_half_the_vorticity() -> None:

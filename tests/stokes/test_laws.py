@@ -329,7 +329,8 @@ def test_a_stresslet_is_shared_as_radii_are() -> None:
     )
     assert one is not None
     assert other is not None
-    assert_allclose(one.stresslets[:, 0, 1], other.stresslets[:, 0, 1], rtol=0.04)
+    off = np.abs(one.stresslets[:, 0, 1] / other.stresslets[:, 0, 1] - 1.0)
+    assert np.all(off < [0.005, 0.03])
 
 
 @pytest.mark.slow

@@ -2,6 +2,8 @@
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from fsi.case.case import Case
 from fsi.case.section import nearest_word, toml_text
 from fsi.case.sections import APPARENT_VISCOSITY, DISSIPATION, SHEAR_RATE, WALL_SPEED, Expected
@@ -12,6 +14,9 @@ if TYPE_CHECKING:  # exact results take long to load
 
 # Of vectors and of what turns; in the plane a torque is a number and has none.
 _COMPONENTS = {"planar": ("xy", ""), "axisymmetric": ("z", ""), "spatial": ("xyz", "xyz")}
+
+# Of the smallest radius and the largest velocity: what is off a place, a radius or a velocity by less is not.
+_SAME = 1e-9
 
 
 def check_expected(case: Case) -> None:
@@ -67,6 +72,51 @@ def _check_exact(case: Case, row: Expected, fitting: "Fitting", here: str) -> No
     far = case.wall_velocity(0.0).get("far")
     if fitting.sheared and (far is None or far.shear == 0.0):
         raise InputError(f"{here}: needs a shear flow; give domain.walls.far = {{ shear = 1.0 }}")
+    _check_place(case, row, fitting, here)
+
+
+def _check_place(case: Case, row: Expected, fitting: "Fitting", here: str) -> None:
+    """Raise InputError where the bodies of a fitting case look or stand as the formula does not know them."""
+    for i, body in enumerate(case.bodies):
+        if body.shape is not None and not fitting.shaped:
+            raise InputError(f"{here}: is for round bodies; give bodies.{i}.radius and no shape, or a value")
+        if body.swims and np.any(body.angle):
+            raise InputError(
+                f"{here}: is for swimmers that are not turned; drop bodies.{i}.angle, or give a value"
+            )
+    centres, radii = case.configuration().centres, case.configuration().radii
+    if fitting.place == "centre" and np.abs(centres).max() > _SAME * radii.min():
+        centre = toml_text((0.0,) * case.dimension)
+        raise InputError(
+            f"{here}: is for a body at the centre of its container; give bodies.0.position = {centre}, or "
+            "a value"
+        )
+    if fitting.place == "line":
+        _check_approach(case, row.quantity, here)
+
+
+def _check_approach(case: Case, quantity: str, here: str) -> None:
+    """Raise InputError unless two equal bodies meet along the axis of the quantity.
+
+    Otherwise a net force acts on both, which depends on the container however large it is.
+    """
+    axis = "xy".find(quantity[-1])
+    q, motion = case.configuration(), case.motion(0.0)
+    near = _SAME * q.radii.min()
+    if axis < 0 or np.abs(np.delete(q.centres[1] - q.centres[0], axis)).max() > near:
+        raise InputError(
+            f"{here}: is for the force along a line of centres that is an axis of coordinates; change "
+            "bodies.1.position or the quantity, or give a value"
+        )
+    if abs(q.radii[1] - q.radii[0]) > near:
+        radius = toml_text(case.bodies[0].radius)
+        raise InputError(f"{here}: is for equal discs; give bodies.1.radius = {radius}, or a value")
+    U, held = motion.U[:, axis], motion.held[:, axis]
+    if not held.all() or abs(U.sum()) > _SAME * np.abs(U).max():
+        raise InputError(
+            f"{here}: is for opposite velocities; give bodies.1.velocity.{axis} so that it is the opposite "
+            "of that of bodies.0, or a value"
+        )
 
 
 def _kind(quantity: str) -> str:

@@ -56,10 +56,10 @@ def _check_names(case: Case) -> None:
 
 def _check_contacts(case: Case) -> None:
     """Bodies and walls touch at most, and films have gaps."""
-    q, container = case.configuration(), case.container()
+    q, container, bodies = case.configuration(), case.container(), case.names
     gaps = find_gaps(q, container, reach=0.0)
     between_bodies = zip(gaps.pairs, gaps.pair_gaps, strict=True)
-    touching = [(gap, f"{case.names[i]} and {case.names[j]}") for (i, j), gap in between_bodies]
+    touching = [(gap, f"{bodies[i]} and {bodies[j]}") for (i, j), gap in between_bodies]
     of_planes = [
         (np.array(wall.normal) / np.linalg.norm(wall.normal)) @ (q.centres - np.array(wall.point)).T - q.radii
         for wall in case.gluey.walls
@@ -67,7 +67,7 @@ def _check_contacts(case: Case) -> None:
     to_walls = np.column_stack([container.distances(q.centres) - q.radii[:, None], *of_planes])
     names = [*container.walls, *(wall.name for wall in case.gluey.walls)]
     overlaps = np.argwhere(to_walls <= 0.0)
-    touching += [(to_walls[i, w], f"{case.names[i]} and wall {names[w]}") for i, w in overlaps]
+    touching += [(to_walls[i, w], f"{bodies[i]} and wall {names[w]}") for i, w in overlaps]
     if not touching:
         return
     deepest, between = min(touching)

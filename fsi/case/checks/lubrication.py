@@ -14,23 +14,28 @@ def check_lubrication(case: Case) -> None:
         return
     here, radii = f"lubrication.below = {below!r}", case.configuration().radii
     stressed = case.domain.mean_drive().mean_stress is not None
-    unknown = {
-        f'model = "{case.model}" has no mesh for it; give "resolved"': case.model != "resolved",
-        "it is for discs and spheres between plane or round walls; give such bodies and walls": (
-            case.configuration().shaped
+    swims = any(body.swims for body in case.bodies)
+    refused = [
+        (case.model != "resolved", f'model = "{case.model}" has no mesh for it; give "resolved", or drop it'),
+        (
+            case.configuration().shaped,
+            "it is for discs and spheres between plane or round walls; give such ones, or drop it",
         ),
-        "fluid sticks to all surfaces beside which laws are known; drop slip_length and surface_velocity": (
-            bool(slip_lengths(case)) or any(body.swims for body in case.bodies)
+        (
+            swims or bool(slip_lengths(case)),
+            "fluid sticks to all surfaces beside which laws are known; drop slip_length and surface_velocity",
         ),
-        "it is for given velocities of walls and rates of shear; give these in place of a stress": (
-            bool(case.wall_stress(0.0)) or stressed
+        (
+            stressed or bool(case.wall_stress(0.0)),
+            "it is for given velocities of walls and rates of shear; give these, and no stress, or drop it",
         ),
-        "a mesh of your own has the gaps that it has; drop domain.mesh": case.domain.mesh is not None,
-        "a law is calibrated by what is resolved; drop it": case.calibration is not None,
-        f"at most {WIDEST:g} of the smallest radius is known to be small; give a smaller gap": (
-            below > WIDEST * radii.min(initial=float("inf"))
+        (case.domain.mesh is not None, "a mesh of your own has the gaps that it has; drop domain.mesh"),
+        (case.calibration is not None, "a law is calibrated by what is resolved; drop it"),
+        (
+            below > WIDEST * radii.min(initial=float("inf")),
+            f"at most {WIDEST:g} of the smallest radius is known to be small; give a smaller gap, or drop it",
         ),
-    }
-    for remedy, refused in unknown.items():
-        if refused:
-            raise InputError(f"{here}: {remedy}, or drop it" if "drop" not in remedy else f"{here}: {remedy}")
+    ]
+    for is_so, what in refused:
+        if is_so:
+            raise InputError(f"{here}: {what}")

@@ -1,6 +1,6 @@
 """What a case must satisfy whose fluid slides along surfaces, or whose bodies swim."""
 
-from math import sin
+import numpy as np
 
 from fsi.case.case import Case
 from fsi.case.section import refusal
@@ -27,8 +27,9 @@ def check_surfaces(case: Case) -> None:
         if body.surface_velocity is not None and body.shape is not None:
             key = f"bodies.{i}.surface_velocity"
             raise refusal(key, body.surface_velocity, "its modes are those of discs and spheres; drop it")
-        if body.swims and case.axisymmetric and abs(sin(body.angle)) > STRAIGHT:
-            raise refusal(f"bodies.{i}.angle", body.angle, "a swimmer goes along the axis; give 0.0 or 3.14159265")
+        if body.swims and case.axisymmetric and abs(np.sin(body.angle)) > STRAIGHT:
+            turned = "a swimmer goes along the axis; give 0.0 or 3.14159265"
+            raise refusal(f"bodies.{i}.angle", body.angle, turned)
     if not sliding:
         return
     key, b = next(iter(sliding.items()))

@@ -6,7 +6,7 @@ import numpy as np
 
 from fsi.case.case import Case
 from fsi.case.section import nearest_word, refusal, toml_text
-from fsi.case.series import Table, is_zero, jumps
+from fsi.case.series import Table, jumps
 from fsi.errors import InputError
 
 SMALLEST_CONTACT = 1e-8  # over the smallest radius
@@ -44,20 +44,6 @@ def _check_contact(case: Case) -> None:
     smallest = SMALLEST_CONTACT * float(case.configuration().radii.min(initial=np.inf))
     if case.bodies and least < smallest:
         raise InputError(f"{here}: below 1e-8 radii, the least gap that is resolved; give {smallest:.3g}")
-
-
-def check_own_mesh(case: Case) -> None:
-    """Raise InputError where bodies leave the place that the user's own mesh has for them."""
-    if case.domain.mesh is None:
-        return
-    for i, body in enumerate(case.bodies):
-        for part, key in zip(body.motion[: case.dimension], body.keys, strict=False):
-            if part == "free" or not is_zero(part):
-                raise InputError(
-                    f"domain.mesh = {toml_text(case.domain.mesh)}: serves bodies where they stand, and "
-                    f"bodies.{i}.{key.replace('force', 'velocity')} lets {body.name!r} move; drop the mesh, "
-                    "so that each instant has its own, hold the bodies at rest, or use `fsi solve`"
-                )
 
 
 def _check_scheme(case: Case) -> None:

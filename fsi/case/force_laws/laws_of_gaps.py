@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import itertools
 from abc import abstractmethod
 from typing import ClassVar, Literal, override
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
 from fsi.bodies.configuration import Array
 from fsi.case.force_laws.law import KINDS, ForceSection, register_force
 from fsi.case.section import Positive, toml_text
+from fsi.case.series import Increasing, require_pairs
 from fsi.errors import InputError
 from fsi.meshes.geometry.container import Container
 
@@ -116,23 +116,14 @@ class Tabulated(BetweenSurfaces):
 
     reach_key: ClassVar[str] = "gaps"
     law: Literal["table"]
-    gaps: tuple[float, ...] = Field(min_length=1)
+    gaps: Increasing = Field(min_length=1)
     """gaps, increasing"""
     values: tuple[float, ...]
     """one force for each gap; negative ones turn the force round"""
 
-    @field_validator("gaps")
-    @classmethod
-    def _increasing(cls, gaps: tuple[float, ...]) -> tuple[float, ...]:
-        for before, after in itertools.pairwise(gaps):
-            if not before < after:
-                raise ValueError(f"must increase, but {after!r} follows {before!r}")
-        return gaps
-
     @model_validator(mode="after")
     def _paired(self) -> Tabulated:
-        if len(self.gaps) != len(self.values):
-            raise ValueError(f"has {len(self.gaps)} gaps but {len(self.values)} values")
+        require_pairs(gaps=self.gaps, values=self.values)
         return self
 
     @property
