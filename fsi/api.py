@@ -8,7 +8,7 @@
     u, p = solution.evaluate([[0.0, 4.0]])  # at points
     run = fsi.run(case, "runs/disc")        # tables (pandas) and fields (pyvista)
 
-Under MPI all ranks call these functions together.
+Under MPI all ranks call these functions together, with the same case, the same folder, the same points.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -28,13 +28,15 @@ from fsi.case.case import Case
 from fsi.case.checks.work import check_work
 from fsi.case.load import load_case, parse_case
 from fsi.errors import FsiError, InputError, SolveError
+from fsi.files import require_folder
 from fsi.integration.errors import ErrorEstimate
 from fsi.integration.evolution import Evolution
 from fsi.integration.state import Instant, StepRecord
 from fsi.models import flow_solvers, make_evolution, make_model
 from fsi.observables.quantities import found_gradient
 from fsi.observables.resistance import Resistance
-from fsi.parallel import on_root, together
+from fsi.parallel import on_root, require_same, together
+from fsi.postprocess.run.probe import given_points
 from fsi.postprocess.run.run import Run, open_run
 from fsi.report.progress import ProgressBar
 from fsi.runs import MakeEvolution, Progress, no_progress
@@ -122,22 +124,25 @@ class Solution:
 
     @together()
     def evaluate(self, points: ArrayLike) -> tuple[Array, Array]:
-        """Velocity (n, d) and pressure (n,) at points (n, d); NaN outside the fluid. Raises InputError."""
+        """Velocity (n, d) and pressure (n,) at points (n, d), the same on all ranks.
+
+        NaN outside the fluid. Raises InputError.
+        """
         flow = self._flow("evaluate")
         if not self.case.level.pressure:
             raise InputError(
                 f'model = "{self.case.model}": has no pressure; use Solution.velocity, or solve the resolved '
                 "case"
             )
-        x = _points(points, self.case.dimension)
+        x = self._points(points)
         values: tuple[Array, Array] = flow.evaluate(x) if len(x) else (x, x[:, 0])
         return values
 
     @together()
     def velocity(self, points: ArrayLike) -> Array:
-        """Velocity (n, d) at points (n, d); NaN outside the fluid. Raises InputError."""
+        """Velocity (n, d) at points (n, d), as `evaluate`; NaN outside the fluid. Raises InputError."""
         flow = self._flow("evaluate")
-        x = _points(points, self.case.dimension)
+        x = self._points(points)
         u: Array = flow.velocity(x) if len(x) else x
         return u
 
@@ -149,10 +154,16 @@ class Solution:
 
     @together()
     def write(self, folder: Path | str) -> dict[str, list[str]]:
-        """Write the fields as VTU files into a folder; gives their names by series."""
-        folder = Path(folder)
-        folder.mkdir(parents=True, exist_ok=True)
+        """Write the fields as VTU files into a folder; gives their names by series. Raises InputError."""
+        folder = _same_folder(folder)
+        on_root(lambda: require_folder(folder))
+        on_root(lambda: folder.mkdir(parents=True, exist_ok=True))
         return self.instant.write(folder, 0)
+
+    def _points(self, points: ArrayLike) -> Array:
+        x = given_points(points, self.case.dimension)
+        require_same("points", x.tobytes)
+        return x
 
     def _flow(self, what: str) -> Any:
         if not self.case.level.flow:
@@ -170,19 +181,18 @@ class Solution:
         return "\n".join(lines)
 
 
-def _points(points: ArrayLike, d: int) -> Array:
-    """Points (n, d), of none too. Raises InputError."""
-    try:
-        x = np.atleast_2d(np.asarray(points, dtype=float))
-    except (TypeError, ValueError):
-        raise InputError(
-            "points: are no numbers, or not as many of each point; give (n, d) numbers"
-        ) from None
-    if not x.size:
-        return np.empty((0, d))
-    if x.ndim != 2 or x.shape[1] != d:
-        raise InputError(f"points have {x.shape[-1]} components where this geometry has {d}; give (n, {d})")
-    return x
+def _require_case(case: Case) -> None:
+    """Raise InputError unless it is a case, the same on all ranks."""
+    if not isinstance(case, Case):
+        raise InputError(f"case: is a {type(case).__name__}; give fsi.load_case(PATH) or fsi.make_case(...)")
+    require_same("case", lambda: case.model_dump_json().encode())
+
+
+def _same_folder(folder: Path | str) -> Path:
+    """The path of a folder. Raises InputError: ranks differ in it."""
+    path = Path(folder)
+    require_same("folder", str(path).encode)
+    return path
 
 
 def make_case(**sections: Any) -> Case:
@@ -202,9 +212,11 @@ def solve(case: Case) -> Solution:
     A case of a level with a flow has error bars, and is refined to its tolerance if it has one.
 
     Raises:
-        InputError: its level steps by itself and has no instant, or it is more than this machine holds.
+        InputError: it is no case, its level steps by itself and has no instant, or it is more than this
+            machine holds.
         SolveError: the solve fails, or a check of it.
     """
+    _require_case(case)
     on_root(lambda: check_work(case))
     if not case.level.flow:
         return Solution(case, make_model(case)(case.configuration(), 0.0), None)
@@ -226,7 +238,8 @@ def run(case: Case, folder: Path | str, callback: Progress = no_progress) -> Run
         InputError: the case has no [time], or the folder is not new.
         SolveError: the run cannot go on; the folder keeps the last good state.
     """
-    _follow(callback, partial(run_case, case, Path(folder)))
+    _require_case(case)
+    _follow(callback, partial(run_case, case, _same_folder(folder)))
     return open_run(folder)
 
 
@@ -244,7 +257,7 @@ def resume(folder: Path | str, callback: Progress = no_progress, overrides: Sequ
         InputError: it is no run folder, a file in it is damaged, or its case has been changed since.
         SolveError: as in `run`.
     """
-    _follow(callback, partial(resume_run, Path(folder), overrides=overrides))
+    _follow(callback, partial(resume_run, _same_folder(folder), overrides=overrides))
     return open_run(folder)
 
 
@@ -258,10 +271,13 @@ def calibrate(case: Case, folder: Path | str, processes: int = 1) -> Calibration
         processes: how many of this machine work on different samples.
 
     Raises:
-        InputError: the case cannot be calibrated, or the folder not be written.
+        InputError: the case cannot be calibrated, the folder not be written, or there is no process.
         SolveError: a sample failed.
     """
-    folder = Path(folder)
+    if processes < 1:
+        raise InputError(f"processes = {processes}: give at least 1")
+    _require_case(case)
+    folder = _same_folder(folder)
     return calibrate_case(case, case.name, folder, Sampling(folder / "samples", processes))
 
 

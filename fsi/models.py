@@ -12,7 +12,7 @@ import numpy as np
 
 from fsi.case.case import Case
 from fsi.case.checks.determined import check_strayed_lattice
-from fsi.case.checks.time import check_own_mesh
+from fsi.case.checks.own_mesh import check_own_mesh
 from fsi.errors import InputError
 
 if TYPE_CHECKING:

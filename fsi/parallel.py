@@ -6,12 +6,14 @@ import time
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from hashlib import sha256
 from types import TracebackType
 from typing import Any, NoReturn
 from zlib import crc32
 
 import numpy as np
 
+from fsi.errors import InputError
 from fsi.machine.ranks import STARTED
 from fsi.meshes.mpi import load_mpi
 
@@ -73,6 +75,15 @@ def on_every_rank(action: Callable[[], None]) -> None:
 def gather[T](value: T) -> list[T]:
     """The values of all ranks, in their order, on every rank."""
     return [value] if size() == 1 else list(_comm.allgather(value))
+
+
+def require_same(what: str, content: Callable[[], bytes]) -> None:
+    """Raise InputError on every rank unless all have the same content; collective.
+
+    One process makes no content.
+    """
+    if size() > 1 and len(set(gather(sha256(content()).digest()))) > 1:
+        raise InputError(f"{what}: not the same on all ranks; give the same on each")
 
 
 def speak_with(words: Words) -> None:

@@ -51,7 +51,7 @@ def test_importing_it_costs_no_solver_and_no_tables() -> None:
     subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT)
 
 
-def test_a_resolved_case_is_solved_evaluated_and_has_a_resistance() -> None:
+def test_a_resolved_case_is_solved_evaluated_and_has_a_resistance(tmp_path: Path) -> None:
     """A disc in a box of fluid at rest, moving down: the force of cases/disc_in_box.toml is 466.11048."""
     solution = fsi.solve(fsi.load_case(ROOT / "cases" / "disc_in_box.toml"))
     disc = solution["disc"]
@@ -71,10 +71,15 @@ def test_a_resolved_case_is_solved_evaluated_and_has_a_resistance() -> None:
         ([[0.0, 4.0, 0.0]], "points have 3 components where this geometry has 2; give"),
         ([4.0], "points have 1 components where this geometry has 2; give"),
         ([[0.0, 4.0], [1.0]], "points: are no numbers, or not as many of each point; give"),
+        ([[np.nan, 1.0], [0.0, 4.0]], "points: not all are finite; give"),
     ):
         for values_at in (solution.evaluate, solution.velocity):
             with pytest.raises(fsi.InputError, match=words):
                 values_at(points)
+    (tmp_path / "there").touch()
+    with pytest.raises(fsi.InputError, match=r"output = .*there: Not a directory; give a folder"):
+        solution.write(tmp_path / "there")
+    assert solution.write(tmp_path / "fields" / "new")["fluid"] == ["fluid_000000.vtu"]
     R = solution.resistance()
     assert R.R[1, 1] == pytest.approx(disc.force[1], rel=1e-9)
     assert "disc: V = [ 0. -1.]" in repr(solution)
@@ -121,6 +126,23 @@ def test_a_mistake_in_python_is_one_line_too() -> None:
         reduced(reduced={"darg": 10.0})
 
 
+@pytest.mark.parametrize("case", ["case.toml", None, {"name": "disc"}])
+def test_what_is_no_case_is_refused(case: Any, tmp_path: Path) -> None:
+    words = rf"^case: is a {type(case).__name__}; give fsi\.load_case\(PATH\)"
+    out = tmp_path / "out"
+    for use in (fsi.solve, lambda it: fsi.run(it, out), lambda it: fsi.calibrate(it, out)):
+        with pytest.raises(fsi.InputError, match=words):
+            use(case)
+    assert not out.exists()
+
+
+def test_a_calibration_without_processes_writes_nothing(tmp_path: Path) -> None:
+    case = fsi.load_case(ROOT / "cases" / "calibration" / "disc_wall.toml")
+    with pytest.raises(fsi.InputError, match=r"^processes = 0: give at least 1$"):
+        fsi.calibrate(case, tmp_path / "out", 0)
+    assert not list(tmp_path.iterdir())
+
+
 def test_cases_solutions_and_runs_say_what_they_are(tmp_path: Path) -> None:
     case = reduced()
     assert repr(case) == "<Case 'disc': reduced, planar, 1 bodies, half-plane>"
@@ -164,3 +186,49 @@ def test_it_works_on_several_ranks(tmp_path: Path) -> None:
         [float(word) for word in alone.stdout.split()],
         rtol=1e-9,
     )
+
+
+DIFFERENT = """
+import sys
+import numpy as np
+import fsi, fsi.parallel as parallel
+
+def refused(what, ask):
+    try:
+        ask()
+    except fsi.InputError as error:
+        said = parallel.gather(str(error))
+        assert said == 2 * [f"{what}: not the same on all ranks; give the same on each"], said
+    else:
+        raise AssertionError(what)
+
+box, own, out = sys.argv[1], parallel.rank(), sys.argv[2]
+small = ["discretisation.degree=2", "discretisation.cells_per_circle=12", "discretisation.growth=1.0"]
+case = fsi.load_case(box, small)
+solution = fsi.solve(case)
+x = np.column_stack([np.linspace(-3.0, 3.0, 40), np.full(40, 4.0)])
+for points in (x[own::2], x[: 20 + own], x if own else []):
+    refused("points", lambda: solution.evaluate(points))
+    refused("points", lambda: solution.velocity(points))
+other = fsi.load_case(box, [*small, f"fluid.viscosity={1 + own}"])
+refused("case", lambda: fsi.solve(other))
+refused("case", lambda: fsi.run(other, out))
+refused("case", lambda: fsi.calibrate(other, out))
+refused("folder", lambda: fsi.run(case, f"{out}{own}"))
+refused("folder", lambda: fsi.resume(f"{out}{own}"))
+refused("folder", lambda: solution.write(f"{out}{own}"))
+assert not np.isnan(solution.velocity(x)).any()
+if parallel.is_root():
+    print("done")
+"""
+
+
+@needs_mpi
+@pytest.mark.mpi
+def test_what_differs_between_ranks_is_refused_on_all_of_them(tmp_path: Path) -> None:
+    """Points were matched by their places: of halves the values were those of the other rank's points."""
+    box = ROOT / "cases" / "disc_in_box.toml"
+    done = call(*python_on(2), "-c", DIFFERENT, str(box), str(tmp_path / "out"), timeout=120.0)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == "done\n"
+    assert not list(tmp_path.iterdir())

@@ -2,9 +2,10 @@
 
     python docs/examples/ranks.py [ranks.png]
 
-Every command works under `mpiexec`, as does every Python program that imports `fsi`, and gives what it
-gives in serial to 1e-9: take the `mpiexec` beside this Python. Here two ranks solve ten sheared discs,
-whose apparent viscosity is 8.29807960 (cases/couette_N10.toml). At such sizes a second rank gains nothing.
+Commands work under `mpiexec`, all but those that start their processes themselves (`fsi sweep --ranks 2`),
+and so do Python programs whose ranks all call `fsi` with the same arguments. They give what they give in
+serial to 1e-9: take the `mpiexec` beside this Python. Here two ranks solve ten sheared discs, whose apparent
+viscosity is 8.29807960 (cases/couette_N10.toml). At such sizes a second rank gains nothing.
 """
 
 import json

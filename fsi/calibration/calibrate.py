@@ -26,7 +26,7 @@ def calibrate_case(case: Case, source: str, folder: Path, sampling: Sampling) ->
     SolveError: a sample failed, or the samples do not decrease with the gap.
     """
     pair = pair_of(case)
-    parallel.on_root(lambda: require_writable(folder))
+    parallel.on_root(lambda: require_writable(folder, sampling.cache))
     parallel.on_root(lambda: require_folder(sampling.cache))
     samples = take_samples(pair, sampling)
     result = parallel.on_root(lambda: fit_law(pair, samples, source))
@@ -37,27 +37,32 @@ def calibrate_case(case: Case, source: str, folder: Path, sampling: Sampling) ->
 SAMPLES, LAW, SUMMARY = "samples.csv", "law.toml", "calibration.json"
 
 
-def require_writable(folder: Path) -> None:
-    """Raise InputError unless the folder is new, empty or that of a calibration, which is replaced."""
-    fits = folder.is_dir() and (not any(folder.iterdir()) or (folder / SUMMARY).exists())
+def require_writable(folder: Path, cache: Path) -> None:
+    """Raise InputError unless the folder is new, has at most the cache, or is of a calibration to replace."""
+    others = {path.absolute() for path in folder.iterdir()} - {cache.absolute()} if folder.is_dir() else set()
+    fits = folder.is_dir() and (not others or (folder / SUMMARY).exists())
     if folder.exists() and not fits:
         raise InputError(f"output = {folder}: exists and is no calibration; give another folder")
     require_folder(folder)
 
 
 def write_calibration(folder: Path, result: CalibrationResult) -> None:
-    """Write the three files. Raises InputError if there can be no such folder."""
+    """Write the three files. Raises InputError if there can be no such folder.
+
+    The summary, which tells that the folder is of a calibration, comes first: what is killed between two
+    files is replaced when it is repeated.
+    """
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"output = {folder}: {error.strerror}; give a folder that can be written") from None
+    replace(folder / SUMMARY, (json.dumps(summary(result), indent=1) + "\n").encode())
     save_law(folder / LAW, result.law)
     rows, text = _rows(result), io.StringIO()
     table = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
     table.writeheader()
     table.writerows(rows)
     replace(folder / SAMPLES, text.getvalue().encode())
-    replace(folder / SUMMARY, (json.dumps(summary(result), indent=1) + "\n").encode())
 
 
 def summary(result: CalibrationResult) -> dict[str, Any]:

@@ -173,10 +173,11 @@ def run_levels(cases: Mapping[str, Case], folder: Path, progress: Progress = no_
     cannot go on.
     """
     for level, case in cases.items():
-        on_root(lambda level=level, case=case: _require_same(folder / level, case))  # type: ignore[misc]
+        on_root(lambda level=level, case=case: _require_same(folder / level, case))  # type: ignore[misc]  # of defaults
     on_root(lambda: folder.mkdir(parents=True, exist_ok=True))
     for level, case in cases.items():
-        if (folder / level).exists():
+        # Not by each rank: one that looks late would see the folder that root has made since.
+        if on_root((folder / level).exists):
             resume(folder / level, progress)
         else:
             run(case, folder / level, progress)
