@@ -33,7 +33,7 @@ from fsi.integration.errors import ErrorEstimate
 from fsi.integration.evolution import Evolution
 from fsi.integration.state import Instant, StepRecord
 from fsi.models import flow_solvers, make_evolution, make_model
-from fsi.observables.quantities import found_gradient
+from fsi.observables.quantities import found_flux, found_gradient
 from fsi.observables.resistance import Resistance
 from fsi.parallel import on_root, require_same, together
 from fsi.postprocess.run.probe import given_points
@@ -77,8 +77,8 @@ class Solution:
     Attributes:
         case: what was solved; with a tolerance the refined one.
         instant: velocities U and external loads F, shape (N, M), and what the model knows besides.
-        errors: estimated errors of U and F, of the dissipation, the apparent viscosity and dp_dx; None of a
-            model without a flow.
+        errors: estimated errors of U and F, of the dissipation, the apparent viscosity, dp_dx and flux; None
+            of a model without a flow.
     """
 
     case: Case
@@ -121,6 +121,14 @@ class Solution:
     def dp_dx(self) -> float | None:
         """The mean pressure gradient along a channel whose net flux is given, else None."""
         return found_gradient(self.instant)
+
+    @property
+    def flux(self) -> float | None:
+        """The net flux along a channel whose mean pressure gradient is given, else None.
+
+        Of fluid and bodies through a section across x; in the plane per unit length.
+        """
+        return found_flux(self.instant)
 
     @together()
     def evaluate(self, points: ArrayLike) -> tuple[Array, Array]:

@@ -56,7 +56,7 @@ def in_cell(
 
 def in_channel(
     channel: Box, q: Configuration, motion: Motion, pressure_gradient: float | None = 0.0,
-    net_flux: float = 0.0, formulation: Formulation = "eliminated",
+    net_flux: float | None = None, formulation: Formulation = "eliminated",
 ) -> StokesSolution:  # fmt: skip
     """The flow between walls at rest."""
     boundary = Boundary(dict.fromkeys(channel.walls, at_rest), {}, None, pressure_gradient, net_flux)

@@ -79,6 +79,7 @@ class ErrorEstimate:
         wall_speeds: of the walls that a stress moves, along x.
         shear_rate: of a cell that a stress shears, else None.
         dp_dx: of the mean pressure gradient of a channel whose net flux is given, else None.
+        flux: of the net flux of a channel whose mean pressure gradient is given, else None.
     """
 
     U: Array
@@ -89,6 +90,7 @@ class ErrorEstimate:
     wall_speeds: Mapping[str, float] = field(default_factory=dict)
     shear_rate: float | None = None
     dp_dx: float | None = None
+    flux: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +125,8 @@ class StepErrors:
             columns["err_shear_rate"] = self.errors.shear_rate
         if self.errors.dp_dx is not None:
             columns["err_pressure_gradient"] = self.errors.dp_dx
+        if self.errors.flux is not None:
+            columns["err_flux"] = self.errors.flux
         stress = self.errors.stress
         return columns if stress is None else {**columns, **stress.columns}
 

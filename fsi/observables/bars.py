@@ -19,7 +19,7 @@ from fsi.case.case import Case
 from fsi.integration.errors import ErrorEstimate, StepErrors, StressErrors
 from fsi.integration.state import Results
 from fsi.observables.bulk_stress import BulkStress
-from fsi.observables.quantities import found_gradient
+from fsi.observables.quantities import found_flux, found_gradient
 from fsi.observables.resistance import KNOWN_TO
 from fsi.observables.truncation import ROUNDING, flow_scales, relative_change
 
@@ -125,8 +125,8 @@ def _of_viscosity(results: Results, other: Compared) -> float | None:
 
 def _of_driven(
     results: Results, others: Sequence[Compared]
-) -> tuple[Mapping[str, float], float | None, float | None]:
-    """The sum for speeds of walls that a stress moves, the rate of shear of a cell, and dp/dx of a flux."""
+) -> tuple[Mapping[str, float], float | None, float | None, float | None]:
+    """The sum for speeds of walls and the rate of shear by a stress, dp/dx by a flux, and a flux."""
 
     def bound(name: str, value_in: Callable[[Any], float]) -> float:
         value = value_in(getattr(results, name))
@@ -136,7 +136,8 @@ def _of_driven(
     walls = getattr(results, "wall_speeds", {})
     of_walls = {wall: bound("wall_speeds", operator.itemgetter(wall)) for wall in walls}
     of_cell = None if getattr(results, "shear_rate", None) is None else bound("shear_rate", float)
-    return of_walls, of_cell, None if found_gradient(results) is None else bound("dp_dx", float)
+    of_gradient = None if found_gradient(results) is None else bound("dp_dx", float)
+    return of_walls, of_cell, of_gradient, None if found_flux(results) is None else bound("flux", float)
 
 
 def _of_stress(results: Results, other: Compared) -> StressErrors | None:

@@ -55,10 +55,17 @@ def found_gradient(results: object) -> float | None:
     return dp_dx
 
 
+def found_flux(results: object) -> float | None:
+    """The net flux of a channel whose mean dp/dx is given, or its error, else None; as `found_gradient`."""
+    flux: float | None = getattr(results, "flux", None)
+    return flux
+
+
 def stress_driven(driven: Driven) -> dict[str, float]:
-    """Columns of steps.csv: speeds of walls and the rate of shear that a stress drives, dp/dx of a flux."""
+    """Columns of steps.csv: speeds of walls and the rate of shear by a stress, dp/dx by a flux, or a flux."""
     columns = {f"speed_{wall}": speed for wall, speed in driven.wall_speeds.items()}
     others = {"shear_rate": driven.shear_rate, "pressure_gradient": found_gradient(driven)}
+    others["flux"] = found_flux(driven)
     return columns | {name: value for name, value in others.items() if value is not None}
 
 

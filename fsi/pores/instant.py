@@ -97,6 +97,12 @@ class PoreInstant:
         return None if given else self.flow.pressure_gradient
 
     @property
+    def flux(self) -> float | None:
+        """The net flux along a channel whose mean pressure gradient is given, else None."""
+        channel = len(self.flow.system.pores.surfaces.periods) == 1
+        return self.flow.flux if channel and self.dp_dx is None else None
+
+    @property
     def force_free(self) -> bool:
         """Whether walls or mean flow alone do work: then dissipation and viscosity are upper bounds."""
         return is_force_free(self.bodies, self.flow)

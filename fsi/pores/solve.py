@@ -108,6 +108,13 @@ class PoreFlow:
         return -_flux_sign(self.system) * float(self.reactions[top]) / length
 
     @property
+    def flux(self) -> float:
+        """Along a channel, of fluid and bodies."""
+        top, _ = _driven(self.system)
+        bottom = int(self.system.assembly.numbering.surface[len(self.system.pores.surfaces) - 2]) + 3
+        return _flux_sign(self.system) * float(self.x[top] - self.x[bottom])
+
+    @property
     def stresslets(self) -> Array:
         """Of the bodies of a periodic flow, less their traces, (N, 2, 2).
 

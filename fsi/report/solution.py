@@ -17,7 +17,7 @@ from fsi.bodies.opened import lubricating, way_out
 from fsi.case.case import Case
 from fsi.integration.errors import ErrorEstimate, StressErrors
 from fsi.observables.bulk_stress import BulkStress
-from fsi.observables.quantities import Driven, found_gradient
+from fsi.observables.quantities import Driven, found_flux, found_gradient
 from fsi.observables.truncation import SolvedFlow
 from fsi.report.case import components
 from fsi.report.console import checks_table, print_mesh_instead, table
@@ -71,6 +71,8 @@ def driven_json(driven: Driven, errors: Driven) -> dict[str, Any]:
         data |= {"shear_rate": driven.shear_rate, "shear_rate_error": errors.shear_rate}
     if (dp_dx := found_gradient(driven)) is not None:
         data |= {"pressure_gradient": dp_dx, "pressure_gradient_error": found_gradient(errors)}
+    if (flux := found_flux(driven)) is not None:
+        data |= {"flux": flux, "flux_error": found_flux(errors)}
     return data
 
 
@@ -84,6 +86,8 @@ def driven_lines(driven: Driven, errors: Driven) -> Iterator[str]:
         yield f"the cell is sheared at the rate {rate}, as its stress drives it"
     if (dp_dx := found_gradient(driven)) is not None:
         yield f"the mean dp/dx is {dp_dx:.8g} ± {found_gradient(errors):.0e}, as the net flux needs it"
+    if (flux := found_flux(driven)) is not None:
+        yield f"the net flux along x is {flux:.8g} ± {found_flux(errors):.0e}, of fluid and bodies"
 
 
 def _dissipation_json(solution: SolvedFlow, errors: ErrorEstimate) -> dict[str, Any]:

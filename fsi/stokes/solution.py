@@ -26,12 +26,14 @@ class StokesSolution(SolvedFlow):
         flow: velocity and pressure, of this rank.
         surface: the bodies' surfaces, on root.
         pressure_gradient: the mean one of a periodic flow, (d,).
+        flux: of fluid and bodies along a channel whose mean pressure gradient is given, else None.
     """
 
     problem: StokesProblem = field(repr=False)
     flow: Flow = field(repr=False)
     surface: Surface = field(repr=False)
     pressure_gradient: Array | None = None
+    flux: float | None = None
 
     @property
     def dp_dx(self) -> float | None:

@@ -256,7 +256,7 @@ def _evaluated(system: StokesSystem, nodal: NodalSolution, jump_load: Array, clo
         nodal.U, nodal.load + more, traction_F, inf if jumping else dissipation + of_laws, checks,
         forms.dofs, problem.fluid.cells(), nodal.iterations, clock.seconds, bulk, jumping, problem,
         flow, surface, nodal.pressure_gradient,
-        wall_speeds=nodal.wall_speeds, shear_rate=nodal.shear_rate,
+        flux=nodal.flux, wall_speeds=nodal.wall_speeds, shear_rate=nodal.shear_rate,
         law_dissipation=None if problem.laws is None else of_laws,
         slip_dissipation=friction_power(system, nodal) if problem.sliding else None,
     )  # fmt: skip

@@ -74,6 +74,11 @@ class Units:
         """mu a^(2 + k); of moments too."""
         return self.force * self.length
 
+    @property
+    def flux(self) -> float:
+        """a^(2 + k), of a channel."""
+        return self.length ** (3 if self.spheres else 2)
+
     def velocities(self, dimension: int) -> Array:
         """Of each mode, (M,): a for translations, 1 for rotations."""
         return self._modes(dimension, self.length, 1.0)
@@ -145,7 +150,7 @@ class Units:
             {wall: p / mu for wall, p in boundary.pressures.items()},
             None if f is None else self._scaled_field(f, mu / a),
             None if G is None else G / (mu / a),
-            None if flux is None else flux / a ** (3 if self.spheres else 2),
+            None if flux is None else flux / self.flux,
             None if boundary.mean_stress is None else boundary.mean_stress / mu,
             {wall: stress / mu for wall, stress in boundary.stresses.items()},
             {wall: b / a for wall, b in boundary.slip_lengths.items()},
@@ -173,7 +178,7 @@ class Units:
 
     def user_solution(self, solution: StokesSolution, problem: StokesProblem) -> StokesSolution:
         """The solution of a problem from that of the scaled one; its mesh stays as it is."""
-        d, gradient = problem.q.dimension, solution.pressure_gradient
+        d, gradient, flux = problem.q.dimension, solution.pressure_gradient, solution.flux
         loads, fluid = self.loads(d), replace(problem.fluid, container=problem.container)
         speeds = {wall: speed * self.length for wall, speed in solution.wall_speeds.items()}
         boundary = problem.boundary.faster(speeds, solution.shear_rate or 0.0)
@@ -192,6 +197,7 @@ class Units:
             flow=self._user_flow(solution.flow),
             surface=self._user_surface(solution.surface, fluid),
             pressure_gradient=None if gradient is None else gradient * (self.viscosity / self.length),
+            flux=None if flux is None else flux * self.flux,
         )
 
     def _user_bulk(self, bulk: BulkStress, container: Container) -> BulkStress:

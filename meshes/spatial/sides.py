@@ -228,5 +228,6 @@ def with_bodies(tags: Integers, of: Sequence[int] | Integers, bodies: int) -> In
     numbers = np.asarray(of, dtype=np.int64)
     rest = tags - len(numbers) + bodies
     on_image = (tags >= 1) & (tags <= len(numbers))
-    found: Integers = np.where(on_image, numbers[np.clip(tags - 1, 0, max(len(numbers) - 1, 0))] + 1, rest)
+    found = rest.copy()
+    found[on_image] = numbers[tags[on_image] - 1] + 1
     return found

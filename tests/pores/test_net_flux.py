@@ -1,4 +1,4 @@
-"""Channels of pores whose net flux is given: the mean pressure gradient is a result, with a bar."""
+"""Channels of pores tell the mean pressure gradient where their flux is given, else the flux; with bars."""
 
 from __future__ import annotations
 
@@ -27,18 +27,30 @@ def channel(**drive: float) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def flux() -> float:
-    """That of the flow with the gradient G: nothing else has power, which is -G times length and flux."""
+def test_the_gradient_of_a_flux_is_the_one_that_drives_it() -> None:
+    """The flux of a gradient G takes all of the power, which is -G times length and flux."""
     driven = fsi.solve(fsi.make_case(**channel(pressure_gradient=GRADIENT)))
     assert isinstance(driven.instant, PoreInstant)
     assert driven.dp_dx is None
     assert "pressure_gradient" not in driven.instant.record
-    return driven.dissipation / (-GRADIENT * LENGTH)
-
-
-def test_the_gradient_of_a_flux_is_the_one_that_drives_it() -> None:
-    solution = fsi.solve(fsi.make_case(**channel(net_flux=flux())))
+    assert driven.flux == pytest.approx(driven.dissipation / (-GRADIENT * LENGTH), rel=1e-9)
+    assert driven.instant.record["flux"] == driven.flux
+    solution = fsi.solve(fsi.make_case(**channel(net_flux=driven.flux)))
     require_told(solution, GRADIENT, 1e-8, solution_json)
+    assert solution.flux is None
+
+
+def test_the_flux_is_that_of_the_resolved_flow_within_its_bar() -> None:
+    case = fsi.make_case(**channel(pressure_gradient=GRADIENT))
+    pores, resolved = fsi.solve(case), fsi.solve(fsi.make_case(**case.as_data() | {"model": "resolved"}))
+    assert pores.errors is not None
+    assert resolved.errors is not None
+    assert pores.flux is not None
+    assert resolved.flux is not None
+    assert pores.errors.flux is not None
+    assert resolved.errors.flux is not None
+    assert abs(pores.flux - resolved.flux) < pores.errors.flux + resolved.errors.flux
+    assert pores.errors.flux < 1e-2 * pores.flux
 
 
 def test_the_gradient_is_that_of_the_resolved_flow_within_its_bar() -> None:

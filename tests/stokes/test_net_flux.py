@@ -1,4 +1,4 @@
-"""Channels whose net flux is given: the mean pressure gradient is a result, with a bar."""
+"""Channels tell the mean pressure gradient where their net flux is given, else the net flux; with bars."""
 
 from __future__ import annotations
 
@@ -52,14 +52,67 @@ def test_the_gradient_of_couette_poiseuille_flow_is_found_and_told() -> None:
 
 
 def test_the_gradient_of_a_flux_is_the_one_that_drives_it() -> None:
-    """The flux beside a disc is computed from the flow with dp/dx = -0.3, by which it is driven then."""
+    """Beside a disc across the end of a period, by a flux that dp/dx = -0.3 drives."""
     box, q, G = Box((0.0, 0.0), (LENGTH, HEIGHT), periodic=("x",)), discs([(7.9, 2.0)], [1.0]), -0.3
     given = in_channel(box, q, force_free(q), G)
     assert given.dp_dx is None
-    with assembled(given.problem, DEFAULT, Clock()) as system:
+    found = in_channel(box, q, force_free(q), None, given.flux)
+    assert found.dp_dx == pytest.approx(G, rel=1e-9)
+    assert found.flux is None
+
+
+def test_the_flux_is_that_of_fluid_and_bodies() -> None:
+    """The mean velocity times the height, but for 5e-7; the disc has a sixth of the channel."""
+    box, q = Box((0.0, 0.0), (LENGTH, HEIGHT), periodic=("x",)), discs([(7.9, 2.0)], [1.5])
+    found = in_channel(box, q, force_free(q), -0.3)
+    with assembled(found.problem, DEFAULT, Clock()) as system:
         loaded, nodal = solve_periodic(system, FORMULATIONS[DEFAULT.formulation])
-        flux = float(HEIGHT * Averages(loaded).velocity(nodal, np.zeros((2, 2)))[0])
-    assert in_channel(box, q, force_free(q), None, flux).dp_dx == pytest.approx(G, rel=1e-8)
+        mean = float(Averages(loaded).velocity(nodal, np.zeros((2, 2)))[0])
+    assert found.flux == pytest.approx(HEIGHT * mean, rel=1e-6)
+
+
+def driven_flux(height: float) -> float:
+    """Of Couette-Poiseuille flow, per unit width."""
+    return 0.5 * SPEED * height + 0.3 * height**3 / (12.0 * VISCOSITY)
+
+
+def test_the_flux_of_couette_poiseuille_flow_is_found_and_told() -> None:
+    domain = {"lower": [0.0, 0.0], "upper": [LENGTH, HEIGHT], "periodic": ["x"], "pressure_gradient": -0.3}
+    data = channel().as_data()
+    solution = fsi.solve(fsi.make_case(**data | {"domain": domain | {"walls": {"top": [SPEED, 0.0]}}}))
+    found, errors = solution.instant, solution.errors
+    assert isinstance(found, StokesSolution)
+    assert errors is not None
+    assert solution.flux == pytest.approx(driven_flux(HEIGHT), rel=1e-9)
+    assert found.record["flux"] == solution.flux
+    data = solution_json(solution.case, found, errors, None)
+    assert (data["flux"], data["flux_error"]) == (solution.flux, errors.flux)
+    printed = io.StringIO()
+    print_solution(Console(file=printed, width=200), solution.case, found, errors, None)
+    assert (
+        f"the net flux along x is {driven_flux(HEIGHT):.8g} ± {errors.flux:.0e}, of fluid"
+        in printed.getvalue()
+    )
+
+
+def test_the_flux_in_space_is_that_through_a_section_across_x() -> None:
+    """Between plates, with images along x and y, in a unit of length that is not 1."""
+    width, height = 2.0, 1.5
+    domain = {
+        "lower": [0.0, 0.0, 0.0], "upper": [3.0, width, height], "periodic": ["x", "y"],
+        "pressure_gradient": -0.3, "walls": {"top": [SPEED, 0.0, 0.0]},
+    }  # fmt: skip
+    solution = fsi.solve(
+        fsi.make_case(
+            name="plates",
+            geometry="spatial",
+            fluid={"viscosity": VISCOSITY},
+            bodies=[],
+            domain=domain,
+            discretisation={"degree": 2, "cells_per_circle": 8, "growth": 1.0},
+        )
+    )
+    assert solution.flux == pytest.approx(width * driven_flux(height), rel=1e-6)
 
 
 def test_the_bar_of_the_gradient_holds_the_one_of_finer_elements() -> None:
@@ -94,4 +147,5 @@ def test_where_the_gradient_is_given_none_is_found() -> None:
     assert solution.dp_dx is None
     assert solution.errors is not None
     assert "pressure_gradient" not in solution.instant.record
+    assert fsi.solve(channel()).flux is None
     assert "pressure_gradient" not in solution_json(solution.case, solution.instant, solution.errors, None)

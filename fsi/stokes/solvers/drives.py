@@ -1,7 +1,7 @@
 """What drives a periodic flow as much as is needed for a number to have a given value.
 
-A pressure gradient brings the mean velocity to it, the speed of a wall the force on that wall, and the rate
-of shear of a cell its mean stress. Flows are linear in each of them.
+A pressure gradient brings the mean velocity of a cell or the flux of a channel to it, the speed of a wall the
+force on that wall, and the rate of shear of a cell its mean stress. Flows are linear in each of them.
 """
 
 from collections.abc import Callable
@@ -66,14 +66,35 @@ class Drive:
     wanted: float
 
 
-def pushed(system: StokesSystem, of_unit: tuple[Array, Array], component: int, velocity: float) -> Drive:
-    """A component of the pressure gradient, for that of the mean velocity; of_unit: its g and b."""
+def pushed(system: StokesSystem, of_unit: tuple[Array, Array], component: int) -> Drive:
+    """A component of the pressure gradient, for a mean velocity that has none; of_unit: its g and b."""
     average, d = Averages(system), system.layout.dimension
 
     def mean_velocity(_: StokesSystem, flow: NodalSolution, E: Array) -> float:
         return float(average.velocity(flow, E)[component])
 
-    return Drive(*of_unit, np.zeros((d, d)), mean_velocity, velocity)
+    return Drive(*of_unit, np.zeros((d, d)), mean_velocity, 0.0)
+
+
+def pumped(system: StokesSystem, of_unit: tuple[Array, Array], flux: float) -> Drive:
+    """The pressure gradient along a channel, for its flux; of_unit: its g and b."""
+    d = system.layout.dimension
+
+    def found(at: StokesSystem, flow: NodalSolution, _: Array) -> float:
+        return flux_of(at, of_unit, flow)
+
+    return Drive(*of_unit, np.zeros((d, d)), found, flux)
+
+
+def flux_of(system: StokesSystem, of_unit: tuple[Array, Array], flow: NodalSolution) -> float:
+    """That of fluid and bodies along a channel; collective.
+
+    A pressure gradient of 1, whose g and b are `of_unit`, has minus its power on each period: so it is as
+    good as the dissipation, where a mean of the velocity errs by the square root of that.
+    """
+    g, b = of_unit
+    power = float(system.layout.comm.allreduce(b @ flow.x - flow.reaction @ g))
+    return -power / float(np.linalg.norm(system.problem.container.periods[0]))
 
 
 def pulled(system: StokesSystem, wall: str, stress: float) -> Drive:

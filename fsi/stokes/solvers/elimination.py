@@ -112,6 +112,7 @@ class NodalSolution:
         residual: relative residual of the linear system.
         iterations: most of them, 0 by the direct solver.
         pressure_gradient: G of a periodic flow, (2,).
+        flux: of fluid and bodies along a channel whose dp/dx is given, else None.
         wall_speeds: along x, of the walls that a stress moves.
         shear_rate: of a cell that a stress shears, else None.
         law_forces: of the laws of the problem, (R,).
@@ -124,6 +125,7 @@ class NodalSolution:
     residual: float
     iterations: int = 0
     pressure_gradient: Array | None = None
+    flux: float | None = None
     wall_speeds: Mapping[str, float] = field(default_factory=dict)
     shear_rate: float | None = None
     law_forces: Array = field(default_factory=lambda: np.empty(0))

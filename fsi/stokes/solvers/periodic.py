@@ -30,7 +30,7 @@ from fsi.meshes.geometry.lattice import matching_points
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.discretisation.nodes import facets_with
 from fsi.stokes.problem import StokesProblem
-from fsi.stokes.solvers.drives import Averages, Drive, pulled, pushed, sheared
+from fsi.stokes.solvers.drives import Averages, Drive, flux_of, pulled, pumped, pushed, sheared
 from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, nodal_vector
 
 type Solver = Callable[..., list[NodalSolution]]
@@ -43,13 +43,12 @@ class MeanFlow:
     Attributes:
         gradient: E, (d, d).
         pressure_gradient: G, (d,), NaN where it is unknown.
-        velocity: mean of u - E x over fluid and bodies, (d,), for where G is unknown or all is `drifting`.
-        drifting: components in which nothing but this mean fixes a translation of everything, bool (d,).
+        drifting: components in which nothing fixes a translation of everything but that the mean of u - E x
+            over fluid and bodies is 0, bool (d,).
     """
 
     gradient: Array
     pressure_gradient: Array
-    velocity: Array
     drifting: NDArray[np.bool_]
 
 
@@ -60,13 +59,10 @@ def mean_flow(problem: StokesProblem) -> MeanFlow:
     if len(container.periods) == d:
         held = motion.held[:, :d].any(axis=0)
         G = np.where(held, np.nan, motion.F[:, :d].sum(axis=0) / container.volume)
-        return MeanFlow(container.mean_gradient, G, np.zeros(d), ~held)
-    # The flux is that through a section across x, of the channel's height and in space its width in y.
-    area = container.volume / float(np.linalg.norm(container.periods[0]))
-    G, velocity = np.zeros((2, d))
+        return MeanFlow(container.mean_gradient, G, ~held)
+    G = np.zeros(d)
     G[0] = np.nan if boundary.pressure_gradient is None else boundary.pressure_gradient
-    velocity[0] = (boundary.net_flux or 0.0) / area
-    return MeanFlow(container.mean_gradient, G, velocity, np.zeros(d, dtype=bool))
+    return MeanFlow(container.mean_gradient, G, np.zeros(d, dtype=bool))
 
 
 class Jumps:
@@ -168,7 +164,7 @@ def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, 
             E = E + s * drive.gradient
     if mean.drifting.any():
         average = Averages(system)
-        drift = np.where(mean.drifting, mean.velocity - average.velocity(solution, E), 0.0)
+        drift = np.where(mean.drifting, -average.velocity(solution, E), 0.0)
         u = solution.x.copy()
         u[: len(average.weights)] += np.tile(drift, len(average.x))
         U = solution.U.copy()
@@ -179,14 +175,20 @@ def solve_periodic(system: StokesSystem, solver: Solver) -> tuple[StokesSystem, 
     rate = None if boundary.mean_stress is None else float(of_cell[0])
     moved = replace(problem, boundary=boundary.faster(speeds, rate or 0.0))
     loaded = replace(system, g=total_g, b=total_b, problem=moved)
-    return loaded, replace(solution, pressure_gradient=G, wall_speeds=speeds, shear_rate=rate)
+    found = replace(solution, pressure_gradient=G, wall_speeds=speeds, shear_rate=rate)
+    if len(problem.container.periods) < d and boundary.pressure_gradient is not None:
+        found = replace(found, flux=flux_of(system, jump.of_pressure(np.eye(d)[0]), found))
+    return loaded, found
 
 
 def _drives(system: StokesSystem, mean: MeanFlow, jump: Jumps) -> list[Drive]:
     """Unknown components of the pressure gradient, walls that a stress moves, the shear of a cell."""
-    boundary, units = system.problem.boundary, np.eye(len(mean.velocity))
+    boundary, units = system.problem.boundary, np.eye(len(mean.pressure_gradient))
     unknown = np.flatnonzero(np.isnan(mean.pressure_gradient))
-    drives = [pushed(system, jump.of_pressure(units[i]), int(i), float(mean.velocity[i])) for i in unknown]
+    if len(system.problem.container.periods) < len(units):
+        drives = [pumped(system, jump.of_pressure(units[i]), boundary.net_flux or 0.0) for i in unknown]
+    else:
+        drives = [pushed(system, jump.of_pressure(units[i]), int(i)) for i in unknown]
     drives += [pulled(system, wall, stress) for wall, stress in boundary.stresses.items()]
     if boundary.mean_stress is not None:
         drives.append(sheared(system, jump.of_velocity, boundary.mean_stress))
