@@ -128,7 +128,7 @@ class DistanceModel(ReducedModel):
         inertia, stopped = Inertia(self.masses / h, state.U), np.zeros(len(pairs), dtype=bool)
         while True:
             rigid = np.where(stopped, np.inf, kappa)
-            solved = solve_system(ambient, pairs, rigid, inertia)
+            solved = solve_system(ambient, pairs, rigid, inertia, stored=True)
             moved = state.q.moved(h * solved.U)
             left = of_keys(moved, ambient.enclosure, pairs.key).gap
             if np.any(np.isinf(rigid) & (left < -ROUNDING * state.q.radii.min())):
@@ -232,4 +232,5 @@ class DistanceModel(ReducedModel):
             ambient.enclosure, stresslets(pairs, memory.force, q.radii), self.case.fluid.viscosity
         )
         columns = {**record, **({} if stress is None else stress.record), **stored}
-        return ReducedInstant(q, U, F, pairs, memory.x, memory.force, gamma, columns, stress)
+        rates = G @ U[:, :d].ravel() - pairs.b
+        return ReducedInstant(q, U, F, pairs, memory.x, rates, memory.force, gamma, columns, stress)

@@ -18,7 +18,7 @@ from fsi.observables.bulk_stress import BulkStress
 from fsi.parallel import on_root
 from fsi.reduced.enclosure import drag, make_enclosure
 from fsi.reduced.gap_laws import make_laws, make_tangential_laws
-from fsi.reduced.network import gradient, resistance_matrix
+from fsi.reduced.network import resistance_matrix
 from fsi.reduced.pairs import Pairs, find_pairs
 from fsi.reduced.stress import (
     LubricationStress,
@@ -42,6 +42,7 @@ class ReducedInstant:
         F: external loads, (N, modes).
         pairs: P of them.
         x: ln D, the gaps with which the laws were taken, (P,).
+        rates: D' of the gaps, (P,); without memory lambda / kappa, precise where G U rounds.
         force: lambda, (P,).
         gamma: g K(D), the stored pushes, zero for a model without memory, (P,).
         record: columns of steps.csv.
@@ -54,6 +55,7 @@ class ReducedInstant:
     F: Array
     pairs: Pairs
     x: Array
+    rates: Array
     force: Array
     gamma: Array
     record: Mapping[str, float]
@@ -69,13 +71,6 @@ class ReducedInstant:
     def dissipation(self) -> float:
         """By drag and gaps; where there is a bulk stress, also that of the fluid and of lone bodies in it."""
         return float(self.record["dissipation"])
-
-    @property
-    def rates(self) -> Array:
-        """D' of the gaps, (P,)."""
-        G = gradient(self.pairs, len(self.q))
-        rates: Array = G @ self.U[:, : self.q.dimension].ravel() - self.pairs.b
-        return rates
 
     @property
     def body_columns(self) -> Mapping[str, Array]:
@@ -144,8 +139,9 @@ class ReducedModel:
         require(checks, t)
         spent = {"cpu_pairs": paired - began, "cpu_solve": process_time() - paired}
         record = {"pairs": len(pairs), "dissipation": lost, **columns, **checks, **spent}
-        force, nothing = solved.force[: len(pairs)], np.zeros(len(pairs))
-        return ReducedInstant(q, solved.U, solved.F, pairs, x, force, nothing, record, stress, bulk)
+        rates, force = solved.rates[: len(pairs)], solved.force[: len(pairs)]
+        nothing = np.zeros(len(pairs))
+        return ReducedInstant(q, solved.U, solved.F, pairs, x, rates, force, nothing, record, stress, bulk)
 
     def resistance(self, q: Configuration, t: float) -> sp.csr_matrix:
         """R of the pairs alone, without drag, at q and time t, (N M, N M): symmetric, not negative."""

@@ -8,6 +8,7 @@ With the force lambda of each gap the system `Z u + A u = f + sum kappa b G` rea
 and eliminating u leaves one unknown for each gap, `(1/kappa + G Z^-1 G^T) lambda = G Z^-1 f - b`. This matrix
 is sparse, symmetric and positive definite like Z + A, but stays well conditioned as kappa grows without
 bound, and momentum is balanced to rounding whatever is left of the residual. What is held has Z^-1 = 0.
+`fsi.reduced.gap_forces` solves it so that rates of narrow gaps are precise.
 
 Where bodies also resist sliding and rolling, G and b have more rows (`fsi.reduced.tangential`), each with its
 kappa and lambda, and u has the rotations.
@@ -19,24 +20,14 @@ from functools import lru_cache
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.linalg import LinearOperator, cg, splu
 
 from fsi.bodies.configuration import Array
-from fsi.bodies.rows import gram
-from fsi.errors import SolveError
+from fsi.reduced.gap_forces import SEEN, GapSystem
 from fsi.reduced.pairs import Pairs
 from fsi.reduced.tangential import TangentialRows
 
-# A gap is no stiffer than this times the mobility of its two sides: they are rigid to this precision, and
-# where there are more such gaps than freedoms the forces are still determined.
-_RIGID = 1e-13
 # The compliance of a gap without lubrication: its force is 0 to rounding.
 _SLACK = 1e200
-# Up to this many gaps the system is factorised; more are solved by conjugate gradients, a third of the work
-# in the plane and far less in space. Chains of stiff gaps take many iterations. In the plane, where the
-# network is nearly planar and its factors are sparse at any size, it is then factorised all the same.
-_LARGEST_DIRECT = 5000
-_CG_TOLERANCE, _PATIENCE = 1e-14, {2: 300, 3: 5000}
 
 
 @lru_cache(maxsize=2)  # of one step many ask for it
@@ -71,6 +62,8 @@ class GapNetwork:
         own: b, the part of the rates that walls and images have by themselves, (R,).
         modes: m.
         between: which of the rows after the first P are of two bodies, (R - P,).
+        stored: whether gaps are stored and move by themselves, so that their rates here need only be precise
+            beside the velocities without lubrication.
     """
 
     pairs: Pairs
@@ -79,6 +72,7 @@ class GapNetwork:
     own: Array
     modes: int
     between: NDArray[np.bool_]
+    stored: bool = False
 
     @property
     def beside_wall(self) -> NDArray[np.bool_]:
@@ -103,16 +97,14 @@ class GapNetwork:
         """
         if len(self.own) == 0:
             return u0, np.empty(0)
-        scale = 1.0 / np.sqrt(own_mobility(self.G, Z_inverse) + self.compliance)
-        H = self.G.copy()  # scaled: H H^T + ... has the unit diagonal
-        H.data *= np.repeat(scale, np.diff(H.indptr)) * np.sqrt(Z_inverse.ravel())[H.indices]
-        slack, right = scale**2 * self.compliance, scale * self.rates(u0)
-        force = scale * _solve_spd(H, slack, right, self.pairs.n.shape[1])
-        return u0 - Z_inverse * self.loads(force), force
+        mobility, d = own_mobility(self.G, Z_inverse), self.pairs.n.shape[1]
+        system = GapSystem(self.G, self.compliance, self.own, mobility, Z_inverse.ravel(), u0.ravel(), d)
+        u, force = system.first() if self.stored else system.solve()
+        return u.reshape(u0.shape), force
 
 
 def make_network(
-    pairs: Pairs, kappa: Array, Z_inverse: Array, slip: TangentialRows | None = None
+    pairs: Pairs, kappa: Array, Z_inverse: Array, slip: TangentialRows | None = None, stored: bool = False
 ) -> GapNetwork:
     """The network of pairs with resistances kappa (P,), 0 and infinite ones within reach of numbers.
 
@@ -124,9 +116,11 @@ def make_network(
         own, kappa = np.append(own, slip.own), np.append(kappa, slip.resistance)
         between = slip.between
     mobility = own_mobility(G, Z_inverse)
+    # Stored gaps may be stopped, or so narrow that nothing tells them from rigid ones.
+    least = SEEN * np.where(mobility > 0.0, mobility, 1.0) if stored else 0.0
     with np.errstate(divide="ignore"):
-        compliance = np.clip(1.0 / kappa, _RIGID * np.where(mobility > 0.0, mobility, 1.0), _SLACK)
-    return GapNetwork(pairs, G, compliance, own, Z_inverse.shape[1], between)
+        compliance = np.clip(1.0 / kappa, np.maximum(least, 1.0 / _SLACK), _SLACK)
+    return GapNetwork(pairs, G, compliance, own, Z_inverse.shape[1], between, stored)
 
 
 def resistance_matrix(
@@ -144,27 +138,3 @@ def _among_modes(G: sp.csr_matrix, shape: tuple[int, ...], d: int) -> sp.csr_mat
     body, component = np.divmod(G.indices, d)
     columns = (body * shape[1] + component).astype(G.indices.dtype)
     return sp.csr_matrix((G.data, columns, G.indptr), (G.shape[0], shape[0] * shape[1]))
-
-
-def _solve_spd(H: sp.csr_matrix, slack: Array, right: Array, d: int) -> Array:
-    """Solve `(H H^T + diag(slack)) x = right`, of unit diagonal, of a network in d dimensions."""
-    if len(right) > _LARGEST_DIRECT:
-        product = gram(H)
-        S = LinearOperator(2 * right.shape, matvec=lambda x: product(x) + slack * x, dtype=float)
-        x, unfinished = cg(S, right, rtol=_CG_TOLERANCE, maxiter=_PATIENCE[d])
-        if not unfinished:
-            return np.asarray(x)
-        if d == 3:
-            raise SolveError(
-                f"the forces in the gaps were not found in {_PATIENCE[d]} iterations; shorten "
-                "reduced.cutoff or give the bodies more drag"
-            )
-    try:
-        symmetric = {"SymmetricMode": True}
-        matrix = (H @ H.T.tocsr() + sp.diags_array(slack)).tocsc()
-        factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
-    except RuntimeError as error:
-        raise SolveError(
-            f"the forces in the gaps are not determined ({error}); give the bodies more drag or mass"
-        ) from None
-    return np.asarray(factors.solve(right))

@@ -10,6 +10,10 @@ from fsi.bodies.gaps import find_gaps, row_numbers
 from fsi.meshes.geometry.lattice import Lattice
 from fsi.reduced.enclosure import Enclosure, overlap, wall_gaps
 from fsi.reduced.gap_laws import Films
+from fsi.reduced.twice_precise import precise_gaps
+
+# Gaps below this times the reduced radius lose more than 1e-11 of themselves in the distance of the centres.
+_NARROW = 1e-4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,6 +102,11 @@ def of_keys(q: Configuration, enclosure: Enclosure, key: NDArray[np.int64]) -> P
     n = separation / np.where(distance > 0.0, distance, 1.0)[:, None]
     gap = distance - q.radii[i] - q.radii[other]
     radius = q.radii[i] * q.radii[other] / (q.radii[i] + q.radii[other])
+    narrow = np.flatnonzero(np.abs(gap) < _NARROW * radius)
+    if len(narrow):
+        k, other_side = i[narrow], other[narrow]
+        ends = (q.centres[k], q.centres[other_side], shift[narrow])
+        gap[narrow] = precise_gaps(*ends, q.radii[k], q.radii[other_side])
     curvature = 1.0 / np.where(distance > 0.0, distance, 1.0)
     if np.any(is_wall):
         beside, at = i[is_wall], (np.arange(np.count_nonzero(is_wall)), j[is_wall] - len(q))

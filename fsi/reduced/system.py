@@ -61,6 +61,12 @@ class SolvedSystem:
     alone: Array
 
     @property
+    def rates(self) -> Array:
+        """`G U - b` by the laws, lambda / kappa, (R,)."""
+        rates: Array = self.network.compliance * self.force
+        return rates
+
+    @property
     def dissipation(self) -> float:
         """`sum lambda^2 / kappa + sum zeta |U - u_inf|^2`, the first `sum kappa D'^2`."""
         slip = self.U - self.ambient.background
@@ -113,10 +119,11 @@ def solve_system(
     kappa: Array,
     inertia: Inertia | None,
     slip: TangentialRows | None = None,
+    stored: bool = False,
 ) -> SolvedSystem:
     """Solve for the velocities, with resistances kappa (P,) of the gaps, and those of sliding and rolling.
 
-    Raises SolveError if the velocities are not determined.
+    stored: as in `GapNetwork`. Raises SolveError if the velocities are not determined, or lost in rounding.
     """
     motion, d = ambient.motion, pairs.n.shape[1]
     zero = np.zeros_like(ambient.zeta)
@@ -128,7 +135,7 @@ def solve_system(
     Z_inverse = np.where(motion.held, 0.0, 1.0 / np.where(Z > 0.0, Z, 1.0))
     alone = np.where(motion.held, motion.U, Z_inverse * applied)
     m = d if slip is None else Z.shape[1]  # rotations do not enter the rates of gaps
-    network = make_network(pairs, kappa, Z_inverse[:, :m], slip)
+    network = make_network(pairs, kappa, Z_inverse[:, :m], slip, stored)
     u, force = network.solve(alone[:, :m], Z_inverse[:, :m])
     U = np.column_stack([u, alone[:, m:]])
     F = ambient.zeta * (U - ambient.background)

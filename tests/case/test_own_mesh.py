@@ -33,7 +33,17 @@ def box_with(path: Path) -> dict[str, Any]:
 def names(path: Path, curves: tuple[str, ...]) -> Path:
     """A mesh file as far as its names, as gmsh writes them in all its versions; its nodes are binary."""
     lines = [f'1 {k} "{name}"' for k, name in enumerate(curves, 1)] + ['2 9 "fluid"']
-    head = ["$MeshFormat", "4.1 1 8", "$EndMeshFormat", "$PhysicalNames", str(len(lines)), *lines]
+    head = [
+        "$Comments",
+        "by hand",
+        "$EndComments",
+        "$MeshFormat",
+        "4.1 1 8",
+        "$EndMeshFormat",
+        "$PhysicalNames",
+        str(len(lines)),
+        *lines,
+    ]
     path.write_bytes("\n".join([*head, "$EndPhysicalNames", "$Nodes", ""]).encode() + bytes(range(256)))
     return path
 

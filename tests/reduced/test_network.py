@@ -48,7 +48,7 @@ def test_iterations_find_what_factors_find(d: int, monkeypatch: pytest.MonkeyPat
     f = np.random.default_rng(1).standard_normal(q.centres.shape)
     network = make_network(pairs, pairs.gap**-1.0, np.ones_like(f))
     direct, _ = network.solve(f, np.ones_like(f))
-    monkeypatch.setattr("fsi.reduced.network._LARGEST_DIRECT", 10)
+    monkeypatch.setattr("fsi.reduced.gap_forces.LARGEST_DIRECT", 10)
     iterated, _ = network.solve(f, np.ones_like(f))
     assert not np.array_equal(iterated, direct)
     assert iterated == pytest.approx(direct, abs=1e-12)
@@ -65,7 +65,7 @@ def test_a_long_chain_of_stiff_gaps_is_factorised(monkeypatch: pytest.MonkeyPatc
     network = make_network(pairs, np.full(len(pairs), 1e14), np.ones((N, 2)))
     f = np.zeros((N, 2))
     f[0, 0] = 1.0
-    monkeypatch.setattr("fsi.reduced.network._LARGEST_DIRECT", 10)
+    monkeypatch.setattr("fsi.reduced.gap_forces.LARGEST_DIRECT", 10)
     u, _ = network.solve(f, np.ones((N, 2)))
     assert u[:, 0] == pytest.approx(1.0 / N, rel=1e-6)  # cut off after 300 iterations most would be at rest
 
@@ -79,7 +79,7 @@ def test_momentum_and_rigidity_at_any_stiffness(kappa: float) -> None:
     )
     pairs = find_pairs(q, space, 0.5)
     f = np.random.default_rng(1).standard_normal(q.centres.shape)
-    network = make_network(pairs, np.full(len(pairs), kappa), np.ones_like(f))
+    network = make_network(pairs, np.full(len(pairs), kappa), np.ones_like(f), stored=True)
     u, force = network.solve(f, np.ones_like(f))
     assert np.isfinite(force).all()
     assert np.abs(u + network.loads(force) - f).max() < 1e-12 * max(1.0, np.abs(force).max())
