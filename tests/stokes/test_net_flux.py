@@ -62,13 +62,17 @@ def test_the_gradient_of_a_flux_is_the_one_that_drives_it() -> None:
 
 
 def test_the_flux_is_that_of_fluid_and_bodies() -> None:
-    """The mean velocity times the height, but for 5e-7; the disc has a sixth of the channel."""
+    """The mean velocity times the height, but for 5e-7; the disc has a sixth of the channel.
+
+    Nothing else has power: by that of dp/dx it is the dissipation over -dp/dx and a period, to rounding.
+    """
     box, q = Box((0.0, 0.0), (LENGTH, HEIGHT), periodic=("x",)), discs([(7.9, 2.0)], [1.5])
     found = in_channel(box, q, force_free(q), -0.3)
     with assembled(found.problem, DEFAULT, Clock()) as system:
         loaded, nodal = solve_periodic(system, FORMULATIONS[DEFAULT.formulation])
         mean = float(Averages(loaded).velocity(nodal, np.zeros((2, 2)))[0])
     assert found.flux == pytest.approx(HEIGHT * mean, rel=1e-6)
+    assert found.flux == pytest.approx(found.dissipation / (0.3 * LENGTH), rel=1e-10)
 
 
 def driven_flux(height: float) -> float:
