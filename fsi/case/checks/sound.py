@@ -29,6 +29,7 @@ from fsi.meshes.geometry.container import Container
 _ROUNDING = 8.0 * float(np.finfo(float).eps)
 # Times the size of a periodic domain: a body so far away has its image to nine digits.
 _FARTHEST = 1e6
+_NUMBERS = 1e150  # coordinates up to this have squares
 _TAKEN = {"fluid": "fluid", "outside": "space outside the domain"}
 
 
@@ -36,6 +37,7 @@ def check_case(case: Case) -> None:
     """Raise InputError, one line with key, value and remedy, for the first thing that cannot be."""
     case.domain.require_shapes()
     _check_names(case)
+    _check_places(case)
     if case.axisymmetric:
         _check_axis(case)
     _check_loads(case)
@@ -51,6 +53,14 @@ def check_case(case: Case) -> None:
     if case.model in _OF_LEVEL:
         _OF_LEVEL[case.model](case)
     check_time(case)
+
+
+def _check_places(case: Case) -> None:
+    """Distances have squares; those who are told may come from a grid or a file, so by their name."""
+    for body in case.bodies:
+        if max(map(abs, body.position)) > _NUMBERS:
+            where = f"position {toml_text(body.position)} of {body.name!r}"
+            raise InputError(f"bodies: {where} is too large for numbers; give lengths in another unit")
 
 
 # What else a level wants.
