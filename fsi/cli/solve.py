@@ -49,8 +49,9 @@ def solve(
     bodies have the velocity that their loads give them, where fsi run starts heavy ones from rest.
 
     A half-plane or a round container may stand for an infinite one: the solve is repeated with half its
-    radius. The change of the results is the reported truncation, and the error at the full radius is no more,
-    but for bodies with a net force in a round container of the plane: what they do depends on log R for ever.
+    radius. The change of the results is the reported truncation; the error at the full radius is about as
+    large or less, but for bodies with a net force in a round container of the plane: what they do depends on
+    log R for ever.
 
     With model = "pores" the errors are from more modes an edge, the apparent viscosity is an upper bound, and
     the necks are listed in which most is dissipated. With model = "reduced" the velocities, without inertia,

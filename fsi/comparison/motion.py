@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -173,7 +174,7 @@ def run_levels(cases: Mapping[str, Case], folder: Path, progress: Progress = no_
     cannot go on.
     """
     for level, case in cases.items():
-        on_root(lambda level=level, case=case: _require_same(folder / level, case))  # type: ignore[misc]  # of defaults
+        on_root(partial(_require_same, folder / level, case))
     on_root(lambda: folder.mkdir(parents=True, exist_ok=True))
     for level, case in cases.items():
         # Not by each rank: one that looks late would see the folder that root has made since.

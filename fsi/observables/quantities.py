@@ -64,8 +64,11 @@ def found_flux(results: object) -> float | None:
 def stress_driven(driven: Driven) -> dict[str, float]:
     """Columns of steps.csv: speeds of walls and the rate of shear by a stress, dp/dx by a flux, or a flux."""
     columns = {f"speed_{wall}": speed for wall, speed in driven.wall_speeds.items()}
-    others = {"shear_rate": driven.shear_rate, "pressure_gradient": found_gradient(driven)}
-    others["flux"] = found_flux(driven)
+    others = {
+        "shear_rate": driven.shear_rate,
+        "pressure_gradient": found_gradient(driven),
+        "flux": found_flux(driven),
+    }
     return columns | {name: value for name, value in others.items() if value is not None}
 
 

@@ -93,10 +93,8 @@ class GapSystem:
         """u and lambda, w and r at rounding. Raises SolveError: not determined, or lost in rounding."""
         correction = self._correction()
         start = self._balanced(correction)
-        if isinstance(correction, _ByForces):
-            if not np.any(self.compliance < _STIFF * self.mobility):
-                return start
-            correction.tolerance = _OF_CORRECTIONS
+        if correction.one_suffices:
+            return start
         found = self._corrected(start, correction, _FEW)
         if found is None and self._may_be_factorised:
             found = self._corrected(start, _ByAll(self), _MANY)
@@ -181,12 +179,14 @@ class _ByForces:
         self.H = G.copy()
         self.H.data *= np.repeat(self.scale, np.diff(G.indptr)) * np.sqrt(system.Z_inverse)[G.indices]
         self.slack = self.scale**2 * compliance
+        self.one_suffices = not np.any(system.compliance < _STIFF * system.mobility)
         self._factors: SuperLU | None = None
 
     def __call__(self, w: Array, r: Array) -> tuple[Array, Array]:
         """Raises SolveError: the forces are not determined, or not found."""
         G, Z_inverse = self.system.G, self.system.Z_inverse
         force = self.scale * self._solved(self.scale * (G @ w + r))
+        self.tolerance = _OF_CORRECTIONS  # of all but the first, which is the solution
         return w - Z_inverse * (G.T @ force), force
 
     def _solved(self, right: Array) -> Array:
@@ -221,7 +221,9 @@ def _symmetric_factors(matrix: sp.sparray) -> SuperLU:
 
 
 class _ByAll:
-    """Corrections by the whole system, in v and y."""
+    """Corrections by the whole system, in v and y; one leaves the rounding of both in the laws."""
+
+    one_suffices = False
 
     def __init__(self, system: GapSystem) -> None:
         self.G, self.root, self.share = system.G, np.sqrt(system.compliance), np.sqrt(system.Z_inverse)

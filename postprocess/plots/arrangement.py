@@ -143,10 +143,10 @@ def close_links(arrangement: Arrangement) -> NDArray[np.float64]:
 def _draw_frame(axes: Axes, cell: SimulationCell) -> None:
     width, height = cell.sides[0], cell.sides[-1]
     for k, periodic in enumerate((cell.periodic[0], cell.periodic[-1])):
-        style = {"ls": "--", "lw": 0.9} if periodic else {"ls": "-", "lw": 3.0}
+        dashes, width_of_line = ("--", 0.9) if periodic else ("-", 3.0)
         for at in (0.0, (width, height)[k]):
             ends = ([at, at], [0.0, height]) if k == 0 else ([0.0, width], [at, at])
-            axes.plot(*ends, color=_FRAME, zorder=4, **style)  # type: ignore[arg-type]  # of one type
+            axes.plot(*ends, color=_FRAME, zorder=4, ls=dashes, lw=width_of_line)
     margin = 0.02 * max(width, height)
     axes.set(xlim=(-margin, width + margin), ylim=(-margin, height + margin))
 

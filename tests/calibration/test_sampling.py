@@ -203,13 +203,14 @@ def test_a_sample_that_fails_costs_no_other(model: ExactModel, tmp_path: Path) -
     assert len(model.asked) == 12
 
 
+def interrupt(there: int, _: int) -> None:
+    """Ctrl-C when four samples are there."""
+    if there == 4:
+        raise KeyboardInterrupt
+
+
 def test_a_broken_off_calibration_goes_on(model: ExactModel, tmp_path: Path) -> None:
     """Ctrl-C between samples; what was there is not computed again."""
-
-    def interrupt(there: int, total: int) -> None:  # noqa: ARG001
-        if there == 4:
-            raise KeyboardInterrupt
-
     with pytest.raises(KeyboardInterrupt):
         take_samples(pair_of(small_case()), Sampling(tmp_path, 1, interrupt))
     assert len(model.asked) == 4
@@ -221,10 +222,6 @@ def test_a_broken_off_calibration_goes_on_in_its_own_folder(
     model: ExactModel, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     """Ctrl-C at a sample, with the samples in the folder of the law, and then between its files."""
-
-    def interrupt(there: int, total: int) -> None:  # noqa: ARG001
-        if there == 4:
-            raise KeyboardInterrupt
 
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt

@@ -67,7 +67,7 @@ class Drive:
 
 
 def pushed(system: StokesSystem, of_unit: tuple[Array, Array], component: int) -> Drive:
-    """A component of the pressure gradient, for a mean velocity that has none; of_unit: its g and b."""
+    """A component of the pressure gradient, for none of the mean velocity; of_unit: its g and b."""
     average, d = Averages(system), system.layout.dimension
 
     def mean_velocity(_: StokesSystem, flow: NodalSolution, E: Array) -> float:
@@ -87,10 +87,10 @@ def pumped(system: StokesSystem, of_unit: tuple[Array, Array], flux: float) -> D
 
 
 def flux_of(system: StokesSystem, of_unit: tuple[Array, Array], flow: NodalSolution) -> float:
-    """That of fluid and bodies along a channel; collective.
+    """The flux Q of fluid and bodies along a channel; collective.
 
-    A pressure gradient of 1, whose g and b are `of_unit`, has minus its power on each period: so it is as
-    good as the dissipation, where a mean of the velocity errs by the square root of that.
+    By the power -L Q of the pressure gradient 1 over a period L, of_unit: its g and b. So the power balance
+    has the same Q.
     """
     g, b = of_unit
     power = float(system.layout.comm.allreduce(b @ flow.x - flow.reaction @ g))
