@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from fsi.bodies.configuration import Array, Configuration
@@ -63,13 +63,17 @@ def test_a_peanut_lies_on_its_two_lobes() -> None:
 
 
 @settings(max_examples=8, deadline=None)
+@example(angle=1.40625, turn=1.0, lobes=8, gap=-1.0)
 @given(
     angle=st.floats(0.0, 6.3), turn=st.floats(0.0, 6.3), lobes=st.integers(2, 9), gap=st.floats(-4.0, -0.5)
 )
 def test_gaps_of_a_pair_are_the_same_from_both_sides_the_narrowest_first(
     angle: float, turn: float, lobes: int, gap: float
 ) -> None:
-    """A shape with lobes beside a peanut. One that is only just a gap may be none from the other side."""
+    """A shape with lobes beside a peanut. One that is only just a gap may be none from the other side.
+
+    In the example the third, 0.9265, is none from the star, whose nearest point of the peanut is 0.9224 away.
+    """
     star = FourierShape(kind="fourier", radius=1.0, orders=(lobes,), cosines=(0.2,)).outline
     away = star.radius + PEANUT.radius + 10.0**gap
     bodies = ((star, (0.0, 0.0), turn), (PEANUT, (away, 0.0), angle))
@@ -82,8 +86,10 @@ def test_gaps_of_a_pair_are_the_same_from_both_sides_the_narrowest_first(
     assert back.gaps[0] == pytest.approx(pair[0], rel=1e-9)
     for foot in feet.feet:
         distance, normal = one.placed[1].signed_distance(foot.x[None])
-        assert distance[0] == pytest.approx(foot.gap, rel=1e-9, abs=1e-12)
-        np.testing.assert_allclose(normal[0], foot.normal, atol=1e-6)
+        from_there = one.placed[0].signed_distance(foot.opposite[None])[0]
+        assert max(distance[0], from_there[0]) == pytest.approx(foot.gap, rel=1e-9, abs=1e-12)
+        if distance[0] == pytest.approx(foot.gap, rel=1e-9, abs=1e-12):
+            np.testing.assert_allclose(normal[0], foot.normal, atol=1e-6)
 
 
 def test_a_gap_that_is_not_the_narrowest_closes_unseen_by_the_narrowest_alone() -> None:
