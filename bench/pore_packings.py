@@ -19,7 +19,7 @@ from fsi.meshes.geometry.containers import Box
 from fsi.meshes.geometry.lattice import Cell
 from fsi.meshes.resolution import Resolution
 from fsi.pores.bars import CHANCE, bar_factor, reference_modes
-from fsi.pores.complement import least_viscosity
+from fsi.pores.complement import LeastStresses
 from fsi.pores.fluid_discs import pores_without_wide
 from fsi.pores.solve import PoreLoading, solve_pores
 from fsi.pores.surfaces import surfaces_of
@@ -129,7 +129,7 @@ def least_dissipation(packing: Packing, modes: int) -> float:
     """A lower bound of its dissipation, by stresses in pores with so many modes a neck."""
     pores = pores_without_wide(surfaces_of(packing.q, packing.container))
     E = 0.5 * (packing.gradient + packing.gradient.T)
-    least = least_viscosity(pores, np.full(len(pores.necks), modes), E)
+    least = LeastStresses.of(pores, np.full(len(pores.necks), modes)).viscosity(E)
     return least * 2.0 * float(np.sum(E**2)) * packing.container.volume
 
 

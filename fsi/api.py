@@ -134,14 +134,9 @@ class Solution:
     def evaluate(self, points: ArrayLike) -> tuple[Array, Array]:
         """Velocity (n, d) and pressure (n,) at points (n, d), the same on all ranks.
 
-        NaN outside the fluid. Raises InputError.
+        NaN outside the fluid. Raises InputError: it has no flow, or no pressure.
         """
         flow = self._flow("evaluate")
-        if not self.case.level.pressure:
-            raise InputError(
-                f'model = "{self.case.model}": has no pressure; use Solution.velocity, or solve the resolved '
-                "case"
-            )
         x = self._points(points)
         values: tuple[Array, Array] = flow.evaluate(x) if len(x) else (x, x[:, 0])
         return values

@@ -16,7 +16,7 @@ class ModelLevel:
             step by themselves, with given steps.
         meshed: whether its fluid is meshed.
         accuracy: the section of the case whose `tolerance` refines it, "" where nothing does.
-        pressure: whether its fluid has one.
+        pressure: whether its fluid always has one, and with it tractions.
         series: the files that pictures of its runs are made of: "fluid" where it has a velocity at every
             point of the fluid, "bodies" (and lines between them), or "profile".
     """

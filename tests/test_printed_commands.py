@@ -101,7 +101,10 @@ def test_a_command_of_the_pages_is_understood(command: str) -> None:
 
 
 # What only `pytest -m hours` runs, and why; some of these are run by tests of their own.
-_RUNS = "history|crowd|attraction|no_attraction|collapse|couette|pores_history|spheres|layers|sheared_cell"
+_RUNS = (
+    "history|crowd|attraction|no_attraction|collapse|couette|pores_history|pores_pressure|spheres|layers"
+    "|sheared_cell"
+)
 EXPENSIVE = {
     r"fsi run cases/(suspensions|pores|gluey/collapse|gluey/layers|spheres_in|pair_in|couette)": "minutes",
     r"fsi run cases/(settling_disc\.|sheared_cell)": "a minute: tests/test_run_resolved.py has their like",

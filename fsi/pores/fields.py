@@ -1,10 +1,11 @@
-"""The flow in pores at points: stream function, velocity and its gradient. It has no pressure."""
+"""The flow in pores at points: stream function, velocity and its gradient."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import product
 from math import ceil
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +19,8 @@ from fsi.pores.inner import inner_flow
 from fsi.pores.orders import numbers_of
 from fsi.pores.pattern import Index
 from fsi.pores.pore_data import Complex, gathering, pore_data
-from fsi.pores.quadrature import DISTANCE, Points, Rule, X, Y, points_at, pore_points, uniform
+from fsi.pores.quadrature import DISTANCE, WEIGHT, Points, Rule, X, Y, points_at, pore_points, uniform
 from fsi.pores.regions import PoreShapes, cross
-from fsi.pores.solve import PoreFlow
 from fsi.pores.system import PoreSystem
 
 _PATCHES = 0.75  # of a strip, for each unit of T by which points gather in it
@@ -68,10 +68,29 @@ class PoreMesh:
     field: FluidField
 
 
+class Stream(Protocol):
+    """The numbers of a stream function."""
+
+    @property
+    def system(self) -> PoreSystem:
+        """Whose numbers they are."""
+
+    @property
+    def x(self) -> Array:
+        """All of them, (n,)."""
+
+    @property
+    def gradient(self) -> Array:
+        """Mean velocity gradient, by which periods change, (2, 2)."""
+
+    def numbers(self, batch: Batch) -> Array:
+        """Of the pores of a batch, (n, m)."""
+
+
 class FlowFields:
     """The fields of a flow; the numbers of its bubbles are found once."""
 
-    def __init__(self, flow: PoreFlow) -> None:
+    def __init__(self, flow: Stream) -> None:
         """Of a flow."""
         self.flow = flow
         self._shapes = flow.system.shapes
@@ -91,7 +110,21 @@ class FlowFields:
                 local = numbers[np.searchsorted(batch.pore, pore[here])]
                 jet[:, here] = stream_function(data, points_at(data, place[here]), batch, local)[:, :, 0]
         place = self._in_fluid_discs(jet, np.flatnonzero(pore < 0), points, place)
-        return FluidField.of(_carried(jet, place, points, self.flow.loading.gradient))
+        return FluidField.of(_carried(jet, place, points, self.flow.gradient))
+
+    def mean_vorticity(self) -> float:
+        """Over the fluid. In fluid discs it is harmonic: its mean is that at their centres."""
+        surfaces, total, area = self.flow.system.pores.surfaces, 0.0, 0.0
+        for batch, numbers in zip(self.flow.system.assembly.batches, self._numbers, strict=True):
+            data = pore_data(self._shapes.of(batch.pore))
+            points = pore_points(data, batch.rule)
+            jet, weight = stream_function(data, points, batch, numbers), points.rows[:, WEIGHT]
+            total -= float(np.sum(weight * (jet[3] + jet[5])))
+            area += float(weight.sum())
+        disc = np.flatnonzero(surfaces.fluid)
+        of_discs, jet = np.pi * surfaces.radius[disc] ** 2, self._inner(disc, np.zeros((len(disc), 2)))
+        total -= float(of_discs @ (jet[3] + jet[5]))
+        return total / (area + float(of_discs.sum()))
 
     def _in_fluid_discs(self, jet: Array, missing: Index, points: Array, place: Array) -> Array:
         """Fill in points that lie in fluid discs; where all points lie then."""
@@ -123,28 +156,31 @@ class FlowFields:
         return psi
 
     def mesh(self, order: int) -> PoreMesh:
-        """A picture of the flow: strips, in as many patches as their gaps ask for, triangles, fluid discs."""
-        system, jets, points, pores = self.flow.system, [], [], []
+        """A picture of the flow: strips, in as many patches as their gaps ask for, triangles, fluid discs.
+
+        Pores follow each other by number, so that all flows in the same pores have the same points.
+        """
+        system, jets, places = self.flow.system, [], []
         narrowest = float(gathering(self._shapes).max(initial=0.0))
         pieces = max(1, ceil(_PATCHES * narrowest))
         for batch, numbers in zip(system.assembly.batches, self._numbers, strict=True):
             data = pore_data(self._shapes.of(batch.pore))
             there = pore_points(data, _even(order, pieces))
-            jets.append(stream_function(data, there, batch, numbers).reshape(6, -1))
-            points.append(np.moveaxis(there.rows[:, [X, Y]], 1, 2).reshape(-1, 2))
-            pores.append(np.repeat(batch.pore, 3 * pieces + 3))
-        pore = np.concatenate(pores)
-        ends, corner = _first_rows(system.pores.sides[pore[:: 3 * pieces + 3]], pieces)
+            jets.append(stream_function(data, there, batch, numbers))
+            places.append(np.moveaxis(there.rows[:, [X, Y]], 1, 2))
+        by_number = np.argsort(np.concatenate([batch.pore for batch in system.assembly.batches]))
+        patches = 3 * pieces + 3
+        ends, corner = _first_rows(system.pores.sides, pieces)
         r, disc = self._quarters(order)
-        jets.append(self._inner(disc, r))
-        points.append(system.pores.surfaces.centre[disc] + r)
+        jet = np.concatenate(jets, axis=1)[:, by_number].reshape(6, -1)
+        points = np.concatenate(places)[by_number].reshape(-1, 2)
         quarters = len(disc) // (order + 1) ** 2
         return PoreMesh(
-            np.concatenate(points),
-            np.concatenate([pore, np.full(quarters, -1)]),
+            np.concatenate([points, system.pores.surfaces.centre[disc] + r]),
+            np.concatenate([np.repeat(np.arange(len(by_number)), patches), np.full(quarters, -1)]),
             np.concatenate([ends, np.ones(quarters, bool)]),
             np.concatenate([corner, np.zeros(quarters, bool)]),
-            FluidField.of(np.concatenate(jets, axis=1)),
+            FluidField.of(np.concatenate([jet, self._inner(disc, r)], axis=1)),
         )
 
     def _quarters(self, cells: int) -> tuple[Array, Index]:

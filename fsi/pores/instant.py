@@ -7,16 +7,17 @@ from math import isnan
 from pathlib import Path
 
 from fsi.bodies.configuration import Array
-from fsi.errors import SolveError, apart
+from fsi.errors import InputError, SolveError, apart
 from fsi.observables.bars import DrivenBodies
 from fsi.observables.bulk_stress import BulkStress
 from fsi.observables.quantities import stress_driven
 from fsi.parallel import on_root
 from fsi.pores.bars import other_modes
-from fsi.pores.complement import least_viscosity
+from fsi.pores.complement import LeastStresses
 from fsi.pores.fields import FlowFields
 from fsi.pores.narrow import narrowness
 from fsi.pores.necks import Necks, necks_of
+from fsi.pores.pressure import PressureField
 from fsi.pores.solve import PoreFlow
 from fsi.pores.stress import (
     VISCOSITY_CHECKS,
@@ -29,6 +30,14 @@ from fsi.pores.vtu import write_flow, write_necks
 
 # Narrowest necks with a lower bound: at a tenth of it rounding takes that of a pair of discs above the truth.
 BOUNDED = 1e-4
+FEW = 500  # bodies: stresses take 11 ms each, five times what bars do
+# By how much of the viscosity its bounds may be apart where there is a pressure: it is off by up to the root.
+APART = 2e-2
+NO_PRESSURE = (
+    'model = "pores": has a pressure only of bodies without loads in sheared cells and channels, where necks '
+    f"are not too narrow and the bounds of the viscosity come within {APART:g} of it; give more pores.modes, "
+    "use Solution.velocity, or solve the resolved case"
+)
 # Of each relative defect; a flow beyond it is refused. Most cancels where discs stand in columns: 2e-8.
 BOUND = 1e-6
 
@@ -108,15 +117,38 @@ class PoreInstant:
         return is_force_free(self.bodies, self.flow)
 
     @cached_property
-    def lower_bound(self) -> float | None:
-        """Of the apparent viscosity, of bodies without loads; one solve with more modes.
+    def stresses(self) -> LeastStresses | None:
+        """In equilibrium, of a sheared cell or channel whose bodies have no loads; one solve with more modes.
 
         None where necks are so narrow that rounding would tell.
         """
-        E, pores = mean_strain_rate(self.bodies, self.flow.loading), self.flow.system.pores
+        pores = self.flow.system.pores
         if self.apparent_viscosity is None or not self.force_free or narrowness(pores).min() < BOUNDED:
             return None
-        return least_viscosity(pores, other_modes(self.flow.system)[0], E)
+        return LeastStresses.of(pores, other_modes(self.flow.system)[0])
+
+    @property
+    def few(self) -> bool:
+        """Whether reports and files have what stresses tell: of more bodies it takes too long."""
+        return len(self.U) <= FEW
+
+    @cached_property
+    def lower_bound(self) -> float | None:
+        """Of the apparent viscosity, where there are such stresses."""
+        return None if self.stresses is None else self.stresses.viscosity(self._mean_strain_rate)
+
+    @cached_property
+    def pressure(self) -> PressureField | None:
+        """Of the stress in equilibrium, where it is near that of the flow."""
+        most, least = self.apparent_viscosity, self.lower_bound
+        if self.stresses is None or most is None or least is None or most - least > APART * most:
+            return None
+        mu = self.bodies.case.fluid.viscosity
+        return PressureField(self.stresses.stress(self._mean_strain_rate, mu))
+
+    @property
+    def _mean_strain_rate(self) -> Array:
+        return mean_strain_rate(self.bodies, self.flow.loading)
 
     @cached_property
     def checks(self) -> dict[str, float]:
@@ -179,12 +211,19 @@ class PoreInstant:
         """u (n, 2) at points x (n, 2); NaN outside the fluid."""
         return self.fields.at(x).u
 
+    def evaluate(self, x: Array) -> tuple[Array, Array]:
+        """u (n, 2) and p (n,) at points x (n, 2); NaN outside the fluid. Raises InputError: there is no p."""
+        if self.pressure is None:
+            raise InputError(NO_PRESSURE)
+        return self.velocity(x), self.pressure.at(x)
+
     def write(self, folder: Path, step: int) -> dict[str, list[str]]:
         """Write "fluid", the flow in curved cells, and "necks", lines between bodies."""
         return on_root(lambda: self._write(folder, step))
 
     def _write(self, folder: Path, step: int) -> dict[str, list[str]]:
         fluid, necks = f"fluid_{step:06d}.vtu", f"necks_{step:06d}.vtu"
-        write_flow(self.bodies, self.fields, folder / fluid)
+        pressure = self.pressure if self.few else None
+        write_flow(self.bodies, self.fields, pressure, folder / fluid)
         write_necks(self.bodies, self.necks, folder / necks)
         return {"fluid": [fluid], "necks": [necks]}

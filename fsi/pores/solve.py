@@ -95,6 +95,11 @@ class PoreFlow:
         return Carrier.of(self.system, self.loading.gradient, self.loading.walls)
 
     @property
+    def gradient(self) -> Array:
+        """Mean velocity gradient, by which periods change, (2, 2)."""
+        return self.loading.gradient
+
+    @property
     def wall_forces(self) -> Array:
         """On the walls, as F, (W, 3)."""
         system = self.system

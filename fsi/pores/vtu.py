@@ -1,9 +1,9 @@
 """The files of ParaView of the model of pores: the flow in curved cells, and necks as lines.
 
 Each patch of a pore is cut into Lagrange triangles of order 4 whose nodes carry velocity, stream function,
-vorticity and strain rate: a strip into two; a triangle, a strip that ends in a corner and a quarter of a
-fluid disc are one. Where patches meet each has nodes of its own. In a periodic domain each patch stands where
-its middle is in one period.
+vorticity, strain rate and, where there is one, pressure: a strip into two; a triangle, a strip that ends in
+a corner and a quarter of a fluid disc are one. Where patches meet each has nodes of its own. In a periodic
+domain each patch stands where its middle is in one period.
 """
 
 from pathlib import Path
@@ -21,6 +21,7 @@ from fsi.observables.bulk_stress import strain_rate, vorticity
 from fsi.pores.carrier import stream
 from fsi.pores.fields import FlowFields, PoreMesh
 from fsi.pores.necks import Necks
+from fsi.pores.pressure import PressureField
 from fsi.run_folder.paraview import in_space, write_lines, write_vtu
 
 ORDER = 4
@@ -28,22 +29,27 @@ _SIDE = ORDER + 1
 _PATCH = _SIDE**2  # points of a patch, row by row
 
 
-def write_flow(bodies: DrivenBodies, fields: FlowFields, path: Path) -> None:
-    """Write the flow. Raises SolveError: the disk refuses."""
+def write_flow(bodies: DrivenBodies, fields: FlowFields, pressure: PressureField | None, path: Path) -> None:
+    """Write the flow, with its pressure where there is one. Raises SolveError: the disk refuses."""
     mesh = fields.mesh(ORDER)
     x, u, psi = _in_one_period(
-        mesh, bodies.case.container().at(bodies.t, bodies.q.strain), fields.flow.loading.gradient
+        mesh, bodies.case.container().at(bodies.t, bodies.q.strain), fields.flow.gradient
     )
     G = mesh.field.gradient
-    known = np.column_stack([x, u, psi, vorticity(G), strain_rate(G)]).reshape(-1, _PATCH, 7)
+    more = [] if pressure is None else [pressure.on_mesh(ORDER)]
+    columns = np.column_stack([x, u, psi, vorticity(G), strain_rate(G), *more])
+    known = columns.reshape(-1, _PATCH, columns.shape[1])
     pore, ends = mesh.pore, mesh.ends
     known[mesh.corner, :_SIDE, 5:] = 0.0  # fluid rests in a corner, where derivatives are quotients of zeros
     nodes, cells = _cells(known, ends)
     values = {"velocity": in_space(nodes[:, 2:4]), "psi": nodes[:, 4], "vorticity": nodes[:, 5]}
+    values["strain_rate"] = nodes[:, 6]
+    if pressure is not None:
+        values["pressure"] = nodes[:, 7]
     grid = meshio.Mesh(
         in_space(nodes[:, :2]),
         [("VTK_LAGRANGE_TRIANGLE", cells)],
-        values | {"strain_rate": nodes[:, 6]},
+        values,
         {"pore": [np.concatenate([pore[~ends], pore[~ends], pore[ends]])]},
     )
     write_vtu(path, grid)

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     )
 
 _NECKS = 10  # that are listed
-_MOST_BOUNDED = 500  # bodies: the lower bound takes 11 ms each, five times what the bars do
 
 
 def solution_json(
@@ -79,7 +78,7 @@ def _stress(found: PoreInstant, errors: ErrorEstimate) -> dict[str, Any]:
 
 def _lower_bound(found: PoreInstant) -> float | None:
     """Of the apparent viscosity where there is one, and bodies are not so many that it takes long."""
-    return found.lower_bound if len(found.U) <= _MOST_BOUNDED else None
+    return found.lower_bound if found.few else None
 
 
 def _necks(case: Case, found: PoreInstant, most: int) -> list[dict[str, Any]]:
@@ -136,7 +135,7 @@ def _stress_lines(found: PoreInstant, errors: ErrorEstimate) -> Iterator[str]:
     if found.bulk is not None and errors.stress is not None:
         bars, N_1 = errors.stress.columns, found.bulk.normal_stress_difference
         shear = f"mean stress xy {found.bulk.mean[0, 1]:.8g} ± {bars['err_stress_xy']:.0e}"
-        yield f"{shear}, N_1 {N_1:.8g} ± {bars['err_N_1']:.0e}; there is no pressure in this model"
+        yield f"{shear}, N_1 {N_1:.8g} ± {bars['err_N_1']:.0e}; less its trace, which pores do not tell"
 
 
 def _necks_table(case: Case, found: PoreInstant) -> Table:

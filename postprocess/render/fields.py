@@ -197,9 +197,9 @@ class RenderedField:
     on_bodies: bool = False
 
     @property
-    def of_pressure(self) -> bool:
-        """Whether only a fluid with a pressure has it."""
-        return not {"pressure", "traction"}.isdisjoint(self.needs)
+    def of_mesh(self) -> bool:
+        """Whether only a level with a mesh has it."""
+        return self.edges or "traction" in self.needs
 
     @property
     def colour_map(self) -> Colormap:
@@ -225,11 +225,11 @@ def field_names() -> list[str]:
     return [*_FIELDS]
 
 
-def require_pressure(field: RenderedField, model: str) -> None:
-    """Raise InputError where a model without pressure is asked for a field that needs one."""
-    if field.of_pressure:
-        known = ", ".join(name for name, each in _FIELDS.items() if not each.of_pressure)
-        raise InputError(f'--field {field.name}: model = "{model}" has no pressure; give one of {known}')
+def require_no_mesh(field: RenderedField, model: str) -> None:
+    """Raise InputError where a model without a mesh is asked for a field that needs one."""
+    if field.of_mesh:
+        known = ", ".join(name for name, each in _FIELDS.items() if not each.of_mesh)
+        raise InputError(f'--field {field.name}: model = "{model}" has no mesh; give one of {known}')
 
 
 def rendered_field(name: str) -> RenderedField:

@@ -15,7 +15,7 @@ from fsi.postprocess.render.fields import (
     RenderedField,
     Span,
     rendered_field,
-    require_pressure,
+    require_no_mesh,
 )
 from fsi.postprocess.render.mean_flow import is_sheared, sliding_walls
 from fsi.postprocess.render.picture import FlowArtist, Framed, compose
@@ -44,8 +44,8 @@ class PlanarArtist(FlowArtist):
             raise InputError(f"--field {DISTURBANCE}: bodies disturb no sheared flow in this run; give speed")
         self.panels = [(rendered_field(name), close) for name, close in panels]
         for field, _ in self.panels:
-            if not run.case.level.pressure:
-                require_pressure(field, run.case.model)
+            if not run.case.level.meshed:
+                require_no_mesh(field, run.case.model)
         # The last of each is kept: its colours are wanted before its picture.
         self._mesh = lru_cache(maxsize=1)(run.mesh)
         self._scenes = lru_cache(maxsize=1)(self._read)
@@ -55,7 +55,10 @@ class PlanarArtist(FlowArtist):
         needed = {name for field, _ in self.panels if not field.on_bodies for name in field.needs}
         needed -= {DISTURBANCE}
         if needed - {*self._mesh(step).point_data}:
-            what = f"--field {self.choice.field}: is not in the files of this run"
+            what = f"--field {self.choice.field}: is not in the files of step {step}"
+            if not self.run.case.level.pressure:
+                why = "pores have a pressure of at most 500 sheared bodies without loads; give another field"
+                raise InputError(f"{what}; {why}")
             raise InputError(f"{what}; run the case again")
         super().require(step)
 

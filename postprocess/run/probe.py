@@ -36,7 +36,7 @@ def probe(run: Run, points: ArrayLike, step: int | None = None) -> pd.DataFrame:
     """Velocity, pressure, vorticity and strain rate at points (n, d), a row for each, at a step.
 
     Columns x, y (with an axis r, z; in space x, y, z), `where` ("fluid", the name of the body that holds the
-    point, or "outside"), u_x, u_y ..., p (in a model with pressure), vorticity (in space vorticity_x ...),
+    point, or "outside"), u_x, u_y ..., p (where there is one), vorticity (in space vorticity_x ...),
     strain_rate; NaN where there is no fluid. For their signs see `fsi.observables.bulk_stress`. A point up to
     1e-4 of a cell beyond the fluid's boundary counts as on it. Periodic flows have values at all images, as
     `fsi.Solution.evaluate`.
@@ -138,6 +138,8 @@ def _values(
 def mean_pressure_gradient(fluid: pv.UnstructuredGrid, lattice: Lattice) -> Array:
     """G along the periods, (d,), by the pressures on both sides of the cut; no other G is a part of G.e."""
     d = lattice.vectors.shape[1]
+    if "psi" in fluid.point_data:  # between pores, where only bodies without loads have a pressure
+        return np.zeros(d)
     vertices = np.unique(nodes(fluid)[:, : d + 1])
     x, p = np.asarray(fluid.points)[vertices, :d], np.asarray(fluid["pressure"])[vertices]
     tree, every = cKDTree(x), lattice.near(fluid.length)

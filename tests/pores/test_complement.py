@@ -10,7 +10,7 @@ import pytest
 from bench.pore_arrays import ONE, cell_of
 from fsi.case.load import parse_case
 from fsi.observables.bars import DrivenBodies
-from fsi.pores.complement import least_viscosity
+from fsi.pores.complement import LeastStresses
 from fsi.pores.fineness import Fineness
 from fsi.pores.fluid_discs import pores_without_wide
 from fsi.pores.instant import PoreInstant
@@ -38,7 +38,7 @@ def in_cell(modes: int, flow: dict[str, float], **more: Any) -> PoreInstant:
 def bound(surfaces: BoundingSurfaces, modes: int) -> float:
     """In shear, with so many modes for each neck."""
     pores = pores_without_wide(surfaces)
-    return least_viscosity(pores, np.full(len(pores.necks), modes), 0.5 * (SHEAR + SHEAR.T))
+    return LeastStresses.of(pores, np.full(len(pores.necks), modes)).viscosity(0.5 * (SHEAR + SHEAR.T))
 
 
 @pytest.mark.parametrize("c", SQUARE)
