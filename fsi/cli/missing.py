@@ -12,7 +12,7 @@ from fsi.errors import FsiError, InputError, SolveError
 # As bootstrap.sh installs them: for gmsh and pictures, and for the forms that are compiled at run time.
 LIBRARIES = "libgl1 libegl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 libgomp1"
 COMPILER = "gcc libc6-dev python3-dev"
-SOLVER = {"dolfinx", "dolfinx_solver", "gmsh", "petsc4py", "mpi4py", "basix", "ffcx", "ufl"}
+SOLVER = {"dolfinx", "dolfinx_solver", "gmsh", "petsc4py", "mpi4py", "basix", "ffcx", "ufl", "_cffi_backend"}
 
 # What another path, or a right to it, puts right; the rest is the machine's (disk full, quota, input/output).
 _OF_PATHS = (
@@ -21,6 +21,7 @@ _OF_PATHS = (
 )  # fmt: skip
 
 _LONGEST = 200  # letters of what a compiler says
+_NO_ROOM = "failed to map segment"  # of a library, by the loader
 _LIBRARY = re.compile(r"(lib\S+\.so\S*): cannot open shared object file")
 
 
@@ -34,6 +35,8 @@ def explain(error: BaseException) -> FsiError | None:
     library = _LIBRARY.search(str(error))
     if isinstance(error, OSError | ImportError) and library:
         return InputError(f"{library[1]} is missing on this machine; as root: apt-get install -y {LIBRARIES}")
+    if isinstance(error, MemoryError) or _NO_ROOM in str(error):
+        return SolveError("memory: there is not enough on this machine; give a coarser mesh or fewer bodies")
     lacking = _lacking()
     if lacking and "ffcx" in _modules(error):
         return SolveError(
@@ -46,8 +49,6 @@ def explain(error: BaseException) -> FsiError | None:
             f"the compiler {compiler} failed on the forms ({_last_line(error)}); see that it compiles C, or "
             "name another one by the variable CC"
         )
-    if isinstance(error, MemoryError):
-        return SolveError("memory: there is not enough on this machine; give a coarser mesh or fewer bodies")
     if isinstance(error, OSError) and error.strerror:
         return _refused(error)
     return None

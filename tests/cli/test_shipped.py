@@ -51,6 +51,8 @@ def test_a_package_without_its_cases_is_refused(tmp_path: Path, monkeypatch: pyt
     ("error", "line"),
     [
         (ModuleNotFoundError("No module named 'dolfinx'", name="dolfinx"), "pip install 'fsi-stokes"),
+        (ModuleNotFoundError("No module", name="_cffi_backend"), "_cffi_backend is not installed"),
+        (ImportError("a.so: failed to map segment from shared object"), "memory: there is not enough"),
         (
             OSError("libGLU.so.1: cannot open shared object file: No such file or directory"),
             "libGLU.so.1 is missing on this machine; as root: apt-get install -y libgl1 libegl1 libglu1-mesa",

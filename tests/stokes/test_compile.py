@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from fsi.stokes.discretisation.jit import blocked_by
+
 ROOT = Path(__file__).parents[2]
 SCRIPT = """
 import sys
@@ -67,6 +69,14 @@ def test_a_library_that_cannot_be_loaded_is_made_again(compiled: Path) -> None:
     library.write_bytes(content[:64] + bytes(len(content) - 64))
     done = compile_in(compiled)
     assert done.returncode == 0, done.stderr
+
+
+def test_what_is_not_of_the_cache_is_not_removed(tmp_path: Path) -> None:
+    """A package's library that finds no memory was taken for a broken entry, and removed for good."""
+    failed = ImportError("failed to map segment", path="/usr/lib/python3/_cffi_backend.cpython-312.so")
+    assert blocked_by(failed, tmp_path) is None
+    own = ImportError("no ELF", path=str(tmp_path / "libffcx_forms_1.cpython-312.so"))
+    assert blocked_by(own, tmp_path) == tmp_path / "libffcx_forms_1.c"
 
 
 def test_where_there_can_be_no_cache_forms_are_compiled_all_the_same(tmp_path: Path) -> None:

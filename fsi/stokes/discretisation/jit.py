@@ -46,7 +46,7 @@ def compile_form(form: ufl.Form) -> fem.forms.CompiledForm:
         return _compile(form)
     except (TimeoutError, RuntimeError, ImportError) as error:
         parallel.settle(error)
-        source = MPI.COMM_WORLD.bcast(_blocked_by(error))
+        source = MPI.COMM_WORLD.bcast(blocked_by(error, _folder()))
         if source is None:
             raise
         parallel.on_root(lambda: _remove(source))
@@ -83,13 +83,16 @@ def compile_c(name: str, sources: list[Path]) -> Any:
     return module
 
 
-def _blocked_by(error: Exception) -> Path | None:
-    """The source of the entry that never gets ready, or that cannot be loaded; None of other errors."""
+def blocked_by(error: Exception, folder: Path) -> Path | None:
+    """The source of the entry of a folder that never gets ready, or that cannot be loaded; else None."""
     stale = _STALE.search(str(error))
     if stale is not None:
         return Path(stale[1])
     library = getattr(error, "path", None)
-    return None if library is None else Path(library).with_name(f"{Path(library).name.partition('.')[0]}.c")
+    # Without memory any library may fail to load, such as that of a package, which is not ours to remove.
+    if library is None or Path(library).parent != folder:
+        return None
+    return folder / f"{Path(library).name.partition('.')[0]}.c"
 
 
 def _compile(form: ufl.Form) -> fem.forms.CompiledForm:
