@@ -25,6 +25,7 @@ from fsi.pores.topology import Pores
 
 # Values of all functions at all points of the pores of a batch, of each derivative: some 100 MB of six.
 _NUMBERS = 2_000_000
+_DILUTE = 1e-3  # area fraction of bodies below which what points miss would show beside what bodies do
 # Polynomials between feet where psi is free, for each order of fluid discs, and the most there are; of how
 # many modes they take the points at least: with too few points a lower bound comes out too high.
 _FREE, _MOST, _FINE = 3, 20, 12
@@ -183,6 +184,8 @@ def _parts(pores: Pores, shapes: PoreShapes, numbering: Numbering) -> Iterator[P
     """All pores, so many at a time that their numbers have room."""
     modes = np.where(pores.sides >= 0, numbering.modes[pores.sides], 0)
     flat = flat_ones(pores.surfaces.shapes(), pores.vertices, shapes.centre)
+    if pores.surfaces.fraction < _DILUTE:
+        flat[:] = True
     free, narrow = pores.surfaces.free[pores.vertices], numbering.narrow[pores.sides] & (pores.sides >= 0)
     kinds = np.column_stack([modes, numbering.order[pores.vertices], free, narrow, flat])
     for kind in np.unique(kinds, axis=0):

@@ -37,7 +37,7 @@ from fsi.pores.definite import Cholesky
 from fsi.pores.orders import KNOTS, RIGID, numbers_of
 from fsi.pores.pattern import Index
 from fsi.pores.regions import NEXT, OTHER
-from fsi.pores.surfaces import WALL, BoundingSurfaces
+from fsi.pores.surfaces import WALL
 from fsi.pores.system import PoreSystem
 from fsi.pores.topology import Pores
 
@@ -91,7 +91,7 @@ class LeastStresses:
         system = PoreSystem.of(0, replace(pores, surfaces=surfaces), modes, 1.0)
         means = _STRESSES[:1] if surfaces.bounds else _STRESSES
         x, products = _least(system, means)
-        return cls(system, means, x, products / (4.0 * _area(surfaces)))
+        return cls(system, means, x, products / (4.0 * surfaces.area))
 
     def viscosity(self, E: Array) -> float:
         """Below the apparent viscosity over mu in the mean strain rate E, of a channel that of its walls."""
@@ -107,14 +107,6 @@ class LeastStresses:
     def _rates(self, E: Array) -> Array:
         """e, of a channel E_xy alone."""
         return np.array([E[0, 1], E[0, 0]])[: len(self.means)]
-
-
-def _area(surfaces: BoundingSurfaces) -> float:
-    """Of a cell, or of a channel between its two walls."""
-    if not surfaces.bounds:
-        return abs(float(np.linalg.det(surfaces.periods)))
-    low, high = surfaces.centre[-2:]
-    return float(np.linalg.norm(surfaces.periods[0])) * abs(float(surfaces.normal[-1] @ (high - low)))
 
 
 def _least(system: PoreSystem, means: Sequence[Array]) -> tuple[Array, Array]:

@@ -163,7 +163,7 @@ class PoreInstant:
             if defect > BOUND or (isnan(defect) and name not in VISCOSITY_CHECKS):
                 raise SolveError(
                     f'model = "pores" at t = {self.bodies.t:.9g}: {name} is violated by '
-                    f"{apart(defect, BOUND)}, more than {BOUND:g}; widen the narrowest gaps, give fewer "
+                    f"{apart(defect, BOUND)}, more than {BOUND:g}; widen the narrowest gaps, give other "
                     'pores.modes, or model = "resolved"'
                 )
 

@@ -30,7 +30,7 @@ class Level(NamedTuple):
 
     @property
     def finer_rule(self) -> Rule:
-        """More of them, for flat pores, where the weights change within a part of the pore."""
+        """More of them, for flat pores, where weights change within a part of the pore, and few bodies."""
         along, across, inside = (max(pair) for pair in zip(self.points, _FLAT, strict=True))
         return gauss(along, across, inside, 2.0 * _PER_GATHERING)
 

@@ -10,6 +10,8 @@ stand for them in the strips along the neck. There psi is counted from F_b and F
 of b: the strain rates of q and v are those of c_o and n . U_o, all others are small. That q and v are what
 bodies do is a constraint, B x = 0. Its multipliers are the pressure that drives the flux and the force that
 presses the surfaces together: a balance of forces gives them, not products of large numbers and small ones.
+A body that is strained translates near its foot as psi and its gradient there say, so that its stresslet has
+the moments of these forces.
 """
 
 from __future__ import annotations
@@ -21,9 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
-from fsi.pores.orders import TIED, Orders, numbers_of
+from fsi.pores.orders import RIGID, TIED, Orders, numbers_of
 from fsi.pores.pattern import Index
-from fsi.pores.pore_data import FIRST, REFERENCE, SECOND, Complex, pore_data
+from fsi.pores.pore_data import FIRST, REFERENCE, SECOND, Complex, planar, pore_data
 from fsi.pores.regions import NEXT, OTHER, PoreShapes
 from fsi.pores.surfaces import CONTAINER, WALL
 from fsi.pores.topology import Pores
@@ -86,6 +88,8 @@ class _Directed(NamedTuple):
         n: direction of the neck, (n, 2).
         arm: to the foot on o, from the references of b and of o, and from the reference of b to that of v,
             (n, 3, 2).
+        strains: of b and of o, what Re and Im of z^2 are at their feet, as U_x, U_y and psi, (n, 2, 2, 3).
+        between: from the foot on b to that on o, and to the reference of v, (n, 2, 2).
     """
 
     v: int
@@ -94,6 +98,8 @@ class _Directed(NamedTuple):
     pore: Index
     n: Array
     arm: Array
+    strains: Array
+    between: Array
 
 
 def _directed(shapes: PoreShapes, orders: Orders) -> Iterator[_Directed]:
@@ -102,9 +108,19 @@ def _directed(shapes: PoreShapes, orders: Orders) -> Iterator[_Directed]:
         for turn, b, o in ((1.0, NEXT[v], OTHER[v]), (-1.0, OTHER[v], NEXT[v])):
             pore = np.flatnonzero(shapes.turn[:, v] == turn)
             own, at = shapes.of(pore), shapes.reference[pore]
-            foot = own.foot[:, v, 1 if turn > 0.0 else 0]
+            start, foot = own.foot[:, v, 0 if turn > 0.0 else 1], own.foot[:, v, 1 if turn > 0.0 else 0]
             arm = np.stack([foot - at[:, b], foot - at[:, o], at[:, v] - at[:, b]], axis=1)
-            yield _Directed(v, b, o, pore, turn * own.direction[:, v], arm)
+            strains = np.stack([_strains(own, b, start), _strains(own, o, foot)], axis=1)
+            between = np.stack([foot - start, at[:, v] - start], axis=1)
+            yield _Directed(v, b, o, pore, turn * own.direction[:, v], arm, strains, between)
+
+
+def _strains(shapes: PoreShapes, vertex: int, foot: Array) -> Array:
+    """Of psi = Re and Im of z^2, z = (x + i y) / a around the centre: U_x, U_y, psi at feet, (n, 2, 3)."""
+    a = np.where(shapes.radius[:, vertex] > 0.0, shapes.radius[:, vertex], 1.0)
+    z = planar(foot - shapes.centre[:, vertex]) / a
+    f, slope = np.stack([z * z, -1j * z * z], axis=1), np.stack([z, -1j * z], axis=1) * (2.0 / a)[:, None]
+    return np.stack([-slope.imag, -slope.real, f.real], axis=2)
 
 
 def seen_from_necks(shapes: PoreShapes, orders: Orders) -> tuple[Complex, Array]:
@@ -138,7 +154,22 @@ def _counted(T: Array, side: _Directed, orders: Orders) -> Array:
     for i, lever in ((0, -arm[:, 1]), (1, arm[:, 0])):
         T[:, k + i, b + i], T[:, k + 3, b + i] = -1.0, lever
     T[:, k + 3, b + 3] = -1.0
+    for f in range(numbers_of(orders.fluid[side.b]) - RIGID):
+        U, psi = side.strains[:, 0, f, :2], side.strains[:, 0, f, 2]
+        T[:, b : b + 2, b + RIGID + f], T[:, b + 3, b + RIGID + f] = -U, -psi
+        T[:, o : o + 2, b + RIGID + f] = -np.einsum("nij,nj->ni", along, U)
+        T[:, k : k + 2, b + RIGID + f] = -U
+        T[:, k + 3, b + RIGID + f] = -psi - _carried(U, side.between[:, 1])
+    for f in range(numbers_of(orders.fluid[side.o]) - RIGID):
+        U, psi = side.strains[:, 1, f, :2], side.strains[:, 1, f, 2]
+        T[:, o : o + 2, o + RIGID + f] = np.einsum("nij,nj->ni", along, U) - U
+        T[:, o + 3, o + RIGID + f] = -psi
     return T
+
+
+def _carried(U: Array, arm: Array) -> Array:
+    """By how much psi of a translation rises along an arm, (n,)."""
+    return np.asarray(U[:, 0] * arm[:, 1] - U[:, 1] * arm[:, 0])
 
 
 def ties_of(shapes: PoreShapes, orders: Orders, row: Index) -> Ties:
@@ -155,5 +186,12 @@ def ties_of(shapes: PoreShapes, orders: Orders, row: Index) -> Ties:
             of[:, 0, surface + 1] = -sign * arm[:, 0]
             of[:, 0, surface + 3] = sign
             of[:, 1, surface : surface + 2] = sign * side.n
+        arms = side.between[:, 0], np.zeros_like(side.n)
+        for end, (surface, vertex) in enumerate(((b, side.b), (o, side.o))):
+            sign = 1.0 - 2.0 * end
+            for f in range(numbers_of(orders.fluid[vertex]) - RIGID):
+                U, psi = side.strains[:, end, f, :2], side.strains[:, end, f, 2]
+                of[:, 0, surface + RIGID + f] = sign * (psi + _carried(U, arms[end]))
+                of[:, 1, surface + RIGID + f] = sign * np.sum(side.n * U, axis=1)
         parts.append((row[side.pore[told], side.v], side.pore[told], of[told]))
     return Ties._make(np.concatenate(part) for part in zip(*parts, strict=True))

@@ -89,6 +89,22 @@ class BoundingSurfaces:
         """Number of walls and containers."""
         return len(self) - self.discs
 
+    @property
+    def area(self) -> float:
+        """Of a cell, or of a channel between its two walls; infinite elsewhere."""
+        if len(self.periods) == 2:
+            return abs(float(np.linalg.det(self.periods)))
+        if len(self.periods) == 0:
+            return float("inf")
+        low, high = self.centre[-2:]
+        return float(np.linalg.norm(self.periods[0])) * abs(float(self.normal[-1] @ (high - low)))
+
+    @property
+    def fraction(self) -> float:
+        """Of the area of a cell or channel, what bodies have; 1 elsewhere, where it tells nothing."""
+        body = (self.kind == DISC) & ~self.fluid
+        return float(np.pi * np.sum(self.radius[body] ** 2)) / self.area if len(self.periods) else 1.0
+
     def side(self, surface: int) -> int:
         """A surface as a position in the bodies followed by walls; -1 of a circle of fluid."""
         bodies = self.discs - int(np.count_nonzero(self.fluid))

@@ -1,6 +1,6 @@
 """The files of ParaView of the model of pores: the flow in curved cells, and necks as lines.
 
-Each patch of a pore is cut into Lagrange triangles of order 4 whose nodes carry velocity, stream function,
+Each patch of a pore is cut into Lagrange triangles of order 6 whose nodes carry velocity, stream function,
 vorticity, strain rate and, where there is one, pressure: a strip into two; a triangle, a strip that ends in
 a corner and a quarter of a fluid disc are one. Where patches meet each has nodes of its own. In a periodic
 domain each patch stands where its middle is in one period.
@@ -24,7 +24,7 @@ from fsi.pores.necks import Necks
 from fsi.pores.pressure import PressureField
 from fsi.run_folder.paraview import in_space, write_lines, write_vtu
 
-ORDER = 4
+ORDER = 6
 _SIDE = ORDER + 1
 _PATCH = _SIDE**2  # points of a patch, row by row
 
@@ -56,9 +56,9 @@ def write_flow(bodies: DrivenBodies, fields: FlowFields, pressure: PressureField
 
 
 def _cells(known: Array, ends: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int64]]:
-    """What is known at the nodes of cells, (n, .), and the nodes of each, in the order of VTK, (cells, 15).
+    """What is known at the nodes of cells, (n, .), and the nodes of each, in the order of VTK, (cells, .).
 
-    known: at the points of patches, (P, 25, .); ends: of which the first row is one point.
+    known: at the points of patches, (P, _PATCH, .); ends: of which the first row is one point.
     """
     steps = np.array(lattice(ORDER))
     row, column = steps.sum(axis=1), steps[:, 1]
@@ -72,7 +72,7 @@ def _cells(known: Array, ends: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int
 
 
 def _resampling(row: NDArray[np.int64], column: NDArray[np.int64]) -> Array:
-    """Values of the polynomial along a row of a patch where the triangle has its nodes, (15, 25)."""
+    """Values of the polynomial along a row of a patch where the triangle has its nodes, (nodes, _PATCH)."""
     t = np.linspace(0.0, 1.0, _SIDE)
     at = column / np.maximum(row, 1)
     weights = np.zeros((len(row), _SIDE, _SIDE))

@@ -101,6 +101,23 @@ def test_identities_hold_and_velocities_tend_to_their_limit(domain: str) -> None
     assert lost[1] - lost[2] == pytest.approx(0.1 * (lost[0] - lost[1]), rel=0.08)
 
 
+@pytest.mark.parametrize("gap", [1e-6, 1e-8])
+def test_the_stresslet_of_a_free_disc_that_nearly_touches_a_wall_is_known(gap: float) -> None:
+    """In a sheared channel S_xy = (mu_app / mu - 1) mu |Omega| shear, to 1e-9 of it (measured 1e-9, 1e-10).
+
+    As a difference of columns of numbers of surfaces it was known at 1e-8 to 4e-5, with bars of 1e-8.
+    """
+    walls = {"top": [4.0, 0.0]}
+    channel = {"lower": [-2.0, 0.0], "upper": [2.3, 4.0], "periodic": ["x"], "walls": walls}
+    disc = {"name": "disc", "radius": 1.0, "position": [0.6, 1.0 + gap]}
+    data = {"name": "t", "model": "pores", "fluid": {"viscosity": 2.0}, "domain": channel, "bodies": [disc]}
+    found = solved(parse_case(data | {"pores": {"modes": 12}}))
+    assert found.bulk is not None
+    assert found.apparent_viscosity is not None
+    exact = 2.0 * (found.apparent_viscosity - 1.0) * 4.3 * 4.0
+    assert found.bulk.stresslets[0, 0, 1] == pytest.approx(exact, rel=5e-9)
+
+
 def test_three_discs_that_nearly_touch_turn_as_in_the_resolved_model() -> None:
     """At gaps of 1e-6 radii, by elements: 2e-6 and less apart (bars 2e-6), the viscosity 1.03e-5."""
     case = load_case(CASES / "pores" / "nearly_touching.toml", [])

@@ -92,7 +92,7 @@ def test_the_pressure_around_a_disc_in_a_wide_cell_is_that_in_unbounded_fluid() 
 
 
 def test_files_and_probes_have_the_pressure_of_the_solution(sheared: Run) -> None:
-    """Interpolated in curved cells of order 4, to 1e-2 of it; the same at images far away."""
+    """Interpolated in curved cells of order 6, to 1e-2 of it; the same at images far away."""
     x = points()
     exact = fsi.solve(sheared.case).evaluate(x)[1]
     for away in (np.zeros(2), 7.0 * VECTORS[0] - 5.0 * VECTORS[1]):

@@ -63,7 +63,7 @@ def test_xdmf_tells_of_each_small_triangle_which_pore_it_is_in(sheared: Run, tmp
     assert fsi_command("export", sheared.path, "--format", "xdmf", "-o", tmp_path / "pores.xdmf") == 0
     read, written = pv.read(tmp_path / "pores.xdmf"), sheared.mesh(0)
     small = read.n_cells // written.n_cells
-    assert small == 16  # of quartic ones
+    assert small == 36  # of those of order 6
     np.testing.assert_array_equal(read.cell_data["pore"], np.repeat(written.cell_data["pore"], small))
     np.testing.assert_array_equal(read["psi"], written["psi"])
 
@@ -100,7 +100,7 @@ def test_the_tables_have_the_columns_of_the_resolved_model(sheared: Run) -> None
 
 
 def test_the_field_files_hold_the_flow_of_the_solution(sheared: Run) -> None:
-    """Interpolated in curved cells of order 4, to 2e-3 of the speed."""
+    """Interpolated in curved cells of order 6, to 2e-4 of the speed; in cells of order 4 it would be 2e-3."""
     solution = fsi.solve(sheared.case)
     fluid = sheared.mesh(0)
     middle = np.asarray(fluid.points)[nodes(fluid)[::7, 3:]].mean(axis=1)[:, :2]
@@ -109,7 +109,7 @@ def test_the_field_files_hold_the_flow_of_the_solution(sheared: Run) -> None:
     known = (table["where"] == "fluid").to_numpy() & np.isfinite(u[:, 0])
     assert known.mean() > 0.9
     found = table.loc[known, ["u_x", "u_y"]].to_numpy()
-    assert np.abs(found - u[known]).max() < 2e-3 * np.abs(u[known]).max()
+    assert np.abs(found - u[known]).max() < 2e-4 * np.abs(u[known]).max()
 
 
 def test_the_flow_is_found_at_images(sheared: Run) -> None:
@@ -128,16 +128,16 @@ def test_psi_is_that_of_the_velocity(sheared: Run) -> None:
     """u = (psi_y, -psi_x): its differences along the sides of cells are the fluxes across them."""
     fluid = sheared.mesh(0)
     x, cells = np.asarray(fluid.points)[:, :2], nodes(fluid)
-    side = cells[:, [0, 3, 4, 5, 1]]  # an edge with five nodes: Boole's rule
-    weights = np.array([7.0, 32.0, 12.0, 32.0, 7.0]) / 90.0
-    along = np.polynomial.polynomial.polyvander(np.linspace(0.0, 1.0, 5), 4)
-    slope = np.linalg.solve(along, x[side].transpose(1, 0, 2).reshape(5, -1))
-    d = (np.arange(1, 5)[:, None] * slope[1:]).T @ along[:, :4].T
-    dx, dy = d.reshape(len(side), 2, 5).transpose(1, 0, 2)
+    side = cells[:, [0, 3, 4, 5, 6, 7, 1]]  # an edge with seven nodes: Weddle's weights of Newton and Cotes
+    weights = np.array([41.0, 216.0, 27.0, 272.0, 27.0, 216.0, 41.0]) / 840.0
+    along = np.polynomial.polynomial.polyvander(np.linspace(0.0, 1.0, 7), 6)
+    slope = np.linalg.solve(along, x[side].transpose(1, 0, 2).reshape(7, -1))
+    d = (np.arange(1, 7)[:, None] * slope[1:]).T @ along[:, :6].T
+    dx, dy = d.reshape(len(side), 2, 7).transpose(1, 0, 2)
     u = fluid["velocity"][side]
     flux = (u[..., 0] * dy - u[..., 1] * dx) @ weights
     rise = fluid["psi"][side[:, -1]] - fluid["psi"][side[:, 0]]
-    assert np.abs(rise - flux).max() < 1e-3 * np.ptp(fluid["psi"])
+    assert np.abs(rise - flux).max() < 1e-4 * np.ptp(fluid["psi"])
 
 
 def test_necks_are_lines_between_bodies_with_what_is_dissipated_in_them(tmp_path: Path) -> None:
@@ -286,10 +286,9 @@ def test_the_viscosity_of_a_few_bodies_is_bounded_from_below(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Of so many that it would take longer than all else it is left out."""
-    monkeypatch.setattr("fsi.report.pores._MOST_BOUNDED", most)
-    file, pulled = tmp_path / "case.toml", tmp_path / "pulled"
+    monkeypatch.setattr("fsi.pores.instant.FEW", most)
+    file = tmp_path / "case.toml"
     file.write_text(case_of(time=None).as_toml())
-    run(case_of(domain=BOX, bodies=PULLED, time={"end": 0.01, "tolerance": 1e-2}), pulled)
     assert fsi_command("solve", file) == 0
     assert ("an upper bound; at least" in capsys.readouterr().out) == there
     assert fsi_command("solve", file, "--json") == 0
