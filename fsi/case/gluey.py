@@ -17,7 +17,7 @@ class ContactLaw:
 
     Attributes:
         variant: "shifted": release costs no step; "cone": the slides' set C_q; "film": before the limit.
-        gamma_min: the memory, <= 0, at which roughness makes contact solid, `eps ln(delta/delta0)`; or -inf.
+        gamma_min: the memory, <= 0, at which roughness makes contact solid; or -inf.
         friction: Coulomb's coefficient mu_f at solid contact, >= 0.
         tangential: c >= 0 in the viscous force `-c |gamma| slip / a`, `a = a_i a_j/(a_i + a_j)`.
         eps: of films, `gamma = eps Psi'(D)` below the gap delta0 (`fsi.gluey.film`), > 0 for "film".
@@ -62,7 +62,7 @@ class Gluey(Section):
     gamma_min: float | None = Field(default=None, le=0.0)
     """the memory at which contact is solid, <= 0 (none if not given)"""
     eps: Positive | None = None
-    """the viscosity's coefficient in gamma = eps ln(gap/reference_gap), > 0"""
+    """eps > 0 in gamma = eps ln(x) of spheres, 2 eps (1 - x^-0.5) of discs, x = gap/reference_gap"""
     reference_gap: Positive | None = None
     """the gap at which gamma is 0, > 0"""
     roughness: Positive | None = None
@@ -93,21 +93,9 @@ class Gluey(Section):
             raise ValueError("needs all of eps, reference_gap and roughness, or none")
         if self.roughness is not None and self.roughness >= (self.reference_gap or 0.0):
             raise ValueError("has a roughness that is not below reference_gap")
-        if self.friction > 0.0 and not np.isfinite(self.least):
+        if self.friction > 0.0 and self.gamma_min is None and self.roughness is None:
             raise ValueError("has friction, but no solid contact; give gamma_min or the roughness")
         return self
-
-    @property
-    def least(self) -> float:
-        """gamma_min, `eps ln(roughness/reference_gap)`, or -inf."""
-        if self.eps is not None and self.roughness is not None and self.reference_gap is not None:
-            return self.eps * float(np.log(self.roughness / self.reference_gap))
-        return -np.inf if self.gamma_min is None else self.gamma_min
-
-    def law(self) -> ContactLaw:
-        """As the step takes it."""
-        eps, delta0 = (self.eps, self.reference_gap) if self.variant == "film" else (None, None)
-        return ContactLaw(self.variant, self.least, self.friction, self.tangential, eps or 0.0, delta0 or 0.0)
 
 
 class LimitStudy(Section):

@@ -69,9 +69,17 @@ class SeriesSection(Section):
         """phi_k."""
         return tuple(Term(power, log) for power, log in zip(self.powers, self.logs, strict=True))
 
-    def profile(self, range_of_s: tuple[float, float]) -> Profile:
-        """K(s), for s in the range."""
-        return Series(self.terms, self.coefficients, range_of_s)
+    def profile(self, range_of_s: tuple[float, float], *, extrapolate: bool) -> Profile:
+        """K(s), for s in the range, or beyond it too. Raises ValueError: it is not one that falls there."""
+        series = Series(self.terms, self.coefficients, range_of_s)
+        if extrapolate and range_of_s[1] < inf:
+            K, power = series.end
+            if not (K > 0.0 and power < 0.0):
+                raise ValueError(
+                    f"its series is {K:.4g} at s = {range_of_s[1]:g}, where its range ends, and goes as "
+                    f"s^{power:.3g}; beyond it only a positive one that falls goes on"
+                )
+        return series
 
 
 class TableSection(Section):
@@ -144,16 +152,19 @@ class LawFile(Section):
         return self
 
     def law(self, *, viscosity: float | None = None, extrapolate: bool = False) -> LubricationLaw:
-        """The law, linear in mu: at this viscosity, or its own; `extrapolate` beyond the range of gaps."""
+        """The law, linear in mu: at this viscosity, or its own; `extrapolate` beyond the range of gaps.
+
+        Raises ValueError: none is known of such a film, or none beyond the range.
+        """
         mu = self.viscosity if viscosity is None else viscosity
         if self.form in LAWS:
             assert self.shape != "shapes"  # by `_complete`
             return LAWS[self.form].of(GapFilm(self.shape, mu, self.ratio or inf, extrapolate, self.mode))
-        return ScaledLaw(self._profile(), mu, EXPONENTS[self.shape, self.mode], extrapolate)
+        return ScaledLaw(self._profile(extrapolate), mu, EXPONENTS[self.shape, self.mode], extrapolate)
 
-    def _profile(self) -> Profile:
+    def _profile(self, extrapolate: bool) -> Profile:
         if self.series is not None and self.range is not None:
-            return self.series.profile(self.range)
+            return self.series.profile(self.range, extrapolate=extrapolate)
         assert self.table is not None  # by `_complete`
         return self.table.profile()
 

@@ -34,10 +34,8 @@ class Film:
 
     def gamma(self, D: Array) -> Array:
         """The memory of gaps D > 0, which is at most 0."""
-        x = np.minimum(D / self.delta0, 1.0)
         with np.errstate(divide="ignore"):
-            gamma: Array = self.eps * (np.log(x) if self.shape == "sphere" else 2.0 * (1.0 - x**-0.5))
-        return gamma
+            return self.eps * gamma_over_eps(np.minimum(D / self.delta0, 1.0), self.shape)
 
     def gap(self, gamma: Array) -> Array:
         """D of memories gamma <= 0; 0 where it underflows."""
@@ -79,6 +77,12 @@ class Film:
         beyond = np.maximum(self.delta0 / self.h - r, 0.0)
         in_gap = np.where(p > 0.0, np.abs(r - self.gap(-p) / self.h), beyond)
         return float(np.maximum(in_gap, np.abs(answer - p) * weight).max(initial=0.0))
+
+
+def gamma_over_eps(x: Array, shape: Shape) -> Array:
+    """Psi' at the gaps x delta0, 0 <= x <= 1, shape of x; minus infinity at 0."""
+    psi: Array = np.log(x) if shape == "sphere" else 2.0 * (1.0 - x**-0.5)
+    return psi
 
 
 def _positive_root(R: Array, k: Array) -> Array:

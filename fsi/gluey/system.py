@@ -12,10 +12,10 @@ from scipy.interpolate import PPoly
 from fsi.bodies.configuration import Array, Configuration, turned
 from fsi.bodies.forces import Bulk, between_bodies
 from fsi.case.case import Case
-from fsi.case.gluey import ContactLaw
+from fsi.case.gluey import ContactLaw, Gluey
 from fsi.case.series import Table, is_zero, polynomial
 from fsi.gluey.contacts import Room
-from fsi.gluey.film import Film, Shape
+from fsi.gluey.film import Film, Shape, gamma_over_eps
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,10 +129,19 @@ def gluey_system(case: Case) -> System:
             load[:, : case.dimension] += np.where(held[:, : case.dimension], 0.0, heavy[:, None] * g)
         return load
 
-    return System(
-        q.radii, mass, room(case), impulse, case.gluey.law(), _held(case), _forces(case),
-        "sphere" if case.spheres else "disc",
-    )  # fmt: skip
+    shape: Shape = "sphere" if case.spheres else "disc"
+    law = _contact_law(case.gluey, shape)
+    return System(q.radii, mass, room(case), impulse, law, _held(case), _forces(case), shape)
+
+
+def _contact_law(gluey: Gluey, shape: Shape) -> ContactLaw:
+    """What happens where surfaces touch: solid contact with the memory of a film as thin as the roughness."""
+    eps, delta0, roughness = gluey.eps or 0.0, gluey.reference_gap or 0.0, gluey.roughness
+    least = -np.inf if gluey.gamma_min is None else gluey.gamma_min
+    if roughness is not None:
+        least = eps * float(gamma_over_eps(np.array(roughness / delta0), shape))
+    film = (eps, delta0) if gluey.variant == "film" else (0.0, 0.0)
+    return ContactLaw(gluey.variant, least, gluey.friction, gluey.tangential, *film)
 
 
 def gluey_state(case: Case) -> GlueyState:

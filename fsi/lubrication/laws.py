@@ -161,6 +161,11 @@ class Term:
         integral: Array = s**p / p
         return integral * (1.0 / p - np.log(s)) if self.log else integral
 
+    def slope(self, s: Array) -> Array:
+        """The derivative of the term times s."""
+        slope: Array = self.power * self.value(s)
+        return slope - s**self.power if self.log else slope
+
     def __str__(self) -> str:
         power = "" if self.power == 0.0 else "s" if self.power == 1.0 else f"s^{self.power:g}"
         return " ".join(part for part in (power, "ln(1/s)" if self.log else "") if part) or "1"
@@ -168,7 +173,10 @@ class Term:
 
 @dataclass(frozen=True, slots=True)
 class Series:
-    """K(s) = sum_k c_k phi_k(s).
+    """K(s) = sum_k c_k phi_k(s); beyond the range the power of s that fits value and slope of its end.
+
+    A fitted sum means nothing there, where its highest powers rule. Below the range the lowest one does, the
+    leading term, and the sum goes on.
 
     Attributes:
         terms: phi_k.
@@ -182,11 +190,30 @@ class Series:
 
     def value(self, s: Array) -> Array:
         """K(s)."""
-        return self._sum(term.value(s) for term in self.terms)
+        inside = np.minimum(s, self.range[1])
+        value = self._sum(term.value(inside) for term in self.terms)
+        beyond = s != inside
+        if np.any(beyond):
+            _, power = self.end
+            value = np.where(beyond, value * (s / inside) ** power, value)
+        return value
 
     def integral(self, s: Array) -> Array:
-        """The sum of the antiderivatives of the terms."""
-        return self._sum(term.integral(s) for term in self.terms)
+        """The sum of the antiderivatives of the terms, beyond the range from its end on."""
+        inside = np.minimum(s, self.range[1])
+        integral = self._sum(term.integral(inside) for term in self.terms)
+        beyond = s != inside
+        if np.any(beyond):
+            integral = np.where(beyond, integral + _integral_of_power(s, inside, *self.end), integral)
+        return integral
+
+    @property
+    def end(self) -> tuple[float, float]:
+        """K where the range ends, and the power of s that has its slope there; infinite if K = 0."""
+        s = np.array(self.range[1])
+        K = float(self._sum(term.value(s) for term in self.terms))
+        slope = float(self._sum(term.slope(s) for term in self.terms))
+        return K, slope / K if K != 0.0 else np.inf
 
     def _sum(self, values: Iterable[Array]) -> Array:
         terms = (c * v for c, v in zip(self.coefficients, values, strict=True))
@@ -243,7 +270,8 @@ class TabulatedProfile:
         integral: Array = self._until[k] + self._between(np.log(self.s)[k], x)
         beyond = s != inside
         if np.any(beyond):
-            integral = np.where(beyond, integral + self._tail(s, inside, x), integral)
+            tail = _integral_of_power(s, inside, np.exp(self._curve(x)), self._slope(x))
+            integral = np.where(beyond, integral + tail, integral)
         return integral
 
     def less(self, limit: float) -> "TabulatedProfile":
@@ -256,10 +284,11 @@ class TabulatedProfile:
         x = (0.5 * (start + end))[..., None] + half[..., None] * _NODES
         return np.asarray(half * (np.exp(self._curve(x) + x) @ _WEIGHTS))
 
-    def _tail(self, s: Array, end: Array, x: Array) -> Array:
-        """The integral of K(end) (s/end)^p from `end` to s."""
-        power = self._slope(x) + 1.0
-        log = np.log(s / end)
-        # expm1(power log)/power, which tends to the logarithm as power -> 0
-        ratio = np.where(power == 0.0, log, np.expm1(power * log) / np.where(power == 0.0, 1.0, power))
-        return np.asarray(np.exp(self._curve(x)) * end * ratio)
+
+def _integral_of_power(s: Array, start: Array, K: Array | float, power: Array | float) -> Array:
+    """The integral of K (s/start)^power from `start` to s."""
+    raised = np.asarray(power) + 1.0
+    log = np.log(s / start)
+    # expm1(raised log)/raised, which tends to the logarithm as raised -> 0
+    ratio = np.where(raised == 0.0, log, np.expm1(raised * log) / np.where(raised == 0.0, 1.0, raised))
+    return np.asarray(K * start * ratio)

@@ -228,7 +228,10 @@ class _Asked:
                     f"{self._here}: a law of {file.pair}, but the case has {between}; give "
                     f'reduced.{self.own} = "exact", or a law of such a film'
                 )
-        law = file.law(viscosity=film.viscosity, extrapolate=self.case.reduced.extrapolate)
+        try:
+            law = file.law(viscosity=film.viscosity, extrapolate=self.case.reduced.extrapolate)
+        except ValueError as error:
+            raise InputError(f"{self._here}: {error}; drop reduced.extrapolate") from None
         return self._beyond_drag(file.form, law)
 
     def _beyond_drag(self, form: str, law: LubricationLaw) -> LubricationLaw:

@@ -84,6 +84,28 @@ def test_solid_contact_carries_what_memory_does_not_store() -> None:
     assert_allclose((after.gamma[0], after.p[0], after.solid[0]), (-0.05, 0.06, 0.01), rtol=1e-8)
 
 
+DISCS, SPHERES = 0.02 * (1.0 - 10.0**0.5), -0.01 * np.log(10.0)
+
+
+@pytest.mark.parametrize(
+    ("geometry", "least"), [("planar", DISCS), ("axisymmetric", SPHERES), ("spatial", SPHERES)]
+)
+def test_the_cut_off_of_roughness_is_what_a_film_of_the_shape_stores(geometry: str, least: float) -> None:
+    """eps = 0.01, a tenth of the reference gap: 2 eps (1 - x^(-1/2)) of discs, eps ln x of spheres.
+
+    From kappa ~ d^(-3/2) and 1/d. Discs with the bound of spheres would be solid at the gap 0.22 delta_0.
+    """
+    d = 3 if geometry == "spatial" else 2
+    place = {"geometry": geometry, "domain": {"lower": [0.0] * d, "upper": [9.0] * d}}
+    position = [0.0 if geometry == "axisymmetric" else 4.0, *[4.0] * (d - 1)]
+    law = {"eps": 0.01, "reference_gap": 0.5}
+    rough = case_of({"position": position}, gluey=law | {"roughness": 0.05}, **place)
+    assert gluey_system(rough).law.gamma_min == pytest.approx(least, rel=1e-14)
+    film = gluey_system(case_of({"position": position}, gluey=law | {"variant": "film"}, **place)).film(1.0)
+    assert film is not None
+    assert_allclose(film.gamma(np.array([0.05])), least, rtol=1e-14)
+
+
 def test_friction_is_bounded_by_the_solid_part_alone() -> None:
     """Pulled along with its weight: rolling asks for a third of it, mu_f = 0.2 allows a fifth.
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from math import inf, pi, sqrt
+from math import inf, log, pi, sqrt
 
 import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
 from fsi.errors import InputError
 from fsi.lubrication import exact, spheres
@@ -125,6 +125,29 @@ def test_a_table_less_its_limit_is_exact_between_its_points_and_falls_like_the_n
     less = profile.less(6.0 * pi)
     assert_allclose(less.value(s), spheres.normal_resistance(s, 1.0, 1.0) - 6.0 * pi, rtol=1e-7)
     assert_allclose(less.value(np.array([1e4])), 6.0 * pi * 9.0 / 8.0 / 1e4, rtol=0.02)
+
+
+def test_a_series_goes_on_by_the_power_of_its_end() -> None:
+    """The power is (ln K)' at the end in ln s, by hand; integrals are those of K, by Gauss's rule in ln s.
+
+    Of K = 3/s + 2 ln(1/s) + 5 s^2 at s = 1/2: 6 + 2 ln 2 + 5/4, and times s its derivative -6 - 2 + 5/2. The
+    sum itself is 10 times as large at s = 5. Below the range it goes on.
+    """
+    terms = (Term(-1.0), Term(0.0, log=True), Term(2.0))
+    everywhere = Series(terms, (3.0, 2.0, 5.0))
+    series = Series(terms, (3.0, 2.0, 5.0), (1e-2, 0.5))
+    end = 7.25 + 2.0 * log(2.0)
+    s = np.array([0.5, 0.8, 5.0, 70.0])
+    assert_allclose(series.value(s), end * (s / 0.5) ** (-5.5 / end), rtol=1e-14)
+    inside = np.array([1e-6, 1e-2, 0.3, 0.5])
+    assert_array_equal(series.value(inside), everywhere.value(inside))
+    assert_array_equal(series.integral(inside), everywhere.integral(inside))
+    x, w = np.polynomial.legendre.leggauss(20)
+    for start, stop in ((0.3, 0.5), (0.5, 0.8), (0.8, 5.0), (5.0, 70.0)):
+        half = 0.5 * log(stop / start)
+        at = start * np.exp(half * (x + 1.0))
+        found = np.diff(series.integral(np.array([start, stop])))
+        assert_allclose(found, half * w @ (series.value(at) * at), rtol=1e-12)
 
 
 def test_a_law_is_not_asked_for_what_it_does_not_know() -> None:

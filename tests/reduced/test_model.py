@@ -120,6 +120,17 @@ def test_without_drag_the_exact_law_has_all_of_it() -> None:
     assert pytest.approx(float(spheres.normal_resistance(0.1, 1.0, 1.0)), rel=1e-8) == K
 
 
+@pytest.mark.parametrize("spin", [0.0, "free"])
+def test_a_disc_that_is_moved_needs_neither_drag_nor_mass(spin: object) -> None:
+    """Towards a plane: the exact force of its film. One that is free along the plane needs them."""
+    body = {"name": "disc", "radius": 1.0, "position": [0.0, 1.1], "velocity": [0.0, -2.0]}
+    case = reduced_case([body | {"angular_velocity": spin}], {"drag": 0.0})
+    F = make_model(case)(case.configuration(), 0.0).F[0]
+    assert pytest.approx([0.0, -2.0 * float(exact.normal_resistance(0.1, 1.0, 1.0)), 0.0], rel=1e-8) == F
+    with pytest.raises(InputError, match=r"^reduced\.drag = 0: only lubrication"):
+        reduced_case([body | {"velocity": ["free", -2.0]}], {"drag": 0.0})
+
+
 def test_two_spheres_drawn_apart_have_their_drag_once() -> None:
     """By the exact resistance of the pair over the rate of the gap (Brenner 1961), of radii 1 and 3."""
     gap, b, mu = 2.0, 3.0, 0.5

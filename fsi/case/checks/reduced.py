@@ -17,7 +17,8 @@ def check_reduced(case: Case) -> None:
     if not case.bodies:
         raise InputError("bodies: missing; give [[bodies]], [[grids]] or bodies_from")
     _check_drag_file(case)
-    if case.drag == 0.0 and case.masses() is None:
+    held = case.held()[:, : case.dimension].all()  # turning has a drag of its own
+    if case.drag == 0.0 and case.masses() is None and not held:
         raise InputError(
             "reduced.drag = 0: only lubrication would resist bodies without mass; give them drag or mass"
         )
