@@ -46,7 +46,8 @@ def read_settling(run: Run) -> Settling:
     """The computed and the exact gap history of a run. Raises InputError, as does `exact_gap`."""
     case, table = run.case, run.columns("bodies")
     exact, a = exact_gap(case, table["t"]), case.bodies[0].radius
-    return Settling(table["t"], table["y"] - a, exact, a, _kind(case))
+    height = table["xyz"[case.dimension - 1]]
+    return Settling(table["t"], height - a, exact, a, _kind(case))
 
 
 def _kind(case: Case) -> str:
@@ -59,12 +60,8 @@ def exact_gap(case: Case, t: Array) -> Array:
     Raises InputError: it is not one body above a plane under a constant normal force.
     """
     force, body = _normal_force(case), case.bodies[0]
-    if body.shape is not None:
-        raise InputError(
-            f"bodies.0.shape = {toml_text(body.shape)}: the exact law is that of a {_kind(case)}"
-        )
-    law = spheres.settling_gap if case.axisymmetric else exact.settling_gap
-    return law(t, body.position[1] - body.radius, body.radius, case.fluid.viscosity, force)
+    law = spheres.settling_gap if case.spheres else exact.settling_gap
+    return law(t, body.position[-1] - body.radius, body.radius, case.fluid.viscosity, force)
 
 
 def asymptotic_gap(case: Case, t: Array) -> Array:
@@ -77,7 +74,7 @@ def asymptotic_gap(case: Case, t: Array) -> Array:
     force, body, mu = _normal_force(case), case.bodies[0], case.fluid.viscosity
     if force > 0.0:
         raise InputError(f"bodies.0.force = {list(body.force)}: points away from the plane; no gap closes")
-    if case.axisymmetric:
+    if case.spheres:
         rate = -force / (6.0 * np.pi * mu * body.radius**2)
         return np.asarray(exact_gap(case, t[-1:]) * np.exp(-rate * (t - t[-1])))
     with np.errstate(divide="ignore"):
@@ -85,26 +82,49 @@ def asymptotic_gap(case: Case, t: Array) -> Array:
 
 
 def _normal_force(case: Case) -> float:
-    """The constant F_y on the only body; InputError where the exact law does not apply."""
+    """The constant normal force on the only body; InputError where the exact law does not apply."""
     if "plane" not in case.container().walls:
         raise InputError(f'domain.shape = "{case.domain.shape}": the exact settling law needs "half-plane"')
     if len(case.bodies) != 1:
         count = f"bodies: there are {len(case.bodies)}"
         raise InputError(f"{count}; the exact settling law is that of one {_kind(case)}")
     body = case.bodies[0]
-    if body.velocity[1] != "free":
+    if body.velocity[-1] != "free":
         moves = f"bodies.0.velocity = {list(body.velocity)}"
         raise InputError(f'{moves}: a {_kind(case)} that settles has [.., "free"]')
-    sideways, force = body.force
-    if not isinstance(force, float | int) or force == 0.0 or sideways != 0.0:
-        raise InputError(f"bodies.0.force = {list(body.force)}: the exact law needs a constant [0.0, F_y]")
-    if body.mass is not None:
-        raise InputError(f"bodies.0.mass = {body.mass}: the exact settling law has no inertia; drop the mass")
-    for name, wall in case.domain.walls.items():
-        if not wall.rests:
-            value = f"domain.walls.{name} = {toml_text(wall)}"
-            raise InputError(f"{value}: the exact settling law needs walls at rest")
+    *sideways, force = body.force
+    if not isinstance(force, float | int) or force == 0.0 or any(part != 0.0 for part in sideways):
+        needed = "[0.0, 0.0, F_z]" if case.dimension == 3 else "[0.0, F_y]"
+        raise InputError(f"bodies.0.force = {list(body.force)}: the exact law needs a constant {needed}")
+    _require_plain_body(case)
+    _require_plain_walls(case)
     return float(force)
+
+
+def _require_plain_body(case: Case) -> None:
+    """Raise InputError unless its force alone drives the body, to whose surface fluid sticks."""
+    body = case.bodies[0]
+    if body.shape is not None:
+        shape = f"bodies.0.shape = {toml_text(body.shape)}"
+        raise InputError(f"{shape}: the exact settling law is that of a {_kind(case)}; give a radius")
+    swims = body.surface_velocity if body.swims else None
+    unknown = {"mass": body.mass, "slip_length": body.slip_length, "surface_velocity": swims}
+    for key, value in unknown.items():
+        if value:
+            raise InputError(f"bodies.0.{key} = {toml_text(value)}: the exact settling law has none; drop it")
+    if case.forces:
+        force = f"forces.0 = {toml_text(case.forces[0])}"
+        raise InputError(f"{force}: the exact settling law has none; drop it, or add it to bodies.0.force")
+
+
+def _require_plain_walls(case: Case) -> None:
+    """Raise InputError unless walls are straight, rest and fluid sticks to them."""
+    if case.domain.profiled:
+        raise InputError("domain.profiles: the exact settling law needs straight walls; drop it")
+    for name, wall in case.domain.walls.items():
+        if wall.slip or not wall.rests:
+            value = f"domain.walls.{name} = {toml_text(wall)}"
+            raise InputError(f"{value}: the exact settling law needs walls at rest that fluid sticks to")
 
 
 def chosen_rows(gap: Array) -> NDArray[np.intp]:

@@ -17,7 +17,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.ticker import NullFormatter
 
-from fsi.bodies.configuration import Array
+from fsi.bodies.configuration import PLACES, Array
 from fsi.bodies.gaps import smallest_of_each
 from fsi.bodies.surface_gap import gap_between
 from fsi.errors import InputError
@@ -161,7 +161,7 @@ def _place(column: str) -> Callable[[Asked], Curves]:
     return read
 
 
-for _column in ("x", "y", "z", "angle"):
+for _column in dict.fromkeys(PLACES[2] + PLACES[3]):
     register_panel(_column, _place(_column), on_demand=True)
 for _column in ("contacts", "largest_density", "smallest_gamma", "kinetic_energy"):  # of vanishing viscosity
     register_panel(_column.replace("_", " "), of_steps(_column))
@@ -224,12 +224,17 @@ def plot_runs(
     gap: "3,7" or "disc,bottom", names or numbers; if not given, the smallest gap of each body.
     curves: "gap,x,angle", the titles of panels; if not given, those that every figure has.
 
-    Raises InputError: unknown suffix or gap, a run without rows, or the disk refuses.
+    Raises InputError: unknown suffix, gap or curve, a run without rows, or the disk refuses.
     """
     require_figure(output)
     singly = len(COLOURS) if len(runs) == 1 else len(_DASHES)
     histories = [read_history(run, gap, singly, curves) for run in runs]
-    titles = [title for title in panel_titles(curves) if any(title in one.panels for one in histories)]
+    asked = panel_titles(curves)
+    titles = [title for title in asked if any(title in one.panels for one in histories)]
+    if curves is not None and titles != asked:
+        lacking = next(title for title in asked if title not in titles)
+        has = [t for t, read in _PANELS.items() if any(read(Asked(run, gap, singly)) for run in runs)]
+        raise InputError(f"--curves {curves}: the run has no {lacking!r}; it has {', '.join(has) or 'none'}")
     if not titles:
         raise InputError(f"{runs[0].path}: the run has no bodies and no apparent viscosity; nothing to draw")
     with saved_figure(output, (8.5, 0.8 + 2.4 * len(titles)), theme=theme) as figure:

@@ -52,6 +52,11 @@ class Cut:
         normal: Array = np.cross(self.along, self.up)
         return normal
 
+    @property
+    def letters(self) -> tuple[str, str]:
+        """Of the coordinates in whose directions `along` and `up` point; s and t for other directions."""
+        return _letter(self.along, "s"), _letter(self.up, "t")
+
     def points(self, s: Array, t: Array) -> Array:
         """Points in space (..., 3)."""
         x: Array = self.centre + self.half * (s[..., None] * self.along + t[..., None] * self.up)
@@ -94,6 +99,12 @@ class Cut:
             if abs(self.across @ normal) == 1.0:
                 return f"{letter} = {place:.3g}"
         return f"at {np.degrees(np.arctan2(self.along[1], self.along[0])):.0f}° to x"
+
+
+def _letter(direction: Array, other: str) -> str:
+    """Of the coordinate in whose direction a unit vector points, or another one where there is none."""
+    named = zip("xyz", np.eye(3), strict=True)
+    return next((letter for letter, axis in named if direction @ axis == 1.0), other)
 
 
 def plane_of_choice(text: str, view: View) -> Cut:

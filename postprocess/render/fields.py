@@ -19,8 +19,8 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Literal, override
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar, Literal, Self, override
 
 from fsi.errors import InputError
 
@@ -171,7 +171,7 @@ class RenderedField:
 
     Attributes:
         name: what `--field` calls it.
-        label: what its colour bar says, a formula.
+        label: what its colour bar says, a formula; {x} and {y} in it are the coordinates of the plane.
         title: what is written above a panel.
         colours: the name of a colour map of matplotlib: perceptual, told apart by every eye, bright where the
             field is large, white at zero where it is signed.
@@ -200,6 +200,10 @@ class RenderedField:
     def of_mesh(self) -> bool:
         """Whether only a level with a mesh has it."""
         return self.edges or "traction" in self.needs
+
+    def along(self, right: str, up: str) -> Self:
+        """The same where the coordinates have those letters."""
+        return replace(self, label=self.label.replace("{x}", right).replace("{y}", up))
 
     @property
     def colour_map(self) -> Colormap:
@@ -249,7 +253,7 @@ for _field in (
     RenderedField(DISTURBANCE, r"$|u - u_\infty|$", "velocity less the mean flow, its streamlines", "viridis",
                   FromZero(), (DISTURBANCE,), lambda at, _: (at[DISTURBANCE] ** 2).sum(axis=1) ** 0.5,
                   streamlines=DISTURBANCE),
-    RenderedField("vorticity", r"$\partial_x u_y - \partial_y u_x$", "vorticity", "PuOr_r", Signed(),
+    RenderedField("vorticity", r"$\partial_{x} u_{y} - \partial_{y} u_{x}$", "vorticity", "PuOr_r", Signed(),
                   ("vorticity",), lambda at, _: at["vorticity"]),
     RenderedField("dissipation", r"$2 \mu\, e : e$", "dissipation", "magma", Logarithmic(8.0),
                   ("strain_rate",), lambda at, viscosity: viscosity * at["strain_rate"] ** 2),

@@ -148,8 +148,8 @@ def compose(title: str, panels: Sequence[Framed], theme: Theme = LIGHT) -> Pictu
             shown = figure.colorbar(panel.shades, cax=bar, extend=panel.cut, extendfrac=0.025)
             if isinstance(norm := panel.shades.norm, LogNorm):
                 label_short(bar.yaxis)
-            elif isinstance(norm, SymLogNorm):  # labels within the linear part would lie upon each other
-                shown.set_ticks([t for t in shown.get_ticks() if t == 0.0 or abs(t) >= norm.linthresh])
+            elif isinstance(norm, SymLogNorm):
+                shown.set_ticks(_labelled(shown.get_ticks(), norm))
             bar.set_title(panel.label, fontsize=11, pad=7, loc="left")
         drawn = Image.fromarray(pixels(figure))
     picture = Image.new("RGBA", drawn.size, theme.page)
@@ -159,6 +159,17 @@ def compose(title: str, panels: Sequence[Framed], theme: Theme = LIGHT) -> Pictu
         picture.paste(Image.fromarray(panel.image), corner)
     picture.alpha_composite(drawn)
     return np.asarray(picture.convert("RGB"))
+
+
+def _labelled(ticks: Iterable[float], norm: SymLogNorm) -> list[float]:
+    """Those that a colour bar labels.
+
+    Beyond its ends they would stretch it past the colours; in the linear part they would lie upon each other.
+    """
+    low, high = norm.vmin, norm.vmax
+    assert low is not None
+    assert high is not None
+    return [t for t in ticks if low <= t <= high and (t == 0.0 or abs(t) >= norm.linthresh)]
 
 
 def _frame(axes: Axes, panel: Framed) -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from fsi.errors import InputError
 from fsi.files import require_suffix
+from fsi.postprocess.render.meridian import MeridianArtist
 from fsi.postprocess.render.network import NECKS, NeckArtist, NetworkArtist
 from fsi.postprocess.render.picture import MOVIES, STILLS, Artist, write_pictures
 from fsi.postprocess.render.planar import PlanarArtist
@@ -27,7 +28,8 @@ def artist(run: Run, choice: Choice) -> Artist:
         return RevolvedArtist(run, choice)
     if run.series != "fluid":
         return NetworkArtist(run, choice) if run.series == "bodies" else ProfileArtist(run, choice)
-    return SpatialArtist(run, choice) if run.case.geometry == "spatial" else PlanarArtist(run, choice)
+    flow = {"planar": PlanarArtist, "axisymmetric": MeridianArtist, "spatial": SpatialArtist}
+    return flow[run.case.geometry](run, choice)
 
 
 def require_sense(run: Run, choice: Choice) -> None:

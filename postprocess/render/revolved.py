@@ -35,7 +35,7 @@ class RevolvedArtist(Artist):
     def __init__(self, run: Run, choice: Choice) -> None:
         """Raises InputError: there is no such field, or a gap is asked for."""
         super().__init__(run, choice)
-        self.field = rendered_field(choice.field or "speed")
+        self.field = rendered_field(choice.field or "speed").along("r", "z")
         if choice.gap is not None:
             raise InputError(f"--gap {choice.gap}: is shown on the plane; drop --revolved")
         if self.field.on_bodies:

@@ -70,7 +70,8 @@ class SpatialArtist(FlowArtist):
                     half, title = cut.half, f"{where}: {field.title}"
                     image = self._plane(field, parts[k], (step, cut, at), colours)
                 ends = field.scale.cut if self.choice.span is None else "both"
-                framed.append(Framed(image, title, half, field.label, colours, ends))
+                label = field.along(*cut.letters).label
+                framed.append(Framed(image, title, half, label, colours, ends))
             yield compose(self.title(step), framed, self.choice.theme)
 
     def _drawn(

@@ -66,6 +66,23 @@ def test_a_sphere_is_called_one(
         read_settling(open_run(run))
 
 
+def test_a_sphere_in_space_settles_as_on_an_axis(settling_run: Fill) -> None:
+    """Its height is z; where it stands beside that makes no difference."""
+    t, z = [0.0, 1.0, 2.0], [1.2, 1.19, 1.18]
+    folder = settling_run(t, z)
+    case = (folder / "case.toml").read_text()
+    (folder / "case.toml").write_text(case.replace('"planar"', '"axisymmetric"'))
+    on_axis = read_settling(open_run(folder))
+    in_space = case.replace('"planar"', '"spatial"').replace("= [0.0, ", "= [0.0, 0.0, ")
+    (folder / "case.toml").write_text(in_space)
+    rows = [f"{n},{t[n]},disc,0.0,0.0,{z[n]}" for n in range(3)]
+    (folder / "bodies.csv").write_text("\n".join(["step,t,body,x,y,z", *rows]) + "\n")
+    found = read_settling(open_run(folder))
+    assert found.body == "sphere"
+    np.testing.assert_allclose(found.gap, [0.2, 0.19, 0.18], rtol=1e-12)
+    np.testing.assert_array_equal(found.exact, on_axis.exact)
+
+
 def test_rows_spread_over_the_logarithm_of_the_gap() -> None:
     rows = chosen_rows(np.geomspace(1.0, 1e-4, 200))
     assert len(rows) == 12
@@ -90,6 +107,30 @@ def test_rows_spread_over_the_logarithm_of_the_gap() -> None:
             "[time]",
             '[[bodies]]\nname = "second"\nradius = 0.5\nposition = [3.0, 3.0]\n[time]',
             "bodies: there are 2",
+        ),
+        ("[time]", "slip_length = 0.1\n[time]", "bodies.0.slip_length = 0.1"),
+        ("[time]", "surface_velocity = [0.0, 1.0]\n[time]", "bodies.0.surface_velocity = [0.0, 1.0]"),
+        (
+            "[time]",
+            '[[forces]]\nkind = "gravity"\nacceleration = [0.0, -9.0]\ndensity_difference = 1.0\n[time]',
+            'forces.0 = {kind = "gravity"',
+        ),
+        (
+            "[time]",
+            '[[forces]]\nkind = "repulsion"\nlaw = "exponential"\nwalls = true\nstrength = 1.0\n'
+            "length = 0.1\ncutoff = 1.0\n[time]",
+            'forces.0 = {kind = "repulsion"',
+        ),
+        (
+            "domain.radius = 6.0",
+            "domain.radius = 6.0\ndomain.walls.plane = {slip_length = 0.2}",
+            "domain.walls.plane = {slip_length = 0.2}",
+        ),
+        (
+            "domain.radius = 6.0",
+            'domain.radius = 6.0\ndomain.profiles.plane = {kind = "wave", height = -0.1, length = 1.0, '
+            "number = 2, start = -1.0}",
+            "domain.profiles",
         ),
         ("domain.radius = 6.0", "domain.radius = 6.0\ndomain.walls.far = {shear = 1.0}", "domain.walls.far"),
         (

@@ -15,6 +15,7 @@ from fsi.postprocess.plots.histories import of_steps, plot_runs, read_history, r
 
 Fill = Callable[[list[float], list[float]], Path]
 BODY = {"name": "body", "radius": 0.5, "position": [0.0, 0.6], "force": [0.0, -3.0]}
+IN_SPACE = BODY | {"position": [0.3, 0.0, 0.6], "force": [0.0, 0.0, -3.0]}
 
 
 def filled(fill: Fill) -> Path:
@@ -41,7 +42,29 @@ def test_chosen_gap_and_many_bodies(settling_run: Fill) -> None:
 
 
 @pytest.mark.parametrize(
-    ("geometry", "late", "difference"), [("planar", 1e4, 2e-3), ("axisymmetric", 40.0, 1e-9)]
+    ("old", "new"),
+    [
+        ("[time]", "slip_length = 0.1\n[time]"),
+        ("domain.radius", "domain.walls.plane = {slip_length = 0.2}\ndomain.radius"),
+        (
+            "[time]",
+            '[[forces]]\nkind = "gravity"\nacceleration = [0.0, -9.0]\ndensity_difference = 1.0\n[time]',
+        ),
+    ],
+)
+def test_no_curve_is_called_exact_where_the_law_does_not_hold(settling_run: Fill, old: str, new: str) -> None:
+    """Slip on the body or on the plane, and a weight beside its force."""
+    case = filled(settling_run) / "case.toml"
+    assert [*read_history(fsi.open_run(case.parent)).laws] == ["exact", "asymptote"]
+    case.write_text(case.read_text().replace(old, new))
+    history = read_history(fsi.open_run(case.parent))
+    assert "gap" in history.panels
+    assert history.laws == {}
+
+
+@pytest.mark.parametrize(
+    ("geometry", "late", "difference"),
+    [("planar", 1e4, 2e-3), ("axisymmetric", 40.0, 1e-9), ("spatial", 40.0, 1e-9)],
 )
 def test_asymptote_is_that_of_the_exact_gap(geometry: str, late: float, difference: float) -> None:
     """Discs: a last term of order t^-1 is left; spheres: only the prefactor was fitted, the rate was not."""
@@ -51,7 +74,7 @@ def test_asymptote_is_that_of_the_exact_gap(geometry: str, late: float, differen
             "geometry": geometry,
             "fluid": {"viscosity": 0.7},
             "domain": {"shape": "half-plane", "radius": 100.0},
-            "bodies": [BODY],
+            "bodies": [IN_SPACE if geometry == "spatial" else BODY],
         }
     )
     t = np.array([0.9, 1.0]) * late

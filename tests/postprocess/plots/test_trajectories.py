@@ -64,6 +64,39 @@ def test_places_and_angles_over_time(run: fsi.Run) -> None:
     assert "x" not in read_history(run).panels
 
 
+def write_turning_sphere(folder: Path) -> Path:
+    """A sphere in space that turns about x and z, beside the side of a box."""
+    (folder / "case.toml").write_text(
+        'name = "turning"\ngeometry = "spatial"\nfluid.viscosity = 1.0\ndomain.lower = [-3.0, -3.0, -3.0]\n'
+        'domain.upper = [3.0, 3.0, 3.0]\n[[bodies]]\nname = "ball"\nradius = 1.0\n'
+        "position = [0.0, 0.0, 0.0]\n[time]\nend = 2.0\n"
+    )
+    vectors = [f"{name}_{axis}" for name in ("angle", "V", "omega", "F", "T") for axis in "xyz"]
+    head = ",".join(["step", "t", "body", *"xyz", *vectors])
+    rows = [f"{n},{n}.0,ball,0,0,0,{0.5 * n},0,{-0.2 * n},0,0,0,0.5,0,-0.2,0,0,0,0,0,0" for n in range(3)]
+    (folder / "bodies.csv").write_text("\n".join([head, *rows]) + "\n")
+    (folder / "steps.csv").write_text("step,t\n0,0.0\n1,1.0\n2,2.0\n")
+    return folder
+
+
+def test_angles_in_space_have_three_components(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """Curves that the run has not are refused by name, alone and beside others, with those that it has."""
+    folder = write_turning_sphere(tmp_path)
+    panels = read_history(fsi.open_run(folder), curves="angle_x,angle_z").panels
+    np.testing.assert_allclose(panels["angle_x"]["ball"], [0.0, 0.5, 1.0])
+    np.testing.assert_allclose(panels["angle_z"]["ball"], [0.0, -0.2, -0.4])
+    assert fsi_command("plot", folder, "--curves", "angle_x,angle_y,angle_z") == 0
+    for curves in ("angle", "x,angle"):
+        (tmp_path / "history.png").unlink(missing_ok=True)
+        capfd.readouterr()
+        assert fsi_command("plot", folder, "--curves", curves) == 2
+        assert capfd.readouterr().err == (
+            f"error: --curves {curves}: the run has no 'angle'; it has gap, speed, x, y, z, "
+            "angle_x, angle_y, angle_z\n"
+        )
+        assert not (tmp_path / "history.png").exists()
+
+
 def test_figures_and_refusals(run: fsi.Run, capfd: pytest.CaptureFixture[str]) -> None:
     plot_paths(run, run.path / "a.pdf", "b,a")
     assert (run.path / "a.pdf").read_bytes().startswith(b"%PDF")

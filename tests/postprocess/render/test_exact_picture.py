@@ -19,6 +19,7 @@ from fsi.bodies.configuration import Configuration
 from fsi.postprocess.plots.figure import Theme
 from fsi.postprocess.render import planar
 from fsi.postprocess.render.canvas import new_panel
+from fsi.postprocess.render.fields import Signed
 from fsi.postprocess.render.picture import Framed, _frame, compose
 from fsi.postprocess.render.planar import PlanarArtist
 from fsi.postprocess.render.view import Choice, View
@@ -180,6 +181,28 @@ def test_what_is_written_above_a_gap(run: Path, monkeypatch: pytest.MonkeyPatch)
     (signed,) = bars[2:]
     assert isinstance(signed.norm, SymLogNorm)
     assert np.diff(signed.norm(np.sort(signed.get_ticks()))).min() > 0.05  # 1e-2 beside 0 is at 0.013
+
+
+@pytest.mark.parametrize("largest", [0.08, 2.5])
+def test_a_signed_colour_bar_ends_where_its_colours_end(
+    largest: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ticks beyond, as at 1 of colours to 0.08, would stretch it; powers of ten inside are labelled."""
+    bars: list[Any] = []
+    drawing = Figure.colorbar
+
+    def colorbar(figure: Figure, shades: Any, **more: Any) -> Any:
+        bars.append(drawing(figure, shades, **more))
+        return bars[-1]
+
+    monkeypatch.setattr(Figure, "colorbar", colorbar)
+    shades = mpl.cm.ScalarMappable(Signed().norm((-largest, largest)), "PuOr_r")
+    compose("title", [Framed(np.zeros((100, 100, 3), np.uint8), "title", 1.0, "label", shades, "both")])
+    (bar,) = bars
+    assert bar.ax.get_ylim() == pytest.approx((-largest, largest))
+    ticks = bar.get_ticks()
+    assert np.abs(ticks).max() <= largest
+    assert {0.0} < set(ticks)
 
 
 def test_the_scale_bar_is_as_long_as_it_says() -> None:

@@ -111,7 +111,9 @@ def test_impossible_choices(run: Path, choice: Choice, message: str) -> None:
 
 
 def test_field_that_older_runs_have_not(run: Path) -> None:
-    with pytest.raises(InputError, match="--field vorticity: is not in the files of this run"):
+    with pytest.raises(
+        InputError, match="--field vorticity: is not in the files of step 2; run the case again"
+    ):
         render_run(fsi.open_run(run), run / "flow.png", Choice("vorticity"))
 
 

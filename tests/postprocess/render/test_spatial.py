@@ -1,5 +1,6 @@
 """Pictures of flow in space."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +10,13 @@ from numpy.typing import NDArray
 
 import fsi
 from fsi.errors import InputError
+from fsi.postprocess.plots.figure import Theme
+from fsi.postprocess.render import cut, spatial
+from fsi.postprocess.render.canvas import Picture
 from fsi.postprocess.render.cut import Cut, cut_cells
+from fsi.postprocess.render.picture import Framed
 from fsi.postprocess.render.render import render_run
+from fsi.postprocess.render.spatial import SpatialArtist
 from fsi.postprocess.render.view import Choice
 from tests.postprocess.spatial_run import write_spatial_run
 
@@ -51,8 +57,8 @@ def test_a_plane_of_ones_choice(tmp_path: Path) -> None:
 @pytest.mark.usefixtures("drawing")
 def test_the_sides_of_cells_are_seen_on_a_plane(tmp_path: Path) -> None:
     write_spatial_run(tmp_path)
-    cut = Cut(np.zeros(3), 1.0, np.array([1.0, 0.0, 0.0]))
-    lines = cut_cells(fsi.open_run(tmp_path), 0, cut)
+    plane = Cut(np.zeros(3), 1.0, np.array([1.0, 0.0, 0.0]))
+    lines = cut_cells(fsi.open_run(tmp_path), 0, plane)
     x = np.asarray(lines.points)
     assert lines.n_cells > 10
     # They end at the walls, and lie on the plane.
@@ -66,6 +72,32 @@ def test_the_sides_of_cells_are_seen_on_a_plane(tmp_path: Path) -> None:
         np.abs(np.diff(mesh.sum(axis=2), axis=1)).mean()
         > 1.5 * np.abs(np.diff(plain.sum(axis=2), axis=1)).mean()
     )
+
+
+@pytest.mark.usefixtures("drawing")
+@pytest.mark.parametrize(
+    ("plane", "label"),
+    [
+        ("x=0", r"$\partial_y u_z - \partial_z u_y$"),
+        ("y=0", r"$\partial_x u_z - \partial_z u_x$"),
+        ("z=0", r"$\partial_x u_y - \partial_y u_x$"),
+    ],
+)
+def test_the_colour_bar_names_the_vorticity_across_the_plane(
+    plane: str, label: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By the definition of the curl; seen from where the letters grow to the right and upwards."""
+    labels: list[str] = []
+
+    def composing(_: str, panels: Sequence[Framed], __: Theme) -> Picture:
+        labels.extend(panel.label for panel in panels)
+        return panels[0].image
+
+    monkeypatch.setattr(spatial, "compose", composing)
+    monkeypatch.setattr(cut, "_POINTS", 11)  # for speed
+    run = fsi.open_run(write_spatial_run(tmp_path))
+    list(SpatialArtist(run, Choice("vorticity", plane=plane, size=100)).pictures([0]))
+    assert labels == [label]
 
 
 @pytest.mark.parametrize(
