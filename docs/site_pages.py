@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 import json
+import re
 from base64 import b64decode
 from pathlib import Path
 from typing import Any
@@ -106,7 +107,7 @@ def validation_table() -> str:
 
 
 def on_files(files: Any, config: Any) -> Any:
-    """Of mkdocs: add the pages that are made, and the picture of the validation."""
+    """Of mkdocs: add the pages that are made."""
     from mkdocs.structure.files import File
 
     made: dict[str, str | bytes] = {"gallery/index.md": gallery_page()}
@@ -115,12 +116,17 @@ def on_files(files: Any, config: Any) -> Any:
         made |= notebook_files(notebook)
     for path, content in made.items():
         files.append(File.generated(config, path, content=content))
-    picture = VALIDATION / "validation.png"
-    files.append(File.generated(config, "validation.png", abs_src_path=str(picture)))
     return files
 
 
 def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:  # noqa: ARG001
-    """Of mkdocs: put the table of the validation where its page says."""
+    """Of mkdocs: put the table of the validation where its page says, and lead to pages of examples."""
     marked = "<!-- validation -->"
-    return markdown.replace(marked, validation_table()) if marked in markdown else markdown
+    whole = markdown.replace(marked, validation_table()) if marked in markdown else markdown
+    return with_pages_of_examples(whole)
+
+
+def with_pages_of_examples(markdown: str) -> str:
+    """Links to the folder of examples and to scripts there, which a checkout has, as those to the gallery."""
+    scripts = re.sub(r"\]\(examples/(\w+)\.py\)", r"](gallery/\1.md)", markdown)
+    return scripts.replace("](examples)", "](gallery/index.md)")

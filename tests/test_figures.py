@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import runpy
+from fractions import Fraction
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+import fsi
 from fsi.integration.contact import contact_time
 from fsi.lubrication.ellipsoids import spheroid_axis
 from fsi.lubrication.spheres_in_shear import relative_path
 
 pytestmark = pytest.mark.slow
 DOCS = Path(__file__).parents[1] / "docs"
+TIP = DOCS.parent / "cases" / "calibration" / "tip_wall.toml"
 
 
 def script(name: str) -> SimpleNamespace:
@@ -93,6 +96,22 @@ def test_tips_meet_a_plane_when_their_resolved_forces_say(alpha: float, row: int
     m = 3.0 * alpha / (1.0 + alpha)
     assert found.exponent == pytest.approx(m, abs=found.exponent_error)
     assert found.time == pytest.approx(float(table("| alpha | m | m of")[row][3].split()[0]), rel=2e-4)
+
+
+@pytest.mark.parametrize("row", range(4))
+def test_the_page_has_the_laws_of_tips_that_are_calibrated(row: int, tmp_path: Path) -> None:
+    """Coefficient and exponent in theory, and as fitted with their intervals: regression, to a fifth."""
+    alpha, *numbers = table("| alpha | C | fitted")[row]
+    C, fitted, m, exponent = (number.replace("±", "").split() for number in numbers)
+    changes = [f"bodies.0.shape.alpha={float(Fraction(alpha))!r}"]
+    found = fsi.calibrate(fsi.load_case(TIP, changes), tmp_path / "law").leading
+    assert found is not None
+    assert found.coefficient == pytest.approx(float(fitted[0]), abs=float(fitted[1]))
+    assert found.coefficient_interval == pytest.approx(float(fitted[1]), rel=0.2)
+    assert found.exponent == pytest.approx(float(exponent[0]), abs=float(exponent[1]))
+    assert found.exponent_interval == pytest.approx(float(exponent[1]), rel=0.2)
+    assert found.coefficient == pytest.approx(float(C[0]), abs=found.coefficient_interval)
+    assert found.exponent == pytest.approx(float(m[0]), abs=found.exponent_interval)
 
 
 def test_a_run_follows_jefferys_orbit(tmp_path: Path) -> None:

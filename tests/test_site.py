@@ -1,4 +1,4 @@
-"""The site builds without a network or a warning, and its links lead somewhere."""
+"""The site builds without a network or a warning, and links lead somewhere, there and in a checkout."""
 
 from __future__ import annotations
 
@@ -35,6 +35,16 @@ def broken(page: Path) -> list[str]:
     targets = (re.split("[#?]", link)[0] for link in links.found)
     own = (target for target in targets if target and not re.match(r"[a-z]+:", target))
     return [target for target in own if not (page.parent / target).exists()]
+
+
+def test_links_lead_somewhere_in_a_checkout_too() -> None:
+    """Those of pages and README to files: the site makes others of links to examples."""
+    lost = []
+    for page in (ROOT / "README.md", *(ROOT / "docs").glob("*.md")):
+        targets = re.findall(r"\]\(([^)#\s]+)[^)]*\)", page.read_text(encoding="utf-8"))
+        own = (target for target in targets if not re.match(r"[a-z]+:", target))
+        lost += [(page.name, target) for target in own if not (page.parent / target).exists()]
+    assert lost == []
 
 
 @pytest.mark.slow

@@ -80,7 +80,7 @@ class Case(Section):
     model: ModelName = "resolved"
     '"resolved", "pores", "reduced", "gluey" or "macroscopic": the level'
     fluid: Fluid = Field(default_factory=lambda: Fluid(viscosity=1.0))
-    """a section [fluid] with its viscosity"""
+    """a section [fluid] with its viscosity; 1 in gluey and macroscopic cases if not given, others need it"""
     domain: Domain = Field(description=f"a section [domain] of shape {Walled.registry.choices}")
     bodies: tuple[Body, ...] = ()
     """one section [[bodies]] for each body"""

@@ -41,6 +41,8 @@ _CHOICES: Mapping[str, Iterable[str]] = {
     "reduced.shear_law": [name for name, law in LAWS.items() if "shear" in law.modes],
     "reduced.rotation_law": [name for name, law in LAWS.items() if "rotation" in law.modes],
 }  # fmt: skip
+# Sections that every case is given when it is read: their values depend on the case.
+_ADDED = frozenset({"discretisation"})
 # Where the schema has none: bodies are made of them when a case is read.
 _INSTEAD: Mapping[str, type[Section]] = {"grids": Grid, "arrangement": Arranged}
 
@@ -74,7 +76,7 @@ def _walk(section: type[Section], path: str, title: str, seen: set[type[Section]
         here = f"{path}.{name}" if path else name
         in_it = [_INSTEAD[name]] if name in _INSTEAD else list(dict.fromkeys(sections_in(field.annotation)))
         meaning = section.describe(name) or ""
-        keys.append(Key(name, _meaning(here, meaning), _default(field, meaning)))
+        keys.append(Key(name, _meaning(here, meaning), _default(here, field, meaning)))
         brackets = f"[[{here}]]" if name == "grids" or _is_list(field.annotation) else f"[{here}]"
         inner += [(each, here, f"`{brackets}`{_kind(each)}") for each in in_it]
     yield SectionKeys(title, inspect.getdoc(section) or "", tuple(keys))
@@ -104,10 +106,12 @@ def _meaning(path: str, description: str) -> str:
     return f"{description}{listed}"
 
 
-def _default(field: FieldInfo, description: str) -> str:
+def _default(path: str, field: FieldInfo, description: str) -> str:
     """The value as TOML, or what the description says of it."""
     if "if not given" in description:
         return "as it says"
+    if path in _ADDED:
+        return "its own defaults"
     if field.is_required():
         return "must be given"
     if field.default_factory is not None or field.default is None or field.default == ():

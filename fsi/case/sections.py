@@ -180,7 +180,7 @@ class Reduced(Section):
     wall_rotation_law: Text | None = None
     """the law of turning beside walls, as `rotation_law`; the same if not given"""
     drag: NotNegative | None = None
-    """the drag of a lone disc over mu V, of a sphere over mu a V (6 pi if not given), >= 0"""
+    """the drag >= 0 over mu V of discs (needed, or `drag_from`), mu a V of spheres (6 pi if not given)"""
     drag_from: Text | None = None
     """in place of `drag`, the path of a drag file that `fsi resistance --drag` has written, or none"""
     cutoff: Positive | None = None

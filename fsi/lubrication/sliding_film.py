@@ -10,7 +10,13 @@ Reynolds's equation gives, with the gap q, the radius a and H = q + x^2 / 2a,
 (Hocking 1973, J. Eng. Math. 7:207; Vinogradova 1995, Langmuir 11:2213, for spheres; that of discs follows in
 the same way). Without slip they would grow like 1/q and q^(-3/2); here it is ln(1/q) and q^(-1/2), so that a
 push brings the surfaces together in finite time (Gerard-Varet, Hillairet and Wang 2015, J. Math. Pures Appl.
-103:1). These are leading terms: the rest is of the order of mu a U for spheres, and grows more slowly.
+103:1). These are the terms of Reynolds's equation. Where the film is much thinner than b its fluid moves
+as a plug, u = U x / 2H of spheres and U x / H of discs, and dissipates (2 mu / b) int u^2 by friction, which
+is the law above, and 2 mu int H e : e by stretching, which Reynolds's equation leaves out:
+
+    spheres   2 pi mu a U^2 ln(1 / q)           discs   2 pi mu (2a)^(1/2) U^2 q^(-1/2)
+
+Both grow as the friction does and are b/a times it, so that at small gaps F / U is 1 + b/a times these laws.
 """
 
 import numpy as np

@@ -1,6 +1,6 @@
 """The macroscopic gluey model on a line, in Lagrangian form.
 
-    rho_t + (rho u)_x = 0,   (rho u)_t + (rho u^2)_x + p_x = f,   gamma_t + (gamma u)_x = -p,
+    rho_t + (rho u)_x = 0,   (rho u)_t + (rho u^2)_x + p_x = rho f,   gamma_t + (gamma u)_x = -p,
     gamma <= 0,   rho <= 1,   gamma (1 - rho) = 0
 
 The rods of a congested stretch touch (rho = 1); pi = -gamma stores the impulse that pushed them together.

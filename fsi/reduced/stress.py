@@ -14,10 +14,11 @@ held in strain has the stresslet 2 mu v_i E, with v_i = 2 pi a_i^2 of a disc and
 2 and 5/2 times its volume (Einstein 1911). Together that gives a bulk stress and an apparent viscosity
 
     Sigma = 2 mu E + 1/|Omega| (sum_i 2 mu v_i E + sum over the rates of lambda S) - forces,
-    mu_app / mu = 1 + sum_i v_i / |Omega| + Sigma_L:E / (2 mu E:E)
+    mu_app / mu = Sigma:E / (2 mu E:E) = 1 + sum_i v_i / |Omega| + (Sigma_L - forces):E / (2 mu E:E)
 
 (as R. Mari, R. Seto, J. F. Morris and M. M. Denn, J. Rheol. 58 (2014) 1693, have it of spheres), and for
-bodies without loads mu_app 2 E:E |Omega| is what is dissipated.
+bodies without loads mu_app 2 E:E |Omega| is what is dissipated. The `apparent_viscosity` of results is
+mu_app / mu, and `forces` above is 1/|Omega| sum r (x) F.
 """
 
 from collections.abc import Mapping

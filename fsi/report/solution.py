@@ -242,6 +242,8 @@ def _cost(case: Case, solution: SolvedFlow, errors: ErrorEstimate) -> Text:
     mesh, dissipation = case.discretisation, f"{solution.dissipation:.8g} ± {errors.dissipation:.0e}"
     if solution.jumps:
         dissipation = f"infinite ({_why(solution)})"
+    if solution.slip_dissipation is not None:
+        dissipation += f" in the fluid, {solution.slip_dissipation:.8g} by friction on what it slides along"
     return Text(
         f"degree {mesh.degree}, cells_per_gap {mesh.cells_per_gap:.4g}, "
         f"cells_per_circle {mesh.cells_per_circle}, growth {mesh.growth:.4g}; "

@@ -53,7 +53,7 @@ def print_viscosities(console: Console, case: Case, found: ViscosityHistories) -
 def print_instants(console: Console, case: Case, found: Mapping[str, LevelAtInstant]) -> None:
     """A row for each level: the apparent viscosity, and the errors in per cent."""
     title = f"{case.name}: per cent from {next(iter(found))}, at time 0"
-    columns = ("mu_app", "viscosity", "velocities", "spins", "gap rates", "CPU s")
+    columns = ("mu_app/mu", "viscosity", "velocities", "spins", "gap rates", "CPU s")
     caption = "velocities less the mean flow; rates of the narrowest gaps, as many as bodies"
     shown = table(("level",), columns, title=title, title_justify="left", caption=caption)
     for level, row in found.items():

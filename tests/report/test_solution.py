@@ -96,6 +96,13 @@ def test_what_friction_of_slip_takes_is_told_where_fluid_slides(case: Case) -> N
     sliding = replace(stuck, slip_dissipation=0.25)
     assert "slip_dissipation" not in solution_json(case, stuck, ERRORS, None)
     assert solution_json(case, sliding, ERRORS, None)["slip_dissipation"] == 0.25
+    told = []
+    for solution in (stuck, sliding):
+        printed = io.StringIO()
+        print_solution(Console(file=printed, width=300), case, solution, ERRORS, None)
+        told.append(printed.getvalue())
+    assert "; dissipation 7 ± 3e-02; " in told[0]
+    assert "; dissipation 7 ± 3e-02 in the fluid, 0.25 by friction on what it slides along; " in told[1]
 
 
 def test_an_infinite_dissipation_is_said_in_place_of_digits(case: Case) -> None:
