@@ -2,6 +2,7 @@
 
 import shlex
 import shutil
+import tempfile
 from pathlib import Path
 from typing import Annotated
 
@@ -27,14 +28,32 @@ def shipped_cases() -> Path:
 
 
 def write_cases(folder: Path) -> int:
-    """Copy them into a new folder; gives the number of case files. Raises InputError."""
+    """Copy them into a new folder, all or none; gives the number of case files.
+
+    Raises InputError: it is there already; OSError, with its name: the disk refuses.
+    """
     if folder.exists():
         raise InputError(f"folder = {folder}: is there already; give the name of a new one")
+    source = shipped_cases()
     try:
-        shutil.copytree(shipped_cases(), folder)
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=".cases-", dir=folder.parent) as beside:
+            copied = Path(beside) / "cases"
+            _copy(source, copied)
+            copied.rename(folder)
     except OSError as error:
-        raise InputError(f"folder = {folder}: {error.strerror}; give a folder that can be written") from None
+        raise OSError(error.errno, error.strerror, str(folder)) from None
     return len(list(folder.rglob("*.toml")))
+
+
+def _copy(source: Path, target: Path) -> None:
+    """Copy a folder. Raises OSError at the first refusal: that of shutil.copytree has no number."""
+    target.mkdir()
+    for path in source.iterdir():
+        if path.is_dir():
+            _copy(path, target / path.name)
+        else:
+            shutil.copy2(path, target / path.name)
 
 
 def cases(

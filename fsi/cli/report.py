@@ -66,7 +66,7 @@ def probe(
     step: Step = None,
     output: Annotated[Path | None, output_to("A CSV file.", "the terminal")] = None,
 ) -> None:
-    """Print velocity, pressure, vorticity and strain rate at points, as CSV, exact.
+    """Print velocity, pressure, vorticity and strain rate at points, as CSV; of elements exact, of pores to 1e-3.
 
     The values are the finite element's own. `where` names the body that holds a point, or says `outside`.
     Bodies of axisymmetric runs lie on the axis r = 0: x, y are r, z. In space points have three coordinates,

@@ -120,18 +120,17 @@ def _follow(
 
 def _tell_end(folder: Path, outcome: Outcome, bar: ProgressBar) -> None:
     from fsi.report.watch import complete_rows
-    from fsi.run_folder.kept import STEPS
 
     if outcome.steps == 0:
         typer.echo(f"{folder} was finished at t = {outcome.state.t:g}; nothing to do")
     else:
         # Of the whole run: what was resumed may have come nearest before.
-        nearest = min(complete_rows(folder / STEPS), key=lambda row: float(row["smallest_gap"]))
+        nearest = min(complete_rows(folder), key=lambda row: row["smallest_gap"])
         all_steps = outcome.state.step
         these = "" if outcome.steps == all_steps else f"the last {outcome.steps} in "
         typer.echo(
             f"{folder}: {all_steps} steps to t = {outcome.state.t:g}, "
-            f"smallest gap {float(nearest['smallest_gap']):.4g} (at t = {float(nearest['t']):g}), "
+            f"smallest gap {nearest['smallest_gap']:.4g} (at t = {nearest['t']:g}), "
             f"{these}{bar.elapsed:.0f} s"
         )
     if outcome.contact:

@@ -179,6 +179,9 @@ def mesh(
 ) -> None:
     """Write the mesh of a case at time 0, or the one that a run used at a step."""
     require_writable(output)
+    # On every rank, also where root alone writes: PETSc starts on all of them together as it is loaded.
+    from fsi.meshes.files.write import require_suffix, write_mesh
+
     if source.is_dir():
         from fsi.postprocess.export import write_step_mesh
 
@@ -187,7 +190,6 @@ def mesh(
         written = parallel.on_root(lambda: write_step_mesh(source, step, output))
         message = f"wrote {output}, step {written}"
     else:
-        from fsi.meshes.files.write import require_suffix, write_mesh
         from fsi.stokes.model import StokesModel
 
         if step is not None:

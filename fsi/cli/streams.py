@@ -1,6 +1,7 @@
-"""Standard output and error that may be closed, full, or of an encoding without the letters of a name."""
+"""Standard streams that may be closed, full, or of an encoding without the letters of a name."""
 
 import os
+import signal
 import sys
 from contextlib import suppress
 from io import TextIOWrapper
@@ -10,11 +11,15 @@ from fsi.errors import SolveError
 
 
 def prepare(*, silent: bool) -> None:
-    """Make both streams ones that can be written to; silent: standard output goes nowhere.
+    """Make all streams ones that can be used; silent: standard output goes nowhere.
 
     Letters that the encoding lacks are written as their numbers. Where a stream was closed before the start,
-    Python has None in its place.
+    Python has None in its place. A reader that goes away is a BrokenPipeError and no signal: Python ignores
+    that, but gmsh, as it starts, sets it back to end the program.
     """
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGPIPE})
+    if sys.stdin is None:
+        sys.stdin = open(os.devnull, encoding="utf-8")  # noqa: PTH123, SIM115  (for as long as we run)
     if silent or sys.stdout is None:
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115  (for as long as we run)
     if sys.stderr is None:

@@ -20,6 +20,7 @@ from dolfinx.mesh import CellType, entities_to_geometry
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from fsi.files import appearing
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.cells.curved import CurvedCells, barycentric, reference_points
 from fsi.meshes.cells.lagrange import lattice, lattice_in_space
@@ -81,7 +82,7 @@ def gather(fluid: FluidMesh) -> CurvedCells | None:
 
 
 def write_cells(cells: CurvedCells, path: Path, names: Sequence[str]) -> None:
-    """Write cells that are all here, to a temporary name that is then renamed.
+    """Write cells that are all here; where that fails nothing is left of the file.
 
     Path and errors are those of `write_mesh`; the names are those of the tags 1, 2, ...: bodies, then walls.
     """
@@ -89,12 +90,12 @@ def write_cells(cells: CurvedCells, path: Path, names: Sequence[str]) -> None:
     import meshio  # takes a tenth of a second to load
 
     file_format, convert = FORMATS[path.suffix]
-    temporary = path.with_name(f".partial-{path.name}")
     try:
-        meshio.write(temporary, convert(cells, names), file_format=file_format)
-        temporary.replace(path)
+        with appearing(path) as partial:
+            meshio.write(partial, convert(cells, names), file_format=file_format)
     except OSError as error:
-        raise MeshFileError(f"output = {path}: {error.strerror}; give another path") from error
+        why = error.strerror or f"the disk takes a part of it only ({error})"  # so NumPy says it
+        raise MeshFileError(f"output = {path}: {why}; give another path") from error
 
 
 def _gmsh_mesh(cells: CurvedCells, names: Sequence[str]) -> meshio.Mesh:

@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -59,15 +60,43 @@ def test_a_run_is_watched_to_its_end(tmp_path: Path, capsys: pytest.CaptureFixtu
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) == steps
     assert all(" of " in each and "smallest gap" in each for each in lines)
-    table.write_text(whole[:-5])
-    assert len(list(complete_rows(table))) == steps - 1
+    table.write_text(f"{whole}{steps},1.2")
+    assert len(complete_rows(folder)) == steps
     assert fsi_command("watch", folder, "--once") == 0
-    assert len(capsys.readouterr().out.splitlines()) == steps - 1
+    assert len(capsys.readouterr().out.splitlines()) == steps
+
+
+def test_a_run_that_has_begun_no_table_is_waited_for(tmp_path: Path) -> None:
+    assert complete_rows(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("damage", "words"),
+    [
+        (lambda whole: whole[:-5], "5 bytes are missing at its end"),
+        (lambda whole: whole.replace(b"0.25", b"\xb0.25", 1), "'utf-8' codec can't decode byte 0xb0"),
+        (lambda whole: whole.replace(b"0.25", b"a.25", 1), "could not convert string to float: 'a.25'"),
+        (lambda whole: whole.replace(b"0.25", b"0,25", 1), "rows are not of one width"),
+        (lambda whole: whole.replace(b",t,", b",u,", 1), "does not begin with the columns step, t, h,"),
+    ],
+)  # fmt: skip
+def test_a_damaged_run_is_not_watched(
+    damage: Callable[[bytes], bytes], words: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """One line, where it would be waited for in vain, or be a defect of the program."""
+    folder = tmp_path / "run"
+    assert fsi_command("run", *DISCS, "-o", folder, "--quiet") == 0
+    table = folder / "steps.csv"
+    table.write_bytes(damage(table.read_bytes()))
+    assert fsi_command("watch", folder, "--once") == 2
+    told = capfd.readouterr()
+    assert f"a file is damaged (steps.csv: {words}" in told.err
+    assert (told.err.count("\n"), told.out) == (1, "")
 
 
 def test_what_is_left_is_told_by_what_has_been_spent() -> None:
     """A quarter of the time took 3 s, so three quarters take 9."""
-    row = {"step": "5", "t": "0.5", "smallest_gap": "0.01", "apparent_viscosity": "4.25"}
+    row = {"step": 5.0, "t": 0.5, "smallest_gap": 0.01, "apparent_viscosity": 4.25}
     assert line(row, 2.0, 3.0) == (
         "step 5  t = 0.5 of 2  smallest gap 1.000e-02  apparent viscosity 4.25  some 9 CPU s left"
     )
@@ -84,7 +113,7 @@ def test_a_plot_follows_a_run(
     """Drawn when there are steps, again when there are more, and no more after the last."""
     folder = tmp_path / "run"
     assert fsi_command("run", *DISCS, "-o", folder, "--quiet") == 0
-    rows = list(complete_rows(folder / "steps.csv"))
+    rows = complete_rows(folder)
     looks = iter([[], rows[:1], rows[:1], rows])
     monkeypatch.setattr(watch, "complete_rows", lambda _: next(looks))
     monkeypatch.setattr(watch, "PAUSE", 0.0)

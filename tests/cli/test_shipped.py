@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import errno
+import itertools
+import os
+import shutil
 from pathlib import Path
 
 import pytest
@@ -12,6 +16,7 @@ from fsi.cli import cases, missing
 from fsi.cli.missing import explain
 from fsi.errors import InputError
 from tests.cli.test_commands import ROOT, fsi
+from tests.commands import fsi_command
 
 CASES = ROOT / "cases"
 
@@ -28,6 +33,35 @@ def test_the_cases_are_written_as_they_are(tmp_path: Path) -> None:
     assert written == wanted
     with pytest.raises(InputError, match=r"folder = .*: is there already; give the name of a new one"):
         cases.write_cases(tmp_path / "new")
+
+
+@pytest.mark.parametrize(
+    ("refusal", "code", "words"),
+    [
+        (errno.ENOSPC, 3, "No space left on device; make room or give another place"),
+        (errno.EACCES, 2, "Permission denied; give a path that can be read and written"),
+    ],
+)
+def test_cases_are_written_all_or_none(
+    refusal: int, code: int, words: str, tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    """The disk refuses the tenth file; then there is room, and the same command succeeds."""
+    copies = itertools.count(1)
+
+    def copy(source: Path, target: Path) -> None:
+        if next(copies) == 10:
+            raise OSError(refusal, os.strerror(refusal), str(source), None, str(target))
+        shutil.copyfile(source, target)
+
+    folder = tmp_path / "new"
+    monkeypatch.setattr(shutil, "copy2", copy)
+    assert fsi_command("cases", folder) == code
+    told = capfd.readouterr()
+    assert f"error: {folder}: {words}" in told.err
+    assert (told.err.count("\n"), told.out) == (1, "")
+    assert list(tmp_path.iterdir()) == []
+    assert fsi_command("cases", folder) == 0
 
 
 def test_every_shipped_case_stands_alone(tmp_path: Path) -> None:

@@ -33,6 +33,8 @@ def shell(command: str, **environment: str) -> subprocess.CompletedProcess[str]:
         (f"{CHECK} >&-", 0, ""),
         (f"{FSI} check nowhere.toml 2> /dev/full", 2, ""),
         (f"{FSI} check nowhere.toml 2>&-", 2, ""),
+        (f"{FSI} new <&-", 2, "--kind: missing"),
+        (f"{FSI} solve cases/disc_in_box.toml | true", 0, ""),  # gmsh lets the signal end a program: 141
     ],
 )
 def test_a_stream_that_takes_nothing_is_one_line_at_most(command: str, code: int, words: str) -> None:

@@ -1,5 +1,7 @@
 """Mesh files: what is written can be read by gmsh, by pyvista and by ourselves; what is wrong is refused."""
 
+import errno
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -218,6 +220,33 @@ def test_unknown_suffixes_are_refused(name: str, tmp_path: Path) -> None:
     with pytest.raises(MeshFileError, match=r"unknown suffix .*; give \.msh or \.vtu"):
         write_mesh(mesh(SMALL_BOX, PAIR, COARSE, 2), tmp_path / name, NAMES)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "refusal", "words"),
+    [
+        ("pair.vtu", OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)), "No space left on device"),
+        (
+            "pair.msh",
+            OSError("30 requested and 0 written"),
+            r"takes a part of it only \(30 requested",
+        ),  # NumPy
+    ],
+)
+def test_a_full_disk_leaves_nothing(
+    name: str, refusal: OSError, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And what was there before stays."""
+
+    def write(path: Path, *_: object, **__: object) -> None:
+        path.write_bytes(b"a part")
+        raise refusal
+
+    (tmp_path / name).write_bytes(b"of before")
+    monkeypatch.setattr(meshio, "write", write)
+    with pytest.raises(MeshFileError, match=words):
+        write_mesh(mesh(SMALL_BOX, PAIR, COARSE, 1), tmp_path / name, NAMES)
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {name: b"of before"}
 
 
 def test_a_folder_that_is_not_there_is_refused(tmp_path: Path) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,8 +18,9 @@ from fsi.postprocess.export import write_step_mesh
 from fsi.postprocess.run.run import Run, open_run
 from fsi.runs import run as run_case
 from tests.flows import resting
+from tests.ranks import needs_mpi, python_on
 
-CASE = {
+CASE: dict[str, Any] = {
     "name": "two discs",
     "fluid": {"viscosity": 1.0},
     "domain": {"lower": [-3.0, 0.0], "upper": [3.0, 5.0]},
@@ -65,3 +68,32 @@ def test_what_cannot_be_written_says_so(run: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"there is no case\.toml"):
         write_step_mesh(tmp_path, 0, tmp_path / "x.msh")
     assert not list(tmp_path.iterdir())
+
+
+def on_two_ranks(folder: Path, output: Path) -> subprocess.CompletedProcess[str]:
+    full = [*python_on(2), "-m", "fsi", "mesh", str(folder), "-o", str(output)]
+    return subprocess.run(full, capture_output=True, text=True, timeout=300, check=False)
+
+
+@needs_mpi
+@pytest.mark.mpi
+def test_two_ranks_write_what_one_writes(run: Path, tmp_path: Path) -> None:
+    """PETSc starts on both, though root alone reads and writes."""
+    one, two = tmp_path / "one.vtu", tmp_path / "two.vtu"
+    step = write_step_mesh(run, None, one)
+    done = on_two_ranks(run, two)
+    assert (done.returncode, done.stdout) == (0, f"wrote {two}, step {step}\n"), done.stderr
+    assert two.read_bytes() == one.read_bytes()
+
+
+@needs_mpi
+@pytest.mark.mpi
+def test_two_ranks_refuse_a_run_without_a_mesh(tmp_path: Path) -> None:
+    """Of pores, in a box where both discs have room."""
+    box = {"domain": {"lower": [-3.0, 0.0], "upper": [3.0, 5.0]}, "time": {"end": 0.01, "tolerance": 1e-2}}
+    given = {key: CASE[key] for key in ("name", "fluid", "bodies")} | box | {"model": "pores"}
+    run_case(parse_case(given), tmp_path / "run")
+    done = on_two_ranks(tmp_path / "run", tmp_path / "mesh.vtu")
+    assert done.returncode == 2
+    assert done.stderr.count('error: model = "pores": only the resolved level has a mesh') == 1
+    assert not (tmp_path / "mesh.vtu").exists()
