@@ -42,7 +42,7 @@ def plot(
     curves: Annotated[
         str | None,
         option(
-            "What is drawn: some of gap, speed, load, x, y, z, angle, ...",
+            "What is drawn: some of gap, speed, load, x, y, z, angle (in space angle_x, ...), ...",
             "what the run has",
             metavar="NAMES",
         ),

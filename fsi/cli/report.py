@@ -66,9 +66,9 @@ def probe(
     step: Step = None,
     output: Annotated[Path | None, output_to("A CSV file.", "the terminal")] = None,
 ) -> None:
-    """Print velocity, pressure, vorticity and strain rate at points, as CSV; of elements exact, of pores to 1e-3.
+    """Print velocity, pressure, vorticity and strain rate at points, as CSV.
 
-    The values are the finite element's own. `where` names the body that holds a point, or says `outside`.
+    The values are the finite element's own, of pores interpolated to some 1e-3. `where` names the body that holds a point, or says `outside`.
     Bodies of axisymmetric runs lie on the axis r = 0: x, y are r, z. In space points have three coordinates,
     and a rectangle lies across one of the axes.
     """
