@@ -68,7 +68,8 @@ def probe(
 ) -> None:
     """Print velocity, pressure, vorticity and strain rate at points, as CSV.
 
-    The values are the finite element's own, of pores interpolated to some 1e-3. `where` names the body that holds a point, or says `outside`.
+    The values are the finite element's own, of pores interpolated to some 1e-3. `where` names the body that
+    holds a point, or says `outside`.
     Bodies of axisymmetric runs lie on the axis r = 0: x, y are r, z. In space points have three coordinates,
     and a rectangle lies across one of the axes.
     """
