@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 from fsi.meshes.cells.curved import SIMPLEX, CurvedCells, curve, require_valid
 from fsi.meshes.errors import MeshError, TouchingError
 from fsi.meshes.geometry.container import Array, Container, FluidDomain
-from fsi.meshes.geometry.lattice import Lattice, PeriodicPairs, matching_points
+from fsi.meshes.geometry.lattice import Lattice
+from fsi.meshes.geometry.matching import PeriodicPairs, matching_points
 from fsi.meshes.helping import help_root, helped
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.grading import Grading

@@ -29,12 +29,13 @@ import fsi.parallel as parallel
 from fsi.bodies.configuration import Array
 from fsi.meshes.cells.lagrange import gradient, locate, tabulate
 from fsi.meshes.files.write import vtk_order
-from fsi.meshes.geometry.lattice import SAME_PLACE, Integers, Lattice, on_torus
+from fsi.meshes.geometry.lattice import SAME_PLACE, Integers, Lattice
+from fsi.meshes.geometry.matching import on_torus
 from fsi.observables.bulk_stress import hoop_rate, strain_rate, vorticity
 from fsi.run_folder.paraview import in_space, write_vtu
 from fsi.stokes.discretisation.forms import EQUISPACED, Forms
 from fsi.stokes.discretisation.slip import masses
-from fsi.stokes.solvers.elimination import StokesSystem
+from fsi.stokes.solvers.system import StokesSystem
 
 if TYPE_CHECKING:
     import meshio

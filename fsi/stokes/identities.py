@@ -24,7 +24,7 @@ from fsi.bodies.configuration import Array
 from fsi.errors import RefusedError, apart
 from fsi.observables.truncation import BOUND
 from fsi.stokes.corners import distance, jumps
-from fsi.stokes.solvers.elimination import (
+from fsi.stokes.solvers.system import (
     NodalSolution,
     StokesSystem,
     law_loads,

@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import MODES, Array, Configuration, Motion
 from fsi.errors import SolveError
 from fsi.stokes.problem import Field, PairLaws, StokesProblem
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem
+from fsi.stokes.solvers.system import NodalSolution, StokesSystem
 
 if TYPE_CHECKING:  # laws take long to load, and most flows have none
     from fsi.lubrication.below import PairRates

@@ -21,7 +21,7 @@ from fsi.bodies.configuration import Array
 from fsi.meshes.geometry.images import to_images
 from fsi.stokes.discretisation.nodes import facets_with
 from fsi.stokes.solvers.drives import Averages
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, nodal_vector
+from fsi.stokes.solvers.system import NodalSolution, StokesSystem, nodal_vector
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,7 +29,8 @@ from fsi.stokes.model import StokesModel
 from fsi.stokes.problem import Boundary, SolverOptions, StokesProblem
 from fsi.stokes.refusal import explained
 from fsi.stokes.solve import DEFAULT, Clock, assembled
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, factorised
+from fsi.stokes.solvers.elimination import factorised
+from fsi.stokes.solvers.system import NodalSolution, StokesSystem
 from fsi.stokes.walls import surfaces_of
 
 AXIAL_MODE = 1

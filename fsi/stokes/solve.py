@@ -28,7 +28,12 @@ from fsi.stokes.pressure_level import at_level, pressure_level
 from fsi.stokes.problem import Formulation, SolverOptions, StokesProblem
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solvers import elimination
-from fsi.stokes.solvers.elimination import (
+from fsi.stokes.solvers.gmres import SHARPER, TOLERANCE
+from fsi.stokes.solvers.multiplier import solve_multiplier
+from fsi.stokes.solvers.mumps import REFINE_ABOVE, REFINE_AT_FIRST_ABOVE
+from fsi.stokes.solvers.periodic import Solver, solve_periodic
+from fsi.stokes.solvers.schur import pressure_mass
+from fsi.stokes.solvers.system import (
     NodalSolution,
     StokesSystem,
     friction_power,
@@ -37,11 +42,6 @@ from fsi.stokes.solvers.elimination import (
     load_of,
     nodal_vector,
 )
-from fsi.stokes.solvers.gmres import SHARPER, TOLERANCE
-from fsi.stokes.solvers.multiplier import solve_multiplier
-from fsi.stokes.solvers.mumps import REFINE_ABOVE, REFINE_AT_FIRST_ABOVE
-from fsi.stokes.solvers.periodic import Solver, solve_periodic
-from fsi.stokes.solvers.schur import pressure_mass
 from fsi.stokes.solvers.workspace import Workspace
 from fsi.stokes.stress import bulk_stress, is_force_free, viscosity_checks
 from fsi.stokes.swimming import swimming_velocity

@@ -24,7 +24,7 @@ from mpi4py import MPI
 from fsi.bodies.configuration import Array
 from fsi.observables.bulk_stress import BulkStress
 from fsi.stokes.problem import StokesProblem, wall_area
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, wall_force
+from fsi.stokes.solvers.system import NodalSolution, StokesSystem, wall_force
 
 
 def bulk_stress(system: StokesSystem, solution: NodalSolution, on_bodies: Array) -> BulkStress:

@@ -22,7 +22,7 @@ from fsi.stokes.discretisation.constraints import DofLayout
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.discretisation.nodes import BoundaryNodes, facets_with
 from fsi.stokes.problem import StokesProblem
-from fsi.stokes.solvers.elimination import nodal_vector
+from fsi.stokes.solvers.system import nodal_vector
 
 
 def tangential(directions: Array, axis: Array, modes: Array, *, planar: bool) -> Array:

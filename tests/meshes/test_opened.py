@@ -12,7 +12,8 @@ from fsi.meshes.cells.curved import curve, scaled_jacobian
 from fsi.meshes.errors import MeshError, TouchingError
 from fsi.meshes.geometry.container import Array, Container, FluidDomain
 from fsi.meshes.geometry.containers import Box
-from fsi.meshes.geometry.lattice import Cell, Lattice, matching_points, reduced
+from fsi.meshes.geometry.lattice import Cell, Lattice, reduced
+from fsi.meshes.geometry.matching import matching_points
 from fsi.meshes.planar.boundary import boundary
 from fsi.meshes.planar.links import NeighbourLinks, neighbours
 from fsi.meshes.planar.sizing import Surfaces

@@ -17,8 +17,8 @@ from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.problem import SolverOptions
 from fsi.stokes.resistance import held_at_rest
 from fsi.stokes.solve import Clock, assembled
-from fsi.stokes.solvers.elimination import StokesSystem
 from fsi.stokes.solvers.reduced import Added, Elimination
+from fsi.stokes.solvers.system import StokesSystem
 from tests.flows import discs, mesh
 from tests.stokes import matrices
 

@@ -15,14 +15,9 @@ from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.identities import require
 from fsi.stokes.problem import Boundary, Formulation, SolverOptions, StokesProblem
 from fsi.stokes.solve import FORMULATIONS, _pinned_pressure, solve
-from fsi.stokes.solvers.elimination import (
-    NodalSolution,
-    StokesSystem,
-    load_of,
-    nodal_vector,
-    solve_eliminated,
-)
+from fsi.stokes.solvers.elimination import solve_eliminated
 from fsi.stokes.solvers.mumps import REFINE_AT_FIRST_ABOVE, Factorisation
+from fsi.stokes.solvers.system import NodalSolution, StokesSystem, load_of, nodal_vector
 from tests.flows import BOX, at_rest, disc_over_plane, discs, free, held, mesh, resting, solved
 
 LID = Boundary({**resting(BOX).velocities, "top": lambda x: np.tile([1.0, 0.0], (len(x), 1))}, {})

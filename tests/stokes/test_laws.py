@@ -17,7 +17,7 @@ from fsi.stokes.adapt import solve_with_errors
 from fsi.stokes.model import StokesModel
 from fsi.stokes.solution import StokesSolution
 from fsi.stokes.solvers import elimination
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem
+from fsi.stokes.solvers.system import NodalSolution, StokesSystem
 
 CASES = Path(__file__).parents[2] / "cases"
 PLANE = {"shape": "half-plane", "radius": 1e5}

@@ -17,7 +17,7 @@ from fsi.bodies.configuration import Array, Configuration
 from fsi.meshes.geometry.containers import Box, HalfPlane
 from fsi.meshes.resolution import Resolution
 from fsi.stokes.discretisation.forms import Forms, pressure_element, velocity_element
-from fsi.stokes.solvers.elimination import nodal_vector
+from fsi.stokes.solvers.system import nodal_vector
 from tests.flows import discs, mesh
 from tests.stokes.matrices import added_up
 

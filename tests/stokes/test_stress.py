@@ -16,8 +16,9 @@ from fsi.observables.bulk_stress import BulkStress
 from fsi.stokes.identities import require
 from fsi.stokes.problem import Boundary, StokesProblem
 from fsi.stokes.solve import FORMULATIONS
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, solve_eliminated
+from fsi.stokes.solvers.elimination import solve_eliminated
 from fsi.stokes.solvers.reduced import Added
+from fsi.stokes.solvers.system import NodalSolution, StokesSystem
 from fsi.stokes.stress import viscosity_checks
 from tests.flows import discs, free, solved
 from tests.periodic import LIGHT, THREE, force_free, in_cell, square

@@ -13,7 +13,7 @@ from mpi4py import MPI
 from fsi.bodies.configuration import Array
 from fsi.meshes.geometry.lattice import unit_shear
 from fsi.stokes.problem import wall_area
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, nodal_vector, wall_force
+from fsi.stokes.solvers.system import NodalSolution, StokesSystem, nodal_vector, wall_force
 from fsi.stokes.stress import bulk_stress
 
 

@@ -18,11 +18,17 @@ from petsc4py import PETSc
 from fsi.bodies.configuration import Array
 from fsi.stokes.discretisation.constraints import Prolongation
 from fsi.stokes.discretisation.shared_rows import Index
-from fsi.stokes.solvers import elimination
 from fsi.stokes.solvers.assembly import CellSum
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem
 from fsi.stokes.solvers.extended import multiply, multiply_transpose
 from fsi.stokes.solvers.mumps import Factorisation
+from fsi.stokes.solvers.system import (
+    NodalSolution,
+    StokesSystem,
+    body_velocity,
+    law_equations,
+    load_of,
+    mode_equations,
+)
 
 
 def solve_multiplier(*systems: StokesSystem) -> list[NodalSolution]:
@@ -48,13 +54,13 @@ def _solve(system: StokesSystem) -> NodalSolution:
     mode_column[free] = root_mode + np.arange(len(free))
 
     multiplier = first + flow_rows + np.arange(multiplier_rows)
-    D, load = (values[free] for values in elimination.mode_equations(system))
+    D, load = (values[free] for values in mode_equations(system))
     trace = _trace(S, layout.on_body, starts, multiplier)
     rigid = _rigid_columns(system, multiplier, mode_column)
     zero = (multiplier, multiplier, np.zeros(multiplier_rows))
     transposes = [(column, row, value) for row, column, value in (trace, rigid)]
     triplets = [_renumbered(flow, starts), trace, rigid, *transposes, zero]
-    K, of_laws = elimination.law_equations(system)
+    K, of_laws = law_equations(system)
     if mode_rows:
         triplets.append((mode_column[free], mode_column[free], D))
         if K is not None:
@@ -66,7 +72,7 @@ def _solve(system: StokesSystem) -> NodalSolution:
     matrix.setValuesCOO(values)
 
     loads = multiply_transpose(S, b - M.transpose_times(system.g))
-    no_slip = -elimination.body_velocity(system, system.problem.motion.U)[layout.on_body]
+    no_slip = -body_velocity(system, system.problem.motion.U)[layout.on_body]
     rhs = np.concatenate([loads, no_slip, (load + of_laws[free])[:mode_rows]])
     with Factorisation(matrix, layout.dimension) as factors:
         solution, residual = (result[..., 0] for result in factors.solve(rhs[:, None]))
@@ -80,7 +86,7 @@ def _solve(system: StokesSystem) -> NodalSolution:
     U.ravel()[free] = layout.comm.bcast(solution[flow_rows + multiplier_rows :].copy())
     for used in (S, flow, matrix):
         used.destroy()
-    return NodalSolution(x, reaction, elimination.load_of(system, reaction), U, float(residual))
+    return NodalSolution(x, reaction, load_of(system, reaction), U, float(residual))
 
 
 def _renumbered(flow: PETSc.Mat, starts: list[int]) -> tuple[Index, Index, Array]:

@@ -26,12 +26,12 @@ from numpy.typing import NDArray
 from fsi.bodies.configuration import Array, Configuration, Inertia, Motion
 from fsi.meshes.build import FluidMesh
 from fsi.meshes.geometry.images import to_images
-from fsi.meshes.geometry.lattice import matching_points
+from fsi.meshes.geometry.matching import matching_points
 from fsi.stokes.discretisation.forms import Forms
 from fsi.stokes.discretisation.nodes import facets_with
 from fsi.stokes.problem import StokesProblem
 from fsi.stokes.solvers.drives import Averages, Drive, flux_of, pulled, pumped, pushed, sheared
-from fsi.stokes.solvers.elimination import NodalSolution, StokesSystem, nodal_vector
+from fsi.stokes.solvers.system import NodalSolution, StokesSystem, nodal_vector
 
 type Solver = Callable[..., list[NodalSolution]]
 
