@@ -14,6 +14,7 @@ Under MPI all ranks call these functions together, with the same case, the same 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -24,9 +25,10 @@ from fsi.bodies.configuration import Array
 from fsi.calibration.calibrate import calibrate_case
 from fsi.calibration.result import CalibrationResult
 from fsi.calibration.sampling import Sampling
+from fsi.case.arguments import path_of, require_case, require_type, same_folder
 from fsi.case.case import Case
 from fsi.case.checks.work import check_work
-from fsi.case.load import load_case, parse_case
+from fsi.case.load import load_case, make_case
 from fsi.errors import FsiError, InputError, SolveError
 from fsi.files import require_folder
 from fsi.integration.errors import ErrorEstimate
@@ -35,9 +37,10 @@ from fsi.integration.state import Instant, StepRecord
 from fsi.models import flow_solvers, make_evolution, make_model
 from fsi.observables.quantities import found_flux, found_gradient
 from fsi.observables.resistance import Resistance
-from fsi.parallel import on_root, require_same, together
+from fsi.parallel import on_root, require_same, together_in_turn
 from fsi.postprocess.run.probe import given_points
-from fsi.postprocess.run.run import Run, open_run
+from fsi.postprocess.run.run import Run
+from fsi.postprocess.run.run import open_run as open_folder
 from fsi.report.progress import ProgressBar
 from fsi.runs import MakeEvolution, Progress, no_progress
 from fsi.runs import resume as resume_run
@@ -49,7 +52,7 @@ __all__ = [
 ]  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class BodySolution:
     """One body of a solved instant; in space what turns is a vector of three.
 
@@ -70,7 +73,7 @@ class BodySolution:
     torque: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Solution:
     """A case solved at time 0.
 
@@ -89,7 +92,7 @@ class Solution:
     def bodies(self) -> tuple[BodySolution, ...]:
         """The bodies, in the order of the case."""
         q, d = self.case.configuration(), self.case.dimension
-        U, F = self.instant.U, 0.0 - self.instant.F
+        U, F = self.instant.U.copy(), 0.0 - self.instant.F
         return tuple(
             BodySolution(name, q.centres[i], U[i, :d], U[i, d:].squeeze(), F[i, :d], F[i, d:].squeeze())
             for i, name in enumerate(self.case.names)
@@ -130,7 +133,7 @@ class Solution:
         """
         return found_flux(self.instant)
 
-    @together()
+    @together_in_turn()
     def evaluate(self, points: ArrayLike) -> tuple[Array, Array]:
         """Velocity (n, d) and pressure (n,) at points (n, d), the same on all ranks.
 
@@ -141,7 +144,7 @@ class Solution:
         values: tuple[Array, Array] = flow.evaluate(x) if len(x) else (x, x[:, 0])
         return values
 
-    @together()
+    @together_in_turn()
     def velocity(self, points: ArrayLike) -> Array:
         """Velocity (n, d) at points (n, d), as `evaluate`; NaN outside the fluid. Raises InputError."""
         flow = self._flow("evaluate")
@@ -149,16 +152,16 @@ class Solution:
         u: Array = flow.velocity(x) if len(x) else x
         return u
 
-    @together()
+    @together_in_turn()
     def resistance(self) -> Resistance:
         """R of all bodies, F = R U, and its inverse, with walls at rest. Raises InputError."""
         self._flow("resistance")
         return flow_solvers(self.case).resistance(self.case)
 
-    @together()
+    @together_in_turn()
     def write(self, folder: Path | str) -> dict[str, list[str]]:
         """Write the fields as VTU files into a folder; gives their names by series. Raises InputError."""
-        folder = _same_folder(folder)
+        folder = same_folder(folder)
         on_root(lambda: require_folder(folder))
         on_root(lambda: folder.mkdir(parents=True, exist_ok=True))
         return self.instant.write(folder, 0)
@@ -184,31 +187,15 @@ class Solution:
         return "\n".join(lines)
 
 
-def _require_case(case: Case) -> None:
-    """Raise InputError unless it is a case, the same on all ranks."""
-    if not isinstance(case, Case):
-        raise InputError(f"case: is a {type(case).__name__}; give fsi.load_case(PATH) or fsi.make_case(...)")
-    require_same("case", lambda: case.model_dump_json().encode())
+def open_run(path: Path | str) -> Run:
+    """Open the folder of a run, without changing anything in it.
 
-
-def _same_folder(folder: Path | str) -> Path:
-    """The path of a folder. Raises InputError: ranks differ in it."""
-    path = Path(folder)
-    require_same("folder", str(path).encode)
-    return path
-
-
-def make_case(**sections: Any) -> Case:
-    """A case built in Python: the sections of a case file as keywords, dictionaries and lists.
-
-        fsi.make_case(name="disc", fluid={"viscosity": 1.0}, domain={...}, bodies=[{...}])
-
-    Raises InputError: it is not sound, in one line that names the key.
+    Raises InputError: it is not a run folder.
     """
-    return parse_case(sections)
+    return open_folder(path_of("run", path))
 
 
-@together()
+@together_in_turn()
 def solve(case: Case) -> Solution:
     """The velocities of all bodies and the forces of the fluid on them at time 0, without inertia.
 
@@ -219,7 +206,7 @@ def solve(case: Case) -> Solution:
             machine holds.
         SolveError: the solve fails, or a check of it.
     """
-    _require_case(case)
+    require_case(case)
     on_root(lambda: check_work(case))
     if not case.level.flow:
         return Solution(case, make_model(case)(case.configuration(), 0.0), None)
@@ -227,26 +214,26 @@ def solve(case: Case) -> Solution:
     return Solution(solved.case, solved.solution, solved.errors)
 
 
-@together()
+@together_in_turn()
 def run(case: Case, folder: Path | str, callback: Progress = no_progress) -> Run:
     """Move the bodies of a case in time, at its level, into a new run folder.
 
     Args:
         case: with a section [time].
         folder: a new one.
-        callback: called with each step that is kept, on all ranks; an exception in it ends the run, which
-            `resume` continues.
+        callback: called with each step that is kept, whose arrays are read-only, on all ranks; an exception
+            in it ends the run, which `resume` continues.
 
     Raises:
         InputError: the case has no [time], or the folder is not new.
         SolveError: the run cannot go on; the folder keeps the last good state.
     """
-    _require_case(case)
-    _follow(callback, partial(run_case, case, _same_folder(folder)))
+    require_case(case)
+    _follow(callback, partial(run_case, case, same_folder(folder)))
     return open_run(folder)
 
 
-@together()
+@together_in_turn()
 def resume(folder: Path | str, callback: Progress = no_progress, overrides: Sequence[str] = ()) -> Run:
     """Continue a run after its last complete step; a finished one is left as it is.
 
@@ -260,11 +247,11 @@ def resume(folder: Path | str, callback: Progress = no_progress, overrides: Sequ
         InputError: it is no run folder, a file in it is damaged, or its case has been changed since.
         SolveError: as in `run`.
     """
-    _follow(callback, partial(resume_run, _same_folder(folder), overrides=overrides))
+    _follow(callback, partial(resume_run, same_folder(folder), overrides=overrides))
     return open_run(folder)
 
 
-@together()
+@together_in_turn()
 def calibrate(case: Case, folder: Path | str, processes: int = 1) -> CalibrationResult:
     """Sample a resistance as [calibration] says, fit a law, write both into a folder.
 
@@ -277,10 +264,11 @@ def calibrate(case: Case, folder: Path | str, processes: int = 1) -> Calibration
         InputError: the case cannot be calibrated, the folder not be written, or there is no process.
         SolveError: a sample failed.
     """
+    require_type("processes", processes, "give a whole number", right=isinstance(processes, Integral))
     if processes < 1:
         raise InputError(f"processes = {processes}: give at least 1")
-    _require_case(case)
-    folder = _same_folder(folder)
+    require_case(case)
+    folder = same_folder(folder)
     return calibrate_case(case, case.name, folder, Sampling(folder / "samples", processes))
 
 
@@ -298,5 +286,7 @@ def _follow(
         bar.begin(case.timing.end)
         return make_evolution(case)
 
+    remedy = "give a function that takes a fsi.StepRecord"
+    require_type("callback", callback, remedy, right=callable(callback))
     with ProgressBar() as bar:
         launch(show, make)

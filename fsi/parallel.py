@@ -7,6 +7,7 @@ import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from hashlib import sha256
+from threading import RLock
 from types import TracebackType
 from typing import Any, NoReturn
 from zlib import crc32
@@ -26,6 +27,8 @@ MPI: Any = load_mpi() if STARTED else None
 
 _comm: Any = None if MPI is None else MPI.COMM_WORLD
 _alarm: Any = None if MPI is None else _comm.Dup()  # its own, so that an alarm meets no other message
+
+_turn = RLock()  # gmsh, PETSc and MPI have one state for all threads of a process
 
 
 def rank() -> int:
@@ -116,6 +119,13 @@ def together() -> Iterator[None]:
     except BaseException as error:
         settle(error)
         raise
+
+
+@contextmanager
+def together_in_turn() -> Iterator[None]:
+    """The same for what users call: one thread at a time, which may call more of it inside."""
+    with _turn, together():
+        yield
 
 
 def last_words(message: str, exit_code: int) -> int:

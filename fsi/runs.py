@@ -1,13 +1,15 @@
 """A run from its case to its folder, and the continuation of one that was broken off, at all levels."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import process_time
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
+from fsi.bodies.configuration import Array
 from fsi.bodies.gaps import nearest_gaps
 from fsi.case.case import Case
 from fsi.case.checks.work import check_work
@@ -55,7 +57,7 @@ def run(
     Args:
         case: what moves, at any level.
         folder: a new one.
-        progress: called with each step that is kept.
+        progress: called with each step that is kept; its arrays are read-only.
         make: what steps the case; the level that it names if not given.
 
     Raises:
@@ -140,7 +142,7 @@ def _drive(case: Case, run: RunFolder, evolution: Evolution, progress: Progress)
             files = moment.write(run.fields) if output and case.output.fields else {}
         tables = moment.tables() if output else {}
         run.keep(Commit(record, moment.names, files, tables, moment.state, evolution.memory()))
-        progress(record)
+        progress(_read_only(record))
         return moment.state
 
     began = process_time()
@@ -158,6 +160,20 @@ def _drive(case: Case, run: RunFolder, evolution: Evolution, progress: Progress)
         raise
     run.commit()
     return Outcome(state, state.step - first, _in_contact(case, state))
+
+
+def _read_only(record: StepRecord) -> StepRecord:
+    """As callbacks see it: the next step begins from the same arrays, so that nobody may write to them."""
+    q = record.q
+    q = replace(q, centres=_view(q.centres), angles=_view(q.angles), radii=_view(q.radii))
+    of_bodies = {name: _view(values) for name, values in record.body_columns.items()}
+    U, F, columns = _view(record.U), _view(record.F), dict(record.columns)
+    return replace(record, q=q, U=U, F=F, columns=columns, body_columns=of_bodies)
+
+
+def _view(values: Array) -> Array:
+    """The same array, read-only."""
+    return np.broadcast_to(values, values.shape)
 
 
 def _with_shapes(case: Case, state: State) -> State:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from tests.cli.test_commands import call
 from tests.ranks import needs_mpi, python_on
 
 ROOT = Path(__file__).parents[1]
+BOX = ROOT / "cases" / "disc_in_box.toml"
 DISC: dict[str, Any] = {"name": "disc", "radius": 1.0, "position": [0.0, 2.0], "force": [0.0, -1.0]}
 
 
@@ -160,6 +162,60 @@ def test_files_of_the_user_that_are_named_like_its_folders_do_no_harm(tmp_path: 
         [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
     )
     assert int(done.stdout) > 1
+
+
+def test_arrays_of_a_solution_are_copies() -> None:
+    """V beside a plane is not zero; taken from itself in place it stays what it is."""
+    solution = fsi.solve(reduced())
+    V = solution["disc"].velocity[1]
+    for name in ("position", "velocity", "angular_velocity", "force", "torque"):
+        getattr(solution["disc"], name)[...] = 7.0
+    assert solution["disc"].velocity[1] == V != 7.0
+    assert solution["disc"].angular_velocity != 7.0
+    assert solution["disc"].position.tolist() == [0.0, 2.0]
+    assert solution["disc"].force[1] != 7.0
+
+
+def test_solutions_are_equal_to_themselves_alone() -> None:
+    """Of fields that are arrays nobody knows whether they are equal: that raised ValueError."""
+    solution = fsi.solve(reduced())
+    body = solution["disc"]
+    assert solution == solution
+    assert solution != fsi.solve(reduced())
+    assert body == body
+    assert body != solution["disc"]
+
+
+def test_a_case_takes_arrays_and_numbers_of_numpy() -> None:
+    body = DISC | {"radius": np.int64(1), "position": np.array([0, 2]), "force": (np.float32(0), -1.0)}
+    assert reduced(bodies=[body]) == reduced()
+    with pytest.raises(fsi.InputError, match=r"^bodies\.0\.position\.0 = \[0\.0, 2\.0\]: must be a"):
+        reduced(bodies=[DISC | {"position": np.array([[0.0, 2.0]])}])
+
+
+@pytest.mark.parametrize(
+    ("ask", "words"),
+    [
+        (lambda _: fsi.load_case(None), "path: is a NoneType"),  # type: ignore[arg-type]
+        (lambda _: fsi.load_case(3), "path: is a int"),  # type: ignore[arg-type]
+        (lambda _: fsi.load_case(b"x"), "path: is a bytes"),  # type: ignore[arg-type]
+        (lambda _: fsi.load_case(BOX, None), "overrides = None"),  # type: ignore[arg-type]
+        (lambda _: fsi.open_run(None), "run: is a NoneType"),  # type: ignore[arg-type]
+        (lambda _: fsi.resume(None), "folder: is a NoneType"),  # type: ignore[arg-type]
+        (lambda case: fsi.run(case, None), "folder: is a NoneType"),  # type: ignore[arg-type]
+        (lambda case: fsi.run(case, "out", 3), "callback: is a int"),  # type: ignore[arg-type]
+        (lambda case: fsi.solve(case).write(None), "folder: is a NoneType"),  # type: ignore[arg-type]
+        (lambda case: fsi.calibrate(case, "out", "2"), "processes: is a str"),  # type: ignore[arg-type]
+        (lambda case: fsi.calibrate(case, "out", 1.5), "processes: is a float"),  # type: ignore[arg-type]
+    ],
+)
+def test_what_is_of_another_type_is_refused_in_one_line(
+    ask: Callable[[fsi.Case], object], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(fsi.InputError, match=rf"^{words}[;:] give .+$"):
+        ask(reduced())
+    assert not list(tmp_path.iterdir())
 
 
 @needs_mpi

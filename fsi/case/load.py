@@ -15,6 +15,7 @@ from typing import Any, get_args
 import tomli_w
 from pydantic import ValidationError
 
+from fsi.case.arguments import lists, path_of
 from fsi.case.arranged import with_arrangement
 from fsi.case.body import Body, with_grids
 from fsi.case.body_file import read_bodies, with_bodies
@@ -32,7 +33,17 @@ def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
 
     Raises InputError: the file cannot be read or the case is not sound; nothing has been written.
     """
-    return parse_case(case_data(Path(path), overrides))
+    return parse_case(case_data(path_of("path", path), overrides))
+
+
+def make_case(**sections: Any) -> Case:
+    """A case built in Python: the sections of a case file as keywords, dictionaries, lists and arrays.
+
+        fsi.make_case(name="disc", fluid={"viscosity": 1.0}, domain={...}, bodies=[{...}])
+
+    Raises InputError: it is not sound, in one line that names the key.
+    """
+    return parse_case(lists(sections))
 
 
 def case_data(
@@ -45,7 +56,8 @@ def case_data(
     data = read_toml(path)
     if not data:
         raise InputError(f"{path}: the case is empty; give at least name, [fluid] and [domain]")
-    if isinstance(overrides, str) or not all(isinstance(text, str) for text in overrides):
+    listed = isinstance(overrides, Sequence) and not isinstance(overrides, str)
+    if not listed or not all(isinstance(text, str) for text in overrides):
         raise InputError(f'overrides = {overrides!r}: give a list of texts, ["fluid.viscosity=2"]')
     for text in overrides:
         override(data, text)

@@ -1,0 +1,50 @@
+"""What Python users give to functions: of the right type, the same on all ranks, or refused in one line."""
+
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fsi.case.case import Case
+from fsi.errors import InputError
+from fsi.parallel import require_same
+
+
+def require_type(what: str, given: object, remedy: str, *, right: bool) -> None:
+    """Raise InputError, which names the type of what is given, unless it is right."""
+    if not right:
+        raise InputError(f"{what}: is a {type(given).__name__}; {remedy}")
+
+
+def require_case(case: Case) -> None:
+    """Raise InputError unless it is a case, the same on all ranks."""
+    remedy = "give fsi.load_case(PATH) or fsi.make_case(...)"
+    require_type("case", case, remedy, right=isinstance(case, Case))
+    require_same("case", lambda: case.model_dump_json().encode())
+
+
+def path_of(what: str, given: Path | str) -> Path:
+    """The path. Raises InputError: it is none."""
+    require_type(what, given, "give a path", right=isinstance(given, str | PathLike))
+    return Path(given)
+
+
+def same_folder(folder: Path | str) -> Path:
+    """The path of a folder. Raises InputError: it is none, or ranks differ in it."""
+    path = path_of("folder", folder)
+    require_same("folder", str(path).encode)
+    return path
+
+
+def lists(value: Any) -> Any:
+    """The same data with lists and numbers of Python for those of NumPy, as sections want them."""
+    match value:
+        case dict():
+            return {key: lists(item) for key, item in value.items()}
+        case list() | tuple():
+            return [lists(item) for item in value]
+        case np.ndarray() | np.generic():
+            return value.tolist()
+        case _:
+            return value
