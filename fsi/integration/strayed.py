@@ -12,8 +12,11 @@ which is one solve of each cause: near places, with `Inertia` of near velocities
 velocities of the run is d. So errors decay where bodies approach a wall and grow where they part, and what
 moves together strays together. delta and phi have the sign of the estimate. eps is that of the member of
 lower order; eta is how far the change of the velocity is from that of the trapezoidal rule, whose own error
-is twice that of the scheme. Both take in each component the sign that lengthens e. As the two causes may
-have any signs to each other, the bar of a position is the sum of both |e|.
+is twice that of the scheme. Both take in each component the sign that lengthens e, at first that of eps. As
+the two causes may have any signs to each other, the bar of a position is the sum of both |e|.
+
+Where a body with a shape turns, the estimate of a step changes sign twice in each half turn and is then far
+too small: eps is not below that of the step before times (h / h_before)^3, and longer by the turn.
 
 A gap s strays by |grad s . e|, and the time at which the run has it by that over the rate s'.
 """
@@ -31,11 +34,14 @@ from fsi.bodies.gaps import nearest_gaps
 from fsi.integration.errors import ErrorEstimate, StepErrors
 from fsi.integration.state import Model, State, Step
 from fsi.meshes.geometry.container import Container
+from fsi.meshes.geometry.rotations import turn_between
 
 # Of the smallest gap or radius, by which velocities are differenced: far above what a new mesh changes.
 SMALL = 0.02
 # At the loosest tolerance, 1e-2, a step of a disc beside a plane erred by up to 2.2 times the estimate.
 STEP_SAFETY = 2.5
+# With a turn by t in a step of a body with a shape more, by the factor 1 + TURN_SAFETY t^2.
+TURN_SAFETY = 20.0
 # The velocity of a body with mass erred by up to six times the estimate, at first steps.
 VELOCITY_SAFETY = 8.0
 # Their signs are chosen: where one carries the other along, they may cancel in the estimate alone. So each is
@@ -58,6 +64,8 @@ class Strayed:
         e: of the exact places from those of the run, (2, N, M).
         d: of the exact velocities from those of the run, (2, N, M).
         run: velocities and accelerations of the run at the last step, of modes without mass 0, (2, N, M).
+        last: the estimate of that step over h^3, and where it ended, (2, N, M).
+        widest: the larger |d| of its two ends, as d changes its sign now and then; not for the next step.
     """
 
     masses: Array | None
@@ -65,6 +73,8 @@ class Strayed:
     e: Array = field(default_factory=_none)
     d: Array = field(default_factory=_none)
     run: Array = field(default_factory=_none)
+    last: Array = field(default_factory=_none)
+    widest: Array = field(default_factory=_none)
 
     def follow(self, step: Step, errors: StepErrors, model: Model, container: Container) -> None:
         """Take a step, at whose end velocities and loads miss by `errors`; two solves, collective."""
@@ -72,14 +82,17 @@ class Strayed:
         run = self._run(step)
         if h == 0.0:
             self.e, self.d, self.run = np.zeros((2, *delta.shape)), _of_elements(delta), run
+            self.widest = np.abs(self.d)
+            self.last = np.stack([self._at_first(step), _places(step.state.q)])
             return
         eps, eta = self._missed(step, run)
-        self.run = run
+        self.run, self.last = run, np.stack([_per_cube(step), _places(step.state.q)])
         near = self.e + h * self.d + eps
         pushed = self.d + eta - _of_elements(h * self._accelerated(phi))
         carried = [self._carried(step, *one, model, container) for one in zip(near, pushed, strict=True)]
         d = np.stack(carried) + _of_elements(delta)
-        self.e, self.d = self.e + 0.5 * h * (self.d + d) + eps, d
+        self.e = self.e + 0.5 * h * (self.d + d) + eps
+        self.d, self.widest = d, np.maximum(np.abs(self.d), np.abs(d))
 
     def _run(self, step: Step) -> Array:
         """What `run` shall be at the end of a step."""
@@ -98,10 +111,29 @@ class Strayed:
         (U, a), (U_end, a_end) = self.run, run
         eta = U_end - U - 0.5 * step.h * (a + a_end)
         massive = np.zeros_like(U) if self.masses is None else self.masses
-        missed = np.stack([np.zeros_like(U) if step.error is None else step.error, eta * (massive > 0.0)])
-        signs = np.where(self.e[1] == 0.0, missed, self.e[1])
+        missed = np.stack([self._erred(step), eta * (massive > 0.0)])
+        signs = np.where(self.e[1] == 0.0, missed[0], self.e[1])
         eps, eta = STEP_SAFETY * np.copysign(missed, signs)
         return _of_steps(eps), _of_steps(eta)
+
+    def _at_first(self, step: Step) -> Array:
+        """What stands for an estimate over h^3 before the first step: |omega|^3 of free shapes, (N, M)."""
+        q, U = step.state.q, step.state.U
+        free = ~self.motion_at(q, step.state.t).held
+        free[:, : q.dimension] = False
+        rates: Array = np.abs(U) ** 3 * free * q.shaped
+        return rates
+
+    def _erred(self, step: Step) -> Array:
+        """The error of a step in place, (N, M); of shapes at least what the step before foretells."""
+        error = np.zeros_like(step.state.U) if step.error is None else step.error
+        q, (usual, places) = step.state.q, self.last
+        if not q.shaped:
+            return error
+        turns = turn_between(places[:, q.dimension :].reshape(q.angles.shape), q.angles).reshape(len(q), -1)
+        more = 1.0 + TURN_SAFETY * (turns**2).sum(axis=1, keepdims=True)
+        erred: Array = np.copysign(more * np.maximum(np.abs(error), usual * step.h**3), error)
+        return erred
 
     def _carried(self, step: Step, e: Array, d: Array, model: Model, container: Container) -> Array:
         """What the distances d become over a step that ends at the distances e, (N, M)."""
@@ -133,16 +165,16 @@ class Strayed:
         found = {f"err_{name}": e for name, e in zip(PLACES[q.dimension], _bars(q, self.e).T, strict=True)}
         if self.masses is None:
             return found
-        of_velocities = np.maximum(errors.U, _bars(q, self.d * [[[1.0]], [[VELOCITY_SAFETY]]]))
+        of_velocities = np.maximum(errors.U, _bars(q, self.widest * [[[1.0]], [[VELOCITY_SAFETY]]]))
         return found | {f"err_{name}": d for name, d in zip(MODES[q.dimension], of_velocities.T, strict=True)}
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """What must be restored, by name."""
-        return {"strayed": np.stack([self.e, self.d, self.run])}
+        return {"strayed": np.stack([self.e, self.d, self.run, self.last])}
 
     def restore(self, memory: Mapping[str, NDArray[Any]]) -> None:
         """Take back what `memory` gave."""
-        self.e, self.d, self.run = memory["strayed"]
+        self.e, self.d, self.run, self.last = memory["strayed"]
 
 
 def _bars(q: Configuration, distances: Array) -> Array:
@@ -151,6 +183,16 @@ def _bars(q: Configuration, distances: Array) -> Array:
     hidden = HIDDEN * (q.arms * of_steps).max(initial=0.0) / q.arms
     bars: Array = of_elements + np.where(of_steps > 0.0, np.maximum(of_steps, hidden), 0.0)
     return bars
+
+
+def _per_cube(step: Step) -> Array:
+    """The estimated error of a step in place over h^3, (N, M)."""
+    return np.zeros_like(step.state.U) if step.error is None else np.abs(step.error) / step.h**3
+
+
+def _places(q: Configuration) -> Array:
+    """Centres and angles, (N, M)."""
+    return np.column_stack([q.centres, q.angles])
 
 
 def _of_elements(values: Array) -> Array:
