@@ -69,10 +69,10 @@ class SeriesSection(Section):
         """phi_k."""
         return tuple(Term(power, log) for power, log in zip(self.powers, self.logs, strict=True))
 
-    def profile(self, range_of_s: tuple[float, float], *, extrapolate: bool) -> Profile:
-        """K(s), for s in the range, or beyond it too. Raises ValueError: it is not one that falls there."""
+    def profile(self, range_of_s: tuple[float, float], reach: float) -> Profile:
+        """K(s), for s up to `reach`. Raises ValueError: that is beyond the range, where it does not fall."""
         series = Series(self.terms, self.coefficients, range_of_s)
-        if extrapolate and range_of_s[1] < inf:
+        if reach > range_of_s[1]:
             K, power = series.end
             if not (K > 0.0 and power < 0.0):
                 raise ValueError(
@@ -151,8 +151,12 @@ class LawFile(Section):
             raise ValueError(f'the form "{self.form}" is not known for mode = "{self.mode}"')
         return self
 
-    def law(self, *, viscosity: float | None = None, extrapolate: bool = False) -> LubricationLaw:
+    def law(
+        self, *, viscosity: float | None = None, extrapolate: bool = False, reach: float = 0.0
+    ) -> LubricationLaw:
         """The law, linear in mu: at this viscosity, or its own; `extrapolate` beyond the range of gaps.
+
+        reach: the largest gap over a_r that will be asked for, if it is beyond the range.
 
         Raises ValueError: none is known of such a film, or none beyond the range.
         """
@@ -160,11 +164,11 @@ class LawFile(Section):
         if self.form in LAWS:
             assert self.shape != "shapes"  # by `_complete`
             return LAWS[self.form].of(GapFilm(self.shape, mu, self.ratio or inf, extrapolate, self.mode))
-        return ScaledLaw(self._profile(extrapolate), mu, EXPONENTS[self.shape, self.mode], extrapolate)
+        return ScaledLaw(self._profile(reach), mu, EXPONENTS[self.shape, self.mode], extrapolate)
 
-    def _profile(self, extrapolate: bool) -> Profile:
+    def _profile(self, reach: float) -> Profile:
         if self.series is not None and self.range is not None:
-            return self.series.profile(self.range, extrapolate=extrapolate)
+            return self.series.profile(self.range, reach)
         assert self.table is not None  # by `_complete`
         return self.table.profile()
 

@@ -68,8 +68,8 @@ def probe(
 ) -> None:
     """Print velocity, pressure, vorticity and strain rate at points, as CSV.
 
-    The values are the finite element's own, of pores interpolated to some 1e-3. `where` names the body that
-    holds a point, or says `outside`.
+    The values are the finite element's own; between pores velocities are interpolated to some 1e-3 of the
+    largest, pressures to 1e-2. `where` names the body that holds a point, or says `outside`.
     Bodies of axisymmetric runs lie on the axis r = 0: x, y are r, z. In space points have three coordinates,
     and a rectangle lies across one of the axes.
     """

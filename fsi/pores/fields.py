@@ -21,10 +21,13 @@ from fsi.pores.pattern import Index
 from fsi.pores.pore_data import Complex, gathering, pore_data
 from fsi.pores.quadrature import DISTANCE, WEIGHT, Points, Rule, X, Y, points_at, pore_points, uniform
 from fsi.pores.regions import PoreShapes, cross
+from fsi.pores.surfaces import BoundingSurfaces
 from fsi.pores.system import PoreSystem
 
 _PATCHES = 0.75  # of a strip, for each unit of T by which points gather in it
-_CANDIDATES = 8  # pores near a point, of which one holds it
+# Pores near a point, of which one holds it; so many where none of fewer does, as small ones lie beside large.
+_CANDIDATES = (8, 64, 512)
+_ROUNDING = 1e-9  # of the size of a pore: points as far as that outside count as inside
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -128,21 +131,11 @@ class FlowFields:
 
     def _in_fluid_discs(self, jet: Array, missing: Index, points: Array, place: Array) -> Array:
         """Fill in points that lie in fluid discs; where all points lie then."""
-        surfaces = self.flow.system.pores.surfaces
-        disc = np.flatnonzero(surfaces.fluid)
-        if len(disc) == 0 or len(missing) == 0:
-            return place
-        place = place.copy()
-        # Balls, not the nearest centres: a small disc may be nearer to what lies in a large one.
-        wrapped = _wrapped(points[missing], surfaces.periods, surfaces.centre[disc])
-        tree = cKDTree(wrapped)
-        for c in _around(len(surfaces.periods)):
-            shift = np.array(c, float) @ surfaces.periods if c else np.zeros(2)
-            found = tree.query_ball_point(surfaces.centre[disc] + shift, surfaces.radius[disc])
-            inside, own = np.concatenate(found).astype(int), np.repeat(disc, [len(each) for each in found])
-            here = missing[inside]
-            place[here] = wrapped[inside] - shift
-            jet[:, here] = self._inner(own, place[here] - surfaces.centre[own])
+        surfaces, place = self.flow.system.pores.surfaces, place.copy()
+        own, at = _in_discs(surfaces, np.flatnonzero(surfaces.fluid), points[missing])
+        here = missing[own >= 0]
+        place[here], own = at[own >= 0], own[own >= 0]
+        jet[:, here] = self._inner(own, place[here] - surfaces.centre[own])
         return place
 
     def _inner(self, disc: Index, r: Array) -> Array:
@@ -198,43 +191,64 @@ def locate(system: PoreSystem, points: Array) -> tuple[Index, Array]:
 
     A point lies in the pore to whose sides it lies on the left, and in no body.
     """
-    shapes, periods = system.shapes, system.pores.surfaces.periods
-    images = [
-        sum((k * p for k, p in zip(c, periods, strict=True)), np.zeros(2)) for c in _around(len(periods))
-    ]
+    shapes, surfaces = system.shapes, system.pores.surfaces
     middle = shapes.touch.mean(axis=1)
-    tree = cKDTree(np.concatenate([middle + shift for shift in images]))
-    wrapped = _wrapped(points, periods, middle)
-    count = min(_CANDIDATES, len(tree.data))
-    near = tree.query(wrapped, k=count)[1].reshape(len(points), count)
-    pore, place = np.full(len(points), -1), points.copy()
-    for candidate in near.T[::-1]:  # the nearest has the last word
-        number, image = candidate % len(middle), np.asarray(images)[candidate // len(middle)]
-        x = wrapped - image
-        inside = _inside(shapes.of(number), x)
-        pore[inside], place[inside] = number[inside], x[inside]
+    home = _wrapped(middle, surfaces.periods)
+    images = _images(surfaces.periods)
+    tree = cKDTree((home + images[:, None]).reshape(-1, 2))
+    wrapped, pore, place = _wrapped(points, surfaces.periods), np.full(len(points), -1), points.copy()
+    missing = np.arange(len(points))
+    for most in _CANDIDATES:
+        count = min(most, len(tree.data))
+        near = tree.query(wrapped[missing], k=count)[1].reshape(len(missing), count)
+        for candidate in near.T[::-1]:  # the nearest has the last word
+            number = candidate % len(middle)
+            x = wrapped[missing] - images[candidate // len(middle)] + middle[number] - home[number]
+            inside = _inside(shapes.of(number), x)
+            pore[missing[inside]], place[missing[inside]] = number[inside], x[inside]
+        missing = missing[pore[missing] < 0]
+        discs = np.arange(surfaces.discs)  # what lies in one lies in no pore
+        missing = missing[_in_discs(surfaces, discs, wrapped[missing])[0] < 0]
     return pore, place
 
 
 def _inside(shapes: PoreShapes, x: Array) -> NDArray[np.bool_]:
     """Whether points (n, 2) lie in pores (n)."""
     from_feet = np.moveaxis(x[:, None] - shapes.foot[:, :, 0], -1, 0)
-    left = cross(np.moveaxis(shapes.direction, -1, 0), from_feet) >= -1e-12
-    outside = points_at(pore_data(shapes), x).rows[:, DISTANCE : DISTANCE + 3, 0] >= 0.0
-    return np.asarray(np.all(left, axis=1) & np.all(outside, axis=1))
+    left = cross(np.moveaxis(shapes.direction, -1, 0), from_feet)
+    outside = points_at(pore_data(shapes), x).rows[:, DISTANCE : DISTANCE + 3, 0]
+    least = -_ROUNDING * shapes.reach.max(axis=1, keepdims=True)
+    return np.asarray(np.all(left >= least, axis=1) & np.all(outside >= least, axis=1))
 
 
-def _around(number: int) -> list[tuple[int, ...]]:
-    """Coefficients of the periods of all neighbouring images."""
-    return list(product((-1, 0, 1), repeat=number))
+def _in_discs(surfaces: BoundingSurfaces, discs: Index, points: Array) -> tuple[Index, Array]:
+    """Which of some discs holds each point, (n,), -1 for none, and its image in that disc, (n, 2)."""
+    own, place = np.full(len(points), -1), points.copy()
+    if len(discs) == 0 or len(points) == 0:
+        return own, place
+    # Balls, not the nearest centres: a small disc may be nearer to what lies in a large one.
+    centre, wrapped = surfaces.centre[discs], _wrapped(points, surfaces.periods)
+    tree, home = cKDTree(wrapped), _wrapped(centre, surfaces.periods)
+    for image in _images(surfaces.periods):
+        found = tree.query_ball_point(home + image, surfaces.radius[discs])
+        inside = np.concatenate(found).astype(int)
+        disc = np.repeat(np.arange(len(discs)), [len(each) for each in found])
+        own[inside] = discs[disc]
+        place[inside] = wrapped[inside] - image + centre[disc] - home[disc]
+    return own, place
 
 
-def _wrapped(points: Array, periods: Array, middle: Array) -> Array:
-    """Images of points near the middles of pores."""
+def _images(periods: Array) -> Array:
+    """From a period to itself and all its neighbours, (3^P, 2)."""
+    around = product((-1.0, 0.0, 1.0), repeat=len(periods))
+    return np.array([np.array(c) @ periods.reshape(-1, 2) for c in around]).reshape(-1, 2)
+
+
+def _wrapped(points: Array, periods: Array) -> Array:
+    """Images of points in one period, that around the origin."""
     if len(periods) == 0:
         return points
-    coefficients = (points - middle.mean(axis=0)) @ np.linalg.pinv(periods)
-    return points - np.round(coefficients) @ periods
+    return np.asarray(points - np.round(points @ np.linalg.pinv(periods)) @ periods)
 
 
 def _carried(jet: Array, place: Array, points: Array, gradient: Array) -> Array:

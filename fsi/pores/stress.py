@@ -1,4 +1,4 @@
-"""The mean stress of a periodic domain in the model of pores, which has no pressure: its deviator.
+"""The mean stress of a periodic domain in the model of pores, which have no pressure in bodies: its deviator.
 
     Sigma' = 1/|Omega| (int_fluid 2 mu e + sum_i S_i') + forces'
 

@@ -228,10 +228,13 @@ class _Asked:
                     f"{self._here}: a law of {file.pair}, but the case has {between}; give "
                     f'reduced.{self.own} = "exact", or a law of such a film'
                 )
+        extrapolate = self.case.reduced.extrapolate
         try:
-            law = file.law(viscosity=film.viscosity, extrapolate=self.case.reduced.extrapolate)
+            reach = self._reach if extrapolate else 0.0
+            law = file.law(viscosity=film.viscosity, extrapolate=extrapolate, reach=reach)
         except ValueError as error:
-            raise InputError(f"{self._here}: {error}; drop reduced.extrapolate") from None
+            remedy = "drop reduced.extrapolate, or give a reduced.cutoff within its range"
+            raise InputError(f"{self._here}: {error}; {remedy}") from None
         return self._beyond_drag(file.form, law)
 
     def _beyond_drag(self, form: str, law: LubricationLaw) -> LubricationLaw:
@@ -242,6 +245,12 @@ class _Asked:
         assert isinstance(law, ScaledLaw)
         assert isinstance(law.profile, TabulatedProfile)  # as exact laws are
         return replace(law, profile=law.profile.less(6.0 * pi))
+
+    @property
+    def _reach(self) -> float:
+        """At least the largest gap over a_r at which the law is asked for."""
+        cutoff, radii = self.case.reduced.cutoff, self.case.configuration().radii
+        return inf if cutoff is None else 2.0 * cutoff / float(radii.min())
 
     @property
     def _here(self) -> str:

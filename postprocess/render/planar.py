@@ -56,9 +56,9 @@ class PlanarArtist(FlowArtist):
         needed -= {DISTURBANCE}
         if needed - {*self._mesh(step).point_data}:
             what = f"--field {self.choice.field}: is not in the files of step {step}"
-            if not self.run.case.level.pressure:
-                why = "pores have a pressure of at most 500 sheared bodies without loads; give another field"
-                raise InputError(f"{what}; {why}")
+            if "pressure" in needed and not self.run.case.level.pressure:
+                only = "between pores there is a pressure only as docs/pores.md says; give another field"
+                raise InputError(f"{what}; {only}")
             raise InputError(f"{what}; run the case again")
         super().require(step)
 

@@ -215,7 +215,7 @@ def test_what_needs_a_pressure_or_a_mesh_is_refused_by_name(
     file.write_text(case_of(time=None).as_toml())
     run(case_of(domain=BOX, bodies=PULLED, time={"end": 0.01, "tolerance": 1e-2}), pulled)
     for arguments, words in (
-        (("render", pulled, "--field", "pressure"), "step 1; pores have a pressure of at most 500 sheared"),
+        (("render", pulled, "--field", "pressure"), "step 1; between pores there is a pressure only"),
         (("render", sheared.path, "--field", "traction"), 'model = "pores" has no mesh; give one of speed'),
         (("render", sheared.path, "--field", "mesh"), 'model = "pores" has no mesh; give one of speed'),
         (("mesh", file, "-o", tmp_path / "a.msh"), "only the resolved level has a mesh"),
@@ -230,9 +230,8 @@ def test_what_needs_a_pressure_or_a_mesh_is_refused_by_name(
 def test_solve_prints_bodies_necks_and_that_the_viscosity_is_an_upper_bound(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    file, pulled = tmp_path / "case.toml", tmp_path / "pulled"
+    file = tmp_path / "case.toml"
     file.write_text(case_of(time=None).as_toml())
-    run(case_of(domain=BOX, bodies=PULLED, time={"end": 0.01, "tolerance": 1e-2}), pulled)
     assert fsi_command("solve", file) == 0
     text = capsys.readouterr().out
     assert "an upper bound" in text

@@ -187,6 +187,7 @@ def test_a_series_that_does_not_fall_at_its_end_does_not_go_on(last: float, end:
     law = series_file(tmp_path, {-1.5: 1.0, 1.0: last}, 1.0)
     with pytest.raises(InputError, match=rf"^reduced\.law = .*: its series is {end}.*; drop reduced\.extrap"):
         between_unequal(law, None, 0.1)
+    between_unequal(law, 0.2, 0.1)  # within its range nothing beyond is asked for
 
 
 def test_beside_a_plane_a_law_must_hold_at_the_cutoff_for_the_smallest_disc(tmp_path: Path) -> None:
