@@ -6,7 +6,6 @@ from pathlib import Path
 from time import process_time
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from fsi.bodies.configuration import Array
@@ -163,7 +162,7 @@ def _drive(case: Case, run: RunFolder, evolution: Evolution, progress: Progress)
 
 
 def _read_only(record: StepRecord) -> StepRecord:
-    """As callbacks see it: the next step begins from the same arrays, so that nobody may write to them."""
+    """As callbacks see it: copies, as the next step begins from these arrays, which nobody may write to."""
     q = record.q
     q = replace(q, centres=_view(q.centres), angles=_view(q.angles), radii=_view(q.radii))
     of_bodies = {name: _view(values) for name, values in record.body_columns.items()}
@@ -172,8 +171,10 @@ def _read_only(record: StepRecord) -> StepRecord:
 
 
 def _view(values: Array) -> Array:
-    """The same array, read-only."""
-    return np.broadcast_to(values, values.shape)
+    """A copy, read-only for those who do not mean to write."""
+    copy = values.copy()
+    copy.flags.writeable = False
+    return copy
 
 
 def _with_shapes(case: Case, state: State) -> State:

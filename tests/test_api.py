@@ -189,6 +189,7 @@ def test_solutions_are_equal_to_themselves_alone() -> None:
 def test_a_case_takes_arrays_and_numbers_of_numpy() -> None:
     body = DISC | {"radius": np.int64(1), "position": np.array([0, 2]), "force": (np.float32(0), -1.0)}
     assert reduced(bodies=[body]) == reduced()
+    assert reduced(bodies=np.array([body], dtype=object)) == reduced()
     with pytest.raises(fsi.InputError, match=r"^bodies\.0\.position\.0 = \[0\.0, 2\.0\]: must be a"):
         reduced(bodies=[DISC | {"position": np.array([[0.0, 2.0]])}])
 

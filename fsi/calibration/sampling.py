@@ -24,6 +24,7 @@ from fsi.case.load import parse_case
 from fsi.errors import FsiError, InputError, SolveError
 from fsi.files import json_of, replace
 from fsi.integration.errors import ErrorEstimate
+from fsi.machine.ranks import forget
 from fsi.meshes.errors import MeshError
 from fsi.models import flow_solvers, make_model
 from fsi.observables.truncation import halved
@@ -203,6 +204,7 @@ def _computed(pair: Pair, tasks: list[Task], sampling: Sampling) -> Iterator[Out
         return
     case = pair.case.model_dump(exclude_none=True)
     # Started afresh: a fork would share the parent's MPI.
+    forget()
     fresh = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(min(workers, len(tasks)), fresh, _leave_with_parent) as pool:
         try:

@@ -45,6 +45,6 @@ def lists(value: Any) -> Any:
         case list() | tuple():
             return [lists(item) for item in value]
         case np.ndarray() | np.generic():
-            return value.tolist()
+            return lists(value.tolist()) if value.dtype == object else value.tolist()
         case _:
             return value

@@ -12,6 +12,7 @@ import typer
 import fsi.parallel as parallel
 from fsi.cli.loading import loading
 from fsi.errors import InputError
+from fsi.machine.ranks import forget
 
 if TYPE_CHECKING:  # what a command needs is imported in it: `fsi --help` must be quick
     from fsi.case.case import Case
@@ -69,6 +70,7 @@ def pool_of(scheduler: str | None, workers: int | None, ranks: int = 1) -> Pool:
         if workers is not None:
             raise InputError(f"--workers {workers}: the cluster has its own; drop it, or --scheduler")
         return lambda: cluster(scheduler)
+    forget()
     if ranks > 1:
         mpiexec()
     return lambda: local(workers or max((os.cpu_count() or 1) // ranks, 1))

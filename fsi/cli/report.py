@@ -69,7 +69,7 @@ def probe(
     """Print velocity, pressure, vorticity and strain rate at points, as CSV.
 
     The values are the finite element's own; between pores velocities are interpolated to some 1e-3 of the
-    largest, pressures to 1e-2. `where` names the body that holds a point, or says `outside`.
+    largest, pressures to 2e-2. `where` names the body that holds a point, or says `outside`.
     Bodies of axisymmetric runs lie on the axis r = 0: x, y are r, z. In space points have three coordinates,
     and a rectangle lies across one of the axes.
     """

@@ -23,6 +23,7 @@ A gap s strays by |grad s . e|, and the time at which the run has it by that ove
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from math import inf
 from typing import Any
 
@@ -65,7 +66,7 @@ class Strayed:
         d: of the exact velocities from those of the run, (2, N, M).
         run: velocities and accelerations of the run at the last step, of modes without mass 0, (2, N, M).
         last: the estimate of that step over h^3, and where it ended, (2, N, M).
-        widest: the larger |d| of its two ends, as d changes its sign now and then; not for the next step.
+        widest: the larger |d| of its two ends, at the second without cancellation; not for the next step.
     """
 
     masses: Array | None
@@ -77,7 +78,10 @@ class Strayed:
     widest: Array = field(default_factory=_none)
 
     def follow(self, step: Step, errors: StepErrors, model: Model, container: Container) -> None:
-        """Take a step, at whose end velocities and loads miss by `errors`; two solves, collective."""
+        """Take a step, at whose end velocities and loads miss by `errors`; collective.
+
+        Two solves; with mass three, as what steps have missed in place and in velocity may cancel in d.
+        """
         h, (delta, phi) = step.h, errors.signed
         run = self._run(step)
         if h == 0.0:
@@ -89,10 +93,13 @@ class Strayed:
         self.run, self.last = run, np.stack([_per_cube(step), _places(step.state.q)])
         near = self.e + h * self.d + eps
         pushed = self.d + eta - _of_elements(h * self._accelerated(phi))
-        carried = [self._carried(step, *one, model, container) for one in zip(near, pushed, strict=True)]
-        d = np.stack(carried) + _of_elements(delta)
+        none, carried = np.zeros_like(delta), partial(self._carried, step, model=model, container=container)
+        of_elements = carried(near[0], pushed[0]) + delta
+        of_steps = np.stack([carried(near[1], none), carried(none, pushed[1])])
+        d = np.stack([of_elements, of_steps.sum(axis=0)])
         self.e = self.e + 0.5 * h * (self.d + d) + eps
-        self.d, self.widest = d, np.maximum(np.abs(self.d), np.abs(d))
+        widest = np.stack([np.abs(of_elements), np.abs(of_steps).sum(axis=0)])
+        self.d, self.widest = d, np.maximum(np.abs(self.d), widest)
 
     def _run(self, step: Step) -> Array:
         """What `run` shall be at the end of a step."""

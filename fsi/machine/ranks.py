@@ -2,5 +2,16 @@
 
 import os
 
-# Whatever starts ranks tells each which it is: PMI_RANK, PMIX_RANK, OMPI_COMM_WORLD_RANK, PALS_RANKID.
-STARTED = any("PMI" in name or "RANK" in name for name in os.environ)
+
+def _told() -> list[str]:
+    """What tells a rank which it is: PMI_RANK, PMIX_RANK, OMPI_COMM_WORLD_RANK, PALS_RANKID and others."""
+    return [name for name in os.environ if "PMI" in name or "RANK" in name]
+
+
+STARTED = bool(_told())
+
+
+def forget() -> None:
+    """Let the processes that a lone rank starts be none: they would look for its MPI, and not find it."""
+    for name in _told():
+        del os.environ[name]

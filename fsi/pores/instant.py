@@ -15,7 +15,7 @@ from fsi.parallel import on_root
 from fsi.pores.bars import other_modes
 from fsi.pores.complement import LeastStresses
 from fsi.pores.fields import FlowFields
-from fsi.pores.narrow import narrowness
+from fsi.pores.narrow import NARROW, narrowness
 from fsi.pores.necks import Necks, necks_of
 from fsi.pores.pattern import Index
 from fsi.pores.pressure import PressureField
@@ -35,9 +35,9 @@ FEW = 500  # bodies: stresses take 11 ms each, five times what bars do
 # Of itself, how far apart pressures with two numbers of modes may be; the better one is off by a small part.
 APART = 0.4
 NO_PRESSURE = (
-    'model = "pores": has a pressure only of bodies without loads in sheared cells and channels, where necks '
-    f"are not too narrow and those with two numbers of modes come within {APART:g} of it; give more "
-    "pores.modes, use Solution.velocity, or solve the resolved case"
+    'model = "pores": has a pressure only where sliding walls or a mean flow alone drive bodies (no loads, '
+    "pressure gradient or net flux), no neck is narrow, and those with two numbers of modes come within "
+    f"{APART:g} of it; give more pores.modes if that is why, use Solution.velocity, or the resolved model"
 )
 # Of each relative defect; a flow beyond it is refused. Most cancels where discs stand in columns: 2e-8.
 BOUND = 1e-6
@@ -144,10 +144,13 @@ class PoreInstant:
 
     @cached_property
     def pressure(self) -> PressureField | None:
-        """Of the stress in equilibrium with most modes, where it is near one with fewer; one more solve."""
-        if self.stresses is None:
-            return None
+        """Of the stress in equilibrium with most modes, where it is near one with fewer; one more solve.
+
+        None where necks are narrow: what functions between feet leave of it there other modes leave too.
+        """
         system, mu = self.flow.system, self.bodies.case.fluid.viscosity
+        if self.stresses is None or narrowness(system.pores).min() < NARROW:
+            return None
         modes = system.assembly.numbering.modes
         both = [(self._others.sum(), self.stresses), (modes.sum(), LeastStresses.of(system.pores, modes))]
         fewer, more = sorted(both, key=lambda pair: pair[0])

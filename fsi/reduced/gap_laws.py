@@ -248,9 +248,10 @@ class _Asked:
 
     @property
     def _reach(self) -> float:
-        """At least the largest gap over a_r at which the law is asked for."""
+        """At least the largest gap over a_r at which the law is asked for: a_r >= a/2, beside walls a."""
         cutoff, radii = self.case.reduced.cutoff, self.case.configuration().radii
-        return inf if cutoff is None else 2.0 * cutoff / float(radii.min())
+        part = 2.0 if max(self.films, default=0.25) > 0.0 else 1.0
+        return inf if cutoff is None else part * cutoff / float(radii.min())
 
     @property
     def _here(self) -> str:

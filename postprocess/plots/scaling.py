@@ -67,6 +67,8 @@ def _read(path: Path) -> tuple[str, str, Curves]:
     try:
         data = json.loads(text)
         curves = {str(name): _curve(pairs) for name, pairs in data["cpu_seconds"].items()}
+        if not curves:
+            raise ValueError("cpu_seconds has no curve")
         return str(data["benchmark"]), str(data["size"]), curves
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         what = f"{path}: not the file of a benchmark ({error})"

@@ -64,7 +64,11 @@ class NetworkArtist(Artist):
         known = [*run.mesh(None, self.lines).cell_data]
         if choice.field is not None and choice.field not in known:
             raise InputError(f"--field {choice.field}: give one of {', '.join(known)}")
-        self.field = choice.field or next(name for name in self.defaults if name in known)
+        shown = next((name for name in self.defaults if name in known), None)
+        if choice.field is None and shown is None:
+            what = f"{run.path}: its series {self.lines} has no {' or '.join(self.defaults)}"
+            raise InputError(f"{what}; a file is not what the run has written: run the case again")
+        self.field = choice.field or str(shown)
 
     def pictures(self, steps: Sequence[int]) -> Iterator[Picture]:
         """A picture of each step."""

@@ -123,12 +123,24 @@ def _check_room(case: Case) -> None:
             f"crosses wall {container.walls[w]!r} (gap {to_walls[i, w]:.6g}); move or shrink it"
         )
     _check_near(case, container)
+    _check_periods(case, q, container)
     gaps = find_gaps(q, container, reach=touching)
     for (i, j), gap in zip(gaps.pairs[:1], gaps.pair_gaps[:1], strict=True):
         other = repr(case.names[j]) if i != j else "its image"
         raise InputError(
             f"bodies.{j}.position = {toml_text(case.bodies[j].position)}: bodies {case.names[i]!r} and "
             f"{other} overlap or touch (gap {gap:.6g}); move them apart"
+        )
+
+
+def _check_periods(case: Case, q: Configuration, container: Container) -> None:
+    """No disc or sphere is wider than a period: of a cell so thin images without end would be listed."""
+    shortest = np.linalg.norm(container.periods, axis=-1).min(initial=np.inf)
+    if len(q) and not q.shaped and shortest <= 2.0 * q.radii.max():
+        i = int(np.argmax(q.radii))
+        raise InputError(
+            f"bodies.{i}.position = {toml_text(case.bodies[i].position)}: bodies {case.names[i]!r} and "
+            f"its image overlap or touch (gap {shortest - 2.0 * q.radii[i]:.6g}); move them apart"
         )
 
 

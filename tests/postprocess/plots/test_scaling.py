@@ -29,7 +29,14 @@ def test_draws_each_curve_with_its_exponent(tmp_path: Path, monkeypatch: pytest.
 
 
 @pytest.mark.parametrize(
-    "text", ["{}", "[1]", "no json", '{"benchmark": "b", "size": "N", "cpu_seconds": 3}']
+    "text",
+    [
+        "{}",
+        "[1]",
+        "no json",
+        '{"benchmark": "b", "size": "N", "cpu_seconds": 3}',
+        '{"benchmark": "b", "size": "N", "cpu_seconds": {}}',
+    ],
 )
 def test_says_what_is_no_benchmark(text: str, tmp_path: Path) -> None:
     (tmp_path / "b.json").write_text(text)

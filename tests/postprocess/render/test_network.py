@@ -96,3 +96,10 @@ def test_walls_of_a_gluey_case(pile: Path) -> None:
 def test_impossible_choices(pile: Path, choice: Choice, message: str) -> None:
     with pytest.raises(InputError, match=message):
         NetworkArtist(fsi.open_run(pile), choice)
+
+
+def test_contacts_that_are_none_are_refused(pile: Path) -> None:
+    """The series of bodies in place of that of contacts has no force and no memory to show."""
+    (pile / "contacts.pvd").write_text((pile / "bodies.pvd").read_text())
+    with pytest.raises(InputError, match=r"its series contacts has no force or gamma; .*run the case again"):
+        NetworkArtist(fsi.open_run(pile), Choice())
