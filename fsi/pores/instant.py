@@ -32,7 +32,7 @@ from fsi.pores.vtu import write_flow, write_necks
 # Narrowest necks with a lower bound: at a tenth of it rounding takes that of a pair of discs above the truth.
 BOUNDED = 1e-4
 FEW = 500  # bodies: stresses take 11 ms each, five times what bars do
-# Of itself, how far apart pressures with two numbers of modes may be; the better one is off by a small part.
+# Of itself, how far apart pressures with two numbers of modes may be; the better one is off by a part of it.
 APART = 0.4
 NO_PRESSURE = (
     'model = "pores": has a pressure only where sliding walls or a mean flow alone drive bodies (no loads, '
