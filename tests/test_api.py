@@ -194,20 +194,23 @@ def test_a_case_takes_arrays_and_numbers_of_numpy() -> None:
         reduced(bodies=[DISC | {"position": np.array([[0.0, 2.0]])}])
 
 
+API: Any = fsi  # as those use it who check no types
+
+
 @pytest.mark.parametrize(
     ("ask", "words"),
     [
-        (lambda _: fsi.load_case(None), "path: is a NoneType"),  # type: ignore[arg-type]
-        (lambda _: fsi.load_case(3), "path: is a int"),  # type: ignore[arg-type]
-        (lambda _: fsi.load_case(b"x"), "path: is a bytes"),  # type: ignore[arg-type]
-        (lambda _: fsi.load_case(BOX, None), "overrides = None"),  # type: ignore[arg-type]
-        (lambda _: fsi.open_run(None), "run: is a NoneType"),  # type: ignore[arg-type]
-        (lambda _: fsi.resume(None), "folder: is a NoneType"),  # type: ignore[arg-type]
-        (lambda case: fsi.run(case, None), "folder: is a NoneType"),  # type: ignore[arg-type]
-        (lambda case: fsi.run(case, "out", 3), "callback: is a int"),  # type: ignore[arg-type]
-        (lambda case: fsi.solve(case).write(None), "folder: is a NoneType"),  # type: ignore[arg-type]
-        (lambda case: fsi.calibrate(case, "out", "2"), "processes: is a str"),  # type: ignore[arg-type]
-        (lambda case: fsi.calibrate(case, "out", 1.5), "processes: is a float"),  # type: ignore[arg-type]
+        (lambda _: API.load_case(None), "path: is a NoneType"),
+        (lambda _: API.load_case(3), "path: is a int"),
+        (lambda _: API.load_case(b"x"), "path: is a bytes"),
+        (lambda _: API.load_case(BOX, None), "overrides = None"),
+        (lambda _: API.open_run(None), "run: is a NoneType"),
+        (lambda _: API.resume(None), "folder: is a NoneType"),
+        (lambda case: API.run(case, None), "folder: is a NoneType"),
+        (lambda case: API.run(case, "out", 3), "callback: is a int"),
+        (lambda case: API.solve(case).write(None), "folder: is a NoneType"),
+        (lambda case: API.calibrate(case, "out", "2"), "processes: is a str"),
+        (lambda case: API.calibrate(case, "out", 1.5), "processes: is a float"),
     ],
 )
 def test_what_is_of_another_type_is_refused_in_one_line(

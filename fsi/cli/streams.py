@@ -5,7 +5,8 @@ import signal
 import sys
 from contextlib import suppress
 from io import TextIOWrapper
-from typing import TextIO
+from pathlib import Path
+from typing import Any, TextIO
 
 from fsi.errors import SolveError
 
@@ -19,14 +20,19 @@ def prepare(*, silent: bool) -> None:
     """
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGPIPE})
     if sys.stdin is None:
-        sys.stdin = open(os.devnull, encoding="utf-8")  # noqa: PTH123, SIM115  (for as long as we run)
+        sys.stdin = _nothing("r")
     if silent or sys.stdout is None:
-        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115  (for as long as we run)
+        sys.stdout = _nothing("w")
     if sys.stderr is None:
-        sys.stderr = sys.__stderr__ = open(os.devnull, "w", encoding="utf-8")  # type: ignore[misc]  # noqa: PTH123, SIM115
+        sys.stderr = sys.__stderr__ = _nothing("w")  # type: ignore[misc]
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+
+
+def _nothing(mode: str) -> Any:
+    """What stands for a stream, open for as long as we run: it ends at once, or goes nowhere."""
+    return Path(os.devnull).open(mode, encoding="utf-8")
 
 
 def finish(code: int) -> int:

@@ -45,7 +45,7 @@ _STRESSES = (np.diag([-1.0, 1.0]), np.array([[0.0, 1.0], [1.0, 0.0]]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stress:
+class AiryStress:
     """A stress in equilibrium, by the numbers of its phi: those of psi of a `PoreFlow`, and used like them.
 
     Attributes:
@@ -98,11 +98,11 @@ class LeastStresses:
         e = self._rates(E)
         return float(e @ np.linalg.solve(self.M, e) / (e @ e))
 
-    def stress(self, E: Array, mu: float) -> Stress:
+    def stress(self, E: Array, mu: float) -> AiryStress:
         """The best of them in the mean strain rate E, of fluid of viscosity mu."""
         means = 2.0 * mu * np.linalg.solve(self.M, self._rates(E))
         mean = sum((k * G for k, G in zip(means, self.means, strict=True)), np.zeros((2, 2)))
-        return Stress(self.system, self.x @ means, mean)
+        return AiryStress(self.system, self.x @ means, mean)
 
     def _rates(self, E: Array) -> Array:
         """e, of a channel E_xy alone."""

@@ -17,7 +17,7 @@ import numpy as np
 
 from fsi.bodies.configuration import Array
 from fsi.observables.bulk_stress import vorticity
-from fsi.pores.complement import Stress
+from fsi.pores.complement import AiryStress
 from fsi.pores.fields import FlowFields, FluidField
 
 _ORDER = 2  # of patches on which pressures are compared
@@ -26,7 +26,7 @@ _ORDER = 2  # of patches on which pressures are compared
 class PressureField:
     """The pressure of a stress."""
 
-    def __init__(self, stress: Stress) -> None:
+    def __init__(self, stress: AiryStress) -> None:
         """Of a stress in equilibrium."""
         self._fields = FlowFields(stress)
         self._level = 0.5 * self._fields.mean_vorticity()

@@ -29,14 +29,14 @@ class Turning:
     rate: Callable[[float], float]
     k: float = 1.0
 
-    def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> ExactInstant:  # noqa: ARG002
+    def __call__(self, q: Configuration, _t: float, inertia: Inertia | None = None) -> ExactInstant:
         U, F, rate = np.zeros((1, 3)), np.zeros((1, 3)), self.rate(float(q.angles[0]))
         D, U0 = (inertia.D[0, 2], inertia.U0[0, 2]) if inertia else (0.0, 0.0)
         U[0, 2] = (self.k * rate + D * U0) / (self.k + D)
         F[0, 2] = self.k * (U[0, 2] - rate)
         return ExactInstant(U, F)
 
-    def errors(self, q: Configuration, t: float, instant: Instant) -> StepErrors:  # noqa: ARG002
+    def errors(self, _q: Configuration, _t: float, _instant: Instant) -> StepErrors:
         none = np.zeros((1, 3))
         return StepErrors(ErrorEstimate(none, none), {})
 
@@ -134,7 +134,7 @@ def pushed(*steps: tuple[float, float, float]) -> Strayed:
     """What a free body of mass 1 strays by in steps with errors in place, in velocity and in the load."""
     none, case = np.zeros((1, 3)), turning(1.0, 1e-2, {"radius": 1.0})
     at_rest = Motion(none > 1.0, none, none)
-    strayed = Strayed(np.ones((1, 3)), lambda q, t: at_rest)  # noqa: ARG005
+    strayed = Strayed(np.ones((1, 3)), lambda _q, _t: at_rest)
     speed = 0.0
     for n, (eps, eta, phi) in enumerate([(0.0, 0.0, 0.0), *steps]):
         speed += eta

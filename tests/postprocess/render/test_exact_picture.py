@@ -155,9 +155,8 @@ def test_what_is_written_above_pictures_and_beside_them(
         assert only.shades.get_clim() == pytest.approx((1.0 / 12.0, SIDE - 1.0 / 12.0))
 
 
-@pytest.mark.usefixtures("drawing")
-def test_what_is_written_above_a_gap(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A disc 0.2 above a plane, in a window of 5 and one of twelve gaps; no labels of a bar meet."""
+def colour_bars(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """Those that are drawn from now on, one after the other."""
     bars: list[Any] = []
     drawing = Figure.colorbar
 
@@ -166,6 +165,13 @@ def test_what_is_written_above_a_gap(run: Path, monkeypatch: pytest.MonkeyPatch)
         return bars[-1]
 
     monkeypatch.setattr(Figure, "colorbar", colorbar)
+    return bars
+
+
+@pytest.mark.usefixtures("drawing")
+def test_what_is_written_above_a_gap(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A disc 0.2 above a plane, in a window of 5 and one of twelve gaps; no labels of a bar meet."""
+    bars = colour_bars(monkeypatch)
     ((title, panels),) = drawn_around(fsi.open_run(run), [2], Choice(size=100), monkeypatch)
     assert title == "analytic,  t = 2"
     assert [panel.title for panel in panels] == [
@@ -188,14 +194,7 @@ def test_a_signed_colour_bar_ends_where_its_colours_end(
     largest: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Ticks beyond, as at 1 of colours to 0.08, would stretch it; powers of ten inside are labelled."""
-    bars: list[Any] = []
-    drawing = Figure.colorbar
-
-    def colorbar(figure: Figure, shades: Any, **more: Any) -> Any:
-        bars.append(drawing(figure, shades, **more))
-        return bars[-1]
-
-    monkeypatch.setattr(Figure, "colorbar", colorbar)
+    bars = colour_bars(monkeypatch)
     shades = mpl.cm.ScalarMappable(Signed().norm((-largest, largest)), "PuOr_r")
     compose("title", [Framed(np.zeros((100, 100, 3), np.uint8), "title", 1.0, "label", shades, "both")])
     (bar,) = bars
