@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from fsi.meshes.geometry.lattice import reduced
 from fsi.pores.circles import Circles, circles_in_pores, renewed, separate
 from fsi.pores.links import Links
+from fsi.pores.shape import flat_ones
 from fsi.pores.start import surrounding, widest_view
-from fsi.pores.surfaces import CONTAINER, DISC, Array, BoundingSurfaces, NoPoresError
+from fsi.pores.surfaces import CONTAINER, DISC, WALL, Array, BoundingSurfaces, NoPoresError
 from fsi.pores.topology import Pores, linked, numbered, pores_of, with_more_discs
 
 _ROUNDS = 60
@@ -49,7 +50,18 @@ class Wide:
 
 def pores_without_wide(surfaces: BoundingSurfaces) -> Pores:
     """The pores between these surfaces and fluid discs. Raises NoPoresError: there are none."""
-    return pores_of(*_with_fluid_discs(surfaces, Wide()))
+    surfaces, links = _with_fluid_discs(surfaces, Wide())
+    _require_short_corners(surfaces, links)
+    return pores_of(surfaces, links)
+
+
+def _require_short_corners(surfaces: BoundingSurfaces, links: Links) -> None:
+    """Raise NoPoresError where a corner of a box is flat: modes do not bring its flow, nor tell of it."""
+    corners = links.body[(surfaces.kind[links.body] == WALL).sum(axis=1) == 2]
+    flat = np.flatnonzero(flat_ones(surfaces.shapes(), corners, surfaces.centre[corners]))
+    if len(flat):
+        sides = map(surfaces.side, corners[flat[0]])
+        raise NoPoresError("the corner between {} is too long for its width", *sides)
 
 
 def _with_fluid_discs(surfaces: BoundingSurfaces, wide: Wide) -> tuple[BoundingSurfaces, Links]:

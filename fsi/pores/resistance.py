@@ -17,6 +17,7 @@ import scipy.sparse as sp
 from fsi.bodies.configuration import Array
 from fsi.case.case import Case
 from fsi.case.checks.determined import require_still
+from fsi.errors import RefusedError
 from fsi.observables import resistance as matrix
 from fsi.observables.bars import DrivenBodies
 from fsi.observables.resistance import Resistance, ResistanceErrors
@@ -62,9 +63,10 @@ def resistance_with_error(case: Case) -> PoreResistance:
 
 
 def case_resistance(case: Case) -> Resistance:
-    """R of the bodies of a case at time 0, between its walls at rest. Raises as `resistance_with_error`.
+    """R of the bodies of a case at time 0, between its walls at rest.
 
-    Along a periodic channel the mean pressure gradient is zero.
+    Along a periodic channel the mean pressure gradient is zero. Raises as `resistance_with_error`, and
+    RefusedError where rounding spoils R in narrow gaps.
     """
     require_still(case)
     began, q = process_time(), case.configuration()
@@ -74,8 +76,12 @@ def case_resistance(case: Case) -> Resistance:
     columns, residual = _schur_complement(system)
     seconds = {"assemble": assembled - began, "solve": process_time() - assembled}
     labels = matrix.all_modes(case.names, q.radii, system.viscosity, 2)
-    R, asymmetry = matrix.symmetrised(columns, labels.scale)
-    eigenvalues = matrix.positive_eigenvalues(R, labels.scale, resting=True)
+    try:
+        R, asymmetry = matrix.symmetrised(columns, labels.scale)
+        eigenvalues = matrix.positive_eigenvalues(R, labels.scale, resting=True)
+    except RefusedError as error:
+        remedy = 'widen the narrowest gaps, or give model = "resolved"'
+        raise RefusedError(f'model = "pores": {error}; {remedy}') from None
     checks = {"residual": residual, "reciprocity": asymmetry}
     size = (system.unknowns, len(system.pores))
     mobility = matrix.inverse(R)

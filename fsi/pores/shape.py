@@ -13,6 +13,7 @@ CLEAR = 0.3  # radii between a body and a neck opposite, which a flip may bring 
 # Where pores are flat the weights change within a part of them, and would ask for many points of quadrature.
 FLAT = 0.15  # distance of a disc from the neck opposite over the length of that
 FLAT_AT_WALL = 0.24  # the same of a wall from the centres of the neck's discs
+FLAT_IN_CORNER = 0.4  # the same where the neck leads to the next wall of a box
 STRAIGHT = 0.45  # sine of the angle between a neck to a container and the line of the neck opposite
 _EQUAL = 1e-6  # circles as far as that from a body, over their radius, touch it
 _ROUNDS = 100
@@ -117,13 +118,21 @@ def clearance(shapes: Shapes, c: Corner, a: Corner, b: Corner) -> float:
 
 @internal
 def is_flat(shapes: Shapes, c: Corner, a: Corner, b: Corner) -> bool:
-    """Whether c is near the neck ab for its length; of a container, whether ab leads to it."""
+    """Whether c is near the neck ab for its length; of a container, whether ab leads to it.
+
+    In the corner of a long box c may be the wall along the neck from a disc to the far end.
+    """
     kind = shapes.kind
     if kind[c[0]] == CONTAINER:
         return min(_sine(a, b, c), _sine(b, a, c)) <= STRAIGHT
     if kind[c[0]] == WALL:
-        near = min(distance(shapes, a[1], a[2], c), distance(shapes, b[1], b[2], c))
-        return bool(kind[a[0]] == DISC == kind[b[0]] and near <= FLAT_AT_WALL * length_of(shapes, a, b))
+        near, part = np.inf, FLAT_AT_WALL
+        for end in (a, b):
+            if kind[end[0]] == DISC:
+                near = min(near, distance(shapes, end[1], end[2], c))
+            else:
+                part = FLAT_IN_CORNER
+        return bool(near <= part * length_of(shapes, a, b))
     if kind[a[0]] != DISC and kind[b[0]] != DISC:
         return False
     near = from_neck(shapes, c[1], c[2], a, b) - shapes.radius[c[0]]

@@ -214,10 +214,15 @@ def test_what_needs_a_pressure_or_a_mesh_is_refused_by_name(
     file, pulled = tmp_path / "case.toml", tmp_path / "pulled"
     file.write_text(case_of(time=None).as_toml())
     run(case_of(domain=BOX, bodies=PULLED, time={"end": 0.01, "tolerance": 1e-2}), pulled)
+    shown = "speed, vorticity, dissipation, necks, motion"  # in a box, of bodies with loads
     for arguments, words in (
         (("render", pulled, "--field", "pressure"), "step 1; between pores there is a pressure only"),
-        (("render", sheared.path, "--field", "traction"), 'model = "pores" has no mesh; give one of speed'),
-        (("render", sheared.path, "--field", "mesh"), 'model = "pores" has no mesh; give one of speed'),
+        (("render", pulled, "--field", "psi"), f"--field psi: give one of {shown}\n"),
+        (("render", pulled, "--field", "traction"), f'model = "pores" has no mesh; give one of {shown}\n'),
+        (
+            ("render", sheared.path, "--field", "mesh"),
+            'model = "pores" has no mesh; give one of speed, pressure, disturbance, vorticity, dissipation, ',
+        ),
         (("mesh", file, "-o", tmp_path / "a.msh"), "only the resolved level has a mesh"),
         (("mesh", sheared.path, "-o", tmp_path / "a.msh"), "only the resolved level has a mesh"),
         (("resistance", file), "so it has no resistance matrix"),
