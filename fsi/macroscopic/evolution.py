@@ -33,11 +33,13 @@ class Line:
         parcels: at time 0.
         force: `(t0, t1) ->` the force per mass f(x, m, t) on parcels that a step from t0 to t1 takes.
         bodies: the rigid bodies that they make up, if the case gives such.
+        mass_per_length: of matter at density 1; parcels have the length for their mass, as blocks do.
     """
 
     parcels: Parcels
     force: Callable[[float, float], Force]
-    bodies: BodiesOnLine | None
+    bodies: BodiesOnLine | None = None
+    mass_per_length: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +110,7 @@ def _of_blocks(case: Case) -> Line:
             )
         return f
 
-    return Line(at_rest_in_memory(m, dm, X, u), lambda _t0, _t1: force, None)
+    return Line(at_rest_in_memory(m, dm, X, u), lambda _t0, _t1: force)
 
 
 def _of_bodies(case: Case) -> Line:
@@ -135,7 +137,7 @@ def _of_bodies(case: Case) -> Line:
 
     u = case.initial_velocity()[of_parcel, axis]
     bodies = BodiesOnLine(q, axis, of_parcel, lambda t: case.motion(t).F)
-    return Line(at_rest_in_memory(m, dm, X, u), per_mass, bodies)
+    return Line(at_rest_in_memory(m, dm, X, u), per_mass, bodies, float(mass[0] / (2.0 * q.radii[0])))
 
 
 PROFILES = "profiles.csv"
@@ -178,12 +180,13 @@ class MacroscopicEvolution:
         self.parcels = Parcels(self.parcels.m, self.parcels.dm, X, u, w)
 
     def _moment(self, t: float, step: int, h: float) -> Moment:
-        parcels = self.parcels
+        parcels, mass_per_length = self.parcels, self.line.mass_per_length
+        mass = mass_per_length * parcels.dm
         columns = {
             "largest_density": float(parcels.density.max()),
-            "smallest_gamma": float(parcels.gamma.min()),
-            "momentum": float(parcels.u.sum() * parcels.dm),
-            "kinetic_energy": 0.5 * float((parcels.u**2).sum() * parcels.dm),
+            "smallest_gamma": mass_per_length * float(parcels.gamma.min()),
+            "momentum": float(parcels.u.sum() * mass),
+            "kinetic_energy": 0.5 * float((parcels.u**2).sum() * mass),
         }
         bodies = self.line.bodies
         if bodies is None:
@@ -195,11 +198,12 @@ class MacroscopicEvolution:
             U[:, bodies.axis] = bodies.mean(parcels.u)
         record = StepRecord(step, t, h, gap, 0, q, U, F, columns)
         state = State(t, step, q, U, self._step)
-        write, tables = partial(_write, step, parcels), partial(_tables, step, t, parcels)
+        write = partial(_write, step, parcels, mass_per_length)
+        tables = partial(_tables, step, t, parcels, mass_per_length)
         return Moment(state, record, self.case.names, write, tables)
 
 
-def profile(parcels: Parcels) -> dict[str, NDArray[np.float64]]:
+def profile(parcels: Parcels, mass_per_length: float) -> dict[str, NDArray[np.float64]]:
     """Density, velocity and gamma at the middles of parcels, shapes (n,).
 
     rho: dm over half the distance to both neighbours; at free ends to the one there is.
@@ -207,15 +211,16 @@ def profile(parcels: Parcels) -> dict[str, NDArray[np.float64]]:
     widths = np.diff(parcels.X)
     room = 0.5 * (np.append(widths[0], widths) + np.append(widths, widths[-1]))
     gamma = 0.5 * (parcels.gamma[1:] + parcels.gamma[:-1])
-    return {"rho": parcels.dm / room, "u": parcels.u, "gamma": gamma}
+    return {"rho": parcels.dm / room, "u": parcels.u, "gamma": mass_per_length * gamma}
 
 
-def _tables(step: int, t: float, parcels: Parcels) -> dict[str, CsvTable]:
-    numbers = np.column_stack([parcels.m, parcels.X, *profile(parcels).values()])
+def _tables(step: int, t: float, parcels: Parcels, mass_per_length: float) -> dict[str, CsvTable]:
+    columns = profile(parcels, mass_per_length).values()
+    numbers = np.column_stack([mass_per_length * parcels.m, parcels.X, *columns])
     return {PROFILES: (PROFILE_COLUMNS, [[step, t, *row] for row in numbers.tolist()])}
 
 
-def _write(step: int, parcels: Parcels, folder: Path) -> dict[str, Sequence[str]]:
+def _write(step: int, parcels: Parcels, mass_per_length: float, folder: Path) -> dict[str, Sequence[str]]:
     name = f"profile_{step:06d}.vtu"
-    on_root(lambda: write_polyline(folder / name, parcels.X[:, None], profile(parcels)))
+    on_root(lambda: write_polyline(folder / name, parcels.X[:, None], profile(parcels, mass_per_length)))
     return {"profile": [name]}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,10 +10,14 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fsi.bodies.configuration import Array
-from fsi.case.load import parse_case
+from fsi.case.load import load_case, parse_case
 from fsi.errors import InputError, SolveError
-from fsi.macroscopic.evolution import MacroscopicEvolution, matter, profile
+from fsi.integration.state import StepRecord
+from fsi.macroscopic.evolution import PROFILES, MacroscopicEvolution, matter, profile
 from fsi.macroscopic.model import Parcels, at_rest_in_memory
+from fsi.models import make_evolution
+
+CASES = Path(__file__).parents[2] / "cases"
 
 
 def test_a_force_that_grows_in_time_is_integrated_exactly() -> None:
@@ -30,9 +35,9 @@ def test_a_profile_is_that_at_the_middles_of_parcels() -> None:
     """Gamma lives between parcels, here 0, -0.1, -0.4 and 0: its means; density by both distances."""
     X, dm = np.array([0.0, 0.2, 0.6]), 0.1
     parcels = Parcels(np.array([0.05, 0.15, 0.25]), dm, X, np.zeros(3), np.array([1.0, 3.0, -4.0]))
-    found = profile(parcels)
+    found = profile(parcels, 3.0)
     assert_allclose(parcels.gamma, [0.0, -0.1, -0.4, 0.0], atol=1e-15)
-    assert_allclose(found["gamma"], [-0.05, -0.25, -0.2], rtol=1e-13)
+    assert_allclose(found["gamma"], 3.0 * np.array([-0.05, -0.25, -0.2]), rtol=1e-13)
     assert_allclose(found["rho"], [0.1 / 0.2, 0.1 / 0.3, 0.1 / 0.4])
 
 
@@ -85,6 +90,71 @@ def test_a_pulse_within_a_step_is_not_lost() -> None:
     evolution = MacroscopicEvolution(bodies_case(force=[pulse, 0.0]))
     after = evolution.advance(evolution.start().state).record
     assert_allclose(after.U[:, 0], [0.3, 0.0, 0.0], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("x", "line"),
+    [(7.25, "b0 and b1 overlap by 0.25"), (4.5, "b0 and b1 overlap by 3"), (1.0, "b0 and b2 overlap by 2")],
+)
+def test_bodies_do_not_begin_in_each_other(x: float, line: str) -> None:
+    """The first, of radius 1, beside or upon the second, of radius 2 at 4.5, or the third, of 1 at 1."""
+    bodies_case(position=[7.5, 0.0])  # they touch
+    bodies_case(position=[7.5 - 5e-11, 0.0])  # that is rounding
+    with pytest.raises(InputError, match=rf"^bodies: {line}; move them apart$"):
+        bodies_case(position=[x, 0.0])
+
+
+@pytest.mark.parametrize(("radii", "least"), [((1.0, 1.0, 1.0), 3), ((1.0, 0.5, 0.8), 23), ((0.3, 0.1), 4)])
+def test_the_least_number_of_parcels_is_named(radii: tuple[float, ...], least: int) -> None:
+    """Of whole numbers without a common factor, here 10, 5 and 8, or 3 and 1, their sum."""
+    bodies = [
+        {"name": f"b{k}", "radius": a, "position": [5.0 * k, 0.0], "mass": a, "moment_of_inertia": 1.0}
+        for k, a in enumerate(radii)
+    ]
+    case = {"name": "test", "model": "macroscopic", "domain": {"shape": "unbounded"}, "bodies": bodies}
+    case["time"] = {"end": 1.0, "step": 0.1}
+    parse_case(case | {"macroscopic": {"parcels": 2 * least}})
+    with pytest.raises(InputError, match=rf"^macroscopic\.parcels = 101: .*; give a multiple of {least}$"):
+        parse_case(case | {"macroscopic": {"parcels": 101}})
+
+
+def test_radii_without_whole_ratios_are_told_to_be_changed() -> None:
+    with pytest.raises(
+        InputError, match=r"^macroscopic\.parcels = 40: .*; give radii whose ratios are those"
+    ):
+        bodies_case(position=[9.0, 0.0], radius=2.0**0.5, mass=2.0**0.5)
+
+
+def test_energy_and_memory_are_those_of_the_gluey_level() -> None:
+    """Two discs of mass 1, half their diameter, pushed by 1: 2 t^2 / 2 before they meet, and gamma = -2 at 2.
+
+    Per length their energy and gamma would be twice that.
+    """
+    case = load_case(CASES / "levels.toml", ["time.end=2.0"])
+    of_level: dict[str, list[StepRecord]] = {}
+    for model in ("gluey", "macroscopic"):
+        evolution = make_evolution(case.model_copy(update={"model": model}))
+        moments = [evolution.start()]
+        while moments[-1].state.t < 2.0:
+            moments.append(evolution.advance(moments[-1].state))
+        of_level[model] = [moment.record for moment in moments]
+        assert moments[30].record.columns["kinetic_energy"] == pytest.approx(0.09, rel=1e-9)
+        assert moments[-1].record.columns["smallest_gamma"] == pytest.approx(-2.0, rel=1e-9)
+    for name in ("kinetic_energy", "smallest_gamma"):
+        gluey, macroscopic = ([one.columns[name] for one in steps] for steps in of_level.values())
+        assert_allclose(macroscopic, gluey, atol=1e-9)
+
+
+def test_tables_of_bodies_have_their_mass() -> None:
+    """Discs of masses 8, 16 and 8, diameters 2, 4 and 2: momentum 8 * 0.25, and 32 in all."""
+    bodies = [body.model_copy(update={"mass": 8.0 * body.radius}) for body in bodies_case().bodies]
+    first = bodies[0].model_copy(update={"initial_velocity": (0.25, 0.0)})
+    case = bodies_case().model_copy(update={"bodies": (first, *bodies[1:])})
+    start = MacroscopicEvolution(case).start()
+    assert start.record.columns["momentum"] == pytest.approx(8.0 * 0.25, rel=1e-12)
+    header, rows = start.tables()[PROFILES]
+    m = [float(str(row[header.index("m")])) for row in rows]
+    assert_allclose(m, (np.arange(40) + 0.5) * 32.0 / 40.0, rtol=1e-12)
 
 
 def of_blocks(domain: dict[str, Any]) -> Any:

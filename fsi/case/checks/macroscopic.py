@@ -1,5 +1,8 @@
 """What a case must satisfy to be run with the macroscopic model."""
 
+from fractions import Fraction
+from math import lcm
+
 import numpy as np
 
 from fsi.bodies.configuration import Array, Configuration
@@ -12,6 +15,8 @@ from fsi.errors import InputError
 
 # Relative: densities of bodies, and numbers of parcels in each, nearer than this are the same.
 _SAME = 1e-9
+# The largest number of parcels that is proposed.
+_MOST_PARCELS = 10_000
 
 
 def check_macroscopic(case: Case) -> None:
@@ -33,6 +38,7 @@ def check_macroscopic(case: Case) -> None:
         raise InputError("macroscopic.blocks: missing; give [[macroscopic.blocks]] or [[bodies]] on a line")
     axis = line_of(case)
     q, masses = case.configuration(), case.masses()
+    _check_apart(case, q, axis)
     _check_loads(case, axis)
     if masses is None or any(body.mass is None for body in case.bodies):
         raise InputError("bodies.0.mass: missing; the macroscopic model wants the mass of each body")
@@ -63,7 +69,7 @@ def past_walls(case: Case, q: Configuration, t: float = 0.0) -> str | None:
 
 
 def line_of(case: Case) -> int:
-    """The axis along which the bodies of a case stand, the first that separates them. Raises InputError."""
+    """The axis along which the bodies of a case stand, the first where none does. Raises InputError."""
     centres = case.configuration().centres
     spread = np.ptp(centres, axis=0)
     if case.axisymmetric:
@@ -74,6 +80,17 @@ def line_of(case: Case) -> int:
             'others; model = "macroscopic" is for bodies on such a line'
         )
     return int(spread.argmax())
+
+
+def _check_apart(case: Case, q: Configuration, axis: int) -> None:
+    """Bodies touch at most: a step would part them, at a velocity from nowhere."""
+    order = np.argsort(q.centres[:, axis], kind="stable")
+    x, radii = q.centres[order, axis], q.radii[order]
+    gaps = np.diff(x) - radii[1:] - radii[:-1]
+    if gaps.min(initial=0.0) < -ROUNDING * radii.min():
+        deepest = int(gaps.argmin())
+        one, other = (case.names[i] for i in sorted(order[deepest : deepest + 2]))
+        raise InputError(f"bodies: {one} and {other} overlap by {-gaps[deepest]:.3g}; move them apart")
 
 
 def _check_loads(case: Case, axis: int) -> None:
@@ -92,9 +109,19 @@ def _check_loads(case: Case, axis: int) -> None:
 
 
 def _check_parcels(case: Case, radii: Array) -> None:
-    parts = case.macroscopic.parcels * radii / radii.sum()
-    if np.abs(parts - np.rint(parts)).max() > _SAME * case.macroscopic.parcels:
-        raise InputError(
-            f"macroscopic.parcels = {case.macroscopic.parcels}: the diameters of the bodies are not whole "
-            f"numbers of parcels; give a multiple of {len(radii)} for equal bodies"
-        )
+    given = case.macroscopic.parcels
+    if _are_whole(given, radii):
+        return
+    here = f"macroscopic.parcels = {given}: the diameters of the bodies are not whole numbers of parcels"
+    parts = (Fraction(part).limit_denominator(_MOST_PARCELS) for part in radii / radii.sum())
+    least = lcm(*(part.denominator for part in parts))
+    remedy = f"give a multiple of {least}"
+    if least > _MOST_PARCELS or not _are_whole(least, radii):
+        remedy = "give radii whose ratios are those of small whole numbers"
+    raise InputError(f"{here}; {remedy}")
+
+
+def _are_whole(parcels: int, radii: Array) -> bool:
+    """Whether each body has a whole number of parcels."""
+    parts = parcels * radii / radii.sum()
+    return bool(np.abs(parts - np.rint(parts)).max() <= _SAME * parcels)
