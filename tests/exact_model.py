@@ -58,7 +58,8 @@ class DiscsBesidePlane:
 
     def __call__(self, q: Configuration, t: float, inertia: Inertia | None = None) -> ExactInstant:
         self.calls += 1
-        motion, R = self.case.motion_at(q, t), self.resistance(q)
+        motion, inertia = self.case.motion_at(q, t).under(inertia)
+        R = self.resistance(q)
         inertia = inertia or Inertia(np.zeros_like(R), np.zeros_like(R))
         free = (motion.F + inertia.D * inertia.U0) / (R + inertia.D) * (1 + self.noise * np.sin(self.calls))
         U = np.where(motion.held, motion.U, free)

@@ -195,12 +195,22 @@ class Motion:
     U: Array
     F: Array
 
+    def under(self, inertia: Inertia | None) -> tuple[Motion, Inertia | None]:
+        """The motion with modes of infinite inertia held at their U0, and the inertia of the others."""
+        if inertia is None or not (fixed := np.isinf(inertia.D)).any():
+            return self, inertia
+        U = np.where(fixed & ~self.held, inertia.U0, self.U)
+        motion = Motion(self.held | fixed, U, np.where(fixed, 0.0, self.F))
+        D = np.where(fixed, 0.0, inertia.D)
+        return motion, Inertia(D, inertia.U0) if D.any() else None
+
 
 @dataclass(frozen=True, slots=True)
 class Inertia:
     """Inertia of the bodies in an implicit step: the load on each mode becomes `F - D (U - U0)`.
 
-    D: mass over the step's own time, `m / (gamma h)` and `I / (gamma h)`, shape (N, M), >= 0;
+    D: mass over the step's own time, `m / (gamma h)` and `I / (gamma h)`, shape (N, M), >= 0; infinite where
+    the velocity is U0, see `Motion.under`;
     U0: the velocity that inertia alone would give, shape (N, M).
     """
 

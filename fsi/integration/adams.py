@@ -34,9 +34,10 @@ class Adams:
 
     error_order: ClassVar[int] = ORDER + 1
 
-    def start(self, model: Model, q: Configuration) -> Instant:
-        """The instant at time 0."""
-        return model(q, 0.0)
+    def start(self, model: Model, q: Configuration) -> tuple[Instant, Array]:
+        """The instant at time 0, and its velocities."""
+        instant = model(q, 0.0)
+        return instant, velocities(instant)
 
     def step(self, model: Model, state: State, t_end: float) -> Trial:
         """One step; the error is the correction of where it ends."""

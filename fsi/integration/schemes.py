@@ -93,9 +93,9 @@ class AscherRuuthSpiteri:
     the last stage is the end of the step. Where m = 0 the velocity is the quasi-static one of its
     stage, so that m -> 0 is the motion without inertia.
 
-    The first instant is that of an implicit Euler step, short against everything: bodies with mass have the
-    velocity that they begin with, held modes their prescribed one, and modes without inertia their
-    quasi-static one.
+    At the first instant bodies with mass have the velocity that they begin with, held modes their prescribed
+    one, and modes without inertia their quasi-static one. The first step begins with what an implicit Euler
+    step, short against everything, leaves of them: narrow films stop bodies faster than steps can follow.
 
     Attributes:
         beginning: masses, shape (N, M), 0 for modes without inertia; the first velocities; that short time.
@@ -104,9 +104,13 @@ class AscherRuuthSpiteri:
     beginning: Beginning
     error_order: ClassVar[int] = 3
 
-    def start(self, model: Model, q: Configuration) -> Instant:
-        """The instant at time 0."""
-        return model(q, 0.0, Inertia(self.beginning.masses / self.beginning.rest, self.beginning.U))
+    def start(self, model: Model, q: Configuration) -> tuple[Instant, Array]:
+        """The instant at time 0, and the velocities with which the first step begins."""
+        masses, U = self.beginning.masses, self.beginning.U
+        instant = model(q, 0.0, Inertia(np.where(masses > 0.0, np.inf, 0.0), U))
+        if not masses.any():
+            return instant, velocities(instant)
+        return instant, velocities(model(q, 0.0, Inertia(masses / self.beginning.rest, U)))
 
     def step(self, model: Model, state: State, t_end: float) -> Trial:
         """One step; the error is the difference of the displacement from the trapezoidal rule's."""
@@ -136,9 +140,10 @@ class BogackiShampine:
 
     error_order: ClassVar[int] = 3
 
-    def start(self, model: Model, q: Configuration) -> Instant:
-        """The instant at time 0."""
-        return model(q, 0.0)
+    def start(self, model: Model, q: Configuration) -> tuple[Instant, Array]:
+        """The instant at time 0, and its velocities."""
+        instant = model(q, 0.0)
+        return instant, velocities(instant)
 
     def step(self, model: Model, state: State, t_end: float) -> Trial:
         """One step; the error is the difference of the two members of the pair."""
@@ -181,9 +186,10 @@ class DistanceScheme:
     beginning: Beginning
     error_order: ClassVar[int] = 2
 
-    def start(self, model: Model, q: Configuration) -> Instant:
-        """The instant at time 0."""
-        return cast(MarchingModel, model).begin(q, self.beginning.U)
+    def start(self, model: Model, q: Configuration) -> tuple[Instant, Array]:
+        """The instant at time 0, and its velocities."""
+        instant = cast(MarchingModel, model).begin(q, self.beginning.U)
+        return instant, instant.U
 
     def step(self, model: Model, state: State, t_end: float) -> Trial:
         """One step, without an estimate of its error."""

@@ -212,8 +212,8 @@ class Scheme(Protocol):
 
     error_order: ClassVar[int]
 
-    def start(self, model: Model, q: Configuration) -> Instant:
-        """The instant at time 0."""
+    def start(self, model: Model, q: Configuration) -> tuple[Instant, Array]:
+        """The instant at time 0, and the velocities with which the first step begins."""
 
     def step(self, model: Model, state: State, t_end: float) -> Trial:
         """One step from `state` to `t_end`; the instant of the trial is that at its end."""

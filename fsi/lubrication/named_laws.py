@@ -83,7 +83,10 @@ def names_of_laws(mode: Mode = "squeeze") -> str:
 
 @named("slides", any_shape=True, any_ratio=True)
 def slides_law(film: GapFilm) -> ScaledLaw:
-    """kappa = mu/d for every pair, that of A. Lefebvre and B. Maury: no radius enters."""
+    """kappa = mu/d for every pair, that of A. Lefebvre and B. Maury: no radius enters.
+
+    So mu lacks a length beside the drag of discs, and the square of one beside that of spheres.
+    """
     return ScaledLaw(Series((Term(-1.0),), (1.0,)), film.viscosity, -1)
 
 

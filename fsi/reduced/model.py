@@ -1,7 +1,7 @@
 """The reduced model without memory: `zeta (U - u_inf) + A(q) U = F`, configuration and time in, U out."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import process_time
 from typing import Any
@@ -116,6 +116,8 @@ class ReducedModel:
     ) -> ReducedInstant:
         """The velocities in given ambient, with the loads that are in them; raises as a call does."""
         began = process_time()
+        motion, inertia = ambient.motion.under(inertia)
+        ambient = replace(ambient, motion=motion)
         pairs = find_pairs(q, ambient.enclosure, self.reach)
         if np.any(pairs.gap <= 0.0):
             raise SolveError(f"reduced model at t = {t:.9g}: bodies overlap (gap {pairs.gap.min():.3g})")

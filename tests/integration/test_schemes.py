@@ -48,7 +48,7 @@ class Field:
 
 def fixed_steps(scheme: Scheme, model: Model, q: Configuration, end: float, number: int) -> State:
     """The state after equal steps without control."""
-    state = State(0.0, 0, q, scheme.start(model, q).U, end / number)
+    state = State(0.0, 0, q, scheme.start(model, q)[1], end / number)
     for k in range(1, number + 1):
         trial = scheme.step(model, state, end * k / number)
         state = State(end * k / number, k, trial.q, trial.instant.U, state.h)
@@ -191,10 +191,11 @@ def test_a_body_with_inertia_begins_with_its_velocity() -> None:
     case = settling_case(1.0, tolerance=1e-7, body=body | {"initial_angular_velocity": 3.0})
     stepper = make_stepper(case, DiscsBesidePlane(case))
     step = stepper.start(case.configuration())
-    assert step.instant.U[0, 2] == pytest.approx(3.0, rel=1e-7)
+    R = DiscsBesidePlane(case).resistance(case.configuration())[0, 2]
+    assert step.instant.U[0, 2] == 3.0
+    assert step.instant.F[0, 2] == 3.0 * R
     while step.state.t < 1.0:
         step = stepper.advance(step.state)
-    R = DiscsBesidePlane(case).resistance(case.configuration())[0, 2]
     assert step.state.U[0, 2] == pytest.approx(3.0 * math.exp(-R / 20.0), rel=1e-5)
 
 
@@ -209,8 +210,9 @@ def test_a_scheme_from_outside_is_chosen_by_its_name(monkeypatch: pytest.MonkeyP
         def __init__(self, _: Beginning) -> None:
             pass
 
-        def start(self, model: Model, q: Configuration) -> Instant:
-            return model(q, 0.0)
+        def start(self, model: Model, q: Configuration) -> tuple[Instant, Array]:
+            instant = model(q, 0.0)
+            return instant, instant.U
 
         def step(self, model: Model, state: State, t_end: float) -> Trial:
             h = t_end - state.t

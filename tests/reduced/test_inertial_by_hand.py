@@ -23,6 +23,26 @@ def first_step(case: Case) -> ReducedInstant:
     return instant
 
 
+@pytest.mark.parametrize("scheme", ["distance", "backward-euler"])
+def test_the_first_row_is_of_the_initial_velocity(scheme: str) -> None:
+    """Relative to the plane and the fluid, which go upwards: F = (mu/D + zeta) v, and F v is dissipated."""
+    D0, V0, v0 = 0.4, -1.5, 0.5
+    body = {"name": "disc", "radius": 1.0, "position": [0.0, 1.0 + D0], "initial_velocity": [0.0, V0]}
+    case = reduced_case(
+        [body | INERTIA],
+        {"law": "slides", "drag": 0.5, "scheme": scheme, "step": H},
+        fluid={"viscosity": MU},
+        domain={"shape": "half-plane", "radius": 1e3, "walls": {"plane": [0.0, v0], "far": [0.0, v0]}},
+    )
+    found = make_stepper(case, make_model(case)).start(case.configuration()).instant
+    F = (MU / D0 + 0.5 * MU) * (V0 - v0)
+    np.testing.assert_allclose(found.F[0], [0.0, F, 0.0], rtol=1e-14)
+    assert found.record["dissipation"] == pytest.approx(F * (V0 - v0), rel=1e-14)
+    assert found.record["pairs"] == 1.0
+    # Powers of load, plane and fluid are told from the dissipation, and loads from what drag and gap take.
+    assert 0.0 <= max(found.record["power"], found.record["balance"]) <= 1e-15
+
+
 def gap_after(D0: float, rate: float, f: float, g: float) -> float:
     """The root of `(D1 - D0)/h + g mu ln D1 = D0' + g mu ln D0 + h f`."""
     w = rate + g * MU * np.log(D0) + H * f
