@@ -47,7 +47,7 @@ def run(
     from fsi.runs import run as run_case
 
     folder = output or Path("runs") / case_file.stem
-    case = load(case_file, overrides)
+    case = load(case_file, overrides, folder)
     _follow(folder, lambda show, make: run_case(case, folder, show, make), quiet)
 
 
@@ -137,4 +137,5 @@ def _tell_end(folder: Path, outcome: Outcome, bar: ProgressBar) -> None:
         from fsi.postprocess.run.run import open_run
         from fsi.report.contact import told_contact
 
-        typer.echo(told_contact(open_run(folder).columns("steps")))
+        finished = open_run(folder)
+        typer.echo(told_contact(finished.case, finished.columns("steps")))

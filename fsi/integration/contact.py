@@ -33,6 +33,7 @@ class ContactTime:
     """How the narrowest gap of a run closes.
 
     Attributes:
+        since: the time from which on gaps were taken.
         gap: the smallest that it came to.
         exponent: m of q' ~ -q^m there.
         exponent_error: of m, estimated.
@@ -40,6 +41,7 @@ class ContactTime:
         error: of t_c, estimated; infinite where it is not known whether m < 1.
     """
 
+    since: float
     gap: float
     exponent: float
     exponent_error: float
@@ -59,7 +61,7 @@ def contact_time(t: Array, gap: Array) -> ContactTime | None:
     off = SAFETY * abs(p - before)
     sure = p - off > 0.0
     error = SAFETY * abs(time - earlier) if sure and np.isfinite(earlier) else np.inf
-    return ContactTime(float(gap[-1]), 1.0 - p, off, time, error if p > 0.0 else 0.0)
+    return ContactTime(float(t[places[0]]), float(gap[-1]), 1.0 - p, off, time, error if p > 0.0 else 0.0)
 
 
 def _places(gap: Array) -> list[int] | None:

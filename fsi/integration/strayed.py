@@ -18,6 +18,13 @@ the two causes may have any signs to each other, the bar of a position is the su
 Where a body with a shape turns, the estimate of a step changes sign twice in each half turn and is then far
 too small: eps is not below that of the step before times (h / h_before)^3, and longer by the turn.
 
+Where a body without mass relaxes to a balance of loads, its distance to there goes as exp(z) in a step,
+z < 0, and with the scheme as R(z). For the pair 3(2) the estimate is z^3 (1 + z) / 48 of that distance, which
+is zero at z = -1, but exp(z) - R(z) at most z^2 / 19 of h dU, with the change dU of the velocity. So another
+solve finds w = h J h dU, the ratio of w to h dU is z, and eps is not below STEP_SAFETY |z w| / 30. Near
+places are those to which e decays with exp(z), and what decays is summed as an exponential, as the rules
+above are unstable below z = -1.
+
 A gap s strays by |grad s . e|, and the time at which the run has it by that over the rate s'.
 """
 
@@ -80,7 +87,8 @@ class Strayed:
     def follow(self, step: Step, errors: StepErrors, model: Model, container: Container) -> None:
         """Take a step, at whose end velocities and loads miss by `errors`; collective.
 
-        Two solves; with mass three, as what steps have missed in place and in velocity may cancel in d.
+        Three solves: with mass, what steps have missed in place and in velocity may cancel in d; without, one
+        finds how fast bodies relax.
         """
         h, (delta, phi) = step.h, errors.signed
         run = self._run(step)
@@ -89,15 +97,20 @@ class Strayed:
             self.widest = np.abs(self.d)
             self.last = np.stack([self._at_first(step), _places(step.state.q)])
             return
-        eps, eta = self._missed(step, run)
-        self.run, self.last = run, np.stack([_per_cube(step), _places(step.state.q)])
-        near = self.e + h * self.d + eps
-        pushed = self.d + eta - _of_elements(h * self._accelerated(phi))
         none, carried = np.zeros_like(delta), partial(self._carried, step, model=model, container=container)
+        z = least = none
+        if self.masses is None:
+            change = h * (run[0] - self.run[0])
+            z, least = _relaxing(step.state.q.arms, change, h * carried(change, none))
+        eps, eta = self._missed(step, run, least)
+        self.run, self.last = run, np.stack([_per_cube(step), _places(step.state.q)])
+        near = self.e + _shrunk(z) * h * self.d + eps
+        pushed = self.d + eta - _of_elements(h * self._accelerated(phi))
         of_elements = carried(near[0], pushed[0]) + delta
         of_steps = np.stack([carried(near[1], none), carried(none, pushed[1])])
         d = np.stack([of_elements, of_steps.sum(axis=0)])
-        self.e = self.e + 0.5 * h * (self.d + d) + eps
+        # d is that of places that have eps, which comes at the end of the step.
+        self.e = self.e + h * _mean(self.d, d - z / h * eps) + eps
         widest = np.stack([np.abs(of_elements), np.abs(of_steps).sum(axis=0)])
         self.d, self.widest = d, np.maximum(np.abs(self.d), widest)
 
@@ -113,12 +126,12 @@ class Strayed:
             return np.zeros_like(load)
         return np.divide(load, self.masses, out=np.zeros_like(load), where=self.masses > 0.0)
 
-    def _missed(self, step: Step, run: Array) -> tuple[Array, Array]:
-        """eps and eta of a step, by cause, (2, N, M) each."""
+    def _missed(self, step: Step, run: Array, least: Array) -> tuple[Array, Array]:
+        """eps, before STEP_SAFETY at least `least`, and eta of a step, by cause, (2, N, M) each."""
         (U, a), (U_end, a_end) = self.run, run
         eta = U_end - U - 0.5 * step.h * (a + a_end)
         massive = np.zeros_like(U) if self.masses is None else self.masses
-        missed = np.stack([self._erred(step), eta * (massive > 0.0)])
+        missed = np.stack([self._erred(step, least), eta * (massive > 0.0)])
         signs = np.where(self.e[1] == 0.0, missed[0], self.e[1])
         eps, eta = STEP_SAFETY * np.copysign(missed, signs)
         return _of_steps(eps), _of_steps(eta)
@@ -131,9 +144,13 @@ class Strayed:
         rates: Array = np.abs(U) ** 3 * free * q.shaped
         return rates
 
-    def _erred(self, step: Step) -> Array:
-        """The error of a step in place, (N, M); of shapes at least what the step before foretells."""
-        error = np.zeros_like(step.state.U) if step.error is None else step.error
+    def _erred(self, step: Step, least: Array) -> Array:
+        """The error of a step in place, at least `least`; of shapes at least what the step before foretells.
+
+        All (N, M).
+        """
+        estimate = np.zeros_like(step.state.U) if step.error is None else step.error
+        error: Array = np.copysign(np.maximum(np.abs(estimate), least), estimate)
         q, (usual, places) = step.state.q, self.last
         if not q.shaped:
             return error
@@ -190,6 +207,32 @@ def _bars(q: Configuration, distances: Array) -> Array:
     hidden = HIDDEN * (q.arms * of_steps).max(initial=0.0) / q.arms
     bars: Array = of_elements + np.where(of_steps > 0.0, np.maximum(of_steps, hidden), 0.0)
     return bars
+
+
+def _relaxing(arms: Array, change: Array, w: Array) -> tuple[Array, Array]:
+    """z of the body of each mode, 0 where it does not relax, and what a step errs by at least, (N, M) each.
+
+    change: h dU, (N, M); w: h J of that.
+    """
+    size, size_of_w = (np.linalg.norm(arms * of, axis=1, keepdims=True) for of in (change, w))
+    relaxes = (arms**2 * change * w).sum(axis=1, keepdims=True) < 0.0
+    z = np.divide(-size_of_w, size, out=np.zeros_like(size), where=relaxes)
+    # exp(z) - R(z) is at most 1/4 of h dU, less than STEP_SAFETY / 6; at the jump of a force z has no bound.
+    part = np.minimum(-z / 30.0, np.divide(1.0 / 6.0, -z, out=np.zeros_like(z), where=relaxes))
+    return np.broadcast_to(z, change.shape), part * np.abs(w)
+
+
+def _shrunk(z: Array) -> Array:
+    """(exp(z) - 1) / z, for z <= 0."""
+    return np.divide(np.expm1(z), z, out=np.ones_like(z), where=z < 0.0)
+
+
+def _mean(d: Array, later: Array) -> Array:
+    """Of d over a step to `later`: what decays does so as an exponential, all else changes evenly."""
+    ratio = np.divide(later, d, out=np.zeros_like(d), where=d != 0.0)
+    decays = (ratio > 0.0) & (ratio < 1.0)
+    even = 0.5 * (d + later)
+    return np.divide(later - d, np.log(ratio, out=np.ones_like(d), where=decays), out=even, where=decays)
 
 
 def _per_cube(step: Step) -> Array:

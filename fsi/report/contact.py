@@ -5,14 +5,25 @@ from collections.abc import Mapping
 import numpy as np
 
 from fsi.bodies.configuration import Array
+from fsi.case.case import Case
 from fsi.integration.contact import contact_time
 
+LAW = "while the law of a gap is that of a constant drive"
 
-def told_contact(steps: Mapping[str, Array]) -> str:
-    """The time of contact, in one line, by the columns t and smallest_gap of steps.csv."""
+
+def told_contact(case: Case, steps: Mapping[str, Array]) -> str:
+    """The time of contact, in one line, by the columns t and smallest_gap of steps.csv.
+
+    The law of the gap is that of bodies without inertia under constant loads, or of given velocities.
+    """
+    if _coasts(case):
+        return _unknown(f"bodies with mass are slowed down, {LAW}")
     found = contact_time(steps["t"], steps["smallest_gap"])
     if found is None:
-        return "contact: its time is not known, as the gap has not closed steadily"
+        return _unknown("the gap has not closed steadily")
+    last = max(case.knots(), default=found.since)
+    if last > found.since:
+        return _unknown(f"loads or velocities change until t = {last:g}, {LAW}")
     law = f"the gap closes as -q' ~ q^({found.exponent:.4f} ± {found.exponent_error:.0e})"
     if np.isinf(found.time) and found.exponent - found.exponent_error >= 1.0:
         return f"no contact in finite time: {law}"
@@ -21,3 +32,13 @@ def told_contact(steps: Mapping[str, Array]) -> str:
     return (
         f"contact at t = {found.time:.8g} ± {found.error:.0e}, extrapolated from q = {found.gap:.3g}: {law}"
     )
+
+
+def _unknown(why: str) -> str:
+    return f"contact: its time is not known, as {why}"
+
+
+def _coasts(case: Case) -> bool:
+    """Whether a body with mass moves freely."""
+    masses = case.masses()
+    return masses is not None and bool((~case.held() & (masses > 0.0)).any())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -65,14 +66,53 @@ def test_a_run_ends_where_its_gap_comes_to_that_of_contact(tmp_path: Path) -> No
     assert outcome.contact
     assert finished.finished
     assert gap[-1] <= 1e-4 < gap[-2]
-    assert told_contact(finished.columns("steps")).startswith("no contact in finite time: the gap closes as")
+    told = told_contact(case, finished.columns("steps"))
+    assert told.startswith("no contact in finite time: the gap closes as")
     again = resume(tmp_path / "run", make=by(DiscsBesidePlane))
     assert (again.steps, again.contact) == (0, True)
 
 
+CLOSING = {"t": 1.0 - GAPS**0.75, "smallest_gap": GAPS}  # q^(3/4) falls evenly: contact at t = 1
+
+
+def told(**body: Any) -> str:
+    """What is said of such a gap below a disc, which reaches 27 times the last one at t = 0.99941."""
+    disc = {"name": "disc", "radius": 1.0, "position": [0.0, 2.0]}
+    return told_contact(small_case(bodies=[disc | body]), CLOSING)
+
+
+def test_a_drive_that_is_constant_while_the_gap_closes_has_a_time_of_contact() -> None:
+    """Also with mass, if the body is held, and after a ramp."""
+    heavy = {"mass": 1.0, "moment_of_inertia": 1.0}
+    ramp = {"times": [0.0, 0.9], "values": [0.0, -1.0]}
+    for body in ({"force": [0.0, -1.0]}, {"force": [0.0, ramp]}):
+        assert told(**body).startswith("contact at t = 1 ±")
+    assert told(**heavy, velocity=[0.0, -1.0], angular_velocity=0.0).startswith("contact at t = 1 ±")
+
+
+def test_no_time_of_contact_is_told_where_the_law_of_the_gap_does_not_hold() -> None:
+    """A disc with mass that is thrown at a wall never meets it, nor one whose load grows: q ~ impulse^-2."""
+    heavy = {"mass": 1.0, "moment_of_inertia": 1.0, "velocity": [0.0, "free"], "angular_velocity": 0.0}
+    assert told(**heavy).startswith("contact: its time is not known, as bodies with mass are slowed down")
+    growing = {"times": [0.0, 0.9995, 4.0], "values": [-1.0, -10.0, -100.0]}
+    for body in ({"force": [0.0, growing]}, {"velocity": [0.0, growing], "angular_velocity": 0.0}):
+        assert told(**body).startswith(
+            "contact: its time is not known, as loads or velocities change until t = 4"
+        )
+
+
 def test_a_gap_of_contact_that_cannot_be_is_refused_by_name() -> None:
-    with pytest.raises(InputError, match=r"time\.contact_gap = 1e-09: below 1e-8 radii"):
-        small_case(time={"end": 1.0, "contact_gap": 1e-9})
+    """A step from 1.25e-8 that closes 0.2 of it, as it may by default, ends at 1e-8; discs start at 0.5."""
+    for least in (1e-9, 1e-8):
+        words = rf"time\.contact_gap = {least!r}: a step from it ends below 1e-8 radii, .*; give 1\.25e-08"
+        with pytest.raises(InputError, match=words):
+            small_case(time={"end": 1.0, "contact_gap": least})
+    small_case(time={"end": 1.0, "contact_gap": 1.25e-8})
+    for least in (0.5, 0.7):
+        with pytest.raises(
+            InputError, match=rf"time\.contact_gap = {least}: the smallest gap at the start is 0\.5"
+        ):
+            small_case(time={"end": 1.0, "contact_gap": least})
     bodies = [{"name": "ball", "radius": 1.0, "position": [0.0, 2.0]}]
     data = {"name": "gluey", "model": "gluey", "bodies": bodies, "time": {"end": 1.0, "step": 0.1}}
     data |= {"domain": {"shape": "unbounded"}}

@@ -32,7 +32,7 @@ class Turning:
     def __call__(self, q: Configuration, _t: float, inertia: Inertia | None = None) -> ExactInstant:
         U, F, rate = np.zeros((1, 3)), np.zeros((1, 3)), self.rate(float(q.angles[0]))
         D, U0 = (inertia.D[0, 2], inertia.U0[0, 2]) if inertia else (0.0, 0.0)
-        U[0, 2] = (self.k * rate + D * U0) / (self.k + D)
+        U[0, 2] = U0 if np.isinf(D) else (self.k * rate + D * U0) / (self.k + D)
         F[0, 2] = self.k * (U[0, 2] - rate)
         return ExactInstant(U, F)
 
